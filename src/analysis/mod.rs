@@ -3,8 +3,8 @@
 //!
 //! - `inverse`: the axes' positions for a pose of the tool, of the nominal machine ([`inverse()`]) and of the actual
 //!   one over an algebra ([`Inverse`]).
-//! - `volume`: maps ([`map()`]), surveys that keep no pose ([`survey()`]), planes, body diagonals, lever arms, and the
-//!   tool poses on which machines are compared ([`Work`]).
+//! - `volume`: maps ([`map()`]), surveys that keep no pose ([`survey()`]), planes, body diagonals, lever arms, the
+//!   tool poses on which machines are compared ([`Work`]), and those of a grid within reach ([`reach()`]).
 //! - `design`: machines side by side ([`compare()`]), tolerances to the volumetric error ([`mod@budget`]), arrangements
 //!   of the axes ([`enumerate`]), and the effect of each error alone ([`error_statistics()`], [`contributions()`]).
 //! - `closed_form`: equations over polynomials in symbols ([`equations()`]), interactions of errors
@@ -28,11 +28,12 @@ pub use design::{
     enumerate, error_statistics,
 };
 pub use inverse::{
-    Excess, Inverse, Miss, Needs, ToolPose, Unreachable, attitude, branches, direction_gap, excess, inverse,
-    inverse_all, place, rest, tool_pose,
+    DirectionKind, Excess, Inverse, Miss, Needs, ToolDirections, ToolPose, Unreachable, attitude, branches,
+    direction_gap, excess, inverse, inverse_all, place, placed_by_rotary_axes, rest, tool_pose,
 };
 pub use uncertainty::{Bands, SummaryBand, UncertainDeviations, band_places, bands, uncertain_parts};
 pub use volume::{
-    Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, PlaneNodes, Survey, SurveyTask, TooManyPoses, View,
-    Work, arm_shares, body_diagonals, deviation_in, frame_rotation, levers, map, space_axes, survey, survey_with_rows,
+    Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, PlaneNodes, ReachGrid, Survey, SurveyTask,
+    TooManyPoses, View, Work, arm_shares, body_diagonals, deviation_in, levers, map, reach, space_axes, survey,
+    survey_with_rows,
 };

@@ -3,7 +3,7 @@
 use super::machine_file::MachineFile;
 use super::poses::known;
 use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::{self, Batch, Columns, Order};
+use crate::evaluate::{self, Batch, Columns, Frame, Order, frame_rotation};
 use crate::machine::Approach;
 
 /// A machine compiled for an order and a side of approach. Deviations are actual minus nominal, in the workpiece frame.
@@ -55,7 +55,9 @@ impl CompiledModel {
     pub fn deviation(&self, pose: &[f64]) -> Result<PoseDeviation, Diagnostic> {
         self.counted(pose.len())?;
         known(self.0.machine(), pose)?;
-        let deviation = self.0.deviation(pose);
+        let unturned = self.0.deviation(pose);
+        let part = frame_rotation(self.0.machine(), pose, Frame::Workpiece);
+        let deviation = part.map_or(unturned, |rotation| unturned.rotated(&rotation));
         Ok(PoseDeviation { position_mm: deviation.position.into(), rotation_rad: deviation.rotation.into() })
     }
 
@@ -71,6 +73,7 @@ impl CompiledModel {
         self.known(columns)?;
         let mut out = Columns::new(len);
         self.0.deviations_parallel(&batch, out.output(len));
+        self.0.to_frame(Frame::Workpiece, &batch, out.output(len));
         let Columns { position: [dx, dy, dz], rotation: [wx, wy, wz] } = out;
         Ok(DeviationColumns { dx, dy, dz, wx, wy, wz })
     }

@@ -162,7 +162,7 @@ fn described(
         MachineProperty::Sense(name) => ("sense", name.to_string(), of_axis(name, sense), None),
         MachineProperty::Travel(name) => ("travel", name.to_string(), of_axis(name, travel), None),
         MachineProperty::Tool => ("tool", String::new(), both.map(|m| tool(m.tool())), None),
-        MachineProperty::Workpiece => ("workpiece", String::new(), both.map(|m| point(&m.workpiece())), None),
+        MachineProperty::Workpiece => ("workpiece", String::new(), both.map(workpiece), None),
         MachineProperty::Conventions => ("conventions", String::new(), conventions(first, second), None),
         MachineProperty::SetUp => ("setup", String::new(), both.map(|m| set_up(m.setup())), None),
         MachineProperty::Class => ("class", String::new(), both.map(class), None),
@@ -197,6 +197,11 @@ fn travel(axis: &Axis) -> String {
 fn tool(tool: &Tool) -> String {
     let points = format!("gauge {}, functional point {}", point(&tool.gauge), point(&tool.tip));
     if tool.direction == [0.0, 0.0, 1.0] { points } else { format!("{points}, direction {}", plain(&tool.direction)) }
+}
+
+fn workpiece(machine: &Machine) -> String {
+    let rotation = super::show::rotation_words(&machine.workpiece_angles());
+    point(&machine.workpiece()) + &rotation.map_or_else(String::new, |words| format!(", rotation {words}"))
 }
 
 fn class(machine: &Machine) -> String {

@@ -11,9 +11,6 @@ use std::path::{Path, PathBuf};
 /// Largest number of poses of a file.
 const MAX_POSES: usize = 200_000;
 
-/// Largest magnitude of a position, mm or deg.
-const FARTHEST: f64 = 1e6;
-
 /// Positions by the names of the axes, in the order of the chain; mm and deg.
 pub type AxisPositions = IndexMap<String, f64>;
 
@@ -202,7 +199,7 @@ pub(crate) fn check(call: &mut Call<'_>, machine: &Machine, poses: &[Pose]) -> R
 
 /// Refuses a pose where an error curve is not defined.
 pub(crate) fn known(machine: &Machine, pose: &[f64]) -> Result<(), Diagnostic> {
-    if pose.iter().any(|q| q.is_nan() || q.abs() > FARTHEST) {
+    if pose.iter().any(|q| q.is_nan() || q.abs() > units::FARTHEST) {
         let message = "a position is beyond 1000000 mm or deg: no machine goes there";
         return Err(Diagnostic::new(codes::E0802, message).help("positions are in mm and deg"));
     }

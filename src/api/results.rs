@@ -31,11 +31,12 @@ pub use super::instrument::{InstrumentResult, Readings};
 pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
 pub use super::map_bounds::{MapFromBounds, WorstBoundedPose};
 pub use super::poses::AxisPositions;
+pub use super::reach::{ReachDirections, ReachResult};
 pub use super::report::Report;
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
-pub use super::tool_poses::{BeyondTravel, MissedToolPose, NeededTravel, ReachedToolPoses};
+pub use super::tool_poses::{BeyondTravel, Lack, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use super::uncertainty::{CertificateBands, ComparedBands};
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{

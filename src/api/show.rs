@@ -4,6 +4,7 @@ use super::machine_file::MachineFile;
 use crate::analysis::{Lever, LocationSet, Status, arm_shares, levers};
 use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorId, Machine, Sense, Travel};
 use crate::report::{self, Picture};
+use crate::units::significant;
 
 /// The kinematic chain of a machine.
 #[derive(Debug, Clone, serde::Serialize)]
@@ -18,6 +19,8 @@ pub struct ChainResult {
     pub tools: Vec<ChainTool>,
     /// Origin of the workpiece in machine coordinates at the zero pose, mm.
     pub workpiece_origin_mm: [f64; 3],
+    /// Angles A, B, C by which the workpiece's coordinates are turned about X, then Y, then Z of the machine, deg.
+    pub workpiece_rotation_deg: [f64; 3],
     /// The conventions in force.
     pub conventions: Conventions,
     /// The location errors.
@@ -114,6 +117,21 @@ pub struct LocationError {
     pub status: Status,
 }
 
+impl ChainResult {
+    /// Returns the rotation of the workpiece in words, such as `A -90 deg, C 45 deg`; `None` without one.
+    pub fn workpiece_rotation(&self) -> Option<String> {
+        rotation_words(&self.workpiece_rotation_deg)
+    }
+}
+
+/// Returns the rotation of a workpiece by its angles about X, Y, Z (deg) in words; `None` without one.
+pub(crate) fn rotation_words(angles: &[f64; 3]) -> Option<String> {
+    let turns = ["A", "B", "C"].iter().zip(angles).filter(|(_, degrees)| **degrees != 0.0);
+    let words: Vec<String> =
+        turns.map(|(letter, degrees)| format!("{letter} {} deg", significant(*degrees, 7))).collect();
+    (!words.is_empty()).then(|| words.join(", "))
+}
+
 /// Returns the kinematic chain of a machine.
 pub fn show(file: &MachineFile) -> ChainResult {
     let used = &file.tool().name;
@@ -132,6 +150,7 @@ pub fn show(file: &MachineFile) -> ChainResult {
         axes: axes(file),
         tools: file.tools().iter().map(tool).collect(),
         workpiece_origin_mm: file.workpiece(),
+        workpiece_rotation_deg: file.workpiece_angles(),
         conventions: *file.conventions(),
         location_errors: LocationErrors { set: set.members.into_iter().map(member).collect(), besides: set.besides },
     }

@@ -21,7 +21,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 use verbs::{
     budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, identify, import,
-    init, instrument, man, map, report, show, targets, verify,
+    init, instrument, man, map, reach, report, show, targets, verify,
 };
 
 /// A compiler from machine-tool configurations to volumetric compensation.
@@ -110,6 +110,8 @@ enum Verb {
     Convert(convert::Args),
     /// The error over a volume.
     Map(map::Args),
+    /// Tips and directions of the tool within reach over a box.
+    Reach(reach::Args),
     /// Machines side by side on the same tool poses.
     Compare(compare::Args),
     /// Tolerances to the volumetric error, and which of them to tighten first.
@@ -206,6 +208,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Equations(args) => equations::run(session, &args),
         Verb::Show(args) => show::run(session, &args),
         Verb::Map(args) => map::run(session, &args),
+        Verb::Reach(args) => reach::run(session, &args),
         Verb::Compare(args) => compare::run(session, &args),
         Verb::Budget(args) => budget::run(session, &args),
         Verb::Enumerate(args) => enumerate::run(session, &args),

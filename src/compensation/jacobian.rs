@@ -20,7 +20,7 @@ pub(super) struct ToolCorrection {
     pub rotation: Vector3<f64>,
 }
 
-/// Motion of the tool by each axis at a pose of the nominal machine, workpiece frame.
+/// Motion of the tool by each axis at a pose of the nominal machine, unturned workpiece frame.
 #[derive(Debug, Clone)]
 pub struct Jacobian {
     kinds: Vec<AxisKind>,
@@ -79,7 +79,7 @@ impl Jacobian {
         Correction(step)
     }
 
-    /// Displacement of the functional point (mm, workpiece frame) by a small motion of the axes.
+    /// Displacement of the functional point (mm, unturned workpiece frame) by a small motion of the axes.
     pub fn displacement(&self, motion: &Correction) -> Vector3<f64> {
         let part = |((kind, column), travel): ((&AxisKind, &Vector3<f64>), &f64)| match kind {
             AxisKind::Linear => column * *travel,

@@ -1,7 +1,7 @@
 //! Deviation, rotation and E_VE at one pose, exact or to order n.
 
 use crate::algebra::{Algebra, Dual, Htm, difference, rotation_vector, skew_vector};
-use crate::lower::{Chain, ErrorLift, ErrorValues, Exact, NominalPose, OrderN, values};
+use crate::lower::{Chain, ErrorLift, ErrorValues, Exact, NominalPose, OrderN, into_part, values};
 use crate::machine::{Approach, Joints, Machine};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
@@ -66,11 +66,11 @@ impl From<Order> for String {
     }
 }
 
-/// Frame of vectors; all are parallel to the machine frame at the zero pose.
+/// Frame of vectors; all are parallel to the machine frame at the zero pose, but for the rotation of the workpiece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Frame {
-    /// Rotates with the workpiece.
+    /// Rotates with the workpiece: the coordinates of the part.
     #[default]
     Workpiece,
     /// Directions of the machine frame, which is fixed to the bed.
@@ -89,6 +89,13 @@ pub struct Deviation {
     pub rotation: Vector3<f64>,
 }
 
+impl Deviation {
+    /// Returns the deviation with its vectors rotated.
+    pub fn rotated(&self, r: &Matrix3<f64>) -> Self {
+        Self { position: r * self.position, rotation: r * self.rotation }
+    }
+}
+
 /// The result of an evaluation at a pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
@@ -96,15 +103,25 @@ pub struct Evaluation {
     pub nominal: Vector3<f64>,
     /// Actual minus nominal.
     pub deviation: Deviation,
-    /// (T_tool^-1 T_work) actual minus nominal, between workpiece frame and tool frame.
+    /// (T_tool^-1 T_work) actual minus nominal, between workpiece frame and tool frame; the same in every frame.
     pub e_ve: Matrix4<f64>,
 }
 
 /// Returns the evaluation at a pose (mm, deg, in the order of the axes), its vectors in `frame`. Order 0 counts as 1,
 /// orders above `MAX_DUAL_ORDER` as that.
 pub fn evaluate(machine: &Machine, pose: &[f64], order: Order, approach: Approach, frame: Frame) -> Evaluation {
+    framed(unturned(machine, pose, order, approach), machine, pose, frame)
+}
+
+/// Returns the deviation at a pose (mm, deg) in the unturned workpiece frame, which the rotation of the workpiece does
+/// not touch.
+pub fn unturned_deviation(machine: &Machine, pose: &[f64], order: Order, approach: Approach) -> Deviation {
+    unturned(machine, pose, order, approach).deviation
+}
+
+fn unturned(machine: &Machine, pose: &[f64], order: Order, approach: Approach) -> Evaluation {
     let at = At { machine, pose, approach };
-    let evaluation = match order {
+    match order {
         Order::Exact => at.over::<f64>(&Exact),
         Order::Degree(0 | 1) => at.over::<Dual<2>>(&OrderN),
         Order::Degree(2) => at.over::<Dual<3>>(&OrderN),
@@ -112,8 +129,7 @@ pub fn evaluate(machine: &Machine, pose: &[f64], order: Order, approach: Approac
         Order::Degree(4) => at.over::<Dual<5>>(&OrderN),
         Order::Degree(5) => at.over::<Dual<6>>(&OrderN),
         Order::Degree(_) => at.over::<Dual<7>>(&OrderN),
-    };
-    framed(evaluation, machine, pose, frame)
+    }
 }
 
 /// Returns the evaluation at a pose (mm, deg) over any algebra: errors enter through `lift`, and all degrees are
@@ -149,39 +165,43 @@ pub fn response<S: Algebra>(
     let origin = machine.workpiece();
     let actual = Chain::actual(machine, pose, errors, lift).tool_in_workpiece(&origin);
     let nominal = Chain::<f64>::nominal(machine, pose).tool_in_workpiece(&origin);
+    let position = Vector3::from_fn(|i, _| actual.translation[i].clone() - S::from_real(nominal.translation[i]));
+    let turn = rotation(&actual.linear, &nominal.linear.map(S::from_real), machine.conventions().joints);
     Response {
-        nominal: nominal.translation,
-        position: Vector3::from_fn(|i, _| actual.translation[i].clone() - S::from_real(nominal.translation[i])),
-        rotation: rotation(&actual.linear, &nominal.linear.map(S::from_real), machine.conventions().joints),
+        nominal: into_part(machine, nominal.translation),
+        position: into_part(machine, position),
+        rotation: into_part(machine, turn),
     }
 }
 
-/// Returns the evaluation with its vectors in another frame.
+/// Returns the evaluation of the unturned workpiece frame with its vectors in a frame, and E_VE from the part's.
 fn framed(evaluation: Evaluation, machine: &Machine, pose: &[f64], frame: Frame) -> Evaluation {
+    let e_ve = match machine.workpiece_rotation() {
+        Some(rotation) => evaluation.e_ve * rotation.to_homogeneous(),
+        None => evaluation.e_ve,
+    };
+    let Evaluation { nominal, deviation, .. } = evaluation;
+    let Some(r) = frame_rotation(machine, pose, frame) else { return Evaluation { nominal, deviation, e_ve } };
+    Evaluation { nominal: r * nominal, deviation: deviation.rotated(&r), e_ve }
+}
+
+/// Returns the rotation from the unturned workpiece frame, that of fields, into a frame at a pose (mm, deg) of the
+/// nominal machine; `None` is the identity.
+pub fn frame_rotation(machine: &Machine, pose: &[f64], frame: Frame) -> Option<Matrix3<f64>> {
     match frame {
-        Frame::Workpiece => evaluation,
-        Frame::Machine => rotated(evaluation, &NominalPose::at(machine, pose).r_work),
-        Frame::Tool => rotated(evaluation, &NominalPose::at(machine, pose).pose.linear.transpose()),
+        Frame::Workpiece => machine.workpiece_rotation().map(|rotation| rotation.transpose()),
+        Frame::Machine => Some(NominalPose::at(machine, pose).r_work),
+        Frame::Tool => Some(NominalPose::at(machine, pose).pose.linear.transpose()),
     }
 }
 
-/// Returns the exact model at a *command* (mm, deg) minus the `nominal` pose of the tool in the workpiece frame.
+/// Returns the exact model at a *command* (mm, deg) minus the `nominal` pose of the tool, unturned workpiece frame.
 pub fn command_deviation(machine: &Machine, nominal: &Htm<f64>, command: &[f64], approach: Approach) -> Deviation {
     let errors = values(machine, command, approach);
     let actual = Chain::actual(machine, command, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
     Deviation {
         position: actual.translation - nominal.translation,
         rotation: rotation(&actual.linear, &nominal.linear, machine.conventions().joints),
-    }
-}
-
-/// Returns the evaluation with its vectors rotated; E_VE does not depend on the frame.
-fn rotated(evaluation: Evaluation, r: &Matrix3<f64>) -> Evaluation {
-    let Deviation { position, rotation } = evaluation.deviation;
-    Evaluation {
-        nominal: r * evaluation.nominal,
-        deviation: Deviation { position: r * position, rotation: r * rotation },
-        e_ve: evaluation.e_ve,
     }
 }
 

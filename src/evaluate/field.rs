@@ -2,14 +2,16 @@
 
 use super::compiled::batch::{Batch, Output};
 use super::compiled::model::CompiledModel;
-use super::deviation::{Deviation, Frame, Order, command_deviation, evaluate};
+use super::deviation::{Deviation, Order, command_deviation, unturned_deviation};
 use crate::lower::{NominalPose, Sensitivity, sensitivities};
 use crate::machine::{Approach, ErrorId, Machine};
 use nalgebra::Vector3;
 use std::sync::OnceLock;
 
-/// A function from pose (mm, deg) to deviation (mm, rad) in the workpiece frame. A compensated machine is mapped like a
-/// bare one.
+/// A function from pose (mm, deg) to deviation (mm, rad) in the unturned workpiece frame: it rotates with the workpiece
+/// and is parallel to the machine at the zero pose, so that no correction depends on the rotation of the workpiece
+/// ([`frame_rotation`](super::frame_rotation()) leads to the coordinates of the part). A compensated machine is mapped
+/// like a bare one.
 pub trait Field: Sync {
     /// Returns the machine whose poses these are.
     fn machine(&self) -> &Machine;
@@ -46,7 +48,7 @@ impl Field for Bare<'_> {
     }
 
     fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
-        evaluate(self.machine, pose, self.order, approach, Frame::Workpiece).deviation
+        unturned_deviation(self.machine, pose, self.order, approach)
     }
 
     /// Compiles the machine for the batch: faster from about ten poses on.
@@ -100,12 +102,13 @@ impl Field for CompiledField {
 }
 
 /// Returns the deviation at a pose when the controller sends another command in its place (both mm, deg), by the exact
-/// model.
+/// model, unturned workpiece frame.
 pub fn commanded_deviation(machine: &Machine, pose: &[f64], command: &[f64], approach: Approach) -> Deviation {
     command_deviation(machine, &NominalPose::at(machine, pose).pose, command, approach)
 }
 
-/// Returns the deviation by each error alone at a pose (mm, deg), to first order, in the order of [`Machine::errors`].
+/// Returns the deviation by each error alone at a pose (mm, deg), to first order, in the order of [`Machine::errors`];
+/// unturned workpiece frame.
 pub fn error_by_error(machine: &Machine, pose: &[f64], approach: Approach) -> Vec<(ErrorId, Deviation)> {
     let values = machine.errors().map(|(id, term)| {
         let position = machine.axis_index(id.axis.as_str()).map_or(0.0, |axis| pose[axis]);
@@ -117,7 +120,7 @@ pub fn error_by_error(machine: &Machine, pose: &[f64], approach: Approach) -> Ve
     sensitivities(machine, pose, |_| true).into_iter().zip(values).map(effect).collect()
 }
 
-/// Returns the part of a rotation vector (rad, workpiece frame) that tilts the tool axis: without the rotation about
+/// Returns the part of a rotation vector (rad, unturned workpiece frame) that tilts the tool axis: without the rotation about
 /// the tool axis itself, which no compensation corrects and a rotating tool does not show.
 pub fn tool_axis_tilt(machine: &Machine, pose: &[f64], rotation: &Vector3<f64>) -> Vector3<f64> {
     let axis = NominalPose::at(machine, pose).pose.linear * Vector3::from(machine.tool().direction);

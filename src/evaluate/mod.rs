@@ -16,7 +16,8 @@ mod tally;
 
 pub use compiled::{Batch, Columns, CompiledGrid, CompiledModel, Output, PoseColumns, Width};
 pub use deviation::{
-    Deviation, Evaluation, Frame, Order, UnknownOrder, command_deviation, evaluate, evaluate_over, response, rotation,
+    Deviation, Evaluation, Frame, Order, UnknownOrder, command_deviation, evaluate, evaluate_over, frame_rotation,
+    response, rotation, unturned_deviation,
 };
 pub use field::{Bare, CompiledField, Field, commanded_deviation, error_by_error, tool_axis_tilt};
 pub use poses::{Nodes, Poses, Random, node_count, node_positions, random_poses};

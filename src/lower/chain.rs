@@ -124,14 +124,33 @@ fn product<'a, S: Algebra>(mut joints: impl Iterator<Item = &'a Htm<S>>) -> Htm<
 pub struct NominalPose {
     /// T_wt between workpiece frame and tool frame.
     pub pose: Htm<f64>,
-    /// Rotation of T_work.
+    /// Rotation of T_work: from the workpiece frame to machine directions.
     pub r_work: nalgebra::Matrix3<f64>,
 }
 
 impl NominalPose {
-    /// The nominal machine at a pose (mm, deg).
+    /// The nominal machine at a pose (mm, deg), the workpiece frame unturned: parallel to the machine at the zero pose,
+    /// whatever the rotation of the workpiece.
     pub fn at(machine: &Machine, pose: &[f64]) -> Self {
         let chain = Chain::<f64>::nominal(machine, pose);
         Self { pose: chain.tool_in_workpiece(&machine.workpiece()), r_work: chain.t_work_inverse().linear.transpose() }
     }
+
+    /// The nominal machine at a pose (mm, deg), the workpiece frame turned as the workpiece is.
+    pub fn in_part(machine: &Machine, pose: &[f64]) -> Self {
+        let unturned = Self::at(machine, pose);
+        let Some(rotation) = machine.workpiece_rotation() else { return unturned };
+        let Htm { linear, translation } = unturned.pose;
+        let back = rotation.transpose();
+        Self {
+            pose: Htm { linear: back * linear, translation: back * translation },
+            r_work: unturned.r_work * rotation,
+        }
+    }
+}
+
+/// Returns a vector of the unturned workpiece frame in that of the part, which is turned as the workpiece is.
+pub fn into_part<S: Algebra>(machine: &Machine, x: Vector3<S>) -> Vector3<S> {
+    let Some(rotation) = machine.workpiece_rotation() else { return x };
+    Vector3::from_fn(|i, _| (0..3).map(|k| x[k].scaled(rotation[(k, i)])).fold(S::zero(), |sum, term| sum + term))
 }

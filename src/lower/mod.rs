@@ -15,7 +15,7 @@ mod source;
 mod tangent;
 mod twist;
 
-pub use chain::{Chain, NominalPose, positions};
+pub use chain::{Chain, NominalPose, into_part, positions};
 pub use generators::{DeclaredAlgebra, NamedSource, WeilLift, named_sources, unit_values};
 pub use joint::{JointElements, Position, error_motion, invert_if, joint};
 pub use source::{ErrorLift, ErrorSite, ErrorValues, Exact, OrderN, Source, values};

@@ -2,7 +2,7 @@
 //! dp = P dF x: the actual prefix P, and the actual point x that the rest of the walk makes of the tip. One walk
 //! gives all of them. Over D_n the derivatives are those of the model of order n.
 
-use super::chain::Chain;
+use super::chain::{Chain, into_part};
 use super::joint::{Position, error_motion, invert_if, nominal};
 use super::source::{Elements, ErrorLift, ErrorSite, ErrorValues, Exact, Source};
 use crate::algebra::{Algebra, Htm, left_jacobian, product, transform};
@@ -33,7 +33,7 @@ pub fn point<S: Algebra>(
     let chain = Chain::actual(machine, pose, values, lift);
     let image =
         chain.walk().rev().fold(chain.tip.clone(), |x, joint| transform(&joint.linear, &x) + &joint.translation);
-    minus(image, &machine.workpiece())
+    into_part(machine, minus(image, &machine.workpiece()))
 }
 
 fn minus<S: Algebra>(x: Vector3<S>, point: &[f64; 3]) -> Vector3<S> {
@@ -74,7 +74,10 @@ pub fn position_jacobian<S: Algebra>(
             ErrorSite::Tool => prefix.column(k % 3).into_owned(),
         }
     };
-    PositionJacobian { point: minus(x, &machine.workpiece()), derivatives: sources.iter().map(derivative).collect() }
+    PositionJacobian {
+        point: into_part(machine, minus(x, &machine.workpiece())),
+        derivatives: sources.iter().map(|source| into_part(machine, derivative(source))).collect(),
+    }
 }
 
 /// An error matrix of a factor, and its derivatives by its six errors.

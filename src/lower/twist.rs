@@ -13,7 +13,7 @@ use crate::machine::{
 };
 use nalgebra::{Matrix3, Vector3};
 
-/// Three rows, for x, y, z of the workpiece frame; six columns, per mm and rad of a joint's errors.
+/// Three rows, for x, y, z of the unturned workpiece frame; six columns, per mm and rad of a joint's errors.
 pub type TwistMap = [[f64; 6]; 3];
 
 /// The quantity moved: the functional point (mm), or the orientation of the tool (rad).
@@ -137,7 +137,7 @@ impl SideWeights {
     }
 }
 
-/// The first-order effect of a unit error (1 mm or 1 rad), workpiece frame.
+/// The first-order effect of a unit error (1 mm or 1 rad), unturned workpiece frame.
 #[derive(Debug, Clone)]
 pub struct Sensitivity {
     /// The error.

@@ -5,6 +5,7 @@
 //! correction. Positions a *user* gives are checked against [`Curve::domain`] before any lookup.
 
 use super::bspline::BSpline;
+use crate::units::FARTHEST;
 
 /// The form of a curve.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +40,7 @@ pub enum KnotsFailure {
     NotIncreasing(usize),
     /// The point with this index is nearer to its predecessor than [`Knots::NEAREST`].
     TooNear(usize),
-    /// The position of the point with this index is beyond [`Knots::FARTHEST`].
+    /// The position of the point with this index is beyond [`FARTHEST`].
     TooFar(usize),
     /// A periodic table must cover exactly one period.
     NotOnePeriod,
@@ -52,8 +53,6 @@ pub enum KnotsFailure {
 impl Knots {
     /// Least distance of two positions, mm or deg: slopes between them stay numbers that can be reckoned with.
     pub const NEAREST: f64 = 1e-12;
-    /// Largest size of a position that is believed, mm or deg.
-    pub const FARTHEST: f64 = 1e6;
 
     /// Checks and keeps the points; `period` makes look-ups wrap.
     pub fn new(points: &[(f64, f64)], period: Option<f64>) -> Result<Self, KnotsFailure> {
@@ -67,7 +66,7 @@ impl Knots {
         if let Some(i) = points.windows(2).position(|w| w[1].0 - w[0].0 < Self::NEAREST) {
             return Err(KnotsFailure::TooNear(i + 1));
         }
-        if let Some(i) = points.iter().position(|p| p.0.abs() > Self::FARTHEST) {
+        if let Some(i) = points.iter().position(|p| p.0.abs() > FARTHEST) {
             return Err(KnotsFailure::TooFar(i));
         }
         if let Some(period) = period {

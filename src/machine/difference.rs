@@ -18,7 +18,7 @@ pub enum MachineProperty {
     Travel(AxisName),
     /// Gauge point, functional point and direction of the tool in use.
     Tool,
-    /// Origin of the workpiece.
+    /// Origin and rotation of the workpiece.
     Workpiece,
     /// Conventions of the errors.
     Conventions,
@@ -54,10 +54,11 @@ impl Machine {
         let Some(moved) = self.on_chain_of(other) else { return vec![MachineProperty::Chain] };
         let chain = (self.chain().to_string() != other.chain().to_string()).then_some(MachineProperty::Chain);
         let axes = moved.axes().iter().zip(other.axes()).flat_map(|(a, b)| axis_differences(a, b));
+        let placed = |machine: &Self| (machine.workpiece(), machine.workpiece_angles());
         let held = |machine: &Self| (machine.tool().gauge, machine.tool().tip, machine.tool().direction);
         let rest = [
             (held(&moved) != held(other), MachineProperty::Tool),
-            (moved.workpiece() != other.workpiece(), MachineProperty::Workpiece),
+            (placed(&moved) != placed(other), MachineProperty::Workpiece),
             (moved.conventions() != other.conventions(), MachineProperty::Conventions),
             (moved.setup() != other.setup(), MachineProperty::SetUp),
             (moved.class() != other.class(), MachineProperty::Class),
@@ -84,7 +85,9 @@ impl Machine {
                 take(axis, theirs(name)?, property);
             }
             MachineProperty::Tool => parts.tools[moved.tool_index()] = other.tool().clone(),
-            MachineProperty::Workpiece => parts.workpiece = other.workpiece(),
+            MachineProperty::Workpiece => {
+                (parts.workpiece, parts.workpiece_rotation) = (other.workpiece(), other.workpiece_angles());
+            }
             MachineProperty::Conventions => parts.conventions = *other.conventions(),
             MachineProperty::SetUp => parts.setup = *other.setup(),
             MachineProperty::Class => parts.class = other.class().cloned(),

@@ -2,8 +2,10 @@
 
 use super::{
     AlgebraChoice, Approach, Axis, AxisKind, AxisName, Conventions, ErrorId, ErrorTerm, Geometry, JointErrors,
-    JointUncertainty, KinematicChain, NamedClass, Tolerances, Travel,
+    JointUncertainty, KinematicChain, NamedClass, Tolerances, Travel, sin_cos_degrees,
 };
+use crate::algebra::rotation_about;
+use nalgebra::Matrix3;
 use std::collections::BTreeMap;
 
 /// Positions of all axes as programmed (mm, deg), in the order of [`Machine::axes`].
@@ -27,7 +29,7 @@ pub struct Tool {
 pub struct SetUp {
     /// Displacement of the tip from its nominal place (mm).
     pub tool: [f64; 3],
-    /// Displacement of the workpiece itself about its origin (mm, rad).
+    /// Displacement of the workpiece itself about its origin (mm, rad), in machine directions at the zero pose.
     pub workpiece: [f64; 6],
 }
 
@@ -64,6 +66,8 @@ pub struct MachineParts {
     pub tools: Vec<Tool>,
     /// Workpiece origin (mm).
     pub workpiece: [f64; 3],
+    /// Angles (deg) by which the workpiece's coordinates are turned about the fixed X, then Y, then Z of the machine.
+    pub workpiece_rotation: [f64; 3],
     /// Conventions in force.
     pub conventions: Conventions,
     /// Set-up errors.
@@ -192,6 +196,22 @@ impl Machine {
     /// Workpiece origin (mm).
     pub fn workpiece(&self) -> [f64; 3] {
         self.parts.workpiece
+    }
+
+    /// Angles (deg) by which the workpiece's coordinates are turned about the fixed X, then Y, then Z of the machine.
+    pub fn workpiece_angles(&self) -> [f64; 3] {
+        self.parts.workpiece_rotation
+    }
+
+    /// The rotation that turns the workpiece's coordinates into machine directions at the zero pose; `None` if they are
+    /// the same.
+    pub fn workpiece_rotation(&self) -> Option<Matrix3<f64>> {
+        let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let turns = units.iter().zip(self.parts.workpiece_rotation).filter(|(_, degrees)| *degrees != 0.0);
+        let rotation = turns.fold(Matrix3::identity(), |before, (about, degrees)| {
+            rotation_about(about, sin_cos_degrees(degrees)) * before
+        });
+        (rotation != Matrix3::identity()).then_some(rotation)
     }
 
     /// Conventions in force.

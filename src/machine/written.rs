@@ -12,7 +12,7 @@ pub fn machine_file(parts: &MachineParts, provenance: &[(String, String)]) -> St
     let mut text = format!("abbe: 1\nmachine: {}\nchain: \"{}\"\naxes:\n", quoted(&parts.name), parts.chain);
     parts.axes.iter().zip(&parts.errors).for_each(|(axis, errors)| text += &axis_line(axis, errors, parts));
     text += &tools(&parts.tools);
-    text += &format!("workpiece: {{ origin: {} }}\n", point(&parts.workpiece));
+    text += &workpiece(parts);
     text += &conventions(parts);
     text += &setup(&parts.setup);
     text += &errors(parts);
@@ -113,6 +113,13 @@ fn tools(tools: &[Tool]) -> String {
         [only] if only.name.is_empty() => format!("tool: {}", body(only)),
         _ => tools.iter().fold("tools:\n".to_owned(), |text, t| text + &format!("  {}: {}", quoted(&t.name), body(t))),
     }
+}
+
+fn workpiece(parts: &MachineParts) -> String {
+    let turns = ["A", "B", "C"].iter().zip(parts.workpiece_rotation).filter(|(_, degrees)| *degrees != 0.0);
+    let turns: Vec<String> = turns.map(|(letter, degrees)| format!("{letter}: {} deg", number(degrees))).collect();
+    let rotation = if turns.is_empty() { String::new() } else { format!(", rotation: {{ {} }}", turns.join(", ")) };
+    format!("workpiece: {{ origin: {}{rotation} }}\n", point(&parts.workpiece))
 }
 
 fn conventions(parts: &MachineParts) -> String {

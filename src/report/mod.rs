@@ -19,9 +19,9 @@ mod text;
 
 pub use pictures::{
     DiagonalPicture, FitPicture, FitPoint, Picture, PictureFailure, PlanePicture, PlaneQuantity, PlaneStyle,
-    PolarPicture, RTestPicture, all_curves, before_after, chain_dot, chain_picture,
+    PolarPicture, RTestPicture, ReachPicture, all_curves, before_after, chain_dot, chain_picture,
 };
-pub use rows::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows};
+pub use rows::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows, structured_grid};
 pub use text::{
     BoundedFigures, BudgetReport, DrawSettings, LengthDifference, RssDifference, budgets_json, circle_json, equations,
     line_json, positions, tolerance, tolerance_unit, turn_json,

@@ -134,6 +134,9 @@ pub struct WorkpieceEntry {
     /// Its origin in machine coordinates at the zero pose.
     #[schemars(schema_with = "super::schema::position_entry")]
     pub origin: Option<PositionEntry>,
+    /// Rotation of its coordinates, deg: by A, then B, then C about X, Y, Z of the machine.
+    #[schemars(schema_with = "super::schema::workpiece_rotation")]
+    pub rotation: IndexMap<String, Scalar>,
 }
 
 /// Conventions: the name of a preset, single choices, or both.

@@ -153,10 +153,10 @@ pub(super) fn displaced(base: &Mapping, over: &Mapping) -> Vec<Keys> {
     entries
 }
 
-/// True for an entry that a variant replaces whole: a position, or an error in the block of a side.
+/// True for an entry that a variant replaces whole: a position, a rotation, or an error in the block of a side.
 pub(super) fn replaced_whole(at: &[String]) -> bool {
     match at.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        ["workpiece", "origin"] | ["axes", _, "origin"] => true,
+        ["workpiece", "origin" | "rotation"] | ["axes", _, "origin"] => true,
         ["axes", _, side, "origin"] | ["axes", _, side, "errors", _] => SIDES.contains(&side),
         _ => false,
     }

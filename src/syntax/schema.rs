@@ -40,6 +40,8 @@ const LETTERS: [(&str, &str); 9] = [
 const WITH_UNIT: &str = "a value with its unit, such as 12 um, 25 urad, 5 arcsec, 3 um/m";
 /// Message for a position in mm or deg that does not fit.
 const POSITION: &str = "a position: a number in mm or deg, or one with its unit";
+/// Message for an angle in deg that does not fit.
+const IN_DEG: &str = "an angle: a number in deg, or one with its unit";
 /// Message for a length in mm that does not fit.
 const IN_MM: &str = "a length: a number in mm, or one with its unit (nm, um, mm, cm, m, in)";
 
@@ -362,6 +364,19 @@ pub fn tool_setup(generator: &mut SchemaGenerator) -> Schema {
 /// Errors of the workpiece.
 pub fn workpiece_setup(generator: &mut SchemaGenerator) -> Schema {
     setup(&["X", "Y", "Z", "A", "B", "C"], generator)
+}
+
+/// Angles by letter: bare in deg, or with a unit.
+pub fn workpiece_rotation(_: &mut SchemaGenerator) -> Schema {
+    let pattern = format!(r"^\s*{NUMBER}\s*{ANGLE}?\s*$");
+    let angle = any(vec![json!({ "type": "number" }), text(&pattern, IN_DEG)]);
+    let properties: serde_json::Map<String, Value> =
+        ["A", "B", "C"].iter().map(|letter| ((*letter).to_owned(), angle.clone())).collect();
+    json_schema!({
+        "description": "Rotation of the part's coordinates, deg: by A, then B, then C about the fixed X, Y, Z of the \
+                        machine.",
+        "type": "object", "properties": properties, "additionalProperties": false
+    })
 }
 
 /// 1 to 6.

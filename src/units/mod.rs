@@ -11,6 +11,9 @@ mod print;
 pub use parse::{Failure, header, number, quantity, unit};
 pub use print::{angle, counted, length, significant};
 
+/// Largest magnitude of a position or length that is believed, mm or deg: 1 km.
+pub const FARTHEST: f64 = 1e6;
+
 /// The powers of length and angle in a unit: `um` is (1, 0), `urad/mm` is (-1, 1).
 ///
 /// A ratio of lengths (`um/m`, `0.02/500`) is (0, 0) and may be given in place of an angle.

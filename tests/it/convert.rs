@@ -41,6 +41,7 @@ fn oracle(machine: &Machine) -> rigid::Machine {
         gauge: tool.gauge,
         offset: std::array::from_fn(|k| tool.tip[k] - tool.gauge[k]),
         workpiece_origin: machine.workpiece(),
+        workpiece_rotation: machine.workpiece_angles(),
         tool_setup: machine.setup().tool,
         workpiece_setup: machine.setup().workpiece,
     }

@@ -69,7 +69,10 @@ fn all_combinations(seed: u64, each: usize, size: f64, change: impl Fn(&mut Conv
     for (number, mut conventions) in combinations().enumerate() {
         change(&mut conventions);
         for turn in 0..each {
-            let sample = Sample::random(&mut random, conventions, size);
+            let mut sample = Sample::random(&mut random, conventions, size);
+            if turn % 2 == 1 {
+                sample.rigid.workpiece_rotation = random.vector(180.0);
+            }
             let (frame, travel) = (FRAMES[(number + turn) % 3], TRAVELS[(number / 3 + turn) % 3]);
             compare(&sample, &mut random, Ask { frame, travel, ..DEFAULT });
         }

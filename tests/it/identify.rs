@@ -101,6 +101,8 @@ pub fn located(random: &mut Random, count: usize) -> (Sample, Vec<Measurement>) 
     let mut sample = Sample::random(random, Default::default(), 2e-4);
     sample.axes.iter_mut().for_each(|extra| extra.errors = Default::default());
     sample.rigid.spindle = None;
+    // Readings are in the coordinates of the part.
+    sample.rigid.workpiece_rotation = [25.0, -40.0, 130.0];
     let poses = sample.poses(random, count);
     let data = poses.iter().map(|p| measured(p, sample.evaluate(p, Way::Mean, OracleFrame::Workpiece).deviation));
     let data = data.collect();

@@ -11,7 +11,7 @@ use crate::algebra::{Algebra, Htm};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::rotation;
 use crate::lower::{
-    Chain, DeclaredAlgebra, ErrorLift, ErrorSite, NamedSource, Position, Source, named_sources, unit_values,
+    Chain, DeclaredAlgebra, ErrorLift, ErrorSite, NamedSource, Position, Source, into_part, named_sources, unit_values,
 };
 use crate::machine::{Axis, AxisKind, Joints, Location, LocationOrder, Machine};
 use nalgebra::{Matrix4, Vector3};
@@ -87,9 +87,9 @@ fn collected(machine: &Machine, actual: &Chain<Symbolic>, nominal: &Chain<Symbol
         joints,
         t_tool: actual.t_tool(),
         t_work: inverse(actual.workpiece_walk())?,
-        e_ve: backwards.0.to_matrix() - backwards.1.to_matrix(),
-        position: pose.0.translation - pose.1.translation,
-        rotation: rotation(&pose.0.linear, &pose.1.linear, machine.conventions().joints),
+        e_ve: from_part(machine, backwards.0.to_matrix() - backwards.1.to_matrix()),
+        position: into_part(machine, pose.0.translation - pose.1.translation),
+        rotation: into_part(machine, rotation(&pose.0.linear, &pose.1.linear, machine.conventions().joints)),
     };
     let found = match machine.conventions().location_order {
         LocationOrder::Real => found,
@@ -103,6 +103,12 @@ fn collected(machine: &Machine, actual: &Chain<Symbolic>, nominal: &Chain<Symbol
     };
     let all = found.e_ve.iter().chain(found.position.iter()).chain(found.rotation.iter());
     all.into_iter().all(Symbolic::is_polynomial).then_some(found)
+}
+
+/// Returns a matrix that acts on the unturned workpiece frame as one that acts on that of the part.
+fn from_part(machine: &Machine, e_ve: Matrix4<Symbolic>) -> Matrix4<Symbolic> {
+    let row = |i: usize| into_part(machine, Vector3::from_fn(|k, _| e_ve[(i, k)].clone()));
+    Matrix4::from_fn(|i, j| if j < 3 { row(i)[j].clone() } else { e_ve[(i, j)].clone() })
 }
 
 /// Returns the inverse of a product: the inverses of the factors in reverse order.

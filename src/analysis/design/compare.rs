@@ -3,7 +3,8 @@
 
 use crate::analysis::inverse::{Miss, Needs, ToolPose, Unreachable, inverse_all};
 use crate::analysis::volume::Work;
-use crate::evaluate::{Deviation, Difference, Field, Statistics};
+use crate::analysis::volume::{View, deviation_in};
+use crate::evaluate::{Deviation, Difference, Field, Frame, Statistics};
 use crate::machine::{Approach, Pose};
 use rayon::prelude::*;
 
@@ -92,7 +93,7 @@ pub fn compare(
     let row = |index: usize| {
         let at = |(field, found): (&&dyn Field, &Vec<Result<Pose, Miss>>)| {
             let pose = found[index].clone()?;
-            let deviation = field.deviation(&pose, approach);
+            let deviation = deviation_in(*field, &pose, View { approach, frame: Frame::Workpiece });
             Ok((pose, deviation))
         };
         let row: Row = fields.iter().zip(&found).map(at).collect();

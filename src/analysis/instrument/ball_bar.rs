@@ -3,6 +3,7 @@
 
 use super::path::{Path, deviation_from, hold, range};
 use crate::analysis::inverse::{Unreachable, tool_pose};
+use crate::lower::into_part;
 use crate::machine::{Approach, Machine, sin_cos_degrees};
 use nalgebra::Vector3;
 
@@ -88,7 +89,8 @@ pub fn ball_bar(
     let back = there.iter().rev().cloned().collect();
     let ball = deviation_from(machine, centre, &vec![Approach::Mean; centre.len()]);
     let read = |deviations: Vec<Vector3<f64>>| -> Vec<f64> {
-        let one = |(d, angle): (Vector3<f64>, &f64)| ((arm(angle) + d - ball).norm() - radius_mm) * 1e3;
+        let length = |(d, angle): (Vector3<f64>, &f64)| (arm(angle) + into_part(machine, d - ball)).norm();
+        let one = |at: (Vector3<f64>, &f64)| (length(at) - radius_mm) * 1e3;
         deviations.into_iter().zip(&angles).map(one).collect()
     };
     let forward = read(Path { poses: there, closed: true }.driven(machine));

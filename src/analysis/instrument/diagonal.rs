@@ -2,7 +2,7 @@
 //! axis moves at a time, so that every reading belongs to one axis.
 
 use super::path::{Path, range};
-use crate::analysis::inverse::tool_pose;
+use crate::lower::NominalPose;
 use crate::machine::{AxisKind, Machine, Pose};
 
 /// Readings along one diagonal.
@@ -73,7 +73,7 @@ fn diagonal(machine: &Machine, at: &[f64], axes: &[usize], rises: &[bool], point
             poses.push(pose(&counts));
         }
     }
-    let places: Vec<_> = poses.iter().map(|pose| tool_pose(machine, pose).tip).collect();
+    let places: Vec<_> = poses.iter().map(|pose| NominalPose::at(machine, pose).pose.translation).collect();
     let along = (places[places.len() - 1] - places[0]).try_normalize(0.0).unwrap_or_default();
     let ways: Vec<f64> = places.iter().map(|place| along.dot(&(place - places[0]))).collect();
     let both: Vec<Pose> = poses.iter().cloned().chain(poses.iter().rev().skip(1).cloned()).collect();

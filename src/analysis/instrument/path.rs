@@ -46,13 +46,13 @@ impl Path {
         all
     }
 
-    /// Returns the deviation of the functional point at every pose, workpiece frame, mm.
+    /// Returns the deviation of the functional point at every pose, unturned workpiece frame, mm.
     pub fn driven(&self, machine: &Machine) -> Vec<Vector3<f64>> {
         self.poses.iter().zip(self.approaches()).map(|(pose, sides)| deviation_from(machine, pose, &sides)).collect()
     }
 }
 
-/// Returns the deviation of the functional point (workpiece frame, mm) at a pose (mm, deg), with a side of approach per
+/// Returns the deviation of the functional point (unturned workpiece frame, mm) at a pose (mm, deg), with a side of approach per
 /// axis.
 pub fn deviation_from(machine: &Machine, pose: &[f64], sides: &[Approach]) -> Vector3<f64> {
     let of = |side| values(machine, pose, side);

@@ -1,6 +1,6 @@
 //! Linear axes: the place by the smallest motion from the reference, within the travel.
 
-use super::tool_pose::{Miss, PLACE_TOLERANCE, Unreachable, tool_pose};
+use super::tool_pose::{Miss, PLACE_TOLERANCE, unturned_tool_pose};
 use crate::algebra::rotation_about;
 use crate::machine::{Axis, AxisKind, Machine, Pose, Travel, sin_cos_degrees};
 use nalgebra::{Matrix3, Vector3};
@@ -19,7 +19,7 @@ const FLAT: f64 = 1e-6;
 struct Slide {
     /// Index of the axis.
     axis: usize,
-    /// Motion of the tool per mm, workpiece frame.
+    /// Motion of the tool per mm, unturned workpiece frame.
     direction: Vector3<f64>,
     /// Travel from the reference in both senses, mm.
     range: (f64, f64),
@@ -27,16 +27,17 @@ struct Slide {
     end: Option<f64>,
 }
 
-/// Returns the candidate with the positions of its linear axes that bring the tip to a place (mm, workpiece frame);
+/// Returns the candidate with the positions of its linear axes that bring the tip to a place (mm, unturned workpiece
+/// frame);
 /// nearest to the reference.
 pub fn complete(machine: &Machine, tip: &Vector3<f64>, candidate: Pose, reference: &[f64]) -> Result<Pose, Miss> {
     let mut pose = candidate;
     let slides = slides(machine.axes(), &pose, reference);
     slides.iter().for_each(|s| pose[s.axis] = reference[s.axis]);
-    let wanted = tip - tool_pose(machine, &pose).tip;
+    let wanted = tip - unturned_tool_pose(machine, &pose).tip;
     let found = match motions(slides.clone(), &wanted) {
         Ok(found) => found,
-        Err(Failure::Place(off)) => return Err(Miss { off_mm: Some(off), ..Miss::new(Unreachable::Place) }),
+        Err(Failure::Place(off)) => return Err(Miss::place(off)),
         Err(Failure::Travel(beyond)) => {
             slides.iter().zip(beyond).for_each(|(s, motion)| pose[s.axis] = reference[s.axis] + motion);
             return Err(Miss::travel(pose));

@@ -10,12 +10,15 @@
 //!
 //! Chains whose linear axes do not place the tip, such as robots, are solved by `arm`.
 //!
+//! `directions` spreads directions over what the axes turn the tool over.
+//!
 //! `tool_pose` holds the poses of the tool, and the reasons why one is unreachable; `shortfall` what machines lack for
 //! a work. `algebra` solves for the actual
 //! machine over an algebra, by Newton's iteration.
 
 mod algebra;
 mod arm;
+mod directions;
 mod linear;
 mod nominal;
 mod rotary;
@@ -24,6 +27,7 @@ mod tool_pose;
 mod turning;
 
 pub use algebra::Inverse;
-pub use nominal::{branches, inverse, inverse_all, place};
+pub use directions::{DirectionKind, ToolDirections, freedom};
+pub use nominal::{branches, inverse, inverse_all, place, placed_by_rotary_axes};
 pub use shortfall::{Needs, direction_gap};
 pub use tool_pose::{Excess, Miss, ToolPose, Unreachable, attitude, excess, rest, tool_pose};

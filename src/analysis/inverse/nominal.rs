@@ -3,7 +3,7 @@
 use super::arm::Arm;
 use super::rotary::Directions;
 use super::tool_pose::{
-    DIRECTION_TOLERANCE, Miss, PLACE_TOLERANCE, ToolPose, Unreachable, rest, tool_pose, within_travel,
+    DIRECTION_TOLERANCE, Miss, PLACE_TOLERANCE, ToolPose, Unreachable, rest, unturned_tool_pose, within_travel,
 };
 use super::{linear, turning};
 use crate::machine::{Machine, Pose};
@@ -17,8 +17,12 @@ use rayon::prelude::*;
 /// Robots, whose linear axes do not place the tip, are solved by `Arm`: with finitely many branches at a spin the
 /// pose nearest to `reference`, otherwise one with little motion from it.
 pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
-    let arm = Arm::of(machine);
-    if let Some(arm) = arm.as_ref().filter(|arm| arm.is_complete()) {
+    inverse_with(machine, Arm::of(machine).as_ref(), &target.unturned(machine), reference)
+}
+
+/// Returns what [`inverse()`] does for a machine with this arm, if it is one, and an unturned tool pose.
+fn inverse_with(machine: &Machine, arm: Option<&Arm<'_>>, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
+    if let Some(arm) = arm.filter(|arm| arm.is_complete()) {
         return arm.inverse(target, reference);
     }
     let placed = by_linear_axes(machine, target, reference);
@@ -46,12 +50,10 @@ fn by_linear_axes(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Re
         .or_else(|| tried(turning::turned(machine, &target.tip, &near.poses, &reference)))
         .or_else(|| near.more.then(|| tried(directions.others(&target.direction))).flatten());
     let Some(pose) = found else {
-        let turned =
-            near.beyond_travel.map(|pose| match linear::complete(machine, &target.tip, pose.clone(), &reference) {
-                Ok(pose) => Miss::travel(pose),
-                Err(Miss { beyond: Some(pose), .. }) => Miss::travel(pose),
-                Err(_) => Miss::travel(pose),
-            });
+        let turned = near.beyond_travel.map(|pose| {
+            let completed = linear::complete(machine, &target.tip, pose.clone(), &reference);
+            Miss::travel(completed.unwrap_or_else(|miss| miss.beyond.unwrap_or(pose)))
+        });
         return Err(turned.into_iter().fold(failure, |failure, turned| failure.or_nearer(turned, axes)));
     };
     Ok(pose)
@@ -61,12 +63,17 @@ fn by_linear_axes(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Re
 /// pose of zeros; for robots without finitely many branches the pose before.
 pub fn inverse_all(machine: &Machine, targets: &[ToolPose]) -> Vec<Result<Pose, Miss>> {
     let at_rest = rest(machine);
-    if Arm::of(machine).is_none_or(|arm| arm.is_complete()) {
-        return targets.par_iter().map(|target| inverse(machine, target, &at_rest)).collect();
+    let arm = Arm::of(machine);
+    let arm = arm.as_ref();
+    if arm.is_none_or(Arm::is_complete) {
+        return targets
+            .par_iter()
+            .map(|target| inverse_with(machine, arm, &target.unturned(machine), &at_rest))
+            .collect();
     }
     let mut before = at_rest;
     let follow = |target: &ToolPose| {
-        let found = inverse(machine, target, &before);
+        let found = inverse_with(machine, arm, &target.unturned(machine), &before);
         if let Ok(pose) = &found {
             before.clone_from(pose);
         }
@@ -78,26 +85,37 @@ pub fn inverse_all(machine: &Machine, targets: &[ToolPose]) -> Vec<Result<Pose, 
 /// Returns the poses (mm, deg) of all branches within the travels that take a tool pose with its spin, nearest to the
 /// reference first; empty for machines without finitely many branches.
 pub fn branches(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Vec<Pose> {
-    Arm::of(machine).map_or_else(Vec::new, |arm| arm.all(target, reference))
+    Arm::of(machine).map_or_else(Vec::new, |arm| arm.all(&target.unturned(machine), reference))
+}
+
+/// True for robots and other machines whose linear axes do not place the tip: their poses take longer to find.
+pub fn placed_by_rotary_axes(machine: &Machine) -> bool {
+    Arm::of(machine).is_some()
 }
 
 /// Returns the pose (mm, deg) within the travel that brings the functional point to a place of the workpiece (from its
 /// origin, mm) by the smallest motion of the linear axes; the rotary axes stay as in `pose`. Fails with what is missing
 /// if there is none.
 pub fn place(machine: &Machine, tip: &Vector3<f64>, pose: &[f64]) -> Result<Pose, Miss> {
-    let placed = linear::complete(machine, tip, pose.to_vec(), pose)?;
-    let off = (tool_pose(machine, &placed).tip - tip).norm();
-    if off <= PLACE_TOLERANCE { Ok(placed) } else { Err(Miss { off_mm: Some(off), ..Miss::new(Unreachable::Place) }) }
+    let tip = machine.workpiece_rotation().map_or(*tip, |rotation| rotation * tip);
+    let placed = linear::complete(machine, &tip, pose.to_vec(), pose)?;
+    at_place((unturned_tool_pose(machine, &placed).tip - tip).norm())?;
+    Ok(placed)
+}
+
+/// Fails if the place is off by more than rounding (mm).
+fn at_place(off_mm: f64) -> Result<(), Miss> {
+    if off_mm <= PLACE_TOLERANCE { Ok(()) } else { Err(Miss::place(off_mm)) }
 }
 
 /// Returns a candidate completed by the linear axes, once it has been checked.
 fn reach(machine: &Machine, target: &ToolPose, candidate: Pose, reference: &[f64]) -> Result<Pose, Miss> {
     let pose = linear::complete(machine, &target.tip, candidate, reference)?;
-    let reached = tool_pose(machine, &pose);
+    let reached = unturned_tool_pose(machine, &pose);
     let held = (reached.direction - target.direction).norm() <= DIRECTION_TOLERANCE;
     if !held {
         return Err(Miss::new(Unreachable::Direction));
     }
-    let off = (reached.tip - target.tip).norm();
-    if off <= PLACE_TOLERANCE { Ok(pose) } else { Err(Miss { off_mm: Some(off), ..Miss::new(Unreachable::Place) }) }
+    at_place((reached.tip - target.tip).norm())?;
+    Ok(pose)
 }

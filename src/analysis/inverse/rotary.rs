@@ -69,7 +69,7 @@ impl Directions {
         Self { turns: rotary.map(turn).collect(), tool, reference: reference.to_vec() }
     }
 
-    /// Returns the candidates nearest to the reference for a direction of the tool (unit vector, workpiece frame).
+    /// Returns the candidates nearest to the reference for a direction of the tool (unit vector, unturned).
     pub fn nearest(&self, direction: &Vector3<f64>) -> Candidates {
         let start: Vec<f64> = self.turns.iter().map(|turn| turn.reference).collect();
         let mut search = Search::new(self, direction);

@@ -1,6 +1,6 @@
 //! What machines lack for a work: the tool axis that they cannot hold, and the travel that the work needs.
 
-use super::tool_pose::{Miss, excess, rest, tool_pose};
+use super::tool_pose::{Miss, excess, rest, unturned_tool_pose};
 use crate::evaluate::radical_inverse;
 use crate::machine::{Axis, AxisKind, Machine, Pose};
 use nalgebra::Vector3;
@@ -16,6 +16,7 @@ const ROUNDS: usize = 200;
 pub fn direction_gap(machine: &Machine, direction: &Vector3<f64>) -> f64 {
     let rotary: Vec<usize> =
         (0..machine.axes().len()).filter(|i| machine.axes()[*i].kind == AxisKind::Rotary).collect();
+    let direction = machine.workpiece_rotation().map_or(*direction, |rotation| rotation * direction);
     let starts = if rotary.len() < 2 { 1 } else { STARTS };
     let nearest = |start: u64| {
         let mut pose = rest(machine);
@@ -23,14 +24,14 @@ pub fn direction_gap(machine: &Machine, direction: &Vector3<f64>) -> f64 {
         let of = |(axis, base): (&usize, &u64)| (*axis, 360.0 * radical_inverse(start, *base));
         let spread = rotary.iter().zip(bases.iter().cycle()).map(of).filter(|_| start > 0).collect::<Vec<_>>();
         spread.into_iter().for_each(|(axis, q)| pose[axis] = q);
-        approached(machine, direction, &rotary, pose)
+        approached(machine, &direction, &rotary, pose)
     };
     (0..starts).map(nearest).fold(f64::INFINITY, f64::min)
 }
 
-/// Returns the angle (rad) that is left once no axis alone brings the tool nearer to the direction.
+/// Returns the angle (rad) that is left once no axis alone brings the tool nearer to the direction (unturned).
 fn approached(machine: &Machine, direction: &Vector3<f64>, rotary: &[usize], mut pose: Pose) -> f64 {
-    let along = |pose: &Pose| tool_pose(machine, pose).direction.dot(direction);
+    let along = |pose: &Pose| unturned_tool_pose(machine, pose).direction.dot(direction);
     let mut last = along(&pose);
     for _ in 0..ROUNDS {
         for axis in rotary {
@@ -49,7 +50,7 @@ fn approached(machine: &Machine, direction: &Vector3<f64>, rotary: &[usize], mut
         }
         last = now;
     }
-    let reached = tool_pose(machine, &pose).direction;
+    let reached = unturned_tool_pose(machine, &pose).direction;
     libm::atan2(reached.cross(direction).norm(), reached.dot(direction))
 }
 

@@ -11,7 +11,7 @@ pub const PLACE_TOLERANCE: f64 = 1e-9;
 /// Maximum angle of the direction reached from the one requested, rad.
 pub const DIRECTION_TOLERANCE: f64 = 1e-12;
 
-/// A pose of the tool in the workpiece frame.
+/// A pose of the tool in the workpiece frame, that of the part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ToolPose {
     /// The functional point, from the workpiece origin, mm.
@@ -28,6 +28,12 @@ impl ToolPose {
     /// Returns a tool pose whose spin is open: a tip (mm, from the workpiece origin) and a unit vector.
     pub fn new(tip: Vector3<f64>, direction: Vector3<f64>) -> Self {
         Self { tip, direction, spin_rad: None }
+    }
+
+    /// Returns the tool pose in the unturned workpiece frame. The spin is the same: it counts from the shortest turn.
+    pub fn unturned(&self, machine: &Machine) -> Self {
+        let Some(rotation) = machine.workpiece_rotation() else { return *self };
+        Self { tip: rotation * self.tip, direction: rotation * self.direction, ..*self }
     }
 }
 
@@ -95,6 +101,11 @@ impl Miss {
         Self { why: Unreachable::Travel, beyond: Some(beyond), off_mm: None }
     }
 
+    /// Returns a miss by the place, which is so far (mm) from what the axes span.
+    pub fn place(off_mm: f64) -> Self {
+        Self { off_mm: Some(off_mm), ..Self::new(Unreachable::Place) }
+    }
+
     /// Returns the miss that comes nearer to the tool pose: the later reason; of two beyond the travel the lesser.
     pub fn or_nearer(self, other: Self, axes: &[Axis]) -> Self {
         let far = |miss: &Self| {
@@ -138,8 +149,17 @@ pub fn excess(axes: &[Axis], pose: &[f64]) -> Vec<Excess> {
 
 /// Returns the tool pose of the nominal machine at a pose (mm, deg).
 pub fn tool_pose(machine: &Machine, pose: &[f64]) -> ToolPose {
-    let nominal = NominalPose::at(machine, pose).pose;
-    ToolPose::new(nominal.translation, nominal.linear * Vector3::from(machine.tool().direction))
+    held(machine, &NominalPose::in_part(machine, pose))
+}
+
+/// Returns the tool pose of the nominal machine at a pose (mm, deg) in the unturned workpiece frame, in which poses are
+/// sought.
+pub fn unturned_tool_pose(machine: &Machine, pose: &[f64]) -> ToolPose {
+    held(machine, &NominalPose::at(machine, pose))
+}
+
+fn held(machine: &Machine, nominal: &NominalPose) -> ToolPose {
+    ToolPose::new(nominal.pose.translation, nominal.pose.linear * Vector3::from(machine.tool().direction))
 }
 
 /// Returns the pose of zeros, each moved into its axis's travel (mm, deg).

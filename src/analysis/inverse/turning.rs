@@ -2,7 +2,7 @@
 //! direction does not depend on, turns the place into that plane.
 
 use super::linear;
-use super::tool_pose::tool_pose;
+use super::tool_pose::unturned_tool_pose;
 use crate::machine::{AxisKind, Machine, Pose, Travel};
 use nalgebra::Vector3;
 
@@ -45,13 +45,13 @@ impl Turning<'_> {
     fn beside(&self, degrees: f64) -> Option<f64> {
         let pose = self.at(degrees);
         let normal = linear::normal(self.machine.axes(), &pose)?;
-        Some(normal.dot(&(self.tip - tool_pose(self.machine, &pose).tip)))
+        Some(normal.dot(&(self.tip - unturned_tool_pose(self.machine, &pose).tip)))
     }
 
     /// Returns the poses whose place lies in the plane. The distance is c + a cos + b sin of the turn if the linear
     /// axes are on one side of this axis, or along it: two turns, or none.
     fn poses(&self, reference: f64) -> Vec<Pose> {
-        let direction = |degrees: f64| tool_pose(self.machine, &self.at(degrees)).direction;
+        let direction = |degrees: f64| unturned_tool_pose(self.machine, &self.at(degrees)).direction;
         let turns = (direction(reference + 120.0) - direction(reference)).norm() > SAME_DIRECTION_RAD;
         let thirds = [0.0, 120.0, 240.0].map(|third| self.beside(third));
         let [Some(p), Some(q), Some(r)] = thirds else { return Vec::new() };

@@ -1,7 +1,7 @@
 //! The four body diagonals of the volume of three linear axes: a quick check of a machine (ISO 230-6).
 
-use crate::analysis::inverse::tool_pose;
 use crate::evaluate::Field;
+use crate::lower::NominalPose;
 use crate::machine::{Approach, AxisKind, Machine, Pose};
 use nalgebra::Vector3;
 
@@ -68,7 +68,8 @@ fn diagonal(
         pose
     };
     let ends = [pose(0.0), pose(1.0)];
-    let travel = tool_pose(machine, &ends[1]).tip - tool_pose(machine, &ends[0]).tip;
+    let tip = |pose: &Pose| NominalPose::at(machine, pose).pose.translation;
+    let travel = tip(&ends[1]) - tip(&ends[0]);
     let along: Vector3<f64> = travel.try_normalize(0.0).unwrap_or_default();
     let start = field.deviation(&ends[0], approach).position;
     let step = |i| (field.deviation(&pose(i as f64 / steps as f64), approach).position - start).dot(&along);

@@ -2,10 +2,10 @@
 
 use crate::evaluate::{
     Batch, Columns, CompiledModel, Deviation, Field, Frame, Order, Output, PoseColumns, Poses, Statistics,
+    frame_rotation,
 };
-use crate::lower::NominalPose;
-use crate::machine::{Approach, Machine};
-use nalgebra::{Matrix3, Vector3};
+use crate::machine::Approach;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 /// Maximum number of poses of a map, which keeps all deviations for exact quantiles; a
@@ -49,7 +49,7 @@ pub fn map(
         return Err(TooManyPoses(poses.len()));
     }
     let mut deviations = vec![Deviation { position: Vector3::zeros(), rotation: Vector3::zeros() }; poses.len()];
-    let frames = (view.frame != Frame::Workpiece).then(|| frames(field));
+    let frames = frames(field, view.frame);
     deviations.par_chunks_mut(BLOCK).enumerate().for_each(|(block, chunk)| {
         let (mut at, mut columns) = (PoseColumns::new(field.machine().axes().len()), Columns::new(chunk.len()));
         poses.fill(block * BLOCK..block * BLOCK + chunk.len(), &mut at);
@@ -62,12 +62,13 @@ pub fn map(
     Ok(Map { deviations, statistics })
 }
 
-/// Returns a compiled model that serves [`into_frame`] for a field's machine.
-pub(crate) fn frames(field: &dyn Field) -> CompiledModel {
-    CompiledModel::new(field.machine(), Order::Degree(1), Approach::Mean)
+/// Returns a compiled model that serves [`into_frame`] for a field's machine; `None` if its deviations are in the frame.
+pub(crate) fn frames(field: &dyn Field, frame: Frame) -> Option<CompiledModel> {
+    let turned = frame != Frame::Workpiece || field.machine().workpiece_rotation().is_some();
+    turned.then(|| CompiledModel::new(field.machine(), Order::Degree(1), Approach::Mean))
 }
 
-/// Rotates deviations at poses (mm, deg) from the workpiece frame into another, in place; without a model they stay.
+/// Rotates deviations of a field at poses (mm, deg) into a frame, in place; without a model they stay.
 pub(crate) fn into_frame(frames: Option<&CompiledModel>, frame: Frame, poses: &Batch<'_>, out: Output<'_>) {
     if let Some(frames) = frames {
         frames.to_frame(frame, poses, out);
@@ -78,17 +79,7 @@ pub(crate) fn into_frame(frames: Option<&CompiledModel>, frame: Frame, poses: &B
 pub fn deviation_in(field: &dyn Field, pose: &[f64], view: View) -> Deviation {
     let deviation = field.deviation(pose, view.approach);
     match frame_rotation(field.machine(), pose, view.frame) {
-        Some(r) => Deviation { position: r * deviation.position, rotation: r * deviation.rotation },
+        Some(r) => deviation.rotated(&r),
         None => deviation,
-    }
-}
-
-/// Returns the rotation from the workpiece frame into another at a pose (mm, deg) of the nominal machine; `None` is the
-/// identity.
-pub fn frame_rotation(machine: &Machine, pose: &[f64], frame: Frame) -> Option<Matrix3<f64>> {
-    match frame {
-        Frame::Workpiece => None,
-        Frame::Machine => Some(NominalPose::at(machine, pose).r_work),
-        Frame::Tool => Some(NominalPose::at(machine, pose).pose.linear.transpose()),
     }
 }

@@ -3,18 +3,20 @@
 //! - `map` keeps every pose, `survey` only the statistics;
 //! - `plane` is a section for drawing, `diagonals` are the four body diagonals;
 //! - `lever`: the arms that turn angles into displacements;
-//! - `work`: the tool poses on which machines are compared.
+//! - `work`: the tool poses on which machines are compared; `reach`: those of a grid that a machine takes.
 
 mod diagonals;
 mod lever;
 mod map;
 mod plane;
+mod reach;
 mod survey;
 mod work;
 
 pub use diagonals::{Diagonal, body_diagonals, space_axes};
 pub use lever::{Lever, arm_shares, levers};
-pub use map::{MAX_POSES, Map, TooManyPoses, View, deviation_in, frame_rotation, map};
+pub use map::{MAX_POSES, Map, TooManyPoses, View, deviation_in, map};
 pub use plane::{Plane, PlaneNodes};
+pub use reach::{ReachGrid, reach};
 pub use survey::{Block, MAX_SURVEYED, Survey, SurveyTask, survey, survey_with_rows};
 pub use work::Work;

@@ -1,8 +1,8 @@
 //! A field over a plane of two linear axes.
 
 use super::map::{View, deviation_in};
-use crate::analysis::inverse::tool_pose;
 use crate::evaluate::{Deviation, Field};
+use crate::lower::NominalPose;
 use crate::machine::{Machine, Pose};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -50,8 +50,8 @@ impl Plane {
                 let (min, max) = intervals[i];
                 pose[axes[i]] = min + (max - min) * (step as f64 / (counts[i] - 1) as f64);
             }
-            let workpiece = field.deviation(&pose, view.approach).position;
-            (deviation_in(field, &pose, view), directions.map(|u| u.dot(&workpiece)))
+            let unturned = field.deviation(&pose, view.approach).position;
+            (deviation_in(field, &pose, view), directions.map(|u| u.dot(&unturned)))
         };
         let nodes: Vec<_> = (0..counts[0] * counts[1]).into_par_iter().map(node).collect();
         let (deviations, in_plane) = nodes.into_iter().unzip();
@@ -99,12 +99,12 @@ impl Plane {
     }
 }
 
-/// Returns the unit vector along which the tool moves in the workpiece frame when the axis rises.
+/// Returns the unit vector along which the tool moves in the unturned workpiece frame when the axis rises.
 fn direction(machine: &Machine, at: &[f64], axis: usize) -> Vector3<f64> {
     let moved = |by: f64| {
         let mut pose = at.to_vec();
         pose[axis] = by;
-        tool_pose(machine, &pose).tip
+        NominalPose::at(machine, &pose).pose.translation
     };
     (moved(1.0) - moved(0.0)).try_normalize(0.0).unwrap_or_default()
 }

@@ -2,7 +2,7 @@
 
 use super::map::{View, into_frame};
 use crate::evaluate::{
-    Batch, Columns, CompiledGrid, CompiledModel, Deviation, Field, Frame, PoseColumns, Poses, Statistics, Tally,
+    Batch, Columns, CompiledGrid, CompiledModel, Deviation, Field, PoseColumns, Poses, Statistics, Tally,
 };
 use crate::machine::Pose;
 use rayon::prelude::*;
@@ -136,7 +136,7 @@ impl<'a> Run<'a> {
         };
         let grid = grid.filter(|grid| grid.line() > 1);
         let block = grid.as_ref().map_or(BLOCK, |grid| (BLOCK / grid.line()).max(1) * grid.line());
-        let frames = (task.view.frame != Frame::Workpiece).then(|| super::map::frames(task.field));
+        let frames = super::map::frames(task.field, task.view.frame);
         let positions = rows || grid.is_none() || frames.is_some();
         Self { task, count: task.poses.len(), block, grid, frames, positions, progress, idle: Mutex::default() }
     }

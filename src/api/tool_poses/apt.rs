@@ -3,7 +3,7 @@
 //! Words that only a post-processor needs are passed over. Words that would change the meaning of the positions, such
 //! as `TRACUT`, are refused.
 
-use super::{Aim, FARTHEST, MAX_TOOL_POSES, Row, columns::unit_vector, wrong};
+use super::{Aim, MAX_TOOL_POSES, Row, columns::unit_vector, wrong};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::syntax::sheet::{Line, Sheet};
 use crate::units;
@@ -164,7 +164,7 @@ impl Reader {
     }
 
     fn push(&mut self, record: &Record, tip: Vector3<f64>) -> Result<(), Diagnostic> {
-        if tip.amax() > FARTHEST {
+        if tip.amax() > units::FARTHEST {
             return Err(wrong("a position is beyond 1000000 mm: no machine goes there"));
         }
         if self.rows.len() == MAX_TOOL_POSES {

@@ -1,7 +1,8 @@
 //! Tool poses as CSV: names of columns in any case, any separator, units in the header, decimal commas.
 
-use super::{Aim, FARTHEST, MAX_TOOL_POSES, Row, wrong};
+use super::{Aim, MAX_TOOL_POSES, Row, wrong};
 use crate::diagnostic::{Diagnostic, shown};
+use crate::lower::into_part;
 use crate::machine::{AxisKind, Machine};
 use crate::syntax::sheet::{Decimals, Line, Sheet, cells, drop_empty, number, separator, title};
 use crate::units::{self, Dimension};
@@ -148,14 +149,14 @@ impl Table<'_> {
                 Column::Feature => {}
             }
         }
-        if tip.iter().chain(&pose).any(|x| x.abs() > FARTHEST) {
+        if tip.iter().chain(&pose).any(|x| x.abs() > units::FARTHEST) {
             return Err(wrong("a position is beyond 1000000 mm or deg: no machine goes there"));
         }
         let holds = |kind: fn(&Column) -> bool| self.columns.iter().any(kind);
         let aim = match (holds(|c| matches!(c, Column::Rotary(..))), holds(|c| matches!(c, Column::Axis(_)))) {
             (true, _) => Aim::Rotary(pose),
             (_, true) => Aim::Axis(unit_vector(&axis)?),
-            _ => Aim::Axis(Vector3::from(self.machine.tool().direction)),
+            _ => Aim::Axis(into_part(self.machine, Vector3::from(self.machine.tool().direction))),
         };
         Ok(Row { place: line.place.clone(), line: line.number, tip, aim, spin_rad, feature })
     }

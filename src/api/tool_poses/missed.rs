@@ -5,6 +5,8 @@ use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Travel};
 use crate::units::significant;
 use nalgebra::Vector3;
+use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// A tool pose that a machine does not reach.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -54,12 +56,12 @@ pub struct NeededTravel {
 }
 
 impl MissedToolPose {
-    /// Returns a miss at a line, with its feature; `direction` is the tool axis of the row, if it has one.
-    pub(super) fn new(
+    /// Returns a miss at a line, with its feature; `off_deg` is the gap of a direction that cannot be held.
+    pub(crate) fn new(
         machine: &Machine,
         (line, feature): (usize, Option<String>),
         miss: &Miss,
-        direction: Option<Vector3<f64>>,
+        off_deg: Option<f64>,
     ) -> Self {
         let of_axis = |axis: usize, by: f64| {
             let axis = &machine.axes()[axis];
@@ -67,8 +69,6 @@ impl MissedToolPose {
         };
         let pose = miss.beyond.as_deref().unwrap_or_default();
         let beyond = excess(machine.axes(), pose).into_iter().map(|e| of_axis(e.axis, e.by)).collect();
-        let held = direction.filter(|_| miss.why == Unreachable::Direction);
-        let off_deg = held.map(|direction| direction_gap(machine, &direction).to_degrees());
         Self { line, feature, why: miss.why, beyond, off_deg, off_mm: miss.off_mm }
     }
 
@@ -89,69 +89,146 @@ impl MissedToolPose {
     }
 }
 
-/// Rows that lack the same, with the largest amount.
-struct Lack {
-    what: String,
-    rows: usize,
-    amount: f64,
-    unit: &'static str,
-    end: String,
+/// The angles between directions and the nearest ones in which a machine can hold its tool: each direction is sought
+/// once, however many rows have it.
+pub(super) struct DirectionGaps(HashMap<[u64; 3], f64>);
+
+impl DirectionGaps {
+    /// Finds the angles of these directions.
+    pub(super) fn new(machine: &Machine, directions: impl Iterator<Item = Vector3<f64>>) -> Self {
+        let distinct: HashMap<_, _> = directions.map(|direction| (Self::key(&direction), direction)).collect();
+        let gap = |(key, direction)| (key, direction_gap(machine, &direction).to_degrees());
+        Self(distinct.into_par_iter().map(gap).collect())
+    }
+
+    fn key(direction: &Vector3<f64>) -> [u64; 3] {
+        [0, 1, 2].map(|k| direction[k].to_bits())
+    }
+
+    /// Returns the angle of one of them, deg.
+    pub(super) fn degrees(&self, direction: &Vector3<f64>) -> f64 {
+        self.0.get(&Self::key(direction)).copied().unwrap_or(0.0)
+    }
+}
+
+/// Tool poses that lack the same, with the largest amount.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Lack {
+    /// The reason.
+    pub why: Unreachable,
+    /// Name of the axis that would leave its travel; none for the other reasons.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis: Option<String>,
+    /// The end of its travel, mm or deg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end: Option<f64>,
+    /// True if it would have to go above that end, false below it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub above: Option<bool>,
+    /// Number of tool poses; one that several axes stop counts for each of them.
+    pub tool_poses: usize,
+    /// Largest amount, in `unit`; none where it is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub up_to: Option<f64>,
+    /// `mm` or `deg`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<&'static str>,
 }
 
 impl Lack {
-    /// `Z short by up to 84 mm below -400 mm (150 rows)`.
-    fn words(&self) -> String {
-        let Self { what, rows, amount, unit, end } = self;
-        let up_to = if *rows > 1 { "up to " } else { "" };
-        let rows = if *rows == 1 { "1 row".to_owned() } else { format!("{rows} rows") };
-        match (*amount > 0.0, end.is_empty()) {
-            (true, _) => format!("{what} by {up_to}{} {unit}{end} ({rows})", significant(*amount, 4)),
-            _ => format!("{what} ({rows})"),
-        }
+    /// Returns what is lacked in words, such as `Z short by up to 84 mm below -400 mm (150 rows)`; `noun` is what is
+    /// counted.
+    pub fn words(&self, noun: &str) -> String {
+        let what = match (&self.axis, self.why, self.up_to) {
+            (Some(axis), ..) => format!("{axis} short"),
+            (_, Unreachable::Direction, Some(_)) => "tool axis off".to_owned(),
+            (_, _, Some(_)) => "place off".to_owned(),
+            (_, why, None) => why.words().to_owned(),
+        };
+        let unit = self.unit.unwrap_or_default();
+        let amount = self.up_to.filter(|amount| *amount > 0.0).map_or_else(String::new, |amount| {
+            let up_to = if self.tool_poses > 1 { "up to " } else { "" };
+            let side = if self.above == Some(true) { "above" } else { "below" };
+            let end = self.end.map_or_else(String::new, |end| format!(" {side} {} {unit}", significant(end, 7)));
+            format!(" by {up_to}{} {unit}{end}", significant(amount, 4))
+        });
+        let plural = if self.tool_poses == 1 { "" } else { "s" };
+        format!("{what}{amount} ({} {noun}{plural})", self.tool_poses)
+    }
+
+    /// True if another one counts the same.
+    fn is_like(&self, other: &Self) -> bool {
+        let key = |lack: &Self| (lack.why, lack.axis.clone(), lack.above, lack.up_to.is_some());
+        key(self) == key(other)
     }
 }
 
-/// Returns what the rows lack, axis by axis in the order of the chain.
-fn lacks(machine: &Machine, missed: &[MissedToolPose]) -> Vec<Lack> {
-    let mut lacks: Vec<Lack> = Vec::new();
-    let mut add = |what: String, amount: f64, unit: &'static str, end: String| match lacks
-        .iter_mut()
-        .find(|lack| lack.what == what && lack.end == end)
-    {
-        Some(lack) => (lack.rows, lack.amount) = (lack.rows + 1, lack.amount.max(amount)),
-        None => lacks.push(Lack { what, rows: 1, amount, unit, end }),
-    };
-    for miss in missed {
+/// What tool poses lack, counted.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Lacks(Vec<Lack>);
+
+impl Lacks {
+    /// Counts a tool pose.
+    pub(crate) fn take(&mut self, machine: &Machine, miss: &MissedToolPose) {
+        let plain = |up_to: Option<f64>, unit: Option<&'static str>| Lack {
+            why: miss.why,
+            axis: None,
+            end: None,
+            above: None,
+            tool_poses: 1,
+            up_to,
+            unit,
+        };
         match (miss.off_deg, miss.off_mm) {
-            _ if !miss.beyond.is_empty() => {
-                for b in &miss.beyond {
-                    add(format!("{} short", b.axis), b.by.abs(), b.unit, end(machine, b));
-                }
-            }
-            (Some(deg), _) => add("tool axis off".to_owned(), deg, "deg", String::new()),
-            (_, Some(mm)) => add("place off".to_owned(), mm, "mm", String::new()),
-            _ => add(miss.why.words().to_owned(), 0.0, "", String::new()),
+            _ if !miss.beyond.is_empty() => miss.beyond.iter().for_each(|b| {
+                let (above, end) = end(machine, b);
+                let (axis, unit) = (Some(b.axis.clone()), Some(b.unit));
+                self.add(Lack { axis, end, above: Some(above), ..plain(Some(b.by.abs()), unit) });
+            }),
+            (Some(deg), _) => self.add(plain(Some(deg), Some("deg"))),
+            (_, Some(mm)) => self.add(plain(Some(mm), Some("mm"))),
+            _ => self.add(plain(None, None)),
         }
     }
-    lacks.sort_by_key(|lack| std::cmp::Reverse(lack.rows));
-    lacks
+
+    fn add(&mut self, more: Lack) {
+        match self.0.iter_mut().find(|lack| lack.is_like(&more)) {
+            Some(lack) => {
+                lack.tool_poses += more.tool_poses;
+                lack.up_to = lack.up_to.zip(more.up_to).map(|(a, b)| a.max(b));
+            }
+            None => self.0.push(more),
+        }
+    }
+
+    /// Adds those of others.
+    pub(crate) fn merge(&mut self, others: Self) {
+        others.0.into_iter().for_each(|lack| self.add(lack));
+    }
+
+    /// Returns them, the most frequent first; equal ones in the order in which they came.
+    pub(crate) fn most_first(mut self) -> Vec<Lack> {
+        self.0.sort_by_key(|lack| std::cmp::Reverse(lack.tool_poses));
+        self.0
+    }
 }
 
-/// ` below -400 mm`.
-fn end(machine: &Machine, beyond: &BeyondTravel) -> String {
-    let travel = machine.axis_index(&beyond.axis).map(|i| machine.axes()[i].travel);
-    let (side, at) = match travel {
-        Some(Travel::Range(min, _)) if beyond.by < 0.0 => ("below", min),
-        Some(Travel::Range(_, max)) => ("above", max),
-        _ => return String::new(),
-    };
-    format!(" {side} {} {}", significant(at, 7), beyond.unit)
+/// True if a position is above the travel of its axis, and the end that it is beyond (mm or deg).
+fn end(machine: &Machine, beyond: &BeyondTravel) -> (bool, Option<f64>) {
+    let above = beyond.by > 0.0;
+    let end = machine.axis_index(&beyond.axis).and_then(|i| match machine.axes()[i].travel {
+        Travel::Range(min, max) => Some(if above { max } else { min }),
+        Travel::Continuous => None,
+    });
+    (above, end)
 }
 
 /// The warning, or refusal if they are all, about the rows that a machine does not reach.
 pub(super) fn told(machine: &Machine, missed: &[MissedToolPose], asked: usize) -> Diagnostic {
     let name = shown(machine.name());
-    let lacks = lacks(machine, missed).iter().map(Lack::words).collect::<Vec<_>>().join(", ");
+    let mut lacks = Lacks::default();
+    missed.iter().for_each(|miss| lacks.take(machine, miss));
+    let lacks = lacks.most_first().iter().map(|lack| lack.words("row")).collect::<Vec<_>>().join(", ");
     if missed.len() == asked {
         let message = format!("`{name}` reaches none of the {asked} tool poses: {lacks}");
         let help = "tips count from the workpiece origin, in the workpiece frame: check that origin, the tool \

@@ -10,7 +10,7 @@ mod missed;
 
 use super::poses::check;
 use super::run::{Call, Refused};
-use crate::analysis::{Miss, Needs, ToolPose, UnreachableCount, inverse, inverse_all, place, rest, tool_pose};
+use crate::analysis::{Miss, Needs, ToolPose, Unreachable, UnreachableCount, inverse_all, place, rest, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::report::{UnreachedRow, WorkRow, WorkRows};
@@ -19,14 +19,12 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-pub(crate) use missed::needed_travel;
-pub use missed::{BeyondTravel, MissedToolPose, NeededTravel};
+use missed::DirectionGaps;
+pub use missed::{BeyondTravel, Lack, MissedToolPose, NeededTravel};
+pub(crate) use missed::{Lacks, needed_travel};
 
 /// Largest number of tool poses of a file.
 const MAX_TOOL_POSES: usize = 1_000_000;
-
-/// Largest magnitude of a position, mm or deg.
-const FARTHEST: f64 = 1e6;
 
 /// Direction of the tool.
 #[derive(Debug, Clone)]
@@ -50,6 +48,25 @@ struct Row {
     spin_rad: Option<f64>,
     /// Name of the feature to which the row belongs.
     feature: Option<String>,
+}
+
+impl Row {
+    /// Returns the tip and the positions of the rotary axes, if the row gives these.
+    fn rotary(&self) -> Option<(&Vector3<f64>, &Pose)> {
+        match &self.aim {
+            Aim::Rotary(pose) => Some((&self.tip, pose)),
+            Aim::Axis(_) => None,
+        }
+    }
+
+    /// Returns the tool pose, as the nominal `machine` holds it if the row gives positions of its rotary axes.
+    fn tool_pose(&self, machine: &Machine) -> ToolPose {
+        let direction = match &self.aim {
+            Aim::Axis(direction) => *direction,
+            Aim::Rotary(pose) => tool_pose(machine, pose).direction,
+        };
+        ToolPose { spin_rad: self.spin_rad, ..ToolPose::new(self.tip, direction) }
+    }
 }
 
 /// The rows of a file.
@@ -119,27 +136,17 @@ pub(crate) fn asked(
 impl ToolPoses {
     /// Returns poses of the tool, as the nominal `machine` holds it; the file may give positions of its rotary axes.
     pub(crate) fn list(&self, machine: &Machine) -> Vec<ToolPose> {
-        let direction = |aim: &Aim| match aim {
-            Aim::Axis(direction) => *direction,
-            Aim::Rotary(pose) => tool_pose(machine, pose).direction,
-        };
-        self.rows
-            .iter()
-            .map(|row| ToolPose { spin_rad: row.spin_rad, ..ToolPose::new(row.tip, direction(&row.aim)) })
-            .collect()
+        self.rows.iter().map(|row| row.tool_pose(machine)).collect()
     }
 
     /// Returns the pose of a machine for every row, or what is missing.
     fn found(&self, machine: &Machine) -> Vec<Result<Pose, Miss>> {
-        if !self.rows.iter().any(|row| matches!(row.aim, Aim::Rotary(_))) {
+        // The header decides: all rows give positions of rotary axes, or none does.
+        let Some(rows) = self.rows.iter().map(Row::rotary).collect::<Option<Vec<_>>>() else {
             return inverse_all(machine, &self.list(machine));
-        }
-        let at_rest = rest(machine);
-        let of = |row: &Row| match &row.aim {
-            Aim::Axis(direction) => inverse(machine, &ToolPose::new(row.tip, *direction), &at_rest),
-            Aim::Rotary(rotary) => placed(machine, &row.tip, rotary, &at_rest),
         };
-        self.rows.par_iter().map(of).collect()
+        let at_rest = rest(machine);
+        rows.into_par_iter().map(|(tip, rotary)| placed(machine, tip, rotary, &at_rest)).collect()
     }
 
     /// Returns the poses of a machine for all rows that it reaches. Reports the others; refuses a file without a
@@ -162,15 +169,17 @@ impl ToolPoses {
 
     /// Returns the lines of rows that were missed, with what they lack.
     pub(crate) fn missed(&self, machine: &Machine, missed: &[(usize, Miss)]) -> Vec<MissedToolPose> {
-        let of = |(i, miss): &(usize, Miss)| {
-            let row = &self.rows[*i];
-            let direction = match &row.aim {
-                Aim::Axis(direction) => Some(*direction),
-                Aim::Rotary(_) => None,
-            };
-            MissedToolPose::new(machine, (row.line, row.feature.clone()), miss, direction)
+        let aim = |(i, miss): &(usize, Miss)| match &self.rows[*i].aim {
+            Aim::Axis(direction) if miss.why == Unreachable::Direction => Some(*direction),
+            _ => None,
         };
-        missed.par_iter().map(of).collect()
+        let gaps = DirectionGaps::new(machine, missed.iter().filter_map(aim));
+        let of = |at: &(usize, Miss)| {
+            let row = &self.rows[at.0];
+            let off_deg = aim(at).map(|direction| gaps.degrees(&direction));
+            MissedToolPose::new(machine, (row.line, row.feature.clone()), &at.1, off_deg)
+        };
+        missed.iter().map(of).collect()
     }
 
     /// Reports the rows that a machine does not reach, in one warning; all of them are refused.

@@ -35,8 +35,11 @@ impl ViewArgs {
 /// Frame of vectors.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 pub(crate) enum FrameArg {
+    /// Coordinates of the part: rotates with the workpiece, turned by its `rotation`.
     Workpiece,
+    /// Directions of the machine, fixed to the bed.
     Machine,
+    /// Rotates with the tool.
     Tool,
 }
 

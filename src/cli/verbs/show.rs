@@ -164,8 +164,13 @@ fn other_sides(of: &ChainResult) -> String {
 }
 
 fn frames(of: &ChainResult) -> String {
-    let mut text = String::from("Frames, in machine coordinates at the zero pose (all parallel there):\n");
+    let rotation = of.workpiece_rotation();
+    let parallel = if rotation.is_some() { "parallel there but for the workpiece's" } else { "all parallel there" };
+    let mut text = format!("Frames, in machine coordinates at the zero pose ({parallel}):\n");
     text.push_str(&format!("  workpiece origin   {} mm\n", point(&of.workpiece_origin_mm)));
+    if let Some(rotation) = rotation {
+        text.push_str(&format!("  workpiece rotation {rotation}\n"));
+    }
     for tool in &of.tools {
         let mark = if tool.in_use { "" } else { " (not in use)" };
         let name = if tool.name.is_empty() { String::new() } else { format!("tool {}{mark}: ", tool.name) };

@@ -80,7 +80,7 @@ impl Shiftable<'_> {
     }
 }
 
-/// Motion of the nominal tool by one axis, workpiece frame.
+/// Motion of the nominal tool by one axis, unturned workpiece frame.
 struct AxisMotion {
     /// Displacement of the functional point, mm for each mm or deg.
     displacement: Vector3<f64>,

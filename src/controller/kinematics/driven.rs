@@ -4,7 +4,8 @@ use super::nominal::to_roll_pitch_yaw;
 use super::{KinematicsModule, Model, ModuleWords, World};
 use crate::algebra::rotation_about;
 use crate::controller::replay::Replay;
-use crate::evaluate::{Bare, Deviation, Field, Frame, Order, commanded_deviation, evaluate};
+use crate::evaluate::{Bare, Deviation, Field, Order, commanded_deviation};
+use crate::lower::NominalPose;
 use crate::machine::{Approach, AxisKind, Machine, sin_cos_degrees};
 use nalgebra::{Matrix3, Vector3};
 
@@ -58,7 +59,7 @@ impl<'a> ModuleField<'a> {
 
 /// The tip of the nominal machine in the world: from where it is with all axes at 0, turning with the workpiece.
 fn ideal_tip(machine: &Machine, pose: &[f64]) -> Vector3<f64> {
-    let nominal = evaluate(machine, pose, Order::Exact, Approach::Mean, Frame::Workpiece).nominal;
+    let nominal = NominalPose::at(machine, pose).pose.translation;
     nominal + Vector3::from(machine.workpiece()) - Vector3::from(machine.tool().tip)
 }
 

@@ -25,7 +25,7 @@ pub(super) fn motion(machine: &Machine, command: &[f64], curves: &[ErrorCurve]) 
     added
 }
 
-/// Returns the displacement of the functional point (mm, workpiece frame) by all curves.
+/// Returns the displacement of the functional point (mm, unturned workpiece frame) by all curves.
 fn displacement(machine: &Machine, command: &[f64], curves: &[ErrorCurve]) -> Vector3<f64> {
     let terms: Vec<Term> = curves.iter().flat_map(|curve| terms(machine, command, curve)).collect();
     let errors: Vec<ErrorId> = terms.iter().map(|term| term.error.clone()).collect();
@@ -66,7 +66,7 @@ fn look_up(curve: &ErrorCurve, position: f64, continuous: bool) -> f64 {
     between(&curve.positions, &curve.values, position, OutsideTable::Hold)
 }
 
-/// Returns how far the functional point moves (mm, workpiece frame) for each mm of a linear axis: the motion is linear,
+/// Returns how far the functional point moves (mm, unturned workpiece frame) for each mm of a linear axis: the motion is linear,
 /// so that a long step loses nothing but rounding.
 fn linear_motion(machine: &Machine, command: &[f64], axis: usize) -> Vector3<f64> {
     const STEP_MM: f64 = 1024.0;

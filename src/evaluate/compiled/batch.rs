@@ -85,9 +85,9 @@ impl PoseColumns {
 /// The caller's slices for deviations, each as long as the batch.
 #[derive(Debug)]
 pub struct Output<'a> {
-    /// Deviation of the functional point by component (mm), workpiece frame.
+    /// Deviation of the functional point by component (mm), unturned workpiece frame.
     pub position: [&'a mut [f64]; 3],
-    /// Rotation vector of the tool by component (rad), workpiece frame.
+    /// Rotation vector of the tool by component (rad), unturned workpiece frame.
     pub rotation: [&'a mut [f64]; 3],
 }
 
@@ -132,9 +132,9 @@ impl<'a> Output<'a> {
 /// Deviations by columns, owned.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
-    /// Deviation of the functional point by component (mm), workpiece frame.
+    /// Deviation of the functional point by component (mm), unturned workpiece frame.
     pub position: [Vec<f64>; 3],
-    /// Rotation vector of the tool by component (rad), workpiece frame.
+    /// Rotation vector of the tool by component (rad), unturned workpiece frame.
     pub rotation: [Vec<f64>; 3],
 }
 

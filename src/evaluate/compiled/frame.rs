@@ -6,8 +6,7 @@ use super::lanes::run;
 use super::model::CompiledModel;
 use super::simd::{Kernel, Lanes};
 use super::trigonometry::sin_cos;
-use crate::evaluate::deviation::Frame;
-use crate::lower::NominalPose;
+use crate::evaluate::deviation::{Frame, frame_rotation};
 use crate::machine::Branch;
 
 struct FrameRotation<'a, 'o> {
@@ -50,14 +49,11 @@ impl FrameRotation<'_, '_> {
 }
 
 impl CompiledModel {
-    /// Rotates deviations at these poses (mm, deg) from the workpiece frame into another one, in place.
+    /// Rotates deviations at these poses (mm, deg) from the unturned workpiece frame into a frame, in place.
     pub fn to_frame(&self, frame: Frame, poses: &Batch<'_>, mut out: Output<'_>) {
-        let passed = |axis: usize| match frame {
-            Frame::Workpiece => false,
-            Frame::Machine => self.machine.axes()[axis].branch == Branch::Workpiece,
-            Frame::Tool => true,
-        };
-        let Some(chain) = &self.chain else { return self.to_frame_one_by_one(frame, poses, &mut out) };
+        let chain = self.chain.as_ref().filter(|_| frame != Frame::Workpiece);
+        let Some(chain) = chain else { return self.to_frame_one_by_one(frame, poses, &mut out) };
+        let passed = |axis: usize| frame == Frame::Tool || self.machine.axes()[axis].branch == Branch::Workpiece;
         let turns = chain.joints.iter().enumerate().filter(|(axis, _)| passed(*axis));
         let joints: Vec<(usize, RotationAxis)> = turns
             .filter_map(|(axis, link)| if let Motion::Turn(about) = link.motion { Some((axis, about)) } else { None })
@@ -67,13 +63,13 @@ impl CompiledModel {
     }
 
     fn to_frame_one_by_one(&self, frame: Frame, poses: &Batch<'_>, out: &mut Output<'_>) {
+        let constant = self.machine.workpiece_rotation().map(|rotation| rotation.transpose());
         for i in 0..out.len() {
-            let nominal = NominalPose::at(&self.machine, &poses.pose(i));
             let rotation = match frame {
-                Frame::Workpiece => return,
-                Frame::Machine => nominal.r_work,
-                Frame::Tool => nominal.pose.linear.transpose(),
+                Frame::Workpiece => constant,
+                frame => frame_rotation(&self.machine, &poses.pose(i), frame),
             };
+            let Some(rotation) = rotation else { return };
             for columns in [&mut out.position, &mut out.rotation] {
                 let turned = rotation * nalgebra::Vector3::from_fn(|k, _| columns[k][i]);
                 (0..3).for_each(|k| columns[k][i] = turned[k]);

@@ -8,7 +8,7 @@ use super::lanes::run;
 use super::pass::{Pass, PoseKernel};
 use super::second::SecondOrder;
 use super::width::Width;
-use crate::evaluate::deviation::{Deviation, Frame, Order, command_deviation, evaluate};
+use crate::evaluate::deviation::{Deviation, Order, command_deviation, unturned_deviation};
 use crate::lower::NominalPose;
 use crate::machine::{Approach, Machine};
 
@@ -164,7 +164,7 @@ impl CompiledModel {
 
     /// Returns the deviation over the general algebra.
     fn general(&self, pose: &[f64]) -> Deviation {
-        evaluate(&self.machine, pose, self.order, self.approach, Frame::Workpiece).deviation
+        unturned_deviation(&self.machine, pose, self.order, self.approach)
     }
 }
 

@@ -21,7 +21,7 @@ pub trait PoseKernel {
     fn at<V: Lanes>(&self, workspace: &Self::Workspace, inputs: PoseInputs<'_>) -> LaneDeviation<V>;
 }
 
-/// Deviations at a vector of poses, workpiece frame.
+/// Deviations at a vector of poses, unturned workpiece frame.
 #[derive(Debug, Clone, Copy)]
 pub struct LaneDeviation<V> {
     /// Displacement of the functional point, mm.

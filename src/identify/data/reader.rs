@@ -10,13 +10,12 @@ use crate::lower::{NominalPose, Source};
 use crate::machine::{Approach, Direction, Machine, Pose};
 use crate::syntax::Files;
 use crate::syntax::sheet::{self, Decimals, Line, read_sheet};
+use crate::units::FARTHEST;
 use nalgebra::Vector3;
 use std::path::Path;
 
 /// Mistakes after which the rest of a file is of the same kind.
 const MISTAKES: usize = 5;
-/// Longest distance (mm) of anything: 1 km.
-const MAX_LENGTH_MM: f64 = 1e6;
 /// Least weight; the greatest is its inverse.
 const MIN_WEIGHT: f64 = 1e-15;
 /// Least distance (mm) that has a direction.
@@ -250,7 +249,7 @@ impl Reader<'_> {
 
     /// The nominal functional point of a row, from the workpiece origin.
     fn nominal(&self, row: &Measurement, pose: &[f64]) -> Vector3<f64> {
-        NominalPose::at(&self.machines[row.tool], pose).pose.translation
+        NominalPose::in_part(&self.machines[row.tool], pose).pose.translation
     }
 
     fn rows(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
@@ -454,7 +453,7 @@ fn long_enough(length: f64, row: &Measurement) -> Result<f64, Box<Diagnostic>> {
 
 /// Refuses a length (mm) or coordinate that nobody can measure.
 fn near(value: f64, cell: &str) -> Result<f64, RowFailure> {
-    if value.abs() <= MAX_LENGTH_MM { Ok(value) } else { Err(RowFailure::Far(cell.to_owned())) }
+    if value.abs() <= FARTHEST { Ok(value) } else { Err(RowFailure::Far(cell.to_owned())) }
 }
 
 /// Refuses a weight that sums of squares cannot bear.

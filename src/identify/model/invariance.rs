@@ -50,7 +50,7 @@ fn same_points(model: &Model<'_>, data: &[Measurement]) -> bool {
     for m in data {
         let Reading::Deviation { zero, .. } = &m.reading else { continue };
         if zero.iter().all(Option::is_some) {
-            let nominal = crate::lower::NominalPose::at(model.machine(m), &m.pose).pose.translation;
+            let nominal = crate::lower::NominalPose::in_part(model.machine(m), &m.pose).pose.translation;
             places.entry(*zero).or_default().push(nominal + m.values());
         }
     }

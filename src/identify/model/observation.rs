@@ -58,7 +58,7 @@ pub(super) fn observe<S: Algebra>(
     let less_constant = |index: usize| (index, first(-1.0));
     match &m.reading {
         Reading::Deviation { frame, zero, .. } => {
-            let nominal = NominalPose::at(machine, &m.pose);
+            let nominal = NominalPose::in_part(machine, &m.pose);
             let rotation = rotation_to(*frame, &nominal);
             let deviation = minus(&at(Subject::Point(&m.pose)), &nominal.pose.translation);
             Observation {
@@ -82,7 +82,7 @@ pub(super) fn observe<S: Algebra>(
             Observation { value: single(length - constant(zero)), slope: Slope::Towards(towards), by_unknown }
         }
         Reading::Along { direction, zero, .. } => {
-            let nominal = NominalPose::at(machine, &m.pose).pose.translation;
+            let nominal = NominalPose::in_part(machine, &m.pose).pose.translation;
             let deviation = along(direction, &minus(&at(Subject::Point(&m.pose)), &nominal));
             Observation {
                 value: single(deviation - constant(&Some(*zero))),
@@ -98,7 +98,7 @@ pub(super) fn observe<S: Algebra>(
     }
 }
 
-/// Returns the rotation from the workpiece frame to another.
+/// Returns the rotation from the workpiece frame, that of the part, to another.
 fn rotation_to(frame: Frame, nominal: &NominalPose) -> Matrix3<f64> {
     match frame {
         Frame::Workpiece => Matrix3::identity(),

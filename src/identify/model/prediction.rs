@@ -239,7 +239,7 @@ impl<'a> Model<'a> {
     /// Returns the reading of the nominal machine.
     fn nominal_reading(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
         let at = |subject: Subject<'_>| match subject {
-            Subject::Point(pose) => NominalPose::at(self.machine(m), pose).pose.translation,
+            Subject::Point(pose) => NominalPose::in_part(self.machine(m), pose).pose.translation,
             Subject::Error(_) => Vector3::zeros(),
         };
         self.observe(m, theta, at).value

@@ -37,7 +37,7 @@ impl Volume {
         let first = model.clone().to_order(Order::Degree(1));
         let theta = vec![0.0; model.parameters().len()];
         let mut volume = Self::of(&first, data, &theta);
-        let nominal = |m: &Measurement| crate::lower::NominalPose::at(model.machine(m), &m.pose).pose.translation;
+        let nominal = |m: &Measurement| crate::lower::NominalPose::in_part(model.machine(m), &m.pose).pose.translation;
         volume.points = volume.rows.iter().map(nominal).collect();
         volume.rigid = orthonormal(&motions(&volume.points));
         volume
@@ -48,7 +48,7 @@ impl Volume {
         let rows = rows(model, data);
         let one = |m: &Measurement| {
             let deviation = model.predicted(m, theta);
-            let nominal = crate::lower::NominalPose::at(model.machine(m), &m.pose).pose.translation;
+            let nominal = crate::lower::NominalPose::in_part(model.machine(m), &m.pose).pose.translation;
             (deviation, nominal + deviation, model.rows(m, theta).0)
         };
         let evaluated: Vec<_> = rows.par_iter().map(one).collect();

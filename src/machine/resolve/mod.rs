@@ -54,6 +54,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
     let declared: Vec<AxisDraft> = declared.iter().map(|axis| axis.standing_on(side(axis))).collect();
     let tools = parts::tools(context);
     let workpiece = parts::workpiece(context);
+    let workpiece_rotation = parts::workpiece_rotation(context);
     positions::circles(context, &declared, workpiece.as_ref());
     let setup = parts::setup(context);
     let provenance = parts::provenance(context);
@@ -78,6 +79,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
         errors: errors.in_order(&chain),
         tools: tools?,
         workpiece: geometry.point(&geometry.workpiece, &walk),
+        workpiece_rotation,
         conventions,
         setup,
         volume: volume?,

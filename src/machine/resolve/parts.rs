@@ -4,13 +4,16 @@ use super::axes::direction;
 use super::context::{Context, dotted};
 use super::positions::{PositionDraft, position};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, is_layout, shown};
-use crate::machine::{Direction, Provenance, SetUp, Tool};
+use crate::machine::{AxisKind, Direction, Provenance, SetUp, Tool};
 use crate::syntax::{Keys, Scalar, SetUpEntry, ToolEntry, below, keys};
 
 /// Longest name of a machine, in characters.
 const NAME: usize = 120;
 /// Longest entry of `provenance`, in characters.
 const NOTE: usize = 500;
+
+/// Letters of a rotation: about X, Y and Z.
+const ROTATION: [&str; 3] = ["A", "B", "C"];
 
 /// The language's version; a file without it is taken for the only version there is.
 pub fn version(context: &mut Context<'_>) {
@@ -155,6 +158,22 @@ fn length_below(context: &mut Context<'_>, scalar: &Scalar, at: &Keys) -> Option
 pub fn workpiece(context: &mut Context<'_>) -> Option<PositionDraft> {
     let written = context.document.workpiece.as_ref().and_then(|w| w.origin.as_ref())?;
     position(context, written, &keys(["workpiece", "origin"]))
+}
+
+/// The angles (deg) of the workpiece's rotation about X, Y and Z.
+pub fn workpiece_rotation(context: &mut Context<'_>) -> [f64; 3] {
+    let mut angles = [0.0; 3];
+    for (letter, scalar) in context.document.workpiece.iter().flat_map(|workpiece| &workpiece.rotation) {
+        let at = keys(["workpiece", "rotation", letter]);
+        match ROTATION.iter().position(|known| known == letter) {
+            Some(i) => angles[i] = context.position(scalar, AxisKind::Rotary, &at).unwrap_or(0.0),
+            None => {
+                let message = format!("unknown key `{}` in `workpiece.rotation`", shown(letter));
+                context.at_key(codes::E0201, &at, message, did_you_mean(letter, &ROTATION));
+            }
+        }
+    }
+    angles
 }
 
 /// Set-up errors.

@@ -3,9 +3,9 @@
 use super::context::{Context, dotted};
 use super::names::in_other_letters;
 use crate::diagnostic::{codes, shown};
-use crate::machine::{AxisKind, Direction, Knots};
+use crate::machine::{AxisKind, Direction};
 use crate::syntax::{Keys, Scalar, below};
-use crate::units::{self, Dimension, Failure, Quantity};
+use crate::units::{self, Dimension, FARTHEST, Failure, Quantity};
 
 const LENGTHS: &str = "lengths: nm, um, mm, m, in";
 const ANGLES: &str = "angles: urad, mrad, rad, arcsec, arcmin, deg, or a ratio such as um/m or 0.02/500";
@@ -53,7 +53,7 @@ impl Context<'_> {
     /// A position or length; a bare number is in mm (linear) or deg (rotary).
     pub fn position(&mut self, scalar: &Scalar, kind: AxisKind, at: &Keys) -> Option<f64> {
         let value = self.any_position(scalar, kind, at)?;
-        if value.abs() > Knots::FARTHEST {
+        if value.abs() > FARTHEST {
             let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
             let message = format!("`{}` is {value:e} {unit}, which no machine reaches", dotted(at));
             self.at_value(codes::E0213, at, message, "check the unit; a bare number is in mm or deg");

@@ -6,8 +6,8 @@
 
 use super::given::MachineInput;
 use crate::analysis::budget::{Bound, BoundedLength, effects_at};
-use crate::analysis::{View, deviation_in, frame_rotation, rest, space_axes};
-use crate::evaluate::{Bare, Deviation, Frame, Poses, error_by_error, evaluate};
+use crate::analysis::{View, deviation_in, rest, space_axes};
+use crate::evaluate::{Bare, Deviation, Frame, Poses, error_by_error, evaluate, frame_rotation};
 use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose};
 use crate::report::pictures::round_step;
 use crate::report::text::{BudgetReport, pose_words, positions};

@@ -2,7 +2,7 @@
 //!
 //! - `chain`, `dot`: the kinematic chain; `curves`: curves of the component errors.
 //! - `plane`: the deviation over a plane, before and after; `fit`: prediction against data over a plane.
-//! - `bars`: a budget; `polar`, `readings`: the readings of instruments.
+//! - `bars`: a budget; `reach`: sections of a box by the share of directions; `polar`, `readings`: the readings of instruments.
 //! - `svg` writes the drawing, `lettering` its text, `png` the pixels, `outlines` the text of a PNG; `scale` and
 //!   `frame` are ticks, colours and axes.
 
@@ -18,6 +18,7 @@ mod outlines;
 mod plane;
 mod png;
 mod polar;
+mod reach;
 mod readings;
 mod scale;
 mod svg;
@@ -30,6 +31,7 @@ pub use fit::{FitPicture, FitPoint};
 pub use plane::{PlanePicture, PlaneQuantity, PlaneStyle, before_after};
 pub use png::PictureFailure;
 pub use polar::PolarPicture;
+pub use reach::ReachPicture;
 pub use readings::{DiagonalPicture, RTestPicture};
 pub(super) use scale::{rising, round_step};
 pub use svg::Picture;

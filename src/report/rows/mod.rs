@@ -9,9 +9,11 @@ mod json;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod stream;
+mod structured;
 mod table;
 mod vtk;
 mod work;
 
+pub use structured::structured_grid;
 pub use table::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream};
 pub use work::{UnreachedRow, WorkRow, WorkRows};

@@ -1,9 +1,10 @@
 //! The rows of a table and their facts, whatever its format.
 
 use super::work::WorkRows;
+use crate::analysis::View;
 use crate::analysis::budget::BoundedDeviation;
-use crate::analysis::{View, frame_rotation, tool_pose};
-use crate::evaluate::{Deviation, Frame, Order, Poses};
+use crate::evaluate::{Deviation, Frame, Order, Poses, frame_rotation};
+use crate::lower::NominalPose;
 use crate::machine::{Approach, Machine};
 use crate::report::text::DrawSettings;
 use std::io::{self, Seek, Write};
@@ -103,7 +104,7 @@ impl Rows<'_> {
 
     /// Nominal tip from the workpiece origin, mm, in the frame of the vectors.
     pub(super) fn tip(&self, pose: &[f64]) -> [f64; 3] {
-        let tip = tool_pose(self.machine, pose).tip;
+        let tip = NominalPose::at(self.machine, pose).pose.translation;
         match frame_rotation(self.machine, pose, self.view.frame) {
             Some(turn) => (turn * tip).map(|x| x + 0.0).into(),
             None => tip.map(|x| x + 0.0).into(),

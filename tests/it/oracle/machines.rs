@@ -46,6 +46,7 @@ impl Sample {
             gauge: random.vector(200.0),
             offset: tool(random),
             workpiece_origin: random.vector(300.0),
+            workpiece_rotation: [0.0; 3],
             tool_setup: if random.chance(0.4) { random.vector(amplitude(0, size)) } else { [0.0; 3] },
             workpiece_setup: if random.chance(0.4) { six(random, size) } else { [0.0; 6] },
         };

@@ -4,8 +4,8 @@
 //! a point is moved there and back by translations. No closed form of a product is used anywhere.
 
 use super::matrix::{
-    M4, ONE, V3, V6, apply, combine, cross, exp, inverse, minus, mul, norm, plus, product, translation, transposed,
-    turn, twist,
+    M4, ONE, V3, V6, apply, combine, cross, elementary, exp, inverse, minus, mul, norm, plus, product, translation,
+    transposed, turn, twist,
 };
 
 /// The conventions of a machine; `false` is the default of each.
@@ -61,6 +61,8 @@ pub struct Machine {
     pub offset: V3,
     /// The origin of the workpiece.
     pub workpiece_origin: V3,
+    /// Angles (deg) by which the coordinates of the part are turned about X, then Y, then Z of the machine.
+    pub workpiece_rotation: V3,
     /// Displacement of the tip by clamping the tool.
     pub tool_setup: V3,
     /// Displacement of the workpiece by clamping it.
@@ -100,7 +102,7 @@ pub struct Answer {
     pub e_ve: M4,
 }
 
-/// Place of the tool, in the workpiece frame.
+/// Place of the tool, in the workpiece frame before its rotation.
 #[derive(Clone, Copy, Debug)]
 pub struct Held {
     /// Its tip from the workpiece origin.
@@ -137,7 +139,8 @@ impl Machine {
         let (nominal, actual) = (mul(&back, &ideal), mul(&back, &real));
         let turned = mul(&rotation_of(&real), &transposed(&rotation_of(&ideal)));
         let in_frame = |v| self.express(states, &ideal, frame, v);
-        let tool_to_workpiece = |walk: &M4, tip| product(&[inverse(&translation(tip)), inverse(walk), there]);
+        let part = mul(&there, &self.part());
+        let tool_to_workpiece = |walk: &M4, tip| product(&[inverse(&translation(tip)), inverse(walk), part]);
         Answer {
             nominal: in_frame(apply(&nominal, tip)),
             deviation: in_frame(minus(apply(&actual, real_tip), apply(&nominal, tip))),
@@ -210,10 +213,16 @@ impl Machine {
         mul(&translation([e[0], e[1], e[2]]), &rotation)
     }
 
-    /// A vector of the workpiece frame in another one.
+    /// The rotation of the part's coordinates into machine directions at the zero pose.
+    pub fn part(&self) -> M4 {
+        let [a, b, c] = self.workpiece_rotation.map(f64::to_radians);
+        product(&[elementary(2, c), elementary(1, b), elementary(0, a)])
+    }
+
+    /// A vector of the workpiece frame before its rotation in a frame.
     fn express(&self, states: &[State], ideal: &M4, frame: Frame, v: V3) -> V3 {
         match frame {
-            Frame::Workpiece => v,
+            Frame::Workpiece => turn(&transposed(&self.part()), v),
             Frame::Machine => turn(&inverse(&rotation_of(&self.ideal(states, |axis| axis.workpiece))), v),
             Frame::Tool => turn(&inverse(&rotation_of(ideal)), v),
         }

@@ -21,7 +21,10 @@ pub fn write(sample: &Sample, folder: &Folder) -> String {
     let tip =
         if x == 0.0 && y == 0.0 { format!("length: {} mm", -length) } else { format!("offset: {:?}", rigid.offset) };
     writeln!(text, "tool: {{ gauge: {:?}, {tip} }}", rigid.gauge).unwrap();
-    writeln!(text, "workpiece: {{ origin: {:?} }}", rigid.workpiece_origin).unwrap();
+    let [a, b, c] = rigid.workpiece_rotation;
+    let turned = format!(", rotation: {{ A: {a} deg, B: {b}, C: {} rad }}", c.to_radians());
+    let turned = if [a, b, c] == [0.0; 3] { String::new() } else { turned };
+    writeln!(text, "workpiece: {{ origin: {:?}{turned} }}", rigid.workpiece_origin).unwrap();
     let (tool, workpiece) = (constants(&rigid.tool_setup, 1), constants(&rigid.workpiece_setup, 2));
     writeln!(text, "setup: {{ tool: {{ {tool} }}, workpiece: {{ {workpiece} }} }}").unwrap();
     text += &errors(sample, folder);

@@ -63,8 +63,12 @@ fn geometry(file: &Mapping) -> Sample {
         other => panic!("preset {other}"),
     });
     let chain = text(&file["chain"]);
-    let mut rigid =
-        Machine { conventions, workpiece_origin: optional(file, "workpiece", "origin"), ..Machine::default() };
+    let mut rigid = Machine {
+        conventions,
+        workpiece_origin: optional(file, "workpiece", "origin"),
+        workpiece_rotation: rotation(file),
+        ..Machine::default()
+    };
     let mut axes = Vec::new();
     for word in chain.split(' ').filter(|word| !["w", "b", "t"].contains(word)) {
         if word.starts_with('(') {
@@ -184,6 +188,15 @@ fn entries<'a>(file: &'a Mapping, key: &str) -> impl Iterator<Item = (&'a str, &
 
 fn optional(file: &Mapping, key: &str, inner: &str) -> V3 {
     file.get(key).and_then(|map| map.get(inner)).map_or([0.0; 3], vector)
+}
+
+/// The angles A, B, C of the workpiece, deg.
+fn rotation(file: &Mapping) -> V3 {
+    let Some(workpiece) = file.get("workpiece").and_then(Value::as_mapping) else { return [0.0; 3] };
+    known(workpiece, &["origin", "rotation"]);
+    let angles = workpiece.get("rotation").and_then(Value::as_mapping);
+    angles.iter().for_each(|angles| known(angles, &["A", "B", "C"]));
+    ["A", "B", "C"].map(|letter| angles.and_then(|angles| angles.get(letter)).map_or(0.0, quantity))
 }
 
 fn text(value: &Value) -> &str {

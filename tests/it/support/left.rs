@@ -77,6 +77,7 @@ pub fn along(sample: &Sample, index: usize, position: f64, trim: f64, travel: Tr
     alone.axes = vec![sample.axes[index].clone()];
     (alone.rigid.gauge, alone.rigid.offset, alone.rigid.workpiece_origin) = ([0.0; 3], [0.0; 3], [0.0; 3]);
     (alone.rigid.tool_setup, alone.rigid.workpiece_setup) = ([0.0; 3], [0.0; 6]);
+    alone.rigid.workpiece_rotation = [0.0; 3];
     let there = alone.evaluate(&vec![position + trim], travel, Frame::Workpiece);
     let here = alone.evaluate(&vec![position], travel, Frame::Workpiece);
     if !axis.rotary {

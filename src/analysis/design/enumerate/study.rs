@@ -7,12 +7,10 @@ use super::side_draws::SideDraws;
 use super::walk_budget;
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
 use crate::analysis::design::compare::UnreachableCount;
-use crate::analysis::inverse::{Miss, Needs, ToolPose, inverse_all, tool_pose};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom, inverse_all};
 use crate::analysis::volume::Work;
-use crate::evaluate::{Bare, Field, Order, Poses, Random};
-use crate::lower::{Quantity, Twist, twists};
-use crate::machine::{Approach, Axis, AxisKind, AxisName, Branch, ErrorId, Machine, Pose};
-use nalgebra::{Matrix3, Vector3};
+use crate::evaluate::{Bare, Field, Order};
+use crate::machine::{Approach, Axis, AxisName, Branch, ErrorId, Machine, Pose};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -215,7 +213,8 @@ fn same_nominal(a: &Machine, b: &Machine) -> bool {
     let nominal = |(a, b): (&Axis, &Axis)| {
         (a.sign(), a.direction, a.origin, a.travel) == (b.sign(), b.direction, b.origin, b.travel)
     };
-    a.workpiece() == b.workpiece() && a.axes().iter().zip(b.axes()).all(nominal)
+    let placed = |machine: &Machine| (machine.workpiece(), machine.workpiece_angles());
+    placed(a) == placed(b) && a.axes().iter().zip(b.axes()).all(nominal)
 }
 
 /// True for an error that turns the body that the axis carries about a point.
@@ -226,24 +225,4 @@ fn turns(error: &ErrorId, axis: &AxisName) -> bool {
 /// Returns the squared length (mm^2) of the deviation by the errors that have a value.
 fn squared_deviation(machine: &Machine, pose: &[f64]) -> f64 {
     Bare { machine, order: Order::Exact }.deviation(pose, Approach::Mean).position.norm_squared()
-}
-
-/// Returns the number of directions in which the machine can turn its tool axis: 0, 1 or 2, at almost all poses.
-pub fn freedom(machine: &Machine) -> usize {
-    const POSES: usize = 4;
-    const MIN_EIGENVALUE: f64 = 1e-9;
-    let intervals = machine.axes().iter().map(|axis| axis.travel.interval()).collect();
-    let at = |pose: Pose| {
-        let direction = tool_pose(machine, &pose).direction;
-        let twists = twists(machine, &pose, Quantity::Rotation);
-        let turn = |(axis, twist): (&Axis, &Twist)| {
-            let u = axis.direction;
-            let w = Vector3::from_fn(|i, _| (0..3).map(|k| twist.outer[i][k + 3] * u[k]).sum());
-            w.cross(&direction)
-        };
-        let rotary = machine.axes().iter().zip(&twists).filter(|(axis, _)| axis.kind == AxisKind::Rotary);
-        let gram = rotary.map(turn).fold(Matrix3::zeros(), |sum, w| sum + w * w.transpose());
-        gram.symmetric_eigenvalues().iter().filter(|value| **value > MIN_EIGENVALUE).count()
-    };
-    Poses::Random(Random::new(intervals, POSES, 0)).iter().map(at).max().unwrap_or(0)
 }

@@ -13,7 +13,8 @@ mod screws;
 
 use super::rotary::wrapped;
 use super::tool_pose::{
-    DIRECTION_TOLERANCE, Miss, PLACE_TOLERANCE, ToolPose, Unreachable, attitude, excess, tool_pose, within_travel,
+    DIRECTION_TOLERANCE, Miss, PLACE_TOLERANCE, ToolPose, Unreachable, attitude, excess, unturned_tool_pose,
+    within_travel,
 };
 use crate::evaluate::radical_inverse;
 use crate::lower::NominalPose;
@@ -182,7 +183,7 @@ impl<'a> Arm<'a> {
 
     /// True if the nominal machine takes the tool pose at a pose.
     fn takes(&self, pose: &[f64], target: &ToolPose) -> bool {
-        let at = tool_pose(self.machine, pose);
+        let at = unturned_tool_pose(self.machine, pose);
         let spin = target.spin_rad.is_none_or(|spin| {
             let reached = NominalPose::at(self.machine, pose).pose.linear;
             let tool = Vector3::from(self.machine.tool().direction);

@@ -14,9 +14,8 @@ use crate::identify::lists::index_of;
 use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{self, Decimals, Line};
+use crate::units::FARTHEST;
 
-/// Farthest position (mm or deg) that is believed.
-const FARTHEST: f64 = 1e6;
 /// Largest readings (mm, rad) that are believed.
 const LARGEST: (f64, f64) = (10.0, 0.1);
 

@@ -1,0 +1,112 @@
+//! `abbe reach`: tips and directions of the tool within reach over a box.
+
+use crate::cli::arguments::length;
+use crate::cli::output::session::Session;
+use crate::cli::store::write::{PictureKind, refuse_outputs, write_picture, write_whole};
+use crate::cli::{Format, Outcome};
+use abbe::results::ReachResult;
+use abbe::text::{Reason, significant};
+use abbe::{ReachOptions, reach};
+use serde_json::json;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The machine file.
+    machine: PathBuf,
+    /// Box of the tips in the workpiece frame, mm [default for each side: where the linear axes carry the tip, rotary
+    /// axes at rest; for robots where any axis does].
+    #[arg(long = "box", value_name = "X=-100..100,Z=0..200", allow_hyphen_values = true)]
+    region: Option<String>,
+    /// Largest distance of neighbouring tips [default: an eighth of the longest side, for robots a third].
+    #[arg(long, value_name = "LENGTH", value_parser = step)]
+    step: Option<f64>,
+    /// Number of tool directions [default: 60, for robots 6]: over the hemisphere about the tool axis at rest, on its
+    /// circle with one axis that turns the tool, one with none.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    directions: Option<u32>,
+    /// Tool of the machine, by name [default: the first].
+    #[arg(long)]
+    tool: Option<String>,
+    /// Draw sections of the box, coloured by the share of directions (SVG, or PNG by the file's ending).
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// The same as PNG.
+    #[arg(long, value_name = "FILE")]
+    png: Option<PathBuf>,
+    /// Write the tips with their shares as a VTK structured grid, for ParaView.
+    #[arg(long, value_name = "FILE.vts")]
+    vtk: Option<PathBuf>,
+}
+
+fn step(text: &str) -> Result<f64, Reason> {
+    length(text, |mm| mm > 0.0 && mm.is_finite(), "a step is a length above 0, such as `25 mm`")
+}
+
+pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let file = session.load(&args.machine, args.tool.as_deref())?;
+    let outputs = args.svg.iter().chain(&args.png).chain(&args.vtk);
+    refuse_outputs(outputs, &session.files).or_else(|d| session.refuse(d))?;
+    let options = ReachOptions {
+        region: args.region.clone(),
+        step_mm: args.step,
+        directions: args.directions.map(|count| count as usize),
+    };
+    let answer = reach(&file, &options, session.run());
+    let result = session.take(answer)?;
+    if let Some(path) = &args.svg {
+        let kind = PictureKind::of(path).unwrap_or(PictureKind::Svg);
+        write_picture(path, &result.picture(), kind, &session.files).or_else(|d| session.refuse(d))?;
+    }
+    if let Some(path) = &args.png {
+        write_picture(path, &result.picture(), PictureKind::Png, &session.files).or_else(|d| session.refuse(d))?;
+    }
+    if let Some(path) = &args.vtk {
+        write_whole(path, &result.vtk(), &session.files).or_else(|d| session.refuse(d))?;
+    }
+    match session.format() {
+        Format::Json => session.print_json(json!(result)),
+        Format::Csv => session.print(&csv(&result)),
+        Format::Text => session.print(&text(&result)),
+    }
+    Ok(())
+}
+
+fn csv(of: &ReachResult) -> String {
+    let row = |([x, y, z], share): ([f64; 3], f64)| format!("{x},{y},{z},{share}\n");
+    format!("X [mm],Y [mm],Z [mm],share\n{}", of.tips().map(row).collect::<String>())
+}
+
+fn percent(part: usize, whole: usize) -> String {
+    format!("{} %", significant(100.0 * part as f64 / whole as f64, 4))
+}
+
+fn text(of: &ReachResult) -> String {
+    let side = |k: usize| {
+        let [min, max] = of.box_mm[k].map(|x| significant(x, 7));
+        format!("{} {min} .. {max}", ["X", "Y", "Z"][k])
+    };
+    let tool = if of.tool.is_empty() { String::new() } else { format!(", tool {}", of.tool) };
+    let [x, y, z] = of.counts;
+    let mut text = format!(
+        "{}: reach of the nominal machine{tool}\n{} tips ({x} x {y} x {z}): {} mm, workpiece frame\n{}\n",
+        of.machine,
+        of.tips,
+        [0, 1, 2].map(side).join(", "),
+        of.directions_text()
+    );
+    let some = (of.tips_in_any_direction, of.tips_in_all_directions);
+    text += &format!("\nreached            {} of {} tool poses\n", percent(of.reached, of.tool_poses), of.tool_poses);
+    text += &format!("any direction      {} of the tips ({})\n", percent(some.0, of.tips), some.0);
+    text += &format!("all directions     {} of the tips ({})\n", percent(some.1, of.tips), some.1);
+    let missed = &of.unreachable;
+    if missed.total > 0 {
+        text += &format!(
+            "out of reach       {}: direction {}, place {}, travel {}\n",
+            missed.total, missed.direction, missed.place, missed.travel
+        );
+        let lacks: Vec<String> = of.lacks.iter().map(|lack| format!("  {}\n", lack.words("tool pose"))).collect();
+        text += &lacks.concat();
+    }
+    text
+}

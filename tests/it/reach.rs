@@ -1,0 +1,288 @@
+//! The reach of machines: closed forms, and a search by the independent model.
+
+use crate::configs;
+use crate::oracle::matrix::{V3, minus, norm, turn};
+use crate::oracle::rigid::{Held, State};
+use crate::program::{Folder, abbe, abbe_on, json, refused, text, well_formed};
+use crate::support::config;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+fn machine(folder: &Folder, chain: &str, axes: &str, rest: &str) -> PathBuf {
+    folder.with("m.yaml", &format!("abbe: 1\nmachine: M\nchain: \"{chain}\"\naxes: {{ {axes} }}\n{rest}"))
+}
+
+fn reach(machine: &Path, more: &[&str]) -> Value {
+    json(&[&["reach", text(machine)], more, &["--format", "json"]].concat())
+}
+
+/// Tips and shares.
+fn tips(machine: &Path, more: &[&str]) -> Vec<[f64; 4]> {
+    let csv = abbe(&[&["reach", text(machine)], more, &["--format", "csv"]].concat());
+    let row = |line: &str| {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        <[f64; 4]>::try_from(cells).unwrap()
+    };
+    csv.lines().skip(1).map(row).collect()
+}
+
+const XYZ: &str = "X: { travel: [0, 400], origin: [0, 0, 0] }, Y: { travel: [0, 300], origin: [0, 0, 0] }, \
+                   Z: { travel: [-200, 0], origin: [0, 0, 0] }";
+
+#[test]
+fn a_gantry_reaches_the_box_of_its_travels() {
+    let folder = Folder::new("reach-gantry");
+    let path = machine(&folder, "w b X Y Z t", XYZ, "workpiece: { origin: [100, 50, -150] }\n");
+    let all = reach(&path, &[]);
+    assert_eq!(all["box_mm"], serde_json::json!([[-100.0, 300.0], [-50.0, 250.0], [-50.0, 150.0]]));
+    assert_eq!((&all["counts"], &all["share"]), (&serde_json::json!([9, 7, 5]), &1.0.into()));
+    assert_eq!(all["directions"]["kind"], "one");
+    // Beyond the travel in X, both sides, and above in Z.
+    let more = ["--box", "X=-200..400,Y=0..0 mm,Z=0..0.3 m", "--step", "50 mm"];
+    let wide = reach(&path, &more);
+    assert_eq!(wide["counts"], serde_json::json!([13, 1, 7]));
+    assert_eq!((&wide["reached"], &wide["tool_poses"]), (&(9 * 4).into(), &(13 * 7).into()));
+    for [x, _, z, share] in tips(&path, &more) {
+        let within = (-100.0..=300.0).contains(&x) && z <= 150.0;
+        assert_eq!(share, f64::from(u8::from(within)), "{x} {z}");
+    }
+    let words = abbe(&[&["reach", text(&path)][..], &more].concat());
+    // Four of thirteen columns are beyond X, three of seven rows above Z.
+    assert!(words.contains("Z short by up to 150 mm above 0 mm (39 tool poses)"), "{words}");
+    assert!(words.contains("X short by up to 100 mm below 0 mm (14 tool poses)"), "{words}");
+    assert!(words.contains("X short by up to 100 mm above 400 mm (14 tool poses)"), "{words}");
+    assert_eq!(wide["lacks"][0]["axis"], "Z");
+    assert_eq!((&wide["lacks"][0]["end"], &wide["lacks"][0]["above"]), (&0.0.into(), &true.into()));
+    // The part turned: its Z is Y of the machine, its Y against Z.
+    let turned =
+        machine(&folder, "w b X Y Z t", XYZ, "workpiece: { origin: [100, 50, -150], rotation: { A: -90 deg } }\n");
+    let all = reach(&turned, &[]);
+    assert_eq!(all["box_mm"], serde_json::json!([[-100.0, 300.0], [-150.0, 50.0], [-50.0, 250.0]]));
+    assert_eq!((&all["share"], &all["directions"]["about"]), (&1.0.into(), &serde_json::json!([0.0, -1.0, 0.0])));
+}
+
+#[test]
+fn a_fork_head_reaches_the_cap_within_its_tilt() {
+    let folder = Folder::new("reach-fork");
+    let wide = "X: { travel: [-900, 900], origin: [0, 0, 0] }, Y: { travel: [-900, 900], origin: [0, 0, 0] }, \
+                Z: { travel: [-900, 900], origin: [0, 0, 0] }";
+    for (tilt, count) in [(40.0_f64, 250_usize), (75.0, 100), (90.0, 60)] {
+        let axes = format!(
+            "{wide}, C: {{ travel: continuous, origin: [0, 0, 0] }}, \
+             A: {{ travel: [-{tilt}, {tilt}], origin: [0, 0, 0] }}"
+        );
+        let path = machine(&folder, "w b X Y Z C A t", &axes, "tool: { length: 200 mm }\n");
+        let count_text = count.to_string();
+        let more = ["--box", "X=-100..100,Y=-100..100,Z=-50..50", "--step", "100 mm", "--directions", &count_text];
+        let found = reach(&path, &more);
+        assert_eq!(found["directions"]["kind"], "hemisphere");
+        let share = found["share"].as_f64().unwrap();
+        let cap = 1.0 - tilt.to_radians().cos();
+        assert!((share - cap).abs() <= 0.51 / count as f64, "{tilt}: {share} {cap}");
+        // The same at every tip: none of them is far.
+        let all = if tilt == 90.0 { 18 } else { 0 };
+        assert_eq!(found["tips_in_all_directions"], all);
+        assert_eq!(found["tips_in_any_direction"], 18);
+        if tilt < 90.0 {
+            assert_eq!(found["lacks"][0]["axis"], "A", "{found}");
+        }
+    }
+}
+
+/// The directions as docs/formats.md states them, about a unit vector.
+fn hemisphere(about: V3, count: usize) -> Vec<V3> {
+    let dot = |a: V3, b: V3| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let letter = if about[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let along = dot(about, letter);
+    let first: V3 = std::array::from_fn(|k| letter[k] - along * about[k]);
+    let first = first.map(|x| x / norm(first));
+    let second = crate::oracle::matrix::cross(about, first);
+    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    (0..count)
+        .map(|k| {
+            let height = 1.0 - (k as f64 + 0.5) / count as f64;
+            let (s, c) = (k as f64 * golden).sin_cos();
+            let side = (1.0 - height * height).sqrt();
+            std::array::from_fn(|i| height * about[i] + side * (c * first[i] + s * second[i]))
+        })
+        .collect()
+}
+
+/// A five-axis machine of the configurations with one axis that tilts and one that turns about Z at rest.
+struct Searched {
+    sample: crate::oracle::machines::Sample,
+    tilt: usize,
+    turns: usize,
+    linear: Vec<usize>,
+}
+
+impl Searched {
+    fn new(path: &Path, tilt: &str, turns: &str) -> Self {
+        let sample = crate::support::config::sample(path);
+        let walk = &sample.rigid.walk;
+        let at = |name: &str| walk.iter().position(|axis| axis.name == name).unwrap();
+        let linear = (0..walk.len()).filter(|i| !walk[*i].rotary).collect();
+        Self { tilt: at(tilt), turns: at(turns), linear, sample }
+    }
+
+    fn holds(&self, pose: &[f64]) -> Held {
+        let state = |(axis, position): (usize, &f64)| State {
+            position: if self.sample.rigid.walk[axis].rotary { position.to_radians() } else { *position },
+            errors: [0.0; 6],
+        };
+        self.sample.rigid.holds(&pose.iter().enumerate().map(state).collect::<Vec<_>>())[1]
+    }
+
+    /// True if some position of the rotary axes holds the direction and the linear axes then bring the tip there.
+    fn reaches(&self, tip: V3, direction: V3) -> bool {
+        let dot = |a: V3, b: V3| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let mut pose = vec![0.0; self.sample.axes.len()];
+        let angle = direction[2].clamp(-1.0, 1.0).acos().to_degrees();
+        for tilt in [angle, -angle] {
+            let [low, high] = self.sample.axes[self.tilt].travel.unwrap();
+            if !(low..=high).contains(&tilt) {
+                continue;
+            }
+            (pose[self.tilt], pose[self.turns]) = (tilt, 0.0);
+            let axis = self.holds(&pose).axis();
+            let between = (direction[1].atan2(direction[0]) - axis[1].atan2(axis[0])).to_degrees();
+            for turn in [between, -between] {
+                pose[self.turns] = turn;
+                if dot(self.holds(&pose).axis(), direction) > 1.0 - 1e-12 && self.carries(tip, &pose) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// True if the linear axes bring the tip to a point within their travels.
+    fn carries(&self, tip: V3, pose: &[f64]) -> bool {
+        let mut pose = pose.to_vec();
+        self.linear.iter().for_each(|axis| pose[*axis] = 0.0);
+        let start = self.holds(&pose).tip;
+        let mut columns = nalgebra::Matrix3::zeros();
+        for (k, axis) in self.linear.iter().enumerate() {
+            pose[*axis] = 1.0;
+            let way = minus(self.holds(&pose).tip, start);
+            pose[*axis] = 0.0;
+            columns.set_column(k, &way.into());
+        }
+        let way = nalgebra::Vector3::from(minus(tip, start));
+        let motion = columns.lu().solve(&way).unwrap();
+        self.linear.iter().zip(motion.iter()).all(|(axis, q)| {
+            let [low, high] = self.sample.axes[*axis].travel.unwrap();
+            low - 1e-9 <= *q && *q <= high + 1e-9
+        })
+    }
+}
+
+#[test]
+fn the_shares_are_those_of_a_search_by_the_independent_model() {
+    // Sides that no end of a travel falls on.
+    let cases = [
+        ("trunnion.yaml", "A", "C", "X=-307..293,Y=-251..249,Z=-13..137"),
+        ("ht-b-c.yaml", "B", "C", "X=-411..389,Y=-299..301,Z=-17..383"),
+        ("tt-ac-800.yaml", "A", "C", "X=-503..497,Y=-401..399,Z=7..207"),
+    ];
+    for (name, tilt, turns, region) in cases {
+        let path = configs::folder().join(name);
+        let searched = Searched::new(&path, tilt, turns);
+        let directions = hemisphere([0.0, 0.0, 1.0], 40);
+        let found = tips(&path, &["--box", region, "--step", "150 mm", "--directions", "40"]);
+        let mut between = 0;
+        for [x, y, z, share] in &found {
+            let wanted = directions.iter().filter(|d| searched.reaches([*x, *y, *z], **d)).count();
+            assert_eq!((share * 40.0).round() as usize, wanted, "{name} {x} {y} {z}");
+            between += usize::from(wanted > 0 && wanted < 40);
+        }
+        assert!(between > 5, "{name}: {between} of {}", found.len());
+    }
+}
+
+#[test]
+fn one_axis_that_turns_the_tool_gives_a_circle() {
+    let found = reach(&config("hmc-4ax.yaml"), &["--step", "200 mm", "--directions", "36"]);
+    // Nineteen of thirty-six are within the hemisphere, its rim included.
+    assert_eq!((&found["directions"]["kind"], &found["directions"]["count"]), (&"circle".into(), &19.into()));
+    assert!(found["reached"].as_u64().unwrap() > 0 && found["share"].as_f64().unwrap() < 1.0);
+    // The tool lies along Z of the machine: -Y of the part.
+    let about = turn(&crate::oracle::matrix::elementary(0, 90_f64.to_radians()), [0.0, 0.0, 1.0]);
+    assert!((0..3).all(|k| (found["directions"]["about"][k].as_f64().unwrap() - about[k]).abs() < 1e-12));
+    let lathe = reach(&config("lathes/lathe-xzc.yaml"), &[]);
+    assert_eq!((&lathe["directions"]["kind"], &lathe["counts"][1]), (&"one".into(), &1.into()));
+    assert_eq!(lathe["share"], 1.0);
+}
+
+#[test]
+fn robots_take_fewer_tool_poses() {
+    let ur5 = config("robots/ur5.yaml");
+    let found = reach(&ur5, &["--box", "X=200..400,Y=-100..100,Z=100..100", "--step", "200 mm", "--directions", "3"]);
+    assert_eq!((&found["tool_poses"], &found["directions"]["count"]), (&12.into(), &3.into()));
+    assert!(found["reached"].as_u64().unwrap() > 6, "{found}");
+    let (code, said) = refused(&["reach", text(&ur5), "--step", "40 mm"]);
+    assert!(code == 1 && said.contains("E0812") && said.contains("10000 tool poses"), "{said}");
+}
+
+#[test]
+fn nonsense_and_too_much_are_refused() {
+    let trunnion = config("trunnion.yaml");
+    let run = |more: &[&str]| refused(&[&["reach", text(&trunnion)], more].concat());
+    for bad in ["Q=0..1", "X=0", "X=5..-5", "X=0..inf", "X=0..9e9", "X=0 deg..1 deg", "", "X=1..2;Y=0..1"] {
+        let (code, said) = run(&["--box", bad]);
+        assert!(code == 2 && said.contains("is no side of a box"), "{bad}: {code} {said}");
+    }
+    let (code, said) = run(&["--step", "1 mm"]);
+    assert!(code == 1 && said.contains("refused[E0812]") && said.contains("more than 1000000 tool poses"), "{said}");
+    for step in ["0 mm", "-5 mm", "3 deg"] {
+        assert_eq!(run(&["--step", step]).0, 2, "{step}");
+    }
+    assert_eq!(run(&["--directions", "0"]).0, 2);
+}
+
+#[test]
+fn files_hold_the_same_and_do_not_depend_on_threads() {
+    let folder = Folder::new("reach-files");
+    let (svg, png, vtk) = (folder.file("r.svg"), folder.file("r.png"), folder.file("r.vts"));
+    let trunnion = config("trunnion.yaml");
+    let more = ["reach", text(&trunnion), "--step", "100 mm", "--directions", "12", "--format", "csv"];
+    let files = ["--svg", text(&svg), "--png", text(&png), "--vtk", text(&vtk)];
+    let one = abbe_on(1, &[&more[..], &files].concat());
+    assert!(one.status.success(), "{one:?}");
+    let bytes = |path: &Path| std::fs::read(path).unwrap();
+    let before = [&svg, &png, &vtk].map(|path| bytes(path));
+    let two = abbe_on(2, &[&more[..], &files].concat());
+    assert_eq!(one.stdout, two.stdout);
+    assert_eq!(before, [&svg, &png, &vtk].map(|path| bytes(path)));
+    let drawing = String::from_utf8(before[0].clone()).unwrap();
+    assert!(well_formed(&drawing).is_ok() && drawing.contains("all directions at"), "{drawing}");
+    assert_eq!(&before[1][1..4], b"PNG");
+    // Points, then shares, then counts, each behind its size in bytes.
+    let rows = tips(&trunnion, &["--step", "100 mm", "--directions", "12"]);
+    let start = before[2].windows(3).position(|w| w == b">\n_").unwrap() + 3;
+    let head = String::from_utf8_lossy(&before[2][..start]).into_owned();
+    assert!(head.contains("type=\"StructuredGrid\"") && head.contains("Name=\"share\""), "{head}");
+    let mut at = start;
+    let mut next = |count: usize| -> Vec<f64> {
+        let size = u64::from_le_bytes(before[2][at..at + 8].try_into().unwrap());
+        assert_eq!(size as usize, 8 * count);
+        let numbers = before[2][at + 8..at + 8 + 8 * count].chunks(8);
+        at += 8 + 8 * count;
+        numbers.map(|b| f64::from_le_bytes(b.try_into().unwrap())).collect()
+    };
+    let (points, shares, reached) = (next(3 * rows.len()), next(rows.len()), next(rows.len()));
+    for (i, [x, y, z, share]) in rows.iter().enumerate() {
+        assert_eq!((&points[3 * i..3 * i + 3], shares[i]), (&[*x, *y, *z][..], *share));
+        assert_eq!(reached[i], (share * 12.0).round());
+    }
+    assert!(before[2].ends_with(b"\n </AppendedData>\n</VTKFile>\n"));
+    // The numbers of docs/formats.md add up.
+    let found = reach(&trunnion, &["--step", "100 mm", "--directions", "12"]);
+    let number = |key: &str| found[key].as_u64().unwrap();
+    assert_eq!(number("tool_poses"), 12 * number("tips"));
+    assert_eq!(number("tool_poses"), number("reached") + found["unreachable"]["total"].as_u64().unwrap());
+    assert_eq!(number("reached") as f64, reached.iter().sum::<f64>());
+    let all = reached.iter().filter(|n| **n == 12.0).count() as u64;
+    let any = reached.iter().filter(|n| **n > 0.0).count() as u64;
+    assert_eq!((number("tips_in_all_directions"), number("tips_in_any_direction")), (all, any));
+}
