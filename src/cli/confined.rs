@@ -30,7 +30,7 @@ pub(super) fn run(arguments: &[OsString], mut session: Session) -> Option<ExitCo
     use std::os::unix::process::ExitStatusExt;
     let program = std::env::current_exe().ok()?;
     let own = arguments.get(1..).unwrap_or_default();
-    let Ok(status) = std::process::Command::new(program).arg("--confined").args(own).status() else {
+    let Ok(status) = std::process::Command::new(program).arg("--template-child").args(own).status() else {
         limit();
         return None;
     };

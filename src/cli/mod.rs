@@ -15,6 +15,7 @@ mod watch;
 use clap::{Parser, Subcommand, ValueEnum};
 use output::session::Session;
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use verbs::{
     budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, identify, import,
@@ -46,9 +47,12 @@ struct Global {
     /// Refuse the input on any of these (only `warnings`).
     #[arg(long, global = true, value_name = "WHAT", value_parser = ["warnings"])]
     deny: Option<String>,
+    /// Read files in this folder and below it only: nothing outside, also not through links.
+    #[arg(long, global = true, value_name = "DIR")]
+    confined: Option<PathBuf>,
     /// Internal: marks the resource-limited child that renders user templates.
     #[arg(long, global = true, hide = true)]
-    confined: bool,
+    template_child: bool,
 }
 
 /// Form of the output, as an argument.
@@ -155,7 +159,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Ok(cli) => cli,
         Err(message) => return usage(&message),
     };
-    if cli.global.confined {
+    if cli.global.template_child {
         confined::limit();
         return confined::on_large_stack(move || finished(cli));
     }
@@ -183,6 +187,9 @@ fn usage(message: &clap::Error) -> ExitCode {
 fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
     if session.is_sarif() && !matches!(verb, Verb::Check(_)) {
         return session.usage("`--format sarif` goes with `check` only");
+    }
+    if let Some(root) = session.missing_root() {
+        return session.usage(&format!("--confined: there is no folder `{root}`"));
     }
     match verb {
         Verb::Eval(args) => eval::run(session, &args),

@@ -4,7 +4,7 @@
 //! replaced whole, `chain` and `branches` (and the other pairs that exclude each other) replace each
 //! other, a plain key displaces that of its name in the blocks of a side, and `null` removes.
 
-use super::files::Files;
+use super::files::{Files, lexical};
 use super::geometry::{self, WrittenChains};
 use super::index::index;
 use super::places::{Keys, Places, below, keys};
@@ -12,7 +12,7 @@ use super::read::read_text;
 use super::tree;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, shown};
 use serde_yaml::{Mapping, Value};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 /// Most files in a chain of `extends`, the first one included.
 const DEPTH: usize = 8;
@@ -68,21 +68,6 @@ fn endless(path: &Path, trail: &[PathBuf], tidy: &PathBuf) -> Diagnostic {
         Diagnostic::new(codes::E0208, format!("`extends` joins more than {DEPTH} files"))
             .help("merge some of the files")
     }
-}
-
-/// `a/../b` is `b`: enough to see a circle, never used to open a file.
-fn lexical(path: &Path) -> PathBuf {
-    path.components().fold(PathBuf::new(), |mut tidy, component| {
-        let folder = tidy.file_name().is_some();
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir if folder => {
-                tidy.pop();
-            }
-            other => tidy.push(other),
-        }
-        tidy
-    })
 }
 
 /// One file's tree and places.

@@ -31,15 +31,21 @@ pub(crate) struct Session {
 
 impl Session {
     pub(crate) fn new(global: Global) -> Self {
-        let bar = ProgressBar::new(global.quiet, global.confined);
+        let bar = ProgressBar::new(global.quiet, global.template_child);
         let (document, unfit) = (RefCell::new(None), RefCell::new(None));
-        let (diagnostics, files, output_lost) = (Diagnostics::default(), Rc::default(), Cell::new(None));
+        let files = Rc::new(Recorded::within(global.confined.as_deref()));
+        let (diagnostics, output_lost) = (Diagnostics::default(), Cell::new(None));
         Self { global, bar, diagnostics, files, document, unfit, output_lost }
     }
 
     /// A session with the same options that has found nothing yet.
     pub(crate) fn fresh(&self) -> Self {
         Self::new(self.global.clone())
+    }
+
+    /// Returns the folder of `--confined` if there is none of its name.
+    pub(crate) fn missing_root(&self) -> Option<String> {
+        self.global.confined.as_ref().filter(|root| !root.is_dir()).map(|root| root.display().to_string())
     }
 
     /// Surroundings of a call of the library: files from the disk, progress on the terminal.

@@ -156,12 +156,16 @@ pub(crate) fn write_picture(
 
 /// Refuses to write over a file that was read in this run: a machine file, a table, a measurement, a template.
 pub(crate) fn refuse_input(path: &Path, read: &Recorded) -> Result<(), Diagnostic> {
-    let Some(own) = identity(path) else { return Ok(()) };
-    if !read.paths().iter().any(|other| identity(other).as_ref() == Some(&own)) {
+    if !is_input(path, read) {
         return Ok(());
     }
     let message = format!("`{}` is an input of this run", path.display());
     Err(Diagnostic::new(codes::E0630, message).help("give the output another name; nothing was written"))
+}
+
+/// True if a path leads to a file that was read in this run.
+pub(crate) fn is_input(path: &Path, read: &Recorded) -> bool {
+    identity(path).is_some_and(|own| read.paths().iter().any(|other| identity(other).as_ref() == Some(&own)))
 }
 
 /// Refuses, before any work, outputs that cannot all be written: over an input, two to one file, or where there is

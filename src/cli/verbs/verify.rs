@@ -32,7 +32,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     for folder in std::iter::once(&args.folder).chain(&args.installed) {
-        file_set::settle(session, folder)?;
+        file_set::check(session, folder)?;
     }
     // The tables hold for the tool they were made for.
     let made_for = set_manifest(&args.folder, session.run()).map(|lock| lock.tool).filter(|name| !name.is_empty());
