@@ -137,7 +137,7 @@ struct Subject<'a> {
 
 impl<'a> Subject<'a> {
     fn of(call: &mut Call<'_>, file: &'a MachineFile, options: &ReportOptions) -> Result<Self, Refused> {
-        let seen = call.diagnostics.iter().count();
+        let seen = call.diagnostics.count();
         call.extend(bounded_only(file));
         call.checked()?;
         let work = options.tool_poses.as_ref().map(|path| work(call, file, path, options)).transpose()?;

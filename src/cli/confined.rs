@@ -5,6 +5,7 @@ use super::output::session::Session;
 use abbe::{Diagnostic, codes};
 use std::ffi::OsString;
 use std::process::ExitCode;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// GiB of memory for such a run: many times the need of the largest set.
 const GIBIBYTES: u64 = 1;
@@ -93,8 +94,15 @@ pub(super) fn limit_time(seconds: Option<u64>) {
 #[cfg(not(unix))]
 pub(super) fn limit_time(_: Option<u64>) {}
 
-/// Runs the job of the child. Returns exit code 3 if the thread cannot start or breaks off.
-pub(super) fn on_large_stack(job: impl FnOnce() -> ExitCode + Send + 'static) -> ExitCode {
-    let thread = std::thread::Builder::new().stack_size(STACK).spawn(job);
-    thread.map_or(ExitCode::from(3), |thread| thread.join().unwrap_or(ExitCode::from(3)))
+/// Runs the job of the child, on the stack at hand if no thread can be had. Returns exit code 3 if it breaks off.
+pub(super) fn on_large_stack<J: FnOnce() -> ExitCode + Send + 'static>(job: J) -> ExitCode {
+    // What the thread takes is not lost with a thread that does not start.
+    let job = Arc::new(Mutex::new(Some(job)));
+    let take = |job: &Mutex<Option<J>>| job.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let shared = Arc::clone(&job);
+    let run = move || take(&shared).map_or(ExitCode::from(3), |job| job());
+    match std::thread::Builder::new().stack_size(STACK).spawn(run) {
+        Ok(thread) => thread.join().unwrap_or(ExitCode::from(3)),
+        Err(_) => take(&job).map_or(ExitCode::from(3), |job| job()),
+    }
 }

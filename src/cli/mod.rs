@@ -8,6 +8,7 @@ mod how;
 mod output;
 mod serve;
 mod store;
+mod threads;
 mod tolerances;
 mod verbs;
 mod watch;
@@ -173,6 +174,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
 }
 
 fn finished(cli: Cli) -> ExitCode {
+    threads::start();
     let mut session = Session::new(cli.global);
     let outcome = dispatch(&mut session, cli.verb);
     session.finish(outcome)

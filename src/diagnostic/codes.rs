@@ -112,6 +112,7 @@ codes! {
     E0304 "an axis occurs twice in the chain",
     E0305 "a primed axis on the tool side",
     E0306 "not the name of an axis",
+    E0307 "too many axes",
     E0401 "an axis needs its kind or direction",
     E0402 "a direction is refused",
     E0403 "a travel or interval is refused",

@@ -22,6 +22,7 @@ mod table;
 mod term;
 mod tolerance;
 mod tree;
+mod yaml;
 
 pub use disk::Disk;
 pub use document::{
@@ -36,6 +37,7 @@ pub use scalar::Scalar;
 pub use schema::schema;
 pub use table::{ColumnDirection, CsvColumn, CsvTable, read_table};
 pub use term::{BSplineEntry, CurveEntry, TermEntry};
+pub use yaml::{YamlFailure, from_yaml};
 pub use tolerance::{BoundEntry, ClassEntry, FrameEntry};
 
 use crate::diagnostic::Diagnostics;

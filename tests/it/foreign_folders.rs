@@ -232,7 +232,7 @@ fn what_is_no_file_on_disk_is_refused_at_once() {
         let verbs: [&[&str]; 5] = [
             &["check", path],
             &["map", "m.yaml", "--tool-poses", path],
-            &["identify", "m.yaml", path],
+            &["identify", "m.yaml", "--data", path],
             &["classify", path],
             &["verify", "m.yaml", ".", "--replay", path],
         ];

@@ -8,9 +8,11 @@ use std::path::Path;
 /// Largest file of a set that is read back: as large as one is written, in bytes.
 pub(crate) const SET_LIMIT: u64 = MAX_FILE_BYTES as u64;
 
-/// Maximum number of files, and of bytes, that are searched for a set.
+/// Maximum number of files that are searched for a set.
 const MAX_FILES: usize = 200;
-const MAX_BYTES: u64 = 4 * SET_LIMIT;
+
+/// Maximum number of bytes of the files of a set together, by name and by content: what is read is held in memory.
+const MAX_BYTES: u64 = SET_LIMIT;
 
 /// A folder with its files.
 pub(crate) struct Folder<'a> {
@@ -51,7 +53,16 @@ impl<'a> Folder<'a> {
     /// one.
     pub fn read(&self, names: &[String], diagnostics: &mut Diagnostics) -> Vec<ReadBack> {
         let mut found = Vec::new();
+        let mut bytes = 0;
         for name in names.iter().filter(|name| self.has(name)) {
+            let size = self.entries.iter().filter(|entry| entry.name == *name).map(|entry| entry.size).sum::<u64>();
+            bytes += size;
+            if bytes > MAX_BYTES {
+                let message = format!("`{name}`: the files of the set have more than {} MB together", MAX_BYTES >> 20);
+                let help = "no set that abbe writes is so large; name the folder that `compile --out` was given";
+                diagnostics.push(Diagnostic::new(codes::E0704, message).help(help));
+                return Vec::new();
+            }
             let text = self
                 .files
                 .read_at_most(&self.path.join(name), SET_LIMIT)

@@ -5,8 +5,8 @@ use super::misread;
 use super::options::CompensationOptions;
 use crate::api::run::{Call, Refused};
 use crate::compensation::{CorrectionTables, Fit, LatticeRequest, Scope, resampled};
-use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile};
-use crate::diagnostic::{Diagnostic, codes};
+use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile, assigned_letters};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{AxisKind, Machine};
 use std::path::Path;
 use std::sync::Arc;
@@ -46,6 +46,7 @@ pub(crate) fn rendered(
     if let Some(refusal) = target.refusal(machine) {
         return call.refuse(refusal);
     }
+    refuse_no_letter(call, machine, target)?;
     let TableRequest { scope, limits, .. } = *request;
     let axes = lattice_axes(call, machine, request.lattice)?;
     let request = LatticeRequest { axes, max_nodes: request.max_nodes, scope };
@@ -64,6 +65,15 @@ pub(crate) fn rendered(
     call.checked()?;
     let tables = read_back(call, machine, target, &rendered, &tables)?;
     Ok(RenderedTables { rendered, tables })
+}
+
+/// Refuses axes for which the controller has no letter, before tables are filled.
+fn refuse_no_letter(call: &mut Call, machine: &Machine, target: &ControllerTarget) -> Result<(), Refused> {
+    let mut found = Diagnostics::default();
+    if assigned_letters(machine, target.manifest.axis_letters.as_ref(), Some(&mut found)).is_none() {
+        call.extend(found.iter().cloned());
+    }
+    call.checked()
 }
 
 /// Indices of the axes that span a lattice: those named, in the order of the chain, or all.

@@ -115,6 +115,10 @@ impl Session {
         let warnings = self.diagnostics.warning_records();
         if let (Some(object), false) = (value.as_object_mut(), warnings.is_empty()) {
             let _ = object.insert("warnings".to_owned(), json!(warnings));
+            let more = self.diagnostics.more()[1];
+            if more > 0 {
+                let _ = object.insert("more_warnings".to_owned(), json!(more));
+            }
         }
         self.print_document(value);
     }

@@ -2,7 +2,7 @@
 
 use super::Manifest;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::syntax::{Files, read_text};
+use crate::syntax::{Files, YamlFailure, from_yaml, read_text};
 use std::fmt::{Display, Formatter};
 use std::path::Path;
 
@@ -141,7 +141,7 @@ impl ControllerTarget {
 /// The reason why a manifest is refused.
 enum ManifestFault {
     /// It is no YAML, or has other keys.
-    Syntax(serde_yaml::Error),
+    Syntax(YamlFailure),
     /// Its keys do not fit together.
     Unsound(String),
     /// A template is outside the target's folder.
@@ -160,7 +160,7 @@ impl Display for ManifestFault {
 
 /// Reads a manifest that can be worked with.
 fn sound(text: &str) -> Result<Manifest, ManifestFault> {
-    let manifest: Manifest = serde_yaml::from_str(text).map_err(ManifestFault::Syntax)?;
+    let manifest: Manifest = from_yaml(text).map_err(ManifestFault::Syntax)?;
     if let Some(fault) = manifest.fault() {
         return Err(ManifestFault::Unsound(fault));
     }
