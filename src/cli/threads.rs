@@ -1,30 +1,71 @@
-//! The pool of threads. A system may give fewer than there are processors, or none (`pids.max`, little address space):
-//! then there are fewer, down to the one that is there.
+//! The pool of threads. A system may have no threads to give (`pids.max`, little address space): then the run does with
+//! the one that is there.
 
 use rayon::{ThreadBuilder, ThreadPoolBuilder};
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
 
 /// Starts the pool, in the thread that does the run. The results are the same with any number of threads.
 pub(super) fn start() {
-    let wanted = std::thread::available_parallelism().map_or(1, usize::from);
-    let wanted = std::env::var("RAYON_NUM_THREADS").ok().and_then(|n| n.parse().ok()).filter(|n| *n > 0).unwrap_or(wanted);
-    // Threads that are there already: once the pool has begun to start its own, it cannot do with fewer.
-    let mut waiting: Vec<Sender<ThreadBuilder>> = Vec::new();
-    while waiting.len() < wanted {
+    let pool = match waiting(wanted()).filter(|threads| !threads.is_empty()) {
+        // Once the pool has begun to start threads of its own, it cannot do without one that fails to start.
+        Some(mut waiting) => {
+            let count = waiting.len();
+            let hand_over = move |thread: ThreadBuilder| {
+                let gone = || std::io::Error::other("the thread is gone");
+                waiting.pop().ok_or_else(gone)?.0.send(thread).map_err(|_| gone())
+            };
+            ThreadPoolBuilder::new().num_threads(count).spawn_handler(hand_over).build_global()
+        }
+        None => ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global(),
+    };
+    // A process has one pool: the first stays.
+    drop(pool);
+}
+
+/// Returns the number of threads: that of the processors, or what rayon's variable asks for.
+fn wanted() -> usize {
+    let named = std::env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.parse().ok());
+    let processors = || std::thread::available_parallelism().map_or(1, usize::from);
+    named.filter(|number| *number > 0).unwrap_or_else(processors).min(affordable())
+}
+
+/// Address space that a thread takes: its stack, and what the allocator sets aside for it.
+const BYTES_OF_THREAD: u64 = 66 << 20;
+
+/// Returns the number of threads that a fourth of the address space holds. Threads that take all of it leave no room
+/// for the run: then the next allocation, of any size, ends the program.
+#[cfg(unix)]
+fn affordable() -> usize {
+    use rustix::process::{Resource, getrlimit};
+    let limit = getrlimit(Resource::As).current;
+    limit.map_or(usize::MAX, |bytes| usize::try_from(bytes / 4 / BYTES_OF_THREAD).unwrap_or(usize::MAX))
+}
+
+#[cfg(not(unix))]
+fn affordable() -> usize {
+    usize::MAX
+}
+
+/// A thread that waits for its work.
+type Waiting = (Sender<ThreadBuilder>, JoinHandle<()>);
+
+/// Returns threads, all that are wanted or none: with a part of them nothing may be left for the rest of the run.
+fn waiting(wanted: usize) -> Option<Vec<Waiting>> {
+    let mut threads: Vec<Waiting> = Vec::new();
+    for _ in 0..wanted {
         let (sender, receiver): (_, Receiver<ThreadBuilder>) = channel();
         let work = move || receiver.into_iter().for_each(ThreadBuilder::run);
-        let Ok(_) = std::thread::Builder::new().spawn(work) else { break };
-        waiting.push(sender);
+        match std::thread::Builder::new().spawn(work) {
+            Ok(handle) => threads.push((sender, handle)),
+            Err(_) => {
+                for (sender, handle) in threads {
+                    drop(sender);
+                    let _ = handle.join();
+                }
+                return None;
+            }
+        }
     }
-    let count = waiting.len();
-    // Of a second pool in the process nothing comes: the first stays.
-    let _ = if count == 0 {
-        ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global()
-    } else {
-        let hand_over = move |thread: ThreadBuilder| {
-            let gone = || std::io::Error::other("the thread is gone");
-            waiting.pop().ok_or_else(gone)?.send(thread).map_err(|_| gone())
-        };
-        ThreadPoolBuilder::new().num_threads(count).spawn_handler(hand_over).build_global()
-    };
+    Some(threads)
 }

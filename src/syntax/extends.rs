@@ -7,6 +7,7 @@
 use super::files::{Files, lexical};
 use super::geometry::{self, WrittenChains};
 use super::index::index;
+use super::nulls::refuse_unknown;
 use super::places::{Keys, Places, below, keys};
 use super::read::read_text;
 use super::tree;
@@ -78,7 +79,10 @@ fn read_layer(path: &Path, named: Option<Place>, files: &dyn Files, diagnostics:
     index(&text, source, &mut places, diagnostics)?;
     let start = || Some(Place { source, range: 0..0 });
     match tree::parse(&text) {
-        Ok(Value::Mapping(map)) => Some(Layer { map, places, chains: WrittenChains::default() }),
+        Ok(Value::Mapping(map)) => {
+            refuse_unknown(&map, &mut places, diagnostics);
+            Some(Layer { map, places, chains: WrittenChains::default() })
+        }
         Ok(_) => {
             let help = "start with `abbe: 1`, then `machine:`, `chain:`, `axes:`; `abbe init` writes an example";
             diagnostics.push(Diagnostic::new(codes::E0109, "the file holds no machine").at(start(), "").help(help));

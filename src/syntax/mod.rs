@@ -12,6 +12,7 @@ mod files;
 mod forms;
 mod geometry;
 mod index;
+mod nulls;
 mod places;
 mod read;
 mod scalar;
