@@ -201,13 +201,13 @@ fn own_budget(
     machine: &Machine,
     options: &ReportOptions,
 ) -> Result<Option<BudgetResult>, Refused> {
-    let ReportOptions { tolerances, samples, seed, .. } = options;
+    let ReportOptions { tolerances, samples, seed, poses, .. } = options;
     let bounded = tolerances.bounds_if_any(call, machine)?;
     if bounded.0.is_empty() {
         return Ok(None);
     }
-    let options =
-        BudgetOptions { tolerances: tolerances.clone(), samples: *samples, seed: *seed, ..BudgetOptions::default() };
+    let (tolerances, samples, seed, poses) = (tolerances.clone(), *samples, *seed, *poses);
+    let options = BudgetOptions { tolerances, samples, seed, poses, ..BudgetOptions::default() };
     budget_of(call, machine, &options, None, bounded).map(Some)
 }
 

@@ -44,9 +44,13 @@ pub(super) fn run(arguments: &[OsString], mut session: Session) -> Option<ExitCo
             let refused = session.refuse::<()>(
                 Diagnostic::new(
                     codes::E0740,
-                    format!("the templates asked for more than {GIBIBYTES} GiB of memory: the run was stopped"),
+                    format!(
+                        "the templates asked for more than {GIBIBYTES} GiB of memory, or for more than {} MiB of stack \
+                         (values nested in each other, recursion): the run was stopped",
+                        STACK >> 20
+                    ),
                 )
-                .help("keep no text in variables that grow, write it as it comes; nothing was written"),
+                .help("keep no text in variables that grow and nest no lists, write it as it comes; nothing was written"),
             );
             Some(session.finish(refused))
         }

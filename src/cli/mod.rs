@@ -16,6 +16,7 @@ mod watch;
 use clap::{Parser, Subcommand, ValueEnum};
 use output::session::Session;
 use std::ffi::OsString;
+use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use verbs::{
@@ -181,9 +182,14 @@ fn finished(cli: Cli) -> ExitCode {
 }
 
 fn usage(message: &clap::Error) -> ExitCode {
-    // A closed pipe is no reason to change the exit code.
-    let _ = message.print();
-    ExitCode::from(if message.use_stderr() { 2 } else { 0 })
+    match message.print().and_then(|()| std::io::stdout().flush()) {
+        // A closed pipe is no reason to change the exit code.
+        Err(failure) if !message.use_stderr() && failure.kind() != ErrorKind::BrokenPipe => {
+            let _ = writeln!(std::io::stderr(), "abbe: standard output did not take everything: {}", failure.kind());
+            ExitCode::from(3)
+        }
+        _ => ExitCode::from(if message.use_stderr() { 2 } else { 0 }),
+    }
 }
 
 fn dispatch(session: &mut Session, verb: Verb) -> Outcome {

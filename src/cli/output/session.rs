@@ -2,6 +2,7 @@
 
 use super::progress::ProgressBar;
 use crate::cli::store::files::Recorded;
+use crate::cli::store::limited::standard_output;
 use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
 use abbe::text::{Rendering, counts, render};
 use abbe::{Answer, LoadOptions, MachineFile, Run};
@@ -94,7 +95,7 @@ impl Session {
 
     /// Prints to standard output. A closed pipe ends the output, not the run.
     pub(crate) fn print(&self, text: &str) {
-        let mut out = std::io::stdout().lock();
+        let mut out = standard_output();
         let ending: &[u8] = if text.ends_with('\n') { b"" } else { b"\n" };
         let written = out.write_all(text.as_bytes()).and_then(|()| out.write_all(ending)).and_then(|()| out.flush());
         match written {

@@ -11,6 +11,7 @@
 //! list. Whoever does any of this holds the folder ([`exclusive`]).
 
 use super::files::{SET_LIMIT, read_at_most};
+use super::limited::LimitedWriter;
 use super::write::unwritable_folder;
 use abbe::sets::{Hashed, LOCK_NAME, Lock, RenderedFile, is_plain_name, sha256};
 use abbe::{Diagnostic, Diagnostics, codes};
@@ -82,8 +83,8 @@ impl Replacement<'_> {
         if !stale.is_empty() {
             self.lock.stale.extend(stale.iter().map(|stale| stale.file.clone()));
             let path = folder.join(temporary_name(LOCK_NAME, run));
-            let written = fs::File::create(path).and_then(|mut handle| {
-                handle.write_all(&manifest(&self.lock).bytes)?;
+            let written = fs::File::create(path).and_then(|handle| {
+                LimitedWriter::new(&handle, 0).write_all(&manifest(&self.lock).bytes)?;
                 handle.sync_all()
             });
             written.map_err(|failure| (LOCK_NAME.to_owned(), failure))?;
@@ -219,9 +220,9 @@ impl Staged {
 
     fn add(&mut self, folder: &Path, name: &str, bytes: &[u8]) -> std::io::Result<PathBuf> {
         let path = folder.join(temporary_name(name, self.run));
-        let mut handle = fs::OpenOptions::new().write(true).create_new(true).open(&path)?;
+        let handle = fs::OpenOptions::new().write(true).create_new(true).open(&path)?;
         self.paths.push(path.clone());
-        handle.write_all(bytes)?;
+        LimitedWriter::new(&handle, 0).write_all(bytes)?;
         handle.sync_all()?;
         Ok(path)
     }
