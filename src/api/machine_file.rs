@@ -115,13 +115,13 @@ pub struct LoadOptions {
 ///
 /// Fails with all faults of the files, each with its place.
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions, run: Run) -> Result<Answer<MachineFile>, Diagnostics> {
-    Call::answer(run, &Sources::default(), |call| read(call, path.as_ref(), options, run.files))
+    Call::answer_of(run, &Sources::default(), |call| read(call, path.as_ref(), options, run.files))
 }
 
 /// Reads a machine from the text of a machine file. Files that the text names are read through `run.files`.
 pub fn loads(text: &str, options: &LoadOptions, run: Run) -> Result<Answer<MachineFile>, Diagnostics> {
     let files = Overlay { text: MemoryFiles::default().with(TEXT_NAME, text), files: run.files };
-    Call::answer(run, &Sources::default(), |call| read(call, Path::new(TEXT_NAME), options, &files))
+    Call::answer_of(run, &Sources::default(), |call| read(call, Path::new(TEXT_NAME), options, &files))
 }
 
 /// Name of a machine file that has none.

@@ -5,6 +5,7 @@ use super::budgets::{DrawnMachines, budgets};
 use super::compensation::effect::compiled_effect;
 use super::compensation::options::CompensationOptions;
 use super::features::features;
+use super::finite;
 use super::machine_file::{MachineFile, bounded_only, sources_of};
 use super::order_of;
 use super::run::{Answer, Call, Refused, Run};
@@ -91,7 +92,11 @@ impl Report {
 ///
 /// Fails for targets and classes that are not there, and where [`compile`](super::compile()) fails for a target.
 pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Result<Answer<Report>, Diagnostics> {
-    Call::answer(run, &sources_of(files), |call| reported(call, files, options))
+    Call::answer_of(run, &sources_of(files), |call| {
+        let report = reported(call, files, options)?;
+        call.extend(finite::refusal(&report.data));
+        Ok(report)
+    })
 }
 
 fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {

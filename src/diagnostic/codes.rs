@@ -155,6 +155,7 @@ codes! {
     E0528 "conventions cannot be read",
     E0529 "the converted machine is refused",
     E0541 "a table too long to be printed",
+    E0542 "a result is not finite",
     W0501 "the fit did not converge",
     W0502 "the fit does not explain the data",
     W0503 "the residuals are not random",

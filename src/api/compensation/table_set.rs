@@ -3,6 +3,7 @@
 use super::found_set::{self, FoundSet};
 use super::misread;
 use super::options::CompensationOptions;
+use crate::api::finite::not_finite;
 use crate::api::run::{Call, Refused};
 use crate::compensation::{CorrectionTables, Fit, LatticeRequest, Scope, resampled};
 use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile, assigned_letters};
@@ -47,6 +48,7 @@ pub(crate) fn rendered(
         return call.refuse(refusal);
     }
     refuse_no_letter(call, machine, target)?;
+    refuse_short_travel(call, machine, target)?;
     let TableRequest { scope, limits, .. } = *request;
     let axes = lattice_axes(call, machine, request.lattice)?;
     let request = LatticeRequest { axes, max_nodes: request.max_nodes, scope };
@@ -55,6 +57,9 @@ pub(crate) fn rendered(
         Some(installed) => target.tables_over(machine, &request, installed),
         None => target.tables(machine, &request),
     });
+    if !tables.is_finite() {
+        return call.refuse(not_finite("correction"));
+    }
     warn_left_out(call, machine, target, &tables);
     let losses = installed.map(|old| target.resampling_losses(machine, &tables, old)).unwrap_or_default();
     call.extend(losses);
@@ -72,6 +77,25 @@ fn refuse_no_letter(call: &mut Call, machine: &Machine, target: &ControllerTarge
     let mut found = Diagnostics::default();
     if assigned_letters(machine, target.manifest.axis_letters.as_ref(), Some(&mut found)).is_none() {
         call.extend(found.iter().cloned());
+    }
+    call.checked()
+}
+
+/// Refuses a travel that the target's tables cannot hold: two positions of it would be written as one.
+fn refuse_short_travel(call: &mut Call, machine: &Machine, target: &ControllerTarget) -> Result<(), Refused> {
+    for axis in machine.axes() {
+        let (min, max) = axis.travel.interval();
+        let steps = target.manifest.mechanism.iter().map(|(_, rules)| rules.increment.min_position(axis.kind));
+        let coarsest = steps.fold(0.0, f64::max);
+        if max - min < coarsest {
+            let (unit, name) = (axis.unit(), &target.manifest.target);
+            let message = format!(
+                "the travel of `{}`, {} {unit}, is below the increment of positions of the target `{name}`, {coarsest} {unit}",
+                axis.name,
+                max - min
+            );
+            call.extend([Diagnostic::new(codes::E0708, message).help("check the unit of the travel")]);
+        }
     }
     call.checked()
 }
