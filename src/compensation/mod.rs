@@ -19,6 +19,7 @@ mod nodes;
 mod own_axis;
 mod plan;
 mod product;
+mod room;
 mod scope;
 mod single_error;
 mod sum;
@@ -38,6 +39,7 @@ pub use plan::{lacking, tables};
 pub use product::TABLES_OF_A_PRODUCT;
 pub use scope::{Correction, Goal, Scope};
 pub use single_error::{SetLayout, single_errors};
+pub use room::Crowded;
 pub use tables::{
     CorrectionTable, CorrectionTables, ErrorCurve, Factors, LatticeCells, SingleErrorTables, SingleErrors,
 };

@@ -234,6 +234,7 @@ codes! {
     W0705 "a table ends before the axis",
     W0706 "tables judged with another tool",
     W0707 "a file of an earlier set is still there",
+    W0708 "a table has no room beside the installed ones",
     W0710 "the axis of a file is inferred from its positions",
     W0711 "a file is ignored",
     W0712 "a set was half replaced",

@@ -36,13 +36,14 @@ impl TableRequest<'_> {
     }
 }
 
-/// Fills the tables of a target on top of those installed, renders its files and reads them back as `verify` would.
+/// Fills the tables of a target on top of those installed, renders its files and reads them back as `verify` would. With
+/// installed tables goes the target with all of its mechanisms: they may be of a kind that no new table is to be of.
 pub(crate) fn rendered(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
     request: &TableRequest,
-    installed: Option<&CorrectionTables>,
+    installed: Option<(&CorrectionTables, &ControllerTarget)>,
 ) -> Result<RenderedTables, Refused> {
     if let Some(refusal) = target.refusal(machine) {
         return call.refuse(refusal);
@@ -53,15 +54,18 @@ pub(crate) fn rendered(
     let axes = lattice_axes(call, machine, request.lattice)?;
     let request = LatticeRequest { axes, max_nodes: request.max_nodes, scope };
     refuse_impossible_lattice(call, machine, target, &request)?;
-    let tables = Arc::new(match installed {
-        Some(installed) => target.tables_over(machine, &request, installed),
-        None => target.tables(machine, &request),
-    });
+    let (planner, target) = (target, installed.map_or(target, |(_, target)| target));
+    let (tables, left_out) = match installed {
+        Some((installed, target)) => target.tables_over(planner, machine, &request, installed),
+        None => (target.tables(machine, &request), Vec::new()),
+    };
+    let tables = Arc::new(tables);
+    call.extend(left_out);
     if !tables.is_finite() {
         return call.refuse(not_finite("correction"));
     }
     warn_left_out(call, machine, target, &tables);
-    let losses = installed.map(|old| target.resampling_losses(machine, &tables, old)).unwrap_or_default();
+    let losses = installed.map(|(old, _)| target.resampling_losses(machine, &tables, old)).unwrap_or_default();
     call.extend(losses);
     call.extend(limits.exceeded(machine, &tables));
     call.extend(target.violations(machine, &tables));
@@ -248,7 +252,9 @@ pub(crate) fn installed(
     folder: Option<&Path>,
 ) -> Result<Option<CorrectionTables>, Refused> {
     let Some(folder) = folder else { return Ok(None) };
-    let set = found(call, machine, folder, options)?;
+    // What is installed is there, whatever new tables are to be without.
+    let options = CompensationOptions { without: Vec::new(), ..options.clone() };
+    let set = found(call, machine, folder, &options)?;
     call.checked()?;
     if set.target.manifest.target == target.manifest.target {
         return Ok(Some(set.tables));
