@@ -4,7 +4,7 @@ use super::run::{Call, Refused};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::lower::{DeclaredAlgebra, WeilLift};
 use crate::machine::{AlgebraChoice, Machine};
-use crate::syntax::AlgebraEntry;
+use crate::syntax::{AlgebraEntry, from_yaml};
 
 /// The algebra declared by a text (empty: by the machine file), with its generators.
 pub(crate) fn declared(call: &mut Call<'_>, machine: &Machine, text: &str) -> Result<DeclaredAlgebra, Refused> {
@@ -34,7 +34,7 @@ fn of_machine(machine: &Machine) -> Result<AlgebraChoice, Diagnostic> {
 }
 
 fn of_text(text: &str) -> Result<AlgebraChoice, Diagnostic> {
-    let entry: AlgebraEntry = serde_yaml::from_str(&format!("{{{text}}}")).map_err(|failure| {
+    let entry: AlgebraEntry = from_yaml(&format!("{{{text}}}")).map_err(|failure| {
         let reason = failure.to_string();
         Diagnostic::new(codes::E0814, format!("`{}` is not an algebra: {}", shown(text), shown(&reason)))
             .help("write it as in a machine file: `--algebra \"degree: 3, generators: per-axis, vanish: [X^2]\"`")

@@ -3,7 +3,7 @@
 use super::run::{Answer, Call, Refused, Run};
 use crate::algebra::{AdmissibilityFailure, Split, skew_vector, split};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
-use crate::syntax::read_text;
+use crate::syntax::{from_yaml, read_text};
 use crate::units::significant;
 use nalgebra::Matrix4;
 use serde::{Deserialize, Serialize};
@@ -171,7 +171,7 @@ pub fn classify(
 
 /// Real and i-part.
 fn parse(text: &str) -> Result<(Matrix4<f64>, Matrix4<f64>), Diagnostic> {
-    let written: Written = serde_yaml::from_str(text).map_err(|failure| unreadable(&failure.to_string()))?;
+    let written: Written = from_yaml(text).map_err(|failure| unreadable(&failure.to_string()))?;
     let rows = |rows: [[f64; 4]; 4]| Matrix4::from_fn(|i, j| rows[i][j]);
     let (real, dual) = match (written.matrix, written.real, written.dual) {
         (Some(entries), None, None) => {

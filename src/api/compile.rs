@@ -101,7 +101,11 @@ fn tables(
         scope: how.scope(),
         limits: options.max_correction,
     };
-    let set = table_set::rendered(call, file, target, &request, installed.as_ref())?;
+    let whole = CompensationOptions { without: Vec::new(), ..how.clone() };
+    let whole = whole.target(call, &options.target, None)?;
+    let over = installed.as_ref().map(|installed| (installed, &whole));
+    let set = table_set::rendered(call, file, target, &request, over)?;
+    let target = over.map_or(target, |(_, whole)| whole);
     let judged = TablesUnderTest { target, tables: &set.tables, installed: installed.as_ref() };
     let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
     call.extend(verdict::warnings(&certificate));

@@ -8,7 +8,7 @@ use crate::analysis::budget::{
 use crate::diagnostic::{Diagnostic, Reason, codes, shown};
 use crate::machine::{ErrorKind, Machine, Pose};
 use crate::report::tolerance_unit;
-use crate::syntax::read_text;
+use crate::syntax::{from_yaml, read_text};
 use crate::units::significant;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
@@ -169,7 +169,8 @@ fn in_order(bounds: &[Bound], prices: &[Price], power: f64, found: &CheapestTole
 fn read(call: &mut Call<'_>, path: &Path) -> Result<CostModel, Refused> {
     let files = call.run.files;
     let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };
-    match CostModel::parse(&text) {
+    let written = from_yaml::<CostModel>(&text).map_err(Reason::new);
+    match written.and_then(CostModel::checked) {
         Ok(model) => Ok(model),
         Err(failure) => call.refuse(refused(&path.display().to_string(), &failure)),
     }

@@ -1,7 +1,7 @@
 //! Machines from a path or a text.
 
 use super::run::{Answer, Call, Refused, Run};
-use crate::controller::Hashed;
+use crate::controller::{Hashed, sha256};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::machine::{self, ErrorTerm, Machine};
 use crate::syntax::{self, Files, IdentifyEntry, MemoryFiles};
@@ -18,6 +18,18 @@ pub struct MachineFile {
     /// The path of the file.
     pub(crate) path: PathBuf,
     warnings: Vec<Diagnostic>,
+    input_files: Vec<InputFile>,
+}
+
+/// A file that a machine was read from.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct InputFile {
+    /// Its path, as it was named.
+    pub file: String,
+    /// SHA-256 of its text, hexadecimal.
+    pub sha256: String,
+    /// True if it is outside the folder of the machine file, links resolved.
+    pub outside: bool,
 }
 
 impl Deref for MachineFile {
@@ -47,6 +59,11 @@ impl MachineFile {
     /// Returns the plain name and the SHA-256 of every file that the machine was read from.
     pub fn inputs(&self) -> Vec<Hashed> {
         hashed(&self.sources)
+    }
+
+    /// Returns the files that the machine was read from, in the order read.
+    pub fn input_files(&self) -> &[InputFile] {
+        &self.input_files
     }
 
     /// Returns the machine with another of its tools, by name.
@@ -98,13 +115,13 @@ pub struct LoadOptions {
 ///
 /// Fails with all faults of the files, each with its place.
 pub fn load(path: impl AsRef<Path>, options: &LoadOptions, run: Run) -> Result<Answer<MachineFile>, Diagnostics> {
-    Call::answer(run, &Sources::default(), |call| read(call, path.as_ref(), options, run.files))
+    Call::answer_of(run, &Sources::default(), |call| read(call, path.as_ref(), options, run.files))
 }
 
 /// Reads a machine from the text of a machine file. Files that the text names are read through `run.files`.
 pub fn loads(text: &str, options: &LoadOptions, run: Run) -> Result<Answer<MachineFile>, Diagnostics> {
     let files = Overlay { text: MemoryFiles::default().with(TEXT_NAME, text), files: run.files };
-    Call::answer(run, &Sources::default(), |call| read(call, Path::new(TEXT_NAME), options, &files))
+    Call::answer_of(run, &Sources::default(), |call| read(call, Path::new(TEXT_NAME), options, &files))
 }
 
 /// Name of a machine file that has none.
@@ -117,6 +134,10 @@ pub(crate) struct Overlay<'a> {
 }
 
 impl Files for Overlay<'_> {
+    fn resolved(&self, path: &Path) -> Option<PathBuf> {
+        if self.text.read(path).is_ok() { self.text.resolved(path) } else { self.files.resolved(path) }
+    }
+
     fn read(&self, path: &Path) -> Result<Vec<u8>, syntax::ReadFailure> {
         self.text.read(path).or_else(|_| self.files.read(path))
     }
@@ -133,11 +154,27 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     let machine = machine.ok_or(Refused)?;
     let identify = document.and_then(|document| document.identify);
     let (sources, warnings) = (call.diagnostics.sources.clone(), call.diagnostics.iter().cloned().collect());
-    let file = MachineFile { machine, identify, sources, path: path.to_owned(), warnings };
+    let input_files = input_files(path, &sources, files);
+    let file = MachineFile { machine, identify, sources, path: path.to_owned(), warnings, input_files };
     match &options.tool {
         None => Ok(file),
         Some(name) => file.with_tool(name).or_else(|refusal| call.refuse(refusal)),
     }
+}
+
+fn input_files(machine: &Path, sources: &Sources, files: &dyn Files) -> Vec<InputFile> {
+    let folder = match machine.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    };
+    let folder = files.resolved(folder);
+    let inside = |file: &Path| Some(files.resolved(file)?.starts_with(folder.as_ref()?));
+    let input = |(name, text): (&str, &str)| InputFile {
+        file: name.to_owned(),
+        sha256: sha256(text.as_bytes()),
+        outside: !inside(Path::new(name)).unwrap_or(false),
+    };
+    sources.iter().map(input).collect()
 }
 
 /// Warns of a machine that is asked for deviations although all its errors are only bounded.

@@ -1,5 +1,6 @@
 //! Tables of a map: every pose with its deviation, written side by side while the map is made.
 
+use super::finite::not_finite;
 use super::run::{Call, Refused};
 use crate::analysis::{Block, Survey, SurveyTask, survey, survey_with_rows};
 use crate::diagnostic::{Diagnostic, codes};
@@ -38,6 +39,9 @@ impl<'a> Tables<'a> {
     }
 
     fn put(&mut self, block: &RowBlock) -> Result<(), Diagnostic> {
+        if let Some(row) = block.not_finite() {
+            return Err(not_finite(&format!("pose {}", row + 1)));
+        }
         self.streams
             .iter_mut()
             .try_for_each(|(name, stream)| stream.put(block).map_err(|failure| unwritable(name, &failure)))

@@ -27,6 +27,7 @@ mod equations;
 mod eval;
 mod explain;
 mod features;
+mod finite;
 mod goal;
 mod identify;
 mod import;

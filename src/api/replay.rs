@@ -5,8 +5,8 @@ use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
 use super::verify::{VerifyOptions, opened, tables};
 use crate::controller::{Replay, assigned_letters};
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
-use crate::machine::{Approach, Machine};
+use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
+use crate::machine::Approach;
 use crate::syntax::read_text;
 use crate::units::number;
 use std::path::Path;
@@ -14,8 +14,9 @@ use std::path::Path;
 /// A position at which a table is read.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ReplayPosition {
-    /// Number of the joint in the controller's order, from 0.
-    pub joint: usize,
+    /// The joint: the controller's letter for it, its name in the machine file, or its number from 0 in the order in
+    /// which the controller counts its letters.
+    pub joint: String,
     /// Direction of approach: forward or reverse.
     pub approach: Approach,
     /// Position of the joint, mm or deg; all other axes are at 0.
@@ -23,17 +24,17 @@ pub struct ReplayPosition {
 }
 
 impl ReplayPosition {
-    /// Reads positions for joints of a machine from a CSV file with the columns joint, direction, position; further
-    /// columns are ignored.
+    /// Reads positions of joints from a CSV file with the columns joint (or axis), direction, position;
+    /// further columns are ignored.
     ///
     /// Fails for another header, and for a line without such a position.
-    pub fn list(machine: &Machine, path: &Path, run: Run<'_>) -> Result<Answer<Vec<Self>>, Diagnostics> {
-        Call::answer(run, &Sources::default(), |call| listed(call, machine, path))
+    pub fn list(path: &Path, run: Run<'_>) -> Result<Answer<Vec<Self>>, Diagnostics> {
+        Call::answer(run, &Sources::default(), |call| listed(call, path))
     }
 
     fn of_line(line: &str) -> Option<Self> {
         let mut cells = line.split(',');
-        let joint = cells.next()?.trim().parse().ok()?;
+        let joint = cells.next()?.trim().to_owned();
         let approach = match cells.next()?.trim() {
             "forward" => Approach::Forward,
             "reverse" => Approach::Reverse,
@@ -43,20 +44,21 @@ impl ReplayPosition {
     }
 }
 
-fn listed(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<ReplayPosition>, Refused> {
+fn listed(call: &mut Call<'_>, path: &Path) -> Result<Vec<ReplayPosition>, Refused> {
     let read = read_text(path, None, call.run.files, &mut call.diagnostics);
     let (_, text) = read.ok_or(Refused)?;
     let mut lines = text.lines();
-    if !lines.next().unwrap_or_default().replace(' ', "").starts_with("joint,direction,position") {
+    let header = lines.next().unwrap_or_default().replace(' ', "");
+    if !["joint", "axis"].iter().any(|joint| header.starts_with(&format!("{joint},direction,position"))) {
         let message = format!("`{}` does not begin with the header joint,direction,position", path.display());
         let help = "further columns may follow; one position a line";
         return call.refuse(Diagnostic::new(codes::E0802, message).help(help));
     }
     let mut positions = Vec::new();
     for line in lines {
-        let Some(at) = ReplayPosition::of_line(line).filter(|at| at.joint < machine.axes().len()) else {
-            let message = format!("`{}`: `{line}` is not joint,direction,position", path.display());
-            let help = "write a joint of this machine, forward or reverse, and a number";
+        let Some(at) = ReplayPosition::of_line(line) else {
+            let message = format!("`{}`: `{}` is not joint,direction,position", path.display(), shown(line));
+            let help = "write the letter of a joint of this machine, forward or reverse, and a number";
             return call.refuse(Diagnostic::new(codes::E0802, message).help(help));
         };
         positions.push(at);
@@ -93,11 +95,14 @@ fn added(
     letters: &[(usize, String)],
     at: &ReplayPosition,
 ) -> Result<f64, Refused> {
-    let Some((axis, _)) = letters.get(at.joint) else {
-        let message = format!("the machine has no joint {}", at.joint);
-        return call.refuse(
-            Diagnostic::new(codes::E0802, message).help("joints are numbered from 0 in the controller's order"),
-        );
+    let by_letter = letters.iter().position(|(_, letter)| *letter == at.joint);
+    let by_name = || letters.iter().position(|(axis, _)| file.axes()[*axis].name.as_str() == at.joint);
+    let joint = by_letter.or_else(by_name).or_else(|| at.joint.parse().ok());
+    let Some((axis, _)) = joint.and_then(|joint| letters.get(joint)) else {
+        let known: Vec<String> = letters.iter().enumerate().map(|(i, (_, letter))| format!("{letter} ({i})")).collect();
+        let message = format!("the machine has no joint `{}`", shown(&at.joint));
+        let help = format!("the controller's letters, and their numbers, are {}", known.join(", "));
+        return call.refuse(Diagnostic::new(codes::E0802, message).help(help));
     };
     let mut command = vec![0.0; file.axes().len()];
     command[*axis] = at.position;

@@ -6,6 +6,7 @@ use super::budgets::{DrawnMachines, budgets};
 use super::compensation::effect::compiled_effect;
 use super::compensation::options::CompensationOptions;
 use super::features::{bounded_features, features};
+use super::finite;
 use super::machine_file::{MachineFile, sources_of};
 use super::order_of;
 use super::run::{Answer, Call, Refused, Run};
@@ -92,7 +93,11 @@ impl Report {
 ///
 /// Fails for targets and classes that are not there, and where [`compile`](super::compile()) fails for a target.
 pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Result<Answer<Report>, Diagnostics> {
-    Call::answer(run, &sources_of(files), |call| reported(call, files, options))
+    Call::answer_of(run, &sources_of(files), |call| {
+        let report = reported(call, files, options)?;
+        call.extend(finite::refusal(&report.data));
+        Ok(report)
+    })
 }
 
 fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
@@ -158,7 +163,7 @@ impl<'a> Subject<'a> {
     }
 
     fn of(call: &mut Call<'_>, file: &'a MachineFile, options: &ReportOptions) -> Result<Self, Refused> {
-        let seen = call.diagnostics.iter().count();
+        let seen = call.diagnostics.count();
         let settings = (&options.tolerances, options.samples, options.seed);
         let bounded = DrawnBounds::of(call, file, settings)?;
         let targets = if bounded.is_some() { &[][..] } else { &options.targets };
@@ -243,13 +248,13 @@ fn own_budget(
     machine: &Machine,
     options: &ReportOptions,
 ) -> Result<Option<BudgetResult>, Refused> {
-    let ReportOptions { tolerances, samples, seed, .. } = options;
+    let ReportOptions { tolerances, samples, seed, poses, .. } = options;
     let bounded = tolerances.bounds_if_any(call, machine)?;
     if bounded.0.is_empty() {
         return Ok(None);
     }
-    let options =
-        BudgetOptions { tolerances: tolerances.clone(), samples: *samples, seed: *seed, ..BudgetOptions::default() };
+    let (tolerances, samples, seed, poses) = (tolerances.clone(), *samples, *seed, *poses);
+    let options = BudgetOptions { tolerances, samples, seed, poses, ..BudgetOptions::default() };
     budget_of(call, machine, &options, None, bounded).map(Some)
 }
 

@@ -1,5 +1,6 @@
 //! The frame of a call: access to files, progress, diagnostics.
 
+use super::finite;
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::syntax::{Disk, Files, MemoryFiles};
 use std::ops::Deref;
@@ -86,7 +87,21 @@ pub(crate) struct Call<'a> {
 impl<'a> Call<'a> {
     /// Makes a call: `job` collects diagnostics, and its value is returned with the warnings if nothing refuses it.
     /// `sources` are the files that places of its diagnostics may point into.
-    pub fn answer<T>(
+    /// A value with a number that is not finite is refused: E0542.
+    pub fn answer<T: serde::Serialize>(
+        run: Run<'a>,
+        sources: &Sources,
+        job: impl FnOnce(&mut Self) -> Result<T, Refused>,
+    ) -> Result<Answer<T>, Diagnostics> {
+        Self::answer_of(run, sources, |call| {
+            let value = job(call)?;
+            call.extend(finite::refusal(&value));
+            Ok(value)
+        })
+    }
+
+    /// The same for a value whose numbers are checked elsewhere: a machine, or content that is checked before.
+    pub fn answer_of<T>(
         run: Run<'a>,
         sources: &Sources,
         job: impl FnOnce(&mut Self) -> Result<T, Refused>,

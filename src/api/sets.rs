@@ -1,4 +1,16 @@
 //! A set of compensation files in a folder, for programs that write and replace sets.
 
+pub use super::compensation::folder::{STALE_HELP, refuse_outside};
 pub use super::verify::set_manifest;
 pub use crate::controller::{Hashed, LOCK_NAME, Lock, MAX_FILE_BYTES, RenderedFile, is_plain_name, sha256};
+
+use super::options::CompensationOptions;
+use super::run::Run;
+use crate::controller::ControllerTarget;
+use crate::diagnostic::Diagnostics;
+
+/// True if the named target writes files of this name for some machine.
+pub fn target_writes(options: &CompensationOptions, target: &str, name: &str, run: Run) -> bool {
+    let found = ControllerTarget::find(target, options.templates.as_deref(), run.files, &mut Diagnostics::default());
+    found.is_some_and(|target| target.writes(name))
+}

@@ -1,6 +1,6 @@
 //! The kinematic chain: frames, lever arms, and the location errors it needs.
 
-use super::machine_file::MachineFile;
+use super::machine_file::{InputFile, MachineFile};
 use crate::analysis::{Lever, LocationSet, Status, arm_shares, levers};
 use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorId, Machine, Sense, Travel};
 use crate::report::{self, Picture};
@@ -25,6 +25,8 @@ pub struct ChainResult {
     pub conventions: Conventions,
     /// The location errors.
     pub location_errors: LocationErrors,
+    /// The files that the machine was read from.
+    pub inputs: Vec<InputFile>,
 }
 
 /// An axis of a chain, in machine coordinates at the zero pose.
@@ -153,6 +155,7 @@ pub fn show(file: &MachineFile) -> ChainResult {
         workpiece_rotation_deg: file.workpiece_angles(),
         conventions: *file.conventions(),
         location_errors: LocationErrors { set: set.members.into_iter().map(member).collect(), besides: set.besides },
+        inputs: file.input_files().to_vec(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! The machine in short: axes, tools, conventions and how many errors it has.
 
-use super::machine_file::MachineFile;
+use super::machine_file::{InputFile, MachineFile};
 use super::show::{Arm, arms};
 use crate::machine::{AxisKind, Branch, Conventions, ErrorTerm, Travel};
 
@@ -19,6 +19,8 @@ pub struct MachineSummary {
     pub conventions: Conventions,
     /// Counts of the errors.
     pub errors: ErrorCounts,
+    /// The files that the machine was read from.
+    pub inputs: Vec<InputFile>,
 }
 
 /// An axis in short.
@@ -78,6 +80,7 @@ pub fn summary(file: &MachineFile) -> MachineSummary {
         tools: file.tools().iter().map(|tool| tool.name.clone()).collect(),
         conventions: *file.conventions(),
         errors: counts(file),
+        inputs: file.input_files().to_vec(),
     }
 }
 

@@ -5,6 +5,7 @@ use super::output::session::Session;
 use abbe::{Diagnostic, codes};
 use std::ffi::OsString;
 use std::process::ExitCode;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// GiB of memory for such a run: many times the need of the largest set.
 const GIBIBYTES: u64 = 1;
@@ -30,7 +31,7 @@ pub(super) fn run(arguments: &[OsString], mut session: Session) -> Option<ExitCo
     use std::os::unix::process::ExitStatusExt;
     let program = std::env::current_exe().ok()?;
     let own = arguments.get(1..).unwrap_or_default();
-    let Ok(status) = std::process::Command::new(program).arg("--confined").args(own).status() else {
+    let Ok(status) = std::process::Command::new(program).arg("--template-child").args(own).status() else {
         limit();
         return None;
     };
@@ -43,9 +44,15 @@ pub(super) fn run(arguments: &[OsString], mut session: Session) -> Option<ExitCo
             let refused = session.refuse::<()>(
                 Diagnostic::new(
                     codes::E0740,
-                    format!("the templates asked for more than {GIBIBYTES} GiB of memory: the run was stopped"),
+                    format!(
+                        "the templates asked for more than {GIBIBYTES} GiB of memory, or for more than {} MiB of stack \
+                         (values nested in each other, recursion): the run was stopped",
+                        STACK >> 20
+                    ),
                 )
-                .help("keep no text in variables that grow, write it as it comes; nothing was written"),
+                .help(
+                    "keep no text in variables that grow and nest no lists, write it as it comes; nothing was written",
+                ),
             );
             Some(session.finish(refused))
         }
@@ -93,8 +100,15 @@ pub(super) fn limit_time(seconds: Option<u64>) {
 #[cfg(not(unix))]
 pub(super) fn limit_time(_: Option<u64>) {}
 
-/// Runs the job of the child. Returns exit code 3 if the thread cannot start or breaks off.
-pub(super) fn on_large_stack(job: impl FnOnce() -> ExitCode + Send + 'static) -> ExitCode {
-    let thread = std::thread::Builder::new().stack_size(STACK).spawn(job);
-    thread.map_or(ExitCode::from(3), |thread| thread.join().unwrap_or(ExitCode::from(3)))
+/// Runs the job of the child, on the stack at hand if no thread can be had. Returns exit code 3 if it breaks off.
+pub(super) fn on_large_stack<J: FnOnce() -> ExitCode + Send + 'static>(job: J) -> ExitCode {
+    // What the thread takes is not lost with a thread that does not start.
+    let job = Arc::new(Mutex::new(Some(job)));
+    let take = |job: &Mutex<Option<J>>| job.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let shared = Arc::clone(&job);
+    let run = move || take(&shared).map_or(ExitCode::from(3), |job| job());
+    match std::thread::Builder::new().stack_size(STACK).spawn(run) {
+        Ok(thread) => thread.join().unwrap_or(ExitCode::from(3)),
+        Err(_) => take(&job).map_or(ExitCode::from(3), |job| job()),
+    }
 }

@@ -11,6 +11,7 @@ mod option_table;
 mod output;
 mod serve;
 mod store;
+mod threads;
 mod tolerances;
 mod verbs;
 mod watch;
@@ -18,6 +19,8 @@ mod watch;
 use clap::{Parser, Subcommand, ValueEnum};
 use output::session::Session;
 use std::ffi::OsString;
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use verbs::{
     budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, identify, import,
@@ -57,9 +60,12 @@ struct Global {
     /// Refuse the input on any of these (only `warnings`).
     #[arg(long, global = true, help_heading = GLOBAL, value_name = "WHAT", value_parser = ["warnings"])]
     deny: Option<String>,
+    /// Read files in this folder and below it only: nothing outside, also not through links.
+    #[arg(long, global = true, help_heading = GLOBAL, value_name = "DIR")]
+    confined: Option<PathBuf>,
     /// Internal: marks the resource-limited child that renders user templates.
     #[arg(long, global = true, hide = true)]
-    confined: bool,
+    template_child: bool,
 }
 
 /// Form of the output, as an argument.
@@ -168,7 +174,7 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
         Ok(cli) => cli,
         Err(message) => return usage(&message),
     };
-    if cli.global.confined {
+    if cli.global.template_child {
         confined::limit();
         return confined::on_large_stack(move || finished(cli));
     }
@@ -182,24 +188,29 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
 }
 
 fn finished(cli: Cli) -> ExitCode {
-    if let Some(jobs) = cli.global.jobs {
-        // Fails only where threads are running already, and there are none yet.
-        let _ = rayon::ThreadPoolBuilder::new().num_threads(usize::from(jobs)).build_global();
-    }
+    threads::start(cli.global.jobs);
     let mut session = Session::new(cli.global);
     let outcome = dispatch(&mut session, cli.verb);
     session.finish(outcome)
 }
 
 fn usage(message: &clap::Error) -> ExitCode {
-    // A closed pipe is no reason to change the exit code.
-    let _ = message.print();
-    ExitCode::from(if message.use_stderr() { 2 } else { 0 })
+    match message.print().and_then(|()| std::io::stdout().flush()) {
+        // A closed pipe is no reason to change the exit code.
+        Err(failure) if !message.use_stderr() && failure.kind() != ErrorKind::BrokenPipe => {
+            let _ = writeln!(std::io::stderr(), "abbe: standard output did not take everything: {}", failure.kind());
+            ExitCode::from(3)
+        }
+        _ => ExitCode::from(if message.use_stderr() { 2 } else { 0 }),
+    }
 }
 
 fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
     if session.is_sarif() && !matches!(verb, Verb::Check(_)) {
         return session.usage("`--format sarif` goes with `check` only");
+    }
+    if let Some(root) = session.missing_root() {
+        return session.usage(&format!("--confined: there is no folder `{root}`"));
     }
     match verb {
         Verb::Eval(args) => eval::run(session, &args),

@@ -19,6 +19,7 @@ mod nodes;
 mod own_axis;
 mod plan;
 mod product;
+mod room;
 mod scope;
 mod single_error;
 mod sum;
@@ -36,6 +37,7 @@ pub use lattice::{LatticeRequest, lattice};
 pub use own_axis::{own_axis_table, resampled, reversal_tables};
 pub use plan::{lacking, tables};
 pub use product::TABLES_OF_A_PRODUCT;
+pub use room::Crowded;
 pub use scope::{Correction, Goal, Scope};
 pub use single_error::{SetLayout, single_errors};
 pub use tables::{

@@ -168,12 +168,17 @@ pub struct Diagnostics {
     /// The files.
     pub sources: Sources,
     list: Vec<Diagnostic>,
+    /// The number of refusals and of warnings that were found and not kept.
+    more: [usize; 2],
 }
+
+/// Maximum number of refusals kept, and of warnings: nobody reads more, and a hostile file has millions.
+const MAX_KEPT: usize = 100;
 
 impl Diagnostics {
     /// Returns none so far, about files read before.
     pub fn about(sources: Sources) -> Self {
-        Self { sources, list: Vec::new() }
+        Self { sources, ..Self::default() }
     }
 
     /// Takes over those of another run, with their files.
@@ -183,8 +188,9 @@ impl Diagnostics {
             for label in &mut diagnostic.labels {
                 label.place.source = moved.get(label.place.source.0).copied().unwrap_or(label.place.source);
             }
-            self.list.push(diagnostic);
+            self.push(diagnostic);
         }
+        self.more.iter_mut().zip(other.more).for_each(|(all, more)| *all += more);
     }
 
     /// True if there are none.
@@ -192,19 +198,29 @@ impl Diagnostics {
         self.list.is_empty()
     }
 
-    /// Adds one.
+    /// Adds one. Beyond 100 refusals and 100 warnings they are only counted.
     pub fn push(&mut self, diagnostic: Diagnostic) {
-        self.list.push(diagnostic);
+        let severity = diagnostic.severity;
+        if self.list.iter().filter(|kept| kept.severity == severity).count() < MAX_KEPT {
+            self.list.push(diagnostic);
+        } else {
+            self.more[usize::from(severity == Severity::Warning)] += 1;
+        }
     }
 
-    /// All, in the order found.
+    /// The number of those that were found and not kept: refusals, then warnings.
+    pub fn more(&self) -> [usize; 2] {
+        self.more
+    }
+
+    /// Those that are kept, in the order found.
     pub fn iter(&self) -> impl Iterator<Item = &Diagnostic> {
         self.list.iter()
     }
 
     /// The number of those found so far.
     pub fn count(&self) -> usize {
-        self.list.len()
+        self.list.len() + self.more[0] + self.more[1]
     }
 
     /// Drops those found after the first `count` that repeat an earlier one.
@@ -219,7 +235,7 @@ impl Diagnostics {
     /// Puts a file's name in front of the messages of those found after the first `count` that have no place in it:
     /// where several machines are at work, each says of which it is.
     pub fn name_file(&mut self, count: usize, file: &str) {
-        let Self { sources, list } = self;
+        let Self { sources, list, .. } = self;
         for diagnostic in list.iter_mut().skip(count) {
             let has_place = diagnostic.labels.iter().any(|label| sources.name(label.place.source) == file);
             if !has_place && !diagnostic.message.contains(file) {
@@ -230,17 +246,18 @@ impl Diagnostics {
 
     /// True if the input is refused.
     pub fn refused(&self) -> bool {
-        self.list.iter().any(|d| d.severity == Severity::Refusal)
+        self.more[0] > 0 || self.list.iter().any(|d| d.severity == Severity::Refusal)
     }
 
     /// The number of warnings.
     pub fn warnings(&self) -> usize {
-        self.list.iter().filter(|d| d.severity == Severity::Warning).count()
+        self.list.iter().filter(|d| d.severity == Severity::Warning).count() + self.more[1]
     }
 
     /// Turns every warning into a refusal (`--deny warnings`).
     pub fn deny_warnings(&mut self) {
         self.list.iter_mut().for_each(|d| d.severity = Severity::Refusal);
+        self.more = [self.more[0] + self.more[1], 0];
     }
 }
 
@@ -255,6 +272,6 @@ impl std::error::Error for Diagnostics {}
 
 impl From<Diagnostic> for Diagnostics {
     fn from(diagnostic: Diagnostic) -> Self {
-        Self { sources: Sources::default(), list: vec![diagnostic] }
+        Self { list: vec![diagnostic], ..Self::default() }
     }
 }

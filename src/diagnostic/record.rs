@@ -72,12 +72,16 @@ impl Diagnostics {
     }
 }
 
-/// `{"refused": true, "diagnostics": [...]}`.
+/// `{"refused": true, "diagnostics": [...]}`; with `more`, the number of those that are not in the list, if there are any.
 impl Serialize for Diagnostics {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut object = serializer.serialize_struct("Diagnostics", 2)?;
+        let more = self.more()[0] + self.more()[1];
+        let mut object = serializer.serialize_struct("Diagnostics", 2 + usize::from(more > 0))?;
         object.serialize_field("refused", &self.refused())?;
         object.serialize_field("diagnostics", &self.records())?;
+        if more > 0 {
+            object.serialize_field("more", &more)?;
+        }
         object.end()
     }
 }

@@ -20,20 +20,20 @@ pub fn render(diagnostics: &Diagnostics, rendering: Rendering) -> String {
     let renderer = renderer.term_width(160);
     let mut text: String =
         diagnostics.iter().take(MAX_SHOWN).map(|d| renderer.render(&[group(diagnostics, d)]) + "\n\n").collect();
-    let more = diagnostics.iter().count().saturating_sub(MAX_SHOWN);
+    let more = diagnostics.count().saturating_sub(MAX_SHOWN);
     if more > 0 {
-        text.push_str(&format!("and {more} more of the kind\n\n"));
+        text.push_str(&format!("and {more} more\n\n"));
     }
     text
 }
 
-/// Nobody reads more, and a hostile file has millions.
+/// The first of them: those that follow are of the same kind as a rule.
 const MAX_SHOWN: usize = 50;
 
 /// One line for the end of the run: `2 mistakes, 1 warning`; empty if there are none.
 pub fn summary(diagnostics: &Diagnostics) -> String {
     let warnings = diagnostics.warnings();
-    let refusals = diagnostics.iter().count() - warnings;
+    let refusals = diagnostics.count() - warnings;
     let count = |n: usize, one: &str| match n {
         0 => None,
         1 => Some(format!("1 {one}")),

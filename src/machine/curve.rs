@@ -53,6 +53,9 @@ pub enum KnotsFailure {
 impl Knots {
     /// Least distance of two positions, mm or deg: slopes between them stay numbers that can be reckoned with.
     pub const NEAREST: f64 = 1e-12;
+    /// Relative difference of the values at both ends of a turn that counts as none: `0.969 um` and `969 nm` are the
+    /// same length and differ in the last bit.
+    pub const CLOSED: f64 = 1e-12;
 
     /// Checks and keeps the points; `period` makes look-ups wrap.
     pub fn new(points: &[(f64, f64)], period: Option<f64>) -> Result<Self, KnotsFailure> {
@@ -73,11 +76,14 @@ impl Knots {
             if last.0 - first.0 != period {
                 return Err(KnotsFailure::NotOnePeriod);
             }
-            if last.1 != first.1 {
+            if (last.1 - first.1).abs() > Self::CLOSED * f64::max(last.1.abs(), first.1.abs()) {
                 return Err(KnotsFailure::EndsDiffer);
             }
         }
-        let (positions, values) = points.iter().copied().unzip();
+        let (positions, mut values): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+        if let (Some(_), Some(last)) = (period, values.last_mut()) {
+            *last = first.1;
+        }
         Ok(Self { positions, values, period })
     }
 

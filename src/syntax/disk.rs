@@ -1,10 +1,10 @@
 //! Files on disk. What is not a regular file of tolerable size is refused before it is opened: opening a FIFO blocks,
-//! reading a device never ends.
+//! reading a device never ends. So is what the kernel makes up (procfs, sysfs): it has no size, and some of it blocks.
 
 use super::files::{EntryKind, Files, FolderEntry, ReadFailure};
 use std::fs::{self, FileType};
 use std::io::{ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The file system. Reads regular files of at most 16 MiB.
 #[derive(Debug, Clone, Copy, Default)]
@@ -25,14 +25,25 @@ impl Files for Disk {
         if let Some(word) = irregular(metadata.file_type()) {
             return Err(ReadFailure::NotAFile(word));
         }
+        if let Some(word) = kernel::made_up(path) {
+            return Err(ReadFailure::NotAFile(word));
+        }
         if metadata.len() > limit {
             return Err(ReadFailure::TooLarge(metadata.len(), limit));
         }
         let mut bytes = Vec::new();
-        let file = fs::File::open(path).map_err(|e| failure(&e))?;
+        let file = kernel::open(path).map_err(|e| failure(&e))?;
+        // Another file may stand there by now.
+        if let Some(word) = file.metadata().ok().and_then(|metadata| irregular(metadata.file_type())) {
+            return Err(ReadFailure::NotAFile(word));
+        }
         // The file may have grown since its size was asked for.
         file.take(limit + 1).read_to_end(&mut bytes).map_err(|e| failure(&e))?;
         if bytes.len() as u64 > limit { Err(ReadFailure::TooLarge(bytes.len() as u64, limit)) } else { Ok(bytes) }
+    }
+
+    fn resolved(&self, path: &Path) -> Option<PathBuf> {
+        fs::canonicalize(path).ok()
     }
 
     fn entries(&self, folder: &Path) -> Vec<FolderEntry> {
@@ -84,4 +95,54 @@ fn special(kind: FileType) -> &'static str {
 #[cfg(not(unix))]
 fn special(_: FileType) -> &'static str {
     "not a regular file"
+}
+
+/// Files of the kernel's own, and opening that does not wait.
+#[cfg(unix)]
+mod kernel {
+    use rustix::fs::OFlags;
+    use std::os::unix::fs::OpenOptionsExt;
+    use std::path::Path;
+    use std::{fs, io};
+
+    pub(super) fn open(path: &Path) -> io::Result<fs::File> {
+        let flags = i32::try_from(OFlags::NONBLOCK.bits()).unwrap_or(0);
+        fs::OpenOptions::new().read(true).custom_flags(flags).open(path)
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    pub(super) fn made_up(_: &Path) -> Option<&'static str> {
+        None
+    }
+
+    /// Returns the word for a file that is on no medium, by the file system's magic number (`linux/magic.h`).
+    #[cfg(target_os = "linux")]
+    pub(super) fn made_up(path: &Path) -> Option<&'static str> {
+        let kind = rustix::fs::statfs(path).ok()?.f_type;
+        // Some systems sign-extend the number.
+        match (kind as u64) & 0xffff_ffff {
+            0x9fa0 => Some("an entry of procfs"),
+            0x6265_6572 => Some("an entry of sysfs"),
+            0x6462_6720 | 0x7472_6163 => Some("an entry of debugfs or tracefs"),
+            0x0027_e0eb | 0x6367_7270 => Some("an entry of cgroupfs"),
+            0x7363_6673 | 0x6265_6570 | 0xf97c_ff8c | 0x4249_4e4d | 0xde5e_81e4 | 0x6165_676c | 0xcafe_4a11 => {
+                Some("an entry of a file system of the kernel")
+            }
+            _ => None,
+        }
+    }
+}
+
+#[cfg(not(unix))]
+mod kernel {
+    use std::path::Path;
+    use std::{fs, io};
+
+    pub(super) fn open(path: &Path) -> io::Result<fs::File> {
+        fs::File::open(path)
+    }
+
+    pub(super) fn made_up(_: &Path) -> Option<&'static str> {
+        None
+    }
 }

@@ -4,15 +4,16 @@
 //! replaced whole, `chain` and `branches` (and the other pairs that exclude each other) replace each
 //! other, a plain key displaces that of its name in the blocks of a side, and `null` removes.
 
-use super::files::Files;
+use super::files::{Files, lexical};
 use super::geometry::{self, WrittenChains};
 use super::index::index;
+use super::nulls::refuse_unknown;
 use super::places::{Keys, Places, below, keys};
 use super::read::read_text;
 use super::tree;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, shown};
 use serde_yaml::{Mapping, Value};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 /// Most files in a chain of `extends`, the first one included.
 const DEPTH: usize = 8;
@@ -70,21 +71,6 @@ fn endless(path: &Path, trail: &[PathBuf], tidy: &PathBuf) -> Diagnostic {
     }
 }
 
-/// `a/../b` is `b`: enough to see a circle, never used to open a file.
-fn lexical(path: &Path) -> PathBuf {
-    path.components().fold(PathBuf::new(), |mut tidy, component| {
-        let folder = tidy.file_name().is_some();
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir if folder => {
-                tidy.pop();
-            }
-            other => tidy.push(other),
-        }
-        tidy
-    })
-}
-
 /// One file's tree and places.
 fn read_layer(path: &Path, named: Option<Place>, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Layer> {
     let (source, text) = read_text(path, named, files, diagnostics)?;
@@ -93,7 +79,10 @@ fn read_layer(path: &Path, named: Option<Place>, files: &dyn Files, diagnostics:
     index(&text, source, &mut places, diagnostics)?;
     let start = || Some(Place { source, range: 0..0 });
     match tree::parse(&text) {
-        Ok(Value::Mapping(map)) => Some(Layer { map, places, chains: WrittenChains::default() }),
+        Ok(Value::Mapping(map)) => {
+            refuse_unknown(&map, &mut places, diagnostics);
+            Some(Layer { map, places, chains: WrittenChains::default() })
+        }
         Ok(_) => {
             let help = "start with `abbe: 1`, then `machine:`, `chain:`, `axes:`; `abbe init` writes an example";
             diagnostics.push(Diagnostic::new(codes::E0109, "the file holds no machine").at(start(), "").help(help));

@@ -1,7 +1,7 @@
 //! The only access to the file system: [`Disk`](super::Disk), or a map in memory.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Reads files and lists folders.
 pub trait Files {
@@ -13,6 +13,11 @@ pub trait Files {
         let bytes = self.read(path)?;
         let size = bytes.len() as u64;
         if size > limit { Err(ReadFailure::TooLarge(size, limit)) } else { Ok(bytes) }
+    }
+
+    /// Returns the path with links and `..` resolved, if the file is there; by default as far as the path alone tells.
+    fn resolved(&self, path: &Path) -> Option<PathBuf> {
+        Some(lexical(path))
     }
 
     /// Returns the entries of a folder, sorted by name; none if the folder is missing.
@@ -54,8 +59,25 @@ pub enum ReadFailure {
     TooLarge(u64, u64),
     /// The permissions forbid it.
     Denied,
+    /// Outside this folder, to which the run is confined.
+    Outside(PathBuf),
     /// Anything else, in the system's words.
     Other(String),
+}
+
+/// `a/../b` is `b`: never used to open a file.
+pub(crate) fn lexical(path: &Path) -> PathBuf {
+    path.components().fold(PathBuf::new(), |mut tidy, component| {
+        let folder = tidy.file_name().is_some();
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if folder => {
+                tidy.pop();
+            }
+            other => tidy.push(other),
+        }
+        tidy
+    })
 }
 
 /// Files in memory, by path.

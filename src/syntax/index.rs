@@ -1,19 +1,12 @@
-//! The first pass over a YAML text: guard against hostile input, duplicate keys, and where every
-//! entry stands. serde_yaml (libyaml inside) takes quadratic time on deep nesting and swallows
-//! duplicate keys, so nothing reaches it unguarded.
+//! The first pass over the YAML text of a machine file: duplicate keys, which serde_yaml swallows, what is not part of
+//! the language, and where every entry stands.
 
 use super::places::{Keys, Places, Spot};
+use super::yaml::{YamlFailure, guard};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes};
 use saphyr_parser::{Event, Parser, Span, StrInput, Tag};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
-
-/// Deepest nesting.
-const DEPTH: usize = 64;
-/// Most entries, aliases counted as what they stand for.
-const NODES: usize = 200_000;
-/// Most aliases.
-const ALIASES: usize = 1_000;
 
 /// Fills `places`; `None` if the text must not be read any further.
 pub fn index(text: &str, source: SourceId, places: &mut Places, diagnostics: &mut Diagnostics) -> Option<()> {
@@ -23,13 +16,13 @@ pub fn index(text: &str, source: SourceId, places: &mut Places, diagnostics: &mu
         places,
         frames: Vec::new(),
         keys: Vec::new(),
-        anchors: BTreeMap::new(),
-        nodes: 0,
-        aliases: 0,
         documents: 0,
         duplicates: Vec::new(),
     };
-    let outcome = indexer.run(text);
+    let outcome = match guard(text) {
+        Err(failure) if failure.is_limit => Err(indexer.limit(&failure)),
+        _ => indexer.run(text),
+    };
     let duplicates = std::mem::take(&mut indexer.duplicates);
     duplicates.into_iter().for_each(|d| diagnostics.push(d));
     outcome.map_err(|refusal| diagnostics.push(*refusal)).ok()
@@ -40,9 +33,6 @@ type Refused = Box<Diagnostic>;
 /// A mapping or list that is not finished.
 struct OpenNode {
     start: usize,
-    /// Entries so far, with this one.
-    nodes: usize,
-    anchor: usize,
     /// End of the last entry: block collections have no end of their own.
     last: usize,
     kind: NodeKind,
@@ -62,9 +52,6 @@ struct Indexer<'a> {
     places: &'a mut Places,
     frames: Vec<OpenNode>,
     keys: Keys,
-    anchors: BTreeMap<usize, usize>,
-    nodes: usize,
-    aliases: usize,
     documents: usize,
     duplicates: Vec<Diagnostic>,
 }
@@ -96,20 +83,20 @@ impl Indexer<'_> {
                     return Err(unsupported("a second document", place, "keep one machine in a file"));
                 }
             }
-            Event::Scalar(text, _, anchor, tag) => {
+            Event::Scalar(text, _, _, tag) => {
                 tagless(tag, &place)?;
-                self.scalar(&text, anchor, place)?;
+                self.scalar(&text, place)?;
             }
-            Event::SequenceStart(anchor, tag) => {
+            Event::SequenceStart(_, tag) => {
                 tagless(tag, &place)?;
-                self.open(anchor, NodeKind::List(0), place)?;
+                self.open(NodeKind::List(0), place)?;
             }
-            Event::MappingStart(anchor, tag) => {
+            Event::MappingStart(_, tag) => {
                 tagless(tag, &place)?;
-                self.open(anchor, NodeKind::Map(BTreeMap::new(), None), place)?;
+                self.open(NodeKind::Map(BTreeMap::new(), None), place)?;
             }
             Event::SequenceEnd | Event::MappingEnd => self.close(place),
-            Event::Alias(anchor) => self.alias(anchor, place)?,
+            Event::Alias(_) => self.alias(place)?,
             Event::StreamStart | Event::StreamEnd | Event::DocumentEnd | Event::Nothing => {}
         }
         Ok(())
@@ -129,16 +116,12 @@ impl Indexer<'_> {
         matches!(self.frames.last(), Some(OpenNode { kind: NodeKind::Map(_, None), .. }))
     }
 
-    fn scalar(&mut self, text: &str, anchor: usize, place: Place) -> Result<(), Refused> {
-        self.count(1, &place)?;
+    fn scalar(&mut self, text: &str, place: Place) -> Result<(), Refused> {
         if self.expects_key() {
             return self.key(text, place);
         }
-        if anchor != 0 {
-            self.anchors.insert(anchor, 1);
-        }
         self.enter();
-        self.leave(place, 1);
+        self.leave(place);
         Ok(())
     }
 
@@ -167,11 +150,10 @@ impl Indexer<'_> {
     }
 
     /// Records the entry that ends and steps up.
-    fn leave(&mut self, place: Place, nodes: usize) {
+    fn leave(&mut self, place: Place) {
         let keys = self.keys.clone();
         let mut key = None;
         if let Some(frame) = self.frames.last_mut() {
-            frame.nodes += nodes;
             frame.last = place.range.end;
             match &mut frame.kind {
                 NodeKind::Map(_, waiting) => key = waiting.take().map(|(_, place)| place),
@@ -182,52 +164,39 @@ impl Indexer<'_> {
         self.places.insert(keys, Spot { key, value: place });
     }
 
-    fn open(&mut self, anchor: usize, kind: NodeKind, place: Place) -> Result<(), Refused> {
-        self.count(1, &place)?;
+    fn open(&mut self, kind: NodeKind, place: Place) -> Result<(), Refused> {
         if self.expects_key() {
             return Err(unsupported("a list or mapping as a key", place, "keys are plain words"));
         }
-        if self.frames.len() >= DEPTH {
-            return Err(limit(format!("nested deeper than {DEPTH} levels"), place));
-        }
         self.enter();
-        self.frames.push(OpenNode { start: place.range.start, nodes: 1, anchor, last: place.range.end, kind });
+        self.frames.push(OpenNode { start: place.range.start, last: place.range.end, kind });
         Ok(())
     }
 
     fn close(&mut self, end: Place) {
         let Some(frame) = self.frames.pop() else { return };
-        if frame.anchor != 0 {
-            self.anchors.insert(frame.anchor, frame.nodes);
-        }
         let end = if end.range.is_empty() { frame.last } else { end.range.end };
         let range = frame.start..end.max(frame.start);
-        self.leave(Place { source: self.source, range }, frame.nodes);
+        self.leave(Place { source: self.source, range });
     }
 
-    fn alias(&mut self, anchor: usize, place: Place) -> Result<(), Refused> {
+    fn alias(&mut self, place: Place) -> Result<(), Refused> {
         if self.expects_key() {
             return Err(unsupported("an alias as a key", place, "keys are plain words"));
         }
-        self.aliases += 1;
-        if self.aliases > ALIASES {
-            return Err(limit(format!("more than {ALIASES} aliases"), place));
-        }
-        let Some(nodes) = self.anchors.get(&anchor).copied() else {
-            return Err(limit("an alias inside its own anchor".to_owned(), place));
-        };
-        self.count(nodes, &place)?;
         self.enter();
-        self.leave(place, nodes);
+        self.leave(place);
         Ok(())
     }
 
-    fn count(&mut self, nodes: usize, place: &Place) -> Result<(), Refused> {
-        self.nodes = self.nodes.saturating_add(nodes);
-        if self.nodes > NODES {
-            return Err(limit(format!("more than {NODES} entries, aliases written out"), place.clone()));
-        }
-        Ok(())
+    fn limit(&self, failure: &YamlFailure) -> Refused {
+        let at = self.byte(failure.character.unwrap_or(0));
+        let help = "a machine file is small; put measured data into CSV tables";
+        Box::new(
+            Diagnostic::new(codes::E0106, format!("the file exceeds the parser's limits: {failure}"))
+                .at(Some(Place { source: self.source, range: at..at + 1 }), "")
+                .help(help),
+        )
     }
 }
 
@@ -241,15 +210,6 @@ fn tagless(tag: Option<Cow<'_, Tag>>, place: &Place) -> Result<(), Refused> {
 fn unsupported(what: &str, place: Place, help: &str) -> Refused {
     Box::new(
         Diagnostic::new(codes::E0108, format!("{what} is not part of the machine language"))
-            .at(Some(place), "")
-            .help(help),
-    )
-}
-
-fn limit(what: String, place: Place) -> Refused {
-    let help = "a machine file is small; put measured data into CSV tables";
-    Box::new(
-        Diagnostic::new(codes::E0106, format!("the file exceeds the parser's limits: {what}"))
             .at(Some(place), "")
             .help(help),
     )

@@ -12,6 +12,7 @@ mod files;
 mod forms;
 mod geometry;
 mod index;
+mod nulls;
 mod places;
 mod read;
 mod scalar;
@@ -22,6 +23,7 @@ mod table;
 mod term;
 mod tolerance;
 mod tree;
+mod yaml;
 
 pub use disk::Disk;
 pub use document::{
@@ -37,6 +39,7 @@ pub use schema::schema;
 pub use table::{ColumnDirection, CsvColumn, CsvTable, read_table};
 pub use term::{BSplineEntry, CurveEntry, TermEntry};
 pub use tolerance::{BoundEntry, ClassEntry, FrameEntry};
+pub use yaml::{YamlFailure, from_yaml};
 
 use crate::diagnostic::Diagnostics;
 use std::path::Path;

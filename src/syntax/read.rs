@@ -46,6 +46,11 @@ pub(super) fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
             Diagnostic::new(codes::E0103, format!("{file} has {} MB; the limit is {} MB", mb(size), mb(limit)))
                 .help("thin the table out: the limit is 100000 rows")
         }
+        ReadFailure::Outside(root) => {
+            let root = shown(&root.display().to_string());
+            Diagnostic::new(codes::E0819, format!("{file} is outside `{root}`, to which --confined limits this run"))
+                .help("name a folder that holds every file of the run, or trust the files and leave --confined out")
+        }
         ReadFailure::Other(words) => Diagnostic::new(codes::E0101, format!("{file} cannot be read: {}", shown(words)))
             .help("check the path and the medium"),
     }

@@ -54,9 +54,9 @@ pub fn read_table(
     diagnostics: &mut Diagnostics,
 ) -> Option<CsvTable> {
     let (source, text) = read_text(path, named, files, diagnostics)?;
-    let before = diagnostics.iter().count();
+    let before = diagnostics.count();
     let table = TableReader { source, text: &text, diagnostics }.table();
-    if diagnostics.iter().count() > before { None } else { table }
+    if diagnostics.count() > before { None } else { table }
 }
 
 struct TableReader<'a> {

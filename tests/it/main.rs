@@ -32,6 +32,8 @@ mod every_target;
 mod examples;
 mod faults;
 mod fits;
+#[cfg(target_os = "linux")]
+mod foreign_folders;
 mod frames;
 mod goal;
 mod golden_signs;

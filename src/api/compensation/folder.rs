@@ -1,6 +1,6 @@
 //! A folder with compensation files, as a controller finds it.
 
-use crate::controller::{LOCK_NAME, Lock, MAX_FILE_BYTES, ReadBack};
+use crate::controller::{LOCK_NAME, Lock, MAX_FILE_BYTES, ReadBack, is_plain_name};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::syntax::{EntryKind, Files, FolderEntry, ReadFailure};
 use std::path::Path;
@@ -8,9 +8,11 @@ use std::path::Path;
 /// Largest file of a set that is read back: as large as one is written, in bytes.
 pub(crate) const SET_LIMIT: u64 = MAX_FILE_BYTES as u64;
 
-/// Maximum number of files, and of bytes, that are searched for a set.
+/// Maximum number of files that are searched for a set.
 const MAX_FILES: usize = 200;
-const MAX_BYTES: u64 = 4 * SET_LIMIT;
+
+/// Maximum number of bytes of the files of a set together, by name and by content: what is read is held in memory.
+const MAX_BYTES: u64 = SET_LIMIT;
 
 /// A folder with its files.
 pub(crate) struct Folder<'a> {
@@ -29,8 +31,16 @@ impl<'a> Folder<'a> {
         self.entries.iter().any(|entry| entry.name == name)
     }
 
+    /// True if the name is that of a symbolic link.
+    fn is_link(&self, name: &str) -> bool {
+        self.entries.iter().any(|entry| entry.name == name && entry.kind == EntryKind::Link)
+    }
+
     /// Returns the manifest of the set in the folder; `None` if there is none that abbe wrote.
     pub fn lock(&self) -> Option<Lock> {
+        if self.is_link(LOCK_NAME) {
+            return None;
+        }
         Lock::from_text(&String::from_utf8(self.bytes(LOCK_NAME)?).ok()?)
     }
 
@@ -43,7 +53,16 @@ impl<'a> Folder<'a> {
     /// one.
     pub fn read(&self, names: &[String], diagnostics: &mut Diagnostics) -> Vec<ReadBack> {
         let mut found = Vec::new();
+        let mut bytes = 0;
         for name in names.iter().filter(|name| self.has(name)) {
+            let size = self.entries.iter().filter(|entry| entry.name == *name).map(|entry| entry.size).sum::<u64>();
+            bytes += size;
+            if bytes > MAX_BYTES {
+                let message = format!("`{name}`: the files of the set have more than {} MB together", MAX_BYTES >> 20);
+                let help = "no set that abbe writes is so large; name the folder that `compile --out` was given";
+                diagnostics.push(Diagnostic::new(codes::E0704, message).help(help));
+                return Vec::new();
+            }
             let text = self
                 .files
                 .read_at_most(&self.path.join(name), SET_LIMIT)
@@ -81,6 +100,35 @@ impl<'a> Folder<'a> {
     }
 }
 
+impl Folder<'_> {
+    /// Refuses a manifest whose files are not all in the folder itself; warns of files of earlier sets that still are.
+    pub fn refuse_odd(&self, lock: &Lock, diagnostics: &mut Diagnostics) {
+        refuse_outside(lock, self.path).into_iter().for_each(|refusal| diagnostics.push(refusal));
+        for file in lock.files.iter().filter(|file| self.is_link(&file.name)) {
+            diagnostics.push(outside(self.path, &file.name, "is a link"));
+        }
+        for file in lock.stale.iter().filter(|file| self.has(&file.name)) {
+            let message = format!("`{}` is of an earlier set and still there", shown(&file.name));
+            diagnostics.push(Diagnostic::new(codes::W0707, message).help(STALE_HELP));
+        }
+    }
+}
+
+/// Remedy for a file of an earlier set.
+pub const STALE_HELP: &str = "remove it by hand: a controller that loads the folder may load it with the set";
+
+/// Refuses a manifest that lists a file outside its folder.
+pub fn refuse_outside(lock: &Lock, folder: &Path) -> Option<Diagnostic> {
+    let odd = lock.files.iter().chain(&lock.stale).find(|file| !is_plain_name(&file.name))?;
+    Some(outside(folder, &odd.name, "is not the plain name of a file in it"))
+}
+
+fn outside(folder: &Path, name: &str, why: &str) -> Diagnostic {
+    let message = format!("{LOCK_NAME} of `{}` lists `{}`, which {why}", folder.display(), shown(name));
+    Diagnostic::new(codes::E0734, message)
+        .help("abbe writes no such manifest; if the files are to be trusted, remove it and verify again")
+}
+
 /// Warns of a file that is not judged.
 pub(crate) fn ignored(name: &str, why: &str) -> Diagnostic {
     let message = format!("`{}` is ignored: {why}", shown(name));
@@ -93,6 +141,7 @@ fn unreadable(failure: &ReadFailure) -> String {
         ReadFailure::TooLarge(size, limit) => format!("has {size} bytes; no set has a file of more than {limit}"),
         ReadFailure::NotFound => "is a link to nothing".to_owned(),
         ReadFailure::Denied => "may not be read".to_owned(),
+        ReadFailure::Outside(root) => format!("is outside `{}`, to which --confined limits this run", root.display()),
         ReadFailure::Other(words) => format!("cannot be read: {words}"),
     }
 }

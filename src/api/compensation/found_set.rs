@@ -25,6 +25,10 @@ pub(crate) fn found_set(
 ) -> Result<FoundSet, Refused> {
     let folder = Folder::new(path, call.run.files);
     let lock = folder.lock();
+    if let Some(lock) = &lock {
+        folder.refuse_odd(lock, &mut call.diagnostics);
+        call.checked()?;
+    }
     let stored = lock.as_ref().and_then(|lock| options.stored.or_else(|| stored_of(&lock.options)));
     let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
     let candidates = match named {

@@ -3,10 +3,11 @@
 use super::found_set::{self, FoundSet};
 use super::misread;
 use super::options::CompensationOptions;
+use crate::api::finite::not_finite;
 use crate::api::run::{Call, Refused};
 use crate::compensation::{CorrectionTables, Fit, LatticeRequest, Scope, resampled};
-use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile};
-use crate::diagnostic::{Diagnostic, codes};
+use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile, assigned_letters};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{AxisKind, Machine};
 use std::path::Path;
 use std::sync::Arc;
@@ -35,27 +36,36 @@ impl TableRequest<'_> {
     }
 }
 
-/// Fills the tables of a target on top of those installed, renders its files and reads them back as `verify` would.
+/// Fills the tables of a target on top of those installed, renders its files and reads them back as `verify` would. With
+/// installed tables goes the target with all of its mechanisms: they may be of a kind that no new table is to be of.
 pub(crate) fn rendered(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
     request: &TableRequest,
-    installed: Option<&CorrectionTables>,
+    installed: Option<(&CorrectionTables, &ControllerTarget)>,
 ) -> Result<RenderedTables, Refused> {
     if let Some(refusal) = target.refusal(machine) {
         return call.refuse(refusal);
     }
+    refuse_no_letter(call, machine, target)?;
+    refuse_short_travel(call, machine, target)?;
     let TableRequest { scope, limits, .. } = *request;
     let axes = lattice_axes(call, machine, request.lattice)?;
     let request = LatticeRequest { axes, max_nodes: request.max_nodes, scope };
     refuse_impossible_lattice(call, machine, target, &request)?;
-    let tables = Arc::new(match installed {
-        Some(installed) => target.tables_over(machine, &request, installed),
-        None => target.tables(machine, &request),
-    });
+    let (planner, target) = (target, installed.map_or(target, |(_, target)| target));
+    let (tables, left_out) = match installed {
+        Some((installed, target)) => target.tables_over(planner, machine, &request, installed),
+        None => (target.tables(machine, &request), Vec::new()),
+    };
+    let tables = Arc::new(tables);
+    call.extend(left_out);
+    if !tables.is_finite() {
+        return call.refuse(not_finite("correction"));
+    }
     warn_left_out(call, machine, target, &tables);
-    let losses = installed.map(|old| target.resampling_losses(machine, &tables, old)).unwrap_or_default();
+    let losses = installed.map(|(old, _)| target.resampling_losses(machine, &tables, old)).unwrap_or_default();
     call.extend(losses);
     call.extend(limits.exceeded(machine, &tables));
     call.extend(target.violations(machine, &tables));
@@ -64,6 +74,34 @@ pub(crate) fn rendered(
     call.checked()?;
     let tables = read_back(call, machine, target, &rendered, &tables)?;
     Ok(RenderedTables { rendered, tables })
+}
+
+/// Refuses axes for which the controller has no letter, before tables are filled.
+fn refuse_no_letter(call: &mut Call, machine: &Machine, target: &ControllerTarget) -> Result<(), Refused> {
+    let mut found = Diagnostics::default();
+    if assigned_letters(machine, target.manifest.axis_letters.as_ref(), Some(&mut found)).is_none() {
+        call.extend(found.iter().cloned());
+    }
+    call.checked()
+}
+
+/// Refuses a travel that the target's tables cannot hold: two positions of it would be written as one.
+fn refuse_short_travel(call: &mut Call, machine: &Machine, target: &ControllerTarget) -> Result<(), Refused> {
+    for axis in machine.axes() {
+        let (min, max) = axis.travel.interval();
+        let steps = target.manifest.mechanism.iter().map(|(_, rules)| rules.increment.min_position(axis.kind));
+        let coarsest = steps.fold(0.0, f64::max);
+        if max - min < coarsest {
+            let (unit, name) = (axis.unit(), &target.manifest.target);
+            let message = format!(
+                "the travel of `{}`, {} {unit}, is below the increment of positions of the target `{name}`, {coarsest} {unit}",
+                axis.name,
+                max - min
+            );
+            call.extend([Diagnostic::new(codes::E0708, message).help("check the unit of the travel")]);
+        }
+    }
+    call.checked()
 }
 
 /// Indices of the axes that span a lattice: those named, in the order of the chain, or all.
@@ -214,7 +252,9 @@ pub(crate) fn installed(
     folder: Option<&Path>,
 ) -> Result<Option<CorrectionTables>, Refused> {
     let Some(folder) = folder else { return Ok(None) };
-    let set = found(call, machine, folder, options)?;
+    // What is installed is there, whatever new tables are to be without.
+    let options = CompensationOptions { without: Vec::new(), ..options.clone() };
+    let set = found(call, machine, folder, &options)?;
     call.checked()?;
     if set.target.manifest.target == target.manifest.target {
         return Ok(Some(set.tables));

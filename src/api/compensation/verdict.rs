@@ -1,5 +1,6 @@
 //! Warnings of a certificate.
 
+use crate::api::finite;
 use crate::controller::{Certificate, ROUNDING_UM, RaisedFigure};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Summary;
@@ -28,8 +29,10 @@ pub(crate) fn raised(certificate: &Certificate) -> Option<String> {
 
 /// Returns the warnings to be read before anybody loads such files.
 pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
-    let mut found = Vec::new();
     let (before, after) = (&certificate.uncompensated, &certificate.compensated);
+    // The certificate is written as JSON by hand, where such a number would be `null`.
+    let figures = [before, after].map(|field| [field.all.position_um.clone(), field.tool_axis.clone()]);
+    let mut found: Vec<Diagnostic> = finite::refusal(&figures).into_iter().collect();
     let lessened = |b: &Summary, a: &Summary| a.rms < 0.999 * b.rms;
     let lessens =
         lessened(&before.all.position_um, &after.all.position_um) || lessened(&before.tool_axis, &after.tool_axis);

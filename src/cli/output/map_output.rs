@@ -57,7 +57,7 @@ impl StagedTables {
     /// The files as tables to be filled.
     pub(crate) fn tables(&self) -> Result<Vec<MapTable<'static>>, Diagnostic> {
         let table = |(form, name, staged): &(TableForm, String, Staged)| {
-            let sink = Box::new(BufWriter::new(staged.file()?));
+            let sink = Box::new(BufWriter::new(staged.writer()?));
             Ok(MapTable { name: name.clone(), form: *form, sink })
         };
         self.0.iter().map(table).collect()

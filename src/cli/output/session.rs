@@ -2,6 +2,7 @@
 
 use super::progress::ProgressBar;
 use crate::cli::store::files::Recorded;
+use crate::cli::store::limited::standard_output;
 use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
 use abbe::text::{Rendering, counts, render};
 use abbe::{Answer, LoadOptions, MachineFile, Run};
@@ -31,15 +32,21 @@ pub(crate) struct Session {
 
 impl Session {
     pub(crate) fn new(global: Global) -> Self {
-        let bar = ProgressBar::new(global.quiet, global.confined);
+        let bar = ProgressBar::new(global.quiet, global.template_child);
         let (document, unfit) = (RefCell::new(None), RefCell::new(None));
-        let (diagnostics, files, output_lost) = (Diagnostics::default(), Rc::default(), Cell::new(None));
+        let files = Rc::new(Recorded::within(global.confined.as_deref()));
+        let (diagnostics, output_lost) = (Diagnostics::default(), Cell::new(None));
         Self { global, bar, diagnostics, files, document, unfit, output_lost }
     }
 
     /// A session with the same options that has found nothing yet.
     pub(crate) fn fresh(&self) -> Self {
         Self::new(self.global.clone())
+    }
+
+    /// Returns the folder of `--confined` if there is none of its name.
+    pub(crate) fn missing_root(&self) -> Option<String> {
+        self.global.confined.as_ref().filter(|root| !root.is_dir()).map(|root| root.display().to_string())
     }
 
     /// Surroundings of a call of the library: files from the disk, progress on the terminal.
@@ -96,7 +103,7 @@ impl Session {
 
     /// Prints to standard output. A closed pipe ends the output, not the run.
     pub(crate) fn print(&self, text: &str) {
-        let mut out = std::io::stdout().lock();
+        let mut out = standard_output();
         let ending: &[u8] = if text.ends_with('\n') { b"" } else { b"\n" };
         let written = out.write_all(text.as_bytes()).and_then(|()| out.write_all(ending)).and_then(|()| out.flush());
         match written {
@@ -117,6 +124,10 @@ impl Session {
         let warnings = self.diagnostics.warning_records();
         if let (Some(object), false) = (value.as_object_mut(), warnings.is_empty()) {
             let _ = object.insert("warnings".to_owned(), json!(warnings));
+            let more = self.diagnostics.more()[1];
+            if more > 0 {
+                let _ = object.insert("more_warnings".to_owned(), json!(more));
+            }
         }
         self.print_document(value);
     }

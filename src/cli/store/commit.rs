@@ -1,16 +1,19 @@
-//! Several files replaced as one: after a kill at any moment, the folder holds the old set or can be brought to the new
-//! one.
+//! Several files replaced as one: after a kill at any moment, the folder holds the old set, or says that it is half
+//! replaced until a set is compiled into it again.
 //!
 //! 1. Every file is written under a temporary name beside its place, and synced.
 //! 2. One rename puts in place a list of the replacements: from here on the new set is decided.
-//! 3. The files are renamed, those that the new set no longer has are removed, and last the list.
+//! 3. The tables are renamed, those that the new set no longer has are removed, then the manifest takes its place,
+//!    and last the list goes.
 //!
-//! A run killed before 2 has changed nothing. One killed after it is finished by [`settle`] as soon as the folder
-//! is read, or replaced by the next set. Whoever does any of this holds the folder ([`exclusive`]).
+//! A run killed before 2 has changed nothing. After one killed later, the folder is refused ([`check`]) until a run
+//! that may write there replaces the set. A reader changes nothing: whoever handed the folder over may have written the
+//! list. Whoever does any of this holds the folder ([`exclusive`]).
 
 use super::files::{SET_LIMIT, read_at_most};
+use super::limited::LimitedWriter;
 use super::write::unwritable_folder;
-use abbe::sets::{Hashed, RenderedFile, is_plain_name, sha256};
+use abbe::sets::{Hashed, LOCK_NAME, Lock, RenderedFile, is_plain_name, sha256};
 use abbe::{Diagnostic, Diagnostics, codes};
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -24,17 +27,7 @@ const LIST_NAME: &str = ".abbe-set.json";
 pub(crate) struct Decided {
     /// Number of the run that decided it: part of its temporary names.
     run: u32,
-    files: Vec<Replaced>,
-    /// Files that the new set does not have, with their bytes.
-    removed: Vec<Hashed>,
-}
-
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
-struct Replaced {
-    name: String,
-    sha256: String,
-    /// Hash of the file that was there before, if there was one.
-    before: Option<String>,
+    files: Vec<Hashed>,
 }
 
 /// Holds the folder until it is dropped: two runs at once would mix their sets.
@@ -47,46 +40,95 @@ pub(crate) fn exclusive(folder: &Path) -> std::io::Result<fs::File> {
     }
 }
 
-/// Replaces files and removes others. The folder is held.
-pub(crate) fn replace(folder: &Path, files: &[&RenderedFile], removed: &[Hashed]) -> Result<(), Diagnostic> {
-    let before = left_over(folder);
-    // No number of the process: in a container that is always the same.
-    let run = before.iter().map(|(run, _)| *run).max().unwrap_or(0).saturating_add(1);
-    let staged = Staged::write(folder, files, run)?;
-    let entry = |file: &&RenderedFile| Replaced {
-        name: file.name.clone(),
-        sha256: sha256(&file.bytes),
-        before: hash(&folder.join(&file.name)),
-    };
-    let decided = Decided { run, files: files.iter().map(entry).collect(), removed: removed.to_vec() };
-    staged.decide(folder, &decided)?;
-    let half = |(name, failure): (String, std::io::Error)| {
-        Diagnostic::new(codes::E0810, format!("cannot replace `{name}`: {failure}")).help(
-            "the set in this folder is half replaced: the next `verify` or `compile` that can write there finishes it",
-        )
-    };
-    decided.carry_out(folder).map_err(half)?;
-    before.iter().for_each(|(_, path)| drop(fs::remove_file(path)));
-    Ok(())
+/// A set that takes the place of another.
+pub(crate) struct Replacement<'a> {
+    pub files: &'a [RenderedFile],
+    /// Its manifest.
+    pub lock: Lock,
+    /// Files of the old set, with their bytes, that the new set does not have.
+    pub removed: &'a [Hashed],
+    /// True for a path that stays whatever its name.
+    pub kept: &'a dyn Fn(&Path) -> bool,
 }
 
-/// Finishes a set that a killed run had decided (W0712), or reports that the run had decided nothing (W0713). Refuses a
-/// set that cannot be finished (E0733).
-pub(crate) fn settle(folder: &Path, diagnostics: &mut Diagnostics) -> Result<(), Diagnostic> {
-    let list = folder.join(LIST_NAME);
-    if list.symlink_metadata().is_err() && left_over(folder).is_empty() {
+/// A file of an old set that is still in the folder, and why.
+pub(crate) struct Stale {
+    pub file: Hashed,
+    pub why: String,
+}
+
+impl Replacement<'_> {
+    /// Replaces files and removes others; returns those that could not be removed. The folder is held.
+    pub(crate) fn carry_out(mut self, folder: &Path) -> Result<Vec<Stale>, Diagnostic> {
+        let before = left_over(folder);
+        // No number of the process: in a container that is always the same.
+        let run = before.iter().map(|(run, _)| *run).max().unwrap_or(0).saturating_add(1);
+        let manifest = manifest(&self.lock);
+        let all: Vec<&RenderedFile> = self.files.iter().chain([&manifest]).collect();
+        let staged = Staged::write(folder, &all, run)?;
+        let files = all.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
+        staged.decide(folder, &Decided { run, files })?;
+        let stale = self.put_in_place(folder, run).map_err(half)?;
+        let ours = before.iter().filter(|(_, path)| !(self.kept)(path));
+        ours.for_each(|(_, path)| drop(fs::remove_file(path)));
+        Ok(stale)
+    }
+
+    fn put_in_place(&mut self, folder: &Path, run: u32) -> Result<Vec<Stale>, (String, std::io::Error)> {
+        let place = |name: &str| {
+            fs::rename(folder.join(temporary_name(name, run)), folder.join(name)).map_err(|e| (name.to_owned(), e))
+        };
+        self.files.iter().try_for_each(|file| place(&file.name))?;
+        let stale: Vec<Stale> = self.removed.iter().filter_map(|old| remove(folder, old)).collect();
+        if !stale.is_empty() {
+            self.lock.stale.extend(stale.iter().map(|stale| stale.file.clone()));
+            let path = folder.join(temporary_name(LOCK_NAME, run));
+            let written = fs::File::create(path).and_then(|handle| {
+                LimitedWriter::new(&handle, 0).write_all(&manifest(&self.lock).bytes)?;
+                handle.sync_all()
+            });
+            written.map_err(|failure| (LOCK_NAME.to_owned(), failure))?;
+        }
+        place(LOCK_NAME)?;
+        sync(folder);
+        fs::remove_file(folder.join(LIST_NAME)).map_err(|failure| (LIST_NAME.to_owned(), failure))?;
+        Ok(stale)
+    }
+}
+
+fn half((name, failure): (String, std::io::Error)) -> Diagnostic {
+    Diagnostic::new(codes::E0810, format!("cannot replace `{name}`: {failure}"))
+        .help("the set in this folder is half replaced: load none of its files; the next `compile` into it mends it")
+}
+
+/// Removes a file if its bytes are those of the old set.
+fn remove(folder: &Path, old: &Hashed) -> Option<Stale> {
+    let path = folder.join(&old.name);
+    if hash(&path).as_ref() != Some(&old.sha256) {
+        return None;
+    }
+    match fs::remove_file(&path) {
+        Err(failure) if failure.kind() != ErrorKind::NotFound => {
+            Some(Stale { file: old.clone(), why: format!("it cannot be removed: {failure}") })
+        }
+        _ => None,
+    }
+}
+
+fn manifest(lock: &Lock) -> RenderedFile {
+    RenderedFile { name: LOCK_NAME.to_owned(), bytes: lock.to_text().into_bytes() }
+}
+
+/// Refuses a set that a killed run has half replaced (E0733), and warns of a run that was killed before it changed
+/// anything (W0713). Changes nothing.
+pub(crate) fn check(folder: &Path, diagnostics: &mut Diagnostics) -> Result<(), Diagnostic> {
+    if !is_half_replaced(folder) && left_over(folder).is_empty() {
         return Ok(());
     }
     // A run that is still at work is waited for.
-    let _guard = exclusive(folder).map_err(|failure| unfinished(folder, &failure.to_string()))?;
-    if list.symlink_metadata().is_ok() {
-        let decided =
-            Decided::of(folder).ok_or_else(|| unfinished(folder, &format!("`{LIST_NAME}` is not readable")))?;
-        decided.possible(folder)?;
-        decided.carry_out(folder).map_err(|(name, failure)| unfinished(folder, &format!("`{name}`: {failure}")))?;
-        let message = format!("a run was killed while it replaced the set in `{}`", folder.display());
-        let help = "all of the new set had been written: it has been put in place";
-        diagnostics.push(Diagnostic::new(codes::W0712, message).help(help));
+    let _guard = exclusive(folder).map_err(|failure| unfinished(folder, &format!(": {failure}")))?;
+    if is_half_replaced(folder) {
+        return Err(unfinished(folder, &format!(", by the list `{LIST_NAME}` in it")));
     }
     let left = left_over(folder);
     if !left.is_empty() {
@@ -98,77 +140,45 @@ pub(crate) fn settle(folder: &Path, diagnostics: &mut Diagnostics) -> Result<(),
     Ok(())
 }
 
+/// True if a killed run has decided a set for the folder and not finished it.
+pub(crate) fn is_half_replaced(folder: &Path) -> bool {
+    folder.join(LIST_NAME).symlink_metadata().is_ok()
+}
+
 fn unfinished(folder: &Path, why: &str) -> Diagnostic {
-    Diagnostic::new(
-        codes::E0733,
-        format!("the set in `{}` is half replaced, a run was killed: {why}", folder.display()),
-    )
-    .help("load none of its files; compile again into this folder, or make it writable and verify again")
+    let message = format!("the set in `{}` is half replaced, a run was killed{why}", folder.display());
+    Diagnostic::new(codes::E0733, message).help("load none of its files; compile again into this folder")
 }
 
 impl Decided {
     /// Returns the decided set of a folder, if there is one.
-    pub(crate) fn of(folder: &Path) -> Option<Self> {
-        let bytes = read_at_most(&folder.join(LIST_NAME), SET_LIMIT).ok()?;
-        let decided: Self = serde_json::from_slice(&bytes).ok()?;
-        let names = decided.files.iter().map(|file| &file.name).chain(decided.removed.iter().map(|file| &file.name));
-        names.into_iter().all(|name| is_plain_name(name)).then_some(decided)
+    fn of(folder: &Path) -> Option<Self> {
+        let decided: Self = serde_json::from_slice(&regular(&folder.join(LIST_NAME))?).ok()?;
+        decided.files.iter().all(|file| is_plain_name(&file.name)).then_some(decided)
     }
 
-    /// Files of the new set: ours, under their temporary or final name.
-    pub(crate) fn files(&self) -> impl Iterator<Item = Hashed> {
-        self.files.iter().map(|file| Hashed { name: file.name.clone(), sha256: file.sha256.clone() })
+    /// Returns the files of the set that a killed run has decided for a folder: those that the manifest of that set
+    /// lists too.
+    pub(crate) fn files(folder: &Path) -> Vec<Hashed> {
+        let Some(decided) = Self::of(folder) else { return Vec::new() };
+        let staged = folder.join(temporary_name(LOCK_NAME, decided.run));
+        let text = regular(&staged).or_else(|| regular(&folder.join(LOCK_NAME)));
+        let lock = text.and_then(|bytes| Lock::from_text(&String::from_utf8(bytes).ok()?));
+        let listed = |file: &Hashed| lock.as_ref().is_some_and(|lock| lock.files.contains(file));
+        decided.files.into_iter().filter(listed).collect()
     }
+}
 
-    /// Checks that every file needed to finish is there, and that nothing was touched since.
-    fn possible(&self, folder: &Path) -> Result<(), Diagnostic> {
-        for file in &self.files {
-            let there = hash(&folder.join(&file.name));
-            if there.as_ref() == Some(&file.sha256) {
-                continue;
-            }
-            if there != file.before {
-                return Err(unfinished(folder, &format!("`{}` has been changed since", file.name)));
-            }
-            if hash(&self.temporary(folder, &file.name)).as_ref() != Some(&file.sha256) {
-                return Err(unfinished(folder, &format!("its new `{}` is lost", file.name)));
-            }
-        }
-        Ok(())
-    }
-
-    fn temporary(&self, folder: &Path, name: &str) -> PathBuf {
-        folder.join(temporary_name(name, self.run))
-    }
-
-    /// Brings the folder to the new set, from any state in between.
-    fn carry_out(&self, folder: &Path) -> Result<(), (String, std::io::Error)> {
-        for file in &self.files {
-            match fs::rename(self.temporary(folder, &file.name), folder.join(&file.name)) {
-                // Renamed by the run that was killed.
-                Err(failure) if failure.kind() != ErrorKind::NotFound => return Err((file.name.clone(), failure)),
-                _ => {}
-            }
-        }
-        for old in &self.removed {
-            let path = folder.join(&old.name);
-            let untouched = hash(&path).is_some_and(|there| there == old.sha256);
-            if untouched {
-                // A file that will not go stays: it is only not ours any more.
-                let _ = fs::remove_file(&path);
-            }
-        }
-        sync(folder);
-        fs::remove_file(folder.join(LIST_NAME)).map_err(|failure| (LIST_NAME.to_owned(), failure))
-    }
+/// Bytes of a regular file, links left aside; none if there is no such file.
+fn regular(path: &Path) -> Option<Vec<u8>> {
+    let regular = fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_file());
+    regular.then(|| read_at_most(path, SET_LIMIT).ok()).flatten()
 }
 
 /// SHA-256 of a regular file; none if there is no such file.
-fn hash(path: &Path) -> Option<String> {
-    let regular = fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_file());
-    regular.then(|| read_at_most(path, SET_LIMIT).ok()).flatten().map(|bytes| sha256(&bytes))
+pub(crate) fn hash(path: &Path) -> Option<String> {
+    regular(path).map(|bytes| sha256(&bytes))
 }
-
 /// Makes renames last. A file system that cannot do it for folders does it on its own terms.
 fn sync(folder: &Path) {
     let _ = fs::File::open(folder).and_then(|handle| handle.sync_all());
@@ -210,9 +220,9 @@ impl Staged {
 
     fn add(&mut self, folder: &Path, name: &str, bytes: &[u8]) -> std::io::Result<PathBuf> {
         let path = folder.join(temporary_name(name, self.run));
-        let mut handle = fs::OpenOptions::new().write(true).create_new(true).open(&path)?;
+        let handle = fs::OpenOptions::new().write(true).create_new(true).open(&path)?;
         self.paths.push(path.clone());
-        handle.write_all(bytes)?;
+        LimitedWriter::new(&handle, 0).write_all(bytes)?;
         handle.sync_all()?;
         Ok(path)
     }

@@ -3,38 +3,93 @@
 //! Files that the manifest in the folder lists with their present bytes are ours and are replaced;
 //! a file of the same name that is not is foreign or hand-edited and is refused; others are not touched.
 
-use super::commit::{self, Decided};
-use super::files::{SET_LIMIT, read_at_most};
+use super::commit::{self, Decided, Replacement, Stale};
+use super::files::{Recorded, SET_LIMIT, read_at_most};
 use super::write;
 use crate::cli::Outcome;
 use crate::cli::output::session::Session;
 use abbe::results::ReadFailure;
-use abbe::sets::{Hashed, LOCK_NAME, Lock, RenderedFile, is_plain_name};
+use abbe::sets::{Hashed, LOCK_NAME, Lock, RenderedFile, STALE_HELP, refuse_outside};
 use abbe::{Diagnostic, codes};
 use std::fs;
 use std::path::Path;
 
-/// Writes a set into a folder (made if it is not there), then its manifest.
-pub(crate) fn write(folder: &Path, files: &[RenderedFile], lock: &Lock) -> Result<(), Diagnostic> {
-    write::make_folder(folder)?;
-    let _guard = commit::exclusive(folder).map_err(|failure| write::unwritable_folder(folder, &failure.to_string()))?;
-    let readable = existing_lock(folder);
-    // Files that a killed run had decided are ours too.
-    let half_written: Vec<Hashed> = Decided::of(folder).iter().flat_map(Decided::files).collect();
-    refuse_odd_manifest(folder, readable.is_some())?;
-    let ours = [readable.map_or_else(Vec::new, |lock| lock.files), half_written].concat();
-    for file in files {
-        refuse_foreign(folder, file, &ours)?;
-    }
-    let manifest = RenderedFile { name: LOCK_NAME.to_owned(), bytes: lock.to_text().into_bytes() };
-    let all: Vec<&RenderedFile> = files.iter().chain([&manifest]).collect();
-    commit::replace(folder, &all, &stale(&ours, &all))
+/// A set to be written, and what has to stay.
+pub(crate) struct NewSet<'a> {
+    pub files: &'a [RenderedFile],
+    pub lock: &'a Lock,
+    /// The files that were read in this run.
+    pub read: &'a Recorded,
+    /// True if the target writes files of this name.
+    pub writes: &'a dyn Fn(&str, &str) -> bool,
 }
 
-/// Our own earlier files that the new set does not have.
-fn stale(ours: &[Hashed], files: &[&RenderedFile]) -> Vec<Hashed> {
-    let gone = ours.iter().filter(|old| !files.iter().any(|new| new.name == old.name));
-    gone.filter(|old| is_plain_name(&old.name)).cloned().collect()
+impl NewSet<'_> {
+    /// Writes the set into a folder (made if it is not there), then its manifest. Returns warnings.
+    pub(crate) fn write(&self, folder: &Path) -> Result<Vec<Diagnostic>, Diagnostic> {
+        write::make_folder(folder)?;
+        let _guard =
+            commit::exclusive(folder).map_err(|failure| write::unwritable_folder(folder, &failure.to_string()))?;
+        let old = existing_lock(folder);
+        refuse_odd_manifest(folder, old.is_some())?;
+        if let Some(refusal) = old.as_ref().and_then(|lock| refuse_outside(lock, folder)) {
+            return Err(refusal);
+        }
+        let half_replaced = commit::is_half_replaced(folder);
+        // Files that a killed run had decided are ours too.
+        let ours = [old.as_ref().map_or_else(Vec::new, |lock| lock.files.clone()), Decided::files(folder)].concat();
+        for file in self.files {
+            write::refuse_input(&folder.join(&file.name), self.read)?;
+            refuse_foreign(folder, file, &ours)?;
+        }
+        let (removed, mut stale) = self.gone(folder, old.as_ref(), &ours);
+        let mut lock = self.lock.clone();
+        lock.stale = stale.iter().map(|stale| stale.file.clone()).collect();
+        let kept = |path: &Path| write::is_input(path, self.read);
+        let replacement = Replacement { files: self.files, lock, removed: &removed, kept: &kept };
+        stale.extend(replacement.carry_out(folder)?);
+        let mended = half_replaced.then(|| mended(folder));
+        Ok(mended.into_iter().chain(stale.iter().map(|stale| still_there(folder, stale))).collect())
+    }
+
+    /// Returns the files of the old set that the new one does not have: those to be removed, and those that stay.
+    fn gone(&self, folder: &Path, old: Option<&Lock>, ours: &[Hashed]) -> (Vec<Hashed>, Vec<Stale>) {
+        let target = old.map_or(self.lock.target.as_str(), |lock| lock.target.as_str());
+        let stale = old.map_or(&[][..], |lock| &lock.stale);
+        let (mut removed, mut kept): (Vec<Hashed>, Vec<Stale>) = (Vec::new(), Vec::new());
+        for old in ours.iter().chain(stale).filter(|old| !self.files.iter().any(|new| new.name == old.name)) {
+            let path = folder.join(&old.name);
+            let known = removed.contains(old) || kept.iter().any(|kept| kept.file == *old);
+            if known || path.symlink_metadata().is_err() {
+                continue;
+            }
+            let why = if commit::hash(&path).as_ref() != Some(&old.sha256) {
+                "it has been changed since abbe wrote it".to_owned()
+            } else if write::is_input(&path, self.read) {
+                "it is an input of this run".to_owned()
+            } else if !(self.writes)(target, &old.name) {
+                format!("it is no file that the target `{target}` writes")
+            } else {
+                removed.push(old.clone());
+                continue;
+            };
+            kept.push(Stale { file: old.clone(), why });
+        }
+        // A file may be listed with the bytes of the old set and with those of a killed run.
+        kept.retain(|kept| !removed.iter().any(|file| file.name == kept.file.name));
+        (removed, kept)
+    }
+}
+
+fn mended(folder: &Path) -> Diagnostic {
+    let message = format!("a run was killed while it replaced the set in `{}`", folder.display());
+    Diagnostic::new(codes::W0712, message).help("the set of this run is in its place now, whole")
+}
+
+fn still_there(folder: &Path, stale: &Stale) -> Diagnostic {
+    let path = folder.join(&stale.file.name);
+    let message = format!("`{}` is of an earlier set and still there: {}", path.display(), stale.why);
+    Diagnostic::new(codes::W0707, message).help(STALE_HELP)
 }
 
 /// The manifest of the set that is in the folder.
@@ -81,9 +136,14 @@ fn foreign(path: &Path, why: &str) -> Diagnostic {
         .help("move it away, or give another folder to --out; nothing was written")
 }
 
-/// Finishes the set that a killed run began in a folder.
-pub(crate) fn settle(session: &mut Session, folder: &Path) -> Outcome {
-    match commit::settle(folder, &mut session.diagnostics) {
+/// Refuses a folder whose set a killed run has half replaced.
+pub(crate) fn check(session: &mut Session, folder: &Path) -> Outcome {
+    if let Some(root) = session.files.outside(folder) {
+        let message =
+            format!("`{}` is outside `{}`, to which --confined limits this run", folder.display(), root.display());
+        return session.refuse(Diagnostic::new(codes::E0819, message).help("name a folder that holds every file"));
+    }
+    match commit::check(folder, &mut session.diagnostics) {
         Ok(()) => Ok(()),
         Err(refusal) => session.refuse(refusal),
     }

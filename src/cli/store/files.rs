@@ -16,6 +16,8 @@ pub(crate) const SET_LIMIT: u64 = MAX_FILE_BYTES as u64;
 pub(crate) struct Recorded {
     /// By path: the limit under which it was read, and a hash of the content if it could be read.
     seen: RefCell<BTreeMap<PathBuf, (u64, Option<u64>)>>,
+    /// The folder outside of which nothing is read, as it was named and resolved.
+    root: Option<[PathBuf; 2]>,
 }
 
 impl Files for Recorded {
@@ -24,18 +26,44 @@ impl Files for Recorded {
     }
 
     fn read_at_most(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
-        let result = Disk.read_at_most(path, limit);
+        let result = self.confined(path, limit);
         let state = result.as_ref().ok().map(|bytes| content(bytes));
         let _ = self.seen.borrow_mut().insert(path.to_owned(), (limit, state));
         result
     }
 
     fn entries(&self, folder: &Path) -> Vec<FolderEntry> {
-        Disk.entries(folder)
+        if self.outside(folder).is_some() { Vec::new() } else { Disk.entries(folder) }
+    }
+
+    fn resolved(&self, path: &Path) -> Option<PathBuf> {
+        Disk.resolved(path)
     }
 }
 
 impl Recorded {
+    /// Reads files in a folder and below it only.
+    pub(crate) fn within(root: Option<&Path>) -> Self {
+        let resolved = |root: &Path| Disk.resolved(root).unwrap_or_else(|| root.to_owned());
+        Self { root: root.map(|root| [root.to_owned(), resolved(root)]), ..Self::default() }
+    }
+
+    /// Returns the folder of `--confined` if the path leads outside of it.
+    pub(crate) fn outside(&self, path: &Path) -> Option<PathBuf> {
+        let [named, root] = self.root.as_ref()?;
+        // Of a file that is not there its folder tells.
+        let folder = path.parent().map(|folder| if folder == Path::new("") { Path::new(".") } else { folder });
+        let resolved = Disk.resolved(path).or_else(|| Disk.resolved(folder?));
+        (!resolved.is_some_and(|resolved| resolved.starts_with(root))).then(|| named.clone())
+    }
+
+    fn confined(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
+        match self.outside(path) {
+            Some(root) => Err(ReadFailure::Outside(root)),
+            None => Disk.read_at_most(path, limit),
+        }
+    }
+
     /// The files that were read.
     pub fn paths(&self) -> Vec<PathBuf> {
         self.seen.borrow().iter().filter(|(_, (_, state))| state.is_some()).map(|(path, _)| path.clone()).collect()
@@ -44,7 +72,7 @@ impl Recorded {
     /// True if any of the files has another content by now. Compares the content: times of modification are coarse on
     /// some file systems, and an editor may write the same again.
     pub fn changed(&self) -> bool {
-        let now = |path: &PathBuf, limit: u64| Disk.read_at_most(path, limit).ok().map(|bytes| content(&bytes));
+        let now = |path: &PathBuf, limit: u64| self.confined(path, limit).ok().map(|bytes| content(&bytes));
         self.seen.borrow().iter().any(|(path, (limit, before))| now(path, *limit) != *before)
     }
 }

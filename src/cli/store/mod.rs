@@ -3,5 +3,6 @@
 pub(super) mod commit;
 pub(super) mod file_set;
 pub(crate) mod files;
+pub(crate) mod limited;
 pub(super) mod study_file;
 pub(super) mod write;

@@ -1,6 +1,7 @@
 //! Files are written whole or not at all: into a temporary file beside the target, then renamed.
 
 use super::files::Recorded;
+use super::limited::LimitedWriter;
 use abbe::results::Picture;
 use abbe::{Diagnostic, codes};
 use std::fs::{self, File, OpenOptions};
@@ -11,13 +12,14 @@ use std::path::{Path, PathBuf};
 /// this run.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8], read: &Recorded) -> Result<(), Diagnostic> {
     refuse_input(path, read)?;
+    clear_left_over(path, read);
     replace_whole(path, bytes)
 }
 
 /// Like [`write_whole`], for a file of our own that may have been read before.
 pub(crate) fn replace_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
     let staged = Staged::new(path)?;
-    staged.file()?.write_all(bytes).map_err(|failure| staged.failed(&failure))?;
+    staged.writer()?.write_all(bytes).map_err(|failure| staged.failed(&failure))?;
     staged.commit()
 }
 
@@ -42,12 +44,16 @@ impl Staged {
             None => (false, OpenOptions::new().write(true).create_new(true).open(&temporary)),
         };
         let file = opened.map_err(|failure| unwritable(path, &failure.to_string()))?;
+        // Held while the run is alive: by that another run tells what a killed one left. Where there are no locks,
+        // nothing is told, and nothing is cleared.
+        let _ = file.try_lock();
         Ok(Self { path: path.to_owned(), target, temporary, file, unnamed })
     }
 
     /// Returns a handle for writing.
-    pub(crate) fn file(&self) -> Result<File, Diagnostic> {
-        self.file.try_clone().map_err(|failure| self.failed(&failure))
+    pub(crate) fn writer(&self) -> Result<LimitedWriter<File>, Diagnostic> {
+        let file = self.file.try_clone().map_err(|failure| self.failed(&failure))?;
+        Ok(LimitedWriter::new(file, 0))
     }
 
     /// Returns the diagnostic of a file that cannot be written.
@@ -76,6 +82,25 @@ impl Drop for Staged {
         // A failed attempt leaves a file that is ours alone; if it cannot be removed either, there is no more to
         // report. After a commit there is nothing of this name.
         let _ = fs::remove_file(&self.temporary);
+    }
+}
+
+/// Clears temporary files for this path that runs left which were killed between naming and renaming them.
+fn clear_left_over(path: &Path, read: &Recorded) {
+    let Ok(target) = replaceable(path) else { return };
+    let Some(name) = target.file_name().map(|name| name.to_string_lossy().into_owned()) else { return };
+    let of_a_run = |entry: &fs::DirEntry| {
+        let own = entry.file_name().to_string_lossy().into_owned();
+        let run =
+            own.strip_prefix('.').and_then(|rest| rest.strip_prefix(&name)?.strip_prefix('.')?.strip_suffix(".tmp"));
+        let regular = entry.file_type().is_ok_and(|kind| kind.is_file());
+        regular && run.is_some_and(|run| !run.is_empty() && run.bytes().all(|byte| byte.is_ascii_digit()))
+    };
+    for entry in fs::read_dir(folder_of(&target)).into_iter().flatten().flatten().filter(of_a_run) {
+        let left = File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
+        if left && !is_input(&entry.path(), read) {
+            let _ = fs::remove_file(entry.path());
+        }
     }
 }
 
@@ -156,12 +181,16 @@ pub(crate) fn write_picture(
 
 /// Refuses to write over a file that was read in this run: a machine file, a table, a measurement, a template.
 pub(crate) fn refuse_input(path: &Path, read: &Recorded) -> Result<(), Diagnostic> {
-    let Some(own) = identity(path) else { return Ok(()) };
-    if !read.paths().iter().any(|other| identity(other).as_ref() == Some(&own)) {
+    if !is_input(path, read) {
         return Ok(());
     }
     let message = format!("`{}` is an input of this run", path.display());
     Err(Diagnostic::new(codes::E0630, message).help("give the output another name; nothing was written"))
+}
+
+/// True if a path leads to a file that was read in this run.
+pub(crate) fn is_input(path: &Path, read: &Recorded) -> bool {
+    identity(path).is_some_and(|own| read.paths().iter().any(|other| identity(other).as_ref() == Some(&own)))
 }
 
 /// Refuses, before any work, outputs that cannot all be written: over an input, two to one file, or where there is
@@ -173,6 +202,7 @@ pub(crate) fn refuse_outputs<'a>(
     let mut seen: Vec<&PathBuf> = Vec::new();
     for path in paths {
         refuse_input(path, read)?;
+        clear_left_over(path, read);
         let _ = replaceable(path)?;
         let folder = folder_of(path);
         if !folder.is_dir() {
@@ -306,7 +336,7 @@ mod tests {
         let folder = Folder::new("unfinished");
         let path = folder.0.join("map.csv");
         let staged = Staged::new(&path).unwrap();
-        staged.file().unwrap().write_all(b"all of it").unwrap();
+        staged.writer().unwrap().write_all(b"all of it").unwrap();
         assert_eq!(folder.entries(), usize::from(!staged.unnamed));
         staged.commit().unwrap();
         assert_eq!((fs::read(&path).unwrap().as_slice(), folder.entries()), (&b"all of it"[..], 1));

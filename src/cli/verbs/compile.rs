@@ -5,9 +5,11 @@ use crate::cli::arguments::{InstalledArg, help};
 use crate::cli::how::SetArgs;
 use crate::cli::output::certificate::CertificateView;
 use crate::cli::output::session::Session;
-use crate::cli::store::{file_set, write};
+use crate::cli::store::file_set::{self, NewSet};
+use crate::cli::store::write;
 use abbe::CompileOptions;
 use abbe::options::Limits;
+use abbe::sets::target_writes;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -57,11 +59,17 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     // Refusals come before the work.
     write::refuse_no_folder(&args.out).or_else(|refusal| session.refuse(refusal))?;
     if let Some(installed) = &args.installed.installed {
-        file_set::settle(session, installed)?;
+        file_set::check(session, installed)?;
     }
     let answer = abbe::compile(&file, &args.options(), session.run());
     let set = session.take(answer)?;
-    file_set::write(&args.out, &set.files, &set.lock).or_else(|refusal| session.refuse(refusal))?;
+    let compensation = args.set.how.options();
+    let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
+    let new = NewSet { files: &set.files, lock: &set.lock, read: &session.files, writes: &writes };
+    match new.write(&args.out) {
+        Ok(warnings) => warnings.into_iter().for_each(|warning| session.diagnostics.push(warning)),
+        Err(refusal) => return session.refuse(refusal),
+    }
     CertificateView { report: &set.certificate, folder: &args.out }.print(session);
     Ok(())
 }

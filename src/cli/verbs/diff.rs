@@ -56,7 +56,7 @@ fn machines(session: &mut Session, args: &Args, paths: [&Path; 2]) -> Outcome {
 fn sets(session: &mut Session, args: &Args, machine: &Path, [old, new]: [&Path; 2]) -> Outcome {
     let file = session.load(machine, args.set.tool.name())?;
     for folder in [old, new] {
-        file_set::settle(session, folder)?;
+        file_set::check(session, folder)?;
     }
     let (compensation, poses, seed) = (args.set.how.options(), args.set.poses.count(), args.set.seed.seed);
     let options = DiffOptions { compensation, poses, seed };

@@ -159,7 +159,10 @@ fn print_monomials(session: &Session, fit: &MonomialFit) {
     }
 }
 
+/// Largest noise of a reading that is believed, mm.
+const MAX_NOISE_MM: f64 = 1000.0;
+
 /// A length above zero, such as `2 um`.
 fn noise(text: &str) -> Result<f64, Reason> {
-    length(text, |mm| mm > 0.0, "write a length above zero, such as `2 um`")
+    length(text, |mm| mm > 0.0 && mm <= MAX_NOISE_MM, "write a length above zero and up to 1 m, such as `2 um`")
 }

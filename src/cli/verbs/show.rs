@@ -133,8 +133,17 @@ fn text(of: &ChainResult) -> String {
         other_sides(of),
         frames(of),
         locations(of),
-        conventions(of)
+        conventions(of) + &outside(of)
     )
+}
+
+/// The files from elsewhere that the machine was read from.
+fn outside(of: &ChainResult) -> String {
+    let files: Vec<&str> = of.inputs.iter().filter(|input| input.outside).map(|input| input.file.as_str()).collect();
+    if files.is_empty() {
+        return String::new();
+    }
+    format!("\n\nInputs outside the folder of the machine file: {}", files.join(", "))
 }
 
 /// Rows about the sides on which the axes do not stand.

@@ -21,7 +21,8 @@ pub(crate) struct Args {
         long_help = "The controller, if no manifest in the folder names it; `abbe targets` lists them")]
     target: Option<String>,
     /// Print what the controller adds at positions, as CSV, instead of a certificate. The CSV file has the columns
-    /// joint, direction, position; further columns are ignored.
+    /// joint, direction, position; further columns are ignored. A joint is the controller's letter, the name in the
+    /// machine file, or a number from 0 in the controller's order.
     #[arg(long, value_name = "FILE")]
     replay: Option<PathBuf>,
     #[command(flatten)]
@@ -32,7 +33,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     for folder in std::iter::once(&args.folder).chain(&args.installed.installed) {
-        file_set::settle(session, folder)?;
+        file_set::check(session, folder)?;
     }
     // The tables hold for the tool they were made for.
     let made_for = set_manifest(&args.folder, session.run()).map(|lock| lock.tool).filter(|name| !name.is_empty());
@@ -55,7 +56,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 
 /// Prints the replay at single positions, with which a test of a real controller compares.
 fn replay(session: &mut Session, file: &MachineFile, folder: &Path, path: &Path, options: &VerifyOptions) -> Outcome {
-    let positions = session.take(ReplayPosition::list(file, path, session.run()))?;
+    let positions = session.take(ReplayPosition::list(path, session.run()))?;
     let answer = abbe::replay(file, folder, &positions, options, session.run());
     let added = session.take(answer)?;
     let mut out = String::from("joint,direction,position,correction\n");

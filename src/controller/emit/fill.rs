@@ -2,7 +2,9 @@
 
 use super::limits::steepest_along;
 use super::stored::{StoredColumn, differences};
-use crate::compensation::{CorrectionTable, CorrectionTables, Encoding, LatticeRequest, TableRules, lacking, tables};
+use crate::compensation::{
+    CorrectionTable, CorrectionTables, Crowded, Encoding, LatticeRequest, TableRules, lacking, tables,
+};
 use crate::controller::manifest::ControllerTarget;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
@@ -34,6 +36,10 @@ impl ControllerTarget {
             if count > rules.max_tables {
                 all.push(refusal(format!("{name}: {count} tables, the controller has {}", rules.max_tables)));
             }
+        }
+        if let Some(Crowded::Output(name, axis)) = self.manifest.mechanism.crowded(tables) {
+            let axis = &machine.axes()[axis].name;
+            all.push(refusal(format!("{name}: more tables that correct `{axis}` than the controller has for an axis")));
         }
         let count = tables.tables.iter().map(|table| self.manifest.mechanism.count(table)).sum::<usize>();
         if let Some(max) = self.manifest.mechanism.tables.filter(|max| count > *max) {

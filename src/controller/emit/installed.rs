@@ -1,6 +1,6 @@
 //! New tables on top of those that are installed on the machine.
 
-use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve, LatticeRequest, Spacing};
+use crate::compensation::{CorrectionTable, CorrectionTables, Crowded, ErrorCurve, LatticeRequest, Spacing};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::replay::Replay;
 use crate::diagnostic::{Diagnostic, codes};
@@ -9,23 +9,54 @@ use crate::units::significant;
 
 impl ControllerTarget {
     /// Returns the tables for a machine whose errors were measured with other tables in force: the old plus the new,
-    /// rounded like any tables of the target.
+    /// rounded like any tables of the target. `planner` is the target with the mechanisms that new tables may use. New
+    /// tables for which the controller has no room beside the old ones are left out: W0708.
     pub fn tables_over(
         &self,
+        planner: &Self,
         machine: &Machine,
         request: &LatticeRequest,
         installed: &CorrectionTables,
-    ) -> CorrectionTables {
+    ) -> (CorrectionTables, Vec<Diagnostic>) {
+        let mut fresh = planner.tables(machine, request);
+        self.add_installed_points(&mut fresh, installed);
+        let mut left_out = Vec::new();
+        loop {
+            let sum = self.sum(machine, &fresh, installed);
+            let crowded = self.manifest.mechanism.crowded(&sum);
+            let Some(weakest) = crowded.and_then(|crowded| self.weakest(&fresh, installed, crowded)) else {
+                return (sum, left_out);
+            };
+            left_out.push(no_room(machine, &fresh.tables.remove(weakest)));
+        }
+    }
+
+    /// Returns the index of the new table with the least effect among those that take the room that is lacking: tables
+    /// over several axes first, then over one. Tables on top of an old one of the same kind take none, products aside.
+    fn weakest(&self, fresh: &CorrectionTables, installed: &CorrectionTables, crowded: Crowded) -> Option<usize> {
         let mechanisms = &self.manifest.mechanism;
+        let takes_room = |table: &&CorrectionTable| {
+            let there =
+                installed.tables.iter().any(|old| (&old.axes, &old.corrected) == (&table.axes, &table.corrected));
+            crowded.concerns(mechanisms, table) && (!there || mechanisms.is_product(table))
+        };
+        let strength = |table: &CorrectionTable| table.values.iter().map(|x| x * x).sum::<f64>() / table.len() as f64;
+        let candidates = fresh.tables.iter().enumerate().filter(|(_, table)| takes_room(table));
+        let order = |(_, a): &(usize, &CorrectionTable), (_, b): &(usize, &CorrectionTable)| {
+            (a.axes.len() == 1).cmp(&(b.axes.len() == 1)).then(strength(a).total_cmp(&strength(b)))
+        };
+        candidates.min_by(order).map(|(index, _)| index)
+    }
+
+    /// Old plus new, rounded.
+    fn sum(&self, machine: &Machine, fresh: &CorrectionTables, installed: &CorrectionTables) -> CorrectionTables {
         let at = |old: &CorrectionTable, new: &CorrectionTable, reverse: bool| -> Vec<f64> {
             let alone = alone(old);
             let replay = Replay::new(machine, self, &alone);
             at_nodes(machine, (&replay, old), new, if reverse { Approach::Reverse } else { Approach::Forward })
         };
-        let mut fresh = self.tables(machine, request);
-        self.add_installed_points(&mut fresh, installed);
-        let mut sum = fresh.plus(installed, &at);
-        mechanisms.round(machine, &mut sum);
+        let mut sum = fresh.clone().plus(installed, &at);
+        self.manifest.mechanism.round(machine, &mut sum);
         sum.merged()
     }
 
@@ -108,6 +139,20 @@ impl ControllerTarget {
         let unit = if kind == AxisKind::Linear { "um" } else { "mdeg" };
         Some(loss(&format!("`{}` over {}", name(axis), over.join(" and ")), max * 1e3, unit))
     }
+}
+
+fn no_room(machine: &Machine, table: &CorrectionTable) -> Diagnostic {
+    let names = |axes: &[usize]| {
+        let names: Vec<&str> = axes.iter().map(|axis| machine.axes()[*axis].name.as_str()).collect();
+        names.join(" and ")
+    };
+    let message = format!(
+        "the table that would correct {} over {} is left out: the controller has no room for it beside the installed ones",
+        names(&table.corrected),
+        names(&table.axes)
+    );
+    Diagnostic::new(codes::W0708, message)
+        .help("the certificate counts without it; measure without the installed tables and compile without --installed")
 }
 
 /// A loss (mm, deg) below which nothing is reported.

@@ -28,6 +28,9 @@ pub struct Lock {
     pub inputs: Vec<Hashed>,
     /// Files written: name and SHA-256.
     pub files: Vec<Hashed>,
+    /// Files of earlier sets that were still in the folder.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stale: Vec<Hashed>,
 }
 
 /// A file and its hash.
@@ -63,6 +66,7 @@ impl Lock {
             conventions: serde_json::to_value(machine.conventions()).unwrap_or_default(),
             inputs,
             files,
+            stale: Vec::new(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::Manifest;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::syntax::{Files, read_text};
+use crate::syntax::{Files, YamlFailure, from_yaml, read_text};
 use std::fmt::{Display, Formatter};
 use std::path::Path;
 
@@ -141,7 +141,7 @@ impl ControllerTarget {
 /// The reason why a manifest is refused.
 enum ManifestFault {
     /// It is no YAML, or has other keys.
-    Syntax(serde_yaml::Error),
+    Syntax(YamlFailure),
     /// Its keys do not fit together.
     Unsound(String),
     /// A template is outside the target's folder.
@@ -160,7 +160,7 @@ impl Display for ManifestFault {
 
 /// Reads a manifest that can be worked with.
 fn sound(text: &str) -> Result<Manifest, ManifestFault> {
-    let manifest: Manifest = serde_yaml::from_str(text).map_err(ManifestFault::Syntax)?;
+    let manifest: Manifest = from_yaml(text).map_err(ManifestFault::Syntax)?;
     if let Some(fault) = manifest.fault() {
         return Err(ManifestFault::Unsound(fault));
     }
@@ -176,6 +176,22 @@ pub fn is_plain_name(name: &str) -> bool {
     !name.is_empty() && name.len() <= 80 && name.chars().all(plain) && !name.starts_with('.')
 }
 
+/// True if a path of a manifest becomes this name for some machine: what stands between its expressions is there in that
+/// order.
+pub(in crate::controller) fn path_fits(path: &str, name: &str) -> bool {
+    let mut pieces = path.split("{{").map(|piece| piece.split_once("}}").map_or(piece, |(_, text)| text));
+    let Some(mut rest) = pieces.next().and_then(|first| name.strip_prefix(first)) else { return false };
+    let texts: Vec<&str> = pieces.collect();
+    let Some((last, between)) = texts.split_last() else { return rest.is_empty() };
+    for text in between {
+        match rest.find(text) {
+            Some(at) => rest = &rest[at + text.len()..],
+            None => return false,
+        }
+    }
+    is_plain_name(name) && rest.ends_with(last)
+}
+
 fn unknown(name: &str) -> Diagnostic {
     Diagnostic::new(codes::E0701, format!("there is no target `{name}`"))
         .help(format!("known targets: {}; a folder of your own is given with --templates DIR", NAMES.join(", ")))
@@ -184,6 +200,19 @@ fn unknown(name: &str) -> Diagnostic {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_fit_the_paths_of_their_targets() {
+        let path = "joint_{{ joint }}_{{ letter }}.comp";
+        for name in ["joint_0_X.comp", "joint_12_AA.comp"] {
+            assert!(path_fits(path, name), "{name}");
+        }
+        for name in ["joint_0.comp", "joint_0_X.comp.bak", "my_joint_0_X.comp", "machine.yaml", "", "joint_0_/X.comp"] {
+            assert!(!path_fits(path, name), "{name}");
+        }
+        assert!(path_fits("_N_AX{{ joint + 1 }}_EEC_INI", "_N_AX3_EEC_INI"));
+        assert!(path_fits("etalon.txt", "etalon.txt") && !path_fits("etalon.txt", "etalon.txt2"));
+    }
 
     #[test]
     fn every_file_in_templates_is_in_the_binary() {

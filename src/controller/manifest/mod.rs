@@ -14,4 +14,5 @@ pub use description::{
     Manifest, OutsideTable, Per,
 };
 pub use letters::assigned_letters;
+pub(super) use library::path_fits;
 pub use library::{ControllerTarget, NAMES, is_plain_name};

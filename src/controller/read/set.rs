@@ -2,7 +2,7 @@
 
 use super::{Fault, ReadBack, Reading, place};
 use crate::compensation::CorrectionTables;
-use crate::controller::manifest::{ControllerTarget, FileSpec, Per, assigned_letters};
+use crate::controller::manifest::{ControllerTarget, FileSpec, Per, assigned_letters, path_fits};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
 
@@ -21,6 +21,11 @@ impl ControllerTarget {
         let mut names: Vec<String> = per_axis.flat_map(|spec| self.names_of_letters(spec, &letters.order)).collect();
         names.retain(|name| !own.contains(name));
         names
+    }
+
+    /// True if a file of this name belongs to the target's set for some machine.
+    pub fn writes(&self, name: &str) -> bool {
+        self.manifest.files.iter().any(|spec| path_fits(&spec.path, name))
     }
 
     /// Names of the files that assign tables to axes.

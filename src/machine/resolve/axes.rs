@@ -9,6 +9,9 @@ use crate::syntax::{AxisEntry, Keys, Scalar, SideEntry, TravelEntry, below, keys
 /// Shortest travel, mm or deg: controls have increments of a micrometre or a thousandth of a degree.
 const SHORTEST: f64 = 1e-3;
 
+/// Maximum number of axes of a file: those of the chain, and those that variants leave out.
+const MAX_DECLARED: usize = 64;
+
 /// An axis as far as its entry could be understood; it may be outside the chain.
 #[derive(Debug, Clone)]
 pub struct AxisDraft {
@@ -79,6 +82,17 @@ pub fn block_key(branch: Branch) -> &'static str {
 /// The block of a side as written.
 pub fn block_entry(entry: &AxisEntry, branch: Branch) -> Option<&SideEntry> {
     if branch == Branch::Tool { entry.on_tool.as_ref() } else { entry.on_workpiece.as_ref() }
+}
+
+/// Refuses a file with more axes than any machine and its variants have.
+pub fn refuse_many(context: &mut Context<'_>) -> Option<()> {
+    let count = context.document.axes.len();
+    if count <= MAX_DECLARED {
+        return Some(());
+    }
+    let message = format!("the file declares {count} axes, the limit is {MAX_DECLARED}");
+    context.at_key(codes::E0307, &keys(["axes"]), message, "declare those of the chain and of its variants");
+    None
 }
 
 /// All axes that are declared.

@@ -5,6 +5,9 @@ use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
 use crate::machine::{AxisName, Branch, KinematicChain};
 use crate::syntax::{Keys, WrittenChain, below, keys};
 
+/// Maximum number of axes in the chain.
+const MAX_AXES: usize = 16;
+
 /// An axis in the chain and where it stands there.
 struct Link {
     name: AxisName,
@@ -53,7 +56,15 @@ pub fn chain(context: &mut Context<'_>) -> Option<KinematicChain> {
 
 /// Axes declared, none twice, at least one.
 fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
-    let before = context.diagnostics.iter().count();
+    let before = context.diagnostics.count();
+    if links.axes.len() > MAX_AXES {
+        let message = format!("the chain has {} axes, at most {MAX_AXES} are computed", links.axes.len());
+        let help = "each axis more doubles the poses of a proof, and multiplies tables; leave out what does not move \
+                    tool or workpiece";
+        let place = links.axes.get(MAX_AXES).and_then(|link| link.place.clone());
+        context.diagnostics.push(Diagnostic::new(codes::E0307, message).at(place, "").help(help));
+        return None;
+    }
     let declared: Vec<&str> = context.document.axes.keys().map(String::as_str).collect();
     for (i, link) in links.axes.iter().enumerate() {
         if let Some(first) = links.axes[..i].iter().find(|l| l.name == link.name) {
@@ -81,7 +92,7 @@ fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
             "name at least one axis between w and t",
         );
     }
-    (context.diagnostics.iter().count() == before).then_some(())
+    (context.diagnostics.count() == before).then_some(())
 }
 
 fn twice(context: &mut Context<'_>, name: &AxisName, again: &Option<Place>, first: &Option<Place>) {
@@ -93,7 +104,7 @@ fn twice(context: &mut Context<'_>, name: &AxisName, again: &Option<Place>, firs
 }
 
 fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) -> Option<ChainLinks> {
-    let before = context.diagnostics.iter().count();
+    let before = context.diagnostics.count();
     let mut links = ChainLinks::default();
     for (branch, key, list) in [(Branch::Workpiece, "workpiece", workpiece), (Branch::Tool, "tool", tool)] {
         for (i, text) in list.iter().enumerate() {
@@ -103,7 +114,7 @@ fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) 
             link(context, &token, Some(branch), last, &mut links);
         }
     }
-    (context.diagnostics.iter().count() == before).then_some(links)
+    (context.diagnostics.count() == before).then_some(links)
 }
 
 /// One axis or spindle. `side` is the branch it stands in, if that is settled.
@@ -144,7 +155,7 @@ fn refuse_name(context: &mut Context<'_>, token: &Token) {
 
 /// The string as ISO prints it.
 fn walk(context: &mut Context<'_>, text: &str) -> Option<ChainLinks> {
-    let before = context.diagnostics.iter().count();
+    let before = context.diagnostics.count();
     let tokens = tokens(context, text);
     let find = |word: &str| tokens.iter().position(|t| t.text == word);
     let (w, b, t) = (find("w"), find("b"), find("t"));
@@ -167,7 +178,7 @@ fn walk(context: &mut Context<'_>, text: &str) -> Option<ChainLinks> {
     for (i, token) in tokens[b + 1..t].iter().enumerate() {
         link(context, token, Some(Branch::Tool), b + 2 + i == t, &mut links);
     }
-    (context.diagnostics.iter().count() == before).then_some(links)
+    (context.diagnostics.count() == before).then_some(links)
 }
 
 fn left_of_bed(context: &mut Context<'_>, token: &Token, links: &mut ChainLinks) {

@@ -47,6 +47,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
     parts::version(context);
     let name = parts::name(context);
     let conventions = conventions::conventions(context);
+    axes::refuse_many(context)?;
     let declared = axes::axes(context);
     let chain = chain::chain(context);
     let walk = chain.as_ref().map(|chain| sides::sides(&chain.walk())).unwrap_or_default();

@@ -74,6 +74,15 @@ pub struct RowBlock {
     pub(super) tips: Vec<[f64; 3]>,
 }
 
+impl RowBlock {
+    /// Returns the index of the first row with a number that is not finite.
+    pub fn not_finite(&self) -> Option<usize> {
+        let finite = |numbers: &[f64]| numbers.iter().all(|x| x.is_finite());
+        let row = self.rows.iter().position(|row| !finite(row));
+        row.or_else(|| self.tips.iter().position(|tip| !finite(tip))).map(|row| self.first + row)
+    }
+}
+
 /// Destination of the rows of one table, in their order.
 pub trait Stream {
     /// The next rows.

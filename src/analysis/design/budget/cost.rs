@@ -56,9 +56,9 @@ impl Price {
 }
 
 impl CostModel {
-    /// Returns the model written as YAML. Fails with the reason and the place.
-    pub fn parse(text: &str) -> Result<Self, Reason> {
-        let model: Self = serde_yaml::from_str(text).map_err(Reason::new)?;
+    /// Returns a model that was read, if it is one. Fails with the reason.
+    pub fn checked(self) -> Result<Self, Reason> {
+        let model = self;
         if !(model.power > 0.0 && model.power <= 10.0) {
             return Err(Reason::new(format!("`power` is {}; it is above 0 and 10 at most", model.power)));
         }
@@ -119,19 +119,23 @@ fn limit(text: &str, direction: Direction) -> Result<f64, Reason> {
 mod tests {
     use super::*;
 
+    fn parse(text: &str) -> Result<CostModel, Reason> {
+        serde_yaml::from_str::<CostModel>(text).map_err(Reason::new)?.checked()
+    }
+
     #[test]
     fn a_model_is_read_and_refused_with_its_reason() {
-        let model = CostModel::parse("power: 2\nweights: { straightness: 3, EXX: 0.5 }\nfinest: { tilt: 2 urad }\n");
+        let model = parse("power: 2\nweights: { straightness: 3, EXX: 0.5 }\nfinest: { tilt: 2 urad }\n");
         let model = model.unwrap();
         assert_eq!((model.power, model.weights["EXX"], model.finest["tilt"].as_str()), (2.0, 0.5, "2 urad"));
-        assert_eq!(CostModel::parse("{}"), Ok(CostModel::default()));
+        assert_eq!(parse("{}"), Ok(CostModel::default()));
         for (text, words) in [
             ("wieghts: {}", "wieghts"),
             ("power: 0", "power"),
             ("weights: { EXX: -1 }", "EXX"),
             ("weights: { squarness: 1 }", "the kinds are positioning"),
         ] {
-            let failure = CostModel::parse(text).unwrap_err();
+            let failure = parse(text).unwrap_err();
             assert!(failure.to_string().contains(words), "{failure:?}");
         }
         assert!(limit("2 urad", Direction::X).is_err() && limit("2 um", Direction::X) == Ok(0.002));

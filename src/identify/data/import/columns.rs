@@ -4,7 +4,7 @@ use super::options::{FileContents, RunApproach};
 use super::unit::{component_error, position_unit, reading_unit};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Reason, codes, shown};
 use crate::machine::ErrorId;
-use crate::syntax::{ColumnDirection, Files, read_text};
+use crate::syntax::{ColumnDirection, Files, YamlFailure, from_yaml, read_text};
 use indexmap::IndexMap;
 use serde::Deserialize;
 use std::path::Path;
@@ -122,9 +122,9 @@ pub fn read_columns(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostic
         diagnostics.push(refused(&format!("the file has {} bytes; the limit is {LARGEST}", text.len())));
         return None;
     }
-    let entry: Result<MapEntry, serde_yaml::Error> = serde_yaml::from_str(&text);
+    let entry: Result<MapEntry, YamlFailure> = from_yaml(&text);
     let map = entry
-        .map_err(|failure| (failure.to_string(), failure.location().map(|at| place(at.line()))))
+        .map_err(|failure| (failure.to_string(), failure.line.map(place)))
         .and_then(|entry| ColumnMap::of(entry).map_err(|why| (why.to_string(), None)));
     match map {
         Ok(map) => Some(map),

@@ -1,0 +1,89 @@
+//! Keys without a value. `null` removes what a file inherits, so such keys are gone before sections are typed: whether
+//! the language has them is asked here, of its schema.
+
+use super::places::{Keys, Places, below};
+use super::schema::schema;
+use crate::diagnostic::{Diagnostic, Diagnostics, codes, did_you_mean, shown};
+use serde_json::Value as Schema;
+use serde_yaml::{Mapping, Value};
+
+/// Deepest nesting of references within the schema.
+const DEPTH: usize = 32;
+
+/// Refuses keys with the value `null` that the language does not have: E0201.
+pub fn refuse_unknown(map: &Mapping, places: &mut Places, diagnostics: &mut Diagnostics) {
+    if !has_null(map) {
+        return;
+    }
+    let root = schema();
+    let mut walk = Walk { root: &root, unknown: Vec::new() };
+    walk.mapping(map, &[&root], &Keys::new());
+    for (keys, known) in walk.unknown {
+        let name = keys.last().map_or("", String::as_str);
+        let known: Vec<&str> = known.iter().map(String::as_str).collect();
+        let refusal = Diagnostic::new(codes::E0201, format!("unknown key `{}`", shown(name)));
+        diagnostics.push(refusal.at(places.key(&keys), "").help(did_you_mean(name, &known)));
+        places.mar(&keys);
+    }
+}
+
+fn has_null(map: &Mapping) -> bool {
+    map.values().any(|value| match value {
+        Value::Null => true,
+        Value::Mapping(inner) => has_null(inner),
+        _ => false,
+    })
+}
+
+struct Walk<'a> {
+    root: &'a Schema,
+    /// Keys that are unknown, each with those that are known in its place.
+    unknown: Vec<(Keys, Vec<String>)>,
+}
+
+impl<'a> Walk<'a> {
+    fn mapping(&mut self, map: &Mapping, schemas: &[&'a Schema], at: &Keys) {
+        let mut objects = Vec::new();
+        schemas.iter().for_each(|schema| self.objects(schema, DEPTH, &mut objects));
+        for (key, value) in map {
+            let Some(name) = key.as_str() else { continue };
+            let here = below(at, name);
+            let of_key: Vec<&Schema> = objects.iter().filter_map(|object| member(object, name)).collect();
+            match value {
+                Value::Null if of_key.is_empty() && !objects.is_empty() => self.unknown.push((here, names(&objects))),
+                Value::Mapping(inner) => self.mapping(inner, &of_key, &here),
+                _ => {}
+            }
+        }
+    }
+
+    /// The forms of a schema that are objects, references followed.
+    fn objects(&self, schema: &'a Schema, depth: usize, found: &mut Vec<&'a Schema>) {
+        if depth == 0 {
+            return;
+        }
+        if ["properties", "patternProperties", "additionalProperties"].iter().any(|key| schema.get(key).is_some()) {
+            found.push(schema);
+        }
+        if let Some(name) = schema.get("$ref").and_then(Schema::as_str).and_then(|path| path.rsplit('/').next()) {
+            self.root["definitions"].get(name).into_iter().for_each(|schema| self.objects(schema, depth - 1, found));
+        }
+        for branches in ["anyOf", "oneOf", "allOf"].iter().filter_map(|key| schema.get(key)?.as_array()) {
+            branches.iter().for_each(|schema| self.objects(schema, depth - 1, found));
+        }
+    }
+}
+
+/// The schema of a member of an object: by its name, or by what holds of all names. Whether a name has the form of an
+/// axis or an error is asked when it is used.
+fn member<'a>(object: &'a Schema, name: &str) -> Option<&'a Schema> {
+    let named = object.get("properties").and_then(|properties| properties.get(name));
+    let patterns = || object.get("patternProperties")?.as_object()?.values().next();
+    let others = || object.get("additionalProperties").filter(|others| **others != Schema::Bool(false));
+    named.or_else(patterns).or_else(others)
+}
+
+fn names(objects: &[&Schema]) -> Vec<String> {
+    let properties = objects.iter().filter_map(|object| object.get("properties")?.as_object());
+    properties.flat_map(|properties| properties.keys().cloned()).collect()
+}
