@@ -95,8 +95,8 @@ fn one(
     }
 }
 
-/// Returns the features where nothing is measured: the deviations are the 95 % values, the errors those with the largest
-/// effects alone at their bounds.
+/// Returns the features where nothing is measured: the deviations are the 95 % values, the errors those with the
+/// largest effects alone at their bounds.
 pub(crate) fn bounded_features(
     machine: &Machine,
     reached: &ReachedToolPoses,

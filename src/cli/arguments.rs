@@ -1,4 +1,4 @@
-//! Options that several verbs have, each defined once: name, meaning, range and, but for [`EFFORT`], default.
+//! Options that several verbs have, each defined once: name, meaning, range and, but for `EFFORT`, default.
 //!
 //! The short help of a name is the same in every verb; what differs between verbs is in the long help. The test in
 //! `option_table` walks all verbs.

@@ -73,7 +73,8 @@ impl Summary {
         Self { range, ..Self::of_lengths(&mut lengths) }
     }
 
-    /// Returns the statistics of lengths, in their unit, without ranges; all zero without lengths. Reorders the lengths.
+    /// Returns the statistics of lengths, in their unit, without ranges; all zero without lengths. Reorders the
+    /// lengths.
     pub fn of_lengths(lengths: &mut [f64]) -> Self {
         if lengths.is_empty() {
             return Self::default();

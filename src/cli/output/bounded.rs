@@ -14,7 +14,7 @@ pub(crate) fn source(of: &BoundedFigures) -> String {
 }
 
 /// Explanation of the rows of the statistics.
-pub(crate) const ROWS_NOTE: &str = "95 %: the length that 95 % of the machines drawn do not exceed at a pose, and the range that 95 % do not exceed.\n\
+pub(crate) const ROWS_NOTE: &str = "95 %: what 95 % of the machines drawn do not exceed at a pose; ranges likewise.\n\
      RSS: root of the sum of squares of the errors at their bounds, at a pose.";
 
 /// Rows of the 95 % value and of the RSS, position and rotation; the name is in front of the first.

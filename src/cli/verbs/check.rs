@@ -43,8 +43,7 @@ fn print(session: &Session, checked: &[CheckedFile]) {
         (Format::Json, several) => session.print_document(json!(several)),
         (Format::Csv, [CheckedFile { machine: Some(machine), .. }]) => session.print(&csv(machine)),
         (Format::Csv, several) => session.print(&csv_of_several(several)),
-        (Format::Text, [file]) => session.print(&text(file)),
-        (Format::Text, several) => session.print(&several.iter().map(named_text).collect::<Vec<_>>().join("\n")),
+        (Format::Text, files) => session.print(&files.iter().map(text).collect::<Vec<_>>().join("\n")),
     }
 }
 
@@ -53,12 +52,6 @@ fn travel(travel: Travel, unit: &str) -> String {
         Travel::Range(min, max) => format!("{min}..{max} {unit}"),
         Travel::Continuous => "continuous".to_owned(),
     }
-}
-
-/// The text of one of several files.
-fn named_text(checked: &CheckedFile) -> String {
-    let text = text(checked);
-    if checked.refused() { text } else { format!("{}: {text}", checked.file) }
 }
 
 fn text(CheckedFile { file, machine, diagnostics }: &CheckedFile) -> String {

@@ -59,7 +59,7 @@ fn draw(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
             let bounded = file.errors().any(|(_, term)| matches!(term, ErrorTerm::Tolerance(_)));
             let bounds = bounded || file.tolerances().count() > 0 || file.class().is_some();
             return session.usage(if bounds {
-                "no component error has a value, and bounds have no curve: `abbe map` and `abbe budget` show what they lead to"
+                "no component error has a value, and bounds have no curve: `abbe map` shows what they lead to"
             } else {
                 "the machine has no component errors to draw"
             });

@@ -12,7 +12,7 @@
 //!    same random numbers. Since the error of a machine grows in proportion to all tolerances together,
 //!    tolerance times derivative, summed up, is the 95 % value itself (Euler).
 //! 5. [`side_by_side()`]: these effects in several machines; [`PairedTest`]: whether their 95 % values differ.
-//! 6. [`pose_by_pose()`]: RSS and 95 % value at every pose by itself, for maps of machines of which nothing is measured.
+//! 6. [`pose_by_pose()`]: RSS and 95 % value at every pose by itself, for machines of which nothing is measured.
 //! 7. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.

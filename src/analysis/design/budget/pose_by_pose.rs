@@ -75,8 +75,8 @@ const HELD: usize = 1 << 23;
 /// Maximum number of poses in a block.
 const MAX_BLOCK: usize = 1 << 13;
 
-/// Returns the effect of bounds at poses; the same to the bit on any number of threads. Calls `progress` with the number
-/// of steps done since its last call.
+/// Returns the effect of bounds at poses; the same to the bit on any number of threads. Calls `progress` with the
+/// number of steps done since its last call.
 pub fn pose_by_pose(request: PosesRequest<'_>, progress: &(dyn Fn(usize) + Sync)) -> PoseByPose {
     let joints = by_joint(request.machine, request.bounds);
     let chunks = request.samples.div_ceil(SAMPLE_LANES);

@@ -94,7 +94,8 @@ impl PlanePicture<'_> {
     fn bounded_notes(&self, values: &[f64], drawn: &DrawSettings, tool: &str) -> Vec<String> {
         vec![
             format!(
-                "Colour: the length of the deviation d that 95 % of the drawn machines do not exceed at that place; {}.",
+                "Colour: the length of the deviation d that 95 % of the drawn machines do not exceed at that place; \
+                 {}.",
                 self.largest(values)
             ),
             format!("From bounds, nothing is measured{}: {}.", drawn.class_words(), drawn.words()),
