@@ -18,8 +18,8 @@ use crate::units::{FARTHEST, number, significant};
 #[serde(default)]
 pub struct ReachOptions {
     /// The box of the tips in the workpiece frame, `X=-100..100,Z=0..200` (mm, or with units). Sides that are left out
-    /// are those of the box over which the linear axes carry the tip, rotary axes at rest; for robots, whose rotary axes
-    /// place the tip, those of the box around it at 2000 random poses.
+    /// are those of the box over which the linear axes carry the tip, rotary axes at rest; for robots, whose rotary
+    /// axes place the tip, those of the box around it at 2000 random poses.
     pub region: Option<String>,
     /// Largest distance of neighbouring tips, mm; by default an eighth of the longest side, for robots a third.
     pub step_mm: Option<f64>,

@@ -120,8 +120,8 @@ pub fn error_by_error(machine: &Machine, pose: &[f64], approach: Approach) -> Ve
     sensitivities(machine, pose, |_| true).into_iter().zip(values).map(effect).collect()
 }
 
-/// Returns the part of a rotation vector (rad, unturned workpiece frame) that tilts the tool axis: without the rotation about
-/// the tool axis itself, which no compensation corrects and a rotating tool does not show.
+/// Returns the part of a rotation vector (rad, unturned workpiece frame) that tilts the tool axis: without the rotation
+/// about the tool axis itself, which no compensation corrects and a rotating tool does not show.
 pub fn tool_axis_tilt(machine: &Machine, pose: &[f64], rotation: &Vector3<f64>) -> Vector3<f64> {
     let axis = NominalPose::at(machine, pose).pose.linear * Vector3::from(machine.tool().direction);
     rotation - axis * axis.dot(rotation)

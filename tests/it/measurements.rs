@@ -205,7 +205,7 @@ fn the_rank_of_lengths_is_that_of_the_independent_model() {
     let jacobian = DMatrix::from_fn(poses.len(), unknowns.len(), |i, j| columns[j][i]);
     let singular = jacobian.singular_values();
     // Differences have no more digits.
-    let rank = singular.iter().filter(|s| **s > 1e-7 * singular.max()).count();
+    let rank = singular.iter().filter(|s| **s > 1e-6 * singular.max()).count();
     assert_eq!(solution.rank, rank, "{singular}");
     let words = solution.null_space.join("\n");
     assert!(words.contains("station S.x") && words.contains("workpiece.X"), "{words}");

@@ -296,6 +296,9 @@ fn budgets_do_not_depend_on_the_rotation_of_the_part() {
     assert_eq!(of(&plain), of(&turned));
 }
 
+/// A file of tool poses, its coordinates turned.
+type Form<'a> = &'a dyn Fn(&Matrix3<f64>) -> String;
+
 #[test]
 fn files_of_tool_poses_count_in_the_coordinates_of_the_part() {
     let folder = Folder::new("part-work");
@@ -322,7 +325,7 @@ fn files_of_tool_poses_count_in_the_coordinates_of_the_part() {
         let tips = (0..5).map(|i| turn * Vector3::new(f64::from(i), -5.0, 60.0));
         format!("X,Y,Z\n{}", tips.map(|p| format!("{},{},{}\n", p.x, p.y, p.z)).collect::<String>())
     };
-    let forms: [(&str, &dyn Fn(&Matrix3<f64>) -> String); 3] = [("w.csv", &csv), ("w.cls", &apt), ("t.csv", &tips)];
+    let forms: [(&str, Form<'_>); 3] = [("w.csv", &csv), ("w.cls", &apt), ("t.csv", &tips)];
     for (name, form) in forms {
         let mapped = |machine: &Path, turn: &Matrix3<f64>| -> Vec<Vec<f64>> {
             let (file, out) = (folder.with(name, &form(turn)), folder.file("map.csv"));

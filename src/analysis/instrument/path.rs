@@ -52,8 +52,8 @@ impl Path {
     }
 }
 
-/// Returns the deviation of the functional point (unturned workpiece frame, mm) at a pose (mm, deg), with a side of approach per
-/// axis.
+/// Returns the deviation of the functional point (unturned workpiece frame, mm) at a pose (mm, deg), with a side of
+/// approach per axis.
 pub fn deviation_from(machine: &Machine, pose: &[f64], sides: &[Approach]) -> Vector3<f64> {
     let of = |side| values(machine, pose, side);
     let (mean, forward, reverse) = (of(Approach::Mean), of(Approach::Forward), of(Approach::Reverse));

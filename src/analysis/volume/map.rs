@@ -62,7 +62,8 @@ pub fn map(
     Ok(Map { deviations, statistics })
 }
 
-/// Returns a compiled model that serves [`into_frame`] for a field's machine; `None` if its deviations are in the frame.
+/// Returns a compiled model that serves [`into_frame`] for a field's machine; `None` if its deviations are in the
+/// frame.
 pub(crate) fn frames(field: &dyn Field, frame: Frame) -> Option<CompiledModel> {
     let turned = frame != Frame::Workpiece || field.machine().workpiece_rotation().is_some();
     turned.then(|| CompiledModel::new(field.machine(), Order::Degree(1), Approach::Mean))
