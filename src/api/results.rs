@@ -27,10 +27,10 @@ pub use super::import::{
     ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, StraightnessReference,
 };
 pub use super::instrument::{InstrumentResult, Readings};
+pub use super::machine_file::InputFile;
 pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
 pub use super::poses::AxisPositions;
 pub use super::report::Report;
-pub use super::machine_file::InputFile;
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};

@@ -100,7 +100,9 @@ fn why(failure: &ReadFailure) -> String {
         ReadFailure::Denied => "permission denied".to_owned(),
         ReadFailure::NotAFile(what) => format!("it is {what}"),
         ReadFailure::TooLarge(size, limit) => format!("it has {size} bytes, {limit} are read at most"),
-        ReadFailure::Outside(root) => format!("it is outside `{}`, to which --confined limits this run", root.display()),
+        ReadFailure::Outside(root) => {
+            format!("it is outside `{}`, to which --confined limits this run", root.display())
+        }
         ReadFailure::Other(text) => text.clone(),
     }
 }

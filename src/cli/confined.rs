@@ -50,7 +50,9 @@ pub(super) fn run(arguments: &[OsString], mut session: Session) -> Option<ExitCo
                         STACK >> 20
                     ),
                 )
-                .help("keep no text in variables that grow and nest no lists, write it as it comes; nothing was written"),
+                .help(
+                    "keep no text in variables that grow and nest no lists, write it as it comes; nothing was written",
+                ),
             );
             Some(session.finish(refused))
         }

@@ -37,9 +37,9 @@ pub use lattice::{LatticeRequest, lattice};
 pub use own_axis::{own_axis_table, resampled, reversal_tables};
 pub use plan::{lacking, tables};
 pub use product::TABLES_OF_A_PRODUCT;
+pub use room::Crowded;
 pub use scope::{Correction, Goal, Scope};
 pub use single_error::{SetLayout, single_errors};
-pub use room::Crowded;
 pub use tables::{
     CorrectionTable, CorrectionTables, ErrorCurve, Factors, LatticeCells, SingleErrorTables, SingleErrors,
 };

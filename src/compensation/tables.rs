@@ -51,10 +51,10 @@ impl CorrectionTables {
     /// True if every number in them is finite.
     pub fn is_finite(&self) -> bool {
         let finite = |numbers: &Vec<f64>| numbers.iter().all(|x| x.is_finite());
-        let table = |table: &CorrectionTable| {
-            table.nodes.iter().chain([&table.values]).chain(&table.reverse).all(finite)
-        };
-        self.tables.iter().all(table) && self.errors.iter().all(|curve| finite(&curve.positions) && finite(&curve.values))
+        let table =
+            |table: &CorrectionTable| table.nodes.iter().chain([&table.values]).chain(&table.reverse).all(finite);
+        self.tables.iter().all(table)
+            && self.errors.iter().all(|curve| finite(&curve.positions) && finite(&curve.values))
     }
 }
 

@@ -117,8 +117,8 @@ impl Conventions {
     /// file, `linear: before, rotary: rotating`; what is not named stays.
     pub fn amended(&self, text: &str) -> Result<Self, ConventionsFailure> {
         let items: Vec<String> = text.split(',').map(|item| keyed(item.trim())).collect::<Result<_, _>>()?;
-        let words: Words = from_yaml(&format!("{{{}}}", items.join(", ")))
-            .map_err(|e| ConventionsFailure::Keys(e.to_string()))?;
+        let words: Words =
+            from_yaml(&format!("{{{}}}", items.join(", "))).map_err(|e| ConventionsFailure::Keys(e.to_string()))?;
         let base = match &words.preset {
             Some(name) => Self::preset(name).ok_or_else(|| ConventionsFailure::Preset(name.clone()))?,
             None => *self,

@@ -38,8 +38,8 @@ pub use scalar::Scalar;
 pub use schema::schema;
 pub use table::{ColumnDirection, CsvColumn, CsvTable, read_table};
 pub use term::{BSplineEntry, CurveEntry, TermEntry};
-pub use yaml::{YamlFailure, from_yaml};
 pub use tolerance::{BoundEntry, ClassEntry, FrameEntry};
+pub use yaml::{YamlFailure, from_yaml};
 
 use crate::diagnostic::Diagnostics;
 use std::path::Path;

@@ -16,7 +16,11 @@ const FEW: [&str; 2] = ["--poses", "1"];
 /// A small machine; `with_c` gives its set one more file.
 fn machine(path: &Path, um: f64, with_c: bool) {
     let (chain, c, ecc) = if with_c {
-        ("w C' b X t", "\n  C: { travel: continuous, origin: [0, 0, 0] }", "\n  ECC: { harmonics: { 1: [30 urad, 0 urad] } }")
+        (
+            "w C' b X t",
+            "\n  C: { travel: continuous, origin: [0, 0, 0] }",
+            "\n  ECC: { harmonics: { 1: [30 urad, 0 urad] } }",
+        )
     } else {
         ("w b X t", "", "")
     };
@@ -61,7 +65,8 @@ fn readers_change_nothing_whatever_a_list_asks_for() {
         std::fs::write(out.join(".abbe-set.json"), json!({ "run": 1, "files": files, "removed": removed }).to_string())
             .unwrap();
     };
-    let new = json!({ "name": "notes.txt", "sha256": sha256(b"theirs"), "before": hashed(&out, "notes.txt")["sha256"] });
+    let new =
+        json!({ "name": "notes.txt", "sha256": sha256(b"theirs"), "before": hashed(&out, "notes.txt")["sha256"] });
     std::fs::write(out.join(".notes.txt.1.abbe-set"), "theirs").unwrap();
     let text = out.to_str().unwrap();
     for files in [json!([]), json!([new])] {
@@ -94,8 +99,7 @@ fn a_manifest_gives_no_right_to_sources_and_to_files_of_no_target() {
     run.says("W0707").says("it is an input of this run").says("it is no file that the target `linuxcnc` writes");
     assert!(run.code == Some(0) && source.exists() && out.join("notes.txt").exists());
     assert!(!out.join("joint_1_C.comp").exists());
-    let lock: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(out.join("abbe.lock.json")).unwrap()).unwrap();
+    let lock: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("abbe.lock.json")).unwrap()).unwrap();
     let stale: Vec<&str> = lock["stale"].as_array().unwrap().iter().map(|f| f["name"].as_str().unwrap()).collect();
     assert_eq!(stale, ["joint_7_A.comp", "notes.txt"]);
     let run = verify(&source, &out, &FEW);
@@ -175,9 +179,7 @@ fn files_outside_the_folder_are_listed_and_can_be_refused() {
         "theirs/m.yaml",
         "abbe: 1\nextends: ../base.yaml\nmachine: m\nchain: w b X t\naxes: { X: { travel: [0, 100], origin: [0, 0, 0] } }\nmeasured: [link.csv]\n",
     );
-    let shown = |verb: &str, more: &[&str]| {
-        Run::of(abbe().arg(verb).arg(&own).args(more).current_dir(&inside))
-    };
+    let shown = |verb: &str, more: &[&str]| Run::of(abbe().arg(verb).arg(&own).args(more).current_dir(&inside));
     for verb in ["show", "check"] {
         let json = shown(verb, &["--format", "json"]).json();
         let inputs = json["inputs"].as_array().unwrap();

@@ -61,6 +61,7 @@ pub(crate) fn rendered(
     };
     let tables = Arc::new(tables);
     call.extend(left_out);
+    call.extend(target.renamed(machine));
     if !tables.is_finite() {
         return call.refuse(not_finite("correction"));
     }

@@ -91,7 +91,8 @@ fn clear_left_over(path: &Path, read: &Recorded) {
     let Some(name) = target.file_name().map(|name| name.to_string_lossy().into_owned()) else { return };
     let of_a_run = |entry: &fs::DirEntry| {
         let own = entry.file_name().to_string_lossy().into_owned();
-        let run = own.strip_prefix('.').and_then(|rest| rest.strip_prefix(&name)?.strip_prefix('.')?.strip_suffix(".tmp"));
+        let run =
+            own.strip_prefix('.').and_then(|rest| rest.strip_prefix(&name)?.strip_prefix('.')?.strip_suffix(".tmp"));
         let regular = entry.file_type().is_ok_and(|kind| kind.is_file());
         regular && run.is_some_and(|run| !run.is_empty() && run.bytes().all(|byte| byte.is_ascii_digit()))
     };

@@ -2,7 +2,9 @@
 
 use super::limits::steepest_along;
 use super::stored::{StoredColumn, differences};
-use crate::compensation::{CorrectionTable, CorrectionTables, Crowded, Encoding, LatticeRequest, TableRules, lacking, tables};
+use crate::compensation::{
+    CorrectionTable, CorrectionTables, Crowded, Encoding, LatticeRequest, TableRules, lacking, tables,
+};
 use crate::controller::manifest::ControllerTarget;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;

@@ -36,7 +36,8 @@ impl ControllerTarget {
     fn weakest(&self, fresh: &CorrectionTables, installed: &CorrectionTables, crowded: Crowded) -> Option<usize> {
         let mechanisms = &self.manifest.mechanism;
         let takes_room = |table: &&CorrectionTable| {
-            let there = installed.tables.iter().any(|old| (&old.axes, &old.corrected) == (&table.axes, &table.corrected));
+            let there =
+                installed.tables.iter().any(|old| (&old.axes, &old.corrected) == (&table.axes, &table.corrected));
             crowded.concerns(mechanisms, table) && (!there || mechanisms.is_product(table))
         };
         let strength = |table: &CorrectionTable| table.values.iter().map(|x| x * x).sum::<f64>() / table.len() as f64;
