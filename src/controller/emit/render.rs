@@ -118,7 +118,9 @@ impl ControllerTarget {
             let beside: Vec<String> = tables.iter().map(|file| file.name.clone()).collect();
             let file = |(spec, template): (&FileSpec, &String)| {
                 let context = context! {
-                    machine => self.written_name(machine), version => env!("CARGO_PKG_VERSION"), beside => beside.clone(),
+                    machine => self.written_name(machine),
+                    version => env!("CARGO_PKG_VERSION"),
+                    beside => beside.clone(),
                         ..own.clone()
                 };
                 rendered(&writer.environment, spec, template, context)

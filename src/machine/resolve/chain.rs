@@ -98,7 +98,10 @@ fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
     (context.diagnostics.count() == before).then_some(())
 }
 
-/// Warns of two linear axes along one line: W0406.
+/// Letters of axes that are parallel by ISO 841.
+const SECONDARY: [[&str; 2]; 3] = [["X", "U"], ["Y", "V"], ["Z", "W"]];
+
+/// Warns of two linear axes along one line, but for those whose letters say so: W0406.
 pub fn warn_parallel(context: &mut Context<'_>, machine: &Machine) {
     let linear: Vec<&Axis> = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear).collect();
     for (i, axis) in linear.iter().enumerate() {
@@ -107,6 +110,10 @@ pub fn warn_parallel(context: &mut Context<'_>, machine: &Machine) {
             1.0 - dot.abs()
         };
         let Some(other) = linear[..i].iter().find(|other| across(other) < PARALLEL) else { continue };
+        let names = [other.name.as_str(), axis.name.as_str()];
+        if SECONDARY.iter().any(|pair| *pair == names || *pair == [names[1], names[0]]) {
+            continue;
+        }
         let message = format!("`{}` and `{}` move along one line", other.name, axis.name);
         let help = "right for a quill or a second slide, whose errors then act alike and are told apart by moving one \
                     at a time only; else correct `direction`";
