@@ -1,7 +1,6 @@
 //! What a hostile week found, each reproduced with the program: files that cost time or memory out of all proportion,
 //! systems that have nothing left to give, numbers that are none, and the ordinary case half a year later.
 
-use serde_json::json;
 use std::fs::File;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -41,7 +40,9 @@ fn deep_nesting_is_refused_at_once_wherever_yaml_is_read() {
         let _ = folder.write("deep.yaml", &format!("matrix: {deep}"));
         let inline = open.repeat(20_000);
         let (algebra, conventions) = (format!("degree: {inline}"), format!("linear: {inline}"));
-        soon(&folder, &["check", "deep.yaml"]).refused("E0105");
+        // By depth, or by what the parser itself takes.
+        let run = soon(&folder, &["check", "deep.yaml"]);
+        assert!(run.code == Some(1) && (run.err.contains("E0105") || run.err.contains("E0106")), "{}", run.err);
         soon(&folder, &["compile", "m.yaml", "--target", "own", "--templates", ".", "--out", "o"]).refused("E0703");
         soon(&folder, &["classify", "deep.yaml"]).refused("E0815");
         soon(&folder, &["budget", "m.yaml", "--class", "production", "--cost", "deep.yaml", "--goal", "9 um"])
@@ -226,7 +227,7 @@ fn three(folder: &Folder, name: &str, errors: &str) -> std::path::PathBuf {
         ["X", "Y", "Z"].map(|axis| format!("  {axis}: {{ travel: [0 mm, 400 mm], origin: [0, 0, 0] }}\n")).concat();
     let text = format!(
         "abbe: 1\nmachine: Fräse\nchain: w b X Y Z t\naxes:\n{axes}errors:\n  {errors}: {{ points: [[0 mm, 0 urad], \
-         [100 mm, 30 urad], [250 mm, -40 urad], [400 mm, 60 urad]] }}\nvolume: {{ step: 100 mm }}\n"
+         [100 mm, 30 urad], [250 mm, -40 urad], [400 mm, 60 urad]] }}\nvolume: {{ step: 200 mm }}\n"
     );
     folder.write(name, &text)
 }
@@ -248,13 +249,13 @@ fn new_tables_keep_within_the_room_beside_the_installed_ones() {
     // Without new products, on top of a file that has some.
     let old = folder.path("cec");
     compile(&first, "sinumerik-cec", &old, &FEW).json();
-    let over = [&FEW[..], &["--installed", old.to_str().unwrap()]].concat();
-    let without = [&over[..], &["--without", "product"]].concat();
-    let figures = [&over, &without].map(|more| {
-        let json = compile(&later, "sinumerik-cec", &folder.path("cec-new"), more).json();
-        number(&json, "/compensated/position_um/rms")
-    });
-    assert!(figures[0] < figures[1], "products lessen the residual: {figures:?}");
+    let without = [&FEW[..], &["--installed", old.to_str().unwrap(), "--without", "product"]].concat();
+    let new = folder.path("cec-new");
+    compile(&later, "sinumerik-cec", &new, &without).json();
+    // The installed products are in the new file still: as many factors, or more.
+    let factors =
+        |out: &Path| std::fs::read_to_string(out.join("_N_NC_CEC_INI")).unwrap().matches("CEC_MULT_BY_TABLE").count();
+    assert!(factors(&old) > 0 && factors(&new) >= factors(&old), "{} {}", factors(&old), factors(&new));
 }
 
 /// The name of a machine in a file for a controller that reads ASCII.
@@ -318,8 +319,10 @@ fn a_report_draws_its_budget_at_the_poses_asked_for() {
     };
     for poses in ["40", "700"] {
         let (page, budget) = of(poses);
-        assert_eq!(page["rss_um"], budget["rss_um"], "{poses}");
-        assert_eq!(page["poses"], json!(poses.parse::<u64>().unwrap()), "{page}");
+        assert!(number(&page, "/position_um/rss") > 0.0);
+        assert_eq!((&page["poses"], &page["position_um"]), (&budget["poses"], &budget["position_um"]), "{poses}");
+        // The worst poses are searched besides.
+        assert!((0.0..10.0).contains(&(number(&page, "/poses") - poses.parse::<f64>().unwrap())), "{poses}");
     }
 }
 

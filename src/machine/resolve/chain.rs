@@ -99,7 +99,7 @@ fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
 }
 
 /// Letters of axes that are parallel by ISO 841.
-const SECONDARY: [[&str; 2]; 3] = [["X", "U"], ["Y", "V"], ["Z", "W"]];
+const FAMILIES: [&str; 3] = ["XUP", "YVQ", "ZWR"];
 
 /// Warns of two linear axes along one line, but for those whose letters say so: W0406.
 pub fn warn_parallel(context: &mut Context<'_>, machine: &Machine) {
@@ -110,8 +110,9 @@ pub fn warn_parallel(context: &mut Context<'_>, machine: &Machine) {
             1.0 - dot.abs()
         };
         let Some(other) = linear[..i].iter().find(|other| across(other) < PARALLEL) else { continue };
-        let names = [other.name.as_str(), axis.name.as_str()];
-        if SECONDARY.iter().any(|pair| *pair == names || *pair == [names[1], names[0]]) {
+        let [first, second] = [other, &axis].map(|axis| axis.name.as_str().chars().next());
+        let in_family = |letter: Option<char>, family: &str| letter.is_some_and(|letter| family.contains(letter));
+        if first != second && FAMILIES.iter().any(|family| in_family(first, family) && in_family(second, family)) {
             continue;
         }
         let message = format!("`{}` and `{}` move along one line", other.name, axis.name);
