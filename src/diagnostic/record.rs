@@ -72,7 +72,8 @@ impl Diagnostics {
     }
 }
 
-/// `{"refused": true, "diagnostics": [...]}`; with `more`, the number of those that are not in the list, if there are any.
+/// `{"refused": true, "diagnostics": [...]}`; with `more`, the number of those that are not in the list, if there are
+/// any.
 impl Serialize for Diagnostics {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let more = self.more()[0] + self.more()[1];

@@ -1,5 +1,6 @@
 //! Bytes to text: refusals of the file itself.
 
+use super::Disk;
 use super::files::{Files, ReadFailure};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, shown};
 use std::path::Path;
@@ -43,8 +44,13 @@ pub(super) fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
         }
         ReadFailure::TooLarge(size, limit) => {
             let mb = |bytes: &u64| bytes.div_ceil(1 << 20);
+            let help = if *limit > Disk::MAX_BYTES {
+                "split it: a run takes several files of readings"
+            } else {
+                "thin the table out: the limit is 100000 rows"
+            };
             Diagnostic::new(codes::E0103, format!("{file} has {} MB; the limit is {} MB", mb(size), mb(limit)))
-                .help("thin the table out: the limit is 100000 rows")
+                .help(help)
         }
         ReadFailure::Outside(root) => {
             let root = shown(&root.display().to_string());

@@ -8,6 +8,9 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, shown};
 use crate::units::{self, Failure};
 use std::path::Path;
 
+/// Size of the largest file of readings, in bytes: some four million of them. All of it is held in memory.
+const MAX_BYTES: u64 = 256 << 20;
+
 /// The text of a file and how its cells are separated.
 #[derive(Debug, Clone)]
 pub struct Sheet {
@@ -31,7 +34,7 @@ pub struct Line {
 
 /// Reads a file that may be UTF-16 or Windows-1252; anything else that is not text is refused.
 pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Sheet> {
-    let bytes = match files.read(path) {
+    let bytes = match files.read_at_most(path, MAX_BYTES) {
         Ok(bytes) => bytes,
         Err(failure) => {
             diagnostics.push(unreadable(path, &failure));

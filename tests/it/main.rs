@@ -38,6 +38,8 @@ mod frames;
 mod goal;
 mod golden_signs;
 mod handmade;
+#[cfg(target_os = "linux")]
+mod hostile;
 mod identify;
 mod import;
 mod import_layouts;

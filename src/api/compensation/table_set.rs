@@ -36,8 +36,9 @@ impl TableRequest<'_> {
     }
 }
 
-/// Fills the tables of a target on top of those installed, renders its files and reads them back as `verify` would. With
-/// installed tables goes the target with all of its mechanisms: they may be of a kind that no new table is to be of.
+/// Fills the tables of a target on top of those installed, renders its files and reads them back as `verify` would.
+/// With installed tables goes the target with all of its mechanisms: they may be of a kind that no new table is to be
+/// of.
 pub(crate) fn rendered(
     call: &mut Call,
     machine: &Machine,
@@ -61,6 +62,7 @@ pub(crate) fn rendered(
     };
     let tables = Arc::new(tables);
     call.extend(left_out);
+    call.extend(target.renamed(machine));
     if !tables.is_finite() {
         return call.refuse(not_finite("correction"));
     }
@@ -94,7 +96,7 @@ fn refuse_short_travel(call: &mut Call, machine: &Machine, target: &ControllerTa
         if max - min < coarsest {
             let (unit, name) = (axis.unit(), &target.manifest.target);
             let message = format!(
-                "the travel of `{}`, {} {unit}, is below the increment of positions of the target `{name}`, {coarsest} {unit}",
+                "the travel of `{}`, {} {unit}, is below the increment of positions of `{name}`, {coarsest} {unit}",
                 axis.name,
                 max - min
             );

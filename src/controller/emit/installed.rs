@@ -147,7 +147,7 @@ fn no_room(machine: &Machine, table: &CorrectionTable) -> Diagnostic {
         names.join(" and ")
     };
     let message = format!(
-        "the table that would correct {} over {} is left out: the controller has no room for it beside the installed ones",
+        "no table corrects {} over {}: the controller has no room for it beside the installed ones",
         names(&table.corrected),
         names(&table.axes)
     );

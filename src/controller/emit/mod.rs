@@ -5,6 +5,7 @@
 //! 3. templates write them ([`render`]), from the values of a set ([`context`]) and its numbers as they are [`stored`];
 //! 4. a [`Lock`] lists the files of a set.
 
+mod ascii;
 mod context;
 mod fill;
 mod installed;

@@ -118,7 +118,9 @@ impl ControllerTarget {
             let beside: Vec<String> = tables.iter().map(|file| file.name.clone()).collect();
             let file = |(spec, template): (&FileSpec, &String)| {
                 let context = context! {
-                    machine => machine.name(), version => env!("CARGO_PKG_VERSION"), beside => beside.clone(),
+                    machine => self.written_name(machine),
+                    version => env!("CARGO_PKG_VERSION"),
+                    beside => beside.clone(),
                         ..own.clone()
                 };
                 rendered(&writer.environment, spec, template, context)
@@ -275,7 +277,7 @@ impl Writer<'_> {
 
     fn common(&self) -> Value {
         context! {
-            machine => self.words.machine.name(),
+            machine => self.words.target.written_name(self.words.machine),
             version => env!("CARGO_PKG_VERSION"),
             caution => self.words.target.manifest.caution(),
         }

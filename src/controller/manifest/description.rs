@@ -27,6 +27,9 @@ pub struct Manifest {
     /// Letters the controller has for axes, if it has only these.
     #[serde(default)]
     pub axis_letters: Option<AxisLetters>,
+    /// True if the controller reads ASCII only: the machine's name is written in it.
+    #[serde(default)]
+    pub ascii: bool,
     /// The files.
     pub files: Vec<FileSpec>,
 }

@@ -176,8 +176,8 @@ pub fn is_plain_name(name: &str) -> bool {
     !name.is_empty() && name.len() <= 80 && name.chars().all(plain) && !name.starts_with('.')
 }
 
-/// True if a path of a manifest becomes this name for some machine: what stands between its expressions is there in that
-/// order.
+/// True if a path of a manifest becomes this name for some machine: what stands between its expressions is there in
+/// that order.
 pub(in crate::controller) fn path_fits(path: &str, name: &str) -> bool {
     let mut pieces = path.split("{{").map(|piece| piece.split_once("}}").map_or(piece, |(_, text)| text));
     let Some(mut rest) = pieces.next().and_then(|first| name.strip_prefix(first)) else { return false };

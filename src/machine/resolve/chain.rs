@@ -2,11 +2,14 @@
 
 use super::context::Context;
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
-use crate::machine::{AxisName, Branch, KinematicChain};
+use crate::machine::{Axis, AxisKind, AxisName, Branch, KinematicChain, Machine};
 use crate::syntax::{Keys, WrittenChain, below, keys};
 
 /// Maximum number of axes in the chain.
 const MAX_AXES: usize = 16;
+
+/// One less the cosine of the angle below which two directions are one: half a millirad.
+const PARALLEL: f64 = 1e-7;
 
 /// An axis in the chain and where it stands there.
 struct Link {
@@ -93,6 +96,30 @@ fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
         );
     }
     (context.diagnostics.count() == before).then_some(())
+}
+
+/// Letters of axes that are parallel by ISO 841.
+const FAMILIES: [&str; 3] = ["XUP", "YVQ", "ZWR"];
+
+/// Warns of two linear axes along one line, but for those whose letters say so: W0406.
+pub fn warn_parallel(context: &mut Context<'_>, machine: &Machine) {
+    let linear: Vec<&Axis> = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear).collect();
+    for (i, axis) in linear.iter().enumerate() {
+        let across = |other: &Axis| {
+            let dot: f64 = axis.direction.iter().zip(other.direction).map(|(a, b)| a * b).sum();
+            1.0 - dot.abs()
+        };
+        let Some(other) = linear[..i].iter().find(|other| across(other) < PARALLEL) else { continue };
+        let [first, second] = [other, &axis].map(|axis| axis.name.as_str().chars().next());
+        let in_family = |letter: Option<char>, family: &str| letter.is_some_and(|letter| family.contains(letter));
+        if first != second && FAMILIES.iter().any(|family| in_family(first, family) && in_family(second, family)) {
+            continue;
+        }
+        let message = format!("`{}` and `{}` move along one line", other.name, axis.name);
+        let help = "right for a quill or a second slide, whose errors then act alike and are told apart by moving one \
+                    at a time only; else correct `direction`";
+        context.at_key(codes::W0406, &keys(["axes", axis.name.as_str()]), message, help);
+    }
 }
 
 fn twice(context: &mut Context<'_>, name: &AxisName, again: &Option<Place>, first: &Option<Place>) {

@@ -39,6 +39,7 @@ pub fn resolve(document: &Document, files: &dyn Files, diagnostics: &mut Diagnos
     if let Some(machine) = &machine {
         tolerances::squareness(context, machine);
         sides::warn(context, machine);
+        chain::warn_parallel(context, machine);
     }
     machine.filter(|_| !diagnostics.refused())
 }

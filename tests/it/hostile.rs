@@ -1,0 +1,341 @@
+//! What a hostile week found, each reproduced with the program: files that cost time or memory out of all proportion,
+//! systems that have nothing left to give, numbers that are none, and the ordinary case half a year later.
+
+use std::fs::File;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::oracle::program::Folder;
+use crate::support::{Run, abbe, compile, config, number, verify};
+
+const FEW: [&str; 2] = ["--poses", "20"];
+
+/// Alone each takes well under a second, unoptimised; the machine may be busy with other tests.
+const SOON: Duration = Duration::from_secs(15);
+
+const SMALL: &str =
+    "abbe: 1\nmachine: example\nchain: w b X t\naxes: { X: { travel: [0 mm, 100 mm], origin: [0, 0, 0] } }\n";
+
+fn run(folder: &Folder, arguments: &[&str]) -> Run {
+    Run::of(abbe().args(arguments).current_dir(folder.path("")))
+}
+
+fn soon(folder: &Folder, arguments: &[&str]) -> Run {
+    let begin = Instant::now();
+    let run = run(folder, arguments);
+    assert!(begin.elapsed() < SOON, "{:?} took {:?}", &arguments[..2], begin.elapsed());
+    run
+}
+
+/// libyaml takes quadratic time on nesting: 20 s for 80000 brackets. Every reader of YAML and JSON has the guard.
+#[test]
+fn deep_nesting_is_refused_at_once_wherever_yaml_is_read() {
+    let folder = Folder::new();
+    let _ = folder.write("m.yaml", SMALL);
+    for (open, count) in [("[", 80_000), ("{a: ", 30_000)] {
+        let deep = open.repeat(count);
+        std::fs::create_dir_all(folder.path("own")).unwrap();
+        let _ = folder.write("own/target.yaml", &format!("target: {deep}"));
+        let _ = folder.write("deep.yaml", &format!("matrix: {deep}"));
+        let inline = open.repeat(20_000);
+        let (algebra, conventions) = (format!("degree: {inline}"), format!("linear: {inline}"));
+        // By depth, or by what the parser itself takes.
+        let run = soon(&folder, &["check", "deep.yaml"]);
+        assert!(run.code == Some(1) && (run.err.contains("E0105") || run.err.contains("E0106")), "{}", run.err);
+        soon(&folder, &["compile", "m.yaml", "--target", "own", "--templates", ".", "--out", "o"]).refused("E0703");
+        soon(&folder, &["classify", "deep.yaml"]).refused("E0815");
+        soon(&folder, &["budget", "m.yaml", "--class", "production", "--cost", "deep.yaml", "--goal", "9 um"])
+            .refused("E0615");
+        soon(&folder, &["equations", "m.yaml", "--algebra", &algebra]).refused("E0814");
+        soon(&folder, &["convert", "m.yaml", "--to", &conventions, "--out", "c.yaml"]).refused("E0528");
+    }
+    std::fs::create_dir_all(folder.path("set")).unwrap();
+    for name in ["abbe.lock.json", ".abbe-set.json"] {
+        let _ = folder.write(&format!("set/{name}"), &"[".repeat(1_000_000));
+        assert_eq!(soon(&folder, &["verify", "m.yaml", "set"]).code, Some(1));
+    }
+}
+
+#[test]
+fn axes_and_diagnostics_are_counted() {
+    let folder = Folder::new();
+    let axes = |count: usize| (0..count).map(|i| format!("X{i}")).collect::<Vec<_>>();
+    let declared = |names: &[String]| {
+        let axis = |name: &String| format!("  {name}: {{ kind: linear, direction: [1, 0, 0], travel: [0, 100] }}\n");
+        names.iter().map(axis).collect::<String>()
+    };
+    for count in [17, 1000] {
+        let names = axes(count);
+        let text = format!("abbe: 1\nmachine: m\nchain: \"w b {} t\"\naxes:\n{}", names.join(" "), declared(&names));
+        let _ = folder.write("many.yaml", &text);
+        soon(&folder, &["check", "many.yaml"]).refused("E0307");
+        soon(&folder, &["compile", "many.yaml", "--target", "pmac", "--out", "o"]).refused("E0307");
+    }
+    // Letters are asked for before tables are filled.
+    let names = axes(16);
+    let text = format!("abbe: 1\nmachine: m\nchain: \"w b {} t\"\naxes:\n{}", names.join(" "), declared(&names));
+    let _ = folder.write("many.yaml", &(text + "errors: { EAX0: { points: [[0 mm, 1 urad], [100 mm, 3 urad]] } }\n"));
+    soon(&folder, &["compile", "many.yaml", "--target", "linuxcnc", "--out", "o"]).refused("E0601");
+    // 60000 mistakes are counted, and 100 of them kept.
+    let errors: String = (0..60_000).map(|i| format!("  EXX{i}: 3 um\n")).collect();
+    let _ = folder.write("wrong.yaml", &format!("{SMALL}errors:\n{errors}"));
+    let run = run(&folder, &["check", "wrong.yaml", "--format", "json"]);
+    let json: serde_json::Value = serde_json::from_str(&run.out).unwrap();
+    let (kept, more) = (json["diagnostics"].as_array().unwrap().len(), json["more"].as_u64().unwrap());
+    assert!(kept <= 200 && more + kept as u64 >= 60_000, "{kept} and {more}");
+    run.says("more");
+}
+
+/// Four files of 50 MB: 36 s and 1.26 GB once. They are refused by their size.
+#[test]
+fn sets_beyond_all_measure_are_refused_unread() {
+    let folder = Folder::new();
+    let chain = "abbe: 1\nmachine: m\nchain: w b X Y t\naxes: { X: { travel: [0, 100] }, Y: { travel: [0, 100] } }\n";
+    let _ = folder.write("m.yaml", chain);
+    std::fs::create_dir(folder.path("set")).unwrap();
+    for name in ["joint_0_X.comp", "joint_1_Y.comp"] {
+        let file = File::create(folder.path("set").join(name)).unwrap();
+        file.set_len(50 << 20).unwrap();
+    }
+    soon(&folder, &["verify", "m.yaml", "set", "--target", "linuxcnc"]).refused("E0704").says("64 MB together");
+}
+
+/// A run with all threads and one that is given none: the same bytes.
+#[test]
+fn without_threads_the_run_has_one() {
+    let folder = Folder::new();
+    let arguments = ["map", "--random", "500", "--quiet", "--format", "json"];
+    let machine = config("trunnion.yaml");
+    let plain = Run::of(abbe().args(arguments).arg(&machine)).json();
+    for (kilobytes, threads) in [(200_000, 64), (120_000, 2), (60_000, 8)] {
+        let script = format!("ulimit -v {kilobytes}; exec \"$0\" \"$@\"");
+        let mut shell = Command::new("sh");
+        shell.args(["-c", &script, env!("CARGO_BIN_EXE_abbe")]).args(arguments).arg(&machine);
+        let run = Run::of(shell.env("RAYON_NUM_THREADS", threads.to_string()).current_dir(folder.path("")));
+        assert_eq!(run.json(), plain, "{kilobytes} kB, {threads} threads");
+    }
+}
+
+#[test]
+fn keys_without_a_value_are_keys_too() {
+    let folder = Folder::new();
+    for (line, key) in [("toool: ~", "toool"), ("volume: { X: { stp: ~ } }", "stp"), ("root:*:19000:", "root:*:19000")]
+    {
+        let _ = folder.write("m.yaml", &format!("{SMALL}{line}\n"));
+        run(&folder, &["check", "m.yaml"]).refused("E0201").says(&format!("unknown key `{key}`"));
+        let _ = folder.write("base.yaml", &format!("{line}\n"));
+        let _ = folder.write("m.yaml", &format!("extends: base.yaml\n{SMALL}"));
+        run(&folder, &["check", "m.yaml"]).refused("E0201").says("base.yaml");
+    }
+    // Known keys without a value remove what is inherited.
+    let _ = folder
+        .write("base.yaml", "tool: { length: 80 mm }\nerrors: { EXX: { points: [[0 mm, 0 um], [100 mm, 3 um]] } }\n");
+    let _ = folder.write("m.yaml", &format!("extends: base.yaml\n{SMALL}tool: ~\nerrors: {{ EXX: ~ }}\nclass: ~\n"));
+    let json = run(&folder, &["check", "m.yaml", "--format", "json"]).json();
+    assert_eq!(json["errors"]["component"], 0);
+}
+
+#[test]
+fn help_into_a_full_disk_and_files_at_their_limit_are_told() {
+    let folder = Folder::new();
+    let _ = folder.write("m.yaml", SMALL);
+    for arguments in [&["--help"][..], &["--version"], &["map", "--help"], &["schema"]] {
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        let output = abbe().args(arguments).stdout(full).stderr(Stdio::piped()).output().unwrap();
+        let err = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(3) && err.contains("standard output"), "{arguments:?}: {err}");
+    }
+    // The signal of the limit is not ignored here: the program has to stop before it.
+    let limited = |command: &str| {
+        let script = format!("ulimit -f 8; exec \"$0\" {command}");
+        let mut shell = Command::new("sh");
+        Run::of(shell.args(["-c", &script, env!("CARGO_BIN_EXE_abbe")]).current_dir(folder.path("")))
+    };
+    for option in ["--csv a.csv", "--json a.json", "--parquet a.parquet", "--vtk a.vtu"] {
+        limited(&format!("map m.yaml --random 5000 --quiet {option}"))
+            .refused("E0810")
+            .says("limit on the size of files");
+    }
+    let run = limited("schema > schema.json");
+    assert!(run.code == Some(3) && run.err.contains("too large"), "{:?} {}", run.code, run.err);
+    assert_eq!(crate::support::names(&folder.path("")), ["m.yaml", "schema.json"]);
+}
+
+/// A run that was killed between naming its file and renaming it leaves a hidden one; the next clears it, and that alone.
+#[test]
+fn what_a_killed_run_left_goes_with_the_next() {
+    let folder = Folder::new();
+    let _ = folder.write("m.yaml", SMALL);
+    let others = [".a.csv.tmp", ".a.csv.x1.tmp", ".b.csv.12.tmp"];
+    for name in [".a.csv.123.tmp", ".a.csv.99999999.tmp"].iter().chain(&others) {
+        let _ = folder.write(name, "half");
+    }
+    // One that a run is still writing.
+    let _ = folder.write(".a.csv.7.tmp", "half");
+    let held = File::open(folder.path(".a.csv.7.tmp")).unwrap();
+    held.lock().unwrap();
+    assert_eq!(run(&folder, &["map", "m.yaml", "--random", "3", "--csv", "a.csv"]).code, Some(0));
+    assert_eq!(
+        crate::support::names(&folder.path("")),
+        [".a.csv.7.tmp", others[0], others[1], others[2], "a.csv", "m.yaml"]
+    );
+}
+
+#[test]
+fn numbers_that_are_none_leave_in_no_form() {
+    let folder = Folder::new();
+    let _ = folder.write("m.yaml", SMALL);
+    let run_plan = |noise: &str| run(&folder, &["identify", "m.yaml", "--plan", "5", "--noise", noise]);
+    for noise in ["1e308 um", "1e300 m", "2 m"] {
+        let refused = run_plan(noise);
+        assert!(refused.code == Some(2) && !refused.out.contains("inf"), "{noise}: {}{}", refused.out, refused.err);
+    }
+    // A travel that a table of the target would write as one position.
+    let short =
+        SMALL.replace("100 mm]", "0.001 mm]") + "errors: { EXX: { points: [[0 mm, 1 um], [0.001 mm, 2 um]] } }\n";
+    let _ = folder.write("short.yaml", &short);
+    for target in ["pmac", "linuxcnc", "fanuc-pitch", "grid-csv", "twincat-axis"] {
+        let more = ["--accept-unverified", "--poses", "5"];
+        let run = compile(&folder.path("short.yaml"), target, &folder.path(target), &more);
+        assert!(matches!(run.code, Some(0 | 1)) && !run.err.contains("panicked"), "{target}: {}", run.err);
+    }
+}
+
+/// The same length in two units closes a turn.
+#[test]
+fn a_curve_closes_whatever_its_units() {
+    let folder = Folder::new();
+    let curve = |last: &str| {
+        format!(
+            "abbe: 1\nmachine: m\nchain: \"w C' b X t\"\naxes: {{ X: {{ travel: [0, 100] }}, C: {{ travel: continuous, origin: [0, 0, 0] }} }}\n\
+             errors: {{ EXC: {{ points: [[0 deg, 0.969 um], [180 deg, 2 um], [360 deg, {last}]] }} }}\n"
+        )
+    };
+    for (last, code) in [("969 nm", 0), ("0.000969 mm", 0), ("970 nm", 1)] {
+        let _ = folder.write("m.yaml", &curve(last));
+        let run = run(&folder, &["check", "m.yaml", "--quiet"]);
+        assert_eq!(run.code, Some(code), "{last}: {}", run.err);
+        if code == 1 {
+            run.refused("E0410");
+        }
+    }
+}
+
+fn three(folder: &Folder, name: &str, errors: &str) -> std::path::PathBuf {
+    let axes =
+        ["X", "Y", "Z"].map(|axis| format!("  {axis}: {{ travel: [0 mm, 400 mm], origin: [0, 0, 0] }}\n")).concat();
+    let text = format!(
+        "abbe: 1\nmachine: Fräse\nchain: w b X Y Z t\naxes:\n{axes}errors:\n  {errors}: {{ points: [[0 mm, 0 urad], \
+         [100 mm, 30 urad], [250 mm, -40 urad], [400 mm, 60 urad]] }}\nvolume: {{ step: 200 mm }}\n"
+    );
+    folder.write(name, &text)
+}
+
+/// Half a year later the error is another, and its plane another than the one that is installed: one plane for an axis
+/// is all that the controller has.
+#[test]
+fn new_tables_keep_within_the_room_beside_the_installed_ones() {
+    let folder = Folder::new();
+    let (first, later) = (three(&folder, "first.yaml", "ECX"), three(&folder, "later.yaml", "EBX"));
+    let old = folder.path("old");
+    compile(&first, "twincat-axis", &old, &FEW).json();
+    let new = folder.path("new");
+    let over = [&FEW[..], &["--installed", old.to_str().unwrap()]].concat();
+    let run = compile(&later, "twincat-axis", &new, &over);
+    run.says("W0708").says("X and Z");
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert_eq!(verify(&later, &new, &over).code, Some(0));
+    // Without new products, on top of a file that has some.
+    let old = folder.path("cec");
+    compile(&first, "sinumerik-cec", &old, &FEW).json();
+    let without = [&FEW[..], &["--installed", old.to_str().unwrap(), "--without", "product"]].concat();
+    let new = folder.path("cec-new");
+    compile(&later, "sinumerik-cec", &new, &without).json();
+    // The installed products are in the new file still: as many factors, or more.
+    let factors =
+        |out: &Path| std::fs::read_to_string(out.join("_N_NC_CEC_INI")).unwrap().matches("CEC_MULT_BY_TABLE").count();
+    assert!(factors(&old) > 0 && factors(&new) >= factors(&old), "{} {}", factors(&old), factors(&new));
+}
+
+/// The name of a machine in a file for a controller that reads ASCII.
+#[test]
+fn names_are_ascii_where_the_controller_reads_nothing_else() {
+    let folder = Folder::new();
+    let machine = three(&folder, "m.yaml", "EXX");
+    let text = std::fs::read_to_string(&machine).unwrap().replace("urad", "um");
+    std::fs::write(&machine, text).unwrap();
+    for (target, ascii) in [("sinumerik-cec", true), ("heidenhain-com", true), ("pmac", true), ("linuxcnc", false)] {
+        let out = folder.path(target);
+        let run = compile(&machine, target, &out, &[&FEW[..], &["--accept-unverified"]].concat());
+        assert_eq!(run.code, Some(0), "{target}: {}", run.err);
+        assert_eq!(run.err.contains("W0609"), ascii, "{target}: {}", run.err);
+        let files = crate::support::names(&out).into_iter().filter(|name| name != "abbe.lock.json");
+        for name in files {
+            let bytes = std::fs::read(out.join(&name)).unwrap();
+            assert!(!ascii || bytes.is_ascii(), "{target}: {name}");
+        }
+    }
+}
+
+/// Letters, names and numbers are the same joints.
+#[test]
+fn replay_takes_letters() {
+    let folder = Folder::new();
+    let machine = three(&folder, "m.yaml", "ECX");
+    let out = folder.path("out");
+    compile(&machine, "sinumerik-cec", &out, &FEW).json();
+    let added = |joint: &str| {
+        let file =
+            folder.write("at.csv", &format!("axis,direction,position\n{joint},forward,0\n{joint},reverse,400\n"));
+        let run = Run::of(abbe().arg("verify").arg(&machine).arg(&out).arg("--replay").arg(file).args(FEW));
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        run.out.lines().skip(1).map(|line| line.split(',').nth(3).unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    for (letter, number) in [("X", "0"), ("Y", "1"), ("Z", "2")] {
+        assert_eq!(added(letter), added(number));
+    }
+    let file = folder.write("at.csv", "axis,direction,position\nQ,forward,0\n");
+    Run::of(abbe().arg("verify").arg(&machine).arg(&out).arg("--replay").arg(file)).refused("E0802").says("X (0)");
+}
+
+/// The budget of a page is that of `budget` at as many poses.
+#[test]
+fn a_report_draws_its_budget_at_the_poses_asked_for() {
+    let folder = Folder::new();
+    let machine = folder
+        .write("m.yaml", &format!("{SMALL}errors: {{ EXX: {{ tolerance: 9 um }}, EYX: {{ tolerance: 5 um }} }}\n"));
+    let of = |poses: &str| {
+        let more = ["--poses", poses, "--samples", "50"];
+        let page = folder.path("page.html");
+        let run = Run::of(abbe().arg("report").arg(&machine).args(more).arg("--out").arg(&page));
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        let page = std::fs::read_to_string(page).unwrap();
+        let begin = page.find("<script type=\"application/json\"").unwrap();
+        let json = page[begin..].split_once('>').unwrap().1.split("</script>").next().unwrap();
+        let data: serde_json::Value = serde_json::from_str(json).unwrap();
+        let budget = Run::of(abbe().arg("budget").arg(&machine).args(more).args(["--format", "json"])).json();
+        (data["machines"][0]["budget"].clone(), budget)
+    };
+    for poses in ["40", "700"] {
+        let (page, budget) = of(poses);
+        assert!(number(&page, "/position_um/rss") > 0.0);
+        assert_eq!((&page["poses"], &page["position_um"]), (&budget["poses"], &budget["position_um"]), "{poses}");
+        // The worst poses are searched besides.
+        assert!((0.0..10.0).contains(&(number(&page, "/poses") - poses.parse::<f64>().unwrap())), "{poses}");
+    }
+}
+
+/// A hundred thousand readings and more are a fair size: no limit of 16 MB.
+#[test]
+fn readings_of_more_than_16_mb_are_read() {
+    let folder = Folder::new();
+    let _ = folder.write("m.yaml", SMALL);
+    // Comments count as bytes and cost no time.
+    let comment = format!("#{}\n", " ".repeat(1 << 20)).repeat(17);
+    let rows: String = (0..=10).map(|i| format!("{},{}\n", 10 * i, 3 * i)).collect();
+    let _ = folder.write("readings.csv", &format!("X [mm],dx [um]\n{rows}{comment}"));
+    let run = run(&folder, &["identify", "m.yaml", "--data", "readings.csv", "--fit", "EXX", "--out", "f.yaml"]);
+    assert!(!run.err.contains("E0103"), "{}", run.err);
+    assert!(Path::new(&folder.path("f.yaml")).exists(), "{}", run.err);
+}
