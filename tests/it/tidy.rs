@@ -246,7 +246,6 @@ const JUDGES_MAY_IMPORT: [(&str, &[&str]); 3] = [
             "Bare",
             "Deviation",
             "Field",
-            "Frame",
             "Order",
             "Statistics",
             "Summary",

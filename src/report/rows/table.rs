@@ -1,10 +1,9 @@
 //! The rows of a table and their facts, whatever its format.
 
 use super::work::WorkRows;
-use crate::analysis::View;
 use crate::analysis::budget::BoundedDeviation;
+use crate::analysis::{View, tool_pose};
 use crate::evaluate::{Deviation, Frame, Order, Poses, frame_rotation};
-use crate::lower::NominalPose;
 use crate::machine::{Approach, Machine};
 use crate::report::text::DrawSettings;
 use std::io::{self, Seek, Write};
@@ -113,7 +112,7 @@ impl Rows<'_> {
 
     /// Nominal tip from the workpiece origin, mm, in the frame of the vectors.
     pub(super) fn tip(&self, pose: &[f64]) -> [f64; 3] {
-        let tip = NominalPose::at(self.machine, pose).pose.translation;
+        let tip = tool_pose(self.machine, pose).unturned(self.machine).tip;
         match frame_rotation(self.machine, pose, self.view.frame) {
             Some(turn) => (turn * tip).map(|x| x + 0.0).into(),
             None => tip.map(|x| x + 0.0).into(),
