@@ -4,8 +4,8 @@ use super::model::{Basis, Parameter, Term};
 use super::solve::Solution;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
-    Approach, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointUncertainty, Machine,
-    MachineParts, machine_file,
+    Approach, Axis, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, JointUncertainty,
+    Machine, MachineParts, machine_file,
 };
 use crate::syntax::IdentifyEntry;
 use crate::units::significant;
@@ -41,7 +41,10 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
         let part = |column: &Vec<f64>| joint_part(&parts, parameters, column);
         let fitted: Vec<JointUncertainty> = columns.iter().map(part).collect();
         parts.covariance.retain(|part| !part.is_empty());
-        parts.covariance.extend(fitted);
+        // Beyond what was measured a curve that only its bounds hold is as good as unknown.
+        if fitted.iter().all(|part| is_plausible(part, machine)) {
+            parts.covariance.extend(fitted);
+        }
     }
     for (i, axis) in machine.axes().iter().enumerate() {
         parts.geometry.follow(&axis.name, machine.axis_errors(i), &parts.errors[i]);
@@ -84,6 +87,27 @@ fn joint_part(parts: &MachineParts, parameters: &[Parameter], amounts: &[f64]) -
     joint
 }
 
+/// True if no error that the part moves would be refused, with room for what lies between the sites.
+fn is_plausible(part: &JointUncertainty, machine: &Machine) -> bool {
+    let small = |axis: &Axis, direction: Direction, term: &ErrorTerm| {
+        let both = |q: f64| [Approach::Forward, Approach::Reverse].map(|from| term.value(q, from).abs());
+        sites(Some(axis)).into_iter().flat_map(both).all(|size| size <= 0.5 * crate::machine::largest(direction))
+    };
+    let errors = |axis: &Axis| part.errors.get(&axis.name).into_iter().flat_map(JointErrors::iter).collect::<Vec<_>>();
+    machine.axes().iter().all(|axis| errors(axis).into_iter().all(|(_, direction, term)| small(axis, direction, term)))
+}
+
+/// Positions (mm or deg) of an axis at which curves are looked at; one of a spindle.
+fn sites(axis: Option<&Axis>) -> Vec<f64> {
+    axis.map_or_else(
+        || vec![0.0],
+        |axis| {
+            let (min, max) = axis.travel.interval();
+            (0..SITES).map(|i| min + (max - min) * i as f64 / (SITES - 1) as f64).collect()
+        },
+    )
+}
+
 /// Places of the travel where the uncertainty of a curve is looked at.
 const SITES: usize = 25;
 
@@ -105,13 +129,7 @@ pub fn largest_uncertainty(
     source: Source,
 ) -> Option<(f64, f64)> {
     let axis = if let ErrorSite::Component(axis) = source.place { machine.axes().get(axis) } else { None };
-    let sites: Vec<f64> = axis.map_or_else(
-        || vec![0.0],
-        |axis| {
-            let (min, max) = axis.travel.interval();
-            (0..SITES).map(|i| min + (max - min) * i as f64 / (SITES - 1) as f64).collect()
-        },
-    );
+    let sites = sites(axis);
     let at = |q: f64, from: Approach| {
         let mine = |t: &&Term| t.source == source && (t.approach == from || t.approach == Approach::Mean);
         let factor = |p: &Parameter| p.terms.iter().filter(mine).map(|t| t.factor * t.basis.value(q)).sum::<f64>();

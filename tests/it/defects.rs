@@ -262,6 +262,6 @@ fn damaged_set(folder: &Folder, name: &str, machine: &Path, seed: u64) {
     if seed == 0 {
         // A file of more than any set has, which takes no room on the disk.
         std::fs::OpenOptions::new().write(true).open(&file).unwrap().set_len(80 << 20).unwrap();
-        verify(machine, &out, &["--poses", "1"]).refused("E0704").says("bytes");
+        verify(machine, &out, &["--poses", "1"]).refused("E0704").says("more than 64 MB together");
     }
 }

@@ -31,7 +31,7 @@ pub(crate) fn raised(certificate: &Certificate) -> Option<String> {
 pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
     let (before, after) = (&certificate.uncompensated, &certificate.compensated);
     // The certificate is written as JSON by hand, where such a number would be `null`.
-    let figures = [before, after].map(|field| [field.all.position_um.clone(), field.tool_axis.clone()]);
+    let figures = [before, after].map(|field| [field.all.position_um, field.tool_axis]);
     let mut found: Vec<Diagnostic> = finite::refusal(&figures).into_iter().collect();
     let lessened = |b: &Summary, a: &Summary| a.rms < 0.999 * b.rms;
     let lessens =

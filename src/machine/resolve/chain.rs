@@ -110,7 +110,7 @@ pub fn warn_parallel(context: &mut Context<'_>, machine: &Machine) {
             1.0 - dot.abs()
         };
         let Some(other) = linear[..i].iter().find(|other| across(other) < PARALLEL) else { continue };
-        let [first, second] = [other, &axis].map(|axis| axis.name.as_str().chars().next());
+        let [first, second] = [other, axis].map(|axis| axis.name.as_str().chars().next());
         let in_family = |letter: Option<char>, family: &str| letter.is_some_and(|letter| family.contains(letter));
         if first != second && FAMILIES.iter().any(|family| in_family(first, family) && in_family(second, family)) {
             continue;
