@@ -48,8 +48,9 @@ pub struct ErrorSizes {
 const SAMPLES: u32 = 400;
 
 impl Machine {
-    /// Returns the properties that differ from another machine: the chain first, then geometry, conventions and errors in the order of the
-    /// other's walk. Geometry and errors are those of this machine on the other's chain: they went with the side.
+    /// Returns the properties that differ from another machine: the chain first, then geometry, conventions and errors
+    /// in the order of the other's walk. Geometry and errors are those of this machine on the other's chain: they went
+    /// with the side.
     pub fn differences(&self, other: &Self) -> Vec<MachineProperty> {
         let Some(moved) = self.on_chain_of(other) else { return vec![MachineProperty::Chain] };
         let chain = (self.chain().to_string() != other.chain().to_string()).then_some(MachineProperty::Chain);

@@ -3,8 +3,8 @@
 /// The letters of the directions, X Y Z A B C.
 const LETTERS: [char; 6] = ['X', 'Y', 'Z', 'A', 'B', 'C'];
 
-/// Returns the words for a component error: of the axis `name`, which turns about or travels along the machine's axis `along` (0 to
-/// 2), in the direction `direction` (0 to 5: X Y Z A B C). `None` for `along` states the direction only.
+/// Returns the words for a component error: of the axis `name`, which turns about or travels along the machine's axis
+/// `along` (0 to 2), in the direction `direction` (0 to 5: X Y Z A B C). `None` for `along` states the direction only.
 pub fn component_words(name: &str, rotary: bool, along: Option<usize>, direction: usize) -> String {
     let letter = LETTERS[direction];
     let about = LETTERS[direction % 3];

@@ -117,7 +117,7 @@ fn sections(generator: &mut SchemaGenerator) -> Value {
             tolerances(generator),
         ),
         "class": any(vec![class_name(generator).to_value(), object::<ClassEntry>(generator)]),
-        "covariance": or_null("Joint uncertainty of the errors: independent parts, one standard uncertainty each.", json!({
+        "covariance": or_null("Joint uncertainty of the errors: independent parts, one standard one each.", json!({
             "type": "array", "items": object::<CovarianceEntry>(generator)
         })),
         "measured": or_null("CSV files of which every error column counts.", json!({

@@ -375,7 +375,8 @@ fn its_budgets_and_instruments_are_those_of_their_verbs() {
     let data = data(&page);
     for (i, file) in files.into_iter().enumerate() {
         let machine = &data["machines"][i];
-        let budget = json(&[&["budget", file, "--seed", "5", "--format", "json"], &class[..]].concat());
+        let budget =
+            json(&[&["budget", file, "--poses", "90", "--seed", "5", "--format", "json"], &class[..]].concat());
         for (key, value) in machine["budget"].as_object().unwrap() {
             assert_eq!(value, &budget[key], "{file}: {key}");
         }

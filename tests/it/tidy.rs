@@ -251,7 +251,6 @@ const JUDGES_MAY_IMPORT: [(&str, &[&str]); 3] = [
             "Summary",
             "command_deviation",
             "commanded_deviation",
-            "evaluate",
             "random_poses",
             "tool_axis_tilt",
         ],

@@ -66,8 +66,8 @@ fn look_up(curve: &ErrorCurve, position: f64, continuous: bool) -> f64 {
     between(&curve.positions, &curve.values, position, OutsideTable::Hold)
 }
 
-/// Returns how far the functional point moves (mm, unturned workpiece frame) for each mm of a linear axis: the motion is
-/// linear, so that a long step loses nothing but rounding.
+/// Returns how far the functional point moves (mm, unturned workpiece frame) for each mm of a linear axis. The motion
+/// is linear, so that a long step loses nothing but rounding.
 fn linear_motion(machine: &Machine, command: &[f64], axis: usize) -> Vector3<f64> {
     const STEP_MM: f64 = 1024.0;
     let point = |by_mm: f64| {
