@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Largest number of poses at which the parts are followed.
-pub const MAX_BAND_POSES: usize = 1000;
+const MAX_BAND_POSES: usize = 1000;
 
 /// Number of draws; the interval lies between the 50th from either end.
 const DRAWS: usize = 2000;
@@ -120,7 +120,7 @@ pub fn uncertain_parts<'m>(machines: impl IntoIterator<Item = &'m Machine>) -> V
     all
 }
 
-/// Returns places of a list of `count` at which its figures are looked at: all, or [`MAX_BAND_POSES`] spread over it,
+/// Returns places of a list of `count` at which its figures are looked at: all, or 1000 spread over it,
 /// and `besides`.
 pub fn band_places(count: usize, besides: &[usize]) -> Vec<usize> {
     if count <= MAX_BAND_POSES {
