@@ -22,8 +22,8 @@ pub(crate) struct OutputArgs {
     /// The same as Parquet.
     #[arg(long, value_name = "FILE")]
     parquet: Option<PathBuf>,
-    /// The same as an unstructured grid of VTK (`.vtu`), which ParaView opens as a vector field.
-    #[arg(long, value_name = "FILE.vtu")]
+    #[arg(long, value_name = "FILE", help = help::VTK,
+        long_help = "The same as an unstructured grid of VTK (`.vtu`), which ParaView opens as a vector field")]
     vtk: Option<PathBuf>,
 }
 

@@ -1,8 +1,8 @@
 //! `abbe reach`: tips and directions of the tool within reach over a box.
 
-use crate::cli::arguments::length;
+use crate::cli::arguments::{PictureFile, ToolArg, help, length, png, svg};
 use crate::cli::output::session::Session;
-use crate::cli::store::write::{PictureKind, refuse_outputs, write_picture, write_whole};
+use crate::cli::store::write::{refuse_outputs, write_whole};
 use crate::cli::{Format, Outcome};
 use abbe::results::ReachResult;
 use abbe::text::{Reason, significant};
@@ -18,24 +18,23 @@ pub(crate) struct Args {
     /// axes at rest; for robots where any axis does].
     #[arg(long = "box", value_name = "X=-100..100,Z=0..200", allow_hyphen_values = true)]
     region: Option<String>,
-    /// Largest distance of neighbouring tips [default: an eighth of the longest side, for robots a third].
+    /// Largest distance of neighbouring tips (above 0) [default: an eighth of the longest side, for robots a third].
     #[arg(long, value_name = "LENGTH", value_parser = step)]
     step: Option<f64>,
-    /// Number of tool directions [default: 60, for robots 6]: over the hemisphere about the tool axis at rest, on its
-    /// circle with one axis that turns the tool, one with none.
+    /// Number of tool directions (1 to 100000) [default: 60, for robots 6]: over the hemisphere about the tool axis at
+    /// rest, on its circle with one axis that turns the tool, one with none.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     directions: Option<u32>,
-    /// Tool of the machine, by name [default: the first].
-    #[arg(long)]
-    tool: Option<String>,
-    /// Draw sections of the box, coloured by the share of directions (SVG, or PNG by the file's ending).
-    #[arg(long, value_name = "FILE")]
-    svg: Option<PathBuf>,
-    /// The same as PNG.
-    #[arg(long, value_name = "FILE")]
-    png: Option<PathBuf>,
-    /// Write the tips with their shares as a VTK structured grid, for ParaView.
-    #[arg(long, value_name = "FILE.vts")]
+    #[command(flatten)]
+    tool: ToolArg,
+    #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
+        long_help = "Draw sections of the box, coloured by the share of directions, as SVG unless the file ends in .png")]
+    svg: Option<PictureFile>,
+    #[arg(long, value_name = "FILE", value_parser = png, help = help::PNG,
+        long_help = "The same, as PNG unless the file ends in .svg")]
+    png: Option<PictureFile>,
+    #[arg(long, value_name = "FILE", help = help::VTK,
+        long_help = "Write the tips with their shares as a structured grid of VTK (`.vts`), which ParaView opens")]
     vtk: Option<PathBuf>,
 }
 
@@ -44,9 +43,10 @@ fn step(text: &str) -> Result<f64, Reason> {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.tool.as_deref())?;
-    let outputs = args.svg.iter().chain(&args.png).chain(&args.vtk);
-    refuse_outputs(outputs, &session.files).or_else(|d| session.refuse(d))?;
+    let file = session.load(&args.machine, args.tool.name())?;
+    let pictures = args.svg.iter().chain(&args.png);
+    PictureFile::refuse(session, pictures.clone())?;
+    refuse_outputs(&args.vtk, &session.files).or_else(|d| session.refuse(d))?;
     let options = ReachOptions {
         region: args.region.clone(),
         step_mm: args.step,
@@ -54,12 +54,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     };
     let answer = reach(&file, &options, session.run());
     let result = session.take(answer)?;
-    if let Some(path) = &args.svg {
-        let kind = PictureKind::of(path).unwrap_or(PictureKind::Svg);
-        write_picture(path, &result.picture(), kind, &session.files).or_else(|d| session.refuse(d))?;
-    }
-    if let Some(path) = &args.png {
-        write_picture(path, &result.picture(), PictureKind::Png, &session.files).or_else(|d| session.refuse(d))?;
+    for to in pictures {
+        to.write(&result.picture(), session)?;
     }
     if let Some(path) = &args.vtk {
         write_whole(path, &result.vtk(), &session.files).or_else(|d| session.refuse(d))?;
