@@ -4,6 +4,7 @@ use super::effects::{ErrorEffect, Neglected, effects, inverse};
 use super::machine_file::{MachineFile, bounded_only};
 use super::poses::{AxisPositions, axis_positions, poses};
 use super::run::{Answer, Call, Refused, Run};
+use super::uncertainty::PoseUncertainty;
 use super::{algebra, order_of};
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Evaluation, Frame, Order, evaluate, evaluate_over};
@@ -94,6 +95,9 @@ pub struct PoseResult {
     pub rotation: [f64; 3],
     /// `T_tool^-1 T_work`, actual minus nominal, row by row.
     pub e_ve: [[f64; 4]; 4],
+    /// Expanded uncertainty of the deviation, where the machine states that of its errors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<PoseUncertainty>,
     /// Effect of each error, with [`EvalOptions::sensitivity`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensitivity: Option<Vec<ErrorEffect>>,
@@ -130,6 +134,9 @@ fn evaluated(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> R
         None => evaluate(machine, pose, order, approach, options.frame),
     };
     let mut results: Vec<PoseResult> = poses.iter().map(|pose| result(machine, pose, &one(pose))).collect();
+    if let Some(list) = PoseUncertainty::at(machine, &poses, approach, options.frame) {
+        results.iter_mut().zip(list).for_each(|(result, uncertainty)| result.uncertainty = Some(uncertainty));
+    }
     let neglected = besides(call, (machine, &poses), options, lift.as_ref(), &mut results)?;
     Ok(EvalResult {
         machine: machine.name().to_owned(),
@@ -177,6 +184,7 @@ fn result(machine: &Machine, pose: &Pose, evaluation: &Evaluation) -> PoseResult
         deviation: row(&evaluation.deviation.position),
         rotation: row(&evaluation.deviation.rotation),
         e_ve: std::array::from_fn(|i| std::array::from_fn(|j| evaluation.e_ve[(i, j)] + 0.0)),
+        uncertainty: None,
         sensitivity: None,
         interactions: None,
         order_1_neglects: None,

@@ -20,9 +20,10 @@ pub use super::explain::Explanation;
 pub use super::features::{DominatingError, FeatureResult};
 pub use super::goal::{NewTolerance, ToleranceGoal};
 pub use super::identify::{
-    ExpectedParameter, FittedDatum, FittedError, FittedParameter, IdentifyResult, KindResidual, KnownValue,
-    MeasurementPlan, MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares, OutlierPlace,
-    PlannedPose, PredictedUncertainty, RepeatedReadings, ResidualTest, Rms, RmsBeforeAfter, ScatterOfKind,
+    ExpectedParameter, FittedDatum, FittedError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue,
+    LackOfFit, MeasurementPlan, MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares,
+    OutlierPlace, PlannedPose, PredictedUncertainty, RepeatedReadings, ResidualTest, Rms, RmsBeforeAfter,
+    ScatterOfKind, SharedUncertainty,
 };
 pub use super::import::{
     ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, StraightnessReference,
@@ -38,7 +39,7 @@ pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, Loc
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::tool_poses::{BeyondTravel, Lack, MissedToolPose, NeededTravel, ReachedToolPoses};
-pub use super::uncertainty::{CertificateBands, ComparedBands};
+pub use super::uncertainty::{CertificateBands, ComparedBands, PoseUncertainty};
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{
     Binding, Bound, BoundedDeviation, BoundedLength, Budget, BudgetPart, CheapestTolerances, Contribution, PERCENTS,

@@ -2,10 +2,47 @@
 
 use crate::analysis::{Bands, Comparison, MachineResult, UncertainDeviations, band_places, bands, uncertain_parts};
 use crate::controller::{Certificate, Depth};
-use crate::evaluate::{Bare, Field, Order, Poses, Statistics};
+use crate::evaluate::{Bare, CompiledModel, Field, Frame, Order, Poses, Statistics, frame_rotation};
 use crate::machine::{Approach, Machine, Pose};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;
+
+/// Expanded uncertainty (k = 2) of the deviation at a pose, component by component, to first order.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct PoseUncertainty {
+    /// Of the position of the functional point, mm.
+    pub deviation: [f64; 3],
+    /// Of the orientation of the tool, rad.
+    pub rotation: [f64; 3],
+}
+
+impl PoseUncertainty {
+    /// Returns the uncertainty at poses (mm, deg) in a frame. `None` where the machine states none.
+    pub(super) fn at(machine: &Machine, poses: &[Pose], approach: Approach, frame: Frame) -> Option<Vec<Self>> {
+        let parts = machine.uncertain_parts();
+        if parts.is_empty() {
+            return None;
+        }
+        let models: Vec<CompiledModel> = parts
+            .par_iter()
+            .map(|part| CompiledModel::new(&machine.moved_by(part), Order::Degree(1), approach))
+            .collect();
+        let one = |pose: &Pose| {
+            let turned = frame_rotation(machine, pose, frame);
+            let mut squares = [Vector3::zeros(); 2];
+            for model in &models {
+                let unturned = model.deviation(pose);
+                let effect = turned.map_or(unturned, |rotation| unturned.rotated(&rotation));
+                squares[0] += effect.position.component_mul(&effect.position);
+                squares[1] += effect.rotation.component_mul(&effect.rotation);
+            }
+            let [deviation, rotation] = squares.map(|sum| sum.map(|x| 2.0 * x.sqrt()).into());
+            Self { deviation, rotation }
+        };
+        Some(poses.par_iter().map(one).collect())
+    }
+}
 
 /// Intervals of the figures of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

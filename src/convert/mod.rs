@@ -72,6 +72,7 @@ pub fn convert(machine: &Machine, request: &ConversionRequest) -> Result<Convers
     // Values are regrouped: the uncertainty of one of them is not that of the sums.
     parts.uncertainty.clear();
     parts.covariance.clear();
+    parts.forms.clear();
     // The proof is of the arrangement at hand.
     parts.geometry.forget_other_sides(&machine.sides());
     let turned = |axis: &Axis| turns_over(machine, axis, request);

@@ -145,6 +145,7 @@ codes! {
     E0514 "no reading holds the size of the machine",
     E0515 "the data do not hold the prediction",
     E0516 "a prior cannot be read",
+    E0517 "a type B uncertainty cannot be read",
     E0521 "unknown generator",
     E0522 "the ideal contains 1",
     E0523 "an algebra that is too large",

@@ -5,7 +5,7 @@ use super::solve::Solution;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
     Approach, Axis, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, JointUncertainty,
-    Machine, MachineParts, machine_file,
+    Machine, MachineParts, ResidualForm, machine_file,
 };
 use crate::syntax::IdentifyEntry;
 use crate::units::significant;
@@ -20,6 +20,8 @@ pub struct FileNotes<'a> {
     pub request: &'a IdentifyEntry,
     /// Writes the joint covariance of the parameters. Without it only each error's own uncertainty is stated.
     pub joint: bool,
+    /// The forms of the axes beside the fitted curves; `None` if the readings cannot show any.
+    pub forms: Option<&'a [ResidualForm]>,
 }
 
 /// The text of a machine file that says what `machine` says, the fitted parameters with their new values and expanded
@@ -41,6 +43,7 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
         let part = |column: &Vec<f64>| joint_part(&parts, parameters, column);
         let fitted: Vec<JointUncertainty> = columns.iter().map(part).collect();
         parts.covariance.retain(|part| !part.is_empty());
+        parts.forms = notes.forms.map_or(parts.forms, <[_]>::to_vec);
         // Beyond what was measured a curve that only its bounds hold is as good as unknown.
         if fitted.iter().all(|part| is_plausible(part, machine)) {
             parts.covariance.extend(fitted);

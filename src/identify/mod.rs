@@ -29,10 +29,10 @@ pub use data::{
 };
 pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{
-    Basis, Coefficient, Component, Invariances, Known, Model, Monomial, Parameter, SlopeBound, Term, invariances,
-    known, moore_penrose, overruled, parameters, slope_bounds, unused,
+    Basis, Coefficient, Component, Invariances, Known, Model, Monomial, Parameter, SharedEffect, SlopeBound, Term,
+    TypeB, invariances, known, moore_penrose, overruled, parameters, slope_bounds, type_b, unused,
 };
 pub use solve::{
-    Conditions, Estimate, Fit, Moved, Outlier, Prediction, Randomness, Residuals, Scatter, Solution, Spread, fit,
-    held_out, in_datum, plan, randomness, solve,
+    Conditions, Estimate, Fit, Misfit, Moved, Outlier, Prediction, Randomness, Residuals, Scatter, SharedCovariance,
+    Solution, Spread, common, fit, held_out, in_datum, misfit, plan, randomness, solve,
 };

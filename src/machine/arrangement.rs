@@ -98,6 +98,7 @@ impl Machine {
                 {
                     geometry.on_mut(old.branch).errors = Some(std::mem::replace(&mut errors, here));
                     parts.uncertainty.retain(|error, _| error.axis != *name);
+                    parts.forms.retain(|form| form.axis != *name);
                     parts.covariance.iter_mut().for_each(|part| drop(part.errors.remove(name)));
                 }
                 let here = geometry.on(*branch);

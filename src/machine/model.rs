@@ -2,7 +2,7 @@
 
 use super::{
     AlgebraChoice, Approach, Axis, AxisKind, AxisName, Conventions, ErrorId, ErrorTerm, Geometry, JointErrors,
-    JointUncertainty, KinematicChain, NamedClass, Tolerances, Travel, sin_cos_degrees,
+    JointUncertainty, KinematicChain, NamedClass, ResidualForm, Tolerances, Travel, sin_cos_degrees,
 };
 use crate::algebra::rotation_about;
 use nalgebra::Matrix3;
@@ -81,6 +81,8 @@ pub struct MachineParts {
     pub uncertainty: BTreeMap<ErrorId, f64>,
     /// Joint uncertainty of errors: independent parts.
     pub covariance: Vec<JointUncertainty>,
+    /// Forms of axes that the errors leave, at most one of each axis.
+    pub forms: Vec<ResidualForm>,
     /// The algebra it names, if any.
     pub algebra: Option<AlgebraChoice>,
     /// Bounds along and across axes, and of squareness; those by letter are among the errors.

@@ -1,6 +1,9 @@
 //! Uncertainty of the values of errors as independent parts, each of which moves errors by known amounts together.
 
-use super::{AxisName, ComponentError, Curve, ErrorFamily, ErrorId, ErrorTerm, JointErrors, Machine, SetUp};
+use super::{
+    AxisName, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, Machine, ResidualForm,
+    SetUp,
+};
 use std::collections::BTreeMap;
 
 /// One standard uncertainty of an independent part of the joint uncertainty: the column of a factor L of the covariance
@@ -42,6 +45,8 @@ pub enum UncertainPart {
     Joint(JointUncertainty),
     /// An error that states its own, with its values and its standard uncertainty (mm, rad).
     Alone(ErrorId, ErrorTerm, f64),
+    /// A mode of the form of an axis that its errors leave: one standard deviation of a displacement.
+    Form(ErrorId, Curve),
 }
 
 impl Machine {
@@ -55,7 +60,18 @@ impl Machine {
             let known = matches!(term, ErrorTerm::Tolerance(_)) || parts.covariance.iter().any(|p| p.moves(&error));
             (!known).then(|| UncertainPart::Alone(error, term.clone(), half / 2.0))
         });
-        joint.chain(alone).collect()
+        joint.chain(alone).chain(parts.forms.iter().flat_map(|form| self.form_parts(form))).collect()
+    }
+
+    /// Returns the modes of a form in all directions.
+    fn form_parts(&self, form: &ResidualForm) -> Vec<UncertainPart> {
+        let Some(axis) = self.axes().iter().find(|axis| axis.name == form.axis) else { return Vec::new() };
+        let modes = form.modes(axis);
+        let error =
+            |direction: Direction| ErrorId { axis: form.axis.clone(), family: ErrorFamily::Component, direction };
+        let displacements = Direction::ALL.iter().filter(|direction| !direction.is_rotation());
+        let part = |direction: &Direction, mode: &Curve| UncertainPart::Form(error(*direction), mode.clone());
+        displacements.flat_map(|direction| modes.iter().map(move |mode| part(direction, mode))).collect()
     }
 
     /// Returns the machine whose only errors are one standard uncertainty of a part: its deviation to first order is
@@ -64,19 +80,19 @@ impl Machine {
         let mut parts = self.parts().clone();
         let names: Vec<AxisName> =
             parts.axes.iter().map(|axis| axis.name.clone()).chain(parts.chain.spindle().cloned()).collect();
+        let one = |error: &ErrorId, term: ErrorTerm| {
+            let mut errors = JointErrors::default();
+            errors.six_mut(error.family)[error.direction.index()] = Some(term);
+            (BTreeMap::from([(error.axis.clone(), errors)]), SetUp::default())
+        };
+        let curve = |curve: Curve| ErrorTerm::Component(ComponentError::Single(curve));
         let (amounts, setup) = match part {
             UncertainPart::Joint(joint) => (joint.errors.clone(), joint.setup),
-            UncertainPart::Alone(error, _, sigma) => {
-                let mut errors = JointErrors::default();
-                let term = match error.family {
-                    ErrorFamily::Location => ErrorTerm::Constant(*sigma),
-                    ErrorFamily::Component => {
-                        ErrorTerm::Component(ComponentError::Single(Curve::Polynomial(vec![*sigma])))
-                    }
-                };
-                errors.six_mut(error.family)[error.direction.index()] = Some(term);
-                (BTreeMap::from([(error.axis.clone(), errors)]), SetUp::default())
-            }
+            UncertainPart::Form(error, mode) => one(error, curve(mode.clone())),
+            UncertainPart::Alone(error, _, sigma) => match error.family {
+                ErrorFamily::Location => one(error, ErrorTerm::Constant(*sigma)),
+                ErrorFamily::Component => one(error, curve(Curve::Polynomial(vec![*sigma]))),
+            },
         };
         parts.errors = names.iter().map(|name| amounts.get(name).cloned().unwrap_or_default()).collect();
         parts.setup = setup;

@@ -3,7 +3,7 @@
 use super::{
     AlgebraChoice, Anchor, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorFamily, ErrorId,
     ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Grid, JointErrors, JointUncertainty, MAIN_AXES, MachineParts,
-    Sense, SetUp, Tool, Travel,
+    ResidualForm, Sense, SetUp, Tool, Travel,
 };
 
 /// The text of a machine file that says what `parts` say; `provenance` are further entries of that section
@@ -202,7 +202,14 @@ fn covariance(parts: &MachineParts) -> String {
         };
         format!("  - {{ {errors}{setup} }}\n")
     };
-    let lines: String = parts.covariance.iter().filter(|part| !part.is_empty()).map(line).collect();
+    let form = |ResidualForm { axis, size, length }: &ResidualForm| {
+        let turns = parts.axes.iter().any(|of| of.name == *axis && of.kind == AxisKind::Rotary);
+        let unit = if turns { "deg" } else { "mm" };
+        let axis = quoted(axis.as_str());
+        format!("  - {{ form: {{ axis: {axis}, size: {} mm, length: {} {unit} }} }}\n", number(*size), number(*length))
+    };
+    let joint = parts.covariance.iter().filter(|part| !part.is_empty()).map(line);
+    let lines: String = joint.chain(parts.forms.iter().map(form)).collect();
     if lines.is_empty() { lines } else { format!("covariance:\n{lines}") }
 }
 

@@ -204,6 +204,22 @@ pub struct CovarianceEntry {
     pub errors: IndexMap<String, TermEntry>,
     /// Parts of set-up errors.
     pub setup: Option<SetUpEntry>,
+    /// The form of an axis that its error curves leave; stands by itself.
+    pub form: Option<FormEntry>,
+}
+
+/// A random form of an axis beside its error curves.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FormEntry {
+    /// The axis.
+    pub axis: Option<String>,
+    /// Standard deviation of its displacement in each direction.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub size: Option<Scalar>,
+    /// Correlation length: a length or, of a rotary axis, an angle.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub length: Option<Scalar>,
 }
 
 /// The algebra of symbolic stages.
@@ -264,6 +280,9 @@ pub struct IdentifyEntry {
     /// Values that are known before the data: `EC0Y 5 urad`, `ball b1 50 um`, `file`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub priors: Vec<String>,
+    /// Standard uncertainties that all readings share: `laser 0.4 um/m`, `material 0.5 K x 11.7 um/m/K`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub type_b: Vec<String>,
     /// Sizes up to which errors are plausible, where the readings show larger ones than 10 mm or 100 mrad: a robot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plausible: Option<PlausibleEntry>,

@@ -27,7 +27,7 @@ mod yaml;
 
 pub use disk::Disk;
 pub use document::{
-    AlgebraEntry, AxisEntry, ConventionsEntry, CovarianceEntry, DatumEntry, DatumLine, DatumZero, Document,
+    AlgebraEntry, AxisEntry, ConventionsEntry, CovarianceEntry, DatumEntry, DatumLine, DatumZero, Document, FormEntry,
     GeneratorsEntry, IdentifyEntry, PlausibleEntry, SetUpEntry, SquarenessSite, ToolEntry, TravelEntry, VolumeAxis,
 };
 pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};

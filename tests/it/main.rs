@@ -20,6 +20,7 @@ mod compile_refusals;
 mod compiled_columns;
 mod configs;
 mod convert;
+mod coverage;
 mod datum;
 mod defects;
 mod diagnostics;

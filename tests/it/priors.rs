@@ -25,7 +25,7 @@ const FITTED: [(usize, usize, &str); 8] = [
 /// Standard deviation of the bar's readings (mm).
 const NOISE: f64 = 1e-3;
 
-fn five_axes() -> Sample {
+pub fn five_axes() -> Sample {
     let axis = |name: &str, origin: [f64; 3]| {
         let index = "XYZABC".find(name).unwrap();
         let mut direction = [0.0; 3];

@@ -14,8 +14,8 @@ pub use monomials::{MonomialCoefficient, MonomialComponent, MonomialFit, Rms, fi
 pub use pictures::NamedSvg;
 pub use plan::{ExpectedParameter, MeasurementPlan, PlanOptions, PlannedPose, plan_measurements};
 pub use result::{
-    FittedParameter, IdentifyResult, KindResidual, KnownValue, OrderShares, OutlierPlace, PredictedUncertainty,
-    RepeatedReadings, ResidualTest, RmsBeforeAfter, ScatterOfKind,
+    FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue, LackOfFit, OrderShares, OutlierPlace,
+    PredictedUncertainty, RepeatedReadings, ResidualTest, RmsBeforeAfter, ScatterOfKind, SharedUncertainty,
 };
 
 use super::machine_file::{MachineFile, Overlay, read_back};
@@ -25,9 +25,10 @@ use crate::controller::sha256;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
 use crate::identify::{
-    DistanceEnd, FileNotes, Fit, Known, Measurement, MeasurementSet, Model, Parameter, Prediction, Randomness, Reading,
-    Repeats, Residuals, SlopeBound, Solution, fitted_file, held_out, in_datum, invariances, known, overruled,
-    parameters, randomness, read_measurements, repeats, slope_bounds, solve, unused,
+    DistanceEnd, FileNotes, Fit, Known, Measurement, MeasurementSet, Misfit, Model, Parameter, Prediction, Randomness,
+    Reading, Repeats, Residuals, SharedCovariance, SlopeBound, Solution, TypeB, common, fitted_file, held_out,
+    in_datum, invariances, known, misfit, overruled, parameters, randomness, read_measurements, repeats, slope_bounds,
+    solve, type_b, unused,
 };
 use crate::machine::{Machine, Pose};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
@@ -52,6 +53,9 @@ pub struct IdentifyOptions {
     /// Values known before the data, with a standard uncertainty: `ball b1 50 um`, `EC0Y 5 urad`, `constant S = 150
     /// mm 1 um`; `file`: what the machine file states. They come after those of the section `identify`.
     pub priors: Vec<String>,
+    /// Standard uncertainties that all readings share: `laser 0.4 um/m` (a scale), `set-up 2 um` (an offset),
+    /// `material 0.5 K x 11.7 um/m/K`. They come after those of the section `identify`.
+    pub type_b: Vec<String>,
     /// Frame in which the deviations were measured.
     pub frame: Frame,
     /// Model to fit: exact by default, or of order 1 or 2.
@@ -104,6 +108,7 @@ struct Problem {
     unknowns: Vec<Parameter>,
     bounds: Vec<SlopeBound>,
     known: Vec<Known>,
+    type_b: Vec<TypeB>,
     rows: Vec<Measurement>,
     /// SHA-256 of the files of measurements, by path.
     hashes: BTreeMap<PathBuf, String>,
@@ -127,7 +132,10 @@ impl Problem {
         }
         let mut request = request;
         request.priors.extend(options.priors.iter().cloned());
-        Ok(Self { request, unknowns, bounds, known, rows: data.rows, hashes })
+        request.type_b.extend(options.type_b.iter().cloned());
+        let shared: Result<Vec<TypeB>, _> = request.type_b.iter().map(|words| type_b(words)).collect();
+        let type_b = shared.or_else(|refusal| call.refuse(*refusal))?;
+        Ok(Self { request, unknowns, bounds, known, type_b, rows: data.rows, hashes })
     }
 
     fn model(&self, machine: &Machine, order: Order) -> Model<'_> {
@@ -276,6 +284,9 @@ struct Fitted<'a> {
     repeats: Vec<Repeats>,
     /// Values known before the data.
     known: &'a [Known],
+    type_b: &'a [TypeB],
+    /// The form of the axes beside the curves; `None` if the readings cannot show it.
+    misfit: Option<Misfit>,
     datum: Option<FittedDatum>,
     fit: &'a Fit,
 }
@@ -299,8 +310,14 @@ fn solved(
     }
     let fit = solve(&model, data, options.robust);
     let solution = Solution::of(&fit, &problem.unknowns).compared(&model, data, &fit);
+    let mut shared = SharedCovariance::none(problem.unknowns.len());
+    shared.common = common(&model, data, (&fit, &solution), &problem.type_b);
+    let misfit = misfit(&model, data, &fit, &solution);
+    shared.form = misfit.as_ref().map_or(shared.form, |misfit| misfit.covariance.clone());
+    let solution = solution.sharing(shared);
     let theta = solution.theta();
-    let prediction = Prediction::of(&model, data, &fit, &solution);
+    let forms = misfit.as_ref().map_or(&[][..], |misfit| &misfit.forms);
+    let prediction = Prediction::of(&model, data, (&fit, &solution), forms);
     let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
     let (solution, datum) = match in_datum(&model, data, &fit, &solution, &conditions) {
         Some((solution, moved)) => (solution, Some(FittedDatum::of(conditions.entry, &moved))),
@@ -320,6 +337,8 @@ fn solved(
         held_out: options.folds.and_then(|folds| held_out(&model, data, folds, options.robust)),
         repeats: repeats(data),
         known: &problem.known,
+        type_b: &problem.type_b,
+        misfit,
         fit: &fit,
     };
     let sources = &call.diagnostics.sources;
@@ -356,7 +375,8 @@ fn machine_file(
     let provenance = provenance::entries(file, options, problem, fitted);
     let own_parameters = &fitted.unknowns[..fitted.own];
     let text = |request: &IdentifyEntry| {
-        let notes = FileNotes { provenance: &provenance, request, joint };
+        let forms = fitted.misfit.as_ref().map(|misfit| &misfit.forms[..]);
+        let notes = FileNotes { provenance: &provenance, request, joint, forms };
         fitted_file(file, own_parameters, &fitted.solution, notes)
     };
     let first = text(&problem.request);

@@ -6,8 +6,10 @@ use super::{Fitted, limits};
 use crate::api::poses::{AxisPositions, axis_positions};
 use crate::diagnostic::Sources;
 use crate::identify::{
-    Estimate, Known, Outlier, Parameter, Prediction, Randomness, ReadingKind, Repeats, Scatter, Spread,
+    Estimate, Known, Misfit, Outlier, Parameter, Prediction, Randomness, ReadingKind, Repeats, Scatter, SharedEffect,
+    Spread, TypeB,
 };
+use crate::machine::{Machine, ResidualForm};
 use crate::units::significant;
 use serde::Serialize;
 
@@ -18,8 +20,14 @@ pub struct FittedParameter {
     pub name: String,
     /// Value, in `unit`.
     pub value: f64,
-    /// Standard uncertainty, in `unit`; none if the data leave the value free or nothing scatters.
+    /// Combined standard uncertainty, in `unit`; none if the data leave the value free or nothing scatters.
     pub sigma: Option<f64>,
+    /// The part of it that the scatter of the readings makes, as if each were independent (type A).
+    pub type_a: Option<f64>,
+    /// The part of it that the form of the axes makes, which readings near each other share.
+    pub lack_of_fit: f64,
+    /// The part of it that all readings share, as the user states it (type B).
+    pub type_b: f64,
     /// Unit of value and uncertainty.
     pub unit: String,
     /// Standard uncertainties that a 95 % interval reaches to either side.
@@ -34,6 +42,9 @@ impl FittedParameter {
             name: parameter.name.clone(),
             value: parameter.shown(estimate.value) + 0.0,
             sigma: estimate.sigma.map(|sigma| parameter.shown(sigma)),
+            type_a: estimate.scatter.map(|sigma| parameter.shown(sigma)),
+            lack_of_fit: parameter.shown(estimate.form),
+            type_b: parameter.shown(estimate.common),
             unit: parameter.unit.clone(),
             coverage_factor_95: estimate.coverage,
             valuation: estimate.valuation,
@@ -63,6 +74,62 @@ impl KnownValue {
             sigma: parameter.shown(known.sigma),
             unit: parameter.unit.clone(),
         }
+    }
+}
+
+/// A standard uncertainty that all readings share (type B).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SharedUncertainty {
+    /// Its name.
+    pub name: String,
+    /// Scale of all lengths, um/m.
+    pub scale_um_per_m: Option<f64>,
+    /// Offset of every component, um.
+    pub offset_um: Option<f64>,
+}
+
+impl SharedUncertainty {
+    fn of(of: &TypeB) -> Self {
+        let (scale_um_per_m, offset_um) = match of.effect {
+            SharedEffect::Scale(ratio) => (Some(ratio * 1e6), None),
+            SharedEffect::Offset(size) => (None, Some(um(size))),
+        };
+        Self { name: of.name.clone(), scale_um_per_m, offset_um }
+    }
+}
+
+/// The form of the axes that the fitted curves leave.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LackOfFit {
+    /// Probability that there is any, with even odds before the data.
+    pub probability: f64,
+    /// The axes with their forms, if one is likelier than none.
+    pub forms: Vec<FormOfAxis>,
+}
+
+/// The form of an axis beside its fitted curves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FormOfAxis {
+    /// The axis.
+    pub axis: String,
+    /// Standard deviation of each displacement over the positions measured, um.
+    pub size_um: f64,
+    /// Correlation length, in `unit`.
+    pub length: f64,
+    /// mm or deg.
+    pub unit: &'static str,
+}
+
+impl LackOfFit {
+    fn of(machine: &Machine, misfit: &Misfit) -> Self {
+        let unit = |name| machine.axes().iter().find(|axis| axis.name == name).map_or("mm", |axis| axis.unit());
+        let form = |ResidualForm { axis, size, length }: &ResidualForm| FormOfAxis {
+            axis: axis.to_string(),
+            size_um: um(*size),
+            length: *length,
+            unit: unit(axis.clone()),
+        };
+        Self { probability: misfit.probability, forms: misfit.forms.iter().map(form).collect() }
     }
 }
 
@@ -215,6 +282,11 @@ pub struct IdentifyResult {
     pub instruments: Vec<FittedParameter>,
     /// Values that were known before the data.
     pub known: Vec<KnownValue>,
+    /// Standard uncertainties that all readings share.
+    pub type_b: Vec<SharedUncertainty>,
+    /// The form of the axes beside the fitted curves; none if the readings cannot show it: fewer than 20 to spare, or
+    /// no axis at six positions.
+    pub lack_of_fit: Option<LackOfFit>,
     /// Numerical rank of the problem.
     pub rank: usize,
     /// The rank of the model to first order in the errors: what the readings show without products of errors.
@@ -324,6 +396,8 @@ impl IdentifyResult {
             parameters: parameters.to_vec(),
             instruments: instruments.to_vec(),
             known: fitted.known.iter().map(|known| KnownValue::of(fitted.unknowns, known)).collect(),
+            type_b: fitted.type_b.iter().map(SharedUncertainty::of).collect(),
+            lack_of_fit: fitted.misfit.as_ref().map(|misfit| LackOfFit::of(fitted.machine, misfit)),
             rank: s.rank,
             rank_first_order: s.rank_first_order,
             unknowns: fitted.unknowns.len(),

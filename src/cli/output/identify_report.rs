@@ -1,7 +1,7 @@
 //! The result of `abbe identify` as text and CSV.
 
 use super::view::table;
-use abbe::results::{FittedParameter, IdentifyResult, RepeatedReadings, ResidualTest};
+use abbe::results::{FittedParameter, FormOfAxis, IdentifyResult, RepeatedReadings, ResidualTest, SharedUncertainty};
 use abbe::text::significant;
 
 /// Coverage factors above this are printed: less than 30 degrees of freedom.
@@ -18,9 +18,13 @@ fn estimates(result: &IdentifyResult) -> impl Iterator<Item = &FittedParameter> 
 pub(crate) fn csv(result: &IdentifyResult) -> String {
     let row = |p: &FittedParameter| {
         let sigma = p.sigma.map_or_else(String::new, |s| s.to_string());
-        format!("{},{},{sigma},{}", p.name, p.value, p.unit)
+        let type_a = p.type_a.map_or_else(String::new, |s| s.to_string());
+        format!("{},{},{sigma},{},{type_a},{},{}", p.name, p.value, p.unit, p.lack_of_fit, p.type_b)
     };
-    std::iter::once("name,value,sigma,unit".to_owned()).chain(estimates(result).map(row)).collect::<Vec<_>>().join("\n")
+    std::iter::once("name,value,sigma,unit,type_a,lack_of_fit,type_b".to_owned())
+        .chain(estimates(result).map(row))
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 pub(crate) fn text(result: &IdentifyResult) -> String {
@@ -34,6 +38,7 @@ pub(crate) fn text(result: &IdentifyResult) -> String {
     }
     let mut text = format!("{}: fitted to {} points\n{rows}\n{}", result.machine, result.points, fit(result));
     text += &residuals(result);
+    text += &shared(result);
     text += &prediction(result);
     text += &undetermined(result);
     text += &outliers(result);
@@ -111,6 +116,30 @@ fn residuals(r: &IdentifyResult) -> String {
         text += &format!(
             "repeated   {size} um per reading{of} where a pose was measured again ({degrees_of_freedom} times)\n"
         );
+    }
+    text
+}
+
+/// What readings share: the form of the axes beside the curves, and uncertainties of type B.
+fn shared(r: &IdentifyResult) -> String {
+    let mut text = String::new();
+    if let Some(lack) = r.lack_of_fit.as_ref().filter(|lack| !lack.forms.is_empty()) {
+        let form = |f: &FormOfAxis| {
+            format!("{} {} um over {} {}", f.axis, significant(f.size_um, 2), significant(f.length, 2), f.unit)
+        };
+        let forms: Vec<String> = lack.forms.iter().map(form).collect();
+        text += &format!(
+            "form       beside the curves, probability {}: {}\n",
+            significant(lack.probability, 3),
+            forms.join(", ")
+        );
+    }
+    let one = |u: &SharedUncertainty| match (u.scale_um_per_m, u.offset_um) {
+        (Some(scale), _) => format!("{} {} um/m", u.name, significant(scale, 3)),
+        (_, offset) => format!("{} {} um", u.name, significant(offset.unwrap_or_default(), 3)),
+    };
+    if !r.type_b.is_empty() {
+        text += &format!("type B     {}\n", r.type_b.iter().map(one).collect::<Vec<_>>().join(", "));
     }
     text
 }

@@ -70,10 +70,13 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 fn csv(file: &MachineFile, result: &EvalResult) -> String {
     let axes = file.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
     let names = ["x [mm]", "y [mm]", "z [mm]", "dx [mm]", "dy [mm]", "dz [mm]", "wx [rad]", "wy [rad]", "wz [rad]"];
-    let header: Vec<String> = axes.chain(names.map(str::to_owned)).collect();
+    let stated = result.poses.iter().any(|pose| pose.uncertainty.is_some());
+    let expanded = names[3..].iter().map(|name| format!("U {name}")).take(if stated { 6 } else { 0 });
+    let header: Vec<String> = axes.chain(names.map(str::to_owned)).chain(expanded).collect();
     let line = |pose: &PoseResult| {
         let vectors = [pose.nominal, pose.deviation, pose.rotation];
-        numbers(pose.axes.values().copied().chain(vectors.into_iter().flatten()))
+        let expanded = pose.uncertainty.iter().flat_map(|u| [u.deviation, u.rotation]);
+        numbers(pose.axes.values().copied().chain(vectors.into_iter().chain(expanded).flatten()))
     };
     let lines: Vec<String> = std::iter::once(header.join(",")).chain(result.poses.iter().map(line)).collect();
     lines.join("\n")
@@ -85,13 +88,13 @@ fn text(result: &EvalResult) -> String {
         result.poses.first().into_iter().flat_map(|pose| pose.axes.keys().map(String::as_str)).collect();
     let mut table = table(&axes.into_iter().chain(units).collect::<Vec<_>>());
     for pose in &result.poses {
-        let micro = |v: [f64; 3]| v.map(|x| significant(x * 1e6, 5));
+        let (position, rotation) = pose.uncertainty.map_or((None, None), |u| (Some(u.deviation), Some(u.rotation)));
         let distance = significant(length(&pose.deviation) * 1e3, 5);
-        let cells = pose.axes.values().map(|q| significant(*q, 9)).chain(micro(pose.deviation.map(|x| x * 1e-3)));
-        let _ = table.add_row(cells.chain([distance]).chain(micro(pose.rotation)).collect::<Vec<_>>());
+        let cells = pose.axes.values().map(|q| significant(*q, 9)).chain(micro(pose.deviation, position, 1e3));
+        let _ = table.add_row(cells.chain([distance]).chain(micro(pose.rotation, rotation, 1e6)).collect::<Vec<_>>());
     }
     format!(
-        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}\n{table}\n{}{}",
+        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}{}\n{table}\n{}{}",
         result.machine,
         frame_text(result.frame),
         result.order,
@@ -104,9 +107,18 @@ fn text(result: &EvalResult) -> String {
             "" => String::new(),
             name => format!(", tool {name}"),
         },
+        if result.poses.iter().any(|pose| pose.uncertainty.is_some()) { ", U (k = 2) behind \u{b1}" } else { "" },
         result.poses.iter().filter_map(|pose| pose.inverse.as_ref()).map(displacements).collect::<String>(),
         effects(result)
     )
+}
+
+/// Components times a factor, with their expanded uncertainty where it is stated: `12.3 +- 0.8`.
+fn micro(v: [f64; 3], uncertainty: Option<[f64; 3]>, factor: f64) -> [String; 3] {
+    std::array::from_fn(|k| {
+        let value = significant(v[k] * factor, 5);
+        uncertainty.map_or(value.clone(), |u| format!("{value} \u{b1} {}", significant(u[k] * factor, 2)))
+    })
 }
 
 fn displacements(by: &AxisPositions) -> String {

@@ -31,6 +31,10 @@ pub(crate) struct Args {
     /// mm 1 um`; `file`: what the machine file states. May be repeated.
     #[arg(long, value_name = "PRIOR")]
     prior: Vec<String>,
+    /// A standard uncertainty that all readings share: `laser 0.4 um/m`, `set-up 2 um`, `material 0.5 K x 11.7
+    /// um/m/K`. May be repeated.
+    #[arg(long, value_name = "UNCERTAINTY", conflicts_with = "plan")]
+    type_b: Vec<String>,
     #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the fitted machine to this file")]
     out: Option<PathBuf>,
     /// Write the fitted machine although the data do not determine values in it.
@@ -82,6 +86,7 @@ impl Args {
             fit: self.fit.clone(),
             fixed: self.fixed.clone(),
             priors: self.prior.clone(),
+            type_b: self.type_b.clone(),
             frame: self.frame.frame(),
             order: Some(self.order.order.unwrap_or(Order::Exact)),
             robust: self.robust,

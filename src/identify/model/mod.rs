@@ -4,7 +4,7 @@
 //!    holds
 //!    the bases of error curves.
 //! 2. [`Model`]: the predicted reading of a measurement and its derivatives; `observation` holds the kinds of reading.
-//! 3. `Prior`: prior knowledge of the unknowns.
+//! 3. `Prior`: prior knowledge of the unknowns; [`TypeB`]: uncertainties that all readings share.
 //! 4. [`moore_penrose`]: the method of the papers beside it.
 
 mod curves;
@@ -17,6 +17,7 @@ mod prediction;
 mod prior;
 mod refusal;
 mod request;
+mod type_b;
 mod volume;
 
 pub use invariance::{Invariances, invariances};
@@ -28,4 +29,5 @@ pub use prediction::Model;
 pub(super) use prediction::masked;
 pub(super) use prior::Prior;
 pub use request::{overruled, parameters, slope_bounds, unused};
+pub use type_b::{SharedEffect, TypeB, type_b};
 pub(super) use volume::{Volume, middle};

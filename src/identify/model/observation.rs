@@ -99,7 +99,7 @@ pub(super) fn observe<S: Algebra>(
 }
 
 /// Returns the rotation from the workpiece frame, that of the part, to another.
-fn rotation_to(frame: Frame, nominal: &NominalPose) -> Matrix3<f64> {
+pub(super) fn rotation_to(frame: Frame, nominal: &NominalPose) -> Matrix3<f64> {
     match frame {
         Frame::Workpiece => Matrix3::identity(),
         Frame::Machine => nominal.r_work,

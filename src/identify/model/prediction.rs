@@ -110,6 +110,13 @@ impl<'a> Model<'a> {
         Self { machines, parameters, own, sources, functions, links, order, slopes, known, real_locations }
     }
 
+    /// The model of the same machine with other unknowns.
+    pub(crate) fn with_parameters<'b>(&self, parameters: &'b [Parameter]) -> Model<'b> {
+        let mut other = Model::new(&self.machines[0], parameters);
+        (other.machines, other.order) = (self.machines.clone(), self.order);
+        other
+    }
+
     /// The same to an order of the dual numbers (1 or 2; others count as exact).
     pub fn to_order(mut self, order: Order) -> Self {
         self.order = order;

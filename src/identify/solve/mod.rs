@@ -3,12 +3,16 @@
 //! 1. [`fit()`]: Levenberg-Marquardt with given weights; [`solve()`]: the same with weights by the scatter of the
 //!    readings.
 //! 2. [`Solution`]: rank, null space and uncertainty of a fit; `student` holds the quantiles.
+//!    [`misfit()`]: what the form of the axes beside the curves adds to it.
 //! 3. [`Residuals`], [`held_out`], [`randomness()`]: checks of the fit against the data.
 //! 4. [`plan()`]: poses worth measuring, before there are data.
 
 mod checks;
+mod common;
 mod datum;
 mod fit;
+mod form;
+mod misfit;
 mod plan;
 mod randomness;
 mod solution;
@@ -17,10 +21,12 @@ mod volume;
 mod weighing;
 
 pub use checks::{Outlier, Residuals, held_out};
+pub use common::common;
 pub use datum::{Conditions, Moved, in_datum};
 pub use fit::{Fit, Scatter, fit};
+pub use misfit::{Misfit, misfit};
 pub use plan::plan;
 pub use randomness::{Randomness, randomness};
-pub use solution::{Estimate, Solution};
+pub use solution::{Estimate, SharedCovariance, Solution};
 pub use volume::{Prediction, Spread};
 pub use weighing::solve;

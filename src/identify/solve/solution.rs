@@ -33,16 +33,46 @@ const LOST: f64 = 1e-3;
 pub struct Estimate {
     /// The value. Of parameters that the data do not tell apart, the shortest combination.
     pub value: f64,
-    /// Standard uncertainty from the scatter of the residuals; `None`: the data leave the value free, or have no
-    /// reading
-    /// more than the rank, so that nothing scatters.
+    /// Combined standard uncertainty; `None`: the data leave the value free, or have no reading more than the rank, so
+    /// that nothing scatters.
     pub sigma: Option<f64>,
+    /// The part of it that the scatter of the residuals makes, one independent of the other.
+    pub scatter: Option<f64>,
+    /// The part of it that the form of the axes makes beside the fitted curves.
+    pub form: f64,
+    /// The part of it that is common to all readings.
+    pub common: f64,
     /// Number of standard uncertainties to either side of a 95 % interval (Student); `None` without scatter.
     pub coverage: Option<f64>,
     /// How many times better its effect on a usual reading is known than one reading is: root mean square of the
     /// effect of one standard uncertainty over the readings, inverted, in standard deviations of a reading. Depends on
     /// where was measured, not on what; 0 if the value is free.
     pub valuation: f64,
+}
+
+/// Covariance of the parameters, in their units, from what readings share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SharedCovariance {
+    /// By the form of the axes beside the fitted curves.
+    pub form: DMatrix<f64>,
+    /// By what is common to all readings.
+    pub common: DMatrix<f64>,
+}
+
+impl SharedCovariance {
+    /// Returns that of `count` parameters whose readings share nothing.
+    pub fn none(count: usize) -> Self {
+        Self { form: DMatrix::zeros(count, count), common: DMatrix::zeros(count, count) }
+    }
+
+    /// Returns that of linear functions (rows) of the parameters.
+    fn mapped(&self, map: &DMatrix<f64>) -> Self {
+        Self { form: map * &self.form * map.transpose(), common: map * &self.common * map.transpose() }
+    }
+
+    fn sum(&self) -> DMatrix<f64> {
+        &self.form + &self.common
+    }
 }
 
 /// A fit with its diagnosis.
@@ -79,6 +109,8 @@ pub struct Solution {
     /// Directions (columns) in which these are free.
     hidden: DMatrix<f64>,
     units: DVector<f64>,
+    /// Covariance of the parameters, in their units, beyond what the scatter of single readings makes.
+    shared: SharedCovariance,
     /// Directions that change nothing, reduced, in displacements.
     null: Vec<DVector<f64>>,
 }
@@ -112,6 +144,9 @@ impl Solution {
         let estimate = |(j, value): (usize, f64)| Estimate {
             value,
             sigma: (!free(j) && freedom > 0).then(|| spread(j) * sigma),
+            scatter: (!free(j) && freedom > 0).then(|| spread(j) * sigma),
+            form: 0.0,
+            common: 0.0,
             coverage: (freedom > 0).then(|| student.reach(fit.freedom.get(j).copied().unwrap_or(freedom as f64))),
             valuation: if free(j) || norms[j] == 0.0 { 0.0 } else { root / (norms[j] * spread(j)) },
         };
@@ -139,10 +174,48 @@ impl Solution {
             sigma,
             freedom,
             units: units.clone(),
+            shared: SharedCovariance::none(parameters.len()),
             covariance,
             hidden,
             null,
         }
+    }
+
+    /// The same with what readings share.
+    pub fn sharing(mut self, shared: SharedCovariance) -> Self {
+        self.shared = shared;
+        self.combine();
+        self
+    }
+
+    /// What its readings share.
+    pub fn shared(&self) -> &SharedCovariance {
+        &self.shared
+    }
+
+    fn combine(&mut self) {
+        for (j, estimate) in self.estimates.iter_mut().enumerate() {
+            let root = |part: &DMatrix<f64>| libm::sqrt(part[(j, j)].max(0.0));
+            (estimate.form, estimate.common) = (root(&self.shared.form), root(&self.shared.common));
+            let all = |scatter: f64| libm::sqrt(scatter * scatter + self.shared.sum()[(j, j)].max(0.0));
+            estimate.sigma = estimate.scatter.map(all);
+        }
+    }
+
+    /// Covariance of the parameters, in their units, for independent readings of unit variance. What the data leave
+    /// free has none.
+    pub(super) fn unit_covariance(&self) -> DMatrix<f64> {
+        let unit = |i: usize, j: usize| self.covariance[(i, j)] / (self.units[i] * self.units[j]);
+        DMatrix::from_fn(self.units.len(), self.units.len(), unit)
+    }
+
+    /// Combined covariance of the parameters as displacements over `units`.
+    fn combined(&self) -> DMatrix<f64> {
+        let shared = self.shared.sum();
+        let all = |i: usize, j: usize| {
+            self.covariance[(i, j)] * self.sigma * self.sigma + shared[(i, j)] * self.units[i] * self.units[j]
+        };
+        DMatrix::from_fn(self.units.len(), self.units.len(), all)
     }
 
     /// Counts the rank of the model to first order at the same place, by which the exact one is no larger than what the
@@ -153,7 +226,45 @@ impl Solution {
         let first = model.clone().to_order(Order::Degree(1)).triangle(data, &fit.weights, &fit.theta);
         let first = with_known(&first, &fit.known, self.sigma);
         let rank = first.scaled(&scale(&first, &sizes)).rank(RANK);
-        Self { rank_first_order: rank.min(self.rank), ..self }
+        let compared = Self { rank_first_order: rank.min(self.rank), ..self };
+        if compared.rank_first_order == compared.rank { compared } else { compared.to_first_order(fit, parameters) }
+    }
+
+    /// Takes directions that only products of errors show for free: they are known to no use, and what they hardly
+    /// touch would be as uncertain as they are.
+    fn to_first_order(mut self, fit: &Fit, parameters: &[Parameter]) -> Self {
+        let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
+        let seen = informed(fit, &sizes).0.scaled(&sizes);
+        self.covariance = seen.covariance(self.rank_first_order);
+        self.hidden = seen.null_space(self.rank_first_order);
+        self.null = echelon(&self.hidden);
+        self.units = sizes;
+        self.estimate(fit);
+        self.describe(parameters);
+        self
+    }
+
+    /// Draws the uncertainties of the parameters from their covariance.
+    fn estimate(&mut self, fit: &Fit) {
+        let norms = fit.reduced.column_norms();
+        let root = libm::sqrt(fit.reduced.rows.max(1) as f64);
+        for (j, estimate) in self.estimates.iter_mut().enumerate() {
+            let is_free = self.hidden.row(j).norm_squared() > LOST;
+            let spread = libm::sqrt(self.covariance[(j, j)].max(0.0)) / self.units[j];
+            estimate.scatter = (!is_free && self.freedom > 0).then_some(spread * self.sigma);
+            estimate.valuation =
+                if is_free || norms[j] == 0.0 || spread == 0.0 { 0.0 } else { root / (norms[j] * spread) };
+        }
+        self.combine();
+    }
+
+    /// Puts what is free into words.
+    fn describe(&mut self, parameters: &[Parameter]) {
+        self.idle = self.null.iter().map_while(|row| alone(row).map(|(j, _)| parameters[j].name.clone())).collect();
+        let sentences = |most| self.null.iter().map(|row| inseparable(&named(row), parameters, most)).collect();
+        (self.null_space, self.short) = (sentences(usize::MAX), sentences(MAX_LISTED));
+        let values = self.estimates.iter().zip(parameters).filter(|(e, p)| e.valuation > 0.0 && !p.is_nuisance());
+        self.valuation = values.map(|(e, _)| e.valuation).reduce(f64::min).unwrap_or(0.0);
     }
 
     /// Standard uncertainty of a sum of so much of each parameter; `None` if the data leave it free, or nothing
@@ -162,8 +273,8 @@ impl Solution {
         let mut row = DVector::zeros(self.units.len());
         sum.iter().for_each(|(j, factor)| row[*j] += factor / self.units[*j]);
         let told = self.hidden.tr_mul(&row).norm_squared() <= LOST * row.norm_squared();
-        let variance = row.dot(&(&self.covariance * &row));
-        (told && self.freedom > 0).then(|| libm::sqrt(variance.max(0.0)) * self.sigma)
+        let variance = row.dot(&(self.combined() * &row));
+        (told && self.freedom > 0).then(|| libm::sqrt(variance.max(0.0)))
     }
 
     /// The same in another datum: values `theta`, of which those of a fit are linear functions (`map`), and directions
@@ -176,6 +287,7 @@ impl Solution {
         self.hidden = seen.null_space(self.rank_first_order);
         self.covariance = seen.covariance(self.rank_first_order);
         self.units = units.clone();
+        self.shared = self.shared.mapped(map);
         let map = DMatrix::from_fn(count, count, |i, j| map[(i, j)] * units[i] / units[j]);
         self.covariance = &map * &self.covariance * map.transpose();
         let svd = Svd::new(&(&map * &self.hidden).transpose());
@@ -186,21 +298,9 @@ impl Solution {
         self.hidden = free;
         self.rank_first_order += fixed;
         self.rank = self.rank.max(self.rank_first_order);
-        let norms = fit.reduced.column_norms();
-        let root = libm::sqrt(fit.reduced.rows.max(1) as f64);
-        for (j, estimate) in self.estimates.iter_mut().enumerate() {
-            let is_free = self.hidden.row(j).norm_squared() > LOST;
-            let spread = libm::sqrt(self.covariance[(j, j)].max(0.0)) / units[j];
-            estimate.value = theta[j];
-            estimate.sigma = (!is_free && self.freedom > 0).then_some(spread * self.sigma);
-            estimate.valuation =
-                if is_free || norms[j] == 0.0 || spread == 0.0 { 0.0 } else { root / (norms[j] * spread) };
-        }
-        self.idle = self.null.iter().map_while(|row| alone(row).map(|(j, _)| parameters[j].name.clone())).collect();
-        let sentences = |most| self.null.iter().map(|row| inseparable(&named(row), parameters, most)).collect();
-        (self.null_space, self.short) = (sentences(usize::MAX), sentences(MAX_LISTED));
-        let values = self.estimates.iter().zip(parameters).filter(|(e, p)| e.valuation > 0.0 && !p.is_nuisance());
-        self.valuation = values.map(|(e, _)| e.valuation).reduce(f64::min).unwrap_or(0.0);
+        self.estimates.iter_mut().zip(theta).for_each(|(estimate, value)| estimate.value = *value);
+        self.estimate(fit);
+        self.describe(parameters);
         self
     }
 
@@ -211,11 +311,11 @@ impl Solution {
         if self.freedom == 0 {
             return Vec::new();
         }
-        let svd = Svd::new(&self.covariance.view((0, 0), (count, count)).into_owned());
+        let svd = Svd::new(&self.combined().view((0, 0), (count, count)).into_owned());
         let largest = svd.values.iter().copied().fold(0.0, f64::max);
         let told = svd.values.iter().take_while(|value| **value > TOLD * TOLD * largest).take(JointUncertainty::MOST);
         let column = |(k, value): (usize, &f64)| {
-            let scale = value.sqrt() * self.sigma;
+            let scale = value.sqrt();
             (0..count).map(|j| svd.v[(j, k)] * scale / self.units[j]).collect()
         };
         told.enumerate().map(column).collect()
@@ -227,7 +327,7 @@ impl Solution {
         let mut scaled = rows.clone();
         scaled.column_iter_mut().zip(self.units.iter()).for_each(|(mut column, unit)| column /= *unit);
         let free = &scaled * &self.hidden;
-        let half = &self.covariance * scaled.transpose() * (self.sigma * self.sigma);
+        let half = self.combined() * scaled.transpose();
         let columns = DMatrix::from_fn(half.nrows(), half.ncols(), |j, i| half[(j, i)] / self.units[j]);
         (columns, free)
     }

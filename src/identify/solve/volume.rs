@@ -5,7 +5,7 @@ use super::fit::Fit;
 use super::solution::Solution;
 use crate::identify::data::Measurement;
 use crate::identify::model::{Model, Volume};
-use crate::machine::Pose;
+use crate::machine::{Pose, ResidualForm};
 use nalgebra::{DMatrix, Matrix3};
 
 /// A free direction of unit size (mm) that moves points by more than this (mm) changes the deviation.
@@ -36,8 +36,14 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// Predicts with a fit; bounds on slopes hold curves where nothing was measured.
-    pub fn of(model: &Model<'_>, data: &[Measurement], fit: &Fit, solution: &Solution) -> Self {
+    /// Predicts with a fit; bounds on slopes hold curves where nothing was measured. The form of the axes beside the
+    /// curves adds to the uncertainty everywhere.
+    pub fn of(
+        model: &Model<'_>,
+        data: &[Measurement],
+        (fit, solution): (&Fit, &Solution),
+        forms: &[ResidualForm],
+    ) -> Self {
         let theta = solution.theta();
         let volume = Volume::of(model, data, &theta);
         let jacobian = volume.deformation(&volume.jacobian);
@@ -46,7 +52,8 @@ impl Prediction {
         let length = |i: usize| deviations.fixed_view::<3, 1>(3 * i, 0).norm();
         let deviation = (0..volume.rows.len()).map(length).fold(0.0, f64::max);
         let bounded = bounded(model, fit);
-        let held = bounded.as_ref().map(|fit| Solution::of(fit, model.parameters()));
+        let sharing = |fit: &Fit| Solution::of(fit, model.parameters()).sharing(solution.shared().clone());
+        let held = bounded.as_ref().map(sharing);
         let solution = held.as_ref().unwrap_or(solution);
         let (columns, free) = solution.spread(&jacobian);
         let part = |i: usize| free.rows(3 * i, 3).norm();
@@ -64,7 +71,8 @@ impl Prediction {
             (freest, Spread::Free(words))
         } else {
             let (at, variance) = worst(&variance);
-            let known = Spread::Known(libm::sqrt(variance.max(0.0)));
+            let form: f64 = forms.iter().map(|form| form.size * form.size).sum();
+            let known = Spread::Known(libm::sqrt(variance.max(0.0) + form));
             (at, if solution.freedom > 0 { known } else { Spread::Unknown })
         };
         let (pose, tool) = volume.rows.get(at).map(|m| (m.pose.clone(), m.tool)).unwrap_or_default();

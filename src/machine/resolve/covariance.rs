@@ -5,20 +5,40 @@ use super::errors::{Errors, named, once, term};
 use super::parts::setup_at;
 use super::uses::JointNames;
 use crate::diagnostic::codes;
-use crate::machine::JointUncertainty;
-use crate::syntax::{CovarianceEntry, below, keys};
+use crate::diagnostic::{did_you_mean, shown};
+use crate::machine::{Direction, JointUncertainty, ResidualForm};
+use crate::syntax::{CovarianceEntry, FormEntry, Keys, below, keys};
 
 /// Reads the section `covariance`.
-pub fn covariance(context: &mut Context<'_>, known: &JointNames<'_>) -> Vec<JointUncertainty> {
+pub fn covariance(context: &mut Context<'_>, known: &JointNames<'_>) -> (Vec<JointUncertainty>, Vec<ResidualForm>) {
     let document = context.document;
     let section = keys(["covariance"]);
     let (count, most) = (document.covariance.len(), JointUncertainty::MOST);
     if count > most {
         let message = format!("`covariance` has {count} parts; {most} are read at most");
         context.at_key(codes::E0202, &section, message, "leave out the parts that change no printed digit");
-        return Vec::new();
+        return (Vec::new(), Vec::new());
     }
-    document.covariance.iter().enumerate().map(|(i, entry)| part(context, known, i, entry)).collect()
+    let (mut joint, mut forms) = (Vec::new(), Vec::<ResidualForm>::new());
+    for (i, entry) in document.covariance.iter().enumerate() {
+        let Some(written) = &entry.form else {
+            joint.push(part(context, known, i, entry));
+            continue;
+        };
+        let at = below(&below(&section, i), "form");
+        let alone = entry.errors.is_empty() && entry.setup.is_none();
+        if !alone {
+            let message = format!("`{}` stands beside `errors` or `setup`", dotted(&at));
+            context.at_key(codes::E0209, &at, message, "write it as an entry of its own");
+        }
+        let Some(form) = form(context, known, written, &at) else { continue };
+        if forms.iter().any(|other| other.axis == form.axis) {
+            let message = format!("`covariance` has two forms of `{}`", form.axis);
+            context.at_key(codes::E0209, &at, message, "one form is that of all its directions");
+        }
+        forms.push(form);
+    }
+    (joint, forms)
 }
 
 fn part(context: &mut Context<'_>, known: &JointNames<'_>, index: usize, entry: &CovarianceEntry) -> JointUncertainty {
@@ -40,4 +60,31 @@ fn part(context: &mut Context<'_>, known: &JointNames<'_>, index: usize, entry: 
     }
     let setup = entry.setup.as_ref().map(|setup| setup_at(context, setup, &below(&here, "setup")));
     JointUncertainty { errors: errors.joints, setup: setup.unwrap_or_default() }
+}
+
+fn form(context: &mut Context<'_>, known: &JointNames<'_>, entry: &FormEntry, here: &Keys) -> Option<ResidualForm> {
+    let (Some(axis), Some(size), Some(length)) = (&entry.axis, &entry.size, &entry.length) else {
+        if !context.document.places.is_marred(here) {
+            let message = format!("`{}` has not all of `axis`, `size` and `length`", dotted(here));
+            context.at_key(codes::E0203, here, message, "such as { axis: X, size: 0.8 um, length: 60 mm }");
+        }
+        return None;
+    };
+    let declared = known.declared.iter().find(|declared| declared.name.as_str() == axis.as_str());
+    let Some(declared) = declared else {
+        let names: Vec<&str> = known.declared.iter().map(|declared| declared.name.as_str()).collect();
+        let message = format!("`{}` is not an axis of the machine", shown(axis));
+        context.at_value(codes::E0406, &below(here, "axis"), message, did_you_mean(axis, &names));
+        return None;
+    };
+    let (at_size, at_length) = (below(here, "size"), below(here, "length"));
+    let size = context.error_value(size, Direction::X, &at_size)?;
+    context.plausible(size, Direction::X, &at_size);
+    let length = context.position(length, declared.kind?, &at_length)?;
+    for (value, at) in [(size, &at_size), (length, &at_length)] {
+        if value <= 0.0 {
+            context.at_value(codes::E0213, at, format!("`{}` is not above zero", dotted(at)), "write a size");
+        }
+    }
+    (size > 0.0 && length > 0.0).then(|| ResidualForm { axis: declared.name.clone(), size, length })
 }

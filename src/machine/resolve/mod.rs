@@ -64,7 +64,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
     let mut errors = side_errors::errors(context, &known, &walk);
     let tolerances = tolerances::frames(context, &known, &errors);
     let class = tolerances::class(context);
-    let covariance = covariance::covariance(context, &known);
+    let (covariance, forms) = covariance::covariance(context, &known);
     let algebra = uses::algebra(context, &known);
     uses::identify(context, &known);
     let tool = tools.as_ref().and_then(|tools| tools.first());
@@ -88,6 +88,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
         provenance,
         uncertainty: std::mem::take(&mut errors.uncertainty),
         covariance,
+        forms,
         algebra,
         tolerances,
         class,

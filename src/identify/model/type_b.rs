@@ -1,0 +1,114 @@
+//! Uncertainties that all readings share, known from elsewhere (type B of the GUM): the calibration of the instrument,
+//! the temperature of the material, the set-up.
+
+use super::observation::rotation_to;
+use super::prediction::Model;
+use super::refusal::Refusal;
+use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::identify::data::{Measurement, Reading};
+use crate::lower::{ErrorSite, NominalPose};
+use crate::machine::AxisKind;
+use crate::units::{self, Dimension};
+use nalgebra::Vector3;
+
+/// A standard uncertainty that all readings share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TypeB {
+    /// Its name, as the user gives it.
+    pub name: String,
+    /// What it changes.
+    pub effect: SharedEffect,
+}
+
+/// What all readings share.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SharedEffect {
+    /// Lengths and positions are read too large by this ratio.
+    Scale(f64),
+    /// Every component is read too large by this (mm), independent of the other components.
+    Offset(f64),
+}
+
+const HELP: &str = "write a name and a standard uncertainty: `laser 0.4 um/m` (a scale of all lengths), `set-up 2 um` \
+                    (the same in every reading), `material 0.5 K x 11.7 um/m/K` (a temperature and an expansion)";
+
+/// Reads an uncertainty in words: `laser 0.4 um/m`, `set-up 2 um`, `material 0.5 K x 11.7 um/m/K`.
+pub fn type_b(words: &str) -> Result<TypeB, Refusal> {
+    let refusal = |why: &str| {
+        let message = format!("the uncertainty `{}` {why}", shown(words));
+        Refusal::from(Diagnostic::new(codes::E0517, message).help(HELP))
+    };
+    let list: Vec<&str> = words.split_whitespace().collect();
+    let at = |cut: usize| list.split_at_checked(cut).filter(|(name, _)| !name.is_empty());
+    let found = (1..list.len()).rev().filter_map(at).find_map(|(name, rest)| Some((name, effect(&rest.join(" "))?)));
+    let Some((name, effect)) = found else {
+        return Err(refusal("is no name with a length, a ratio or a temperature times an expansion"));
+    };
+    let (SharedEffect::Scale(size) | SharedEffect::Offset(size)) = effect;
+    if size > 0.0 { Ok(TypeB { name: name.join(" "), effect }) } else { Err(refusal("is not above zero")) }
+}
+
+fn effect(words: &str) -> Option<SharedEffect> {
+    if let Some((temperature, expansion)) = words.split_once(" x ") {
+        let kelvin = units::number(temperature.trim().strip_suffix('K')?.trim()).ok()?;
+        let ratio = units::quantity(expansion.trim().strip_suffix("/K")?.trim()).ok()?;
+        return (ratio.dimension == Dimension::RATIO).then_some(SharedEffect::Scale(kelvin * ratio.value));
+    }
+    let quantity = units::quantity(words).ok()?;
+    let length = quantity.as_length().map(SharedEffect::Offset);
+    let ratio = (quantity.dimension == Dimension::RATIO && words.contains('/')).then_some(quantity.value);
+    length.or(ratio.map(SharedEffect::Scale))
+}
+
+impl SharedEffect {
+    /// Returns what one standard uncertainty of each independent part changes of a reading (mm, in its frame) of the
+    /// machine with these unknowns.
+    pub(crate) fn of(self, model: &Model<'_>, m: &Measurement, theta: &[f64]) -> Vec<Vector3<f64>> {
+        match self {
+            Self::Scale(ratio) => vec![scaled(model, m, theta) * ratio],
+            Self::Offset(size) => (0..m.seen().len()).map(|k| Vector3::ith(k, size)).collect(),
+        }
+    }
+}
+
+/// The length that a reading measures, from the workpiece origin on.
+fn scaled(model: &Model<'_>, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
+    let nominal = || NominalPose::in_part(model.machine(m), &m.pose);
+    match &m.reading {
+        Reading::Deviation { frame, .. } => {
+            let nominal = nominal();
+            rotation_to(*frame, &nominal) * nominal.pose.translation
+        }
+        Reading::Distance { zero, .. } => {
+            let constant = zero.map_or(0.0, |zero| theta[model.own() + zero]);
+            Vector3::new(model.predicted(m, theta).x + constant, 0.0, 0.0)
+        }
+        Reading::Along { direction, .. } => Vector3::new(direction.dot(&nominal().pose.translation), 0.0, 0.0),
+        Reading::Error { source, .. } => match source.place {
+            ErrorSite::Component(i) if !source.direction.is_rotation() => {
+                let axis = &model.machine(m).axes()[i];
+                let along = if axis.kind == AxisKind::Linear { axis.direction[source.direction.index()] } else { 0.0 };
+                Vector3::new(along * m.pose[i], 0.0, 0.0)
+            }
+            _ => Vector3::zeros(),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_read() {
+        let effect = |words: &str| type_b(words).map(|found| (found.name, found.effect));
+        assert_eq!(effect("laser 0.5 um/m").unwrap(), ("laser".to_owned(), SharedEffect::Scale(0.5e-6)));
+        assert_eq!(effect("the set-up 2 um").unwrap(), ("the set-up".to_owned(), SharedEffect::Offset(2e-3)));
+        let (name, scale) = effect("steel 0.5 K x 11.5 um/m/K").unwrap();
+        assert_eq!(name, "steel");
+        assert!(matches!(scale, SharedEffect::Scale(x) if (x - 5.75e-6).abs() < 1e-18), "{scale:?}");
+        for wrong in ["", "laser", "0.5 um/m", "laser 0.5", "laser 5 urad", "laser 0 um", "laser -1 um", "steel 1 K"] {
+            assert!(type_b(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! The form of an axis that its error curves leave: a random function of the position in each direction.
+
+use super::{Axis, AxisName, Curve, Knots, Travel};
+use nalgebra::{DMatrix, SymmetricEigen};
+
+/// Knots to a correlation length.
+const KNOTS_PER_LENGTH: f64 = 2.0;
+/// Least and largest number of knots over the travel.
+const KNOTS: (usize, usize) = (6, 64);
+/// Modes below this share of the variance of the largest change nothing.
+const FAINT: f64 = 1e-3;
+/// A turn, deg.
+const TURN: f64 = 360.0;
+
+/// What the displacements of an axis scatter by about its error curves: a Gaussian process of zero mean in each of the
+/// three directions, independent of the others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResidualForm {
+    /// The axis.
+    pub axis: AxisName,
+    /// Standard deviation of each displacement, mm.
+    pub size: f64,
+    /// Correlation length, mm or deg: displacements at positions so far apart correlate by exp(-1/2).
+    pub length: f64,
+}
+
+impl ResidualForm {
+    /// Returns independent modes of the form in one direction, one standard deviation each (mm over mm or deg), the
+    /// largest first: straight lines between knots over the travel.
+    pub fn modes(&self, axis: &Axis) -> Vec<Curve> {
+        let (min, max) = axis.travel.interval();
+        let turns = axis.travel == Travel::Continuous;
+        let wanted = ((max - min) / self.length * KNOTS_PER_LENGTH).ceil() as usize;
+        let count = wanted.saturating_add(1).clamp(KNOTS.0, KNOTS.1);
+        // The last knot of a turn is the first again.
+        let steps = if turns { count } else { count - 1 };
+        let place = |i: usize| if i == steps { max } else { min + (max - min) * i as f64 / steps as f64 };
+        let apart = |i: usize, j: usize| {
+            let straight = (place(i) - place(j)).abs();
+            if turns { straight.min(TURN - straight) } else { straight }
+        };
+        let near = |i: usize, j: usize| libm::exp(-0.5 * (apart(i, j) / self.length).powi(2));
+        let spectrum = SymmetricEigen::new(DMatrix::from_fn(count, count, near));
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by(|a, b| spectrum.eigenvalues[*b].total_cmp(&spectrum.eigenvalues[*a]).then(a.cmp(b)));
+        let kept = order.iter().filter(|k| spectrum.eigenvalues[**k] > FAINT * spectrum.eigenvalues[order[0]]);
+        let mode = |k: &usize| {
+            let scale = self.size * libm::sqrt(spectrum.eigenvalues[*k]);
+            let value = |i: usize| spectrum.eigenvectors[(i % count, *k)] * scale;
+            let points: Vec<(f64, f64)> = (0..=steps).map(|i| (place(i), value(i))).collect();
+            Knots::new(&points, turns.then_some(TURN)).ok().map(Curve::Linear)
+        };
+        kept.filter_map(mode).collect()
+    }
+}
