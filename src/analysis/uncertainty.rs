@@ -29,13 +29,13 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Intervals of the statistics of vectors at a level of confidence of 95 %: lower and upper end.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct SummaryBand {
-    /// Of the largest length.
+    /// Interval of the largest length.
     pub max: [f64; 2],
-    /// Of the mean length.
+    /// Interval of the mean length.
     pub mean: [f64; 2],
-    /// Of the root of the mean of the squared length.
+    /// Interval of the root of the mean of the squared length.
     pub rms: [f64; 2],
-    /// Of the 95 % value of the length.
+    /// Interval of the 95 % value of the length.
     pub p95: [f64; 2],
 }
 

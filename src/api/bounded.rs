@@ -1,4 +1,4 @@
-//! What the bounds of a machine lead to where nothing is measured.
+//! The effect of the bounds of a machine where nothing is measured.
 
 use super::run::{Call, Refused};
 use super::tolerances::{ClassSource, ToleranceOptions};

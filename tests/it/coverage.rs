@@ -91,6 +91,11 @@ fn deviation(blank: &Sample, real: &Sample, pose: &[f64]) -> [f64; 3] {
     (actual(real, pose) - actual(blank, pose)).into()
 }
 
+/// The blank machine, its errors to be where the readings have them.
+fn blank_file() -> String {
+    format!("{}identify: {{ datum: {{ line: free, zero: free }} }}\n", super::identify::FIVE)
+}
+
 /// The share of the components at 100 poses that are within the expanded uncertainty of a campaign.
 fn covered(campaign: Campaign, seed: u64) -> f64 {
     let mut random = Random::new(seed);
@@ -105,7 +110,7 @@ fn covered(campaign: Campaign, seed: u64) -> f64 {
         text += &format!("{}\n", cells.map(|x| x.to_string()).collect::<Vec<_>>().join(","));
     }
     let run = Run::on_disk();
-    let machine = loads(super::identify::FIVE, &LoadOptions::default(), run).unwrap().value;
+    let machine = loads(&blank_file(), &LoadOptions::default(), run).unwrap().value;
     let options = IdentifyOptions {
         texts: vec![("readings.csv".to_owned(), text)],
         fit: FIT.map(str::to_owned).to_vec(),

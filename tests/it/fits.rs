@@ -146,7 +146,10 @@ fn the_uncertainty_over_the_volume_is_that_of_the_curve_less_a_rigid_motion() {
     let (value, sigma) =
         (parameter("EXX:x^1")["value"].as_f64().unwrap(), parameter("EXX:x^1")["sigma"].as_f64().unwrap());
     let largest = prediction["largest_um"].as_f64().unwrap();
-    assert!((largest / (sigma * 0.25) - 1.0).abs() < 0.04, "{largest} {sigma}");
+    let forms = report["lack_of_fit"]["forms"].as_array().unwrap();
+    let form: f64 = forms.iter().map(|form| form["size_um"].as_f64().unwrap().powi(2)).sum();
+    let expected = ((sigma * 0.25).powi(2) + form).sqrt();
+    assert!((largest / expected - 1.0).abs() < 0.04, "{largest} {sigma}");
     assert!((prediction["deviation_um"].as_f64().unwrap() / (value * 0.25) - 1.0).abs() < 0.04, "{prediction}");
     assert!([0.0, 500.0].contains(&prediction["at"]["X"].as_f64().unwrap()), "{prediction}");
     assert!(prediction["held"] == true && prediction["infinite"] == false);

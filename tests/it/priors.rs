@@ -145,7 +145,7 @@ fn bar(truth: &Sample, set_ups: &[SetUp], random: &mut Random, known: Option<&st
 fn estimate(report: &Value, name: &str) -> (f64, f64) {
     let list = report["parameters"].as_array().unwrap();
     let found = list.iter().find(|p| p["name"] == name).unwrap_or_else(|| panic!("{name}: {report}"));
-    (found["value"].as_f64().unwrap(), found["sigma"].as_f64().unwrap_or(f64::INFINITY))
+    (found["value"].as_f64().unwrap(), found["type_a"].as_f64().unwrap_or(f64::INFINITY))
 }
 
 #[test]

@@ -239,7 +239,7 @@ fn what_all_readings_share_goes_into_the_unknown_that_is_like_it() {
     let words = abbe(&["identify", &file, "--data", &data, "--fit", "EXX:poly1"]);
     assert!(words.contains("type B     laser 0.4 um/m"), "{words}");
     for wrong in ["laser", "laser 0.4", "0.4 um/m", "laser 0 um", "laser 3 urad"] {
-        let (status, message) = refused(&["identify", &file, "--data", &data, "--type-b", wrong]);
+        let (status, message) = refused(&["identify", &file, "--data", &data, "--fit", "EXX:poly1", "--type-b", wrong]);
         assert!(status == 1 && message.contains("E0517"), "{wrong}: {message}");
     }
 }

@@ -25,7 +25,7 @@ pub enum DirectionKind {
 /// Directions of the tool (unit vectors from the tip to the holder, workpiece frame).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ToolDirections {
-    /// What they are spread over.
+    /// The part of the sphere over which they are spread.
     pub kind: DirectionKind,
     /// The tool axis at rest.
     pub about: Vector3<f64>,

@@ -28,8 +28,7 @@ struct Slide {
 }
 
 /// Returns the candidate with the positions of its linear axes that bring the tip to a place (mm, unturned workpiece
-/// frame);
-/// nearest to the reference.
+/// frame), nearest to the reference.
 pub fn complete(machine: &Machine, tip: &Vector3<f64>, candidate: Pose, reference: &[f64]) -> Result<Pose, Miss> {
     let mut pose = candidate;
     let slides = slides(machine.axes(), &pose, reference);

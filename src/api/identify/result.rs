@@ -101,7 +101,7 @@ impl SharedUncertainty {
 /// The form of the axes that the fitted curves leave.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LackOfFit {
-    /// Probability that there is any, with even odds before the data.
+    /// Probability that there is any, with odds of one to three before the data.
     pub probability: f64,
     /// The axes with their forms, if one is likelier than none.
     pub forms: Vec<FormOfAxis>,

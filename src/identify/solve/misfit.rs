@@ -4,7 +4,7 @@
 //! The form of an axis is a random function of its position in each direction: a Gaussian process of unknown size and
 //! correlation length (the model inadequacy of Kennedy and O'Hagan 2001, section 4), less what the fitted curve takes
 //! up of it. Size, length and the axes that have a form are not chosen but averaged over: each candidate counts by its
-//! restricted likelihood (Patterson and Thompson 1971), and half the weight before the data is that of no form at all.
+//! restricted likelihood (Patterson and Thompson 1971), and before the data it is three to one that there is no form.
 
 use super::fit::Fit;
 use super::form::{Block, FormedAxis, KNOTS, Sums, entries, formed, selected};
@@ -20,7 +20,9 @@ const LENGTHS: [f64; 3] = [0.06, 0.12, 0.25];
 /// Sizes, in standard deviations of a reading.
 const SIZES: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 /// Probability, before the data, that the axes have no form.
-const NONE: f64 = 0.5;
+const NONE: f64 = 0.75;
+/// Probability of any form from which on the forms are stated.
+const LIKELY: f64 = 0.5;
 /// Readings to spare below which scatter and form cannot be told apart.
 const FEWEST_SPARE: usize = 20;
 /// Modes of a form below this share of the largest change nothing.
@@ -56,7 +58,7 @@ pub fn misfit(model: &Model<'_>, data: &[Measurement], fit: &Fit, solution: &Sol
         }
     }
     let forms = axes.iter().zip(&found.variances).filter_map(|(axis, variances)| form(axis, variances));
-    let forms = if found.probability > NONE { forms.collect() } else { Vec::new() };
+    let forms = if found.probability > LIKELY { forms.collect() } else { Vec::new() };
     Some(Misfit { covariance, probability: found.probability, forms })
 }
 

@@ -1,4 +1,4 @@
-//! What bounds lead to at every pose by itself: the RSS, and the length below which 95 % of the drawn machines stay
+//! The effect of bounds at every pose by itself: the RSS, and the length below which 95 % of the drawn machines stay
 //! there. One drawn machine serves all poses.
 //!
 //! Lengths of all machines are held for a block of poses at a time, so memory does not grow with their product.
@@ -49,9 +49,9 @@ pub struct BoundedLength {
 /// Deviation that is bounded, at one pose.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BoundedDeviation {
-    /// Of the functional point, mm.
+    /// Deviation of the functional point, mm.
     pub position: BoundedLength,
-    /// Of the orientation of the tool, rad.
+    /// Deviation of the orientation of the tool, rad.
     pub rotation: BoundedLength,
 }
 
