@@ -77,6 +77,17 @@ impl CertificateReport {
                 &certificate.at_reference[1])},
             "cannot": target.manifest.cannot,
         });
+        let programming: Vec<Value> = certificate
+            .programming
+            .iter()
+            .map(|way| {
+                json!({"tool_direction": if way.vectors { "vector" } else { "rotary axes" }, "longer_mm": way.longer_mm,
+                    "uncompensated": summary(&way.uncompensated), "compensated": summary(&way.compensated)})
+            })
+            .collect();
+        if let (false, Some(contract)) = (programming.is_empty(), contract.as_object_mut()) {
+            let _ = contract.insert("programming".to_owned(), json!(programming));
+        }
         if let (Some(bands), Some(contract)) = (uncertainty, contract.as_object_mut()) {
             let _ = contract.insert("uncertainty".to_owned(), json!(bands));
         }

@@ -5,7 +5,8 @@ use super::compensation::folder::Folder;
 use super::compensation::found_set::{FoundSet, found_set};
 use super::compensation::options::CompensationOptions;
 use super::compensation::table_set::{self, FoundTables};
-use super::compensation::{module_set, verdict};
+use super::compensation::module_set::{self, ModuleRequest};
+use super::compensation::verdict;
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{
@@ -80,9 +81,7 @@ pub(super) fn opened(
     let set = found_set(call, file, path, options.target.as_deref(), &options.compensation)?;
     call.checked()?;
     warn_edited(call, &folder, lock.as_ref());
-    if set.target.manifest.kinematics().is_some() {
-        module_set::refuse_installed(call, options.installed.is_some())?;
-    } else {
+    if set.target.manifest.kinematics().is_none() {
         warn_other_tool(call, file, &set.target, lock.as_ref());
     }
     Ok(set)
@@ -112,7 +111,10 @@ fn module(
     options: &VerifyOptions,
 ) -> Result<CertificateReport, Refused> {
     let (target, texts) = (&set.target, &set.files);
-    let (module, beside) = module_set::found(call, file, target, folder, &options.compensation, texts)?;
+    let how = &options.compensation;
+    let before = module_set::installed(call, file, target, how, options.installed.as_deref())?;
+    let request = ModuleRequest { before, ..ModuleRequest::plain(how.orientation()) };
+    let (module, beside) = module_set::found(call, file, target, folder, request, texts)?;
     let depth = Depth { poses: options.poses, seed: options.seed };
     let certificate = certify_kinematics(file, target, (&module, &beside), depth);
     call.extend(verdict::warnings(&certificate));

@@ -21,8 +21,8 @@ mod replay;
 mod single_errors;
 
 pub use certificate::{
-    Certificate, CompensationDegree, Depth, Effect, Figures, ROUNDING_UM, RaisedFigure, SingleErrorResidual,
-    TablesUnderTest, ZeroShift, micro,
+    Certificate, CompensationDegree, Depth, Effect, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure,
+    SingleErrorResidual, TablesUnderTest, ZeroShift, micro,
 };
 pub use emit::{Hashed, LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile, sha256};
 pub use kinematics::{KinematicsModule, Model, ModuleField};

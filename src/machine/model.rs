@@ -193,6 +193,14 @@ impl Machine {
         Some(Self { parts: self.parts.clone(), tool })
     }
 
+    /// The same machine with the tip of the tool in use further from the spindle, mm along the tool axis.
+    pub fn with_longer_tool(&self, length_mm: f64) -> Self {
+        let mut longer = self.clone();
+        let tool = &mut longer.parts.tools[self.tool];
+        tool.tip = std::array::from_fn(|i| tool.tip[i] - length_mm * tool.direction[i]);
+        longer
+    }
+
     /// Workpiece origin (mm).
     pub fn workpiece(&self) -> [f64; 3] {
         self.parts.workpiece
