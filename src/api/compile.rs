@@ -157,7 +157,7 @@ fn compiled(
 
 /// A format that rests on memory alone is written only for those who accept it. A folder of one's own needs no such
 /// option: who wrote its manifest knows.
-fn refuse_unverified(call: &mut Call, target: &ControllerTarget, accepted: bool) -> Result<(), Refused> {
+pub(super) fn refuse_unverified(call: &mut Call, target: &ControllerTarget, accepted: bool) -> Result<(), Refused> {
     let name = &target.manifest.target;
     if accepted || !target.manifest.unverified() || !NAMES.contains(&&**name) {
         return Ok(());

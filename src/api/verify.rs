@@ -7,6 +7,7 @@ use super::compensation::options::CompensationOptions;
 use super::compensation::table_set::{self, FoundTables};
 use super::compensation::module_set::{self, ModuleRequest};
 use super::compensation::verdict;
+use super::compose;
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{
@@ -53,6 +54,9 @@ pub fn verify(
     run: Run,
 ) -> Result<Answer<CertificateReport>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
+        if compose::is_composed(folder, call) {
+            return compose::verify_composed(call, file, folder, options);
+        }
         let set = opened(call, file, folder, options)?;
         if set.target.manifest.kinematics().is_some() {
             return module(call, file, folder, &set, options);
@@ -77,6 +81,11 @@ pub(super) fn opened(
 ) -> Result<FoundSet, Refused> {
     let folder = Folder::new(path, call.run.files);
     let lock = folder.lock();
+    if lock.as_ref().is_some_and(compose::is_beside) {
+        let message = format!("the tables in `{}` are for what kinematic parameters beside them leave", path.display());
+        let help = "name the folder above, whose manifest lists both";
+        return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
+    }
     warn_other_inputs(call, file, lock.as_ref());
     let set = found_set(call, file, path, options.target.as_deref(), &options.compensation)?;
     call.checked()?;

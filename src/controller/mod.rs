@@ -25,8 +25,8 @@ pub use certificate::{
     SingleErrorResidual, TablesUnderTest, ZeroShift, micro,
 };
 pub use emit::{Hashed, LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile, sha256};
-pub use kinematics::{KinematicsModule, Model, ModuleField};
+pub use kinematics::{KinematicsModule, Model, ModuleField, Parameters};
 pub use manifest::{Certainty, Controller, ControllerTarget, NAMES, assigned_letters, is_plain_name};
 pub use read::{ReadBack, RecognisedSet, recognise};
 pub use replay::Replay;
-pub use single_errors::{certify, certify_kinematics};
+pub use single_errors::{certify, certify_composed, certify_kinematics};

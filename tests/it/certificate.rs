@@ -8,7 +8,7 @@ use crate::oracle::machines::Sample;
 use crate::oracle::matrix::norm;
 use crate::oracle::program::Folder;
 use crate::support::lattice::Lattice;
-use crate::support::{Run, abbe, compile, config, left, number, p95_bracket, verify};
+use crate::support::{Run, abbe, compile, config, left, number, p95_bracket, verify, writes_tables};
 
 /// The trunnion machine in a folder of its own.
 fn trunnion(folder: &Folder, errors: &str, volume: &str) -> std::path::PathBuf {

@@ -13,7 +13,7 @@ use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 use crate::replays;
 use crate::support::controllers::{Files, loaded as controller};
-use crate::support::{compile, verify};
+use crate::support::{PARAMETER_TARGETS, compile, verify, writes_tables};
 
 /// A damage: its name, and the damaged bytes of a file, if it applies to it.
 type Damage = (&'static str, fn(&[u8], &mut Random) -> Option<Vec<u8>>);

@@ -11,7 +11,7 @@ use crate::loaded;
 use crate::oracle::program::Folder;
 use crate::replays;
 use crate::support::controllers::Files;
-use crate::support::{compile, config, names, verify};
+use crate::support::{compile, config, names, verify, writes_tables};
 
 /// Outcome of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -47,6 +47,7 @@ mod instrument;
 mod interactions;
 #[cfg(target_os = "linux")]
 mod killed;
+mod kinematic_parameters;
 mod kinematics_views;
 mod language;
 mod linuxcnc_constants;

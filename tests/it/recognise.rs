@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::oracle::program::Folder;
-use crate::support::{Run, abbe, compile, names, number, verify};
+use crate::support::{PARAMETER_TARGETS, Run, abbe, compile, names, number, verify};
 
 const TABLES: &str = "EXX: { points: [[0 mm, 0 um], [500 mm, 9 um]] }\n  EYX: { points: [[0 mm, 0 um], [500 mm, -4 um]] }\n  \
      EZX: { points: [[0 mm, 0 um], [500 mm, 6 um]] }\n  EYY: { points: [[0 mm, 0 um], [400 mm, 7 um]] }\n  EZZ: { points: [[-300 mm, 3 um], [0 mm, 0 um]] }\n  EC0Y: 30 urad";

@@ -13,7 +13,7 @@ use crate::oracle::machines::Sample;
 use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 use crate::support::controllers::{Files, loaded as controller};
-use crate::support::{Entry, compile, config, tree};
+use crate::support::{Entry, compile, config, tree, writes_tables};
 
 /// The files of a set by name.
 pub fn files(out: &Path) -> Files {

@@ -7,7 +7,7 @@ use crate::oracle::machines::{Sample, combinations};
 use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 use crate::oracle::yaml;
-use crate::support::{Run, abbe, compile, config, number, verify};
+use crate::support::{Run, abbe, compile, config, number, verify, writes_tables};
 
 /// Every target of the binary but linuxcnc's and grid-csv, which have tests of their own.
 fn targets() -> Vec<&'static str> {

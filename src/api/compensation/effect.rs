@@ -5,6 +5,7 @@ use super::options::CompensationOptions;
 use super::table_set::{self, FoundTables, TableRequest};
 use super::module_set::ModuleRequest;
 use super::{module_set, verdict};
+use crate::api::compose;
 use crate::api::run::{Call, Refused};
 use crate::controller::{
     Certificate, ControllerTarget, Depth, Effect, TablesUnderTest, certify, certify_kinematics,
@@ -45,6 +46,9 @@ pub(crate) fn found_effect(
     folder: &Path,
     options: &CompensationOptions,
 ) -> Result<(ControllerTarget, Effect), Refused> {
+    if compose::is_composed(folder, call) {
+        return compose::found_composed(call, machine, folder, options);
+    }
     let set = found_set(call, machine, folder, None, options)?;
     call.checked()?;
     if set.target.manifest.kinematics().is_none() {

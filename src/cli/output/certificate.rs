@@ -5,7 +5,7 @@ use super::session::Session;
 use crate::cli::Format;
 use abbe::options::Approach;
 use abbe::results::{
-    Axis, CertificateReport, CompensationDegree, ControllerTarget, Machine, ROUNDING_UM, SingleErrorResidual, Summary,
+    Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Machine, ROUNDING_UM, SingleErrorResidual, Summary,
 };
 use abbe::text::{micro, significant};
 use serde_json::json;
@@ -103,7 +103,18 @@ impl CertificateView<'_> {
         let bands = self.report.uncertainty.as_ref().map_or_else(String::new, |of| {
             bands::text(&[("uncompensated".to_owned(), &of.uncompensated), ("compensated".to_owned(), &of.compensated)])
         });
-        format!("{table}\n{bands}{}{raised}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
+        let steps = self.steps();
+        format!("{table}\n{bands}{steps}{}{raised}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
+    }
+
+    /// Returns the figures after each step of a composed set.
+    fn steps(&self) -> String {
+        let line = |step: &CertificateStep| {
+            let (position, axis) = (step.compensated.all.position_um.p95, step.compensated.tool_axis.p95);
+            let (position, axis) = (significant(position, 4), significant(axis, 4));
+            format!("After {}: 95 % {position} um, tool axis {axis} urad.\n", step.target)
+        };
+        self.report.steps.iter().map(line).collect()
     }
 
     /// Returns the figures of kinematic parameters by tool and by what a block programs.

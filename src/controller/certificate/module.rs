@@ -60,19 +60,24 @@ pub(in crate::controller) fn judge_module(
         at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.added(&zero, approach)),
         shifted: None,
         raised,
-        programming: set.module.parameters().map_or_else(Vec::new, |own| programming(machine, own, &poses, approach)),
+        programming: set.module.parameters().map_or_else(Vec::new, |own| programming(machine, (own, set), &poses, approach)),
         strongest: strongest_at(machine, (&poses, &[Approach::Mean]), |pose, approach| module.added(pose, approach)),
     }
 }
 
 /// Figures of a transformation for both ways to program the direction of the tool, and for a longer tool: parameters
 /// are right for every tool.
-fn programming(machine: &Machine, own: &Parameters, poses: &[Pose], approach: Approach) -> Vec<ProgrammingFigures> {
+fn programming(
+    machine: &Machine,
+    (own, set): (&Parameters, ModuleSet),
+    poses: &[Pose],
+    approach: Approach,
+) -> Vec<ProgrammingFigures> {
     let longer = machine.with_longer_tool(LONGER_TOOL_MM);
     let ways = [(machine, 0.0), (&longer, LONGER_TOOL_MM)].into_iter().flat_map(|of| [(of, false), (of, true)]);
     ways.map(|((machine, longer_mm), vectors)| {
         let module = KinematicsModule::KinematicParameters(own.clone().programmed(vectors));
-        let driven = ModuleField::new(machine, &module);
+        let driven = ModuleField::new(machine, &module).beside(Replay::new(machine, set.target, set.beside));
         let bare = Bare { machine, order: Order::Exact };
         let [uncompensated, compensated] =
             [&bare as &dyn Field, &driven].map(|field| figures(field, poses, approach));

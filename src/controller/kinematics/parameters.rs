@@ -94,6 +94,12 @@ impl Parameters {
         self.rules.names().map(String::as_str).collect()
     }
 
+    /// Returns the machine that the numbers leave to tables: their lines are nominal, location errors what is left.
+    /// Refusal: E0751.
+    pub fn remaining(&self, machine: &Machine) -> Result<Machine, Diagnostic> {
+        self.transformation.remaining(machine)
+    }
+
     /// The transformation that the numbers give.
     pub fn transformation(&self) -> &Transformation {
         &self.transformation

@@ -9,7 +9,7 @@ use crate::algebra::Htm;
 use crate::compensation::RotaryPlacement;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::lower::{Chain, Exact, values};
-use crate::machine::{Approach, AxisKind, ErrorFamily, Machine};
+use crate::machine::{Approach, AxisKind, ErrorFamily, Location, Machine, MovedLine};
 use nalgebra::Vector3;
 
 /// Largest difference of a direction from a machine axis, or of an offset in mm, that counts as none.
@@ -83,6 +83,55 @@ impl Transformation {
         lines.tool = (zero.linear * lines.tool).normalize();
         Ok(lines)
     }
+}
+
+/// Smallest difference of direction cosines or mm that counts as a displacement of a line.
+const DISPLACED: f64 = 1e-13;
+
+impl Transformation {
+    /// Returns the machine whose nominal lines are these and whose errors are what is then left: location errors lead
+    /// from these lines to the actual ones. Refusal: E0751, where location errors displace bodies.
+    pub fn remaining(&self, machine: &Machine) -> Result<Machine, Diagnostic> {
+        if machine.conventions().location != Location::AxisOnly {
+            return Err(Diagnostic::new(
+                codes::E0751,
+                "tables beside kinematic parameters are for machines whose location errors displace axes only",
+            )
+            .help("`abbe convert` writes the machine with `location: axis_only`"));
+        }
+        let actual = Self::actual(machine)?;
+        let spindle = machine.spindle_errors().map(crate::machine::JointErrors::location_values);
+        let spindle = spindle.unwrap_or_default();
+        let gauge = Vector3::from(machine.tool().gauge) + Vector3::new(spindle[0], spindle[1], spindle[2]);
+        let lines = self.table.iter().chain(&self.head).zip(actual.table.iter().chain(&actual.head));
+        let moved = lines.map(|(own, actual)| {
+            let across = |v: Vector3<f64>| v - own.direction * own.direction.dot(&v);
+            let (shift, turn) = (across(actual.point - own.point), own.direction.cross(&actual.direction));
+            MovedLine {
+                axis: own.axis,
+                direction: (own.direction * machine.axes()[own.axis].sign()).into(),
+                origin: (own.point + gauge).into(),
+                location: six(shift, turn),
+            }
+        });
+        let own_turn = self.tool.cross(&actual.tool);
+        let spindle = six(Vector3::new(spindle[0], spindle[1], spindle[2]), own_turn);
+        let tip = self.tip_vector(machine) + Vector3::from(machine.tool().gauge);
+        Ok(machine.with_lines(&moved.collect::<Vec<_>>(), (self.tool.into(), tip.into()), spindle))
+    }
+
+    /// The vector from the gauge point to the tip of a tool along this tool axis.
+    fn tip_vector(&self, machine: &Machine) -> Vector3<f64> {
+        let [gauge, tip, axis] =
+            [machine.tool().gauge, machine.tool().tip, machine.tool().direction].map(Vector3::from);
+        self.tilted(&(tip - gauge), &axis)
+    }
+}
+
+/// Location errors, those that are rounding left out.
+fn six(shift: Vector3<f64>, turn: Vector3<f64>) -> [f64; 6] {
+    let kept = |value: f64| if value.abs() > DISPLACED { value } else { 0.0 };
+    [shift[0], shift[1], shift[2], turn[0], turn[1], turn[2]].map(kept)
 }
 
 /// Returns the index of the linear axis along X, Y or Z; the machine has one.

@@ -89,9 +89,14 @@ impl Transformation {
 
     /// The tip from the gauge point, rotary axes at 0: a tool stands along the controller's tool axis.
     fn tip(&self, program: &ProgrammedTool) -> Vector3<f64> {
-        let about = hat(&program.nominal_axis.cross(&self.tool).into());
-        let tilt = Matrix3::identity() + about + about * about / (1.0 + program.nominal_axis.dot(&self.tool));
-        tilt * program.tool
+        self.tilted(&program.tool, &program.nominal_axis)
+    }
+
+    /// A vector turned as the nominal tool axis is to this one.
+    pub fn tilted(&self, vector: &Vector3<f64>, nominal_axis: &Vector3<f64>) -> Vector3<f64> {
+        let about = hat(&nominal_axis.cross(&self.tool).into());
+        let tilt = Matrix3::identity() + about + about * about / (1.0 + nominal_axis.dot(&self.tool));
+        tilt * vector
     }
 
     /// Turns the rotary axes so that the tool axis has a direction in the workpiece, or comes as near as they let it,
