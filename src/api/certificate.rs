@@ -99,8 +99,10 @@ impl CertificateReport {
         if let (false, Some(contract)) = (programming.is_empty(), contract.as_object_mut()) {
             let _ = contract.insert("programming".to_owned(), json!(programming));
         }
-        let steps: Vec<Value> =
-            steps.iter().map(|step| json!({"target": step.target, "compensated": summary(&step.compensated)})).collect();
+        let steps: Vec<Value> = steps
+            .iter()
+            .map(|step| json!({"target": step.target, "compensated": summary(&step.compensated)}))
+            .collect();
         if let (false, Some(contract)) = (steps.is_empty(), contract.as_object_mut()) {
             let _ = contract.insert("steps".to_owned(), json!(steps));
         }

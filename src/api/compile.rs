@@ -121,8 +121,7 @@ fn module(
     target: &ControllerTarget,
     options: &CompileOptions,
 ) -> Result<CompiledSet, Refused> {
-    let before =
-        module_set::installed(call, file, target, &options.compensation, options.installed.as_deref())?;
+    let before = module_set::installed(call, file, target, &options.compensation, options.installed.as_deref())?;
     let orientation = options.compensation.orientation();
     let limits = options.max_correction;
     let set = module_set::rendered(call, file, target, ModuleRequest { orientation, limits, before })?;

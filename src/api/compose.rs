@@ -6,7 +6,7 @@ use super::compensation::module_set::{self, ModuleRequest};
 use super::compensation::options::CompensationOptions;
 use super::compensation::table_set::{self, TableRequest};
 use super::compensation::verdict;
-use super::compensation::{found_set, folder::Folder};
+use super::compensation::{folder::Folder, found_set};
 use super::compile::{CompileOptions, refuse_unverified};
 use super::machine_file::{MachineFile, bounded_only};
 use super::run::{Answer, Call, Refused, Run};
@@ -75,8 +75,7 @@ pub fn compile_composed(
         refuse_unverified(call, &target, options.accept_unverified)?;
         refuse_unverified(call, &tables_target, options.accept_unverified)?;
         let how = &options.compensation;
-        let request =
-            ModuleRequest { limits: options.max_correction, ..ModuleRequest::plain(how.orientation()) };
+        let request = ModuleRequest { limits: options.max_correction, ..ModuleRequest::plain(how.orientation()) };
         let module = module_set::rendered(call, file, &target, request)?;
         let Some(parameters) = module.module.parameters().cloned() else { return Err(Refused) };
         let rest = remaining(call, file, &parameters)?;
@@ -248,8 +247,10 @@ fn found(
             of_second.display(),
             of_first.display()
         );
-        let help = format!("compile both together, or judge one of the subfolders alone; {LOCK_NAME} of the tables \
-                            names the parameters that they are beside");
+        let help = format!(
+            "compile both together, or judge one of the subfolders alone; {LOCK_NAME} of the tables \
+                            names the parameters that they are beside"
+        );
         return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
     let named = Some(target.manifest.target.as_str());

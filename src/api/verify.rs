@@ -3,9 +3,9 @@
 use super::certificate::CertificateReport;
 use super::compensation::folder::Folder;
 use super::compensation::found_set::{FoundSet, found_set};
+use super::compensation::module_set::{self, ModuleRequest};
 use super::compensation::options::CompensationOptions;
 use super::compensation::table_set::{self, FoundTables};
-use super::compensation::module_set::{self, ModuleRequest};
 use super::compensation::verdict;
 use super::compose;
 use super::machine_file::MachineFile;

@@ -160,11 +160,13 @@ impl ParameterRules {
             }
             ParameterVector::Direction { of, .. } => known(of) && *of != MachinePart::Gauge,
         };
-        let assumed = |axis: &AssumedAxis| {
-            known(&axis.of) && !matches!(axis.of, MachinePart::Gauge | MachinePart::Tool)
-        };
+        let assumed =
+            |axis: &AssumedAxis| known(&axis.of) && !matches!(axis.of, MachinePart::Gauge | MachinePart::Tool);
         let all = self.parameters.iter().all(fits) && self.assumes.iter().all(assumed);
-        (!all).then(|| "parameters: offsets between different axes or the gauge point, directions of axes or the tool, \
-                        of this kind of machine".to_owned())
+        (!all).then(|| {
+            "parameters: offsets between different axes or the gauge point, directions of axes or the tool, \
+                        of this kind of machine"
+                .to_owned()
+        })
     }
 }

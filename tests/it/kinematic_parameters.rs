@@ -10,17 +10,20 @@ use abbe::diagnostic::Diagnostics;
 use crate::loaded;
 use crate::oracle::curves::Travel;
 use crate::oracle::machines::{Pose, Sample};
-use crate::oracle::matrix::{M4, ONE, V3, apply, cross, exp, inverse, minus, mul, norm, plus, translation, turn, twist};
+use crate::oracle::matrix::{
+    M4, ONE, V3, apply, cross, exp, inverse, minus, mul, norm, plus, translation, turn, twist,
+};
 use crate::oracle::program::Folder;
 use crate::support::config::sample;
 use crate::support::{Run, abbe, compile, config, left, names, number, p95_bracket, verify};
 
 const ACCEPT: [&str; 3] = ["--accept-unverified", "--poses", "300"];
 
-/// Location errors of two rotary axes and a spindle, with axes by their places in the words.
-const LOCATION: &str = "  EX0S: 0 um\n  EA0S: 15 urad\n  EB0S: -31 urad\n";
+/// Location errors of the spindle.
+const OF_SPINDLE: &str = "  EA0S: 15 urad\n  EB0S: -31 urad\n";
 
-fn table_table(errors: &str) -> String {
+/// A trunnion; the axes do not meet.
+pub fn table_table(errors: &str) -> String {
     format!(
         "abbe: 1\nmachine: table-table\nchain: \"w C' A' Y' b X Z (S) t\"\naxes:\n  X: {{ travel: [0 mm, 500 mm] }}\n  \
          Y: {{ travel: [0 mm, 450 mm] }}\n  Z: {{ travel: [-400 mm, 0 mm] }}\n  \
@@ -30,7 +33,8 @@ fn table_table(errors: &str) -> String {
     )
 }
 
-const OF_TABLES: &str = "  EY0A: -8 um\n  EZ0A: 17 um\n  EB0A: 54 urad\n  EC0A: -40 urad\n  EX0C: 26 um\n  EY0C: -9 um\n  \
+/// Their location errors.
+pub const OF_TABLES: &str = "  EY0A: -8 um\n  EZ0A: 17 um\n  EB0A: 54 urad\n  EC0A: -40 urad\n  EX0C: 26 um\n  EY0C: -9 um\n  \
                          EA0C: -62 urad\n  EB0C: 44 urad\n";
 
 /// A fork head; B is inclined and does not meet C.
@@ -59,11 +63,11 @@ fn head_table(errors: &str) -> String {
 }
 
 fn with_spindle(of_axes: &str) -> String {
-    format!("{of_axes}{LOCATION}").replace("  EX0S: 0 um\n", "")
+    format!("{of_axes}{OF_SPINDLE}")
 }
 
 /// `NAME = VALUE` in any of the formats, by name; a remark is cut off.
-fn numbers(file: &Path) -> BTreeMap<String, f64> {
+pub fn numbers(file: &Path) -> BTreeMap<String, f64> {
     let text = std::fs::read_to_string(file).unwrap();
     let mut found = BTreeMap::new();
     for line in text.lines().map(|line| line.split([';', '#']).next().unwrap().trim()).filter(|line| !line.is_empty()) {
@@ -83,18 +87,18 @@ fn vector(numbers: &BTreeMap<String, f64>, name: impl Fn(usize) -> String) -> V3
 
 /// A rotary axis of a controller: its name, the vector about which a positive command turns the tool right-handed
 /// against the workpiece, and a point of its line from the gauge point.
-struct Line {
-    axis: &'static str,
-    direction: V3,
-    point: V3,
+pub struct Line {
+    pub axis: &'static str,
+    pub direction: V3,
+    pub point: V3,
 }
 
 /// A five-axis transformation as the manuals have it: lines of the table from the workpiece, lines of the head from
 /// the ram, and the tool along its vector.
-struct Control {
-    table: Vec<Line>,
-    head: Vec<Line>,
-    tool: V3,
+pub struct Control {
+    pub table: Vec<Line>,
+    pub head: Vec<Line>,
+    pub tool: V3,
 }
 
 fn negative(v: V3) -> V3 {
@@ -104,7 +108,7 @@ fn negative(v: V3) -> V3 {
 impl Control {
     /// TRAORI by the hypothesis of the manifest: offsets chain from the adapter over both axes back to it, vectors are
     /// those about which the moved body turns.
-    fn traori(kind: &str, numbers: &BTreeMap<String, f64>) -> Self {
+    pub fn traori(kind: &str, numbers: &BTreeMap<String, f64>) -> Self {
         let of = |name: &str| vector(numbers, |k| format!("{name}_1[{k}]"));
         let (base, joint, part) = (of("BASE_TOOL"), of("JOINT_OFFSET"), of("PART_OFFSET"));
         let (first, second) = (of("AXIS1"), of("AXIS2"));
@@ -155,7 +159,7 @@ impl Control {
     }
 
     /// The command for a tip with the rotary axes as they are in the pose.
-    fn inverse(&self, sample: &Sample, pose: &Pose, tip: V3) -> Pose {
+    pub fn inverse(&self, sample: &Sample, pose: &Pose, tip: V3) -> Pose {
         let point = minus(plus(tip, sample.rigid.workpiece_origin), sample.rigid.gauge);
         let before = apply(&inverse(&Self::side(&self.table, sample, pose)), point);
         let tool = self.tool.map(|c| c / norm(self.tool) * sample.rigid.offset[2]);
@@ -392,7 +396,8 @@ fn sign_tests_as_printed() {
     // The end of JOINT_OFFSET is at (250, 225, -380); the tip 100 mm above it is at Z = -280, gauge 30, tool 120.
     let above = [("C", 180.0), ("X", 240.0), ("Y", 205.0), ("Z", -190.0)];
     near(moved(&text, "sinumerik-traori", "TRAORI.INI", &[("AXIS2_1[0]", 0.001)], &above), [-0.2, 0.0, 0.0]);
-    let head = head_table("").replace("B: { travel: [-100 deg, 100 deg]", "B: { direction: [0, 0, 1], travel: [-200 deg, 200 deg]");
+    let head = head_table("")
+        .replace("B: { travel: [-100 deg, 100 deg]", "B: { direction: [0, 0, 1], travel: [-200 deg, 200 deg]");
     near(moved(&head, "fanuc-5axis", "TCP.PRM", &[("N19709", 0.1)], &[("B", 180.0)]), [-0.2, 0.0, 0.0]);
     near(moved(&head, "fanuc-5axis", "TCP.PRM", &[("N19709", 0.1)], &[("B", 0.0)]), [0.0; 3]);
 }
@@ -421,8 +426,7 @@ fn pivot_length_of_5axiskins() {
         let at = |name: &str| pose[sample.rigid.walk.iter().position(|axis| axis.name == name).unwrap()];
         let (b, c, p) = (at("B").to_radians(), at("C").to_radians(), found["setp 5axiskins.pivot-length"]);
         let r = p + 100.0;
-        let module =
-            [at("X") + r * b.sin() * c.cos(), at("Y") + r * b.sin() * c.sin(), at("Z") + p - r * b.cos()];
+        let module = [at("X") + r * b.sin() * c.cos(), at("Y") + r * b.sin() * c.sin(), at("Z") + p - r * b.cos()];
         assert!(norm(minus(sample.holds(&pose, Travel::Mean)[0].tip, module)) < 1e-9);
     }
     let other = pivoting("  EZ0B: 40 um\n").replace("[0, -1, 0]", "[0, 1, 0]");

@@ -18,6 +18,7 @@ mod compile;
 mod compile_linuxcnc;
 mod compile_refusals;
 mod compiled_columns;
+mod composed_sets;
 mod configs;
 mod convert;
 mod datum;

@@ -1,15 +1,13 @@
 //! Effect of a set of files on a machine: of one that `compile` would write, or of one found in a folder.
 
 use super::found_set::found_set;
+use super::module_set::ModuleRequest;
 use super::options::CompensationOptions;
 use super::table_set::{self, FoundTables, TableRequest};
-use super::module_set::ModuleRequest;
 use super::{module_set, verdict};
 use crate::api::compose;
 use crate::api::run::{Call, Refused};
-use crate::controller::{
-    Certificate, ControllerTarget, Depth, Effect, TablesUnderTest, certify, certify_kinematics,
-};
+use crate::controller::{Certificate, ControllerTarget, Depth, Effect, TablesUnderTest, certify, certify_kinematics};
 use crate::machine::Machine;
 use std::path::Path;
 

@@ -73,7 +73,8 @@ pub(crate) fn installed(
     }
     let meant = carried(call, machine, target, ModuleRequest::plain(options.orientation()))?;
     let named = Some(target.manifest.target.as_str());
-    let set = call.about(&folder.display().to_string(), |call| found_set::found_set(call, machine, folder, named, options))?;
+    let set =
+        call.about(&folder.display().to_string(), |call| found_set::found_set(call, machine, folder, named, options))?;
     let Some(file) = set.files.first() else { return call.refuse(found_set::nothing_found(folder)) };
     let values = target.read_parameters(&meant, file, &mut call.diagnostics);
     values.map_or(Err(Refused), |values| Ok(Some(values)))

@@ -5,7 +5,8 @@ use super::session::Session;
 use crate::cli::Format;
 use abbe::options::Approach;
 use abbe::results::{
-    Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Machine, ROUNDING_UM, SingleErrorResidual, Summary,
+    Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Machine, ROUNDING_UM,
+    SingleErrorResidual, Summary,
 };
 use abbe::text::{micro, significant};
 use serde_json::json;
@@ -104,7 +105,11 @@ impl CertificateView<'_> {
             bands::text(&[("uncompensated".to_owned(), &of.uncompensated), ("compensated".to_owned(), &of.compensated)])
         });
         let steps = self.steps();
-        format!("{table}\n{bands}{steps}{}{raised}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
+        format!(
+            "{table}\n{bands}{steps}{}{raised}{}",
+            ratio(&before.all.position_um, &after.all.position_um),
+            self.shifted()
+        )
     }
 
     /// Returns the figures after each step of a composed set.
@@ -128,7 +133,8 @@ impl CertificateView<'_> {
         let _ = table.set_header(["programmed", "tool", "position um, max", "95 %", "tool axis urad, max", "95 %"]);
         for way in ways {
             let programmed = if way.vectors { "tool vectors" } else { "rotary axes" };
-            let tool = if way.longer_mm > 0.0 { format!("{} mm longer", way.longer_mm) } else { "of the file".to_owned() };
+            let tool =
+                if way.longer_mm > 0.0 { format!("{} mm longer", way.longer_mm) } else { "of the file".to_owned() };
             let (position, axis) = (way.compensated.all.position_um, way.compensated.tool_axis);
             let cells = [position.max, position.p95, axis.max, axis.p95].map(|x| significant(x, 4));
             let _ = table.add_row([programmed.to_owned(), tool].into_iter().chain(cells));

@@ -84,9 +84,7 @@ fn composed(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
     let set = session.take(abbe::compile_composed(file, &args.target, &args.options(), session.run()))?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
-    let part = |files, lock, folder: &Path| {
-        NewSet { files, lock, read: &session.files, writes: &writes }.write(folder)
-    };
+    let part = |files, lock, folder: &Path| NewSet { files, lock, read: &session.files, writes: &writes }.write(folder);
     let mut written = write::make_folder(&args.out).map(|()| Vec::new());
     for one in &set.parts {
         written = written.and_then(|mut all| {

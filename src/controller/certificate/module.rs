@@ -1,8 +1,8 @@
 //! The certificate of a kinematics module.
 
 use super::Certificate;
-use super::depth::{Depth, single_error_poses};
 use super::content::ProgrammingFigures;
+use super::depth::{Depth, single_error_poses};
 use super::figures::{Judgement, figures, judge};
 use super::sign_test::strongest_at;
 use super::single_error::{NominalAt, SingleErrorResidual, judge_one, nominal};
@@ -60,7 +60,10 @@ pub(in crate::controller) fn judge_module(
         at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.added(&zero, approach)),
         shifted: None,
         raised,
-        programming: set.module.parameters().map_or_else(Vec::new, |own| programming(machine, (own, set), &poses, approach)),
+        programming: set
+            .module
+            .parameters()
+            .map_or_else(Vec::new, |own| programming(machine, (own, set), &poses, approach)),
         strongest: strongest_at(machine, (&poses, &[Approach::Mean]), |pose, approach| module.added(pose, approach)),
     }
 }
@@ -79,8 +82,7 @@ fn programming(
         let module = KinematicsModule::KinematicParameters(own.clone().programmed(vectors));
         let driven = ModuleField::new(machine, &module).beside(Replay::new(machine, set.target, set.beside));
         let bare = Bare { machine, order: Order::Exact };
-        let [uncompensated, compensated] =
-            [&bare as &dyn Field, &driven].map(|field| figures(field, poses, approach));
+        let [uncompensated, compensated] = [&bare as &dyn Field, &driven].map(|field| figures(field, poses, approach));
         ProgrammingFigures { vectors, longer_mm, uncompensated, compensated }
     })
     .collect()

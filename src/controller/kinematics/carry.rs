@@ -54,9 +54,7 @@ impl KinematicsModule {
     pub fn without_orientation(self) -> Self {
         match self {
             Self::FullModel(model) => Self::FullModel(Model { orientation: false, ..model }),
-            Self::KinematicParameters(parameters) => {
-                Self::KinematicParameters(parameters.programmed(false))
-            }
+            Self::KinematicParameters(parameters) => Self::KinematicParameters(parameters.programmed(false)),
             other => other,
         }
     }

@@ -64,7 +64,8 @@ impl<'a> ModuleField<'a> {
 /// What a block programs so that the nominal machine goes to a pose.
 fn programmed<'a>(machine: &Machine, vectors: bool, pose: &'a [f64]) -> ProgrammedTool<'a> {
     let nominal = NominalPose::at(machine, pose).pose;
-    let [gauge, tip, nominal_axis] = [machine.tool().gauge, machine.tool().tip, machine.tool().direction].map(Vector3::from);
+    let [gauge, tip, nominal_axis] =
+        [machine.tool().gauge, machine.tool().tip, machine.tool().direction].map(Vector3::from);
     ProgrammedTool {
         tip: nominal.translation + Vector3::from(machine.workpiece()) - gauge,
         tool: tip - gauge,

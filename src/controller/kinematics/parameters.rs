@@ -141,7 +141,10 @@ impl Parameters {
         let loose = LOOSE_STEPS / (scale * libm::pow(10.0, f64::from(decimals)));
         let open = (0..values.len()).find(|i| offsets[*i] && (effective[*i] - closed[*i]).abs() > loose)?;
         let off = fixed(effective[open] - closed[open], 6);
-        Some(format!("`{}` does not close the chain of vectors: it is {off} mm off the sum of the others", self.names()[open]))
+        Some(format!(
+            "`{}` does not close the chain of vectors: it is {off} mm off the sum of the others",
+            self.names()[open]
+        ))
     }
 
     /// The numbers of the nominal machine, changed as these change those with which the machine was measured.

@@ -24,9 +24,11 @@ pub fn placement(machine: &Machine) -> Result<RotaryPlacement, Diagnostic> {
     let unit = |k: usize| std::array::from_fn(|i| if i == k { 1.0 } else { 0.0 });
     let along = |k: usize| {
         let sought: [f64; 3] = unit(k);
-        machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear).any(|axis| {
-            (0..3).all(|i| (axis.direction[i] * axis.sign() - sought[i]).abs() < SAME)
-        })
+        machine
+            .axes()
+            .iter()
+            .filter(|axis| axis.kind == AxisKind::Linear)
+            .any(|axis| (0..3).all(|i| (axis.direction[i] * axis.sign() - sought[i]).abs() < SAME))
     };
     let fits = kinds.len() == tables + heads + 3 && (0..3).all(along);
     let found = RotaryPlacement::ALL.into_iter().find(|one| fits && one.counts() == (tables, heads));
@@ -66,8 +68,7 @@ impl Transformation {
         let mut lines = Self::nominal(machine)?;
         let located = machine.filtered(|id| id.family == ErrorFamily::Location);
         let at = |axis: Option<usize>| {
-            let pose: Vec<f64> =
-                (0..machine.axes().len()).map(|i| if Some(i) == axis { 90.0 } else { 0.0 }).collect();
+            let pose: Vec<f64> = (0..machine.axes().len()).map(|i| if Some(i) == axis { 90.0 } else { 0.0 }).collect();
             Chain::<f64>::actual(&located, &pose, &values(&located, &pose, Approach::Mean), &Exact).t_wt()
         };
         let zero = at(None);

@@ -10,8 +10,7 @@ use crate::controller::manifest::ControllerTarget;
 use crate::machine::Machine;
 
 /// Parameters and tables, each with its target.
-pub type ComposedSets<'a> =
-    ((&'a ControllerTarget, &'a Parameters), (&'a ControllerTarget, &'a CorrectionTables));
+pub type ComposedSets<'a> = ((&'a ControllerTarget, &'a Parameters), (&'a ControllerTarget, &'a CorrectionTables));
 
 /// Certifies parameters and tables together. `rest` is the machine that the tables are for. Returns the figures after
 /// the parameters alone beside the certificate.
