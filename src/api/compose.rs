@@ -10,7 +10,7 @@ use super::compensation::{folder::Folder, found_set};
 use super::compile::{CompileOptions, refuse_unverified};
 use super::machine_file::{MachineFile, bounded_only};
 use super::run::{Answer, Call, Refused, Run};
-use super::verify::VerifyOptions;
+use super::verify::{VerifyOptions, warn_edited, warn_other_inputs, warn_other_tool};
 use crate::compensation::CorrectionTables;
 use crate::controller::{
     ControllerTarget, Depth, Effect, Hashed, LOCK_NAME, Lock, Parameters, RenderedFile, certify_composed, sha256,
@@ -208,9 +208,29 @@ impl Composition {
         let step = |target: String, compensated| CertificateStep { target, compensated };
         report.steps = vec![
             step(self.target.manifest.target.clone(), first),
-            step(both.manifest.target, certificate.compensated.clone()),
+            step(both.manifest.target, certificate.compensated),
         ];
         Ok(report)
+    }
+
+    /// Warns of files that are no longer as the manifests state them, and of another machine or tool than theirs.
+    fn warn(&self, call: &mut Call, file: &MachineFile, path: &Path) {
+        let above = Folder::new(path, call.run.files).lock();
+        warn_other_inputs(call, file, above.as_ref());
+        warn_other_tool(call, file, &self.tables_target, above.as_ref());
+        for target in [&self.target, &self.tables_target] {
+            let name = &target.manifest.target;
+            let folder_path = path.join(name);
+            let folder = Folder::new(&folder_path, call.run.files);
+            let own = folder.lock();
+            warn_edited(call, &folder, own.as_ref());
+            let listed = above.iter().flat_map(|lock| &lock.parts).find(|part| part.name == *name);
+            let same = |own: &Lock| listed.is_some_and(|part| part.sha256 == sha256(own.to_text().as_bytes()));
+            if own.is_some_and(|own| !same(&own)) {
+                let message = format!("`{}` holds another set than the manifest above it lists", folder_path.display());
+                call.warn(Diagnostic::new(codes::W0701, message).help("compile both together again"));
+            }
+        }
     }
 
     /// The effect of both, and the target whose tables it has.
@@ -280,6 +300,7 @@ pub(super) fn verify_composed(
         return call.usage("--installed: with one target; verify the parts one by one");
     }
     let composition = found(call, file, folder, &options.compensation)?;
+    composition.warn(call, file, folder);
     composition.certificate(file, &options.compensation, (options.poses, options.seed), call)
 }
 

@@ -134,7 +134,7 @@ fn module(
 }
 
 /// Tables made from other files than those just read are judged all the same.
-fn warn_other_inputs(call: &mut Call, file: &MachineFile, lock: Option<&Lock>) {
+pub(super) fn warn_other_inputs(call: &mut Call, file: &MachineFile, lock: Option<&Lock>) {
     if lock.is_some_and(|lock| lock.inputs != file.inputs()) {
         let message = "the tables were made from another machine file, or from other error tables, than these";
         call.warn(Diagnostic::new(codes::W0702, message).help("compile again if the machine file has changed"));
@@ -142,7 +142,7 @@ fn warn_other_inputs(call: &mut Call, file: &MachineFile, lock: Option<&Lock>) {
 }
 
 /// Tables that hold for one tool, judged with another.
-fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarget, lock: Option<&Lock>) {
+pub(super) fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarget, lock: Option<&Lock>) {
     let Some(lock) = lock else { return };
     let name = &file.tool().name;
     if target.manifest.tool_dependent() && lock.tool != *name {
@@ -153,7 +153,7 @@ fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarge
 }
 
 /// Warns of files that are no longer as the manifest of the set states; they are read all the same.
-fn warn_edited(call: &mut Call, folder: &Folder, lock: Option<&Lock>) {
+pub(super) fn warn_edited(call: &mut Call, folder: &Folder, lock: Option<&Lock>) {
     let Some(lock) = lock else {
         let message =
             format!("`{}` has no readable {LOCK_NAME}: edits of its files cannot be detected", folder.path.display());

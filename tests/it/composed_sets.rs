@@ -1,7 +1,7 @@
 //! Kinematic parameters and tables for what they leave, certified together: by the manual's transformation and the
 //! manual's sum of tables, both read from the files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::kinematic_parameters::{Control, OF_TABLES, numbers, table_table};
 use crate::oracle::curves::Travel;
@@ -84,20 +84,25 @@ fn tables_take_what_the_parameters_leave() {
 }
 
 /// Nothing is corrected twice in silence.
-fn refusals(folder: &Folder, path: &PathBuf) {
+fn refusals(folder: &Folder, path: &Path) {
     let out = folder.path("out");
     let tables = out.join("sinumerik-cec");
     let _ =
         verify(path, &tables, &["--poses", "5"]).refused("E0711").says("what kinematic parameters beside them leave");
     // The same again replaces the set.
     assert_eq!(both(folder, &["sinumerik-traori", "sinumerik-cec"]).code, Some(0));
-    let one = Run::of(
-        abbe()
-            .args(["compile", "--format", "json", "--target", "sinumerik-cec", "--poses", "5"])
-            .arg(path)
-            .arg("--out")
-            .arg(&tables),
-    );
+    let single = |folder: &Path| {
+        let mut command = abbe();
+        command.args(["compile", "--format", "json", "--target", "sinumerik-cec", "--poses", "5"]);
+        Run::of(command.arg(path).arg("--out").arg(folder))
+    };
+    let _ = single(&out).refused("E0706").says("in subfolders");
+    let file = tables.join("_N_NC_CEC_INI");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, format!("; edited\n{text}")).unwrap();
+    let _ = verify(path, &out, &["--poses", "5"]).says("W0701");
+    std::fs::write(&file, text).unwrap();
+    let one = single(&tables);
     assert_eq!(one.code, Some(0), "{}", one.err);
     let _ = verify(path, &out, &["--poses", "5"]).refused("E0711").says("corrected twice");
     for two in [

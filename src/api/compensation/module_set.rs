@@ -68,7 +68,7 @@ pub(crate) fn installed(
     folder: Option<&Path>,
 ) -> Result<Option<Vec<f64>>, Refused> {
     let Some(folder) = folder else { return Ok(None) };
-    if !target.manifest.kinematics().is_some_and(|mechanism| !mechanism.machines.is_empty()) {
+    if target.manifest.kinematics().is_none_or(|mechanism| mechanism.machines.is_empty()) {
         return call.usage("--installed: a kinematics module is not written on top of tables");
     }
     let meant = carried(call, machine, target, ModuleRequest::plain(options.orientation()))?;

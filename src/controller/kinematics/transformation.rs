@@ -1,9 +1,10 @@
 //! The five-axis transformation of a controller, in own arithmetic: rotary axes are lines, X, Y and Z are parallel to
 //! the machine, and the tool is a vector from the gauge point.
 //!
-//! A point of the tool, seen from the workpiece, is `R1 ... (x + Rn ... tip)`: turned about the lines of the head, moved
-//! by the linear axes, turned about the lines of the table, each in the order of the walk from the tool to the workpiece.
-//! All vectors are in machine directions with the rotary axes at 0, and count from the gauge point with all axes at 0.
+//! A point of the tool, seen from the workpiece, is `R1 ... (x + Rn ... tip)`: turned about the lines of the head,
+//! moved by the linear axes, turned about the lines of the table, each in the order of the walk from the tool to the
+//! workpiece. All vectors are in machine directions with the rotary axes at 0, and count from the gauge point with all
+//! axes at 0.
 
 use crate::algebra::{hat, rotation_about};
 use crate::compensation::{MachinePart, RotaryPlacement};
