@@ -206,10 +206,8 @@ impl Composition {
         let field = effect.field(file, &target);
         let mut report = CertificateReport::new(file, &both, &certificate, (&*field, depth), self.files.clone());
         let step = |target: String, compensated| CertificateStep { target, compensated };
-        report.steps = vec![
-            step(self.target.manifest.target.clone(), first),
-            step(both.manifest.target, certificate.compensated),
-        ];
+        report.steps =
+            vec![step(self.target.manifest.target.clone(), first), step(both.manifest.target, certificate.compensated)];
         Ok(report)
     }
 

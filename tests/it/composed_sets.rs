@@ -31,7 +31,9 @@ fn machine(folder: &Folder) -> PathBuf {
 fn both(folder: &Folder, targets: &[&str]) -> Run {
     let mut command = abbe();
     command.args(["compile", "--format", "json", "--accept-unverified", "--poses", &POSES.to_string()]);
-    targets.iter().for_each(|target| drop(command.args(["--target", target])));
+    for target in targets {
+        let _ = command.args(["--target", target]);
+    }
     Run::of(command.arg(folder.path("machine.yaml")).arg("--out").arg(folder.path("out")))
 }
 
