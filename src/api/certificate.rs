@@ -18,8 +18,19 @@ pub struct CertificateReport {
     pub certificate: Certificate,
     /// Names of the files.
     pub files: Vec<String>,
+    /// Figures after each step of a composed set, the last for all of it; empty for other sets.
+    pub steps: Vec<CertificateStep>,
     /// Intervals of the figures, where the machine file states uncertainties of errors.
     pub uncertainty: Option<CertificateBands>,
+}
+
+/// Figures after a step of a composed set.
+#[derive(Debug, Clone)]
+pub struct CertificateStep {
+    /// Names of the targets so far.
+    pub target: String,
+    /// Figures with them.
+    pub compensated: Figures,
 }
 
 impl CertificateReport {
@@ -32,7 +43,7 @@ impl CertificateReport {
     ) -> Self {
         let uncertainty = CertificateBands::of(machine, certificate, field, depth);
         let (machine, target, certificate) = (machine.clone(), target.clone(), certificate.clone());
-        Self { machine, target, certificate, files, uncertainty }
+        Self { machine, target, certificate, files, steps: Vec::new(), uncertainty }
     }
 
     /// Returns in words which figures of the position deviation the files raise; `None` if they raise none.
@@ -42,7 +53,7 @@ impl CertificateReport {
 
     /// The contract of `compile` and `verify` in docs/formats.md.
     fn json(&self) -> serde_json::Value {
-        let Self { machine, target, certificate, files, uncertainty } = self;
+        let Self { machine, target, certificate, files, steps, uncertainty } = self;
         let summary = |f: &Figures| {
             json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad,
             "tool_axis_urad": f.tool_axis})
@@ -77,6 +88,24 @@ impl CertificateReport {
                 &certificate.at_reference[1])},
             "cannot": target.manifest.cannot,
         });
+        let programming: Vec<Value> = certificate
+            .programming
+            .iter()
+            .map(|way| {
+                json!({"tool_direction": if way.vectors { "vector" } else { "rotary axes" }, "longer_mm": way.longer_mm,
+                    "uncompensated": summary(&way.uncompensated), "compensated": summary(&way.compensated)})
+            })
+            .collect();
+        if let (false, Some(contract)) = (programming.is_empty(), contract.as_object_mut()) {
+            let _ = contract.insert("programming".to_owned(), json!(programming));
+        }
+        let steps: Vec<Value> = steps
+            .iter()
+            .map(|step| json!({"target": step.target, "compensated": summary(&step.compensated)}))
+            .collect();
+        if let (false, Some(contract)) = (steps.is_empty(), contract.as_object_mut()) {
+            let _ = contract.insert("steps".to_owned(), json!(steps));
+        }
         if let (Some(bands), Some(contract)) = (uncertainty, contract.as_object_mut()) {
             let _ = contract.insert("uncertainty".to_owned(), json!(bands));
         }

@@ -1,7 +1,7 @@
 //! `compile`: the files of a controller, with their certificate.
 
 use super::certificate::CertificateReport;
-use super::compensation::module_set;
+use super::compensation::module_set::{self, ModuleRequest};
 use super::compensation::options::CompensationOptions;
 use super::compensation::table_set::{self, TableRequest};
 use super::compensation::verdict;
@@ -121,10 +121,10 @@ fn module(
     target: &ControllerTarget,
     options: &CompileOptions,
 ) -> Result<CompiledSet, Refused> {
-    module_set::refuse_installed(call, options.installed.is_some())?;
+    let before = module_set::installed(call, file, target, &options.compensation, options.installed.as_deref())?;
     let orientation = options.compensation.orientation();
     let limits = options.max_correction;
-    let set = module_set::rendered(call, file, target, orientation, limits)?;
+    let set = module_set::rendered(call, file, target, ModuleRequest { orientation, limits, before })?;
     let depth = Depth { poses: options.poses, seed: options.seed };
     let certificate = certify_kinematics(file, target, (&set.module, &set.beside), depth);
     call.extend(limits.exceeded_by(&certificate));
@@ -156,7 +156,7 @@ fn compiled(
 
 /// A format that rests on memory alone is written only for those who accept it. A folder of one's own needs no such
 /// option: who wrote its manifest knows.
-fn refuse_unverified(call: &mut Call, target: &ControllerTarget, accepted: bool) -> Result<(), Refused> {
+pub(super) fn refuse_unverified(call: &mut Call, target: &ControllerTarget, accepted: bool) -> Result<(), Refused> {
     let name = &target.manifest.target;
     if accepted || !target.manifest.unverified() || !NAMES.contains(&&**name) {
         return Ok(());

@@ -3,12 +3,13 @@
 pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::budget::BudgetResult;
 pub use super::budgets::ComparedBudgets;
-pub use super::certificate::CertificateReport;
+pub use super::certificate::{CertificateReport, CertificateStep};
 pub use super::check::CheckedFile;
 pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
 pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
 pub use super::compile::CompiledSet;
 pub use super::compiled_model::{DeviationColumns, PoseDeviation};
+pub use super::compose::{ComposedPart, ComposedSet};
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
 pub use super::diff::{AxisDifference, SetDifference};
 pub use super::diff_machines::{MachineDifference, PropertyDifference};
@@ -49,7 +50,7 @@ pub use crate::analysis::enumerate::{NeededRange, Ranking, RoundCount, Row as Ar
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
 pub use crate::analysis::{Bands, SummaryBand};
 pub use crate::controller::{
-    Certificate, CompensationDegree, ControllerTarget, Figures, ROUNDING_UM, SingleErrorResidual,
+    Certificate, CompensationDegree, ControllerTarget, Figures, ProgrammingFigures, ROUNDING_UM, SingleErrorResidual,
 };
 pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};

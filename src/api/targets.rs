@@ -1,6 +1,6 @@
 //! The controllers: their mechanisms, their limits, and the certainty of these facts.
 
-use crate::compensation::{KinematicsMechanism, ModuleContent, Spacing, TableRules};
+use crate::compensation::{KinematicsMechanism, ModuleContent, ParameterVector, Spacing, TableRules};
 use crate::controller::{Certainty, ControllerTarget, NAMES};
 use serde::Serialize;
 
@@ -123,6 +123,25 @@ fn kinematics_limits(mechanism: &KinematicsMechanism) -> String {
              mean of forward and reverse"
                 .to_owned()
         }
+        ModuleContent::KinematicParameters => parameter_limits(mechanism),
         _ => format!("a few constants, {} decimals of each", mechanism.increment.correction_decimals),
     }
+}
+
+fn parameter_limits(mechanism: &KinematicsMechanism) -> String {
+    let directed = mechanism.machines.iter().flat_map(|rules| &rules.parameters);
+    let directed = directed.into_iter().any(|vector| matches!(vector, ParameterVector::Direction { .. }));
+    let increment = mechanism.increment;
+    let directions = if directed {
+        format!("; components of unit vectors, {} decimals", increment.correction_decimals)
+    } else {
+        "; no directions".to_owned()
+    };
+    let mut kinds: Vec<&str> = Vec::new();
+    for rules in &mechanism.machines {
+        if !kinds.contains(&rules.rotary.words()) {
+            kinds.push(rules.rotary.words());
+        }
+    }
+    format!("{}; offsets in mm, {} decimals{directions}", kinds.join(", or "), increment.position_decimals)
 }

@@ -3,9 +3,11 @@
 use super::certificate::CertificateReport;
 use super::compensation::folder::Folder;
 use super::compensation::found_set::{FoundSet, found_set};
+use super::compensation::module_set::{self, ModuleRequest};
 use super::compensation::options::CompensationOptions;
 use super::compensation::table_set::{self, FoundTables};
-use super::compensation::{module_set, verdict};
+use super::compensation::verdict;
+use super::compose;
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{
@@ -52,6 +54,9 @@ pub fn verify(
     run: Run,
 ) -> Result<Answer<CertificateReport>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
+        if compose::is_composed(folder, call) {
+            return compose::verify_composed(call, file, folder, options);
+        }
         let set = opened(call, file, folder, options)?;
         if set.target.manifest.kinematics().is_some() {
             return module(call, file, folder, &set, options);
@@ -76,13 +81,16 @@ pub(super) fn opened(
 ) -> Result<FoundSet, Refused> {
     let folder = Folder::new(path, call.run.files);
     let lock = folder.lock();
+    if lock.as_ref().is_some_and(compose::is_beside) {
+        let message = format!("the tables in `{}` are for what kinematic parameters beside them leave", path.display());
+        let help = "name the folder above, whose manifest lists both";
+        return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
+    }
     warn_other_inputs(call, file, lock.as_ref());
     let set = found_set(call, file, path, options.target.as_deref(), &options.compensation)?;
     call.checked()?;
     warn_edited(call, &folder, lock.as_ref());
-    if set.target.manifest.kinematics().is_some() {
-        module_set::refuse_installed(call, options.installed.is_some())?;
-    } else {
+    if set.target.manifest.kinematics().is_none() {
         warn_other_tool(call, file, &set.target, lock.as_ref());
     }
     Ok(set)
@@ -112,7 +120,10 @@ fn module(
     options: &VerifyOptions,
 ) -> Result<CertificateReport, Refused> {
     let (target, texts) = (&set.target, &set.files);
-    let (module, beside) = module_set::found(call, file, target, folder, &options.compensation, texts)?;
+    let how = &options.compensation;
+    let before = module_set::installed(call, file, target, how, options.installed.as_deref())?;
+    let request = ModuleRequest { before, ..ModuleRequest::plain(how.orientation()) };
+    let (module, beside) = module_set::found(call, file, target, folder, request, texts)?;
     let depth = Depth { poses: options.poses, seed: options.seed };
     let certificate = certify_kinematics(file, target, (&module, &beside), depth);
     call.extend(verdict::warnings(&certificate));
@@ -123,7 +134,7 @@ fn module(
 }
 
 /// Tables made from other files than those just read are judged all the same.
-fn warn_other_inputs(call: &mut Call, file: &MachineFile, lock: Option<&Lock>) {
+pub(super) fn warn_other_inputs(call: &mut Call, file: &MachineFile, lock: Option<&Lock>) {
     if lock.is_some_and(|lock| lock.inputs != file.inputs()) {
         let message = "the tables were made from another machine file, or from other error tables, than these";
         call.warn(Diagnostic::new(codes::W0702, message).help("compile again if the machine file has changed"));
@@ -131,7 +142,7 @@ fn warn_other_inputs(call: &mut Call, file: &MachineFile, lock: Option<&Lock>) {
 }
 
 /// Tables that hold for one tool, judged with another.
-fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarget, lock: Option<&Lock>) {
+pub(super) fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarget, lock: Option<&Lock>) {
     let Some(lock) = lock else { return };
     let name = &file.tool().name;
     if target.manifest.tool_dependent() && lock.tool != *name {
@@ -142,7 +153,7 @@ fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarge
 }
 
 /// Warns of files that are no longer as the manifest of the set states; they are read all the same.
-fn warn_edited(call: &mut Call, folder: &Folder, lock: Option<&Lock>) {
+pub(super) fn warn_edited(call: &mut Call, folder: &Folder, lock: Option<&Lock>) {
     let Some(lock) = lock else {
         let message =
             format!("`{}` has no readable {LOCK_NAME}: edits of its files cannot be detected", folder.path.display());

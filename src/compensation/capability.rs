@@ -1,6 +1,7 @@
 //! The mechanisms of a controller's compensation: the `mechanism:` of a target's manifest.
 
 use super::increment::{Increment, round};
+use super::parameters::ParameterRules;
 use super::tables::{CorrectionTable, CorrectionTables};
 use crate::machine::Machine;
 use serde::Deserialize;
@@ -52,7 +53,11 @@ pub struct KinematicsMechanism {
     /// The controller's names of the modules that have them: one, or of rotary centres that for A and that for B.
     #[serde(default)]
     pub components: Vec<String>,
-    /// Decimals of constants; numbers of a full model are written exactly.
+    /// Of kinematic parameters: the kinds of machines that the controller has a transformation for.
+    #[serde(default)]
+    pub machines: Vec<ParameterRules>,
+    /// Decimals of constants; numbers of a full model are written exactly. Of kinematic parameters those of positions
+    /// are for offsets (mm), those of corrections for components of directions.
     pub increment: Increment,
 }
 
@@ -67,6 +72,8 @@ pub enum ModuleContent {
     /// The lines of a tilting table: A or B, and C on it, tables turning right-handed. Constants: a point of
     /// C's line (X, Y, Z), the vector from it to the tilting line (X, Y, Z), the length of the tool.
     RotaryCentres,
+    /// The lines of the rotary axes, and the tool axis, of the controller's five-axis transformation.
+    KinematicParameters,
 }
 
 /// The spacing of the points of a table.

@@ -21,12 +21,12 @@ mod replay;
 mod single_errors;
 
 pub use certificate::{
-    Certificate, CompensationDegree, Depth, Effect, Figures, ROUNDING_UM, RaisedFigure, SingleErrorResidual,
-    TablesUnderTest, ZeroShift, micro,
+    Certificate, CompensationDegree, Depth, Effect, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure,
+    SingleErrorResidual, TablesUnderTest, ZeroShift, micro,
 };
 pub use emit::{Hashed, LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile, sha256};
-pub use kinematics::{KinematicsModule, Model, ModuleField};
+pub use kinematics::{KinematicsModule, Model, ModuleField, Parameters};
 pub use manifest::{Certainty, Controller, ControllerTarget, NAMES, assigned_letters, is_plain_name};
 pub use read::{ReadBack, RecognisedSet, recognise};
 pub use replay::Replay;
-pub use single_errors::{certify, certify_kinematics};
+pub use single_errors::{certify, certify_composed, certify_kinematics};

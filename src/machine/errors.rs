@@ -110,6 +110,11 @@ impl JointErrors {
         std::array::from_fn(|i| self.component[i].as_ref().map_or(0.0, |t| t.value(position, approach)))
     }
 
+    /// Replaces the location errors by these (mm, rad), those of 0 by none.
+    pub(in crate::machine) fn set_location(&mut self, location: [f64; 6]) {
+        self.location = location.map(|value| (value != 0.0).then_some(ErrorTerm::Constant(value)));
+    }
+
     /// Keeps the errors of the joint of this name that `keep` accepts.
     pub(in crate::machine) fn retain(&mut self, joint: &AxisName, keep: &impl Fn(&ErrorId) -> bool) {
         for family in ErrorFamily::ALL {

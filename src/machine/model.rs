@@ -33,6 +33,19 @@ pub struct SetUp {
     pub workpiece: [f64; 6],
 }
 
+/// A rotary axis on another nominal line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MovedLine {
+    /// Index in the walk.
+    pub axis: usize,
+    /// Unit vector, as [`Axis::direction`].
+    pub direction: [f64; 3],
+    /// A point of the line, mm.
+    pub origin: [f64; 3],
+    /// Location errors, mm and rad.
+    pub location: [f64; 6],
+}
+
 /// Interval and step of one axis for maps and tables (mm or deg).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grid {
@@ -193,6 +206,30 @@ impl Machine {
     pub fn with_tool(&self, name: &str) -> Option<Self> {
         let tool = self.parts.tools.iter().position(|t| t.name == name)?;
         Some(Self { parts: self.parts.clone(), tool })
+    }
+
+    /// The same machine with other nominal lines of rotary axes and their location errors, another axis (unit vector)
+    /// and tip (mm) of the tool in use, and other location errors of the spindle, if it has one.
+    pub fn with_lines(&self, lines: &[MovedLine], tool: ([f64; 3], [f64; 3]), spindle: [f64; 6]) -> Self {
+        let mut moved = self.clone();
+        for line in lines {
+            let axis = &mut moved.parts.axes[line.axis];
+            (axis.direction, axis.origin) = (line.direction, line.origin);
+            moved.parts.errors[line.axis].set_location(line.location);
+        }
+        let of_spindle = moved.parts.errors.get_mut(self.parts.axes.len());
+        of_spindle.into_iter().for_each(|errors| errors.set_location(spindle));
+        let own = &mut moved.parts.tools[self.tool];
+        (own.direction, own.tip) = tool;
+        moved
+    }
+
+    /// The same machine with the tip of the tool in use further from the spindle, mm along the tool axis.
+    pub fn with_longer_tool(&self, length_mm: f64) -> Self {
+        let mut longer = self.clone();
+        let tool = &mut longer.parts.tools[self.tool];
+        tool.tip = std::array::from_fn(|i| tool.tip[i] - length_mm * tool.direction[i]);
+        longer
     }
 
     /// Workpiece origin (mm).

@@ -8,7 +8,7 @@ use crate::oracle::machines::Sample;
 use crate::oracle::matrix::norm;
 use crate::oracle::program::Folder;
 use crate::support::lattice::Lattice;
-use crate::support::{Run, abbe, compile, config, left, number, p95_bracket, verify};
+use crate::support::{Run, abbe, compile, config, left, number, p95_bracket, verify, writes_tables};
 
 /// The trunnion machine in a folder of its own.
 fn trunnion(folder: &Folder, errors: &str, volume: &str) -> std::path::PathBuf {
@@ -465,7 +465,7 @@ fn with_table(folder: &Folder, errors: &str) -> std::path::PathBuf {
 /// Nothing to compensate is no failure: old tables are removed, and `verify`, `diff` and `--installed` accept the rest.
 #[test]
 fn sets_without_tables() {
-    for target in abbe::controller::NAMES.into_iter().filter(|name| !name.starts_with("linuxcnc-")) {
+    for target in abbe::controller::NAMES.into_iter().filter(|name| writes_tables(name)) {
         let folder = Folder::new();
         let out = folder.path("out");
         let more = ["--accept-unverified", "--poses", "20", "--nodes", "300"];

@@ -24,7 +24,8 @@ fn every_target_for_every_config() {
         work.extend(turn.chain(heavy).map(|target| (name.clone(), target)));
     }
     let written = judged(work);
-    for target in abbe::controller::NAMES {
+    // The machine of 5axiskins is in `kinematic_parameters`.
+    for target in abbe::controller::NAMES.into_iter().filter(|target| *target != "linuxcnc-5axiskins") {
         assert!(written.contains(&target), "{target}: written for no machine of configs/");
     }
 }

@@ -18,6 +18,7 @@ mod compile;
 mod compile_linuxcnc;
 mod compile_refusals;
 mod compiled_columns;
+mod composed_sets;
 mod configs;
 mod convert;
 mod coverage;
@@ -48,6 +49,7 @@ mod instrument;
 mod interactions;
 #[cfg(target_os = "linux")]
 mod killed;
+mod kinematic_parameters;
 mod kinematics_views;
 mod language;
 mod linuxcnc_constants;

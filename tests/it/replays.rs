@@ -13,7 +13,7 @@ use crate::oracle::machines::Sample;
 use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 use crate::support::controllers::{Files, loaded as controller};
-use crate::support::{Entry, compile, config, tree};
+use crate::support::{Entry, compile, config, tree, writes_tables};
 
 /// The files of a set by name.
 pub fn files(out: &Path) -> Files {
@@ -136,7 +136,7 @@ pub fn geometry(table: bool) -> Sample {
 /// Formats whose files another interpreter reads, and the source of the tolerance: the last place of a double in the
 /// sums.
 fn targets() -> impl Iterator<Item = &'static str> {
-    abbe::controller::NAMES.into_iter().filter(|name| !name.starts_with("linuxcnc-") && *name != "grid-csv")
+    abbe::controller::NAMES.into_iter().filter(|name| writes_tables(name) && *name != "grid-csv")
 }
 
 #[test]

@@ -14,11 +14,16 @@ use crate::support::compile;
 use crate::support::controllers::Files;
 
 /// Tests with a target's vectors: of the file's text, and of the corrections.
-const VECTORS: [(&str, &str, &str); 19] = [
+const VECTORS: [(&str, &str, &str); 24] = [
     ("linuxcnc", "compile_linuxcnc", "compile_linuxcnc, tests/live"),
     ("linuxcnc-kins", "linuxcnc_kins/mod", "tests/live"),
     ("linuxcnc-matrixkins", "linuxcnc_constants", "linuxcnc_constants"),
     ("linuxcnc-trt", "linuxcnc_constants", "linuxcnc_constants"),
+    ("linuxcnc-5axiskins", "kinematic_parameters", "kinematic_parameters"),
+    ("sinumerik-traori", "kinematic_parameters", "kinematic_parameters"),
+    ("heidenhain-kinematics", "kinematic_parameters", "kinematic_parameters"),
+    ("fanuc-5axis", "kinematic_parameters", "kinematic_parameters"),
+    ("haas-mrzp", "kinematic_parameters", "kinematic_parameters"),
     ("isg-volcomp", "targets", "vectors"),
     ("etalon-exchange", "targets", "vectors"),
     ("sinumerik-cec", "targets", "targets"),

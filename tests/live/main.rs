@@ -23,13 +23,14 @@ use std::process::{Command, ExitCode, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The longest first.
-const CHECKS: [checks::Check; 13] = [
+const CHECKS: [checks::Check; 14] = [
     ("the harness notices spoiled tables", tables::harness),
     ("three-axis tables in the running controller", tables::three_axis),
     ("five-axis tables in the running controller", tables::five_axis),
     ("malformed tables: what the controller swallows never comes out of compile", tables::malformed),
     ("ideal kinematics of xyzac-trt, xyzbc-trt and 5axiskins", kinematics::nominal),
     ("fitted centres in xyzac-trt and xyzbc-trt", kinematics::centres),
+    ("pivot length in 5axiskins", kinematics::pivot),
     ("error model in the kinematics, three axes", kins::three_axis),
     ("error model in the kinematics, tilting table", kins::table_table),
     ("error model in the kinematics, head and table", kins::head_table),

@@ -1,13 +1,13 @@
 //! Effect of a set of files on a machine: of one that `compile` would write, or of one found in a folder.
 
 use super::found_set::found_set;
+use super::module_set::ModuleRequest;
 use super::options::CompensationOptions;
 use super::table_set::{self, FoundTables, TableRequest};
 use super::{module_set, verdict};
+use crate::api::compose;
 use crate::api::run::{Call, Refused};
-use crate::controller::{
-    Certificate, ControllerTarget, Depth, Effect, Limits, TablesUnderTest, certify, certify_kinematics,
-};
+use crate::controller::{Certificate, ControllerTarget, Depth, Effect, TablesUnderTest, certify, certify_kinematics};
 use crate::machine::Machine;
 use std::path::Path;
 
@@ -21,7 +21,7 @@ pub(crate) fn compiled_effect(
     depth: Depth,
 ) -> Result<(Effect, Certificate), Refused> {
     let (effect, certificate) = if target.manifest.kinematics().is_some() {
-        let set = module_set::rendered(call, machine, target, options.orientation(), Limits::default())?;
+        let set = module_set::rendered(call, machine, target, ModuleRequest::plain(options.orientation()))?;
         let (module, beside) = (set.module, set.beside);
         let certificate = certify_kinematics(machine, target, (&module, &beside), depth);
         (Effect::Module(Box::new(module), beside), certificate)
@@ -44,12 +44,16 @@ pub(crate) fn found_effect(
     folder: &Path,
     options: &CompensationOptions,
 ) -> Result<(ControllerTarget, Effect), Refused> {
+    if compose::is_composed(folder, call) {
+        return compose::found_composed(call, machine, folder, options);
+    }
     let set = found_set(call, machine, folder, None, options)?;
     call.checked()?;
     if set.target.manifest.kinematics().is_none() {
         let FoundTables { target, tables, .. } = table_set::tables_of(call, machine, folder, set)?;
         return Ok((target, Effect::CorrectionTables(tables)));
     }
-    let (module, beside) = module_set::found(call, machine, &set.target, folder, options, &set.files)?;
+    let request = ModuleRequest::plain(options.orientation());
+    let (module, beside) = module_set::found(call, machine, &set.target, folder, request, &set.files)?;
     Ok((set.target, Effect::Module(Box::new(module), beside)))
 }

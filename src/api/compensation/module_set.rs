@@ -19,15 +19,34 @@ pub(crate) struct ModuleFiles {
     pub(crate) beside: CorrectionTables,
 }
 
+/// What a module is made for.
+#[derive(Debug, Clone)]
+pub(crate) struct ModuleRequest {
+    /// True if the direction of the tool is corrected too.
+    pub(crate) orientation: bool,
+    /// Limits on corrections.
+    pub(crate) limits: Limits,
+    /// Kinematic parameters with which the machine was measured, mm and components of unit vectors; the nominal
+    /// machine's if there are none.
+    pub(crate) before: Option<Vec<f64>>,
+}
+
+impl ModuleRequest {
+    /// Returns the request of a module on its own, with the usual limits.
+    pub(crate) fn plain(orientation: bool) -> Self {
+        Self { orientation, limits: Limits::default(), before: None }
+    }
+}
+
 /// Renders a module and reads it back.
 pub(crate) fn rendered(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
-    orientation: bool,
-    limits: Limits,
+    request: ModuleRequest,
 ) -> Result<ModuleFiles, Refused> {
-    let meant = carried(call, machine, target, orientation)?;
+    let limits = request.limits;
+    let meant = carried(call, machine, target, request)?;
     call.checked()?;
     let reversal = Arc::new(target.reversal_tables(machine));
     call.extend(limits.exceeded(machine, &reversal));
@@ -39,9 +58,26 @@ pub(crate) fn rendered(
     Ok(ModuleFiles { rendered, module, beside })
 }
 
-/// A module takes the place of another one, and nothing adds up.
-pub(crate) fn refuse_installed(call: &mut Call, given: bool) -> Result<(), Refused> {
-    if given { call.usage("--installed: a kinematics module is not written on top of tables") } else { Ok(()) }
+/// Reads the kinematic parameters that were in force when the machine was measured. Other modules take the place of
+/// what was there, and nothing adds up.
+pub(crate) fn installed(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    options: &CompensationOptions,
+    folder: Option<&Path>,
+) -> Result<Option<Vec<f64>>, Refused> {
+    let Some(folder) = folder else { return Ok(None) };
+    if target.manifest.kinematics().is_none_or(|mechanism| mechanism.machines.is_empty()) {
+        return call.usage("--installed: a kinematics module is not written on top of tables");
+    }
+    let meant = carried(call, machine, target, ModuleRequest::plain(options.orientation()))?;
+    let named = Some(target.manifest.target.as_str());
+    let set =
+        call.about(&folder.display().to_string(), |call| found_set::found_set(call, machine, folder, named, options))?;
+    let Some(file) = set.files.first() else { return call.refuse(found_set::nothing_found(folder)) };
+    let values = target.read_parameters(&meant, file, &mut call.diagnostics);
+    values.map_or(Err(Refused), |values| Ok(Some(values)))
 }
 
 /// A module's numbers and the tables beside it, read from the files of a folder.
@@ -50,13 +86,13 @@ pub(crate) fn found(
     machine: &Machine,
     target: &ControllerTarget,
     folder: &Path,
-    options: &CompensationOptions,
+    request: ModuleRequest,
     texts: &[ReadBack],
 ) -> Result<(KinematicsModule, CorrectionTables), Refused> {
     if texts.is_empty() {
         return call.refuse(found_set::nothing_found(folder));
     }
-    let meant = carried(call, machine, target, options.orientation())?;
+    let meant = carried(call, machine, target, request)?;
     let Some(read) = target.read_kinematics(machine, &meant, texts, &mut call.diagnostics) else {
         return Err(Refused);
     };
@@ -68,12 +104,12 @@ fn carried(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
-    orientation: bool,
+    request: ModuleRequest,
 ) -> Result<KinematicsModule, Refused> {
-    match KinematicsModule::of(machine, target, orientation) {
+    match KinematicsModule::of(machine, target, request.orientation) {
         Ok(carried) => {
             call.extend(carried.warnings(machine));
-            Ok(carried)
+            Ok(request.before.into_iter().fold(carried, KinematicsModule::on_top_of))
         }
         Err(refusal) => call.refuse(refusal),
     }

@@ -5,7 +5,8 @@ use super::session::Session;
 use crate::cli::Format;
 use abbe::options::Approach;
 use abbe::results::{
-    Axis, CertificateReport, CompensationDegree, ControllerTarget, Machine, ROUNDING_UM, SingleErrorResidual, Summary,
+    Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Machine, ROUNDING_UM,
+    SingleErrorResidual, Summary,
 };
 use abbe::text::{micro, significant};
 use serde_json::json;
@@ -57,7 +58,8 @@ impl CertificateView<'_> {
     }
 
     fn text(&self) -> String {
-        [self.heading(), self.figures(), self.by_error(), self.cautions()].join("\n")
+        let parts = [self.heading(), self.figures(), self.programming(), self.by_error(), self.cautions()];
+        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
     }
 
     fn heading(&self) -> String {
@@ -102,7 +104,42 @@ impl CertificateView<'_> {
         let bands = self.report.uncertainty.as_ref().map_or_else(String::new, |of| {
             bands::text(&[("uncompensated".to_owned(), &of.uncompensated), ("compensated".to_owned(), &of.compensated)])
         });
-        format!("{table}\n{bands}{}{raised}{}", ratio(&before.all.position_um, &after.all.position_um), self.shifted())
+        let steps = self.steps();
+        format!(
+            "{table}\n{bands}{steps}{}{raised}{}",
+            ratio(&before.all.position_um, &after.all.position_um),
+            self.shifted()
+        )
+    }
+
+    /// Returns the figures after each step of a composed set.
+    fn steps(&self) -> String {
+        let line = |step: &CertificateStep| {
+            let (position, axis) = (step.compensated.all.position_um.p95, step.compensated.tool_axis.p95);
+            let (position, axis) = (significant(position, 4), significant(axis, 4));
+            format!("After {}: 95 % {position} um, tool axis {axis} urad.\n", step.target)
+        };
+        self.report.steps.iter().map(line).collect()
+    }
+
+    /// Returns the figures of kinematic parameters by tool and by what a block programs.
+    fn programming(&self) -> String {
+        let ways = &self.report.certificate.programming;
+        if ways.is_empty() {
+            return String::new();
+        }
+        let mut table = comfy_table::Table::new();
+        let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN);
+        let _ = table.set_header(["programmed", "tool", "position um, max", "95 %", "tool axis urad, max", "95 %"]);
+        for way in ways {
+            let programmed = if way.vectors { "tool vectors" } else { "rotary axes" };
+            let tool =
+                if way.longer_mm > 0.0 { format!("{} mm longer", way.longer_mm) } else { "of the file".to_owned() };
+            let (position, axis) = (way.compensated.all.position_um, way.compensated.tool_axis);
+            let cells = [position.max, position.p95, axis.max, axis.p95].map(|x| significant(x, 4));
+            let _ = table.add_row([programmed.to_owned(), tool].into_iter().chain(cells));
+        }
+        format!("Compensated, by what a block programs for the direction of the tool:\n{table}\n")
     }
 
     /// Returns the errors that are not compensated fully: a list of forty others helps nobody.

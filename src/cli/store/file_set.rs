@@ -32,6 +32,9 @@ impl NewSet<'_> {
             commit::exclusive(folder).map_err(|failure| write::unwritable_folder(folder, &failure.to_string()))?;
         let old = existing_lock(folder);
         refuse_odd_manifest(folder, old.is_some())?;
+        if old.as_ref().is_some_and(|old| !old.parts.is_empty()) && self.lock.parts.is_empty() {
+            return Err(foreign(folder, "holds the sets of two targets in subfolders"));
+        }
         if let Some(refusal) = old.as_ref().and_then(|lock| refuse_outside(lock, folder)) {
             return Err(refusal);
         }

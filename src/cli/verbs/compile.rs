@@ -7,17 +7,19 @@ use crate::cli::output::certificate::CertificateView;
 use crate::cli::output::session::Session;
 use crate::cli::store::file_set::{self, NewSet};
 use crate::cli::store::write;
-use abbe::CompileOptions;
 use abbe::options::Limits;
 use abbe::sets::target_writes;
-use std::path::PathBuf;
+use abbe::{CompileOptions, MachineFile};
+use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    #[arg(long, value_name = "NAME", help = help::TARGET)]
-    target: String,
+    #[arg(long, value_name = "NAME", required = true, help = help::TARGET,
+        long_help = "The controller; `abbe targets` lists them. Kinematic parameters and tables for what they leave: \
+            both targets, each with its --target")]
+    target: Vec<String>,
     #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Folder for the files")]
     out: PathBuf,
     /// Write files of a format or a sign that is known from memory only.
@@ -41,7 +43,7 @@ pub(crate) struct Args {
 impl Args {
     fn options(&self) -> CompileOptions {
         CompileOptions {
-            target: self.target.clone(),
+            target: self.target.first().cloned().unwrap_or_default(),
             compensation: self.set.how.options(),
             poses: self.set.poses.count(),
             seed: self.set.seed.seed,
@@ -61,12 +63,40 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let Some(installed) = &args.installed.installed {
         file_set::check(session, installed)?;
     }
+    if args.target.len() > 1 {
+        return composed(session, args, &file);
+    }
     let answer = abbe::compile(&file, &args.options(), session.run());
     let set = session.take(answer)?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
     let new = NewSet { files: &set.files, lock: &set.lock, read: &session.files, writes: &writes };
     match new.write(&args.out) {
+        Ok(warnings) => warnings.into_iter().for_each(|warning| session.diagnostics.push(warning)),
+        Err(refusal) => return session.refuse(refusal),
+    }
+    CertificateView { report: &set.certificate, folder: &args.out }.print(session);
+    Ok(())
+}
+
+/// Writes the sets of two targets into subfolders, then the manifest over both.
+fn composed(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
+    let set = session.take(abbe::compile_composed(file, &args.target, &args.options(), session.run()))?;
+    let compensation = args.set.how.options();
+    let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
+    let part = |files, lock, folder: &Path| NewSet { files, lock, read: &session.files, writes: &writes }.write(folder);
+    let mut written = write::make_folder(&args.out).map(|()| Vec::new());
+    for one in &set.parts {
+        written = written.and_then(|mut all| {
+            all.extend(part(&one.files, &one.lock, &args.out.join(&one.folder))?);
+            Ok(all)
+        });
+    }
+    let written = written.and_then(|mut all| {
+        all.extend(part(&[], &set.lock, &args.out)?);
+        Ok(all)
+    });
+    match written {
         Ok(warnings) => warnings.into_iter().for_each(|warning| session.diagnostics.push(warning)),
         Err(refusal) => return session.refuse(refusal),
     }

@@ -27,6 +27,21 @@ pub struct Certificate {
     pub shifted: Option<ZeroShift>,
     /// Figures that are larger with the files than without them.
     pub raised: Vec<RaisedFigure>,
+    /// Figures of kinematic parameters by tool and by what a block programs; none of other mechanisms.
+    pub programming: Vec<ProgrammingFigures>,
     /// The entry by which the sign is best tested; none if nothing is corrected.
     pub strongest: Option<Strongest>,
+}
+
+/// Figures of a controller's transformation for one way to program the tool and one tool.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProgrammingFigures {
+    /// True if blocks program the direction of the tool by a vector, false if by the positions of the rotary axes.
+    pub vectors: bool,
+    /// Length by which the tool is longer than that of the machine file, mm.
+    pub longer_mm: f64,
+    /// Figures without the parameters.
+    pub uncompensated: Figures,
+    /// Figures with them.
+    pub compensated: Figures,
 }

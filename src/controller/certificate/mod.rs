@@ -19,7 +19,7 @@ mod single_error;
 mod tables;
 mod zero_shift;
 
-pub use content::Certificate;
+pub use content::{Certificate, ProgrammingFigures};
 pub use depth::Depth;
 pub(super) use depth::{LatticeSubset, single_error_poses};
 pub use effect::Effect;

@@ -1,17 +1,21 @@
 //! The certificate of a kinematics module.
 
 use super::Certificate;
+use super::content::ProgrammingFigures;
 use super::depth::{Depth, single_error_poses};
-use super::figures::{Judgement, judge};
+use super::figures::{Judgement, figures, judge};
 use super::sign_test::strongest_at;
 use super::single_error::{NominalAt, SingleErrorResidual, judge_one, nominal};
 use crate::compensation::CorrectionTables;
-use crate::controller::kinematics::{KinematicsModule, ModuleField};
+use crate::controller::kinematics::{KinematicsModule, ModuleField, Parameters};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::replay::Replay;
-use crate::evaluate::{Bare, Order};
-use crate::machine::{Approach, ErrorId, Machine};
+use crate::evaluate::{Bare, Field, Order};
+use crate::machine::{Approach, ErrorId, Machine, Pose};
 use rayon::prelude::*;
+
+/// Length by which the second tool of a certificate of kinematic parameters is longer, mm.
+const LONGER_TOOL_MM: f64 = 100.0;
 
 /// A module with the tables beside it.
 #[derive(Debug, Clone, Copy)]
@@ -56,8 +60,32 @@ pub(in crate::controller) fn judge_module(
         at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.added(&zero, approach)),
         shifted: None,
         raised,
+        programming: set
+            .module
+            .parameters()
+            .map_or_else(Vec::new, |own| programming(machine, (own, set), &poses, approach)),
         strongest: strongest_at(machine, (&poses, &[Approach::Mean]), |pose, approach| module.added(pose, approach)),
     }
+}
+
+/// Figures of a transformation for both ways to program the direction of the tool, and for a longer tool: parameters
+/// are right for every tool.
+fn programming(
+    machine: &Machine,
+    (own, set): (&Parameters, ModuleSet),
+    poses: &[Pose],
+    approach: Approach,
+) -> Vec<ProgrammingFigures> {
+    let longer = machine.with_longer_tool(LONGER_TOOL_MM);
+    let ways = [(machine, 0.0), (&longer, LONGER_TOOL_MM)].into_iter().flat_map(|of| [(of, false), (of, true)]);
+    ways.map(|((machine, longer_mm), vectors)| {
+        let module = KinematicsModule::KinematicParameters(own.clone().programmed(vectors));
+        let driven = ModuleField::new(machine, &module).beside(Replay::new(machine, set.target, set.beside));
+        let bare = Bare { machine, order: Order::Exact };
+        let [uncompensated, compensated] = [&bare as &dyn Field, &driven].map(|field| figures(field, poses, approach));
+        ProgrammingFigures { vectors, longer_mm, uncompensated, compensated }
+    })
+    .collect()
 }
 
 fn judge_single(

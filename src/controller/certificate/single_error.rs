@@ -157,6 +157,13 @@ impl Cells<'_> {
     }
 }
 
+impl SingleErrorResidual {
+    /// Judges a residual, um.
+    pub(in crate::controller) fn new(error: ErrorId, alone_um: f64, residual_um: f64) -> Self {
+        verdict(error, alone_um, residual_um)
+    }
+}
+
 fn verdict(error: ErrorId, alone_um: f64, residual_um: f64) -> SingleErrorResidual {
     const NOTHING: f64 = 0.05;
     let degree = if residual_um <= (0.05 * alone_um).max(NOTHING) {

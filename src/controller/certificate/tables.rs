@@ -69,6 +69,7 @@ pub(in crate::controller) fn judge_tables(
         at_reference: [Approach::Forward, Approach::Reverse].map(|a| replay.added(&zero, a)),
         shifted: vanishing.then(shifted),
         raised,
+        programming: Vec::new(),
         strongest: strongest(machine, tables, &poses, |pose, approach| replay.added(pose, approach)),
     }
 }

@@ -28,6 +28,9 @@ pub struct Lock {
     pub inputs: Vec<Hashed>,
     /// Files written: name and SHA-256.
     pub files: Vec<Hashed>,
+    /// Of a composed set: its subfolders, each with the SHA-256 of the manifest in it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<Hashed>,
     /// Files of earlier sets that were still in the folder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stale: Vec<Hashed>,
@@ -66,6 +69,7 @@ impl Lock {
             conventions: serde_json::to_value(machine.conventions()).unwrap_or_default(),
             inputs,
             files,
+            parts: Vec::new(),
             stale: Vec::new(),
         }
     }

@@ -120,6 +120,7 @@ impl ControllerTarget {
                 let context = context! {
                     machine => self.written_name(machine),
                     version => env!("CARGO_PKG_VERSION"),
+                    caution => self.manifest.caution(),
                     beside => beside.clone(),
                         ..own.clone()
                 };

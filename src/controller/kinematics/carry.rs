@@ -2,6 +2,7 @@
 
 use super::constants::{Centres, LinearMap};
 use super::data::{Model, WORLD};
+use super::parameters::Parameters;
 use super::topology;
 use crate::compensation::{KinematicsMechanism, ModuleContent};
 use crate::controller::manifest::{ControllerTarget, assigned_letters};
@@ -17,6 +18,8 @@ pub enum KinematicsModule {
     LinearMap(LinearMap),
     /// Lines of a tilting table.
     RotaryCentres(Centres),
+    /// Parameters of the controller's own transformation.
+    KinematicParameters(Parameters),
 }
 
 impl KinematicsModule {
@@ -30,6 +33,9 @@ impl KinematicsModule {
             ModuleContent::FullModel => Self::FullModel(Model::of(machine, mechanism.damping, orientation)?),
             ModuleContent::LinearMap => Self::LinearMap(LinearMap::fitted(machine, &letters()?)?),
             ModuleContent::RotaryCentres => Self::RotaryCentres(Centres::fitted(machine, &letters()?)?),
+            ModuleContent::KinematicParameters => {
+                Self::KinematicParameters(Parameters::of(machine, mechanism, orientation)?)
+            }
         };
         Ok(carried.quantised(mechanism))
     }
@@ -48,20 +54,42 @@ impl KinematicsModule {
     pub fn without_orientation(self) -> Self {
         match self {
             Self::FullModel(model) => Self::FullModel(Model { orientation: false, ..model }),
+            Self::KinematicParameters(parameters) => Self::KinematicParameters(parameters.programmed(false)),
             other => other,
         }
     }
 
-    /// True if the direction of the tool is corrected. Only a full model can do that.
+    /// True if the direction of the tool is corrected: by a full model, or by a transformation that is given it.
     pub fn orientation(&self) -> bool {
-        matches!(self, Self::FullModel(model) if model.orientation)
+        match self {
+            Self::FullModel(model) => model.orientation,
+            Self::KinematicParameters(parameters) => parameters.vectors,
+            Self::LinearMap(_) | Self::RotaryCentres(_) => false,
+        }
+    }
+
+    /// Kinematic parameters for a machine that was measured with other parameters in force.
+    #[must_use]
+    pub fn on_top_of(self, installed: Vec<f64>) -> Self {
+        match self {
+            Self::KinematicParameters(parameters) => Self::KinematicParameters(parameters.on_top_of(installed)),
+            other => other,
+        }
+    }
+
+    /// The parameters of a controller's own transformation, if the module is that.
+    pub fn parameters(&self) -> Option<&Parameters> {
+        match self {
+            Self::KinematicParameters(parameters) => Some(parameters),
+            Self::FullModel(_) | Self::LinearMap(_) | Self::RotaryCentres(_) => None,
+        }
     }
 
     /// Returns the warnings for a programmer: W0601, W0760, W0761.
     pub fn warnings(&self, machine: &Machine) -> Vec<Diagnostic> {
         match self {
             Self::FullModel(model) => topology::warnings(machine, model),
-            Self::LinearMap(_) | Self::RotaryCentres(_) => Vec::new(),
+            Self::LinearMap(_) | Self::RotaryCentres(_) | Self::KinematicParameters(_) => Vec::new(),
         }
     }
 
@@ -72,6 +100,7 @@ impl KinematicsModule {
             Self::FullModel(model) => Self::FullModel(model),
             Self::LinearMap(map) => Self::LinearMap(map.rounded(decimals)),
             Self::RotaryCentres(centres) => Self::RotaryCentres(centres.rounded(decimals)),
+            Self::KinematicParameters(parameters) => Self::KinematicParameters(parameters),
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use super::KinematicsModule;
 use super::data::{CurveData, Joint, Model, ModuleWords, WORLD};
+use super::parameters::WrittenParameter;
 use crate::compensation::KinematicsMechanism;
 use crate::controller::emit::fixed;
 use crate::machine::{Axis, Grid, Machine, Travel};
@@ -27,6 +28,10 @@ pub fn context(machine: &Machine, carried: &KinematicsModule, mechanism: &Kinema
         KinematicsModule::LinearMap(map) => constants(&map.matrix, mechanism, "none"),
         KinematicsModule::RotaryCentres(centres) => {
             constants(&centres.lines, mechanism, ["a", "b"][centres.tilt.min(1)])
+        }
+        KinematicsModule::KinematicParameters(parameters) => {
+            let one = |p: WrittenParameter| context! { name => p.name, value => p.value, before => p.before };
+            context! { constants => parameters.written().into_iter().map(one).collect::<Vec<_>>() }
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A machine whose controller has a kinematics module loaded: mapped like a bare one.
 
 use super::nominal::to_roll_pitch_yaw;
+use super::transformation::ProgrammedTool;
 use super::{KinematicsModule, Model, ModuleWords, World};
 use crate::algebra::rotation_about;
 use crate::controller::replay::Replay;
@@ -39,6 +40,9 @@ impl<'a> ModuleField<'a> {
             }
             KinematicsModule::LinearMap(map) => Some(map.command(pose)),
             KinematicsModule::RotaryCentres(centres) => Some(centres.command(&tip, pose)),
+            KinematicsModule::KinematicParameters(parameters) => {
+                Some(parameters.transformation().command(&programmed(self.machine, parameters.vectors, pose)))
+            }
         }
     }
 
@@ -54,6 +58,20 @@ impl<'a> ModuleField<'a> {
     pub fn added(&self, pose: &[f64], approach: Approach) -> Vec<f64> {
         let command = self.sent(pose, approach).unwrap_or_else(|| pose.to_vec());
         command.iter().zip(pose).map(|(c, q)| c - q).collect()
+    }
+}
+
+/// What a block programs so that the nominal machine goes to a pose.
+fn programmed<'a>(machine: &Machine, vectors: bool, pose: &'a [f64]) -> ProgrammedTool<'a> {
+    let nominal = NominalPose::at(machine, pose).pose;
+    let [gauge, tip, nominal_axis] =
+        [machine.tool().gauge, machine.tool().tip, machine.tool().direction].map(Vector3::from);
+    ProgrammedTool {
+        tip: nominal.translation + Vector3::from(machine.workpiece()) - gauge,
+        tool: tip - gauge,
+        nominal_axis,
+        axes: pose,
+        vector: vectors.then(|| nominal.linear * nominal_axis),
     }
 }
 

@@ -35,6 +35,24 @@ impl ControllerTarget {
         self.manifest.reversal().map_or_else(CorrectionTables::default, |rules| reversal_tables(machine, rules))
     }
 
+    /// Reads kinematic parameters, mm and components of unit vectors, whatever they mean for the machine. Diagnostics:
+    /// E0704.
+    pub fn read_parameters(
+        &self,
+        meant: &KinematicsModule,
+        file: &ReadBack,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<f64>> {
+        let parameters = meant.parameters()?;
+        match self.parameters(&parameters.names(), &file.text) {
+            Ok(stored) => Some(parameters.stored(&stored)),
+            Err(fault) => {
+                fault.report(file, diagnostics);
+                None
+            }
+        }
+    }
+
     /// Reads the numbers of a module back. `meant` holds the axes of the machine that they are for. Diagnostics: E0704,
     /// E0705.
     pub fn read_kinematics(
@@ -72,6 +90,13 @@ impl ControllerTarget {
                     centres.lines = lines;
                     KinematicsModule::RotaryCentres(centres)
                 })
+            }
+            (Some(Layout::Parameters { .. }), KinematicsModule::KinematicParameters(meant)) => {
+                let read = self.parameters(&meant.names(), &file.text).and_then(|stored| {
+                    let values = meant.stored(&stored);
+                    meant.fault(&values).map_or(Ok(values), |why| Err(Fault::new(0, why)))
+                });
+                read.map(|values| KinematicsModule::KinematicParameters(meant.clone().with_values(values)))
             }
             _ => Err(Fault { line: 0, message: "the manifest's layout is none of its mechanism".to_owned() }),
         };

@@ -8,6 +8,10 @@
 //!    machine, and only numbers that were read from the files count;
 //! 4. [`certify_kinematics`](crate::controller::certify_kinematics) states the residual.
 //!
+//! Kinematic parameters ([`Parameters`]) are the numbers of a transformation that the controller has already: the lines
+//! of its rotary axes. `rotary_lines` takes them from the machine, `transformation` computes with the numbers that were
+//! read from the files.
+//!
 //! Two frames are in use. The controller's *world* holds the position of the tip of the tool relative to the gauge
 //! point with all axes at 0, plus the tool's length (so that world and joints agree while no rotary axis is turned, and
 //! a tool length offset is the controller's own), and the programmed positions of the other axes. A *command* is the
@@ -21,11 +25,15 @@ mod driven;
 mod files;
 mod hold;
 mod nominal;
+mod parameters;
 mod real;
+mod rotary_lines;
 mod solve;
 mod topology;
+mod transformation;
 
 pub use carry::KinematicsModule;
 pub use data::{CurveData, Form, Joint, Model, ModuleWords};
 pub use driven::ModuleField;
+pub use parameters::Parameters;
 pub use solve::World;

@@ -207,6 +207,16 @@ pub enum Layout {
     CArrays,
     /// Lines `setp COMPONENT.NAME VALUE`.
     HalConstants,
+    /// Kinematic parameters, one a line.
+    Parameters {
+        /// The mark that begins a comment.
+        comment: String,
+        /// The pattern of a parameter, with `<name>` and `<value>`.
+        line: String,
+        /// Patterns of the other lines.
+        #[serde(default)]
+        others: Vec<String>,
+    },
 }
 
 /// The lines around columns.

@@ -7,18 +7,23 @@ use std::fmt::{Display, Formatter};
 use std::path::Path;
 
 /// Targets in the binary.
-pub const NAMES: [&str; 19] = [
+pub const NAMES: [&str; 24] = [
     "linuxcnc",
     "linuxcnc-kins",
     "linuxcnc-matrixkins",
     "linuxcnc-trt",
+    "linuxcnc-5axiskins",
     "isg-volcomp",
     "etalon-exchange",
     "sinumerik-cec",
     "sinumerik-enc",
+    "sinumerik-traori",
     "heidenhain-com",
+    "heidenhain-kinematics",
     "fanuc-pitch",
     "fanuc-3d",
+    "fanuc-5axis",
+    "haas-mrzp",
     "twincat-axis",
     "pmac",
     "kmotion-geo",
@@ -30,7 +35,7 @@ pub const NAMES: [&str; 19] = [
 ];
 
 /// Files in the binary, as in `templates/`.
-const EMBEDDED: [(&str, &str); 55] = [
+const EMBEDDED: [(&str, &str); 66] = [
     ("linuxcnc/compensation.inc.j2", include_str!("../../../templates/linuxcnc/compensation.inc.j2")),
     ("linuxcnc/table.j2", include_str!("../../../templates/linuxcnc/table.j2")),
     ("linuxcnc/target.yaml", include_str!("../../../templates/linuxcnc/target.yaml")),
@@ -50,6 +55,17 @@ const EMBEDDED: [(&str, &str); 55] = [
     ("linuxcnc-matrixkins/matrixkins.hal.j2", include_str!("../../../templates/linuxcnc-matrixkins/matrixkins.hal.j2")),
     ("linuxcnc-trt/target.yaml", include_str!("../../../templates/linuxcnc-trt/target.yaml")),
     ("linuxcnc-trt/trt.hal.j2", include_str!("../../../templates/linuxcnc-trt/trt.hal.j2")),
+    ("linuxcnc-5axiskins/pivot.hal.j2", include_str!("../../../templates/linuxcnc-5axiskins/pivot.hal.j2")),
+    ("linuxcnc-5axiskins/target.yaml", include_str!("../../../templates/linuxcnc-5axiskins/target.yaml")),
+    ("sinumerik-traori/traori.j2", include_str!("../../../templates/sinumerik-traori/traori.j2")),
+    ("sinumerik-traori/target.yaml", include_str!("../../../templates/sinumerik-traori/target.yaml")),
+    ("heidenhain-kinematics/list.j2", include_str!("../../../templates/heidenhain-kinematics/list.j2")),
+    ("heidenhain-kinematics/target.yaml", include_str!("../../../templates/heidenhain-kinematics/target.yaml")),
+    ("fanuc-5axis/parameters.j2", include_str!("../../../templates/fanuc-5axis/parameters.j2")),
+    ("fanuc-5axis/readme.j2", include_str!("../../../templates/fanuc-5axis/readme.j2")),
+    ("fanuc-5axis/target.yaml", include_str!("../../../templates/fanuc-5axis/target.yaml")),
+    ("haas-mrzp/settings.j2", include_str!("../../../templates/haas-mrzp/settings.j2")),
+    ("haas-mrzp/target.yaml", include_str!("../../../templates/haas-mrzp/target.yaml")),
     ("isg-volcomp/hochlauf_part.lis.j2", include_str!("../../../templates/isg-volcomp/hochlauf_part.lis.j2")),
     ("isg-volcomp/target.yaml", include_str!("../../../templates/isg-volcomp/target.yaml")),
     ("isg-volcomp/volcomp.csv.j2", include_str!("../../../templates/isg-volcomp/volcomp.csv.j2")),

@@ -2,7 +2,8 @@
 
 use super::{Column, Layout, Manifest, Per};
 use crate::compensation::{
-    Encoding, Increment, KinematicsMechanism, ModuleContent, OwnAxisContent, Spacing, Stored, TableRules,
+    Encoding, Increment, KinematicsMechanism, ModuleContent, OwnAxisContent, ParameterRules, Spacing, Stored,
+    TableRules,
 };
 
 impl Manifest {
@@ -97,8 +98,8 @@ impl Manifest {
             tables.clone().all(|file| matches!(file.layout, Some(Layout::Columns { .. } | Layout::Lines { .. })));
         let known = tables.clone().count() == 0 || self.reversal().is_some();
         (!one || !once || !read || !known).then(|| {
-            "files: all `per: machine`, and one of them with the layout c_arrays (full_model) or hal_constants; \
-             besides, `of: own_axis` with a layout of tables"
+            "files: all `per: machine`, and one of them with the layout c_arrays (full_model), parameters \
+             (kinematic_parameters) or hal_constants; besides, `of: own_axis` with a layout of tables"
                 .to_owned()
         })
     }
@@ -109,6 +110,8 @@ fn layout_fits(carries: ModuleContent, layout: &Layout) -> bool {
     match carries {
         ModuleContent::FullModel => *layout == Layout::CArrays,
         ModuleContent::LinearMap | ModuleContent::RotaryCentres => *layout == Layout::HalConstants,
+        ModuleContent::KinematicParameters => matches!(layout, Layout::Parameters { comment, line, .. }
+            if !comment.is_empty() && line.contains("<name>") && line.contains("<value>")),
     }
 }
 
@@ -139,6 +142,13 @@ impl KinematicsMechanism {
         if self.carries == ModuleContent::FullModel && !damped {
             return Some("damping: the sine of an angle, above 0 and at most 0.5".to_owned());
         }
+        let parameters = self.carries == ModuleContent::KinematicParameters;
+        if parameters == self.machines.is_empty() {
+            return Some("machines: the kinds of machines of kinematic_parameters, at least one".to_owned());
+        }
+        if let Some(fault) = self.machines.iter().find_map(ParameterRules::fault) {
+            return Some(fault);
+        }
         let wanted = self.carries.constants();
         let plain = |name: &String| {
             !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_'))
@@ -158,7 +168,7 @@ impl ModuleContent {
     /// Number of the controller's modules that have the constants.
     fn components(self) -> usize {
         match self {
-            Self::FullModel => 0,
+            Self::FullModel | Self::KinematicParameters => 0,
             Self::LinearMap => 1,
             Self::RotaryCentres => 2,
         }
@@ -167,7 +177,7 @@ impl ModuleContent {
     /// Number of constants.
     fn constants(self) -> usize {
         match self {
-            Self::FullModel => 0,
+            Self::FullModel | Self::KinematicParameters => 0,
             Self::LinearMap => 9,
             Self::RotaryCentres => 7,
         }

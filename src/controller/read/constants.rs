@@ -1,8 +1,8 @@
 //! The numbers of a kinematics module: constant arrays of C, or lines `setp MODULE.NAME VALUE`.
 
-use super::{Arrays, Fault};
+use super::{Arrays, Fault, ParameterLines};
 use crate::compensation::ModuleContent;
-use crate::controller::manifest::ControllerTarget;
+use crate::controller::manifest::{ControllerTarget, Layout};
 use crate::units;
 
 impl ControllerTarget {
@@ -14,7 +14,35 @@ impl ControllerTarget {
             ModuleContent::FullModel => Arrays::read(text)?.take("abbe_options", 3).map(|_| ()),
             ModuleContent::LinearMap => pins.set::<9>(text).map(|_| ()),
             ModuleContent::RotaryCentres => pins.set::<7>(text).map(|_| ()),
+            ModuleContent::KinematicParameters => self.accept_parameters(text),
         }
+    }
+}
+
+impl ControllerTarget {
+    /// The numbers of kinematic parameters in a text, in the order of these names.
+    pub fn parameters(&self, names: &[&str], text: &str) -> Result<Vec<f64>, Fault> {
+        let lines = self.manifest.files.iter().find_map(|file| match &file.layout {
+            Some(Layout::Parameters { comment, line, others }) => Some(ParameterLines { comment, line, others }),
+            _ => None,
+        });
+        let none = || Fault::new(0, "the target has no file of parameters");
+        lines.ok_or_else(none)?.read(names, text)
+    }
+
+    /// Accepts the parameters of any kind of machine.
+    fn accept_parameters(&self, text: &str) -> Result<(), Fault> {
+        let machines = self.manifest.kinematics().map_or(&[][..], |mechanism| &mechanism.machines);
+        let tried = machines.iter().map(|rules| {
+            let names: Vec<&str> = rules.names().map(String::as_str).collect();
+            self.parameters(&names, text).map(|_| ())
+        });
+        // The fault of the longest reading.
+        let furthest = |a: Result<(), Fault>, b: Result<(), Fault>| match (a, b) {
+            (Err(a), Err(b)) => Err(if b.line > a.line { b } else { a }),
+            _ => Ok(()),
+        };
+        tried.reduce(furthest).unwrap_or(Ok(()))
     }
 }
 

@@ -15,7 +15,7 @@ impl Reading<'_> {
             Layout::CsvLattice => lattice::csv(self.machine, text).map(one),
             Layout::JsonLattice => lattice::json(self.machine, text).map(one),
             // Those of kinematics modules have a reader of their own.
-            Layout::CArrays | Layout::HalConstants => Ok(CorrectionTables::default()),
+            Layout::CArrays | Layout::HalConstants | Layout::Parameters { .. } => Ok(CorrectionTables::default()),
             Layout::Lines { comment, lines } => {
                 let records = lines::records(comment.as_deref(), lines, text)?;
                 assemble::tables(self, &records)

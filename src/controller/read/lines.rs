@@ -136,6 +136,11 @@ pub(super) fn fits(pattern: &str, line: &str) -> bool {
     matched(&pieces(pattern), line).is_some()
 }
 
+/// The fields of a line that fits a pattern from end to end.
+pub(super) fn fields(pattern: &str, line: &str) -> Option<Vec<(String, String)>> {
+    matched(&pieces(pattern), line)
+}
+
 /// A piece of a pattern.
 #[derive(Debug, Clone, PartialEq)]
 enum Piece {
@@ -198,10 +203,6 @@ fn matched(pieces: &[Piece], line: &str) -> Option<Vec<(String, String)>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn fields(pattern: &str, line: &str) -> Option<Vec<(String, String)>> {
-        matched(&pieces(pattern), line)
-    }
 
     #[test]
     fn patterns_take_their_fields_and_nothing_else() {

@@ -15,6 +15,7 @@ mod lattice;
 mod layout;
 mod lines;
 mod named;
+mod parameters;
 mod place;
 mod products;
 mod reading;
@@ -25,6 +26,7 @@ mod set;
 pub use arrays::Arrays;
 pub use constants::Pins;
 pub use file::{Fault, ReadBack};
+pub use parameters::ParameterLines;
 pub use recognise::{RecognisedSet, recognise};
 
 use file::number;

@@ -105,7 +105,7 @@ impl TargetFit {
         // Tables beside a kinematics module do not count without the module.
         let of_module = |placed: &FilePlace| {
             let layout = target.manifest.files[placed.spec].layout.as_ref();
-            matches!(layout, Some(Layout::CArrays | Layout::HalConstants))
+            matches!(layout, Some(Layout::CArrays | Layout::HalConstants | Layout::Parameters { .. }))
         };
         if target.manifest.kinematics().is_some() && !placed.iter().any(of_module) {
             placed.clear();
@@ -284,7 +284,7 @@ impl Trial<'_> {
 
     /// The axes for which the file reads as this part of the set.
     fn fits(&mut self, spec: &FileSpec, layout: &Layout) -> Option<(Vec<usize>, Vec<f64>)> {
-        if let Layout::CArrays | Layout::HalConstants = layout {
+        if let Layout::CArrays | Layout::HalConstants | Layout::Parameters { .. } = layout {
             let told = self.target.accept_kinematics(self.text);
             return self.kept(told).map(|()| Default::default());
         }

@@ -158,3 +158,12 @@ fn quantiles_by_hand() {
     // 4 sqrt(0.0475 (1/100 + 1/100)) is 0.1233: ranks 82.67 and 107.3.
     assert_eq!(p95_bracket(&hundred, 100), (83.0, 100.0));
 }
+
+/// Targets of kinematic parameters: `kinematic_parameters` has their tests.
+pub const PARAMETER_TARGETS: [&str; 5] =
+    ["linuxcnc-5axiskins", "sinumerik-traori", "heidenhain-kinematics", "fanuc-5axis", "haas-mrzp"];
+
+/// True if a target's files are tables.
+pub fn writes_tables(target: &str) -> bool {
+    !target.starts_with("linuxcnc-") && !PARAMETER_TARGETS.contains(&target)
+}

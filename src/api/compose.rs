@@ -1,0 +1,314 @@
+//! Sets of two targets on one controller: kinematic parameters, and tables for what they leave. A subfolder for each
+//! target, one manifest over both.
+
+use super::certificate::{CertificateReport, CertificateStep};
+use super::compensation::module_set::{self, ModuleRequest};
+use super::compensation::options::CompensationOptions;
+use super::compensation::table_set::{self, TableRequest};
+use super::compensation::verdict;
+use super::compensation::{folder::Folder, found_set};
+use super::compile::{CompileOptions, refuse_unverified};
+use super::machine_file::{MachineFile, bounded_only};
+use super::run::{Answer, Call, Refused, Run};
+use super::verify::{VerifyOptions, warn_edited, warn_other_inputs, warn_other_tool};
+use crate::compensation::CorrectionTables;
+use crate::controller::{
+    ControllerTarget, Depth, Effect, Hashed, LOCK_NAME, Lock, Parameters, RenderedFile, certify_composed, sha256,
+};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::machine::Machine;
+use std::path::Path;
+
+/// A set of two targets in memory, with its certificate.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct ComposedSet {
+    /// The parts, kinematic parameters first.
+    #[serde(skip)]
+    pub parts: Vec<ComposedPart>,
+    /// The manifest over both, to be written last as `abbe.lock.json`.
+    #[serde(skip)]
+    pub lock: Lock,
+    /// Residual after the controller has applied both.
+    #[serde(flatten)]
+    pub certificate: CertificateReport,
+}
+
+/// The set of one target in a composed set.
+#[derive(Debug, Clone)]
+pub struct ComposedPart {
+    /// Name of its subfolder: the target's.
+    pub folder: String,
+    /// The files, without the manifest.
+    pub files: Vec<RenderedFile>,
+    /// The manifest of the part.
+    pub lock: Lock,
+}
+
+/// Both parts as the controller reads them.
+struct Composition {
+    target: ControllerTarget,
+    parameters: Parameters,
+    tables_target: ControllerTarget,
+    /// The machine that the tables are for: its nominal geometry is that of the parameters.
+    rest: Machine,
+    tables: CorrectionTables,
+    /// Names of the files, with their subfolders.
+    files: Vec<String>,
+}
+
+/// Compiles a machine to kinematic parameters and to tables for what they leave.
+///
+/// Fails like [`compile`](super::compile()), and if the targets are not one of kinematic parameters and one of tables:
+/// two sets for the same errors would correct them twice.
+pub fn compile_composed(
+    file: &MachineFile,
+    targets: &[String],
+    options: &CompileOptions,
+    run: Run,
+) -> Result<Answer<ComposedSet>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| {
+        call.extend(bounded_only(file));
+        if options.installed.is_some() {
+            return call.usage("--installed: with one target; compile the parts one by one");
+        }
+        let (target, tables_target) = split(call, targets, &options.compensation)?;
+        refuse_unverified(call, &target, options.accept_unverified)?;
+        refuse_unverified(call, &tables_target, options.accept_unverified)?;
+        let how = &options.compensation;
+        let request = ModuleRequest { limits: options.max_correction, ..ModuleRequest::plain(how.orientation()) };
+        let module = module_set::rendered(call, file, &target, request)?;
+        let Some(parameters) = module.module.parameters().cloned() else { return Err(Refused) };
+        let rest = remaining(call, file, &parameters)?;
+        let request = TableRequest {
+            lattice: &options.lattice,
+            max_nodes: options.max_nodes,
+            scope: how.scope(),
+            limits: options.max_correction,
+        };
+        let rendered = table_set::rendered(call, &rest, &tables_target, &request, None)?;
+        let names = |target: &ControllerTarget, files: &[RenderedFile]| {
+            files.iter().map(|file| format!("{}/{}", target.manifest.target, file.name)).collect::<Vec<_>>()
+        };
+        let files = [names(&target, &module.rendered), names(&tables_target, &rendered.rendered)].concat();
+        let composition = Composition { target, parameters, tables_target, rest, tables: rendered.tables, files };
+        let certificate = composition.certificate(file, how, (options.poses, options.seed), call)?;
+        let goal = if how.orientation() { "correct pose" } else { "correct position" };
+        let first = composition.part(file, &composition.target, vec![goal.to_owned()], module.rendered);
+        let beside = [how.words(), vec![beside(&first.lock)]].concat();
+        let second = composition.part(file, &composition.tables_target, beside, rendered.rendered);
+        let parts = vec![first, second];
+        let hashed = |part: &ComposedPart| Hashed::new(part.folder.clone(), part.lock.to_text().as_bytes());
+        let mut lock = Lock::new(&composition.name(), file, how.words(), file.inputs(), Vec::new());
+        lock.parts = parts.iter().map(hashed).collect();
+        Ok(ComposedSet { parts, lock, certificate })
+    })
+}
+
+/// The word by which tables name the parameters that they are beside.
+fn beside(lock: &Lock) -> String {
+    let hashes: Vec<&str> = lock.files.iter().map(|file| file.sha256.as_str()).collect();
+    format!("{BESIDE}{} {}", lock.target, sha256(hashes.concat().as_bytes()))
+}
+
+const BESIDE: &str = "beside ";
+
+/// True if tables are for what kinematic parameters leave.
+pub(super) fn is_beside(lock: &Lock) -> bool {
+    lock.options.iter().any(|option| option.starts_with(BESIDE))
+}
+
+/// The target of kinematic parameters and that of tables, in whatever order they are named.
+fn split(
+    call: &mut Call,
+    names: &[String],
+    options: &CompensationOptions,
+) -> Result<(ControllerTarget, ControllerTarget), Refused> {
+    let plain = CompensationOptions { templates: options.templates.clone(), ..CompensationOptions::default() };
+    let mut found = Vec::new();
+    for name in names {
+        found.push(plain.target(call, name, None)?);
+    }
+    let of_parameters = |target: &ControllerTarget| target.manifest.kinematics().map(|own| !own.machines.is_empty());
+    let (mut parameters, mut tables) = (Vec::new(), Vec::new());
+    for target in found {
+        match of_parameters(&target) {
+            Some(true) => parameters.push(target),
+            None => tables.push(target),
+            Some(false) => {
+                let message = format!("`{}` replaces the controller's kinematics", target.manifest.target);
+                let help = "a kinematics module is compiled alone; it holds what tables would";
+                return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
+            }
+        }
+    }
+    if let ([target], [beside]) = (&parameters[..], &tables[..]) {
+        // The options are the tables'.
+        let beside = options.target(call, &beside.manifest.target, None)?;
+        return Ok((target.clone(), beside));
+    }
+    let message = format!("{} would correct the same errors twice", names.join(" and "));
+    let help = "name one target of kinematic parameters, such as sinumerik-traori, and one of tables for what they \
+                leave, such as sinumerik-cec";
+    call.refuse(Diagnostic::new(codes::E0711, message).help(help))
+}
+
+/// The machine that parameters leave to tables.
+fn remaining(call: &mut Call, machine: &Machine, parameters: &Parameters) -> Result<Machine, Refused> {
+    match parameters.remaining(machine) {
+        Ok(rest) => Ok(rest),
+        Err(refusal) => call.refuse(refusal),
+    }
+}
+
+impl Composition {
+    fn name(&self) -> String {
+        format!("{}+{}", self.target.manifest.target, self.tables_target.manifest.target)
+    }
+
+    /// Both targets as one: what neither can correct, and the sign tests of both.
+    fn both(&self) -> ControllerTarget {
+        let (first, second) = (&self.target.manifest, &self.tables_target.manifest);
+        let mut both = self.tables_target.clone();
+        both.manifest.target = self.name();
+        both.manifest.title = format!("{}; {}", first.title, second.title);
+        both.manifest.sign_test =
+            format!("{}: {} {}: {}", first.target, first.sign_test.trim(), second.target, second.sign_test.trim());
+        both
+    }
+
+    fn part(
+        &self,
+        file: &MachineFile,
+        target: &ControllerTarget,
+        words: Vec<String>,
+        files: Vec<RenderedFile>,
+    ) -> ComposedPart {
+        let hashes = files.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
+        let lock = Lock::new(&target.manifest.target, file, words, file.inputs(), hashes);
+        ComposedPart { folder: target.manifest.target.clone(), files, lock }
+    }
+
+    /// Certifies both together.
+    fn certificate(
+        &self,
+        file: &MachineFile,
+        how: &CompensationOptions,
+        (poses, seed): (usize, u64),
+        call: &mut Call,
+    ) -> Result<CertificateReport, Refused> {
+        let depth = Depth { poses, seed };
+        let sets = ((&self.target, &self.parameters), (&self.tables_target, &self.tables));
+        let (certificate, first) = certify_composed(file, &self.rest, sets, how.scope(), depth);
+        call.extend(verdict::warnings(&certificate));
+        call.checked()?;
+        let (effect, target) = self.effect();
+        let both = self.both();
+        let field = effect.field(file, &target);
+        let mut report = CertificateReport::new(file, &both, &certificate, (&*field, depth), self.files.clone());
+        let step = |target: String, compensated| CertificateStep { target, compensated };
+        report.steps =
+            vec![step(self.target.manifest.target.clone(), first), step(both.manifest.target, certificate.compensated)];
+        Ok(report)
+    }
+
+    /// Warns of files that are no longer as the manifests state them, and of another machine or tool than theirs.
+    fn warn(&self, call: &mut Call, file: &MachineFile, path: &Path) {
+        let above = Folder::new(path, call.run.files).lock();
+        warn_other_inputs(call, file, above.as_ref());
+        warn_other_tool(call, file, &self.tables_target, above.as_ref());
+        for target in [&self.target, &self.tables_target] {
+            let name = &target.manifest.target;
+            let folder_path = path.join(name);
+            let folder = Folder::new(&folder_path, call.run.files);
+            let own = folder.lock();
+            warn_edited(call, &folder, own.as_ref());
+            let listed = above.iter().flat_map(|lock| &lock.parts).find(|part| part.name == *name);
+            let same = |own: &Lock| listed.is_some_and(|part| part.sha256 == sha256(own.to_text().as_bytes()));
+            if own.is_some_and(|own| !same(&own)) {
+                let message = format!("`{}` holds another set than the manifest above it lists", folder_path.display());
+                call.warn(Diagnostic::new(codes::W0701, message).help("compile both together again"));
+            }
+        }
+    }
+
+    /// The effect of both, and the target whose tables it has.
+    fn effect(&self) -> (Effect, ControllerTarget) {
+        let module = crate::controller::KinematicsModule::KinematicParameters(self.parameters.clone());
+        (Effect::Module(Box::new(module), self.tables.clone()), self.tables_target.clone())
+    }
+}
+
+/// True if a folder holds a composed set.
+pub(in crate::api) fn is_composed(folder: &Path, call: &Call) -> bool {
+    Folder::new(folder, call.run.files).lock().is_some_and(|lock| !lock.parts.is_empty())
+}
+
+/// Reads both parts of the composed set in a folder.
+fn found(
+    call: &mut Call,
+    machine: &Machine,
+    path: &Path,
+    options: &CompensationOptions,
+) -> Result<Composition, Refused> {
+    let lock = Folder::new(path, call.run.files).lock();
+    let names: Vec<String> = lock.iter().flat_map(|lock| &lock.parts).map(|part| part.name.clone()).collect();
+    let (target, tables_target) = split(call, &names, options)?;
+    let request = ModuleRequest::plain(options.orientation());
+    let (of_first, of_second) = (path.join(&target.manifest.target), path.join(&tables_target.manifest.target));
+    let locks = [&of_first, &of_second].map(|folder| Folder::new(folder, call.run.files).lock());
+    if let [Some(first), Some(second)] = &locks
+        && !second.options.contains(&beside(first))
+    {
+        let message = format!(
+            "the tables in `{}` are not for what the parameters in `{}` leave: the same errors would be corrected \
+             twice, or not at all",
+            of_second.display(),
+            of_first.display()
+        );
+        let help = format!(
+            "compile both together, or judge one of the subfolders alone; {LOCK_NAME} of the tables \
+                            names the parameters that they are beside"
+        );
+        return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
+    }
+    let named = Some(target.manifest.target.as_str());
+    let set = found_set::found_set(call, machine, &of_first, named, options)?;
+    let of_parameters: Vec<String> =
+        set.files.iter().map(|file| format!("{}/{}", target.manifest.target, file.found)).collect();
+    let (module, _) = module_set::found(call, machine, &target, &of_first, request, &set.files)?;
+    let Some(parameters) = module.parameters().cloned() else { return Err(Refused) };
+    let rest = remaining(call, machine, &parameters)?;
+    let named = Some(tables_target.manifest.target.as_str());
+    let set = found_set::found_set(call, &rest, &of_second, named, options)?;
+    let found = table_set::tables_of(call, &rest, &of_second, set)?;
+    call.checked()?;
+    let of_tables = found.files.iter().map(|file| format!("{}/{file}", tables_target.manifest.target));
+    let files = of_parameters.into_iter().chain(of_tables).collect();
+    Ok(Composition { target, parameters, tables_target, rest, tables: found.tables, files })
+}
+
+/// The certificate of the composed set in a folder.
+pub(super) fn verify_composed(
+    call: &mut Call,
+    file: &MachineFile,
+    folder: &Path,
+    options: &VerifyOptions,
+) -> Result<CertificateReport, Refused> {
+    if options.installed.is_some() {
+        return call.usage("--installed: with one target; verify the parts one by one");
+    }
+    let composition = found(call, file, folder, &options.compensation)?;
+    composition.warn(call, file, folder);
+    composition.certificate(file, &options.compensation, (options.poses, options.seed), call)
+}
+
+/// The effect of the composed set in a folder, and the target whose tables it has.
+pub(in crate::api) fn found_composed(
+    call: &mut Call,
+    machine: &Machine,
+    folder: &Path,
+    options: &CompensationOptions,
+) -> Result<(ControllerTarget, Effect), Refused> {
+    let (effect, target) = found(call, machine, folder, options)?.effect();
+    Ok((target, effect))
+}

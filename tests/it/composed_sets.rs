@@ -1,0 +1,118 @@
+//! Kinematic parameters and tables for what they leave, certified together: by the manual's transformation and the
+//! manual's sum of tables, both read from the files.
+
+use std::path::{Path, PathBuf};
+
+use crate::kinematic_parameters::{Control, OF_TABLES, numbers, table_table};
+use crate::oracle::curves::Travel;
+use crate::oracle::matrix::norm;
+use crate::oracle::program::Folder;
+use crate::support::cec::CorrectionTables;
+use crate::support::config::sample;
+use crate::support::{Run, abbe, left, names, number, p95_bracket, verify};
+
+const POSES: usize = 400;
+
+/// Location errors of the table, which parameters take; a squareness and curves, which they leave.
+fn machine(folder: &Folder) -> PathBuf {
+    let squareness = "  EC0Y: 31 urad\n  EB0Z: -22 urad\n";
+    let text = table_table(&format!("{OF_TABLES}{squareness}measured: [x.csv, y.csv]\n"));
+    let _ = folder.write("x.csv", "X [mm],EXX [um]\n0,0\n500,19\n");
+    let _ = folder.write("y.csv", "Y [mm],EZY [um]\n0,0\n200,9\n450,-6\n");
+    let origins = ["X", "Y", "Z"]
+        .into_iter()
+        .fold(text, |text, name| text.replace(&format!("  {name}: {{ "), &format!("  {name}: {{ origin: [0, 0, 0], ")));
+    folder.write(
+        "machine.yaml",
+        &format!("{origins}volume: {{ step: 100 mm, A: {{ step: 30 deg }}, C: {{ step: 30 deg }} }}\n"),
+    )
+}
+
+fn both(folder: &Folder, targets: &[&str]) -> Run {
+    let mut command = abbe();
+    command.args(["compile", "--format", "json", "--accept-unverified", "--poses", &POSES.to_string()]);
+    for target in targets {
+        let _ = command.args(["--target", target]);
+    }
+    Run::of(command.arg(folder.path("machine.yaml")).arg("--out").arg(folder.path("out")))
+}
+
+#[test]
+fn tables_take_what_the_parameters_leave() {
+    let folder = Folder::new();
+    let path = machine(&folder);
+    // In any order: parameters come first.
+    let json = both(&folder, &["sinumerik-cec", "sinumerik-traori"]).json();
+    let out = folder.path("out");
+    assert_eq!(names(&out), ["abbe.lock.json", "sinumerik-cec", "sinumerik-traori"]);
+    let sample = sample(&path);
+    let control = Control::traori("table-table", &numbers(&out.join("sinumerik-traori/TRAORI.INI")));
+    let text = std::fs::read_to_string(out.join("sinumerik-cec/_N_NC_CEC_INI")).unwrap();
+    let tables = CorrectionTables::read(&text).unwrap();
+    // AX1 to AX5 are X Y Z A C; a stored number is an error.
+    let order = ["X", "Y", "Z", "A", "C"];
+    let index = order.map(|name| sample.rigid.walk.iter().position(|axis| axis.name == name).unwrap());
+    let remaining: Vec<f64> = left::poses(&sample, 8, 2000)
+        .iter()
+        .map(|pose| {
+            let mut command = control.inverse(&sample, pose, left::ideal(&sample, pose));
+            let position = index.map(|axis| command[axis]);
+            for (number, axis) in index.iter().enumerate() {
+                command[*axis] -= tables.sum(number + 1, &position, false, [true, true]);
+            }
+            1e3 * norm(left::position(&sample, pose, &command, Travel::Mean))
+        })
+        .collect();
+    let (low, high) = p95_bracket(&remaining, POSES);
+    let by_rotary_axes = number(&json["programming"][0], "/compensated/position_um/p95");
+    assert!(low <= by_rotary_axes && by_rotary_axes <= high, "{low} {by_rotary_axes} {high}");
+
+    let steps = json["steps"].as_array().unwrap();
+    let p95 = |step: usize| number(&steps[step], "/compensated/position_um/p95");
+    assert_eq!(steps[0]["target"], "sinumerik-traori");
+    assert_eq!(steps[1]["target"], json["target"]);
+    assert!(p95(1) < 0.2 * p95(0) && p95(0) < 0.8 * number(&json, "/uncompensated/position_um/p95"), "{steps:?}");
+    assert!(
+        ["EX0C", "EA0C", "EXX", "EC0Y"].into_iter().all(|name| json["errors"][name]["handled"] == "fully"),
+        "{json}"
+    );
+    let again = verify(&path, &out, &["--poses", &POSES.to_string()]).json();
+    for key in ["compensated", "steps", "programming", "errors", "files", "target"] {
+        assert_eq!(again[key], json[key], "{key}");
+    }
+    let diff = Run::of(abbe().args(["diff", "--format", "json", "--poses", "20"]).arg(&path).args([&out, &out]));
+    assert_eq!(number(&diff.json(), "/position_um/max"), 0.0);
+    refusals(&folder, &path);
+}
+
+/// Nothing is corrected twice in silence.
+fn refusals(folder: &Folder, path: &Path) {
+    let out = folder.path("out");
+    let tables = out.join("sinumerik-cec");
+    let _ =
+        verify(path, &tables, &["--poses", "5"]).refused("E0711").says("what kinematic parameters beside them leave");
+    // The same again replaces the set.
+    assert_eq!(both(folder, &["sinumerik-traori", "sinumerik-cec"]).code, Some(0));
+    let single = |folder: &Path| {
+        let mut command = abbe();
+        command.args(["compile", "--format", "json", "--target", "sinumerik-cec", "--poses", "5"]);
+        Run::of(command.arg(path).arg("--out").arg(folder))
+    };
+    let _ = single(&out).refused("E0706").says("in subfolders");
+    let file = tables.join("_N_NC_CEC_INI");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, format!("; edited\n{text}")).unwrap();
+    let _ = verify(path, &out, &["--poses", "5"]).says("W0701");
+    std::fs::write(&file, text).unwrap();
+    let one = single(&tables);
+    assert_eq!(one.code, Some(0), "{}", one.err);
+    let _ = verify(path, &out, &["--poses", "5"]).refused("E0711").says("corrected twice");
+    for two in [
+        ["sinumerik-cec", "sinumerik-enc"],
+        ["sinumerik-traori", "fanuc-5axis"],
+        ["sinumerik-traori", "sinumerik-traori"],
+    ] {
+        let _ = both(folder, &two).refused("E0711").says("would correct the same errors twice");
+    }
+    let _ = both(folder, &["sinumerik-traori", "linuxcnc-kins"]).refused("E0711").says("compiled alone");
+}

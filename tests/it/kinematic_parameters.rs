@@ -1,0 +1,500 @@
+//! Kinematic parameters: the written numbers, put into the transformations as the manuals state them, place tip and tool
+//! axis where the oracle's machine has them; numbers by hand; sign tests as they are printed; refusals.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use abbe::controller::{ControllerTarget, KinematicsModule, ModuleField, ReadBack};
+use abbe::diagnostic::Diagnostics;
+
+use crate::loaded;
+use crate::oracle::curves::Travel;
+use crate::oracle::machines::{Pose, Sample};
+use crate::oracle::matrix::{
+    M4, ONE, V3, apply, cross, exp, inverse, minus, mul, norm, plus, translation, turn, twist,
+};
+use crate::oracle::program::Folder;
+use crate::support::config::sample;
+use crate::support::{Run, abbe, compile, config, left, names, number, p95_bracket, verify};
+
+const ACCEPT: [&str; 3] = ["--accept-unverified", "--poses", "300"];
+
+/// Location errors of the spindle.
+const OF_SPINDLE: &str = "  EA0S: 15 urad\n  EB0S: -31 urad\n";
+
+/// A trunnion; the axes do not meet.
+pub fn table_table(errors: &str) -> String {
+    format!(
+        "abbe: 1\nmachine: table-table\nchain: \"w C' A' Y' b X Z (S) t\"\naxes:\n  X: {{ travel: [0 mm, 500 mm] }}\n  \
+         Y: {{ travel: [0 mm, 450 mm] }}\n  Z: {{ travel: [-400 mm, 0 mm] }}\n  \
+         A: {{ travel: [-120 deg, 30 deg], origin: [250, 225, -350] }}\n  \
+         C: {{ travel: continuous, origin: [250, 225, -380] }}\ntool: {{ gauge: [10, 20, 30], length: 120 mm }}\n\
+         workpiece: {{ origin: [250, 225, -360] }}\nerrors:\n{errors}"
+    )
+}
+
+/// Their location errors.
+pub const OF_TABLES: &str = "  EY0A: -8 um\n  EZ0A: 17 um\n  EB0A: 54 urad\n  EC0A: -40 urad\n  EX0C: 26 um\n  EY0C: -9 um\n  \
+                         EA0C: -62 urad\n  EB0C: 44 urad\n";
+
+/// A fork head; B is inclined and does not meet C.
+fn head_head(errors: &str) -> String {
+    format!(
+        "abbe: 1\nmachine: head-head\nchain: \"w Y' b X Z C B (S) t\"\naxes:\n  X: {{ travel: [0 mm, 900 mm] }}\n  \
+         Y: {{ travel: [0 mm, 450 mm] }}\n  Z: {{ travel: [-400 mm, 0 mm] }}\n  \
+         C: {{ travel: [-200 deg, 200 deg], origin: [5, 3, 0] }}\n  \
+         B: {{ travel: [-100 deg, 100 deg], direction: [0, 1, 1], origin: [12, 0, 260] }}\n\
+         tool: {{ gauge: [0, 0, 40], length: 150 mm }}\nworkpiece: {{ origin: [100, 50, -300] }}\nerrors:\n{errors}"
+    )
+}
+
+const OF_HEADS: &str = "  EX0C: 26 um\n  EY0C: -9 um\n  EA0C: -62 urad\n  EB0C: 44 urad\n  EX0B: 13 um\n  EZ0B: -21 um\n  \
+                        EA0B: 33 urad\n  EC0B: -47 urad\n";
+
+/// The table turns right-handed.
+fn head_table(errors: &str) -> String {
+    format!(
+        "abbe: 1\nmachine: head-table\nchain: \"w C' X' b Y Z B (S) t\"\naxes:\n  X: {{ travel: [0 mm, 500 mm] }}\n  \
+         Y: {{ travel: [0 mm, 450 mm] }}\n  Z: {{ travel: [-400 mm, 0 mm] }}\n  \
+         C: {{ travel: continuous, sense: direct, origin: [250, 225, -380] }}\n  \
+         B: {{ travel: [-100 deg, 100 deg], origin: [1, 2, 220] }}\ntool: {{ gauge: [0, 0, 0], length: 90 mm }}\n\
+         workpiece: {{ origin: [250, 225, -300] }}\nerrors:\n{errors}"
+    )
+}
+
+fn with_spindle(of_axes: &str) -> String {
+    format!("{of_axes}{OF_SPINDLE}")
+}
+
+/// `NAME = VALUE` in any of the formats, by name; a remark is cut off.
+pub fn numbers(file: &Path) -> BTreeMap<String, f64> {
+    let text = std::fs::read_to_string(file).unwrap();
+    let mut found = BTreeMap::new();
+    for line in text.lines().map(|line| line.split([';', '#']).next().unwrap().trim()).filter(|line| !line.is_empty()) {
+        let parts = line.split_once('=').or_else(|| line.split_once("Q1M")).or_else(|| line.rsplit_once(' '));
+        let Some((name, value)) = parts else { continue };
+        let name = name.trim().trim_start_matches("$MC_TRAFO5_").trim_start_matches("SETTING ");
+        let value: f64 = value.trim().parse().unwrap();
+        assert!(found.insert(name.trim_start_matches('N').to_owned(), value).is_none(), "{name} twice");
+    }
+    found
+}
+
+/// Three numbers of a vector.
+fn vector(numbers: &BTreeMap<String, f64>, name: impl Fn(usize) -> String) -> V3 {
+    [0, 1, 2].map(|k| numbers[&name(k)])
+}
+
+/// A rotary axis of a controller: its name, the vector about which a positive command turns the tool right-handed
+/// against the workpiece, and a point of its line from the gauge point.
+pub struct Line {
+    pub axis: &'static str,
+    pub direction: V3,
+    pub point: V3,
+}
+
+/// A five-axis transformation as the manuals have it: lines of the table from the workpiece, lines of the head from
+/// the ram, and the tool along its vector.
+pub struct Control {
+    pub table: Vec<Line>,
+    pub head: Vec<Line>,
+    pub tool: V3,
+}
+
+fn negative(v: V3) -> V3 {
+    v.map(|c| -c)
+}
+
+impl Control {
+    /// TRAORI by the hypothesis of the manifest: offsets chain from the adapter over both axes back to it, vectors are
+    /// those about which the moved body turns.
+    pub fn traori(kind: &str, numbers: &BTreeMap<String, f64>) -> Self {
+        let of = |name: &str| vector(numbers, |k| format!("{name}_1[{k}]"));
+        let (base, joint, part) = (of("BASE_TOOL"), of("JOINT_OFFSET"), of("PART_OFFSET"));
+        let (first, second) = (of("AXIS1"), of("AXIS2"));
+        let (table, head) = match kind {
+            "table-table" => {
+                assert!(norm(plus(plus(base, joint), part)) < 1e-9, "the chain is open");
+                let carries = Line { axis: "C", direction: negative(second), point: plus(base, joint) };
+                (vec![carries, Line { axis: "A", direction: negative(first), point: base }], vec![])
+            }
+            "head-head" => {
+                assert!(norm(plus(plus(base, joint), part)) < 1e-9, "the chain is open");
+                let ram = Line { axis: "C", direction: first, point: plus(base, joint) };
+                (vec![], vec![ram, Line { axis: "B", direction: second, point: base }])
+            }
+            _ => {
+                let of_part = of("JOINT_OFFSET_PART");
+                assert!(norm(plus(base, joint)) < 1e-9 && norm(plus(of_part, part)) < 1e-9, "a chain is open");
+                let table = Line { axis: "C", direction: negative(second), point: of_part };
+                (vec![table], vec![Line { axis: "B", direction: first, point: base }])
+            }
+        };
+        Self { table, head, tool: of("BASE_ORIENT") }
+    }
+
+    fn turned(line: &Line, sample: &Sample, pose: &Pose) -> M4 {
+        let at = sample.rigid.walk.iter().position(|axis| axis.name == line.axis).unwrap();
+        let u = line.direction.map(|c| c / norm(line.direction));
+        let v = cross(line.point, u);
+        exp(&twist([v[0], v[1], v[2], u[0], u[1], u[2]].map(|c| c * pose[at].to_radians())))
+    }
+
+    fn side(lines: &[Line], sample: &Sample, pose: &Pose) -> M4 {
+        lines.iter().fold(ONE, |walk, line| mul(&walk, &Self::turned(line, sample, pose)))
+    }
+
+    fn linear(sample: &Sample, pose: &Pose) -> V3 {
+        ["X", "Y", "Z"].map(|name| pose[sample.rigid.walk.iter().position(|axis| axis.name == name).unwrap()])
+    }
+
+    /// Tip (mm from the workpiece origin) and tool axis with the axes at a position.
+    fn forward(&self, sample: &Sample, pose: &Pose) -> (V3, V3) {
+        let tables = Self::side(&self.table, sample, pose);
+        let moved = mul(&tables, &translation(Self::linear(sample, pose)));
+        let walk = mul(&moved, &Self::side(&self.head, sample, pose));
+        let tool = self.tool.map(|c| c / norm(self.tool));
+        let tip = apply(&walk, tool.map(|c| c * sample.rigid.offset[2]));
+        (minus(plus(tip, sample.rigid.gauge), sample.rigid.workpiece_origin), turn(&walk, tool))
+    }
+
+    /// The command for a tip with the rotary axes as they are in the pose.
+    pub fn inverse(&self, sample: &Sample, pose: &Pose, tip: V3) -> Pose {
+        let point = minus(plus(tip, sample.rigid.workpiece_origin), sample.rigid.gauge);
+        let before = apply(&inverse(&Self::side(&self.table, sample, pose)), point);
+        let tool = self.tool.map(|c| c / norm(self.tool) * sample.rigid.offset[2]);
+        let at = minus(before, apply(&Self::side(&self.head, sample, pose), tool));
+        let mut command = pose.clone();
+        for (k, name) in ["X", "Y", "Z"].iter().enumerate() {
+            command[sample.rigid.walk.iter().position(|axis| axis.name == *name).unwrap()] = at[k];
+        }
+        command
+    }
+}
+
+/// Largest distances (mm, rad) of the control's tool from the real one over poses.
+fn apart(control: &Control, sample: &Sample) -> (f64, f64) {
+    left::poses(sample, 3, 200).iter().fold((0.0, 0.0), |(position, axis), pose| {
+        let ([real, _], (tip, tool)) = (sample.holds(pose, Travel::Mean), control.forward(sample, pose));
+        (position.max(norm(minus(real.tip, tip))), axis.max(norm(minus(real.axis(), tool))))
+    })
+}
+
+fn longer(sample: &Sample) -> Sample {
+    let mut longer = sample.clone();
+    longer.rigid.offset[2] -= 100.0;
+    longer
+}
+
+fn compiled(folder: &Folder, text: &str, target: &str) -> (PathBuf, PathBuf, serde_json::Value) {
+    let machine = folder.write("machine.yaml", text);
+    let out = folder.path(target);
+    let json = compile(&machine, target, &out, &ACCEPT).json();
+    (machine, out, json)
+}
+
+#[test]
+fn traori_knows_the_real_machine() {
+    for (kind, text) in [
+        ("table-table", table_table(&with_spindle(OF_TABLES))),
+        ("head-head", head_head(&with_spindle(OF_HEADS))),
+        ("head-table", head_table(&with_spindle(OF_HEADS))),
+    ] {
+        let folder = Folder::new();
+        let (machine, out, json) = compiled(&folder, &text, "sinumerik-traori");
+        let control = Control::traori(kind, &numbers(&out.join("TRAORI.INI")));
+        let sample = sample(&machine);
+        for sample in [&sample, &longer(&sample)] {
+            let (position, axis) = apart(&control, sample);
+            // Up to three offsets of six decimals, twice at half a turn; directions of nine decimals at a metre.
+            assert!(position < 8e-6 && axis < 4e-9, "{kind}: {position:e} mm, {axis:e} rad");
+        }
+        let ways = json["programming"].as_array().unwrap();
+        assert_eq!(ways.len(), 4);
+        for way in ways {
+            assert!(number(way, "/uncompensated/position_um/max") > 20.0, "{kind}: {way}");
+            assert!(number(way, "/compensated/position_um/max") < 0.01, "{kind}: {way}");
+            let (before, after) =
+                (number(way, "/uncompensated/tool_axis_urad/p95"), number(way, "/compensated/tool_axis_urad/p95"));
+            match way["tool_direction"].as_str() {
+                Some("vector") => assert!(before > 30.0 && after < 0.01, "{kind}: {way}"),
+                _ => assert!((before - after).abs() < 1e-6, "{kind}: {way}"),
+            }
+        }
+        assert!(json["errors"].as_object().unwrap().values().all(|error| error["handled"] == "fully"), "{json}");
+        let again = verify(&machine, &out, &["--poses", "300"]).json();
+        assert_eq!(again["programming"], json["programming"]);
+    }
+}
+
+/// Location errors of carried bodies move the zero pose too. The lines are those of the motion all the same; the tip at
+/// the zero pose is the datum, which is set on the machine.
+#[test]
+fn lines_are_those_of_the_motion_in_any_convention() {
+    let folder = Folder::new();
+    let plain = sample(&folder.write("plain.yaml", &table_table(OF_TABLES)));
+    let text = table_table(OF_TABLES)
+        .replace(
+            "machine: table-table\n",
+            "machine: table-table\nconventions: { location: carried_body, errors_are: body, workpiece_axes: direct }\n",
+        )
+        .replace("  Y: { travel", "  Y: { sense: iso841, travel");
+    let (_, out, _) = compiled(&folder, &text, "sinumerik-traori");
+    let control = Control::traori("table-table", &numbers(&out.join("TRAORI.INI")));
+    let mut carried = plain.clone();
+    (carried.rigid.conventions.carried_body, carried.rigid.conventions.body) = (true, true);
+    carried.rigid.walk.iter_mut().filter(|axis| axis.workpiece).for_each(|axis| axis.direct = Some(axis.rotary));
+    let distance = |pose: &Pose| minus(carried.holds(pose, Travel::Mean)[0].tip, control.forward(&carried, pose).0);
+    let start = distance(&vec![0.0; 5]);
+    assert!(norm(start) > 1e-3, "the body is carried: {start:?}");
+    for mut pose in left::poses(&carried, 5, 50) {
+        carried.rigid.walk.iter().zip(&mut pose).filter(|(axis, _)| !axis.rotary).for_each(|(_, q)| *q = 0.0);
+        assert!(norm(minus(distance(&pose), start)) < 8e-6, "{:?} at {pose:?}", distance(&pose));
+    }
+}
+
+/// Numbers by hand: the nominal offsets from the gauge point plus the location errors, rounded.
+#[test]
+fn numbers_by_hand() {
+    let offsets = "  EY0A: -8 um\n  EZ0A: 17.4 um\n  EX0C: 26 um\n  EY0C: -9 um\n";
+    for (target, file, wanted) in [
+        (
+            "fanuc-5axis",
+            "TCP.PRM",
+            &[
+                ("19700", 240.0),
+                ("19701", 204.992),
+                ("19702", -379.983),
+                ("19703", 0.026),
+                ("19704", -0.001),
+                ("19705", -30.017),
+            ][..],
+        ),
+        (
+            "heidenhain-kinematics",
+            "kinematics.txt",
+            &[
+                ("Trans.1.X", 240.0),
+                ("Trans.1.Y", 204.992),
+                ("Trans.1.Z", -379.9826),
+                ("Trans.2.X", 0.026),
+                ("Trans.2.Y", -0.001),
+                ("Trans.2.Z", -30.0174),
+            ][..],
+        ),
+        ("haas-mrzp", "settings.txt", &[("254", -0.001), ("256", 204.992), ("257", -379.983)][..]),
+    ] {
+        let folder = Folder::new();
+        let (machine, out, json) = compiled(&folder, &table_table(offsets), target);
+        let found = numbers(&out.join(file));
+        assert_eq!(found, wanted.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(), "{target}");
+        // Half a thousandth in each offset, twice at half a turn; haas has no number for X of C on a table A.
+        let rest = if target == "haas-mrzp" { 60.0 } else { 3.0 };
+        for way in json["programming"].as_array().unwrap() {
+            assert!(number(way, "/compensated/position_um/max") < rest, "{target}: {way}");
+        }
+        let handled = |name: &str| json["errors"][name]["handled"].clone();
+        assert_eq!(handled("EX0C"), if target == "haas-mrzp" { "no" } else { "fully" });
+        assert!(["EY0C", "EY0A"].into_iter().all(|name| handled(name) == "fully"), "{json}");
+        assert_eq!(verify(&machine, &out, &["--poses", "300"]).json()["compensated"], json["compensated"]);
+    }
+}
+
+/// A control without directions of axes: what tilts leave is what the manual's transformation leaves.
+#[test]
+fn offsets_alone_leave_what_geometry_says() {
+    let folder = Folder::new();
+    let machine = folder.write("machine.yaml", &head_table(&with_spindle(OF_HEADS)));
+    let out = folder.path("out");
+    let json = compile(&machine, "fanuc-5axis", &out, &["--accept-unverified", "--poses", "2000"]).json();
+    let found = numbers(&out.join("TCP.PRM"));
+    let of = |first: usize| vector(&found, |k| (first + k).to_string());
+    let table = Line { axis: "C", direction: [0.0, 0.0, -1.0], point: of(19700) };
+    let control = Control {
+        table: vec![table],
+        head: vec![Line { axis: "B", direction: [0.0, 1.0, 0.0], point: of(19709) }],
+        tool: [0.0, 0.0, 1.0],
+    };
+    let sample = sample(&machine);
+    for (sample, way) in [(sample.clone(), 0), (longer(&sample), 2)] {
+        let left: Vec<f64> = left::poses(&sample, 8, 2000)
+            .iter()
+            .map(|pose| {
+                let command = control.inverse(&sample, pose, left::ideal(&sample, pose));
+                1e3 * norm(left::position(&sample, pose, &command, Travel::Mean))
+            })
+            .collect();
+        let (low, high) = p95_bracket(&left, 2000);
+        let figure = number(&json["programming"][way], "/compensated/position_um/p95");
+        assert_eq!(json["programming"][way]["tool_direction"], "rotary axes");
+        assert!(low <= figure && figure <= high && low > 1.0, "{low} {figure} {high}");
+    }
+    let (position, _) = apart(&control, &sample);
+    assert!(position > 1e-3, "{position}");
+}
+
+#[test]
+fn parameters_do_not_know_the_tool() {
+    for target in ["sinumerik-traori", "fanuc-5axis", "heidenhain-kinematics", "haas-mrzp"] {
+        let text = table_table(&with_spindle(OF_TABLES));
+        let files = [text.clone(), text.replace("length: 120 mm", "offset: [3, -2, -260]")].map(|text| {
+            let folder = Folder::new();
+            let (_, out, _) = compiled(&folder, &text, target);
+            let read = |name: &String| std::fs::read(out.join(name)).unwrap();
+            names(&out).iter().filter(|name| *name != "abbe.lock.json").map(read).collect::<Vec<_>>()
+        });
+        assert_eq!(files[0], files[1], "{target}");
+    }
+}
+
+/// The change of the command for X Y Z at a pose when numbers of a file change.
+fn moved(text: &str, target: &str, file: &str, changes: &[(&str, f64)], pose: &[(&str, f64)]) -> V3 {
+    let folder = Folder::new();
+    let (path, out, _) = compiled(&folder, text, target);
+    let machine = loaded::machine(&path);
+    let target = ControllerTarget::embedded(target).unwrap();
+    let meant = KinematicsModule::of(&machine, &target, false).unwrap();
+    let sound = std::fs::read_to_string(out.join(file)).unwrap();
+    let change = |line: &str| {
+        let found = changes.iter().find(|(name, _)| line.contains(name));
+        let Some((_, by)) = found else { return line.to_owned() };
+        let bare = line.split(';').next().unwrap().trim();
+        let start = bare.rfind(['=', 'M', ' ']).unwrap() + 1;
+        format!("{}{:.9}", &bare[..start], bare[start..].trim().parse::<f64>().unwrap() + by)
+    };
+    let changed: String = sound.lines().map(|line| change(line) + "\n").collect();
+    assert_ne!(sound, changed);
+    let commands = [sound, changed].map(|text| {
+        let mut diagnostics = Diagnostics::default();
+        let read = target.read_kinematics(&machine, &meant, &[ReadBack::new(file, text)], &mut diagnostics);
+        let module = read.unwrap_or_else(|| panic!("{:?}", diagnostics.iter().collect::<Vec<_>>()));
+        let at = |name: &str| pose.iter().find(|(known, _)| *known == name).map_or(0.0, |(_, q)| *q);
+        let pose: Vec<f64> = machine.axes().iter().map(|axis| at(axis.name.as_str())).collect();
+        let command = ModuleField::new(&machine, &module).command(&pose).unwrap();
+        ["X", "Y", "Z"].map(|name| command[machine.axis_index(name).unwrap()])
+    });
+    minus(commands[1], commands[0])
+}
+
+/// The tests that the manifests print, carried out in the replay.
+#[test]
+fn sign_tests_as_printed() {
+    let near = |found: V3, wanted: V3| assert!(norm(minus(found, wanted)) < 2e-4, "{found:?}, wanted {wanted:?}");
+    let text = table_table("");
+    let half = [("C", 180.0), ("X", 200.0), ("Y", 100.0), ("Z", -100.0)];
+    let at_zero = [("X", 200.0), ("Y", 100.0), ("Z", -100.0)];
+    for (target, file, changes) in [
+        ("sinumerik-traori", "TRAORI.INI", &[("JOINT_OFFSET_1[0]", -0.1), ("PART_OFFSET_1[0]", 0.1)][..]),
+        ("fanuc-5axis", "TCP.PRM", &[("N19703", -0.1)][..]),
+        ("heidenhain-kinematics", "kinematics.txt", &[("Trans.2.X", -0.1)][..]),
+    ] {
+        near(moved(&text, target, file, changes, &at_zero), [0.0; 3]);
+        near(moved(&text, target, file, changes, &half), [-0.2, 0.0, 0.0]);
+    }
+    let changes = [("SETTING 254", -0.1)];
+    near(moved(&text, "haas-mrzp", "settings.txt", &changes, &half), [0.0, -0.2, 0.0]);
+    // The end of JOINT_OFFSET is at (250, 225, -380); the tip 100 mm above it is at Z = -280, gauge 30, tool 120.
+    let above = [("C", 180.0), ("X", 240.0), ("Y", 205.0), ("Z", -190.0)];
+    near(moved(&text, "sinumerik-traori", "TRAORI.INI", &[("AXIS2_1[0]", 0.001)], &above), [-0.2, 0.0, 0.0]);
+    let head = head_table("")
+        .replace("B: { travel: [-100 deg, 100 deg]", "B: { direction: [0, 0, 1], travel: [-200 deg, 200 deg]");
+    near(moved(&head, "fanuc-5axis", "TCP.PRM", &[("N19709", 0.1)], &[("B", 180.0)]), [-0.2, 0.0, 0.0]);
+    near(moved(&head, "fanuc-5axis", "TCP.PRM", &[("N19709", 0.1)], &[("B", 0.0)]), [0.0; 3]);
+}
+
+fn pivoting(errors: &str) -> String {
+    format!(
+        "abbe: 1\nmachine: pivot\nchain: \"w b X Y Z C B t\"\naxes:\n  X: {{ travel: [-300 mm, 300 mm] }}\n  \
+         Y: {{ travel: [-300 mm, 300 mm] }}\n  Z: {{ travel: [-300 mm, 0 mm] }}\n  C: {{ travel: [-200 deg, 200 deg] }}\n  \
+         B: {{ travel: [-100 deg, 100 deg], direction: [0, -1, 0], origin: [0, 0, 250] }}\n\
+         tool: {{ length: 100 mm }}\nerrors:\n{errors}"
+    )
+}
+
+/// 5axiskins.c: x = X + r sin B cos C, y = Y + r sin B sin C, z = Z + p - r cos B with r = p + W.
+#[test]
+fn pivot_length_of_5axiskins() {
+    let folder = Folder::new();
+    let (machine, out, json) = compiled(&folder, &pivoting("  EZ0B: 40 um\n  EX0B: 15 um\n"), "linuxcnc-5axiskins");
+    let found = numbers(&out.join("5axiskins.hal"));
+    assert_eq!(found, BTreeMap::from([("setp 5axiskins.pivot-length".to_owned(), 250.04)]));
+    assert_eq!(json["errors"]["EZ0B"]["handled"], "fully");
+    assert_eq!(json["errors"]["EX0B"]["handled"], "no");
+    let exact = folder.write("exact.yaml", &pivoting("  EZ0B: 40 um\n"));
+    let sample = sample(&exact);
+    for pose in left::poses(&sample, 4, 100) {
+        let at = |name: &str| pose[sample.rigid.walk.iter().position(|axis| axis.name == name).unwrap()];
+        let (b, c, p) = (at("B").to_radians(), at("C").to_radians(), found["setp 5axiskins.pivot-length"]);
+        let r = p + 100.0;
+        let module = [at("X") + r * b.sin() * c.cos(), at("Y") + r * b.sin() * c.sin(), at("Z") + p - r * b.cos()];
+        assert!(norm(minus(sample.holds(&pose, Travel::Mean)[0].tip, module)) < 1e-9);
+    }
+    let other = pivoting("  EZ0B: 40 um\n").replace("[0, -1, 0]", "[0, 1, 0]");
+    let other = folder.write("other.yaml", &other);
+    let _ = compile(&other, "linuxcnc-5axiskins", &folder.path("no"), &ACCEPT)
+        .refused("E0751")
+        .says("assumes other directions or places");
+    assert!(verify(&machine, &out, &["--poses", "20"]).code == Some(0));
+}
+
+#[test]
+fn other_machines_and_memory_are_refused() {
+    let folder = Folder::new();
+    let out = folder.path("out");
+    let five = folder.write("five.yaml", &table_table(OF_TABLES));
+    for target in ["sinumerik-traori", "fanuc-5axis", "heidenhain-kinematics", "haas-mrzp"] {
+        let _ = compile(&five, target, &out, &[]).refused("E0710");
+        let _ = compile(&config("gantry-3ax.yaml"), target, &out, &ACCEPT).refused("E0751");
+        let _ = compile(&config("boring-w.yaml"), target, &out, &ACCEPT).refused("E0751");
+    }
+    let _ = compile(&config("hmc-4ax.yaml"), "fanuc-5axis", &out, &ACCEPT).refused("E0751").says("one rotary axis");
+    let head = folder.write("head.yaml", &head_head(OF_HEADS));
+    let _ = compile(&head, "haas-mrzp", &out, &ACCEPT).refused("E0751").says("two rotary axes that carry the tool");
+    assert!(!out.exists());
+}
+
+#[test]
+fn lines_that_the_controller_would_misread_are_refused() {
+    let folder = Folder::new();
+    let (machine, out, _) = compiled(&folder, &table_table(OF_TABLES), "sinumerik-traori");
+    let file = out.join("TRAORI.INI");
+    let good = std::fs::read_to_string(&file).unwrap();
+    for (from, to, says) in [
+        ("$MC_TRAFO5_PART_OFFSET_1[0]=-", "$MC_TRAFO5_PART_OFFSET_1[0]=", "does not close"),
+        ("$MC_TRAFO5_PART_OFFSET_1[0]", "$MC_TRAFO5_PART_OFFSET_1[7]", "no parameter of this machine"),
+        ("$MC_TRAFO5_PART_OFFSET_1[0]", "$MC_TRAFO5_PART_OFFSET_1[1]", "set twice"),
+        ("$MC_TRAFO5_PART_OFFSET_1[0]", ";$MC_TRAFO5_PART_OFFSET_1[0]", "is not set"),
+        ("$MC_TRAFO5_PART_OFFSET_1[0]=", "$MC_TRAFO5_PART_OFFSET_1[0]=1e12 ;", "no parameter"),
+        ("$MC_TRAFO5_PART_OFFSET_1[0]=", "$MC_TRAFO5_PART_OFFSET_1[0]=x", "number"),
+        ("CHANDATA(1)", "CHANDATA 1", "would not understand"),
+    ] {
+        assert!(good.contains(from));
+        std::fs::write(&file, good.replacen(from, to, 1)).unwrap();
+        let _ = verify(&machine, &out, &["--poses", "20"]).refused("E0704").says(says);
+    }
+}
+
+/// Old numbers plus what the errors change; the new set is judged against the old one.
+#[test]
+fn new_numbers_on_top_of_installed_ones() {
+    let folder = Folder::new();
+    let (_, first, _) = compiled(&folder, &table_table("  EX0C: 20 um\n  EA0C: 30 urad\n"), "sinumerik-traori");
+    let left = folder.write("left.yaml", &table_table("  EX0C: 7 um\n  EA0C: -10 urad\n"));
+    let second = folder.path("second");
+    let on_top = ["--installed", first.to_str().unwrap()];
+    let json = compile(&left, "sinumerik-traori", &second, &[&ACCEPT[..], &on_top].concat()).json();
+    assert!(number(&json, "/compensated/position_um/max") < 0.01, "{json}");
+    let [old, new] = [&first, &second].map(|out| numbers(&out.join("TRAORI.INI")));
+    let change = |name: &str| new[name] - old[name];
+    // The vector of a table is reversed: EA0C tilts C's line to -Y, and the stored vector to +Y.
+    for (name, by) in [("JOINT_OFFSET_1[0]", 7e-3), ("PART_OFFSET_1[0]", -7e-3), ("AXIS2_1[1]", -10e-6)] {
+        assert!((change(name) - by).abs() < 2e-9, "{name}: {}", change(name));
+    }
+    let again = verify(&left, &second, &[&["--poses", "300"][..], &on_top].concat()).json();
+    assert_eq!(again["compensated"], json["compensated"]);
+    // Without the old set the new numbers are judged as absolute ones: old and new together are too much.
+    let alone = verify(&left, &second, &["--poses", "300"]).json();
+    assert!(number(&alone, "/compensated/position_um/max") > 5.0);
+    let moved = Run::of(abbe().args(["diff", "--format", "json", "--poses", "40"]).arg(&left).arg(&first).arg(&second));
+    assert!(number(&moved.json(), "/position_um/max") > 5.0);
+}
