@@ -104,7 +104,7 @@ pub(super) fn sources_of(files: &[MachineFile]) -> Sources {
 }
 
 /// Options of [`load`].
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct LoadOptions {
     /// Tool of the machine; the first by default.
