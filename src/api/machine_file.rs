@@ -1,8 +1,10 @@
 //! Machines from a path or a text.
 
+use super::order_of;
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{Hashed, sha256};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
+use crate::evaluate::Order;
 use crate::machine::{self, ErrorTerm, Machine};
 use crate::syntax::{self, Files, IdentifyEntry, MemoryFiles};
 use crate::units::counted;
@@ -64,6 +66,11 @@ impl MachineFile {
     /// Returns the files that the machine was read from, in the order read.
     pub fn input_files(&self) -> &[InputFile] {
         &self.input_files
+    }
+
+    /// Returns the order of the errors where none is asked for: the one that the conventions name, or exact.
+    pub fn default_order(&self) -> Order {
+        order_of(&self.machine, None)
     }
 
     /// Returns the machine with another of its tools, by name.
