@@ -31,5 +31,5 @@ def test_no_option_is_missing() -> None:
 
 def test_generated_methods_are_up_to_date() -> None:
     script = Path(__file__).resolve().parents[1] / "generate.py"
-    done = subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-I", script, "--check"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
