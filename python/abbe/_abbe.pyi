@@ -28,6 +28,7 @@ class NativeMachine:
         approach: str,
         frame: str,
         threads: int,
+        out: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
 
 @final

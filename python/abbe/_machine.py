@@ -167,6 +167,7 @@ class Machine(Verbs):
         approach: Approach = "mean",
         frame: Frame = "workpiece",
         threads: int | None = None,
+        out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
     ) -> Deviations:
         """Returns the deviations at many poses.
 
@@ -176,10 +177,11 @@ class Machine(Verbs):
         are read. The results are in column order.
 
         ``order`` is ``"exact"`` or 1 to 6; by default the one that the conventions of the machine name, or exact.
-        ``approach`` is the side of approach, where forward and reverse curves were given.
+        ``approach`` is the side of approach, where forward and reverse curves were given. ``out`` is a pair of arrays
+        of shape (N, 3) in column order to write into, such as the result of a call before: new memory takes time.
         """
         positions = self._positions(poses)
-        native = self._native.deviations(positions, order_of(order), approach, frame, threads_of(threads))
+        native = self._native.deviations(positions, order_of(order), approach, frame, threads_of(threads), out)
         return Deviations(*native)
 
     def _positions(self, poses: Poses) -> Any:

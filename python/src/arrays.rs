@@ -62,18 +62,19 @@ impl Positions<'_> {
 /// The slices of a task, and its first pose.
 type Task<'a> = (usize, [&'a mut [f64]; 3], [&'a mut [f64]; 3]);
 
-/// Evaluates poses: an array of shape (N, axes), or a list of columns.
+/// Evaluates poses: an array of shape (N, axes), or a list of columns. Writes into `out`, if there is one.
 pub fn deviations<'py>(
     py: Python<'py>,
     positions: &Bound<'py, PyAny>,
     evaluation: &Evaluation<'_>,
+    out: Option<Pair<'py>>,
 ) -> PyResult<Pair<'py>> {
     if let Ok(array) = positions.extract::<PyReadonlyArray2<'_, f64>>() {
         let axes = array.shape()[1];
         let numbers = array.as_slice()?;
         let poses = array.shape()[0];
         if axes == 0 || poses == 0 {
-            return evaluated(py, &Positions::Columns(vec![&[]; axes]), evaluation);
+            return evaluated(py, &Positions::Columns(vec![&[]; axes]), evaluation, out);
         }
         // A single pose or axis is both.
         let by_columns = array.is_fortran_contiguous();
@@ -82,19 +83,28 @@ pub fn deviations<'py>(
         } else {
             Positions::Rows(numbers, axes)
         };
-        return evaluated(py, &positions, evaluation);
+        return evaluated(py, &positions, evaluation, out);
     }
     let arrays: Vec<PyReadonlyArray1<'_, f64>> = positions.extract()?;
     let columns = arrays.iter().map(|array| array.as_slice()).collect::<Result<Vec<_>, _>>()?;
     if columns.iter().any(|column| column.len() != columns[0].len()) {
         return Err(PyValueError::new_err("the columns of positions are not of one length"));
     }
-    evaluated(py, &Positions::Columns(columns), evaluation)
+    evaluated(py, &Positions::Columns(columns), evaluation, out)
 }
 
-fn evaluated<'py>(py: Python<'py>, positions: &Positions<'_>, evaluation: &Evaluation<'_>) -> PyResult<Pair<'py>> {
+fn evaluated<'py>(
+    py: Python<'py>,
+    positions: &Positions<'_>,
+    evaluation: &Evaluation<'_>,
+    out: Option<Pair<'py>>,
+) -> PyResult<Pair<'py>> {
     let len = positions.len();
-    let [position, rotation] = [(); 2].map(|()| PyArray2::<f64>::zeros(py, [len, 3], true));
+    let new = || PyArray2::<f64>::zeros(py, [len, 3], true);
+    let (position, rotation) = out.unwrap_or_else(|| (new(), new()));
+    if [&position, &rotation].iter().any(|array| array.shape() != [len, 3] || !array.is_fortran_contiguous()) {
+        return Err(PyValueError::new_err(format!("out: two arrays of shape ({len}, 3) in column order")));
+    }
     {
         let (mut position, mut rotation) = (position.try_readwrite()?, rotation.try_readwrite()?);
         let tasks = tasks(columns(position.as_slice_mut()?, len), columns(rotation.as_slice_mut()?, len), len);

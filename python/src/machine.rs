@@ -124,7 +124,9 @@ impl NativeMachine {
     /// Deviations at many poses: two arrays of shape (N, 3) in column order, mm and rad.
     ///
     /// `positions` is an array of shape (N, axes), or a list of columns, each of shape (N,), C-contiguous or
-    /// F-contiguous, of doubles.
+    /// F-contiguous, of doubles. `out` are two such arrays to write into.
+    #[pyo3(signature = (positions, order, approach, frame, threads, out))]
+    #[allow(clippy::too_many_arguments, reason = "what a Python caller names")]
     fn deviations<'py>(
         &self,
         py: Python<'py>,
@@ -133,10 +135,11 @@ impl NativeMachine {
         approach: &str,
         frame: &str,
         threads: usize,
+        out: Option<arrays::Pair<'py>>,
     ) -> PyResult<arrays::Pair<'py>> {
         let frame: Frame = word("frame", frame).map_err(|refusal| one(py, refusal))?;
         let model = self.model(order, approach).map_err(|refusal| one(py, refusal))?;
-        arrays::deviations(py, positions, &Evaluation { model: &model, frame, threads })
+        arrays::deviations(py, positions, &Evaluation { model: &model, frame, threads }, out)
     }
 }
 

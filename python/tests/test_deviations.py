@@ -80,6 +80,11 @@ def test_forms_of_poses() -> None:
             assert found.position.tobytes() == expected.position.tobytes()
             assert found.rotation.tobytes() == expected.rotation.tobytes()
     assert expected.position.flags.f_contiguous and expected.position.shape == (9001, 3)
+    again = machine.deviations(rows, order=1)
+    assert machine.deviations(rows, out=again).position is again.position
+    assert again.position.tobytes() == expected.position.tobytes()
+    with pytest.raises(ValueError, match="column order"):
+        machine.deviations(rows[:7], out=again)
     one = machine.deviations(rows[4])
     assert (one.position == expected.position[4:5]).all()
 

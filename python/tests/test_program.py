@@ -72,18 +72,36 @@ def test_compare(program: Any) -> None:
     assert found.to_dict() == program("compare", *paths, "--poses", 200)
 
 
-def test_budget_and_goal(program: Any) -> None:
-    found = machine(STUDY).budget(poses=60, samples=200, class_="production")
-    asked = ("--poses", 60, "--samples", 200, "--class", "production")
-    assert found.to_dict() == program("budget", STUDY, *asked)
-    found = machine(STUDY).goal("40 um", poses=60, samples=200, class_="production")
-    assert found.to_dict() == program("budget", STUDY, *asked, "--goal", "40 um")
+@pytest.fixture
+def bounded(tmp_path: Path) -> Path:
+    """A small machine of which only bounds are known."""
+    file = tmp_path / "bounded.yaml"
+    axes = ", ".join(f"{name}: {{ travel: [-90, 90], origin: [0, 0, {k}] }}" for k, name in enumerate("XYZ"))
+    file.write_text(f"abbe: 1\nmachine: G\nchain: w X' b Y Z t\naxes: {{ {axes} }}\nclass: production\n")
+    return file
 
 
-def test_enumerate(program: Any) -> None:
-    found = machine(STUDY).enumerate(poses=60, samples=50, max_table=2, class_="production")
-    asked = ("--poses", 60, "--samples", 50, "--max-table", 2, "--class", "production")
-    assert found.to_dict() == program("enumerate", STUDY, *asked)
+def test_budget_and_goal(program: Any, bounded: Path) -> None:
+    found = machine(bounded).budget(poses=20, samples=60, class_="premium", statistic="p95")
+    asked = ("--poses", 20, "--samples", 60, "--class", "premium", "--statistic", "p95")
+    assert found.to_dict() == program("budget", bounded, *asked)
+    found = machine(bounded).goal("9 um", poses=20, samples=60)
+    assert found.to_dict() == program("budget", bounded, "--poses", 20, "--samples", 60, "--goal", "9 um")
+    assert found.goal.goal_um == pytest.approx(9, rel=1e-15)
+
+
+def test_enumerate(program: Any, bounded: Path, tmp_path: Path) -> None:
+    found = machine(bounded).enumerate(poses=30, samples=30, max_table=2)
+    assert found.to_dict() == program("enumerate", bounded, "--poses", 30, "--samples", 30, "--max-table", 2)
+    assert len(found.to_pandas()) == len(found.ranked) > 5
+    parts = []
+    for k in (1, 2):
+        part = machine(bounded).enumerate(poses=30, samples=30, max_table=2, shard=(k, 2))
+        assert part.walks_done < part.walks
+        parts.append(tmp_path / f"part-{k}")
+        parts[-1].write_text(part.state)
+    merged = machine(bounded).enumerate(poses=30, samples=30, max_table=2, merge=parts)
+    assert merged.to_dict() == found.to_dict()
 
 
 @pytest.mark.parametrize("name", ["ball-bar", "r-test", "diagonals", "step-diagonals"])
