@@ -93,7 +93,7 @@ def test_budget_and_goal(program: Any, bounded: Path) -> None:
 def test_enumerate(program: Any, bounded: Path, tmp_path: Path) -> None:
     found = machine(bounded).enumerate(poses=30, samples=30, max_table=2)
     assert found.to_dict() == program("enumerate", bounded, "--poses", 30, "--samples", 30, "--max-table", 2)
-    assert len(found.to_pandas()) == len(found.ranked) > 5
+    assert len(found.to_pandas()) == len(found.ranked) > 1
     parts = []
     for k in (1, 2):
         part = machine(bounded).enumerate(poses=30, samples=30, max_table=2, shard=(k, 2))
