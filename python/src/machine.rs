@@ -21,6 +21,10 @@ pub struct Loaded {
     pub file: MachineFile,
     /// The warnings of its reading.
     pub warnings: Diagnostics,
+    /// The path of its file.
+    pub path: String,
+    /// Name and text of every file that it was read from, in the order read.
+    pub texts: Vec<(String, String)>,
 }
 
 type Models = HashMap<(String, String), Arc<CompiledModel>>;
@@ -40,12 +44,14 @@ pub fn load(
     texts: Vec<(String, String)>,
     tool: Option<String>,
 ) -> PyResult<NativeMachine> {
-    let answer = run_owned(py, 1, move |monitor| {
+    let named = path.clone();
+    let (answer, texts) = run_owned(py, 1, move |monitor| {
         let files = TextsAndDisk::with(texts);
-        abbe::load(path, &LoadOptions { tool }, files.run(monitor))
+        let answer = abbe::load(named, &LoadOptions { tool }, files.run(monitor));
+        (answer, files.into_read())
     })?;
     let answer = answer.map_err(|diagnostics| refusal(py, &diagnostics))?;
-    let loaded = Arc::new(Loaded { file: answer.value, warnings: answer.warnings });
+    let loaded = Arc::new(Loaded { file: answer.value, warnings: answer.warnings, path, texts });
     Ok(NativeMachine { loaded, models: Mutex::default() })
 }
 
@@ -98,12 +104,12 @@ impl NativeMachine {
 
     /// Name of the machine file.
     fn path(&self) -> &str {
-        self.loaded.file.path()
+        &self.loaded.path
     }
 
     /// Name and text of every file that the machine was read from, in the order read.
     fn texts(&self) -> Vec<(String, String)> {
-        self.loaded.file.sources().iter().map(|(name, text)| (name.to_owned(), text.to_owned())).collect()
+        self.loaded.texts.clone()
     }
 
     /// The warnings of its reading, as a JSON list of diagnostics.

@@ -5,6 +5,7 @@ use abbe::results::FolderEntry;
 use abbe::results::ReadFailure;
 use abbe::{Diagnostic, Diagnostics, Disk, Files, MachineFile, MemoryFiles, Run, codes};
 use serde::de::DeserializeOwned;
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -58,19 +59,37 @@ fn unfit(message: &str) -> Diagnostics {
 }
 
 /// The texts of machines that are in memory, and the disk behind them.
-pub struct TextsAndDisk(MemoryFiles);
+pub struct TextsAndDisk {
+    texts: MemoryFiles,
+    read: RefCell<NamedTexts>,
+}
+
+/// Names and texts of files.
+type NamedTexts = Vec<(String, String)>;
 
 impl TextsAndDisk {
     /// Returns the files of the machines and those of the request, and the disk behind them.
     pub fn of(request: &Request) -> Self {
-        let sources = request.machines.iter().flat_map(|loaded| loaded.file.sources().iter());
-        let sources = sources.map(|(name, text)| (name.to_owned(), text.to_owned()));
-        Self::with(sources.chain(request.texts.iter().cloned()))
+        let of_machines = request.machines.iter().flat_map(|loaded| loaded.texts.iter().cloned());
+        Self::with(of_machines.chain(request.texts.iter().cloned()))
     }
 
     /// Returns texts by name, and the disk behind them.
     pub fn with(texts: impl IntoIterator<Item = (String, String)>) -> Self {
-        Self(texts.into_iter().fold(MemoryFiles::new(), |files, (name, text)| files.with(name, text)))
+        let texts = texts.into_iter().fold(MemoryFiles::new(), |files, (name, text)| files.with(name, text));
+        Self { texts, read: RefCell::default() }
+    }
+
+    /// Returns the files that were read, by the names that were asked for: the sources of diagnostics shorten theirs.
+    pub fn into_read(self) -> NamedTexts {
+        self.read.into_inner()
+    }
+
+    fn record(&self, path: &Path, bytes: &[u8]) {
+        let (name, mut read) = (path.to_string_lossy(), self.read.borrow_mut());
+        if !read.iter().any(|(known, _)| *known == name) {
+            read.push((name.into_owned(), String::from_utf8_lossy(bytes).into_owned()));
+        }
     }
 
     /// Returns the surroundings of a call that reads through these files.
@@ -81,15 +100,19 @@ impl TextsAndDisk {
 
 impl Files for TextsAndDisk {
     fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
-        self.0.read(path).or_else(|_| Disk.read(path))
+        let bytes = self.texts.read(path).or_else(|_| Disk.read(path))?;
+        self.record(path, &bytes);
+        Ok(bytes)
     }
 
     fn read_at_most(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
-        self.0.read_at_most(path, limit).or_else(|_| Disk.read_at_most(path, limit))
+        let bytes = self.texts.read_at_most(path, limit).or_else(|_| Disk.read_at_most(path, limit))?;
+        self.record(path, &bytes);
+        Ok(bytes)
     }
 
     fn resolved(&self, path: &Path) -> Option<PathBuf> {
-        Disk.resolved(path).or_else(|| self.0.resolved(path))
+        Disk.resolved(path).or_else(|| self.texts.resolved(path))
     }
 
     fn entries(&self, folder: &Path) -> Vec<FolderEntry> {

@@ -22,13 +22,14 @@ use std::io::Cursor;
 use std::sync::{Mutex, PoisonError};
 
 type Found = Result<Outcome, Diagnostics>;
+type Dispatch = dyn Fn(&Request, Run<'_>) -> Found + Send + Sync;
 type Job<O> = fn(&Request, &O, Run<'_>) -> Found;
 
 /// A verb with its options.
 struct Verb {
     name: &'static str,
     schema: fn() -> Value,
-    run: Box<dyn Fn(&Request, Run<'_>) -> Found + Send + Sync>,
+    run: Box<Dispatch>,
 }
 
 impl Verb {
