@@ -22,7 +22,7 @@ use crate::report::{BoundedFigures, RssDifference};
 use std::path::PathBuf;
 
 /// Options of [`compare`].
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct CompareOptions {
     /// Number of tool poses, drawn from the volume of the first machine.

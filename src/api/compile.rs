@@ -16,7 +16,7 @@ use crate::evaluate::Field;
 use std::path::PathBuf;
 
 /// Options of [`compile`].
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct CompileOptions {
     /// Name of the controller's folder, such as `linuxcnc`.

@@ -3,7 +3,7 @@
 use super::machine_file::MachineFile;
 use super::poses::known;
 use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::{self, Batch, Columns, Frame, Order, frame_rotation};
+use crate::evaluate::{self, Batch, Columns, Frame, Order, Output, frame_rotation};
 use crate::machine::Approach;
 
 /// A machine compiled for an order and a side of approach. Deviations are actual minus nominal, in the workpiece frame.
@@ -38,6 +38,15 @@ pub struct DeviationColumns {
     pub wz: Vec<f64>,
 }
 
+/// The caller's slices for deviations at many poses, each as long as the columns of positions.
+#[derive(Debug)]
+pub struct DeviationSlices<'a> {
+    /// Along x, y, z, mm.
+    pub position_mm: [&'a mut [f64]; 3],
+    /// About x, y, z, rad.
+    pub rotation_rad: [&'a mut [f64]; 3],
+}
+
 /// Compiles a machine. The model owns its data: it does not borrow the machine.
 pub fn compile_model(file: &MachineFile, order: Order, approach: Approach) -> CompiledModel {
     CompiledModel(evaluate::CompiledModel::new(file, order, approach))
@@ -66,16 +75,37 @@ impl CompiledModel {
     ///
     /// Fails if the number or the lengths of the columns do not fit, and where an error curve is not known.
     pub fn deviations(&self, columns: &[&[f64]]) -> Result<DeviationColumns, Diagnostic> {
-        self.counted(columns.len())?;
         let len = columns.first().map_or(0, |column| column.len());
-        let unfit = || Diagnostic::new(codes::E0818, "the columns of positions are not of one length");
-        let batch = Batch::new(columns.to_vec(), len).ok_or_else(unfit)?;
-        self.known(columns)?;
         let mut out = Columns::new(len);
-        self.0.deviations_parallel(&batch, out.output(len));
-        self.0.to_frame(Frame::Workpiece, &batch, out.output(len));
+        let Output { position, rotation } = out.output(len);
+        let slices = DeviationSlices { position_mm: position, rotation_rad: rotation };
+        self.deviations_into(columns, Frame::Workpiece, slices)?;
         let Columns { position: [dx, dy, dz], rotation: [wx, wy, wz] } = out;
         Ok(DeviationColumns { dx, dy, dz, wx, wy, wz })
+    }
+
+    /// Writes the deviations at many poses into the caller's slices, vectors in `frame`; the same as
+    /// [`Self::deviations`] otherwise.
+    ///
+    /// Fails if the number or the lengths of the columns or slices do not fit, and where an error curve is not known.
+    pub fn deviations_into(
+        &self,
+        columns: &[&[f64]],
+        frame: Frame,
+        out: DeviationSlices<'_>,
+    ) -> Result<(), Diagnostic> {
+        self.counted(columns.len())?;
+        let len = columns.first().map_or(0, |column| column.len());
+        let unfit = |what| Diagnostic::new(codes::E0818, format!("the columns of {what} are not of one length"));
+        let batch = Batch::new(columns.to_vec(), len).ok_or_else(|| unfit("positions"))?;
+        let mut out = Output { position: out.position_mm, rotation: out.rotation_rad };
+        if out.position.iter().chain(&out.rotation).any(|column| column.len() != len) {
+            return Err(unfit("positions and deviations"));
+        }
+        self.known(columns)?;
+        self.0.deviations_parallel(&batch, out.reborrow());
+        self.0.to_frame(frame, &batch, out);
+        Ok(())
     }
 
     fn counted(&self, positions: usize) -> Result<(), Diagnostic> {

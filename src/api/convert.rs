@@ -9,7 +9,7 @@ use crate::units::{angle, length, significant};
 use serde::Serialize;
 
 /// Options of [`convert`].
-#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct ConvertOptions {
     /// The new conventions: a preset, words such as `carried_body`, or `linear: before, rotary: rotating`; others stay

@@ -13,7 +13,7 @@ use serde::ser::SerializeMap;
 use std::path::Path;
 
 /// Options of [`diff`].
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct DiffOptions {
     /// Compensation of the machine.

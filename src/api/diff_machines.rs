@@ -14,7 +14,7 @@ use crate::machine::{
 use crate::units::significant;
 
 /// Options of [`diff_machines`].
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct DiffMachinesOptions {
     /// Number of tool poses, drawn from the volume of the first machine.

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use std::path::PathBuf;
 
 /// Options of [`eval`].
-#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct EvalOptions {
     /// Poses as text, `X=100,C=90`: mm and deg; omitted axes are at 0.

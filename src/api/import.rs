@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub use crate::identify::import::{FileContents, RunApproach, StraightnessLine};
 
 /// Options of [`import`](import()): facts that the file leaves open.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct ImportOptions {
     /// The axis that moved.

@@ -1,8 +1,10 @@
 //! Machines from a path or a text.
 
+use super::order_of;
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{Hashed, sha256};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
+use crate::evaluate::Order;
 use crate::machine::{self, ErrorTerm, Machine};
 use crate::syntax::{self, Files, IdentifyEntry, MemoryFiles};
 use crate::units::counted;
@@ -66,6 +68,11 @@ impl MachineFile {
         &self.input_files
     }
 
+    /// Returns the order of the errors where none is asked for: the one that the conventions name, or exact.
+    pub fn default_order(&self) -> Order {
+        order_of(&self.machine, None)
+    }
+
     /// Returns the machine with another of its tools, by name.
     pub fn with_tool(&self, name: &str) -> Result<Self, Diagnostic> {
         match self.machine.with_tool(name) {
@@ -104,7 +111,7 @@ pub(super) fn sources_of(files: &[MachineFile]) -> Sources {
 }
 
 /// Options of [`load`].
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct LoadOptions {
     /// Tool of the machine; the first by default.

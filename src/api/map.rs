@@ -27,7 +27,7 @@ use crate::report::{Picture, Rows};
 use std::path::PathBuf;
 
 /// Options of [`map`].
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct MapOptions {
     /// The poses.
@@ -74,7 +74,7 @@ impl Default for MapOptions {
 }
 
 /// Poses of a map; at most 1e9.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MapPoses {
     /// The grid of the volume of the machine.

@@ -10,7 +10,7 @@ use crate::machine::{AxisKind, Machine, Pose};
 use crate::report::{Picture, PlanePicture, PlaneQuantity, PlaneStyle, before_after};
 
 /// A picture of the deviation over a plane of two linear axes.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct PlaneOptions {
     /// Style of the drawing.
@@ -25,7 +25,7 @@ pub struct PlaneOptions {
 }
 
 /// Style of the drawing of a deviation over a plane.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PlaneDrawing {
     /// A map of colours with arrows.
@@ -38,7 +38,7 @@ pub enum PlaneDrawing {
 }
 
 /// Quantity that the colours of a map show.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PlaneComponent {
     /// Length of the deviation.

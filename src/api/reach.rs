@@ -14,7 +14,7 @@ use crate::report::{Picture, ReachPicture, structured_grid};
 use crate::units::{FARTHEST, number, significant};
 
 /// Options of [`reach`].
-#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct ReachOptions {
     /// The box of the tips in the workpiece frame, `X=-100..100,Z=0..200` (mm, or with units). Sides that are left out

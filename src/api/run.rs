@@ -6,6 +6,9 @@ use crate::syntax::{Disk, Files, MemoryFiles};
 use std::ops::Deref;
 
 /// Hears of the progress of a long job. All methods do nothing by default.
+///
+/// [`Monitor::advance`] may cancel the job by `std::panic::resume_unwind`: the job leaves nothing behind, and the
+/// caller catches it by `std::panic::catch_unwind` around the call.
 pub trait Monitor: Sync {
     /// A stage of `total` steps begins.
     fn begin(&self, _total: usize) {}

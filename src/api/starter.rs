@@ -1,7 +1,7 @@
 //! Machine files to begin with.
 
 /// A kind of machine to begin with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Starter {
     /// Three linear axes, C-frame: `w X' Y' b Z t`.

@@ -7,7 +7,7 @@ use crate::machine::{AxisName, Machine, no_origin};
 use crate::report::DrawSettings;
 
 /// Draws of errors between their bounds, and the statistic of their effect.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct ToleranceOptions {
     /// Class of machines whose typical tolerances are taken where the file has none, in place of the class that the

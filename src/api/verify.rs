@@ -18,7 +18,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use std::path::{Path, PathBuf};
 
 /// Options of [`verify`] and [`replay`](super::replay()).
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct VerifyOptions {
     /// Name of the controller; by default the one that the folder's manifest or its files name.

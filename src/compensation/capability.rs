@@ -96,7 +96,7 @@ pub enum Spacing {
 }
 
 /// The meaning of a stored number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Stored {
     /// It is added to the command.
@@ -119,7 +119,7 @@ pub enum Reference {
 }
 
 /// The error that tables are fitted to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Fit {
     /// The axis's own error at its origin: the change of its scale's reading against it.

@@ -65,6 +65,21 @@ impl Diagnostics {
         self.iter().map(|diagnostic| positions.record(diagnostic)).collect()
     }
 
+    /// Returns the JSON document of a result: its value and, if there are warnings, the list `warnings` with the number
+    /// `more_warnings` of those that were not kept. A value that is no object stays as it is.
+    pub fn document(&self, value: serde_json::Value) -> serde_json::Value {
+        let warnings = self.warning_records();
+        let mut value = value;
+        if let (Some(object), false) = (value.as_object_mut(), warnings.is_empty()) {
+            let _ = object.insert("warnings".to_owned(), serde_json::json!(warnings));
+            let more = self.more()[1];
+            if more > 0 {
+                let _ = object.insert("more_warnings".to_owned(), serde_json::json!(more));
+            }
+        }
+        value
+    }
+
     /// Returns all of them in the short form of the list `warnings` of a result.
     pub fn warning_records(&self) -> Vec<WarningRecord> {
         let positions = Positions::of(self);

@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 pub const MAX_DUAL_ORDER: u8 = 6;
 
 /// The order to which errors are followed; as text `exact` or `1` to `6`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(try_from = "String", into = "String")]
 pub enum Order {
     /// Plain numbers: the true rigid body (with orthogonal joints).
@@ -67,7 +67,7 @@ impl From<Order> for String {
 }
 
 /// Frame of vectors; all are parallel to the machine frame at the zero pose, but for the rotation of the workpiece.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Frame {
     /// Rotates with the workpiece: the coordinates of the part.

@@ -3,7 +3,7 @@
 use super::{AxisName, Curve, Direction, ErrorFamily, ErrorId};
 
 /// The side from which a position is approached; curves may differ (reversal).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Approach {
     /// The mean of forward and reverse.

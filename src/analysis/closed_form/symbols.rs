@@ -4,7 +4,7 @@ use crate::lower::{ErrorSite, NamedSource, Source};
 use crate::machine::{Axis, AxisKind, Conventions, Direction, Location, Machine};
 
 /// Letters of the symbols.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Naming {
     /// `EBX`, `EC0Y`, positions by the names of the axes.

@@ -8,7 +8,7 @@ use crate::machine::{Approach, Machine, sin_cos_degrees};
 use nalgebra::Vector3;
 
 /// A plane of the workpiece frame; the circle runs from its first to its second direction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[allow(missing_docs, reason = "the letters are their own documentation")]
 pub enum Plane {
     XY,

@@ -8,7 +8,7 @@ use crate::syntax::{EntryKind, Files};
 use std::path::{Path, PathBuf};
 
 /// Options of the compensation of a machine.
-#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct CompensationOptions {
     /// Goal of the correction; by default the position for tables, the pose for a kinematics module.
@@ -27,7 +27,7 @@ pub struct CompensationOptions {
 }
 
 /// Axes that correct.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum CorrectingAxes {
     /// The linear axes.

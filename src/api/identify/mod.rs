@@ -38,7 +38,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Options of [`identify`] and [`fit_monomials`].
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default)]
 pub struct IdentifyOptions {
     /// Files of measurements, read through `run.files`: CSV with a column for each axis and `dx [um]`, `dy [um]`,
     /// `dz [um]`, or lengths, ball readings, lines, single errors (docs/identification.md).

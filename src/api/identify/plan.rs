@@ -9,7 +9,8 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 /// Options of [`plan_measurements`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default)]
 pub struct PlanOptions {
     /// Number of poses, 1 to 1000.
     pub poses: usize,

@@ -120,16 +120,8 @@ impl Session {
     }
 
     /// Prints a JSON object, when the run ends, with the warnings found so far in it.
-    pub(crate) fn print_json(&self, mut value: Value) {
-        let warnings = self.diagnostics.warning_records();
-        if let (Some(object), false) = (value.as_object_mut(), warnings.is_empty()) {
-            let _ = object.insert("warnings".to_owned(), json!(warnings));
-            let more = self.diagnostics.more()[1];
-            if more > 0 {
-                let _ = object.insert("more_warnings".to_owned(), json!(more));
-            }
-        }
-        self.print_document(value);
+    pub(crate) fn print_json(&self, value: Value) {
+        self.print_document(self.diagnostics.document(value));
     }
 
     /// Prints a JSON document when the run ends.

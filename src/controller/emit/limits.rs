@@ -7,7 +7,7 @@ use crate::machine::{AxisKind, Machine};
 use crate::units::{self, Dimension, significant};
 
 /// Largest corrections that are not refused.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Limits {
     /// Limit for a linear axis, mm.
     #[serde(rename = "length")]

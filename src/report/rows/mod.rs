@@ -1,4 +1,4 @@
-//! A mapped field pose by pose, for other programs: CSV, JSON, Parquet and VTK.
+//! A mapped field pose by pose, for other programs: CSV, JSON, Parquet, NumPy and VTK.
 //!
 //! [`Rows`] holds the machine, poses and view of the table. Blocks of consecutive poses are [`RowBlock`], on any
 //! thread, and put into a [`Stream`] one after the other; so a table is never held as a whole, whatever its form.
@@ -6,6 +6,7 @@
 
 mod csv;
 mod json;
+mod npy;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod stream;

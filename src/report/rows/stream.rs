@@ -3,7 +3,7 @@
 #[cfg(feature = "parquet")]
 use super::parquet;
 use super::table::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream};
-use super::{csv, json, vtk};
+use super::{csv, json, npy, vtk};
 use crate::machine::Pose;
 use std::io;
 
@@ -62,6 +62,7 @@ impl<'a> Rows<'a> {
                 let refusal = "this build of abbe has no Parquet (feature `parquet`)";
                 return Err(io::Error::new(io::ErrorKind::Unsupported, refusal));
             }
+            RowFormat::Npy => Box::new(npy::Npy::new(self, out)?),
             RowFormat::Vtk => Box::new(vtk::Vtk::new(self, out)?),
         })
     }

@@ -56,6 +56,8 @@ pub enum RowFormat {
     Json,
     /// The columns of the CSV.
     Parquet,
+    /// The columns of the CSV as a structured array of NumPy (`.npy`).
+    Npy,
     /// An unstructured grid.
     Vtk,
 }

@@ -7,7 +7,7 @@ use super::quantile::rank;
 use rayon::prelude::*;
 
 /// The statistic of one machine's deviations over the poses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Statistic {
     /// The largest.

@@ -1,7 +1,7 @@
 //! Choices that a file leaves open.
 
 /// The sign of the values of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FileContents {
     /// Actual minus nominal.
@@ -11,7 +11,7 @@ pub enum FileContents {
 }
 
 /// Approach of runs without a direction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RunApproach {
     /// All from the same side.
@@ -21,7 +21,7 @@ pub enum RunApproach {
 }
 
 /// Line of a straightness.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum StraightnessLine {
     /// Line of least squares.

@@ -1,0 +1,73 @@
+"""abbe: from a machine-tool configuration to volumetric compensation.
+
+A YAML file describes a machine tool: its kinematic chain and its geometric errors (ISO 230-1). :func:`load` reads it;
+the methods of a :class:`Machine` compute error maps, budgets and comparisons, identify errors from measurements, and
+compile the files that a CNC controller loads.
+
+Deviations are actual minus nominal, tool relative to workpiece. Lengths are in mm and angles in rad unless a name ends
+in another unit; positions of rotary axes are in deg as programmed.
+"""
+
+from ._abbe import __version__
+from ._calls import set_threads
+from ._diagnostics import Diagnostic, DiagnosticError, DiagnosticWarning, Place
+from ._functions import check, classify, explain, import_readings, schema, starter, targets
+from ._machine import Deviations, Machine, load, loads
+from ._results import (
+    BudgetResult,
+    CertificateResult,
+    CompareResult,
+    CompileResult,
+    ConvertResult,
+    DiffResult,
+    EnumerateResult,
+    EquationsResult,
+    EvalResult,
+    IdentifyResult,
+    ImportResult,
+    InstrumentResult,
+    MapResult,
+    PlanResult,
+    ReachResult,
+    Record,
+    ReportResult,
+    Result,
+)
+
+__all__ = [
+    "BudgetResult",
+    "CertificateResult",
+    "CompareResult",
+    "CompileResult",
+    "ConvertResult",
+    "Deviations",
+    "Diagnostic",
+    "DiagnosticError",
+    "DiagnosticWarning",
+    "DiffResult",
+    "EnumerateResult",
+    "EquationsResult",
+    "EvalResult",
+    "IdentifyResult",
+    "ImportResult",
+    "InstrumentResult",
+    "Machine",
+    "MapResult",
+    "Place",
+    "PlanResult",
+    "ReachResult",
+    "Record",
+    "ReportResult",
+    "Result",
+    "__version__",
+    "check",
+    "classify",
+    "explain",
+    "import_readings",
+    "load",
+    "loads",
+    "schema",
+    "set_threads",
+    "starter",
+    "targets",
+]

@@ -1,0 +1,91 @@
+"""Calls of the native module: options as JSON, threads, warnings."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Union
+
+from . import _abbe
+from ._diagnostics import warn
+
+#: A text or a path.
+Text = Union[str, "os.PathLike[str]"]
+
+_threads: int | None = None
+
+
+def set_threads(threads: int | None) -> None:
+    """Sets the number of threads of all later calls that do not name one with ``threads=``.
+
+    ``None`` restores the default: one thread inside a task of Dask, elsewhere ``RAYON_NUM_THREADS`` or one for each
+    processor. Results do not depend on it.
+    """
+    global _threads
+    if threads is not None and threads < 1:
+        raise ValueError("threads: 1 or more")
+    _threads = threads
+
+
+def threads_of(threads: int | None) -> int:
+    """Returns the number of threads for a call; 0 leaves it to the native module."""
+    if threads is not None:
+        if threads < 1:
+            raise ValueError("threads: 1 or more")
+        return threads
+    if _threads is not None:
+        return _threads
+    return 1 if _in_dask_task() else 0
+
+
+def _in_dask_task() -> bool:
+    worker = sys.modules.get("distributed.worker")
+    if worker is None:
+        return False
+    try:
+        worker.get_worker()
+    except ValueError:
+        return False
+    return True
+
+
+def words_of(words: Iterable[Text]) -> list[str]:
+    """Returns paths and names as text."""
+    return [os.fspath(word) for word in words]
+
+
+def json_of(options: Mapping[str, Any]) -> str:
+    """Returns options as JSON; those that are ``None`` are left to the façade's defaults."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, os.PathLike):
+            return os.fspath(value)
+        if hasattr(value, "tolist"):
+            return value.tolist()
+        raise TypeError(f"{value!r} is no value of an option")
+
+    return json.dumps({name: value for name, value in options.items() if value is not None}, default=plain)
+
+
+def call(
+    verb: str,
+    machines: Sequence[_abbe.NativeMachine],
+    options: Mapping[str, Any],
+    *,
+    words: Iterable[Text] = (),
+    texts: Iterable[tuple[str, str]] = (),
+    rows: bool = False,
+    threads: int | None = None,
+    stacklevel: int = 2,
+) -> _abbe.NativeOutcome:
+    """Runs a verb and warns of what it warns of; ``stacklevel`` 1 is the function that calls."""
+    found = _abbe.run(verb, list(machines), words_of(words), json_of(options), list(texts), rows, threads_of(threads))
+    warn(found.warnings(), stacklevel + 1)
+    return found
+
+
+def order_of(order: int | str | None) -> str | None:
+    """Returns an order as the façade writes it."""
+    return None if order is None else str(order)

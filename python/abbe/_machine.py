@@ -1,0 +1,304 @@
+"""Machines."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _abbe
+from ._calls import Text, json_of, order_of, threads_of
+from ._diagnostics import DiagnosticError, warn
+from ._results import BudgetResult, Record, html_table, inline
+from ._verbs import Verbs
+
+if TYPE_CHECKING:
+    import pandas
+
+Approach = Literal["mean", "forward", "reverse"]
+Frame = Literal["workpiece", "machine", "tool"]
+
+#: Poses: an array of shape (N, axes), or columns of positions by the names of axes (a mapping, a DataFrame).
+Poses = Union[ArrayLike, Mapping[str, ArrayLike], "pandas.DataFrame"]
+
+
+class Deviations(NamedTuple):
+    """Deviations at N poses, actual minus nominal, of the tool relative to the workpiece."""
+
+    #: Displacement of the functional point along x, y, z, shape (N, 3), mm.
+    position: NDArray[np.float64]
+    #: Rotation of the tool about x, y, z, shape (N, 3), rad.
+    rotation: NDArray[np.float64]
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """Returns the columns ``dx [um]``, ..., ``wz [urad]`` as a DataFrame (needs pandas)."""
+        import pandas
+
+        columns = {f"d{letter} [um]": self.position[:, k] * 1e3 for k, letter in enumerate("xyz")}
+        columns.update({f"w{letter} [urad]": self.rotation[:, k] * 1e6 for k, letter in enumerate("xyz")})
+        return pandas.DataFrame(columns)
+
+
+class Machine(Verbs):
+    """A machine tool: its kinematic chain and its geometric errors, as :func:`abbe.load` reads them.
+
+    A machine never changes. It pickles with every file that it was read from, so that it can be sent to another
+    process or another computer.
+    """
+
+    def __init__(
+        self,
+        path: str,
+        texts: tuple[tuple[str, str], ...] = (),
+        tool: str | None = None,
+        changes: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._arguments = (path, tool, dict(changes or {}))
+        if changes:
+            name, text = _variant(path, {name for name, _ in texts}, changes)
+            texts, path = ((name, text), *texts), name
+        self._native = _abbe.load(path, list(texts), tool)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        path, tool, changes = self._arguments
+        texts = [text for text in self._native.texts() if not changes or text[0] != self.path]
+        return _restored, (path, tuple(texts), tool, changes)
+
+    def __repr__(self) -> str:
+        return f"<Machine {self.name!r}: {self.chain}>"
+
+    @property
+    def name(self) -> str:
+        """The name of the machine."""
+        return self._native.name()
+
+    @property
+    def path(self) -> str:
+        """The name of its file."""
+        return self._native.path()
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """The text of every file that the machine was read from, by name, in the order read."""
+        return dict(self._native.texts())
+
+    @cached_property
+    def axis_names(self) -> tuple[str, ...]:
+        """The names of the axes in the order of the chain, which is that of the columns of poses."""
+        return tuple(self._native.axes())
+
+    @cached_property
+    def geometry(self) -> Record:
+        """The kinematic chain in numbers, as ``abbe show --format json`` prints it."""
+        return Record(json.loads(self._native.show()))
+
+    @cached_property
+    def summary(self) -> Record:
+        """The machine in short, as ``abbe check --format json`` prints it."""
+        return Record(json.loads(self._native.summary()))
+
+    @property
+    def chain(self) -> str:
+        """The chain from workpiece to tool, such as ``w C' A' Y' b X Z t``."""
+        return str(self.geometry["chain"])
+
+    @property
+    def axes(self) -> dict[str, Record]:
+        """The axes by name: direction, origin (mm), travel (mm or deg), lever arms (mm)."""
+        return {axis["name"]: axis for axis in self.geometry["axes"]}
+
+    @property
+    def tools(self) -> list[Record]:
+        """The tools, in machine coordinates at the zero pose."""
+        tools: list[Record] = self.geometry["tools"]
+        return tools
+
+    @property
+    def tool(self) -> str:
+        """The name of the tool in use; empty for a tool without a name."""
+        return self._native.tool()
+
+    @property
+    def conventions(self) -> Record:
+        """The conventions in force."""
+        conventions: Record = self.geometry["conventions"]
+        return conventions
+
+    @cached_property
+    def errors(self) -> dict[str, Record]:
+        """The errors by name: ``kind`` is location, component or tolerance, ``value`` is in ``unit``, mm or rad.
+
+        A component error has no single value: its ``value`` is ``None``.
+        """
+        return {name: Record(error) for name, error in json.loads(self._native.errors()).items()}
+
+    def with_tool(self, name: str) -> Machine:
+        """Returns the machine with another of its tools."""
+        path, _, changes = self._arguments
+        return Machine(path, self._sources(), name, changes)
+
+    def with_(self, changes: Mapping[str, Any]) -> Machine:
+        """Returns a variant of the machine: entries of the YAML by their path, such as ``"errors.EC0Y": "12 urad"``.
+
+        The variant is a file that extends the machine's, by the rules of ``extends`` in docs/language.md: mappings
+        merge key by key, axes by field; an error term and every list are replaced whole; ``None`` removes an entry.
+        """
+        path, tool, before = self._arguments
+        below = tuple(f"{name}." for name in changes)
+        kept = {name: value for name, value in before.items() if name not in changes and not name.startswith(below)}
+        variant = Machine(path, self._sources(), tool, {**kept, **changes})
+        warn(variant._native.warnings(), 2, known=self._native.warnings())
+        return variant
+
+    def _sources(self) -> tuple[tuple[str, str], ...]:
+        changes = self._arguments[2]
+        return tuple(text for text in self._native.texts() if not changes or text[0] != self.path)
+
+    def deviations(
+        self,
+        poses: Poses,
+        *,
+        order: int | str | None = None,
+        approach: Approach = "mean",
+        frame: Frame = "workpiece",
+        threads: int | None = None,
+        out: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
+    ) -> Deviations:
+        """Returns the deviations at many poses.
+
+        ``poses`` is an array of shape (N, axes), columns in the order of :attr:`axis_names`, mm and deg; or columns of
+        positions by the names of the axes: axes left out are at 0, and a single number counts for all poses. Columns,
+        and arrays in column order (``order="F"``), are read where they are; arrays in row order are gathered as they
+        are read. The results are in column order.
+
+        ``order`` is ``"exact"`` or 1 to 6; by default the one that the conventions of the machine name, or exact.
+        ``approach`` is the side of approach, where forward and reverse curves were given. ``out`` is a pair of arrays
+        of shape (N, 3) in column order to write into, such as the result of a call before: new memory takes time.
+        """
+        positions = self._positions(poses)
+        native = self._native.deviations(positions, order_of(order), approach, frame, threads_of(threads), out)
+        return Deviations(*native)
+
+    def _positions(self, poses: Poses) -> Any:
+        names = _column_names(poses)
+        if names is not None:
+            return self._columns(poses, names)
+        array = np.asarray(poses, dtype=np.float64)
+        if array.ndim == 1:
+            array = array.reshape(1, -1)
+        if array.ndim != 2:
+            raise ValueError(f"poses have the shape (N, {len(self.axis_names)}), not {array.shape}")
+        if array.flags.c_contiguous or array.flags.f_contiguous:
+            return array
+        if array.strides[0] == array.itemsize:
+            return [array[:, k] for k in range(array.shape[1])]
+        return np.ascontiguousarray(array)
+
+    def _columns(self, poses: Any, names: list[str]) -> list[NDArray[np.float64]]:
+        unknown = [name for name in names if name not in self.axis_names]
+        if unknown:
+            known = ", ".join(self.axis_names)
+            raise ValueError(f"the chain has no axis {', '.join(map(repr, unknown))}; its axes are {known}")
+        given = [np.asarray(poses[name] if name in names else 0.0, dtype=np.float64) for name in self.axis_names]
+        shape = np.broadcast_shapes((1,), *(column.shape for column in given))
+        if len(shape) != 1:
+            raise ValueError(f"a column of positions has the shape (N,), not {shape}")
+        return [np.ascontiguousarray(np.broadcast_to(column, shape)) for column in given]
+
+    def goal(self, length: float | str, **options: Any) -> BudgetResult:
+        """Seeks the cheapest tolerances for a 95 % value of the position: mm, or a text such as ``"30 um"``.
+
+        The options are those of :meth:`budget`; the answer is the field ``goal`` of the result.
+        """
+        goal_mm = _abbe.length_mm(length) if isinstance(length, str) else float(length)
+        return self.budget(goal_mm=goal_mm, **options)
+
+    def _picture_again(self, options: Mapping[str, Any], threads: int | None) -> Callable[[], Any]:
+        """Returns a call that draws a map; the picture hangs on a plane, and not on the poses."""
+
+        def again() -> Any:
+            asked = {**options, "poses": {"random": 1}, "worst": 0, "picture": options.get("picture") or {}}
+            try:
+                return _abbe.run("map", [self._native], [], json_of(asked), [], False, threads_of(threads))
+            except DiagnosticError:
+                return None
+
+        return again
+
+    def _repr_svg_(self) -> str:
+        return self._native.chain_svg()
+
+    @property
+    def curves_svg(self) -> str | None:
+        """A picture of the curves of the component errors, SVG; none without component errors."""
+        return self._native.curves_svg()
+
+    def _repr_html_(self) -> str:
+        counts = {"location": 0, "component": 0, "tolerance": 0}
+        for error in self.errors.values():
+            counts[error["kind"]] += 1
+        errors = ", ".join(f"{count} {kind}" for kind, count in counts.items())
+        facts = [("machine", self.name), ("file", self.path), ("chain", self.chain), ("errors", errors)]
+        return html_table(facts) + inline(self._repr_svg_())
+
+
+def load(path: Text, *, tool: str | None = None) -> Machine:
+    """Reads a machine file, and the files that it extends and names.
+
+    ``tool`` is the name of the tool in use; the first by default. Raises :class:`abbe.DiagnosticError` with all faults
+    of the files, each with its place; warns with :class:`abbe.DiagnosticWarning`.
+    """
+    machine = Machine(os.fspath(path), (), tool)
+    warn(machine._native.warnings(), 2)
+    return machine
+
+
+def loads(
+    text: str, *, files: Mapping[str, str] | None = None, name: str = "machine.yaml", tool: str | None = None
+) -> Machine:
+    """Reads a machine from the text of a machine file.
+
+    ``files`` are texts of files that it names, by name; others are read from the disk, relative to the folder of
+    ``name``.
+    """
+    machine = Machine(name, ((name, text), *(files or {}).items()), tool)
+    warn(machine._native.warnings(), 2)
+    return machine
+
+
+def _restored(path: str, texts: tuple[tuple[str, str], ...], tool: str | None, changes: dict[str, Any]) -> Machine:
+    return Machine(path, texts, tool, changes)
+
+
+def _variant(path: str, taken: set[str], changes: Mapping[str, Any]) -> tuple[str, str]:
+    """Returns name and text of a file that extends another; JSON is YAML."""
+    tree: dict[str, Any] = {"abbe": 1, "extends": os.path.basename(path)}
+    for place, value in changes.items():
+        *above, last = place.split(".")
+        branch = tree
+        for key in above:
+            inner = branch.get(key)
+            branch[key] = dict(inner) if isinstance(inner, dict) else {}
+            branch = branch[key]
+        branch[last] = value
+    stem, ending = os.path.splitext(path)
+    name, count = f"{stem}.variant{ending}", 1
+    while name in taken or os.path.exists(name):
+        count += 1
+        name = f"{stem}.variant{count}{ending}"
+    return name, json.dumps(tree, default=lambda value: value.tolist(), ensure_ascii=False)
+
+
+def _column_names(poses: Any) -> list[str] | None:
+    """Returns the names of columns; none for an array."""
+    if isinstance(poses, Mapping):
+        return [str(name) for name in poses]
+    names = getattr(poses, "columns", None)
+    if names is not None:
+        return [str(name) for name in names]
+    return list(names) if (names := getattr(getattr(poses, "dtype", None), "names", None)) else None

@@ -1,0 +1,46 @@
+"""Measurements from memory."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ._calls import Text
+
+
+def files_and_texts(data: Any) -> tuple[list[str], list[tuple[str, str]]]:
+    """Returns measurements as paths, and as texts by name for those that are columns in memory."""
+    if data is None:
+        return [], []
+    single = isinstance(data, (str, os.PathLike, Mapping)) or hasattr(data, "columns")
+    items: Iterable[Text | Mapping[str, Any]] = [data] if single else data
+    paths: list[str] = []
+    texts: list[tuple[str, str]] = []
+    for item in items:
+        if isinstance(item, (str, os.PathLike)):
+            paths.append(os.fspath(item))
+        else:
+            texts.append((f"readings-{len(texts) + 1}.csv", csv_of(item)))
+    return paths, texts
+
+
+def csv_of(columns: Any) -> str:
+    """Returns columns by their names (a mapping, a DataFrame) as CSV; numbers keep every bit."""
+    names = [str(name) for name in columns]
+    if any("," in name or "\n" in name for name in names):
+        raise ValueError("the name of a column has a comma or a line break")
+    cells = [cells_of(columns[name]) for name in columns]
+    if len({len(column) for column in cells}) > 1:
+        raise ValueError("the columns of measurements are not of one length")
+    return "\n".join([",".join(names), *map(",".join, zip(*cells, strict=True))]) + "\n"
+
+
+def cells_of(column: Any) -> list[str]:
+    """Returns the cells of a column; a value that is missing is an empty cell."""
+    values = np.asarray(column)
+    if values.dtype.kind in "fiu":
+        return ["" if value != value else repr(value) for value in values.tolist()]
+    return ["" if value is None or value != value else str(value) for value in values.tolist()]

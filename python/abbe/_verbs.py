@@ -1,0 +1,926 @@
+"""The verbs as methods. python/generate.py writes this file from the options of the façade."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Literal, TypedDict, Union
+
+from . import _abbe
+from ._calls import Text, call, order_of
+from ._readings import files_and_texts
+from ._results import (
+    BudgetResult,
+    CertificateResult,
+    CompareResult,
+    CompileResult,
+    ConvertResult,
+    DiffResult,
+    EnumerateResult,
+    EquationsResult,
+    EvalResult,
+    IdentifyResult,
+    ImportResult,
+    InstrumentResult,
+    MapResult,
+    PlanResult,
+    ReachResult,
+    ReportResult,
+    Result,
+)
+
+#: The order to which errors are followed; as text ``exact`` or ``1`` to ``6``.
+Order = Union[int, str]
+
+#: The side from which a position is approached; curves may differ (reversal).
+Approach = Literal["mean", "forward", "reverse"]
+
+#: Frame of vectors; all are parallel to the machine frame at the zero pose, but for the rotation of the workpiece.
+Frame = Literal["workpiece", "machine", "tool"]
+
+#: Letters of the symbols.
+Naming = Literal["iso", "paper"]
+
+#: Poses of a map; at most 1e9.
+MapPoses = Union[Literal["grid"], Mapping[str, int], Mapping[str, Text]]
+
+#: Style of the drawing of a deviation over a plane.
+PlaneDrawing = Literal["colours", "grid", "before_after"]
+
+#: Quantity that the colours of a map show.
+PlaneComponent = Literal["length", "dx", "dy", "dz"]
+
+#: A picture of the deviation over a plane of two linear axes.
+#: ``drawing``: Style of the drawing.
+#: ``plane``: The two linear axes, such as ``XY`` or ``X,Z``; by default the first two.
+#: ``at``: Positions of the other axes, ``Z=-100,A=30``: mm and deg; by default at 0, or at the end of the travel
+#: nearest to it.
+#: ``component``: Quantity that the colours show.
+PlaneOptions = TypedDict(
+    "PlaneOptions",
+    {
+        "drawing": PlaneDrawing,
+        "plane": Union[Text, None],
+        "at": Union[Text, None],
+        "component": PlaneComponent,
+    },
+    total=False,
+)
+
+#: Goal of the correction.
+Goal = Literal["position", "pose"]
+
+#: Axes that correct.
+CorrectingAxes = Literal["linear", "all"]
+
+#: The meaning of a stored number.
+Stored = Literal["correction", "error", "command"]
+
+#: The error that tables are fitted to.
+Fit = Literal["axis", "functional_point"]
+
+#: Options of the compensation of a machine.
+#: ``correct``: Goal of the correction; by default the position for tables, the pose for a kinematics module.
+#: ``with``: Axes that correct. By default the linear ones for the position, all for the pose.
+#: ``templates``: A folder with targets of one's own, each a folder with a ``target.yaml``.
+#: ``stored``: Meaning of stored numbers, ``correction`` or ``error``, where the manual does not state it; by default
+#: the manifest's.
+#: ``without``: Kinds of tables to leave out although the controller has them: product, plane, cross_axis, own_axis.
+#: ``fit``: Content of own-axis tables; by default the manifest's.
+CompensationOptions = TypedDict(
+    "CompensationOptions",
+    {
+        "correct": Union[Goal, None],
+        "with": Union[CorrectingAxes, None],
+        "templates": Union[Text, None],
+        "stored": Union[Stored, None],
+        "without": Sequence[Text],
+        "fit": Union[Fit, None],
+    },
+    total=False,
+)
+
+#: The distribution of an error between its bounds.
+Distribution = Literal["uniform", "triangular"]
+
+#: The statistic of one machine's deviations over the poses.
+Statistic = Literal["max", "p95"]
+
+#: Criterion of the arrangements.
+JudgedBy = Literal["budget", "errors"]
+
+#: A measuring instrument.
+Instrument = Literal["ball_bar", "r_test", "diagonals", "step_diagonals"]
+
+#: A plane of the workpiece frame; the circle runs from its first to its second direction.
+Plane = Literal["XY", "YZ", "ZX"]
+
+#: Largest corrections that are not refused.
+#: ``length``: Limit for a linear axis, mm.
+#: ``angle``: Limit for a rotary axis, rad.
+#: ``slope``: Change of a correction per change of its own axis's position (mm/mm, deg/deg).
+Limits = TypedDict(
+    "Limits",
+    {
+        "length": float,
+        "angle": float,
+        "slope": float,
+    },
+    total=False,
+)
+
+#: Draws of errors between their bounds, and the statistic of their effect.
+#: ``class``: Class of machines whose typical tolerances are taken where the file has none, in place of the class that
+#: the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry`` or ``desktop``.
+#: ``distribution``: Distribution of an error between its bounds.
+#: ``statistic``: Statistic of a machine over the poses.
+ToleranceOptions = TypedDict(
+    "ToleranceOptions",
+    {
+        "class": Union[Text, None],
+        "distribution": Distribution,
+        "statistic": Statistic,
+    },
+    total=False,
+)
+
+#: The sign of the values of a file.
+FileContents = Literal["errors", "corrections"]
+
+#: Approach of runs without a direction.
+RunApproach = Literal["one-way", "alternating"]
+
+#: Line of a straightness.
+StraightnessLine = Literal["least-squares", "end-points"]
+
+
+class Verbs:
+    """The verbs of a machine."""
+
+    _native: _abbe.NativeMachine
+
+    def _picture_again(self, options: Mapping[str, Any], threads: int | None) -> Callable[[], Any]:
+        raise NotImplementedError
+
+    def eval(
+        self,
+        *,
+        at: Sequence[Text] | None = None,
+        poses: Sequence[Sequence[float]] | None = None,
+        pose_file: Text | None = None,
+        order: Order | None = None,
+        approach: Approach = "mean",
+        frame: Frame = "workpiece",
+        algebra: Text | None = None,
+        inverse: bool = False,
+        sensitivity: bool = False,
+        interactions: bool = False,
+        threads: int | None = None,
+    ) -> EvalResult:
+        """Evaluates poses one by one: deviation, E_VE, and what each error contributes.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``at``: Poses as text, ``X=100,C=90``: mm and deg; omitted axes are at 0.
+        * ``poses``: Poses as numbers, mm and deg, each as long as the machine has axes and in the order of the chain.
+        * ``pose_file``: A CSV file of poses: a header of axis names, one pose a line, mm and deg.
+        * ``order``: Order of the errors; exact by default, unless the conventions of the machine name an order.
+        * ``approach``: Side of approach, where forward and reverse curves were given.
+        * ``frame``: Frame of the vectors.
+        * ``algebra``: Follows errors over a Weil algebra instead, in the words of the section ``algebra`` of a machine
+          file; an empty text takes that section.
+        * ``inverse``: Solves for the displacements of the axes that undo the errors, over ``algebra``.
+        * ``sensitivity``: Lists the effect of 1 um or 1 urad of every error.
+        * ``interactions``: Lists the effect of pairs of errors, and the error of order 1. Implies ``sensitivity``.
+        """
+        options: dict[str, Any] = {
+            "at": at,
+            "poses": poses,
+            "pose_file": pose_file,
+            "order": order_of(order),
+            "approach": approach,
+            "frame": frame,
+            "algebra": algebra,
+            "inverse": inverse,
+            "sensitivity": sensitivity,
+            "interactions": interactions,
+        }
+        found = call("eval", [self._native], options, threads=threads)
+        return EvalResult(found)
+
+    def equations(
+        self,
+        *,
+        order: int | None = None,
+        algebra: Text | None = None,
+        symbols: Naming = "iso",
+        tool_length: bool = False,
+        threads: int | None = None,
+    ) -> EquationsResult:
+        """Returns the closed forms: E_VE and deviations as polynomials in the errors.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``order``: Highest degree in the errors, every error on its own; 1 by default.
+        * ``algebra``: The algebra of the errors instead, in the words of the section ``algebra`` of a machine file; an
+          empty text takes that section.
+        * ``symbols``: Names of the symbols.
+        * ``tool_length``: True if the length of the tool stays the symbol L.
+        """
+        options: dict[str, Any] = {
+            "order": order,
+            "algebra": algebra,
+            "symbols": symbols,
+            "tool_length": tool_length,
+        }
+        found = call("equations", [self._native], options, threads=threads)
+        return EquationsResult(found)
+
+    def convert(
+        self,
+        to: Text | None = None,
+        *,
+        datum: Text | None = None,
+        within_mm: float | None = None,
+        threads: int | None = None,
+    ) -> ConvertResult:
+        """Returns the same machine under other conventions.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``to``: The new conventions: a preset, words such as ``carried_body``, or ``linear: before, rotary:
+          rotating``; others stay as they are.
+        * ``datum``: The axis from whose actual line location errors count (``axis_only``), instead of the machine
+          frame.
+        * ``within_mm``: Difference of the machines that is accepted, mm; for rotations this over a metre. By default
+          only rounding is.
+        """
+        options: dict[str, Any] = {
+            "to": to,
+            "datum": datum,
+            "within_mm": within_mm,
+        }
+        found = call("convert", [self._native], options, threads=threads)
+        return ConvertResult(found)
+
+    def map(
+        self,
+        *,
+        rows: bool = False,
+        poses: MapPoses = "grid",
+        seed: int = 1,
+        order: Order | None = None,
+        approach: Approach = "mean",
+        frame: Frame = "workpiece",
+        worst: int = 5,
+        picture: PlaneOptions | None = None,
+        target: Text | None = None,
+        compensation: CompensationOptions | None = None,
+        class_: Text | None = None,
+        distribution: Distribution = "uniform",
+        statistic: Statistic = "max",
+        samples: int = 1000,
+        threads: int | None = None,
+    ) -> MapResult:
+        """Maps the error over the volume.
+
+        ``rows`` keeps every pose with its deviation, for ``rows``, ``to_pandas`` and ``to_xarray``.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``poses``: The poses.
+        * ``seed``: Seed of random and low-discrepancy poses.
+        * ``order``: Order of the errors; exact by default, unless the conventions of the machine name an order.
+        * ``approach``: Side of approach, where forward and reverse curves were given.
+        * ``frame``: Frame of the vectors.
+        * ``worst``: Number of the worst poses to name.
+        * ``picture``: Draws the deviation over a plane.
+        * ``target``: Maps the residual of this target's compensation, by the files that ``compile`` would write.
+        * ``compensation``: Options of the compensation for the target.
+        * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
+          class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
+          or ``desktop``.
+        * ``distribution``: Distribution of an error between its bounds.
+        * ``statistic``: Statistic of a machine over the poses.
+        * ``samples``: Number of machines that are drawn, at least 2.
+        """
+        options: dict[str, Any] = {
+            "poses": poses,
+            "seed": seed,
+            "order": order_of(order),
+            "approach": approach,
+            "frame": frame,
+            "worst": worst,
+            "picture": picture,
+            "target": target,
+            "compensation": compensation,
+            "class": class_,
+            "distribution": distribution,
+            "statistic": statistic,
+            "samples": samples,
+        }
+        found = call("map", [self._native], options, rows=rows, threads=threads)
+        return MapResult(found, self._picture_again(options, threads))
+
+    def reach(
+        self,
+        *,
+        region: Text | None = None,
+        step_mm: float | None = None,
+        directions: int | None = None,
+        threads: int | None = None,
+    ) -> ReachResult:
+        """Returns the tips and directions of the tool within reach over a box.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``region``: The box of the tips in the workpiece frame, ``X=-100..100,Z=0..200`` (mm, or with units). Sides
+          that are left out are those of the box over which the linear axes carry the tip, rotary axes at rest; for
+          robots, whose rotary axes place the tip, those of the box around it at 2000 random poses.
+        * ``step_mm``: Largest distance of neighbouring tips, mm; by default an eighth of the longest side, for robots a
+          third.
+        * ``directions``: Number of directions of the tool; 60 by default, 6 for robots. A machine that does not turn
+          its tool has one; of a circle those count that are within the hemisphere about the tool axis at rest.
+        """
+        options: dict[str, Any] = {
+            "region": region,
+            "step_mm": step_mm,
+            "directions": directions,
+        }
+        found = call("reach", [self._native], options, threads=threads)
+        return ReachResult(found)
+
+    def compare(
+        self,
+        *others: Verbs,
+        poses: int = 1000,
+        tool_poses: Text | None = None,
+        seed: int = 1,
+        class_: Text | None = None,
+        distribution: Distribution = "uniform",
+        statistic: Statistic = "max",
+        samples: int = 1000,
+        max_samples: int | None = None,
+        order: Order | None = None,
+        approach: Approach = "mean",
+        threads: int | None = None,
+    ) -> CompareResult:
+        """Compares the machine with others on the same tool poses.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``poses``: Number of tool poses, drawn from the volume of the first machine.
+        * ``tool_poses``: A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or
+          rotary axes (deg) of the first machine.
+        * ``seed``: Seed of the tool poses, and of the errors that are drawn.
+        * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
+          class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
+          or ``desktop``.
+        * ``distribution``: Distribution of an error between its bounds.
+        * ``statistic``: Statistic of a machine over the poses.
+        * ``samples``: Number of machines that are drawn for the budgets, at least 2.
+        * ``max_samples``: Maximum number of them: more are drawn until every machine is told apart from the first; by
+          default eight times ``samples``.
+        * ``order``: Order of the errors; exact by default, unless the conventions of a machine name an order.
+        * ``approach``: Side of approach, where forward and reverse curves were given.
+        """
+        options: dict[str, Any] = {
+            "poses": poses,
+            "tool_poses": tool_poses,
+            "seed": seed,
+            "class": class_,
+            "distribution": distribution,
+            "statistic": statistic,
+            "samples": samples,
+            "max_samples": max_samples,
+            "order": order_of(order),
+            "approach": approach,
+        }
+        found = call("compare", [self._native, *(other._native for other in others)], options, threads=threads)
+        return CompareResult(found)
+
+    def budget(
+        self,
+        *,
+        class_: Text | None = None,
+        distribution: Distribution = "uniform",
+        statistic: Statistic = "max",
+        seed: int = 1,
+        poses: int = 500,
+        tool_poses: Text | None = None,
+        samples: int = 1000,
+        at: Text | None = None,
+        goal_mm: float | None = None,
+        cost: Text | None = None,
+        threads: int | None = None,
+    ) -> BudgetResult:
+        """Returns what tolerances do to the volumetric error, and which to tighten first.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
+          class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
+          or ``desktop``.
+        * ``distribution``: Distribution of an error between its bounds.
+        * ``statistic``: Statistic of a machine over the poses.
+        * ``seed``: Seed of poses and errors.
+        * ``poses``: Number of random poses, besides the corners of the volume.
+        * ``tool_poses``: A CSV file of tool poses in the workpiece frame that replace these poses: columns X, Y, Z (mm)
+          and I, J, K or rotary axes (deg).
+        * ``samples``: Number of machines that are drawn, at least 2.
+        * ``at``: A pose at which contributions are listed too, ``X=100,C=90``: mm and deg; axes left out are at 0.
+        * ``goal_mm``: Goal of the 95 % value of the position, mm: the cheapest tolerances for it are sought.
+        * ``cost``: YAML file with the cost of tolerances; by default the sum of 1 / tolerance (um, urad).
+        """
+        options: dict[str, Any] = {
+            "class": class_,
+            "distribution": distribution,
+            "statistic": statistic,
+            "seed": seed,
+            "poses": poses,
+            "tool_poses": tool_poses,
+            "samples": samples,
+            "at": at,
+            "goal_mm": goal_mm,
+            "cost": cost,
+        }
+        found = call("budget", [self._native], options, threads=threads)
+        return BudgetResult(found)
+
+    def enumerate(
+        self,
+        *,
+        class_: Text | None = None,
+        distribution: Distribution = "uniform",
+        statistic: Statistic = "max",
+        seed: int = 1,
+        by: JudgedBy | None = None,
+        require: Sequence[Text] | None = None,
+        max_table: int | None = None,
+        rotary: int | None = None,
+        poses: int = 500,
+        tool_poses: Text | None = None,
+        size: bool = False,
+        samples: int = 200,
+        max_samples: int | None = None,
+        first: int = 1,
+        reach_percent: float = 50.0,
+        state: Text | None = None,
+        shard: tuple[int, int] | None = None,
+        merge: Sequence[Text] | None = None,
+        threads: int | None = None,
+    ) -> EnumerateResult:
+        """Ranks all arrangements of the axes on the same work.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
+          class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
+          or ``desktop``.
+        * ``distribution``: Distribution of an error between its bounds.
+        * ``statistic``: Statistic of a machine over the poses.
+        * ``seed``: Seed of poses and errors.
+        * ``by``: Criterion of the arrangements; by default a budget if any error is bounded.
+        * ``require``: Rules that arrangements obey, such as ``C before A``, ``Y carries A``, ``at most 2 on table``.
+        * ``max_table``: Maximum number of axes that carry the workpiece.
+        * ``rotary``: Number of rotary axes at a time, every choice of them; by default all.
+        * ``poses``: Number of tool poses.
+        * ``tool_poses``: A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or
+          rotary axes (deg).
+        * ``size``: Gives linear axes the travel that the work needs, whatever the file says; every arrangement tells
+          it.
+        * ``samples``: Number of machines that are drawn of every arrangement for the budget, at least 2.
+        * ``max_samples``: Maximum number of machines that are drawn of the arrangements that could be among the first;
+          by default eight times ``samples``, or what can be kept of them.
+        * ``first``: Number of first ranks that are to be told apart from each other and from all others.
+        * ``reach_percent``: Fraction of the tool poses that a ranked arrangement reaches, in percent.
+        * ``state``: A file of results of this study; what it holds is not computed again.
+        * ``shard``: Computes only part I of N of the walks of one round.
+        * ``merge``: Files of results that together hold the first round; what they hold is not computed again.
+        """
+        options: dict[str, Any] = {
+            "class": class_,
+            "distribution": distribution,
+            "statistic": statistic,
+            "seed": seed,
+            "by": by,
+            "require": require,
+            "max_table": max_table,
+            "rotary": rotary,
+            "poses": poses,
+            "tool_poses": tool_poses,
+            "size": size,
+            "samples": samples,
+            "max_samples": max_samples,
+            "first": first,
+            "reach_percent": reach_percent,
+            "state": state,
+            "shard": shard,
+            "merge": merge,
+        }
+        found = call("enumerate", [self._native], options, threads=threads)
+        return EnumerateResult(found)
+
+    def instrument(
+        self,
+        instrument: Instrument = "ball_bar",
+        *,
+        plane: Plane | None = None,
+        radius_mm: float = 100.0,
+        axis: Text | None = None,
+        at: Text | None = None,
+        points: int | None = None,
+        threads: int | None = None,
+    ) -> InstrumentResult:
+        """Returns the readings of an instrument.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``instrument``: The instrument.
+        * ``plane``: Ball bar: plane of the circle, workpiece frame; by default all three.
+        * ``radius_mm``: Ball bar: its length, above 0 and up to 10000 mm.
+        * ``axis``: R-test: name of the rotary axis; by default all, one after the other.
+        * ``at``: Centre of the circle, place of the ball, or where the other axes are, ``X=100,C=90``: mm and deg. By
+          default the middle of the volume, for the R-test three quarters along it; rotary axes at 0 or nearest to it.
+        * ``points``: Readings on a circle or turn, points on a diagonal, or steps of every axis; by default 360, 37,
+          11.
+        """
+        options: dict[str, Any] = {
+            "instrument": instrument,
+            "plane": plane,
+            "radius_mm": radius_mm,
+            "axis": axis,
+            "at": at,
+            "points": points,
+        }
+        found = call("instrument", [self._native], options, threads=threads)
+        return InstrumentResult(found)
+
+    def identify(
+        self,
+        data: Iterable[Text | Mapping[str, Any]] | Text | Mapping[str, Any] | None = None,
+        *,
+        fit: Sequence[Text] | None = None,
+        fixed: Sequence[Text] | None = None,
+        priors: Sequence[Text] | None = None,
+        frame: Frame = "workpiece",
+        order: Order | None = None,
+        robust: bool = False,
+        folds: int | None = None,
+        machine_file: bool = False,
+        accept_undetermined: bool = False,
+        pictures: bool = False,
+        threads: int | None = None,
+    ) -> IdentifyResult:
+        """Fits errors to measurements.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``data``: Files of measurements, read through ``run.files``: CSV with a column for each axis and ``dx [um]``,
+          ``dy [um]``, ``dz [um]``, or lengths, ball readings, lines, single errors (docs/identification.md).
+        * ``fit``: Parameters to fit: ``location``, ``tool``, ``workpiece``, ``spindle``, ``linear``, error names,
+          ``EXX:poly3``; if empty, the section ``identify`` of the machine file.
+        * ``fixed``: Parameters that keep their value although a group names them.
+        * ``priors``: Values known before the data, with a standard uncertainty: ``ball b1 50 um``, ``EC0Y 5 urad``,
+          ``constant S = 150 mm 1 um``; ``file``: what the machine file states. They come after those of the section
+          ``identify``.
+        * ``frame``: Frame in which the deviations were measured.
+        * ``order``: Model to fit: exact by default, or of order 1 or 2.
+        * ``robust``: Gives readings that stand out less weight (Huber).
+        * ``folds``: Checks the prediction: leaves out every measurement once, in this many parts.
+        * ``machine_file``: Also writes the fitted machine file; fails if it is one that would be refused.
+        * ``accept_undetermined``: Writes the machine file although it holds values whose uncertainty is larger than any
+          error of a machine.
+        * ``pictures``: Also draws prediction and data over the planes of the linear axes.
+        """
+        paths, texts = files_and_texts(data)
+        options: dict[str, Any] = {
+            "data": paths,
+            "fit": fit,
+            "fixed": fixed,
+            "priors": priors,
+            "frame": frame,
+            "order": order_of(order),
+            "robust": robust,
+            "folds": folds,
+            "machine_file": machine_file,
+            "accept_undetermined": accept_undetermined,
+            "pictures": pictures,
+            "texts": texts,
+        }
+        found = call("identify", [self._native], options, threads=threads)
+        return IdentifyResult(found)
+
+    def fit_monomials(
+        self,
+        data: Iterable[Text | Mapping[str, Any]] | Text | Mapping[str, Any] | None = None,
+        *,
+        fit: Sequence[Text] | None = None,
+        fixed: Sequence[Text] | None = None,
+        priors: Sequence[Text] | None = None,
+        frame: Frame = "workpiece",
+        order: Order | None = None,
+        robust: bool = False,
+        folds: int | None = None,
+        machine_file: bool = False,
+        accept_undetermined: bool = False,
+        pictures: bool = False,
+        threads: int | None = None,
+    ) -> Result:
+        """Fits monomials of order 2, component by component, as the papers do.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``data``: Files of measurements, read through ``run.files``: CSV with a column for each axis and ``dx [um]``,
+          ``dy [um]``, ``dz [um]``, or lengths, ball readings, lines, single errors (docs/identification.md).
+        * ``fit``: Parameters to fit: ``location``, ``tool``, ``workpiece``, ``spindle``, ``linear``, error names,
+          ``EXX:poly3``; if empty, the section ``identify`` of the machine file.
+        * ``fixed``: Parameters that keep their value although a group names them.
+        * ``priors``: Values known before the data, with a standard uncertainty: ``ball b1 50 um``, ``EC0Y 5 urad``,
+          ``constant S = 150 mm 1 um``; ``file``: what the machine file states. They come after those of the section
+          ``identify``.
+        * ``frame``: Frame in which the deviations were measured.
+        * ``order``: Model to fit: exact by default, or of order 1 or 2.
+        * ``robust``: Gives readings that stand out less weight (Huber).
+        * ``folds``: Checks the prediction: leaves out every measurement once, in this many parts.
+        * ``machine_file``: Also writes the fitted machine file; fails if it is one that would be refused.
+        * ``accept_undetermined``: Writes the machine file although it holds values whose uncertainty is larger than any
+          error of a machine.
+        * ``pictures``: Also draws prediction and data over the planes of the linear axes.
+        """
+        paths, texts = files_and_texts(data)
+        options: dict[str, Any] = {
+            "data": paths,
+            "fit": fit,
+            "fixed": fixed,
+            "priors": priors,
+            "frame": frame,
+            "order": order_of(order),
+            "robust": robust,
+            "folds": folds,
+            "machine_file": machine_file,
+            "accept_undetermined": accept_undetermined,
+            "pictures": pictures,
+            "texts": texts,
+        }
+        found = call("fit_monomials", [self._native], options, threads=threads)
+        return Result(found)
+
+    def plan(
+        self,
+        *,
+        poses: int = 20,
+        fit: Sequence[Text] | None = None,
+        fixed: Sequence[Text] | None = None,
+        priors: Sequence[Text] | None = None,
+        noise_mm: float = 0.001,
+        seed: int = 1,
+        threads: int | None = None,
+    ) -> PlanResult:
+        """Returns poses worth measuring, and the uncertainty that the parameters will have.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``poses``: Number of poses, 1 to 1000.
+        * ``fit``: Parameters to fit, as in ``IdentifyOptions``(super::IdentifyOptions).
+        * ``fixed``: Parameters that keep their value.
+        * ``priors``: Values known before the data, as in ``IdentifyOptions``(super::IdentifyOptions).
+        * ``noise_mm``: Standard deviation of a reading, mm; above 0.
+        * ``seed``: Seed of the poses to choose from.
+        """
+        options: dict[str, Any] = {
+            "poses": poses,
+            "fit": fit,
+            "fixed": fixed,
+            "priors": priors,
+            "noise_mm": noise_mm,
+            "seed": seed,
+        }
+        found = call("plan", [self._native], options, threads=threads)
+        return PlanResult(found)
+
+    def compile(
+        self,
+        target: Text = "",
+        *,
+        compensation: CompensationOptions | None = None,
+        poses: int = 2000,
+        seed: int = 1,
+        accept_unverified: bool = False,
+        installed: Text | None = None,
+        max_correction: Limits | None = None,
+        lattice: Sequence[Text] | None = None,
+        max_nodes: int | None = None,
+        threads: int | None = None,
+    ) -> CompileResult:
+        """Compiles the files of a controller, with their certificate.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``target``: Name of the controller's folder, such as ``linuxcnc``.
+        * ``compensation``: Options of the compensation.
+        * ``poses``: Number of poses of the certificate.
+        * ``seed``: Seed of the poses.
+        * ``accept_unverified``: True if a format or a sign that is known from memory only may be written.
+        * ``installed``: Folder with the files that were in force when the machine was measured: the new files are old
+          plus new.
+        * ``max_correction``: Limits on corrections.
+        * ``lattice``: Names of the axes that span a lattice; all if empty. The others are at 0 in its nodes.
+        * ``max_nodes``: Maximum number of lattice nodes.
+        """
+        options: dict[str, Any] = {
+            "target": target,
+            "compensation": compensation,
+            "poses": poses,
+            "seed": seed,
+            "accept_unverified": accept_unverified,
+            "installed": installed,
+            "max_correction": max_correction,
+            "lattice": lattice,
+            "max_nodes": max_nodes,
+        }
+        found = call("compile", [self._native], options, threads=threads)
+        return CompileResult(found)
+
+    def verify(
+        self,
+        folder: Text,
+        *,
+        target: Text | None = None,
+        compensation: CompensationOptions | None = None,
+        poses: int = 2000,
+        seed: int = 1,
+        installed: Text | None = None,
+        threads: int | None = None,
+    ) -> CertificateResult:
+        """Replays the files in a folder, and certifies the residual.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``target``: Name of the controller; by default the one that the folder's manifest or its files name.
+        * ``compensation``: Options of the compensation.
+        * ``poses``: Number of poses of the certificate.
+        * ``seed``: Seed of the poses.
+        * ``installed``: Folder with the files that were in force when the machine was measured: the files judged here
+          replace them.
+        """
+        options: dict[str, Any] = {
+            "target": target,
+            "compensation": compensation,
+            "poses": poses,
+            "seed": seed,
+            "installed": installed,
+        }
+        found = call("verify", [self._native], options, words=[folder], threads=threads)
+        return CertificateResult(found)
+
+    def diff_sets(
+        self,
+        old: Text,
+        new: Text,
+        *,
+        compensation: CompensationOptions | None = None,
+        poses: int = 2000,
+        seed: int = 1,
+        threads: int | None = None,
+    ) -> DiffResult:
+        """Returns what two sets of files differ in.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``compensation``: Compensation of the machine.
+        * ``poses``: Number of poses over the volume, each approached from both sides.
+        * ``seed``: Seed of the poses.
+        """
+        options: dict[str, Any] = {
+            "compensation": compensation,
+            "poses": poses,
+            "seed": seed,
+        }
+        found = call("diff_sets", [self._native], options, words=[old, new], threads=threads)
+        return DiffResult(found)
+
+    def diff(
+        self,
+        other: Verbs,
+        *,
+        poses: int = 1000,
+        seed: int = 1,
+        order: Order | None = None,
+        approach: Approach = "mean",
+        threads: int | None = None,
+    ) -> DiffResult:
+        """Returns what two machines differ in, and what each difference does.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``poses``: Number of tool poses, drawn from the volume of the first machine.
+        * ``seed``: Seed of the tool poses.
+        * ``order``: Order of the errors; exact by default, unless the conventions of a machine name an order.
+        * ``approach``: Side of approach, where forward and reverse curves were given.
+        """
+        options: dict[str, Any] = {
+            "poses": poses,
+            "seed": seed,
+            "order": order_of(order),
+            "approach": approach,
+        }
+        found = call("diff", [self._native, other._native], options, threads=threads)
+        return DiffResult(found)
+
+    def report(
+        self,
+        *others: Verbs,
+        targets: Sequence[Text] | None = None,
+        compensation: CompensationOptions | None = None,
+        poses: int = 2000,
+        tool_poses: Text | None = None,
+        seed: int = 1,
+        order: Order | None = None,
+        approach: Approach = "mean",
+        tolerances: ToleranceOptions | None = None,
+        samples: int = 1000,
+        threads: int | None = None,
+    ) -> ReportResult:
+        """Returns one self-contained page of HTML for a design review.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``targets``: Controllers whose compensation and certificate are shown.
+        * ``compensation``: Options of the compensation.
+        * ``poses``: Number of poses of maps and certificates.
+        * ``tool_poses``: A file of tool poses, of which statistics and comparison are taken: CSV or APT CL data.
+        * ``seed``: Seed of the poses, and of the errors that are drawn.
+        * ``order``: Order of the errors; exact by default, unless the conventions of a machine name an order.
+        * ``approach``: Side of approach, where forward and reverse curves were given.
+        * ``tolerances``: Bounds, draws and statistic of errors, where a machine bounds some.
+        * ``samples``: Number of machines that are drawn for a budget, at least 2.
+        """
+        options: dict[str, Any] = {
+            "targets": targets,
+            "compensation": compensation,
+            "poses": poses,
+            "tool_poses": tool_poses,
+            "seed": seed,
+            "order": order_of(order),
+            "approach": approach,
+            "tolerances": tolerances,
+            "samples": samples,
+        }
+        found = call("report", [self._native, *(other._native for other in others)], options, threads=threads)
+        return ReportResult(found)
+
+
+def import_readings(
+    path: Text,
+    *,
+    axis: Text | None = None,
+    error: Text | None = None,
+    unit: Text | None = None,
+    contents: FileContents | None = None,
+    runs: RunApproach | None = None,
+    beam: Text | None = None,
+    vertical: Text | None = None,
+    flip: Sequence[Text] | None = None,
+    columns: Text | None = None,
+    line: StraightnessLine = "least-squares",
+    keep_line: bool = False,
+    continuous: bool = False,
+    needs_table: bool = False,
+    threads: int | None = None,
+) -> ImportResult:
+    """Makes a table of error curves of a measurement as an instrument exports it.
+
+    Options, each with the default of the façade where it is ``None``:
+
+    * ``axis``: The axis that moved.
+    * ``error``: The error whose runs the columns are, such as ``EXX``; of several errors the only one to take.
+    * ``unit``: Unit of readings that have none in the file.
+    * ``contents``: Errors, or corrections, which have the other sign; errors by default. Must be given where the layout
+      of the file leaves it open.
+    * ``runs``: Approach of runs without a direction.
+    * ``beam``: Direction of the beam of a six-degree instrument, from the launch to the receiver, such as ``+X``.
+    * ``vertical``: The machine's direction in which the vertical of that instrument points, such as ``+Z``.
+    * ``flip``: Titles of its channels that change their sign.
+    * ``columns``: A file that maps the columns.
+    * ``line``: The line that is taken off a straightness.
+    * ``keep_line``: Keeps it: the straightness was read against an artefact of the machine.
+    * ``continuous``: The axis turns without end: positions modulo 360 deg, first row again at the end.
+    * ``needs_table``: Refuses a file whose table would have no row.
+    """
+    options: dict[str, Any] = {
+        "axis": axis,
+        "error": error,
+        "unit": unit,
+        "contents": contents,
+        "runs": runs,
+        "beam": beam,
+        "vertical": vertical,
+        "flip": flip,
+        "columns": columns,
+        "line": line,
+        "keep_line": keep_line,
+        "continuous": continuous,
+        "needs_table": needs_table,
+    }
+    found = call("import_readings", [], options, words=[path], threads=threads)
+    return ImportResult(found)

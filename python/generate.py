@@ -1,0 +1,304 @@
+"""Writes abbe/_verbs.py from the options of the façade; --check tells whether it is up to date.
+
+The native module gives the JSON Schema and the default of the options of every verb. Only what is no option stands
+here: what a verb takes besides, and a sentence.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import keyword
+import sys
+import textwrap
+from pathlib import Path
+from typing import Any
+
+OUT = Path(__file__).parent / "abbe" / "_verbs.py"
+WIDTH = 120
+
+
+class Verb:
+    """A method: class of its result, options that may be given by position, other arguments, a sentence."""
+
+    def __init__(self, result: str, about: str, *, first: tuple[str, ...] = (), words: tuple[str, ...] = ()) -> None:
+        self.result, self.about, self.first, self.words = result, about, first, words
+
+
+VERBS = {
+    "eval": Verb("EvalResult", "Evaluates poses one by one: deviation, E_VE, and what each error contributes."),
+    "equations": Verb("EquationsResult", "Returns the closed forms: E_VE and deviations as polynomials in the errors."),
+    "convert": Verb("ConvertResult", "Returns the same machine under other conventions.", first=("to",)),
+    "map": Verb("MapResult", "Maps the error over the volume."),
+    "reach": Verb("ReachResult", "Returns the tips and directions of the tool within reach over a box."),
+    "compare": Verb("CompareResult", "Compares the machine with others on the same tool poses."),
+    "budget": Verb("BudgetResult", "Returns what tolerances do to the volumetric error, and which to tighten first."),
+    "enumerate": Verb("EnumerateResult", "Ranks all arrangements of the axes on the same work."),
+    "instrument": Verb("InstrumentResult", "Returns the readings of an instrument.", first=("instrument",)),
+    "identify": Verb("IdentifyResult", "Fits errors to measurements."),
+    "fit_monomials": Verb("Result", "Fits monomials of order 2, component by component, as the papers do."),
+    "plan": Verb("PlanResult", "Returns poses worth measuring, and the uncertainty that the parameters will have."),
+    "compile": Verb("CompileResult", "Compiles the files of a controller, with their certificate.", first=("target",)),
+    "verify": Verb(
+        "CertificateResult", "Replays the files in a folder, and certifies the residual.", words=("folder",)
+    ),
+    "diff_sets": Verb("DiffResult", "Returns what two sets of files differ in.", words=("old", "new")),
+    "diff": Verb("DiffResult", "Returns what two machines differ in, and what each difference does."),
+    "report": Verb("ReportResult", "Returns one self-contained page of HTML for a design review."),
+    "import_readings": Verb(
+        "ImportResult", "Makes a table of error curves of a measurement as an instrument exports it.", words=("path",)
+    ),
+}
+
+#: Verbs that take further machines: their number in words, for the docstring.
+OTHERS = {"compare": "*others: Verbs", "report": "*others: Verbs", "diff": "other: Verbs"}
+
+#: Options that take files: columns in memory do as well.
+DATA = "Iterable[Text | Mapping[str, Any]] | Text | Mapping[str, Any]"
+
+#: Types that the façade writes as text although most of their values are numbers.
+NUMBERS_AS_TEXT = {"Order": "Union[int, str]"}
+
+#: Options that the package sets itself.
+OWN = {"identify": {"texts"}, "fit_monomials": {"texts"}}
+
+HEAD = '''"""The verbs as methods. python/generate.py writes this file from the options of the façade."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Literal, TypedDict, Union
+
+from . import _abbe
+from ._calls import Text, call, order_of
+from ._readings import files_and_texts
+from ._results import (
+    %s,
+)
+
+'''
+
+
+class Types:
+    """Types of Python for the schemas of the options; those with names are collected."""
+
+    def __init__(self) -> None:
+        self.named: dict[str, str] = {}
+
+    def of(self, schema: dict[str, Any], definitions: dict[str, Any]) -> str:
+        """Returns the type of a schema."""
+        if "$ref" in schema:
+            name = str(schema["$ref"]).rsplit("/", 1)[1]
+            if name not in self.named:
+                # Those that it needs come before it.
+                text = self.definition(name, definitions[name], definitions)
+                self.named[name] = text
+            return name
+        if "const" in schema:
+            return f'Literal["{schema["const"]}"]'
+        if "enum" in schema:
+            return f"Literal[{', '.join(json.dumps(word) for word in schema['enum'])}]"
+        for key in ("anyOf", "oneOf"):
+            if key in schema:
+                return self.union([self.of(one, definitions) for one in schema[key]])
+        kind = schema.get("type")
+        if isinstance(kind, list):
+            return self.union([self.of({**schema, "type": one}, definitions) for one in kind])
+        if kind == "array" and "prefixItems" in schema:
+            return f"tuple[{', '.join(self.of(one, definitions) for one in schema['prefixItems'])}]"
+        if kind == "array":
+            return f"Sequence[{self.of(schema['items'], definitions)}]"
+        if kind == "object":
+            return self.union([f"Mapping[str, {self.of(one, definitions)}]" for one in schema["properties"].values()])
+        plain = {"string": "Text", "integer": "int", "number": "float", "boolean": "bool", "null": "None"}
+        if kind in plain:
+            return plain[kind]
+        raise SystemExit(f"no type for {schema}")
+
+    def union(self, kinds: list[str]) -> str:
+        words = [kind[len("Literal[") : -1] for kind in kinds if kind.startswith("Literal[")]
+        others = [kind for kind in dict.fromkeys(kinds) if not kind.startswith("Literal[")]
+        return " | ".join(([f"Literal[{', '.join(words)}]"] if words else []) + others)
+
+    def definition(self, name: str, schema: dict[str, Any], definitions: dict[str, Any]) -> str:
+        """Returns the definition of a named type."""
+        about = wrap("#: ", prose(schema.get("description", "")))
+        if "properties" in schema:
+            fields = [
+                f'        "{key}": {quoted(self.of(one, definitions))},' for key, one in schema["properties"].items()
+            ]
+            docs = [wrap("#: ", f"``{key}``: {prose(described(one))}") for key, one in schema["properties"].items()]
+            return "\n".join(
+                [about, *docs, f'{name} = TypedDict(\n    "{name}",\n    {{', *fields, "    },", "    total=False,\n)"]
+            )
+        kind = NUMBERS_AS_TEXT.get(name) or annotation(self.of(schema, definitions))
+        return f"{about}\n{name} = {kind}"
+
+
+def quoted(kind: str) -> str:
+    """Returns a type for a place where it is evaluated."""
+    return annotation(kind)
+
+
+def annotation(kind: str) -> str:
+    """Returns a union for Python 3.10 at run time."""
+    parts = split(kind)
+    return parts[0] if len(parts) == 1 else f"Union[{', '.join(parts)}]"
+
+
+def split(kind: str) -> list[str]:
+    """Splits a union at its outermost bars."""
+    parts, depth, start = [], 0, 0
+    for at, letter in enumerate(kind):
+        depth += (letter in "[(") - (letter in "])")
+        if letter == "|" and depth == 0:
+            parts.append(kind[start:at].strip())
+            start = at + 1
+    return [*parts, kind[start:].strip()]
+
+
+def described(schema: dict[str, Any]) -> str:
+    return str(schema.get("description", ""))
+
+
+def prose(text: str) -> str:
+    """Returns a sentence of rustdoc for Python."""
+    return " ".join(text.replace("`", "``").replace("[``", "``").replace("``]", "``").split())
+
+
+def wrap(lead: str, text: str) -> str:
+    return "\n".join(textwrap.wrap(text, WIDTH, initial_indent=lead, subsequent_indent=lead, break_long_words=False))
+
+
+def python_name(name: str) -> str:
+    """Returns the name of an option that is no word of Python: `class_` for `class`."""
+    return f"{name}_" if keyword.iskeyword(name) else name
+
+
+def option(name: str, schema: dict[str, Any], default: Any, types: Types, definitions: Any) -> tuple[str, str]:
+    """Returns the parameter of an option, and its value in the JSON."""
+    kind = types.of(schema, definitions)
+    value = python_name(name)
+    if split(kind)[0] in NUMBERS_AS_TEXT:
+        value = f"order_of({name})"
+    if name == "data":
+        kind, value = DATA, "paths"
+    scalar = isinstance(default, (bool, int, float, str)) and default != 2**64 - 1
+    if not scalar and "None" not in split(kind):
+        kind += " | None"
+    return f"{python_name(name)}: {kind} = {default_text(default) if scalar else 'None'}", value
+
+
+def default_text(default: Any) -> str:
+    return json.dumps(default) if isinstance(default, str) else repr(default)
+
+
+def method(name: str, found: dict[str, Any], types: Types) -> str:
+    """Returns the source of a method, or of a function for a verb without a machine."""
+    verb, free = VERBS[name], name == "import_readings"
+    schema, defaults = found["schema"], found["default"]
+    definitions = schema.get("$defs", {})
+    options = {key: one for key, one in schema["properties"].items() if key not in OWN.get(name, ())}
+    parameters, values, docs = {}, {}, []
+    for key, one in options.items():
+        parameters[key], values[key] = option(key, one, defaults.get(key), types, definitions)
+        docs.append(f"{python_name(key)}: {prose(described(one))}")
+    takes = [] if free else ["self"]
+    takes += [f"{word}: Text" for word in verb.words]
+    if "data" in options:
+        takes.append(parameters.pop("data"))
+    takes += [parameters.pop(key) for key in verb.first]
+    takes += [OTHERS[name]] if name in OTHERS else []
+    takes += [] if name in OTHERS and OTHERS[name].startswith("*") else ["*"]
+    takes += ["rows: bool = False"] if name == "map" else []
+    takes += [*parameters.values(), "threads: int | None = None"]
+    indent = "" if free else "    "
+    lines = [f"def {name}(", *(f"    {one}," for one in takes), f") -> {verb.result}:"]
+    text = [verb.about, ""]
+    if name == "map":
+        text += ["``rows`` keeps every pose with its deviation, for ``rows``, ``to_pandas`` and ``to_xarray``.", ""]
+    text += ["Options, each with the default of the façade where it is ``None``:", ""]
+    inner = indent + "    "
+    body = [f'{inner}"""{text[0]}']
+    for line in text[1:]:
+        body += textwrap.wrap(line, WIDTH, initial_indent=inner, subsequent_indent=inner) or [""]
+    for doc in docs:
+        body += textwrap.wrap(
+            f"* ``{doc.partition(':')[0]}``:{doc.partition(':')[2]}",
+            WIDTH,
+            initial_indent=inner,
+            subsequent_indent=inner + "  ",
+            break_long_words=False,
+        )
+    body += [f'{inner}"""']
+    if "data" in options:
+        body += [f"{inner}paths, texts = files_and_texts(data)"]
+        values["texts"] = "texts"
+    body += [
+        f"{inner}options: dict[str, Any] = {{",
+        *(f'{inner}    "{key}": {value},' for key, value in values.items()),
+        f"{inner}}}",
+    ]
+    machines = {"diff": "[self._native, other._native]"}.get(
+        name, "[self._native, *(other._native for other in others)]"
+    )
+    machines = machines if name in OTHERS else "[]" if free else "[self._native]"
+    words = f", words=[{', '.join(verb.words)}]" if verb.words else ""
+    rows = ", rows=rows" if name == "map" else ""
+    run = f'call("{name}", {machines}, options{words}{rows}, threads=threads)'
+    again = ", self._picture_again(options, threads)" if name == "map" else ""
+    body += [f"{inner}found = {run}", f"{inner}return {verb.result}(found{again})"]
+    return "\n".join([*(indent + line for line in lines), *body])
+
+
+def native() -> Any:
+    """Returns the native module by itself: the package imports what is generated here."""
+    package = importlib.util.find_spec("abbe")
+    folders = package.submodule_search_locations if package else None
+    for folder in folders or []:
+        for file in sorted(Path(folder).glob("_abbe*.so")):
+            spec = importlib.util.spec_from_file_location("_abbe", file)
+            if spec is not None and spec.loader is not None:
+                module = importlib.util.module_from_spec(spec)
+                spec.loader.exec_module(module)
+                return module
+    raise SystemExit("the native module is not built: maturin develop")
+
+
+def source() -> str:
+    """Returns the text of the module."""
+    verbs = json.loads(native().verbs())
+    if set(verbs) != set(VERBS):
+        raise SystemExit(f"verbs without an entry here, or the other way round: {set(verbs) ^ set(VERBS)}")
+    types = Types()
+    methods = {name: method(name, verbs[name], types) for name in VERBS}
+    functions = methods.pop("import_readings")
+    head = HEAD % ",\n    ".join(sorted({verb.result for verb in VERBS.values()}))
+    first = [
+        "class Verbs:",
+        '    """The verbs of a machine."""',
+        "",
+        "    _native: _abbe.NativeMachine",
+        "",
+        "    def _picture_again(self, options: Mapping[str, Any], threads: int | None) -> Callable[[], Any]:",
+        "        raise NotImplementedError",
+        "",
+    ]
+    named = "\n\n".join(types.named.values())
+    return (
+        head + named + "\n\n\n" + "\n".join(first) + "\n" + "\n\n".join(methods.values()) + "\n\n\n" + functions + "\n"
+    )
+
+
+def main() -> None:
+    """Writes the module, or compares it."""
+    text = source()
+    if sys.argv[1:] == ["--check"]:
+        if OUT.read_text(encoding="utf-8") != text:
+            raise SystemExit(f"{OUT.name} is not what the façade has: run python/generate.py")
+    else:
+        OUT.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,29 @@
+//! The native module of the Python package: the façade of abbe with NumPy arrays and JSON in between.
+//!
+//! Nothing is computed here. Options come as JSON and are read by the façade's own types; results leave as the JSON
+//! that docs/formats.md describes, with pictures, files and arrays beside it. The package `abbe` around this module is
+//! written in Python.
+
+mod arrays;
+mod diagnostics;
+mod interrupt;
+mod machine;
+mod outcome;
+mod pools;
+mod request;
+mod verbs;
+
+use pyo3::prelude::*;
+
+/// The native part of the package `abbe`.
+#[pymodule(gil_used = false)]
+fn _abbe(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<machine::NativeMachine>()?;
+    module.add_class::<outcome::NativeOutcome>()?;
+    module.add_function(wrap_pyfunction!(machine::load, module)?)?;
+    module.add_function(wrap_pyfunction!(verbs::run, module)?)?;
+    module.add_function(wrap_pyfunction!(verbs::verbs, module)?)?;
+    module.add_function(wrap_pyfunction!(machine::length_mm, module)?)?;
+    Ok(())
+}

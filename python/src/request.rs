@@ -1,0 +1,121 @@
+//! What a verb is asked: machines, paths, options as JSON, and the files that it may read.
+
+use crate::machine::Loaded;
+use abbe::results::FolderEntry;
+use abbe::results::ReadFailure;
+use abbe::{Diagnostic, Diagnostics, Disk, Files, MachineFile, MemoryFiles, Run, codes};
+use serde::de::DeserializeOwned;
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A request to a verb.
+pub struct Request {
+    /// The machines, in the order named.
+    pub machines: Vec<Arc<Loaded>>,
+    /// Files, folders or words besides, in the order named.
+    pub words: Vec<String>,
+    /// Files by name and text; they come before those of the disk.
+    pub texts: Vec<(String, String)>,
+    /// The options as a JSON object.
+    pub options: String,
+    /// True if every pose is to come back as an array.
+    pub rows: bool,
+}
+
+impl Request {
+    /// Reads the options.
+    pub fn options<T: DeserializeOwned>(&self) -> Result<T, Diagnostics> {
+        let mut json = serde_json::Deserializer::from_str(&self.options);
+        serde_path_to_error::deserialize(&mut json).map_err(|failure| {
+            let message = format!("option `{}`: {}", failure.path(), failure.inner());
+            Diagnostic::new(codes::E0818, message).into()
+        })
+    }
+
+    /// Returns the only machine.
+    pub fn machine(&self) -> Result<&MachineFile, Diagnostics> {
+        self.machines.first().map(|loaded| &loaded.file).ok_or_else(|| unfit("a machine is missing"))
+    }
+
+    /// Returns copies of all machines.
+    pub fn machine_files(&self) -> Vec<MachineFile> {
+        self.machines.iter().map(|loaded| loaded.file.clone()).collect()
+    }
+
+    /// Returns a word by its index.
+    pub fn word(&self, index: usize) -> Result<&str, Diagnostics> {
+        self.words.get(index).map(String::as_str).ok_or_else(|| unfit("a path or a name is missing"))
+    }
+
+    /// Returns a path by its index.
+    pub fn path(&self, index: usize) -> Result<&Path, Diagnostics> {
+        self.word(index).map(Path::new)
+    }
+}
+
+fn unfit(message: &str) -> Diagnostics {
+    Diagnostic::new(codes::E0818, message).into()
+}
+
+/// The texts of machines that are in memory, and the disk behind them.
+pub struct TextsAndDisk {
+    texts: MemoryFiles,
+    read: RefCell<NamedTexts>,
+}
+
+/// Names and texts of files.
+type NamedTexts = Vec<(String, String)>;
+
+impl TextsAndDisk {
+    /// Returns the files of the machines and those of the request, and the disk behind them.
+    pub fn of(request: &Request) -> Self {
+        let of_machines = request.machines.iter().flat_map(|loaded| loaded.texts.iter().cloned());
+        Self::with(of_machines.chain(request.texts.iter().cloned()))
+    }
+
+    /// Returns texts by name, and the disk behind them.
+    pub fn with(texts: impl IntoIterator<Item = (String, String)>) -> Self {
+        let texts = texts.into_iter().fold(MemoryFiles::new(), |files, (name, text)| files.with(name, text));
+        Self { texts, read: RefCell::default() }
+    }
+
+    /// Returns the files that were read, by the names that were asked for: the sources of diagnostics shorten theirs.
+    pub fn into_read(self) -> NamedTexts {
+        self.read.into_inner()
+    }
+
+    fn record(&self, path: &Path, bytes: &[u8]) {
+        let (name, mut read) = (path.to_string_lossy(), self.read.borrow_mut());
+        if !read.iter().any(|(known, _)| *known == name) {
+            read.push((name.into_owned(), String::from_utf8_lossy(bytes).into_owned()));
+        }
+    }
+
+    /// Returns the surroundings of a call that reads through these files.
+    pub fn run<'a>(&'a self, monitor: &'a dyn abbe::Monitor) -> Run<'a> {
+        Run { monitor, ..Run::with(self) }
+    }
+}
+
+impl Files for TextsAndDisk {
+    fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
+        let bytes = self.texts.read(path).or_else(|_| Disk.read(path))?;
+        self.record(path, &bytes);
+        Ok(bytes)
+    }
+
+    fn read_at_most(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
+        let bytes = self.texts.read_at_most(path, limit).or_else(|_| Disk.read_at_most(path, limit))?;
+        self.record(path, &bytes);
+        Ok(bytes)
+    }
+
+    fn resolved(&self, path: &Path) -> Option<PathBuf> {
+        Disk.resolved(path).or_else(|| self.texts.resolved(path))
+    }
+
+    fn entries(&self, folder: &Path) -> Vec<FolderEntry> {
+        Disk.entries(folder)
+    }
+}

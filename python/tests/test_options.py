@@ -1,0 +1,35 @@
+"""The methods have the options of the façade, all of them, with its defaults."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import abbe
+from abbe import _abbe
+
+#: Options that the package sets itself: texts are columns in memory.
+OWN = {("identify", "texts"), ("fit_monomials", "texts")}
+
+
+def test_no_option_is_missing() -> None:
+    verbs = json.loads(_abbe.verbs())
+    assert len(verbs) == 18
+    for name, options in verbs.items():
+        method = abbe.import_readings if name == "import_readings" else getattr(abbe.Machine, name)
+        parameters = inspect.signature(method).parameters
+        for option, default in options["default"].items():
+            if (name, option) in OWN:
+                continue
+            parameter = parameters.get(option) or parameters[f"{option}_"]
+            assert parameter.default is None or parameter.default == default, (name, option)
+            assert f"``{parameter.name}``: " in (inspect.getdoc(method) or ""), (name, option)
+
+
+def test_generated_methods_are_up_to_date() -> None:
+    script = Path(__file__).resolve().parents[1] / "generate.py"
+    done = subprocess.run([sys.executable, "-I", script, "--check"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,178 @@
+"""`to_dict()` of every verb against the JSON that the program prints for the same machine and options."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import CONFIGS, REPOSITORY
+
+import abbe
+
+TRUNNION = CONFIGS / "trunnion.yaml"
+VMC = CONFIGS / "vmc-cframe-754.yaml"
+STUDY = REPOSITORY / "docs" / "examples" / "study.yaml"
+BOUNDED = CONFIGS / "tt-ac-800.yaml"
+
+pytestmark = pytest.mark.filterwarnings("ignore::abbe.DiagnosticWarning")
+
+
+def machine(path: Path = TRUNNION) -> abbe.Machine:
+    """Reads a machine."""
+    return abbe.load(path)
+
+
+def test_show_and_check(program: Any) -> None:
+    of = machine()
+    assert of.geometry.to_dict() == program("show", TRUNNION)
+    assert of.summary.to_dict() == program("check", TRUNNION)
+    assert abbe.check(TRUNNION, VMC) == program("check", TRUNNION, VMC)
+
+
+def test_eval(program: Any) -> None:
+    options = {"at": ["X=100,C=90"], "order": 2, "sensitivity": True, "approach": "forward"}
+    found = machine().eval(**options)  # type: ignore[arg-type]
+    asked = ("--at", "X=100,C=90", "--order", 2, "--sensitivity", "--direction", "forward")
+    assert found.to_dict() == program("eval", TRUNNION, *asked)
+
+
+def test_equations(program: Any) -> None:
+    assert machine(VMC).equations(order=1, symbols="paper").to_dict() == program(
+        "equations", VMC, "--order", 1, "--symbols", "paper"
+    )
+
+
+def test_map(program: Any) -> None:
+    assert machine().map().to_dict() == program("map", TRUNNION)
+    found = machine().map(poses={"random": 700}, seed=3, order=1, frame="tool", worst=2)
+    asked = ("--random", 700, "--seed", 3, "--order", 1, "--frame", "tool", "--worst", 2)
+    assert found.to_dict() == program("map", TRUNNION, *asked)
+
+
+def test_map_of_tool_poses_and_of_a_target(program: Any) -> None:
+    work = REPOSITORY / "docs" / "examples" / "work.csv"
+    found = machine().map(poses={"tool_poses": str(work)})
+    assert found.to_dict() == program("map", TRUNNION, "--tool-poses", work)
+    found = machine(VMC).map(poses={"random": 300}, target="linuxcnc")
+    assert found.to_dict() == program("map", VMC, "--random", 300, "--target", "linuxcnc")
+
+
+def test_reach(program: Any) -> None:
+    found = machine().reach(step_mm=150, directions=12)
+    assert found.to_dict() == program("reach", TRUNNION, "--step", "150 mm", "--directions", 12)
+
+
+def test_compare(program: Any) -> None:
+    other = CONFIGS / "variants"
+    paths = [TRUNNION, *sorted(other.glob("*.yaml"))[:1]]
+    found = machine().compare(*(machine(path) for path in paths[1:]), poses=200)
+    assert found.to_dict() == program("compare", *paths, "--poses", 200)
+
+
+@pytest.fixture
+def bounded(tmp_path: Path) -> Path:
+    """A small machine of which only bounds are known."""
+    file = tmp_path / "bounded.yaml"
+    axes = ", ".join(f"{name}: {{ travel: [-90, 90], origin: [0, 0, {k}] }}" for k, name in enumerate("XYZ"))
+    file.write_text(f"abbe: 1\nmachine: G\nchain: w X' b Y Z t\naxes: {{ {axes} }}\nclass: production\n")
+    return file
+
+
+def test_budget_and_goal(program: Any, bounded: Path) -> None:
+    found = machine(bounded).budget(poses=20, samples=60, class_="premium", statistic="p95")
+    asked = ("--poses", 20, "--samples", 60, "--class", "premium", "--statistic", "p95")
+    assert found.to_dict() == program("budget", bounded, *asked)
+    found = machine(bounded).goal("9 um", poses=20, samples=60)
+    assert found.to_dict() == program("budget", bounded, "--poses", 20, "--samples", 60, "--goal", "9 um")
+    assert found.goal.goal_um == pytest.approx(9, rel=1e-15)
+
+
+def test_enumerate(program: Any, bounded: Path, tmp_path: Path) -> None:
+    found = machine(bounded).enumerate(poses=30, samples=30, max_table=2)
+    assert found.to_dict() == program("enumerate", bounded, "--poses", 30, "--samples", 30, "--max-table", 2)
+    assert len(found.to_pandas()) == len(found.ranked) > 1
+    parts = []
+    for k in (1, 2):
+        part = machine(bounded).enumerate(poses=30, samples=30, max_table=2, shard=(k, 2))
+        assert part.walks_done < part.walks
+        parts.append(tmp_path / f"part-{k}")
+        parts[-1].write_text(part.state)
+    merged = machine(bounded).enumerate(poses=30, samples=30, max_table=2, merge=parts)
+    assert merged.to_dict() == found.to_dict()
+
+
+@pytest.mark.parametrize("name", ["ball-bar", "r-test", "diagonals", "step-diagonals"])
+def test_instrument(program: Any, name: Any) -> None:
+    found = machine().instrument(name.replace("-", "_"), points=40)
+    assert found.to_dict() == program("instrument", TRUNNION, name, "--points", 40)
+
+
+def test_identify_and_plan(program: Any, tmp_path: Path) -> None:
+    robot, data = CONFIGS / "robots" / "ur5.yaml", sorted((REPOSITORY / "tests" / "data" / "ur5").glob("*.csv"))
+    assert data
+    found = machine(robot).identify(data[:1], order=1)
+    assert found.to_dict() == program("identify", robot, "--data", data[0], "--order", 1)
+    assert machine(robot).plan(poses=5).to_dict() == program("identify", robot, "--plan", 5)
+
+
+def test_convert(program: Any) -> None:
+    assert machine().convert("carried_body").to_dict() == program("convert", TRUNNION, "--to", "carried_body")
+
+
+def test_compile_and_verify(program: Any, tmp_path: Path) -> None:
+    by_program, own = tmp_path / "program", tmp_path / "own"
+    expected = program("compile", VMC, "--target", "linuxcnc", "--out", by_program, "--poses", 300)
+    found = machine(VMC).compile("linuxcnc", poses=300)
+    assert found.to_dict() == expected
+    found.save(own)
+    assert {file.name: file.read_bytes() for file in own.iterdir()} == {
+        file.name: file.read_bytes() for file in by_program.iterdir()
+    }
+    verified = machine(VMC).verify(own, poses=300)
+    assert verified.to_dict() == program("verify", VMC, own, "--poses", 300)
+    difference = machine(VMC).diff_sets(own, by_program, poses=300)
+    assert difference.to_dict() == program("diff", VMC, own, by_program, "--poses", 300)
+    with pytest.raises(FileExistsError):
+        found.save(own)
+
+
+def test_diff(program: Any) -> None:
+    variant = sorted((CONFIGS / "variants").glob("*.yaml"))[0]
+    assert machine().diff(machine(variant), poses=100).to_dict() == program("diff", TRUNNION, variant, "--poses", 100)
+
+
+def test_targets_explain_schema_starter(program: Any, tmp_path: Path) -> None:
+    assert [target.to_dict() for target in abbe.targets()] == program("targets")["targets"]
+    assert abbe.explain("EC0Y") == program("explain", "EC0Y")["text"]
+    assert abbe.schema() == program("schema")
+    assert abbe.loads(abbe.starter("trunnion")).chain == "w C' A' Y' b X Z t"
+
+
+def test_warnings_are_in_the_document(program: Any, tmp_path: Path) -> None:
+    file = tmp_path / "bounded.yaml"
+    axes = "axes: {X: {travel: [0, 9]}, Y: {travel: [0, 9]}}"
+    file.write_text(f"machine: G\nchain: w b X Y t\n{axes}\nerrors: {{EC0Y: {{tolerance: 9 urad}}}}")
+    found = machine(file).eval(at=["X=1"])
+    assert [warning["code"] for warning in found.to_dict()["warnings"]] == ["W0201", "W0802"]
+    assert found.to_dict() == program("eval", file, "--at", "X=1")
+
+
+def test_refusals_are_those_of_the_program(program: Any, tmp_path: Path) -> None:
+    file = tmp_path / "wrong.yaml"
+    file.write_text("abbe: 1\nmachine: G\nchain: w b X t\naxes: {X: {travle: [0, 1]}, Y: 3}")
+    with pytest.raises(abbe.DiagnosticError) as refused:
+        abbe.load(file)
+    expected = program("check", file)["diagnostics"]
+    assert [diagnostic.code for diagnostic in refused.value.diagnostics] == [record["code"] for record in expected]
+    place = refused.value.diagnostics[0].place
+    assert place is not None
+    assert vars(place) == expected[0]["places"][0]
+
+
+def test_documents_hold_only_json() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        json.dumps(machine().map(poses={"random": 10}).to_dict(), allow_nan=False)

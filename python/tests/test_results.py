@@ -1,0 +1,152 @@
+"""Results as tables, arrays and pictures."""
+
+from __future__ import annotations
+
+import io
+import pickle
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from conftest import CONFIGS, REPOSITORY
+
+import abbe
+
+TRUNNION = CONFIGS / "trunnion.yaml"
+VMC = CONFIGS / "vmc-cframe-754.yaml"
+
+pytestmark = pytest.mark.filterwarnings("ignore::abbe.DiagnosticWarning")
+
+
+def test_rows_are_the_table_of_the_program(program: Any, tmp_path: Path) -> None:
+    table = tmp_path / "map.csv"
+    program("map", TRUNNION, "--random", 1500, "--csv", table)
+    found = abbe.load(TRUNNION).map(poses={"random": 1500}, rows=True)
+    heads = table.read_text().splitlines()[0].split(",")
+    assert list(found.rows.dtype.names or ()) == heads
+    numbers = np.loadtxt(table, delimiter=",", skiprows=1)
+    assert (np.column_stack([found.rows[head] for head in heads]) == numbers).all()
+
+
+def test_rows_are_deviations() -> None:
+    machine = abbe.load(TRUNNION)
+    rows = machine.map(poses={"low_discrepancy": 400}, rows=True).rows
+    found = machine.deviations(
+        {name: rows[f"{name} [{unit}]"] for name, unit in zip("CAYXZ", ["deg"] * 2 + ["mm"] * 3, strict=True)}
+    )
+    # Rows are in um and urad: a rounding of each product.
+    np.testing.assert_allclose(rows["dx [um]"], found.position[:, 0] * 1e3, rtol=1e-15, atol=0)
+    np.testing.assert_allclose(rows["wz [urad]"], found.rotation[:, 2] * 1e6, rtol=1e-15, atol=0)
+
+
+def test_rows_are_kept_if_asked_for() -> None:
+    with pytest.raises(ValueError, match="rows=True"):
+        _ = abbe.load(VMC).map(poses={"random": 5}).rows
+
+
+def test_pandas() -> None:
+    pandas = pytest.importorskip("pandas")
+    machine = abbe.load(TRUNNION)
+    found = machine.map(poses={"random": 20}, rows=True)
+    frame = found.to_pandas()
+    assert isinstance(frame, pandas.DataFrame) and frame.shape == (20, 11)
+    assert (frame["dx [um]"].to_numpy() == found.rows["dx [um]"]).all()
+    worst = machine.map(poses={"random": 20}, worst=3).to_pandas()
+    assert list(worst["axes.C"]) == [
+        record["axes"]["C"] for record in machine.map(poses={"random": 20}, worst=3).to_dict()["worst"]
+    ]
+    budget = abbe.load(REPOSITORY / "docs" / "examples" / "study.yaml").budget(
+        poses=20, samples=50, class_="production"
+    )
+    assert len(budget.to_pandas()) == len(budget.to_dict()["tighten"]) > 5
+
+
+def test_arrow() -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    found = abbe.load(TRUNNION).map(poses={"random": 20}, rows=True)
+    table = found.to_arrow()
+    assert table.column_names == list(found.rows.dtype.names or ())
+    assert (table["wz [urad]"].to_numpy() == found.rows["wz [urad]"]).all()
+    assert pyarrow.table(found).equals(table)
+
+
+def test_xarray() -> None:
+    pytest.importorskip("xarray")
+    machine = abbe.load(VMC)
+    found = machine.map(rows=True)
+    data = found.to_xarray()
+    assert found.grid == tuple(data.sizes.values())
+    assert data["dx"].attrs["units"] == "um" and data["X"].attrs["units"] == "mm"
+    at = dict(X=data["X"][3], Y=data["Y"][1], Z=data["Z"][2])
+    one = machine.deviations({name: float(value) for name, value in at.items()})
+    assert float(data["dy"].sel(at)) == pytest.approx(one.position[0, 1] * 1e3, rel=1e-12)
+    with pytest.raises(ValueError, match="no grid"):
+        machine.map(poses={"random": 5}, rows=True).to_xarray()
+
+
+def test_pictures() -> None:
+    machine = abbe.load(TRUNNION)
+    study = abbe.load(REPOSITORY / "docs" / "examples" / "study.yaml")
+    budget = study.budget(poses=20, samples=50, class_="production")
+    assert set(budget.pictures) == {"pareto.svg", "waterfall.svg"}
+    found = machine.map(poses={"random": 20})
+    for shown in (machine, found, budget, machine.instrument("ball_bar", points=20), machine.reach(directions=4)):
+        svg, page = shown._repr_svg_(), shown._repr_html_()
+        assert svg is not None and page is not None
+        assert ElementTree.fromstring(svg).tag.endswith("svg")
+        assert "<table>" in page and "<svg" in page and "<?xml" not in page
+    assert machine.curves_svg is not None
+    # A robot has no plane of two linear axes.
+    assert abbe.load(CONFIGS / "robots" / "ur5.yaml").map(poses={"random": 20})._repr_svg_() is None
+
+
+def test_records() -> None:
+    found = abbe.load(TRUNNION).map(poses={"random": 20})
+    assert found.position_um.p95 == found["position_um"]["p95"] == found.to_dict()["position_um"]["p95"]
+    assert found.worst[0].axes.X == found.to_dict()["worst"][0]["axes"]["X"]
+    assert "position_um" in dir(found) and len(found) == len(found.to_dict())
+    restored = pickle.loads(pickle.dumps(found))
+    assert restored.to_dict() == found.to_dict()
+    with pytest.raises(AttributeError, match="no field `position`"):
+        _ = found.position
+
+
+def test_measurements_from_memory(program: Any, tmp_path: Path) -> None:
+    machine = abbe.load(VMC)
+    generator = np.random.default_rng(4)
+    poses = {name: generator.uniform(axis["travel"][0], axis["travel"][1], 60) for name, axis in machine.axes.items()}
+    readings = machine.deviations(poses).position * 1e3 + generator.normal(0, 0.2, (60, 3))
+    columns = {f"{name} [mm]": values for name, values in poses.items()}
+    columns.update({f"d{letter} [um]": readings[:, k] for k, letter in enumerate("xyz")})
+    fit = ["EC0Y", "EB0Z", "EA0Z"]
+    found = machine.identify(columns, fit=fit, machine_file=True)
+    file = tmp_path / "readings.csv"
+    heads = ",".join(columns)
+    np.savetxt(file, np.column_stack(list(columns.values())), delimiter=",", header=heads, comments="", fmt="%.17g")
+    expected = program("identify", VMC, "--data", file, "--fit", ",".join(fit))
+    of_file = machine.identify(file, fit=fit)
+    assert of_file.to_dict() == expected
+    values = [(parameter.name, parameter.value) for parameter in found.parameters]
+    assert values == [(parameter["name"], parameter["value"]) for parameter in expected["parameters"]]
+    assert abbe.loads(found.machine_file, name=str(VMC)).errors["EC0Y"].kind == "location"
+
+
+def test_report_and_texts(tmp_path: Path) -> None:
+    machine = abbe.load(VMC)
+    found = machine.report(poses=100)
+    found.save(tmp_path / "report.html")
+    assert (tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    assert "documentclass" in machine.equations(order=1).latex
+    converted = machine.convert("carried_body")
+    assert "location: carried_body" in converted.machine_file
+    assert machine.plan(poses=4, fit=["EC0Y"]).csv.count("\n") == 5
+
+
+def test_npy_is_readable_by_itself() -> None:
+    found = abbe.load(VMC).map(poses={"random": 7}, rows=True)
+    file = io.BytesIO()
+    np.save(file, found.rows)
+    file.seek(0)
+    assert np.load(file).tobytes() == found.rows.tobytes()
