@@ -220,7 +220,7 @@ pub enum Layout {
 }
 
 /// The lines around columns.
-#[derive(Debug, Clone, PartialEq, Deserialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Frame {
     /// The mark that begins a comment.
