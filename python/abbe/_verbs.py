@@ -562,6 +562,7 @@ class Verbs:
         fit: Sequence[Text] | None = None,
         fixed: Sequence[Text] | None = None,
         priors: Sequence[Text] | None = None,
+        type_b: Sequence[Text] | None = None,
         frame: Frame = "workpiece",
         order: Order | None = None,
         robust: bool = False,
@@ -583,6 +584,8 @@ class Verbs:
         * ``priors``: Values known before the data, with a standard uncertainty: ``ball b1 50 um``, ``EC0Y 5 urad``,
           ``constant S = 150 mm 1 um``; ``file``: what the machine file states. They come after those of the section
           ``identify``.
+        * ``type_b``: Standard uncertainties that all readings share: ``laser 0.4 um/m`` (a scale), ``set-up 2 um`` (an
+          offset), ``material 0.5 K x 11.7 um/m/K``. They come after those of the section ``identify``.
         * ``frame``: Frame in which the deviations were measured.
         * ``order``: Model to fit: exact by default, or of order 1 or 2.
         * ``robust``: Gives readings that stand out less weight (Huber).
@@ -598,6 +601,7 @@ class Verbs:
             "fit": fit,
             "fixed": fixed,
             "priors": priors,
+            "type_b": type_b,
             "frame": frame,
             "order": order_of(order),
             "robust": robust,
@@ -617,6 +621,7 @@ class Verbs:
         fit: Sequence[Text] | None = None,
         fixed: Sequence[Text] | None = None,
         priors: Sequence[Text] | None = None,
+        type_b: Sequence[Text] | None = None,
         frame: Frame = "workpiece",
         order: Order | None = None,
         robust: bool = False,
@@ -638,6 +643,8 @@ class Verbs:
         * ``priors``: Values known before the data, with a standard uncertainty: ``ball b1 50 um``, ``EC0Y 5 urad``,
           ``constant S = 150 mm 1 um``; ``file``: what the machine file states. They come after those of the section
           ``identify``.
+        * ``type_b``: Standard uncertainties that all readings share: ``laser 0.4 um/m`` (a scale), ``set-up 2 um`` (an
+          offset), ``material 0.5 K x 11.7 um/m/K``. They come after those of the section ``identify``.
         * ``frame``: Frame in which the deviations were measured.
         * ``order``: Model to fit: exact by default, or of order 1 or 2.
         * ``robust``: Gives readings that stand out less weight (Huber).
@@ -653,6 +660,7 @@ class Verbs:
             "fit": fit,
             "fixed": fixed,
             "priors": priors,
+            "type_b": type_b,
             "frame": frame,
             "order": order_of(order),
             "robust": robust,
