@@ -167,7 +167,12 @@ fn a_stated_uncertainty_is_a_band_about_the_curve_and_changes_no_result() {
     let result = |machine: &std::path::Path| {
         json(&["eval", text(machine), "--at", "X=100,Y=200", "--format", "json"])["poses"].clone()
     };
-    assert_eq!(result(&sure), result(&plain));
+    let (mut stated, without) = (result(&sure), result(&plain));
+    // 0.5 um along X, and 2 urad of squareness over 200 mm.
+    let reach = stated[0]["uncertainty"]["deviation"][0].as_f64().unwrap();
+    assert!((reach - (0.5e-3_f64.powi(2) + 0.4e-3_f64.powi(2)).sqrt()).abs() < 1e-15, "{reach}");
+    assert!(stated[0].as_object_mut().unwrap().remove("uncertainty").is_some());
+    assert_eq!(stated, without);
     let page = folder.file("page.html");
     abbe(&["report", text(&sure), "--poses", "10", "--out", text(&page)]);
     let page = std::fs::read_to_string(page).unwrap();
