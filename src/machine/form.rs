@@ -39,7 +39,10 @@ impl ResidualForm {
             let straight = (place(i) - place(j)).abs();
             if turns { straight.min(TURN - straight) } else { straight }
         };
-        let near = |i: usize, j: usize| libm::exp(-0.5 * (apart(i, j) / self.length).powi(2));
+        let near = |i: usize, j: usize| {
+            let lengths = apart(i, j) / self.length;
+            libm::exp(-0.5 * lengths * lengths)
+        };
         let spectrum = SymmetricEigen::new(DMatrix::from_fn(count, count, near));
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|a, b| spectrum.eigenvalues[*b].total_cmp(&spectrum.eigenvalues[*a]).then(a.cmp(b)));

@@ -227,12 +227,12 @@ impl Solution {
         let first = with_known(&first, &fit.known, self.sigma);
         let rank = first.scaled(&scale(&first, &sizes)).rank(RANK);
         let compared = Self { rank_first_order: rank.min(self.rank), ..self };
-        if compared.rank_first_order == compared.rank { compared } else { compared.to_first_order(fit, parameters) }
+        if compared.rank_first_order == compared.rank { compared } else { compared.without_products(fit, parameters) }
     }
 
     /// Takes directions that only products of errors show for free: they are known to no use, and what they hardly
     /// touch would be as uncertain as they are.
-    fn to_first_order(mut self, fit: &Fit, parameters: &[Parameter]) -> Self {
+    fn without_products(mut self, fit: &Fit, parameters: &[Parameter]) -> Self {
         let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
         let seen = informed(fit, &sizes).0.scaled(&sizes);
         self.covariance = seen.covariance(self.rank_first_order);
