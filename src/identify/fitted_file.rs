@@ -114,11 +114,11 @@ fn sites(axis: Option<&Axis>) -> Vec<f64> {
 /// Places of the travel where the uncertainty of a curve is looked at.
 const SITES: usize = 25;
 
-/// Expanded uncertainty (mm or rad; k = 2, Student's factor where few readings are to spare) of a fitted error, to
-/// three digits: the largest over the travel and both directions. `None` if the data leave it free somewhere.
+/// Expanded uncertainty (mm or rad, k = 2) of a fitted error, to three digits: the largest over the travel and both
+/// directions. `None` if the data leave it free somewhere.
 fn expanded(machine: &Machine, parameters: &[Parameter], solution: &Solution, source: Source) -> Option<f64> {
     let (largest, _) = largest_uncertainty(machine, parameters, solution, source)?;
-    let half: f64 = significant(2.0 * solution.widening() * largest, 3).parse().ok()?;
+    let half: f64 = significant(2.0 * largest, 3).parse().ok()?;
     // What is uncertain by more than any machine has is not stated.
     (half > 0.0 && half <= crate::machine::largest(source.direction)).then_some(half)
 }

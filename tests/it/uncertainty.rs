@@ -149,10 +149,8 @@ fn the_covariance_of_a_fitted_line_goes_through_the_map() {
         let poses = poses.to_str().unwrap();
         let found = json(&["map", out.to_str().unwrap(), "--tool-poses", poses, "--format", "json"]);
         let (value, u) = (y + b * (q - x), (variance * (1.0 / n + (q - x).powi(2) / sxx)).sqrt());
-        // Student's t of 19 degrees of freedom, of every table. The prior of 3 mm and the rounding of the file come in
-        // below this.
-        let reach = 2.0930 * u;
-        near(interval(&found["uncertainty"]["position_um"]["mean"]), [value - reach, value + reach], 1e-4);
+        // The prior of 3 mm and the rounding of the file come in below this.
+        near(interval(&found["uncertainty"]["position_um"]["mean"]), [value - 2.0 * u, value + 2.0 * u], 1e-4);
     }
 }
 

@@ -12,7 +12,6 @@ use super::solution::Solution;
 use crate::identify::data::Measurement;
 use crate::identify::model::Model;
 use crate::machine::{AxisKind, ResidualForm};
-use crate::units::significant;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
 
@@ -77,16 +76,7 @@ fn form(axis: &FormedAxis, variances: &[f64; 3]) -> Option<ResidualForm> {
     let all: f64 = variances.iter().sum();
     let mean = LENGTHS.iter().zip(variances).map(|(length, variance)| length * variance / all).sum::<f64>();
     let (min, max) = axis.interval;
-    (all > 0.0 && size > 0.0).then(|| ResidualForm {
-        axis: axis.name.clone(),
-        size: rounded(size),
-        length: rounded(mean * (max - min)),
-    })
-}
-
-/// To three digits: no form is known better.
-fn rounded(value: f64) -> f64 {
-    significant(value, 3).parse().unwrap_or(value)
+    (all > 0.0 && size > 0.0).then(|| ResidualForm { axis: axis.name.clone(), size, length: mean * (max - min) })
 }
 
 /// Averages over the candidates.

@@ -304,14 +304,9 @@ impl Solution {
         self
     }
 
-    /// Returns by how much intervals of 95 % are wider than k = 2: above 1 with few readings to spare (Student).
-    pub fn widening(&self) -> f64 {
-        self.coverage().map_or(1.0, |(_, largest)| (0.5 * largest).max(1.0))
-    }
-
     /// Columns of a factor of the joint covariance of the first `count` parameters, in their units: independent parts,
-    /// half an expanded uncertainty each, the largest first. Directions that the data leave free are not in it;
-    /// nothing is without scatter.
+    /// one standard uncertainty each, the largest first. Directions that the data leave free are not in it; nothing is
+    /// without scatter.
     pub fn factor(&self, count: usize) -> Vec<Vec<f64>> {
         if self.freedom == 0 {
             return Vec::new();
@@ -320,7 +315,7 @@ impl Solution {
         let largest = svd.values.iter().copied().fold(0.0, f64::max);
         let told = svd.values.iter().take_while(|value| **value > TOLD * TOLD * largest).take(JointUncertainty::MOST);
         let column = |(k, value): (usize, &f64)| {
-            let scale = value.sqrt() * self.widening();
+            let scale = value.sqrt();
             (0..count).map(|j| svd.v[(j, k)] * scale / self.units[j]).collect()
         };
         told.enumerate().map(column).collect()
