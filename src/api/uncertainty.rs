@@ -11,9 +11,9 @@ use serde::Serialize;
 /// Expanded uncertainty (k = 2) of the deviation at a pose, component by component, to first order.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct PoseUncertainty {
-    /// Of the position of the functional point, mm.
+    /// Uncertainty of the position of the functional point, mm.
     pub deviation: [f64; 3],
-    /// Of the orientation of the tool, rad.
+    /// Uncertainty of the orientation of the tool, rad.
     pub rotation: [f64; 3],
 }
 

@@ -53,7 +53,7 @@ pub struct KinematicsMechanism {
     /// The controller's names of the modules that have them: one, or of rotary centres that for A and that for B.
     #[serde(default)]
     pub components: Vec<String>,
-    /// Of kinematic parameters: the kinds of machines that the controller has a transformation for.
+    /// The kinds of machines that the controller has a transformation for; only of kinematic parameters.
     #[serde(default)]
     pub machines: Vec<ParameterRules>,
     /// Decimals of constants; numbers of a full model are written exactly. Of kinematic parameters those of positions

@@ -69,7 +69,7 @@ pub enum MachinePart {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "is", rename_all = "snake_case", deny_unknown_fields)]
 pub enum ParameterVector {
-    /// From a point of one part to a point of another, mm.
+    /// The vector from a point of one part to a point of another, mm.
     Offset {
         /// Start.
         from: MachinePart,

@@ -12,7 +12,7 @@ const FAINT: f64 = 1e-3;
 /// A turn, deg.
 const TURN: f64 = 360.0;
 
-/// What the displacements of an axis scatter by about its error curves: a Gaussian process of zero mean in each of the
+/// The scatter of the displacements of an axis about its error curves: a Gaussian process of zero mean in each of the
 /// three directions, independent of the others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualForm {

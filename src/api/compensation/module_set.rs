@@ -19,7 +19,7 @@ pub(crate) struct ModuleFiles {
     pub(crate) beside: CorrectionTables,
 }
 
-/// What a module is made for.
+/// The purpose of a module, and what it stands on.
 #[derive(Debug, Clone)]
 pub(crate) struct ModuleRequest {
     /// True if the direction of the tool is corrected too.

@@ -120,7 +120,7 @@ fn residuals(r: &IdentifyResult) -> String {
     text
 }
 
-/// What readings share: the form of the axes beside the curves, and uncertainties of type B.
+/// Returns the lines on what readings share: the form of the axes beside the curves, and uncertainties of type B.
 fn shared(r: &IdentifyResult) -> String {
     let mut text = String::new();
     if let Some(lack) = r.lack_of_fit.as_ref().filter(|lack| !lack.forms.is_empty()) {

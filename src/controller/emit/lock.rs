@@ -28,7 +28,7 @@ pub struct Lock {
     pub inputs: Vec<Hashed>,
     /// Files written: name and SHA-256.
     pub files: Vec<Hashed>,
-    /// Of a composed set: its subfolders, each with the SHA-256 of the manifest in it.
+    /// The subfolders of a composed set, each with the SHA-256 of the manifest in it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<Hashed>,
     /// Files of earlier sets that were still in the folder.

@@ -61,7 +61,7 @@ impl<'a> ModuleField<'a> {
     }
 }
 
-/// What a block programs so that the nominal machine goes to a pose.
+/// Returns the block by which the nominal machine goes to a pose.
 fn programmed<'a>(machine: &Machine, vectors: bool, pose: &'a [f64]) -> ProgrammedTool<'a> {
     let nominal = NominalPose::at(machine, pose).pose;
     let [gauge, tip, nominal_axis] =

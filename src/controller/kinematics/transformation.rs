@@ -37,7 +37,7 @@ pub struct Transformation {
     pub tool: Vector3<f64>,
 }
 
-/// What a block programs: the tip of the tool in the workpiece (mm, from the gauge point with all axes at 0), and
+/// The words of a block: the tip of the tool in the workpiece (mm, from the gauge point with all axes at 0), and
 /// either the rotary axes or the direction of the tool axis.
 #[derive(Debug, Clone, Copy)]
 pub struct ProgrammedTool<'a> {

@@ -16,11 +16,11 @@ use nalgebra::Vector3;
 pub struct TypeB {
     /// Its name, as the user gives it.
     pub name: String,
-    /// What it changes.
+    /// Its effect on the readings.
     pub effect: SharedEffect,
 }
 
-/// What all readings share.
+/// An effect that all readings share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SharedEffect {
     /// Lengths and positions are read too large by this ratio.

@@ -28,7 +28,7 @@ const FEWEST_SPARE: usize = 20;
 /// Modes of a form below this share of the largest change nothing.
 const FAINT: f64 = 1e-3;
 
-/// What readings share through the form of the axes.
+/// The uncertainty that readings share through the form of the axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Misfit {
     /// Covariance of the unknowns that it makes, in their units.

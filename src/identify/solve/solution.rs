@@ -188,7 +188,7 @@ impl Solution {
         self
     }
 
-    /// What its readings share.
+    /// Covariance by what its readings share.
     pub fn shared(&self) -> &SharedCovariance {
         &self.shared
     }
