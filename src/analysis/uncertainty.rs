@@ -78,7 +78,7 @@ impl UncertainDeviations {
             if !own.contains(part) {
                 return Vec::new();
             }
-            let model = CompiledModel::new(&machine.moved_by(part), Order::Degree(1), approach);
+            let model = part_model(machine, part, approach);
             poses.iter().map(|pose| model.deviation(pose)).collect()
         };
         Self { values, parts: parts.par_iter().map(effect).collect(), whole }
@@ -107,6 +107,11 @@ fn figures(statistics: &Statistics) -> Figures {
     let four = |s: &Summary| [s.max, s.mean, s.rms, s.p95];
     let ([a, b, c, d], [e, f, g, h]) = (four(&statistics.position_um), four(&statistics.rotation_urad));
     [a, b, c, d, e, f, g, h]
+}
+
+/// Returns the model whose deviations are the effect of one standard uncertainty of a part, to first order.
+pub fn part_model(machine: &Machine, part: &UncertainPart, approach: Approach) -> CompiledModel {
+    CompiledModel::new(&machine.moved_by(part), Order::Degree(1), approach)
 }
 
 /// Returns the parts of several machines, each once.

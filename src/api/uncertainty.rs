@@ -1,6 +1,8 @@
 //! Intervals of the headline figures by the uncertainty that a machine file states of its errors.
 
-use crate::analysis::{Bands, Comparison, MachineResult, UncertainDeviations, band_places, bands, uncertain_parts};
+use crate::analysis::{
+    Bands, Comparison, MachineResult, UncertainDeviations, band_places, bands, part_model, uncertain_parts,
+};
 use crate::controller::{Certificate, Depth};
 use crate::evaluate::{Bare, CompiledModel, Field, Frame, Order, Poses, Statistics, frame_rotation};
 use crate::machine::{Approach, Machine, Pose};
@@ -24,10 +26,7 @@ impl PoseUncertainty {
         if parts.is_empty() {
             return None;
         }
-        let models: Vec<CompiledModel> = parts
-            .par_iter()
-            .map(|part| CompiledModel::new(&machine.moved_by(part), Order::Degree(1), approach))
-            .collect();
+        let models: Vec<CompiledModel> = parts.par_iter().map(|part| part_model(machine, part, approach)).collect();
         let one = |pose: &Pose| {
             let turned = frame_rotation(machine, pose, frame);
             let mut squares = [Vector3::zeros(); 2];
