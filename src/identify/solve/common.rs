@@ -2,13 +2,10 @@
 
 use super::fit::Fit;
 use super::solution::Solution;
+use super::sums::summed;
 use crate::identify::data::Measurement;
 use crate::identify::model::{Model, TypeB};
 use nalgebra::DMatrix;
-use rayon::prelude::*;
-
-/// Measurements that are summed together: the sums do not depend on the number of threads.
-const TOGETHER: usize = 1024;
 
 /// Returns the covariance of the unknowns, in their units, that uncertainties of type B make, each to first order.
 pub fn common(
@@ -23,19 +20,14 @@ pub fn common(
     if width == 0 {
         return DMatrix::zeros(count, count);
     }
-    let sum = |(data, weights): (&[Measurement], &[f64])| {
-        let mut sum = DMatrix::zeros(count, width);
-        for (m, weight) in data.iter().zip(weights) {
-            let (unknowns, _) = model.rows(m, &fit.theta);
-            for (k, effect) in effects(m).into_iter().enumerate() {
-                // What was not read has no row in `unknowns`.
-                sum.column_mut(k).iter_mut().zip(&unknowns).for_each(|(s, u)| *s += u.dot(&effect) * weight);
-            }
+    let add = |sum: &mut DMatrix<f64>, m: &Measurement, weight: f64| {
+        let (unknowns, _) = model.rows(m, &fit.theta);
+        for (k, effect) in effects(m).into_iter().enumerate() {
+            // What was not read has no row in `unknowns`.
+            sum.column_mut(k).iter_mut().zip(&unknowns).for_each(|(s, u)| *s += u.dot(&effect) * weight);
         }
-        sum
     };
-    let parts: Vec<DMatrix<f64>> = data.par_chunks(TOGETHER).zip(fit.weights.par_chunks(TOGETHER)).map(sum).collect();
-    let cross = parts.into_iter().fold(DMatrix::zeros(count, width), |sum, part| sum + part);
+    let cross = summed((data, &fit.weights), || DMatrix::zeros(count, width), add, |a, b| a + b);
     let moved = solution.unit_covariance() * cross;
     &moved * moved.transpose()
 }

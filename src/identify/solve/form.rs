@@ -2,20 +2,18 @@
 //! direction in which readings may see it.
 
 use super::fit::Fit;
+use super::sums::summed;
 use crate::algebra::linear::Svd;
 use crate::identify::data::{DistanceEnd, Measurement, Reading, lever};
 use crate::identify::model::{Basis, Model, Parameter, Term};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Axis, AxisKind, AxisName, Curve, Direction, Knots};
 use nalgebra::{DMatrix, DVector, Vector3};
-use rayon::prelude::*;
 
 /// Number of knots.
 pub(super) const KNOTS: usize = 12;
 /// Positions that an axis must have been measured at, to tell form from curve.
 const FEWEST_PLACES: usize = 6;
-/// Measurements that are summed together: the sums do not depend on the number of threads.
-const TOGETHER: usize = 1024;
 /// Singular values below this share of the largest are zero.
 const RANK: f64 = 1e-9;
 
@@ -133,20 +131,15 @@ impl Sums {
         let all: Vec<Parameter> = knots.into_iter().chain(instruments.iter().cloned()).collect();
         let theta: Vec<f64> = vec![0.0; count].into_iter().chain(fit.theta[own..].iter().copied()).collect();
         let forms = model.with_parameters(&all);
-        let weights = fit.weights.par_chunks(TOGETHER);
-        let parts = data.par_chunks(TOGETHER).zip(weights).map(|(data, weights)| {
-            let mut sums = Self::zero(count + 1, fit.theta.len());
-            for (m, weight) in data.iter().zip(weights) {
-                let (unknowns, left) = model.rows(m, &fit.theta);
-                let mut effects = forms.rows(m, &theta).0;
-                effects.truncate(count);
-                effects.push(left);
-                sums.add(&unknowns, &effects, (*weight, m.readings()));
-            }
-            sums
-        });
-        let parts: Vec<Self> = parts.collect();
-        let mut sums = parts.into_iter().fold(Self::zero(count + 1, fit.theta.len()), Self::plus);
+        let add = |sums: &mut Self, m: &Measurement, weight: f64| {
+            let (unknowns, left) = model.rows(m, &fit.theta);
+            let mut effects = forms.rows(m, &theta).0;
+            effects.truncate(count);
+            effects.push(left);
+            sums.add(&unknowns, &effects, (weight, m.readings()));
+        };
+        let zero = || Self::zero(count + 1, fit.theta.len());
+        let mut sums = summed((data, &fit.weights), zero, add, Self::plus);
         sums.weight /= data.iter().map(Measurement::readings).sum::<usize>().max(1) as f64;
         sums
     }

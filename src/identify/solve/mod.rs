@@ -17,6 +17,7 @@ mod plan;
 mod randomness;
 mod solution;
 mod student;
+mod sums;
 mod volume;
 mod weighing;
 
