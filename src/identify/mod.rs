@@ -33,6 +33,6 @@ pub use model::{
     TypeB, invariances, known, moore_penrose, overruled, parameters, slope_bounds, type_b, unused,
 };
 pub use solve::{
-    Conditions, Estimate, Fit, Misfit, Moved, Outlier, Prediction, Randomness, Residuals, Scatter, SharedCovariance,
-    Solution, Spread, common, fit, held_out, in_datum, misfit, plan, randomness, solve,
+    Conditions, Estimate, Fit, Misfit, Moved, Outlier, Prediction, Randomness, Residuals, Scatter, Solution, Spread,
+    common, fit, held_out, in_datum, misfit, plan, randomness, solve,
 };

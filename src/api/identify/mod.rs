@@ -26,9 +26,8 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
 use crate::identify::{
     DistanceEnd, FileNotes, Fit, Known, Measurement, MeasurementSet, Misfit, Model, Parameter, Prediction, Randomness,
-    Reading, Repeats, Residuals, SharedCovariance, SlopeBound, Solution, TypeB, common, fitted_file, held_out,
-    in_datum, invariances, known, misfit, overruled, parameters, randomness, read_measurements, repeats, slope_bounds,
-    solve, type_b, unused,
+    Reading, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, held_out, in_datum, invariances,
+    known, misfit, overruled, parameters, randomness, read_measurements, repeats, slope_bounds, solve, type_b, unused,
 };
 use crate::machine::{Machine, Pose};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
@@ -311,11 +310,9 @@ fn solved(
     }
     let fit = solve(&model, data, options.robust);
     let solution = Solution::of(&fit, &problem.unknowns).compared(&model, data, &fit);
-    let mut shared = SharedCovariance::none(problem.unknowns.len());
-    shared.common = common(&model, data, (&fit, &solution), &problem.type_b);
     let misfit = misfit(&model, data, &fit, &solution);
-    shared.form = misfit.as_ref().map_or(shared.form, |misfit| misfit.covariance.clone());
-    let solution = solution.sharing(shared);
+    let common = common(&model, data, (&fit, &solution), &problem.type_b);
+    let solution = solution.sharing(misfit.as_ref().map(|misfit| &misfit.covariance), common);
     let theta = solution.theta();
     let forms = misfit.as_ref().map_or(&[][..], |misfit| &misfit.forms);
     let prediction = Prediction::of(&model, data, (&fit, &solution), forms);

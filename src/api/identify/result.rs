@@ -9,7 +9,7 @@ use crate::identify::{
     Estimate, Known, Misfit, Outlier, Parameter, Prediction, Randomness, ReadingKind, Repeats, Scatter, SharedEffect,
     Spread, TypeB,
 };
-use crate::machine::{Machine, ResidualForm};
+use crate::machine::{AxisName, Machine, ResidualForm};
 use crate::units::significant;
 use serde::Serialize;
 
@@ -122,12 +122,12 @@ pub struct FormOfAxis {
 
 impl LackOfFit {
     fn of(machine: &Machine, misfit: &Misfit) -> Self {
-        let unit = |name| machine.axes().iter().find(|axis| axis.name == name).map_or("mm", |axis| axis.unit());
+        let unit = |name: &AxisName| machine.axis_index(name.as_str()).map_or("mm", |i| machine.axes()[i].unit());
         let form = |ResidualForm { axis, size, length }: &ResidualForm| FormOfAxis {
             axis: axis.to_string(),
             size_um: um(*size),
             length: *length,
-            unit: unit(axis.clone()),
+            unit: unit(axis),
         };
         Self { probability: misfit.probability, forms: misfit.forms.iter().map(form).collect() }
     }

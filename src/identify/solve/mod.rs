@@ -28,6 +28,6 @@ pub use fit::{Fit, Scatter, fit};
 pub use misfit::{Misfit, misfit};
 pub use plan::plan;
 pub use randomness::{Randomness, randomness};
-pub use solution::{Estimate, SharedCovariance, Solution};
+pub use solution::{Estimate, Solution};
 pub use volume::{Prediction, Spread};
 pub use weighing::solve;

@@ -52,16 +52,16 @@ pub struct Estimate {
 
 /// Covariance of the parameters, in their units, from what readings share.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SharedCovariance {
+struct SharedCovariance {
     /// By the form of the axes beside the fitted curves.
-    pub form: DMatrix<f64>,
+    form: DMatrix<f64>,
     /// By what is common to all readings.
-    pub common: DMatrix<f64>,
+    common: DMatrix<f64>,
 }
 
 impl SharedCovariance {
     /// Returns that of `count` parameters whose readings share nothing.
-    pub fn none(count: usize) -> Self {
+    fn none(count: usize) -> Self {
         Self { form: DMatrix::zeros(count, count), common: DMatrix::zeros(count, count) }
     }
 
@@ -70,8 +70,8 @@ impl SharedCovariance {
         Self { form: map * &self.form * map.transpose(), common: map * &self.common * map.transpose() }
     }
 
-    fn sum(&self) -> DMatrix<f64> {
-        &self.form + &self.common
+    fn of(&self, i: usize, j: usize) -> f64 {
+        self.form[(i, j)] + self.common[(i, j)]
     }
 }
 
@@ -181,23 +181,26 @@ impl Solution {
         }
     }
 
-    /// The same with what readings share.
-    pub fn sharing(mut self, shared: SharedCovariance) -> Self {
-        self.shared = shared;
+    /// The same with covariances by what readings share: the form of the axes, and what is common to all.
+    pub fn sharing(mut self, form: Option<&DMatrix<f64>>, common: DMatrix<f64>) -> Self {
+        let form = form.cloned().unwrap_or_else(|| DMatrix::zeros(common.nrows(), common.ncols()));
+        self.shared = SharedCovariance { form, common };
         self.combine();
         self
     }
 
-    /// Covariance by what its readings share.
-    pub fn shared(&self) -> &SharedCovariance {
-        &self.shared
+    /// The same with what the readings of another solution share.
+    pub(super) fn sharing_with(mut self, other: &Self) -> Self {
+        self.shared = other.shared.clone();
+        self.combine();
+        self
     }
 
     fn combine(&mut self) {
         for (j, estimate) in self.estimates.iter_mut().enumerate() {
             let root = |part: &DMatrix<f64>| libm::sqrt(part[(j, j)].max(0.0));
             (estimate.form, estimate.common) = (root(&self.shared.form), root(&self.shared.common));
-            let all = |scatter: f64| libm::sqrt(scatter * scatter + self.shared.sum()[(j, j)].max(0.0));
+            let all = |scatter: f64| libm::sqrt(scatter * scatter + self.shared.of(j, j).max(0.0));
             estimate.sigma = estimate.scatter.map(all);
         }
     }
@@ -209,13 +212,14 @@ impl Solution {
         DMatrix::from_fn(self.units.len(), self.units.len(), unit)
     }
 
-    /// Combined covariance of the parameters as displacements over `units`.
+    /// Combined covariance of two parameters as displacements over `units`.
+    fn covariance_of(&self, i: usize, j: usize) -> f64 {
+        self.covariance[(i, j)] * self.sigma * self.sigma + self.shared.of(i, j) * self.units[i] * self.units[j]
+    }
+
+    /// The same of all parameters.
     fn combined(&self) -> DMatrix<f64> {
-        let shared = self.shared.sum();
-        let all = |i: usize, j: usize| {
-            self.covariance[(i, j)] * self.sigma * self.sigma + shared[(i, j)] * self.units[i] * self.units[j]
-        };
-        DMatrix::from_fn(self.units.len(), self.units.len(), all)
+        DMatrix::from_fn(self.units.len(), self.units.len(), |i, j| self.covariance_of(i, j))
     }
 
     /// Counts the rank of the model to first order at the same place, by which the exact one is no larger than what the
@@ -273,7 +277,9 @@ impl Solution {
         let mut row = DVector::zeros(self.units.len());
         sum.iter().for_each(|(j, factor)| row[*j] += factor / self.units[*j]);
         let told = self.hidden.tr_mul(&row).norm_squared() <= LOST * row.norm_squared();
-        let variance = row.dot(&(self.combined() * &row));
+        let acting: Vec<usize> = (0..row.len()).filter(|j| row[*j] != 0.0).collect();
+        let pairs = acting.iter().flat_map(|i| acting.iter().map(move |j| (*i, *j)));
+        let variance: f64 = pairs.map(|(i, j)| row[i] * self.covariance_of(i, j) * row[j]).sum();
         (told && self.freedom > 0).then(|| libm::sqrt(variance.max(0.0)))
     }
 
