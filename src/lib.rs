@@ -116,6 +116,8 @@ pub mod machine;
 #[doc(hidden)]
 pub mod report;
 #[doc(hidden)]
+pub mod standards;
+#[doc(hidden)]
 pub mod syntax;
 #[doc(hidden)]
 pub mod units;

@@ -893,6 +893,8 @@ def import_readings(
     line: StraightnessLine = "least-squares",
     keep_line: bool = False,
     continuous: bool = False,
+    material: Text | None = None,
+    uncertainty: Sequence[Text] | None = None,
     needs_table: bool = False,
     threads: int | None = None,
 ) -> ImportResult:
@@ -913,6 +915,10 @@ def import_readings(
     * ``line``: The line that is taken off a straightness.
     * ``keep_line``: Keeps it: the straightness was read against an artefact of the machine.
     * ``continuous``: The axis turns without end: positions modulo 360 deg, first row again at the end.
+    * ``material``: Temperature and expansion of the machine's material, such as ``22.5 degC x 11.5 um/m/K``: positions
+      of a linear axis are brought to 20 deg C, about the first target.
+    * ``uncertainty``: Contributors to the uncertainty of the figures (ISO 230-2 annex A), such as ``device 0.5 um/m``,
+      ``misalignment 1 mm``, ``temperature 0.7 K x 11.5 um/m/K``, ``expansion 2 um/m/K x 5 K``, ``drift 1.2 um``.
     * ``needs_table``: Refuses a file whose table would have no row.
     """
     options: dict[str, Any] = {
@@ -928,6 +934,8 @@ def import_readings(
         "line": line,
         "keep_line": keep_line,
         "continuous": continuous,
+        "material": material,
+        "uncertainty": uncertainty,
         "needs_table": needs_table,
     }
     found = call("import_readings", [], options, words=[path], threads=threads)

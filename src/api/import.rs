@@ -1,10 +1,14 @@
 //! A single-axis measurement as an instrument exports it, to a table of error curves.
 
+use super::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayBoth, ReadAtTarget, contributors};
 use super::run::{Answer, Call, Refused, Run};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
-use crate::identify::import::{self, AccuracyFigures, Import, ImportRequest, ReferenceLine};
+use crate::identify::import::{self, Import, ImportRequest, ReferenceLine, Sample};
 use crate::machine::ErrorId;
-use crate::units::counted;
+use crate::report::{Picture, RunCurves, RunPanel, RunPicture};
+use crate::standards::{self, AccuracyFigures, Contributor, Thermal};
+use crate::syntax::ColumnDirection;
+use crate::units::{counted, significant};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -39,6 +43,12 @@ pub struct ImportOptions {
     pub keep_line: bool,
     /// The axis turns without end: positions modulo 360 deg, first row again at the end.
     pub continuous: bool,
+    /// Temperature and expansion of the machine's material, such as `22.5 degC x 11.5 um/m/K`: positions of a linear
+    /// axis are brought to 20 deg C, about the first target.
+    pub material: Option<String>,
+    /// Contributors to the uncertainty of the figures (ISO 230-2 annex A), such as `device 0.5 um/m`,
+    /// `misalignment 1 mm`, `temperature 0.7 K x 11.5 um/m/K`, `expansion 2 um/m/K x 5 K`, `drift 1.2 um`.
+    pub uncertainty: Vec<String>,
     /// Refuses a file whose table would have no row.
     pub needs_table: bool,
 }
@@ -54,6 +64,8 @@ pub struct ImportResult {
     pub directions_inferred: bool,
     /// The errors with their figures.
     pub errors: Vec<ImportedError>,
+    /// The material whose expansion was taken off the positions.
+    pub material: Option<ReferenceMaterial>,
     /// Number of readings.
     pub readings: usize,
     /// Rows that were not used.
@@ -91,10 +103,10 @@ pub struct ImportedError {
     /// Mean deviation M.
     #[serde(rename = "M")]
     pub mean: f64,
-    /// Reversal B of largest size, with its sign; none without two directions.
+    /// Reversal B: the largest size of those of the targets; none without two directions.
     #[serde(rename = "B")]
     pub reversal: Option<f64>,
-    /// Mean reversal.
+    /// Mean of the reversals of the targets, with its sign.
     #[serde(rename = "mean_B")]
     pub mean_reversal: Option<f64>,
     /// Repeatability R; none without repeated runs.
@@ -109,6 +121,27 @@ pub struct ImportedError {
     pub slope_unit: String,
     /// Line of the reference, of a straightness of a linear axis.
     pub line: Option<StraightnessReference>,
+    /// Figures by direction.
+    pub one_way: OneWayBoth,
+    /// Expanded uncertainties, k = 2, where contributors are stated that count for this error.
+    #[serde(rename = "U")]
+    pub uncertainty: Option<AccuracyUncertainties>,
+    /// In sentences what ISO 230-2 wants of targets and runs; not verified against its text.
+    pub remarks: Vec<String>,
+    /// The readings by target.
+    pub at_targets: Vec<MeasuredTarget>,
+    /// Every reading, in the unit of the figures: position, value, and whether it came from below.
+    #[serde(skip)]
+    pub(crate) readings: Vec<(f64, f64, Option<bool>)>,
+}
+
+/// The material of a machine at the time of a measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ReferenceMaterial {
+    /// Its temperature, deg C.
+    pub temperature_deg_c: f64,
+    /// Its coefficient of expansion, um/(m K).
+    pub expansion_um_per_m_k: f64,
 }
 
 /// The straight line in a straightness, before it was taken off.
@@ -144,9 +177,15 @@ impl StraightnessReference {
 }
 
 impl ImportedError {
-    fn of(error: &ErrorId, f: &AccuracyFigures, rotary: bool, line: Option<&ReferenceLine>) -> Self {
+    fn of(found: &Import, error: usize, f: &AccuracyFigures, contributors: &[Contributor]) -> Self {
+        let line = found.lines.iter().find(|line| line.error == error);
+        let uncertainty = AccuracyUncertainties::of_error(contributors, (found, error), f);
+        let of_error = found.samples.iter().filter(|sample| sample.error == error);
+        let error = &found.errors[error];
         let (factor, unit) = error.direction.micro();
-        let (per, length) = if rotary { (1.0, "deg") } else { (1e3, "m") };
+        let (per, length) = if found.rotary { (1.0, "deg") } else { (1e3, "m") };
+        let rising = |sample: &Sample| sample.direction.map(|from| from == ColumnDirection::Forward);
+        let reading = |sample: &Sample| (sample.position, sample.value * factor, rising(sample));
         let value = |x: Option<f64>| x.map(|x| x * factor + 0.0);
         Self {
             error: error.to_string(),
@@ -163,6 +202,46 @@ impl ImportedError {
             slope: f.slope * factor * per,
             slope_unit: format!("{unit}/{length}"),
             line: line.map(|line| StraightnessReference::of(error, line)),
+            one_way: OneWayBoth::of(f, factor),
+            uncertainty,
+            remarks: standards::remarks(f, found.rotary),
+            at_targets: MeasuredTarget::all(f, factor),
+            readings: of_error.map(reading).collect(),
+        }
+    }
+}
+
+impl ImportResult {
+    /// Returns a picture of the runs: every reading, and for each direction the mean with its band of 2 s.
+    pub fn picture(&self) -> Picture {
+        let panels: Vec<RunPanel> = self.errors.iter().map(ImportedError::panel).collect();
+        let title = format!("Axis {}", self.axis);
+        let subtitle = format!("{} of {}", counted(self.readings, "reading"), counted(self.errors.len(), "error"));
+        let rotary = self.errors.iter().any(|error| error.slope_unit.ends_with("/deg"));
+        let position = format!("{} in {}", self.axis, if rotary { "degrees" } else { "mm" });
+        RunPicture { title: &title, subtitle: &subtitle, position: &position, panels: &panels }.picture()
+    }
+}
+
+impl ImportedError {
+    fn panel(&self) -> RunPanel {
+        let figure = |name: &str, value: Option<f64>| {
+            value.map(|value| format!(", {name} {}", significant(value, 3))).unwrap_or_default()
+        };
+        let (e, b) = (figure("E", Some(self.systematic)), figure("B", self.reversal));
+        let (r, a) = (figure("R", self.repeatability), figure("A", self.accuracy));
+        let read = |of: fn(&MeasuredTarget) -> Option<ReadAtTarget>, way: Option<bool>| RunCurves {
+            means: self
+                .at_targets
+                .iter()
+                .filter_map(|target| of(target).map(|at| (target.position, at.mean, at.s.map(|s| 2.0 * s))))
+                .collect(),
+            readings: self.readings.iter().filter(|(.., from)| *from == way).map(|(x, y, _)| (*x, *y)).collect(),
+        };
+        RunPanel {
+            title: format!("{}{e}{b}{r}{a} {}", self.error, if self.unit == "um" { "\u{b5}m" } else { "\u{b5}rad" }),
+            unit: if self.unit == "um" { "\u{b5}m" } else { "\u{b5}rad" },
+            ways: [read(|t| t.forward, Some(true)), read(|t| t.reverse, Some(false)), read(|t| t.unknown, None)],
         }
     }
 }
@@ -205,6 +284,16 @@ const LISTED: usize = 12;
 pub fn import(path: impl AsRef<Path>, options: &ImportOptions, run: Run) -> Result<Answer<ImportResult>, Diagnostics> {
     Call::answer(run, &Sources::default(), |call| {
         let request = request(call, options)?;
+        let contributors = match contributors(&options.uncertainty) {
+            Ok(contributors) => contributors,
+            Err(words) => {
+                return call.usage(format!(
+                    "`{}` is no uncertainty: write `device 0.5 um/m`, `misalignment 1 mm`, `temperature 0.7 K x 11.5 \
+                     um/m/K`, `expansion 2 um/m/K x 5 K` or `drift 1.2 um`",
+                    shown(words)
+                ));
+            }
+        };
         let found = import::import(path.as_ref(), &request, run.files, &mut call.diagnostics);
         call.checked()?;
         let found = found.ok_or(Refused)?;
@@ -218,7 +307,8 @@ pub fn import(path: impl AsRef<Path>, options: &ImportOptions, run: Run) -> Resu
                 "measure the same targets in both directions; without --out the figures of what there is are printed";
             return call.refuse(Diagnostic::new(codes::E0509, message).help(help));
         }
-        Ok(ImportResult { table_rows: table.rows, table: table.text, ..figures(&found, &call.diagnostics.sources) })
+        let result = figures(&found, (&request, &contributors), &call.diagnostics.sources);
+        Ok(ImportResult { table_rows: table.rows, table: table.text, ..result })
     })
 }
 
@@ -233,6 +323,7 @@ fn request(call: &mut Call<'_>, options: &ImportOptions) -> Result<ImportRequest
         keep_line: options.keep_line,
         continuous: options.continuous,
         flipped: options.flip.clone(),
+        material: material(call, options)?,
         ..ImportRequest::default()
     };
     let request = match (&options.beam, &options.vertical) {
@@ -250,11 +341,25 @@ fn request(call: &mut Call<'_>, options: &ImportOptions) -> Result<ImportRequest
     Ok(request.with_columns(map.ok_or(Refused)?))
 }
 
-fn figures(found: &Import, sources: &Sources) -> ImportResult {
-    let one = |(k, error): (usize, &ErrorId)| {
-        let line = found.lines.iter().find(|line| line.error == k);
-        Some(ImportedError::of(error, &found.figures(k)?, found.rotary, line))
-    };
+/// The material of the machine, in words.
+fn material(call: &mut Call<'_>, options: &ImportOptions) -> Result<Option<Thermal>, Refused> {
+    let Some(words) = &options.material else { return Ok(None) };
+    let plausible = |of: &Thermal| of.temperature.abs() <= 100.0 && of.expansion.abs() <= 1e-3;
+    match standards::thermal(words).filter(plausible) {
+        Some(found) => Ok(Some(found)),
+        None => call.usage(format!(
+            "`{}` is no material: write its temperature times its expansion, such as `22.5 degC x 11.5 um/m/K`",
+            shown(words)
+        )),
+    }
+}
+
+fn figures(
+    found: &Import,
+    (request, contributors): (&ImportRequest, &[Contributor]),
+    sources: &Sources,
+) -> ImportResult {
+    let one = |error: usize| Some(ImportedError::of(found, error, &found.figures(error)?, contributors));
     let left = found
         .left_out
         .iter()
@@ -263,7 +368,11 @@ fn figures(found: &Import, sources: &Sources) -> ImportResult {
         axis: found.axis.clone(),
         form: found.form.word(),
         directions_inferred: found.inferred,
-        errors: found.errors.iter().enumerate().filter_map(one).collect(),
+        errors: (0..found.errors.len()).filter_map(one).collect(),
+        material: request.material.map(|of| ReferenceMaterial {
+            temperature_deg_c: of.temperature,
+            expansion_um_per_m_k: of.expansion * 1e6,
+        }),
         readings: found.samples.len(),
         left_out: left.collect(),
         columns_left_out: found

@@ -7,7 +7,9 @@ use crate::analysis::Unreachable;
 use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{Axis, AxisKind, Machine, Pose};
-use crate::report::{DiagonalPicture, Picture, PolarPicture, RTestPicture, circle_json, line_json, turn_json};
+use crate::report::{
+    DiagonalPicture, DialPanel, Picture, PolarPicture, RTestPicture, circle_json, line_json, turn_json,
+};
 use crate::units::significant;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
@@ -105,7 +107,8 @@ impl InstrumentResult {
         match &self.readings {
             Readings::Circles { radius_mm, circles } => {
                 let subtitle = format!("Ball bar of {} mm about {}", significant(*radius_mm, 6), self.place());
-                PolarPicture { title, subtitle: &subtitle, circles }.picture()
+                let panels: Vec<DialPanel> = circles.iter().map(DialPanel::of).collect();
+                PolarPicture::senses(title, &subtitle, &panels).picture()
             }
             Readings::Turns(turns) => {
                 let subtitle = format!("R-test with the ball at {}", self.place());

@@ -2,6 +2,7 @@
 
 pub use super::compensation::options::{CompensationOptions, CorrectingAxes};
 pub use super::enumerate::JudgedBy;
+pub use super::figures::StandardTest;
 pub use super::import::{FileContents, RunApproach, StraightnessLine};
 pub use super::instrument::Instrument;
 pub use super::map::MapPoses;

@@ -19,6 +19,10 @@ pub use super::equations::EquationsResult;
 pub use super::eval::{EvalResult, EvalUnits, PoseResult};
 pub use super::explain::Explanation;
 pub use super::features::{DominatingError, FeatureResult};
+pub use super::figures::{
+    BothSenses, CauseTest, CircleTest, DriftOf, DriftTest, MotionTest, RotationTest, TemperatureRange, TestFigures,
+    UncertainValue,
+};
 pub use super::goal::{NewTolerance, ToleranceGoal};
 pub use super::identify::{
     ExpectedParameter, FittedDatum, FittedError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue,
@@ -27,13 +31,14 @@ pub use super::identify::{
     ScatterOfKind, SharedUncertainty,
 };
 pub use super::import::{
-    ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, StraightnessReference,
+    ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, ReferenceMaterial, StraightnessReference,
 };
 pub use super::instrument::{InstrumentResult, Readings};
 pub use super::machine_file::InputFile;
 pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
 pub use super::map_bounds::{MapFromBounds, WorstBoundedPose};
 pub use super::poses::AxisPositions;
+pub use super::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayAccuracy, OneWayBoth, ReadAtTarget};
 pub use super::reach::{ReachDirections, ReachResult};
 pub use super::report::Report;
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};

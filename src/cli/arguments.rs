@@ -19,6 +19,7 @@ pub(super) mod help {
     pub(in crate::cli) const AXIS: &str = "An axis, by its name";
     pub(in crate::cli) const OUT: &str = "Write the result here: a file, of `compile` a folder";
     pub(in crate::cli) const PLANE: &str = "A plane of two axes, such as XY";
+    pub(in crate::cli) const RADIUS: &str = "Radius of a circle, mm (above 0)";
     pub(in crate::cli) const VTK: &str = "Write a grid of VTK, which ParaView opens";
     pub(in crate::cli) const PNG: &str = "Draw a picture, as PNG unless the file ends in .svg";
     pub(in crate::cli) const SVG: &str = "Draw a picture, as SVG unless the file ends in .png";

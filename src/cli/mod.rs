@@ -23,8 +23,8 @@ use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use verbs::{
-    budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, identify, import,
-    init, instrument, man, map, reach, report, show, targets, verify,
+    budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, figures, identify,
+    import, init, instrument, man, map, reach, report, show, targets, verify,
 };
 
 /// A compiler from machine-tool configurations to volumetric compensation.
@@ -130,6 +130,8 @@ enum Verb {
     Identify(identify::Args),
     /// A single-axis measurement as an instrument exports it, to a table of error curves.
     Import(import::Args),
+    /// Figures of ISO 230-3, 230-4 and 230-7 from readings of a test.
+    Figures(figures::Args),
     /// The compensation files of a controller, with their certificate.
     Compile(compile::Args),
     /// Replay compensation files as the controller would, and certify the residual.
@@ -225,6 +227,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Enumerate(args) => enumerate::run(session, &args),
         Verb::Instrument(args) => instrument::run(session, &args),
         Verb::Identify(args) => identify::run(session, &args),
+        Verb::Figures(args) => figures::run(session, &args),
         Verb::Import(args) => import::run(session, &args),
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),

@@ -146,6 +146,7 @@ codes! {
     E0515 "the data do not hold the prediction",
     E0516 "a prior cannot be read",
     E0517 "a type B uncertainty cannot be read",
+    E0519 "readings of a test cannot be used",
     E0521 "unknown generator",
     E0522 "the ideal contains 1",
     E0523 "an algebra that is too large",

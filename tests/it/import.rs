@@ -38,7 +38,7 @@ fn check(report: &serde_json::Value, runs: u64) {
     assert_eq!((figures["error"].as_str(), figures["runs"].as_u64()), (Some("EXX"), Some(runs)));
     near("E", 5.0);
     near("M", 4.0);
-    near("B", -1.0);
+    near("B", 1.0);
     near("mean_B", -1.0);
     near("R", (4.0 * s).max(4.0 * s + 1.0));
     near("A", 5.0 + 4.0 * s);

@@ -46,10 +46,10 @@ const UP: [[f64; 2]; 3] = [[0.5, -0.5], [2.5, 1.5], [4.5, 3.5]];
 const DOWN: [[f64; 2]; 3] = [[1.5, 0.5], [3.5, 2.5], [5.5, 4.5]];
 const TABLE: &str = "X [mm], EXX+ [um], EXX- [um]\n0, 0, 1\n100, 2, 3\n200, 4, 5\n";
 
-/// E = 5, M = 4, B = -1, R = 4 s + 1 with s = 0.5 sqrt 2, A = 5 + 4 s.
+/// E = 5, M = 4, B = 1, R = 4 s + 1 with s = 0.5 sqrt 2, A = 5 + 4 s.
 fn standard() -> [(&'static str, f64); 6] {
     let s = 0.5_f64.sqrt();
-    [("E", 5.0), ("M", 4.0), ("B", -1.0), ("mean_B", -1.0), ("R", 4.0 * s + 1.0), ("A", 5.0 + 4.0 * s)]
+    [("E", 5.0), ("M", 4.0), ("B", 1.0), ("mean_B", -1.0), ("R", 4.0 * s + 1.0), ("A", 5.0 + 4.0 * s)]
 }
 
 /// As packages of lasers export a test: numbers of targets, environment and statistics beside the runs.

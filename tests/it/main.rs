@@ -33,6 +33,7 @@ mod eval_order;
 mod every_target;
 mod examples;
 mod faults;
+mod figures;
 mod fits;
 #[cfg(target_os = "linux")]
 mod foreign_folders;

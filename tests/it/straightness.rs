@@ -49,7 +49,7 @@ fn the_line_is_taken_off_and_its_size_is_said() {
     near(1, [-share - 0.5, -share + 0.5]);
     near(6, [4.0 - share - 0.5, 4.0 - share + 0.5]);
     let figure = |key: &str| report["errors"][0][key].as_f64().unwrap();
-    assert!((figure("E") - 5.0).abs() < 1e-6 && (figure("B") + 1.0).abs() < 1e-6 && figure("slope").abs() < 1e-6);
+    assert!((figure("E") - 5.0).abs() < 1e-6 && (figure("B") - 1.0).abs() < 1e-6 && figure("slope").abs() < 1e-6);
     let (report, table) = imported(&askew(), &["--keep-line"]);
     assert!(table.contains("0, 6.5, 7.5\n") && table.contains("500, 34, 35\n"), "{table}");
     assert_eq!(report["errors"][0]["line"]["taken_off"], false);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// Imports of each module besides itself; `units`, `diagnostic` and `algebra` are open to all. The program has the
 /// library as a package: `rooms.rs` holds it to the façade.
-const MAY_IMPORT: [(&str, &[&str]); 15] = [
+const MAY_IMPORT: [(&str, &[&str]); 16] = [
     ("units", &[]),
     ("diagnostic", &[]),
     ("algebra", &[]),
@@ -14,12 +14,13 @@ const MAY_IMPORT: [(&str, &[&str]); 15] = [
     ("machine", &["syntax"]),
     ("lower", &["machine"]),
     ("evaluate", &["lower", "machine"]),
-    ("analysis", &["evaluate", "lower", "machine"]),
+    ("standards", &["machine", "syntax"]),
+    ("analysis", &["evaluate", "lower", "machine", "standards"]),
     ("convert", &["evaluate", "lower", "machine"]),
-    ("identify", &["evaluate", "lower", "machine", "syntax"]),
+    ("identify", &["evaluate", "lower", "machine", "standards", "syntax"]),
     ("compensation", &["evaluate", "lower", "machine"]),
     ("controller", &["compensation", "evaluate", "lower", "machine", "syntax"]),
-    ("report", &["analysis", "identify", "controller", "compensation", "evaluate", "machine"]),
+    ("report", &["analysis", "identify", "controller", "compensation", "evaluate", "machine", "standards"]),
     ("api", &["*"]),
     ("cli", &[]),
 ];

@@ -1,10 +1,11 @@
 //! A ball bar: the distance of a ball at the functional point from a ball on the workpiece while the
 //! machine drives a circle about it, in both senses.
 
-use super::path::{Path, deviation_from, hold, range};
+use super::path::{Path, deviation_from, hold};
 use crate::analysis::inverse::{Unreachable, tool_pose};
 use crate::lower::into_part;
 use crate::machine::{Approach, Machine, sin_cos_degrees};
+use crate::standards::range;
 use nalgebra::Vector3;
 
 /// A plane of the workpiece frame; the circle runs from its first to its second direction.

@@ -1,9 +1,10 @@
 //! A laser along the body diagonals of the volume: the actual displacement along each, there and back; with steps, one
 //! axis moves at a time, so that every reading belongs to one axis.
 
-use super::path::{Path, range};
+use super::path::Path;
 use crate::lower::NominalPose;
 use crate::machine::{AxisKind, Machine, Pose};
+use crate::standards::range;
 
 /// Readings along one diagonal.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +19,7 @@ pub struct Diagonal {
     pub there: Vec<f64>,
     /// The same on the return run, in the order of `ways`.
     pub back: Vec<f64>,
-    /// E_d: range of the mean of both runs, um.
+    /// E_d: range of both runs, um: the bidirectional systematic deviation E of ISO 230-2.
     pub systematic: f64,
     /// B_d: largest difference of both runs, um.
     pub reversal: f64,
@@ -90,7 +91,7 @@ fn diagonal(machine: &Machine, at: &[f64], axes: &[usize], rises: &[bool], point
     Diagonal {
         name: rises.iter().map(|rises| if *rises { 'p' } else { 'n' }).collect(),
         axes: axes.to_vec(),
-        systematic: range(there.iter().zip(&back).map(|(a, b)| 0.5 * (a + b))),
+        systematic: range(there.iter().chain(&back).copied()),
         reversal: there.iter().zip(&back).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max),
         ways,
         there,

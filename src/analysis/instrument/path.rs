@@ -87,12 +87,6 @@ pub fn hold(
     tips.map(|tip| place(machine, &tip, pose).map_err(|miss| miss.why)).collect()
 }
 
-/// Returns the largest minus the smallest value; 0 without values.
-pub fn range(values: impl Iterator<Item = f64>) -> f64 {
-    let (min, max) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), x| (min.min(x), max.max(x)));
-    if max >= min { max - min } else { 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

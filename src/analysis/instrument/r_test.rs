@@ -1,10 +1,11 @@
 //! An R-test, or probing of a ball on the table: a rotary axis turns while the other axes hold the
 //! functional point at a ball fixed to the workpiece; the readings are the actual place of the point.
 
-use super::path::{Path, range};
+use super::path::Path;
 use crate::analysis::inverse::{Unreachable, place, tool_pose};
 use crate::lower::NominalPose;
 use crate::machine::{Machine, Pose};
+use crate::standards::range;
 use nalgebra::Vector3;
 
 /// Readings of one rotary axis.

@@ -1,13 +1,13 @@
 //! `abbe import`: a single-axis measurement as an instrument exports it, to a table of error curves.
 
-use crate::cli::arguments::help;
+use crate::cli::arguments::{PictureFile, help, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
 use abbe::options::{FileContents, RunApproach, StraightnessLine};
-use abbe::results::{ImportResult, ImportedError};
-use abbe::text::{counted, significant};
+use abbe::results::{ImportResult, ImportedError, OneWayAccuracy};
+use abbe::text::{NOT_VERIFIED, counted, significant};
 use abbe::{ImportOptions, import};
 use serde_json::json;
 use std::path::PathBuf;
@@ -55,6 +55,17 @@ pub(crate) struct Args {
     /// Keep the line of a straightness: it was read against an artefact of the machine.
     #[arg(long, conflicts_with = "line")]
     keep_line: bool,
+    /// Bring the positions of a linear axis to 20 deg C by its material, such as `22.5 degC x 11.5 um/m/K`.
+    #[arg(long, value_name = "MATERIAL")]
+    material: Option<String>,
+    /// Contributor to the uncertainty of the figures (ISO 230-2 annex A), such as `device 0.5 um/m` (k = 2),
+    /// `misalignment 1 mm`, `temperature 0.7 K x 11.5 um/m/K`, `expansion 2 um/m/K x 5 K`, `drift 1.2 um`; may be
+    /// repeated.
+    #[arg(long, value_name = "WORDS")]
+    uncertainty: Vec<String>,
+    #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
+        long_help = "Draw the runs with their means and bands of 2 s, as SVG unless the file ends in .png")]
+    svg: Option<PictureFile>,
     #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the table to this file")]
     out: Option<PathBuf>,
 }
@@ -111,13 +122,19 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         },
         keep_line: args.keep_line,
         continuous: args.continuous,
+        material: args.material.clone(),
+        uncertainty: args.uncertainty.clone(),
         needs_table: args.out.is_some() || session.format() == Format::Csv,
     };
     write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
+    PictureFile::refuse(session, args.svg.iter())?;
     let answer = import(&args.file, &options, session.run());
     let result = session.take(answer)?;
     if let Some(out) = &args.out {
         write::write_whole(out, result.table.as_bytes(), &session.files).or_else(|refusal| session.refuse(refusal))?;
+    }
+    if let Some(file) = &args.svg {
+        file.write(&result.picture(), session)?;
     }
     match session.format() {
         Format::Json => session.print_json(json!(result)),
@@ -140,13 +157,37 @@ fn text(result: &ImportResult) -> String {
         text += &format!("left out: {} ({})\n", column.column, column.reason);
     }
     text.extend(result.errors.iter().filter_map(line));
-    let mut rows = table(&["error", "unit", "targets", "runs", "E", "M", "B", "mean B", "R", "A", "slope"]);
+    let mut rows = table(&["error", "unit", "targets", "runs", "", "E", "M", "B", "mean B", "R", "A", "slope"]);
     for error in &result.errors {
-        let _ = rows.add_row(cells(error));
+        add(&mut rows, error);
     }
     text += &format!("{rows}\n");
-    text + "E systematic deviation, M mean deviation, B reversal, R repeatability, A accuracy: formed after ISO \
-     230-2:2014\n"
+    text += "E systematic deviation, M mean deviation, B reversal, R repeatability, A accuracy: formed after ISO \
+             230-2:2014\n";
+    text.extend(result.errors.iter().filter_map(|error| {
+        let remarks = error.remarks.join("; ");
+        (!remarks.is_empty()).then(|| format!("{}: {remarks}\n", error.error))
+    }));
+    text + &notes(result)
+}
+
+/// Where the figures rest on what could not be compared with the text of the standard.
+fn notes(result: &ImportResult) -> String {
+    let mut text = String::new();
+    if let Some(of) = &result.material {
+        text += &format!(
+            "positions at 20 degC: material at {} degC, {} um/(m K), about the first target\n",
+            of.temperature_deg_c,
+            significant(of.expansion_um_per_m_k, 4)
+        );
+    }
+    if result.errors.iter().any(|error| error.uncertainty.is_some()) {
+        text += "U: expanded uncertainty, k = 2, after ISO 230-2 annex A\n";
+    }
+    if result.errors.iter().any(|error| error.uncertainty.is_some() || !error.remarks.is_empty()) {
+        text += &format!("U and the remarks on targets and runs are {NOT_VERIFIED}\n");
+    }
+    text
 }
 
 /// A sentence on the line of a straightness.
@@ -168,20 +209,36 @@ fn line(error: &ImportedError) -> Option<String> {
     })
 }
 
-fn cells(f: &ImportedError) -> Vec<String> {
-    let n = |x: f64| significant(x, 4);
-    let maybe = |x: Option<f64>| x.map_or_else(|| "-".to_owned(), n);
-    vec![
-        f.error.clone(),
-        f.unit.to_owned(),
-        f.targets.to_string(),
-        f.runs.to_string(),
-        n(f.systematic),
-        n(f.mean),
-        maybe(f.reversal),
-        maybe(f.mean_reversal),
-        maybe(f.repeatability),
-        maybe(f.accuracy),
-        format!("{} {}", significant(f.slope, 3), f.slope_unit),
-    ]
+fn number(x: f64) -> String {
+    significant(x, 4)
+}
+
+fn maybe(x: Option<f64>) -> String {
+    x.map_or_else(|| "-".to_owned(), number)
+}
+
+/// The rows of an error: both directions together, each by itself, and the uncertainty.
+fn add(rows: &mut comfy_table::Table, f: &ImportedError) {
+    let (targets, runs) = (f.targets.to_string(), f.runs.to_string());
+    let figures = [maybe(f.reversal), maybe(f.mean_reversal), maybe(f.repeatability), maybe(f.accuracy)];
+    let first =
+        [f.error.clone(), f.unit.to_owned(), targets, runs, String::new(), number(f.systematic), number(f.mean)];
+    let slope = format!("{} {}", significant(f.slope, 3), f.slope_unit);
+    let _ = rows.add_row(first.into_iter().chain(figures).chain([slope]));
+    let beside = |name: &str, cells: [String; 6]| {
+        let blank = [(); 4].map(|()| String::new());
+        blank.into_iter().chain([name.to_owned()]).chain(cells).chain([String::new()])
+    };
+    let one = |of: OneWayAccuracy| {
+        let none = || "-".to_owned();
+        [number(of.systematic), none(), none(), none(), maybe(of.repeatability), maybe(of.accuracy)]
+    };
+    if let (Some(forward), Some(reverse)) = (f.one_way.forward, f.one_way.reverse) {
+        let _ = rows.add_row(beside("forward", one(forward)));
+        let _ = rows.add_row(beside("reverse", one(reverse)));
+    }
+    if let Some(u) = f.uncertainty {
+        let cells = [u.systematic, u.mean, u.reversal, u.reversal, u.repeatability, u.accuracy].map(number);
+        let _ = rows.add_row(beside("U", cells));
+    }
 }

@@ -21,8 +21,8 @@ pub(crate) struct Args {
     #[arg(long, value_enum, value_name = "AXES", help = help::PLANE,
         long_help = "Ball bar: the plane of the circle, in the workpiece frame [default: all three]")]
     plane: Option<PlaneArg>,
-    /// Ball bar: its length, mm (above 0).
-    #[arg(long, value_name = "MM", default_value_t = 100.0)]
+    #[arg(long, value_name = "MM", default_value_t = 100.0, help = help::RADIUS,
+        long_help = "Ball bar: its length, mm (above 0)")]
     radius: f64,
     #[arg(long, value_name = "AXIS", help = help::AXIS,
         long_help = "R-test: the rotary axis [default: all, one after the other]")]
@@ -214,7 +214,7 @@ fn lines_text(file: &MachineFile, result: &InstrumentResult, list: &[Diagonal]) 
     }
     let axes: Vec<String> = list[0].axes.iter().map(|i| file.axes()[*i].name.to_string()).collect();
     format!(
-        "{}{rows}\nSenses of {} along the diagonal: p rises, n falls. E_d: range of the mean of there and back; B_d: \
+        "{}{rows}\nSenses of {} along the diagonal: p rises, n falls. E_d: range there and back; B_d: \
          their largest difference.\n",
         others(file, result),
         axes.join(", ")

@@ -11,6 +11,7 @@ pub(super) mod enumerate;
 pub(super) mod equations;
 pub(super) mod eval;
 pub(super) mod explain;
+pub(super) mod figures;
 pub(super) mod identify;
 pub(super) mod import;
 pub(super) mod init;

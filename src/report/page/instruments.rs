@@ -2,7 +2,7 @@
 
 use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
 use crate::machine::{AxisKind, Machine, Pose};
-use crate::report::pictures::{DiagonalPicture, PolarPicture, RTestPicture};
+use crate::report::pictures::{DiagonalPicture, DialPanel, PolarPicture, RTestPicture};
 use crate::report::text::{circle_json, line_json, positions, turn_json};
 use serde_json::{Value, json};
 
@@ -81,7 +81,8 @@ impl Instruments {
         let bar = format!("Ball bar of {} mm about the middle of the volume", self.radius);
         [
             svg(!self.circles.is_empty(), &|| {
-                PolarPicture { title, subtitle: &bar, circles: &self.circles }.picture().svg()
+                let panels: Vec<DialPanel> = self.circles.iter().map(DialPanel::of).collect();
+                PolarPicture::senses(title, &bar, &panels).picture().svg()
             }),
             svg(!tests.is_empty(), &|| {
                 let subtitle = "R-test, each axis about a ball within its reach";

@@ -1,21 +1,55 @@
-//! Polar diagrams of deviations that are exaggerated about a nominal circle: of a ball bar about the
-//! least-squares centre, one exaggeration for all planes.
+//! Polar diagrams of deviations that are exaggerated about a nominal circle: of a ball bar or an axis of rotation about
+//! the least-squares centre, one exaggeration for all panels.
 
 use super::scale::round_step;
-use super::svg::{Anchor, FIRST, Font, INK, LINE, Picture, SECOND, Svg, polygon, polyline};
+use super::svg::{Anchor, FIRST, Font, INK, LINE, Picture, SECOND, Svg, polygon, polyline, wrapped};
 use crate::analysis::instrument::BallBar;
 use crate::machine::sin_cos_degrees;
 use crate::units::significant;
 
-/// Circles to be drawn side by side.
+/// One diagram.
+#[derive(Debug, Clone)]
+pub struct DialPanel {
+    /// Names of the directions to the right and upwards.
+    pub directions: [String; 2],
+    /// Angle (deg) and deviation, a curve for each way.
+    pub curves: Vec<Vec<(f64, f64)>>,
+    /// True if the curves go all the way round.
+    pub closed: bool,
+    /// The line below it.
+    pub title: String,
+    /// The line below that.
+    pub line: String,
+}
+
+impl DialPanel {
+    /// Returns the diagram of a ball bar.
+    pub fn of(circle: &BallBar) -> Self {
+        let curve = |way: &Vec<f64>| circle.angles.iter().copied().zip(way.iter().copied()).collect();
+        Self {
+            directions: circle.plane.directions().map(|i| ["+X", "+Y", "+Z"][i].to_owned()),
+            curves: circle.centred.iter().map(curve).collect(),
+            closed: true,
+            title: format!("{}: G(b) {} µm", circle.plane.name(), significant(circle.bidirectional, 3)),
+            line: format!(
+                "G {} and {} µm, squareness {} µrad",
+                significant(circle.deviation[0], 3),
+                significant(circle.deviation[1], 3),
+                significant(circle.squareness, 3)
+            ),
+        }
+    }
+}
+
+/// Diagrams side by side.
 #[derive(Debug, Clone, Copy)]
 pub struct PolarPicture<'a> {
-    /// The first line.
-    pub title: &'a str,
-    /// The second line.
-    pub subtitle: &'a str,
-    /// The circles.
-    pub circles: &'a [BallBar],
+    title: &'a str,
+    subtitle: &'a str,
+    panels: &'a [DialPanel],
+    ways: &'a [(&'a str, Stroke)],
+    /// The meaning of outwards.
+    outwards: &'a str,
 }
 
 const PANEL: f64 = 290.0;
@@ -27,10 +61,11 @@ const NOMINAL: f64 = 96.0;
 const RINGS: i32 = 2;
 /// Distance from ring to ring, px.
 const PITCH: f64 = 19.0;
-const WAYS: [(&str, Stroke); 2] = [
+const SENSES: [(&str, Stroke); 2] = [
     ("counter-clockwise", Stroke { colour: FIRST, dashes: "" }),
     ("clockwise", Stroke { colour: SECOND, dashes: "5 3" }),
 ];
+const MEAN_TURN: [(&str, Stroke); 1] = [("synchronous", Stroke { colour: FIRST, dashes: "" })];
 
 /// Style of a curve.
 #[derive(Debug, Clone, Copy)]
@@ -117,40 +152,43 @@ impl Dial {
     }
 }
 
-impl PolarPicture<'_> {
+impl<'a> PolarPicture<'a> {
+    /// Returns diagrams of circles, counter-clockwise and clockwise.
+    pub fn senses(title: &'a str, subtitle: &'a str, panels: &'a [DialPanel]) -> Self {
+        let outwards = "the dark circle is the nominal radius. Outwards: the machine is too far out.";
+        Self { title, subtitle, panels, ways: &SENSES, outwards }
+    }
+
+    /// Returns diagrams of the mean turn of an axis of rotation.
+    pub fn mean_turn(title: &'a str, subtitle: &'a str, panels: &'a [DialPanel]) -> Self {
+        let outwards = "the dark circle is zero, outwards is plus.";
+        Self { title, subtitle, panels, ways: &MEAN_TURN, outwards }
+    }
+
     /// The picture.
     pub fn picture(&self) -> Picture {
-        let width = 2.0 * LEFT + PANEL * self.circles.len().max(2) as f64;
+        let width = 2.0 * LEFT + PANEL * self.panels.len().max(2) as f64;
         let mut svg = Svg::new(width, TOP + PANEL + 100.0);
         svg.heading(LEFT, (self.title, 60), (self.subtitle, (width / 7.5) as usize));
-        let all = self.circles.iter().flat_map(|c| c.centred.iter().flatten());
-        let largest = all.fold(0.0_f64, |max, x| max.max(x.abs()));
+        let all = self.panels.iter().flat_map(|panel| panel.curves.iter().flatten());
+        let largest = all.fold(0.0_f64, |max, (_, x)| max.max(x.abs()));
         let dial = |i: usize| Dial::new((LEFT + PANEL * (i as f64 + 0.5), TOP + PANEL * 0.5), largest);
-        self.circles.iter().enumerate().for_each(|(i, circle)| panel(&mut svg, circle, dial(i)));
+        self.panels.iter().enumerate().for_each(|(i, panel)| self.draw(&mut svg, panel, dial(i)));
         let below = TOP + PANEL + 58.0;
-        let _ = WAYS.iter().fold(LEFT, |x, (name, stroke)| stroke.key(&mut svg, (x, below), name));
-        let note = format!(
-            "One ring is {} of radial deviation; the dark circle is the nominal radius. Outwards: the machine is too \
-             far out.",
-            dial(0).ring_words()
-        );
-        svg.text((LEFT, below + 22.0), &note, Font::faint(12.0), Anchor::Start, 0.0);
+        let _ = self.ways.iter().fold(LEFT, |x, (name, stroke)| stroke.key(&mut svg, (x, below), name));
+        let note = format!("One ring is {} of radial deviation; {}", dial(0).ring_words(), self.outwards);
+        for (i, line) in wrapped(&note, (width / 6.4) as usize).iter().enumerate() {
+            svg.text((LEFT, below + 20.0 + 16.0 * i as f64), line, Font::faint(12.0), Anchor::Start, 0.0);
+        }
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
-}
 
-fn panel(svg: &mut Svg, circle: &BallBar, dial: Dial) {
-    let [right, up] = circle.plane.directions().map(|i| ["+X", "+Y", "+Z"][i]);
-    dial.rings(svg, right, up);
-    for (way, (_, stroke)) in circle.centred.iter().zip(WAYS) {
-        dial.curve(svg, circle.angles.iter().copied().zip(way.iter().copied()), true, stroke);
+    fn draw(&self, svg: &mut Svg, panel: &DialPanel, dial: Dial) {
+        let [right, up] = &panel.directions;
+        dial.rings(svg, right, up);
+        for (curve, (_, stroke)) in panel.curves.iter().zip(self.ways) {
+            dial.curve(svg, curve.iter().copied(), panel.closed, *stroke);
+        }
+        dial.below(svg, &panel.title, &panel.line);
     }
-    let title = format!("{}: G(b) {} µm", circle.plane.name(), significant(circle.bidirectional, 3));
-    let line = format!(
-        "G {} and {} µm, squareness {} µrad",
-        significant(circle.deviation[0], 3),
-        significant(circle.deviation[1], 3),
-        significant(circle.squareness, 3)
-    );
-    dial.below(svg, &title, &line);
 }

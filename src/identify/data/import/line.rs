@@ -2,9 +2,8 @@
 //! machine unless that line was an artefact of the machine.
 
 use super::channels::axis_direction;
-use super::figures::AccuracyFigures;
 use super::options::StraightnessLine;
-use super::sample::{Import, ReferenceLine, Sample};
+use super::sample::{Import, ReferenceLine};
 use crate::machine::ErrorId;
 
 /// Looks for the lines in straightness errors of linear axes, and takes them off unless they are kept.
@@ -13,8 +12,7 @@ pub(super) fn straighten(import: &mut Import, rule: StraightnessLine, keep: bool
         return;
     }
     for error in 0..import.errors.len() {
-        let of_error: Vec<&Sample> = import.samples.iter().filter(|sample| sample.error == error).collect();
-        let points = AccuracyFigures::of(&of_error).map(|figures| figures.middle()).unwrap_or_default();
+        let points = import.figures(error).map(|figures| figures.middle()).unwrap_or_default();
         let (Some(first), Some(last)) = (points.first(), points.last()) else { continue };
         if !is_straightness(&import.errors[error]) || first.0 == last.0 {
             continue;

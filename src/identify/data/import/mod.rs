@@ -7,22 +7,21 @@
 //!    `unit` the units.
 //! 2. `gather`: rows to samples (error, position, direction, run); what is left out, and why.
 //! 3. `order`: positions to targets, the order of the rows to passes and directions.
-//! 4. `line`: the straight line of a straightness, taken off.
-//! 5. `figures`: means by target and direction, reversal, repeatability, accuracy.
-//! 6. `table`: the table that a machine file takes.
+//! 4. `line`: the straight line of a straightness, taken off; `material`: positions at 20 deg C.
+//! 5. `table`: figures after ISO 230-2, and the table that a machine file takes.
 
 mod blocks;
 mod channels;
 mod columns;
 mod entries;
 mod failure;
-mod figures;
 mod form;
 mod gather;
 mod header;
 mod laser_text;
 mod layout;
 mod line;
+mod material;
 mod options;
 mod order;
 mod request;
@@ -32,10 +31,9 @@ mod transposed;
 mod unit;
 
 pub use columns::read_columns;
-pub use figures::AccuracyFigures;
 pub use options::{FileContents, RunApproach, StraightnessLine};
 pub use request::ImportRequest;
-pub use sample::{Import, ReferenceLine, UnusedColumn};
+pub use sample::{Import, ReferenceLine, Sample, UnusedColumn};
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::syntax::Files;
@@ -57,6 +55,9 @@ pub fn import(path: &Path, wanted: &ImportRequest, files: &dyn Files, diagnostic
     match found {
         Ok(mut import) => {
             line::straighten(&mut import, wanted.line, wanted.keep_line);
+            if let Some(material) = wanted.material {
+                material::to_reference(&mut import, material);
+            }
             Some(import)
         }
         Err(refused) => {

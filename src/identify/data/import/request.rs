@@ -4,6 +4,7 @@ use super::channels::Mounting;
 use super::columns::ColumnMap;
 use super::options::{FileContents, RunApproach, StraightnessLine};
 use crate::diagnostic::shown;
+use crate::standards::Thermal;
 
 /// Facts that the file itself may leave open.
 #[derive(Debug, Clone, Default)]
@@ -22,6 +23,8 @@ pub struct ImportRequest {
     pub line: StraightnessLine,
     /// True if it is kept.
     pub keep_line: bool,
+    /// Temperature (deg C) of the machine's material and its expansion: positions are brought to 20 deg C.
+    pub material: Option<Thermal>,
     /// The mounting of an instrument of six channels.
     pub mounting: Option<Mounting>,
     /// Titles of channels whose sign changes.

@@ -1,8 +1,8 @@
 //! From the samples to the table that a machine file takes.
 
-use super::figures::AccuracyFigures;
-use super::sample::{Import, Sample};
+use super::sample::Import;
 use crate::diagnostic::shown;
+use crate::standards::{AccuracyFigures, TargetReading};
 
 /// A table of error curves.
 #[derive(Debug, Clone)]
@@ -18,8 +18,10 @@ pub struct ImportedTable {
 impl Import {
     /// The figures of one error; `None` without readings.
     pub fn figures(&self, error: usize) -> Option<AccuracyFigures> {
-        let samples: Vec<&Sample> = self.samples.iter().filter(|s| s.error == error).collect();
-        AccuracyFigures::of(&samples)
+        let of_error = self.samples.iter().filter(|sample| sample.error == error);
+        let readings: Vec<TargetReading> =
+            of_error.map(|s| TargetReading { position: s.position, direction: s.direction, value: s.value }).collect();
+        AccuracyFigures::of(&readings)
     }
 
     /// The table as a machine file takes it, means over the runs.

@@ -1,8 +1,19 @@
 //! Figures of a single-axis measurement, formed as ISO 230-2:2014 forms them (mm or rad): means and standard
 //! deviations by target and direction, reversal, repeatability, systematic deviation and accuracy with 2 s.
 
-use super::sample::Sample;
+use super::{range, slope};
 use crate::syntax::ColumnDirection;
+
+/// A reading at a target.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TargetReading {
+    /// The target, mm or deg.
+    pub position: f64,
+    /// The side from which it was approached, if that is known.
+    pub direction: Option<ColumnDirection>,
+    /// Actual minus target, mm or rad.
+    pub value: f64,
+}
 
 /// Mean and standard deviation of repeated readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,8 +55,8 @@ impl TargetReadings {
         all.iter().sum::<f64>() / all.len().max(1) as f64
     }
 
-    /// Reversal value B_i.
-    fn reversal(&self) -> Option<f64> {
+    /// Reversal B_i: mean of the forward approach minus mean of the reverse one. Lost motion is below zero.
+    pub fn reversal(&self) -> Option<f64> {
         Some(self.forward?.mean - self.reverse?.mean)
     }
 
@@ -58,6 +69,38 @@ impl TargetReadings {
     }
 }
 
+/// The figures of one direction of approach.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OneWayFigures {
+    /// Systematic deviation E: the range of its means.
+    pub systematic: f64,
+    /// Repeatability R: the largest 4 s; `None` without repeated runs.
+    pub repeatability: Option<f64>,
+    /// Accuracy A; `None` without repeated runs.
+    pub accuracy: Option<f64>,
+}
+
+impl OneWayFigures {
+    /// Returns those of the readings of one direction at each target.
+    fn of(targets: &[TargetReadings], direction: fn(&TargetReadings) -> Option<Repeated>) -> Option<Self> {
+        let all: Vec<Repeated> = targets.iter().filter_map(direction).collect();
+        let deviations: Option<Vec<f64>> = all.iter().map(|r| r.deviation).collect();
+        (!all.is_empty()).then(|| Self {
+            systematic: range(all.iter().map(|r| r.mean)),
+            repeatability: deviations.map(|s| 4.0 * s.into_iter().fold(0.0, f64::max)),
+            accuracy: accuracy(&all),
+        })
+    }
+}
+
+/// Accuracy of means and standard deviations: largest mean + 2 s minus smallest mean - 2 s; `None` if one was not
+/// repeated.
+fn accuracy(all: &[Repeated]) -> Option<f64> {
+    let edges = |r: &Repeated| Some([r.mean - 2.0 * r.deviation?, r.mean + 2.0 * r.deviation?]);
+    let edges: Option<Vec<[f64; 2]>> = all.iter().map(edges).collect();
+    edges.map(|edges| range(edges.into_iter().flatten()))
+}
+
 /// The figures of one error over an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AccuracyFigures {
@@ -65,10 +108,12 @@ pub struct AccuracyFigures {
     pub targets: Vec<TargetReadings>,
     /// Smallest number of runs that a target has in a direction.
     pub runs: usize,
-    /// Largest reversal, with its sign; `None` without two directions.
+    /// Reversal B, the largest size of those of the targets; `None` without two directions.
     pub reversal: Option<f64>,
-    /// Mean reversal.
+    /// Mean of the reversals of the targets, with its sign.
     pub mean_reversal: Option<f64>,
+    /// Figures of the forward and of the reverse approach; `None` where it was not measured.
+    pub one_way: [Option<OneWayFigures>; 2],
     /// Repeatability R; `None` without repeated runs.
     pub repeatability: Option<f64>,
     /// Systematic deviation E: the range of all means.
@@ -82,33 +127,28 @@ pub struct AccuracyFigures {
 }
 
 impl AccuracyFigures {
-    pub(crate) fn of(samples: &[&Sample]) -> Option<Self> {
-        let targets = targets(samples);
-        let means = || targets.iter().flat_map(TargetReadings::all).map(|r| r.mean);
+    /// Returns the figures; `None` without readings.
+    pub fn of(readings: &[TargetReading]) -> Option<Self> {
+        let targets = targets(readings);
+        let all: Vec<Repeated> = targets.iter().flat_map(TargetReadings::all).collect();
         let reversals: Vec<f64> = targets.iter().filter_map(TargetReadings::reversal).collect();
-        let largest = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
-        let repeated = targets.iter().flat_map(TargetReadings::all).all(|r| r.deviation.is_some());
-        let edge = |sign: f64| {
-            let one = move |r: Repeated| r.mean + sign * 2.0 * r.deviation.unwrap_or(0.0);
-            targets.iter().flat_map(TargetReadings::all).map(one).collect::<Vec<f64>>()
-        };
         let points: Vec<(f64, f64)> = targets.iter().map(|t| (t.position, t.middle())).collect();
-        let spread = range(edge(1.0).into_iter().chain(edge(-1.0)));
         Some(Self {
-            runs: targets.iter().flat_map(TargetReadings::all).map(|r| r.count).min()?,
-            reversal: reversals.iter().copied().reduce(largest),
+            runs: all.iter().map(|r| r.count).min()?,
+            reversal: reversals.iter().map(|b| b.abs()).reduce(f64::max),
             mean_reversal: (!reversals.is_empty()).then(|| reversals.iter().sum::<f64>() / reversals.len() as f64),
+            one_way: [OneWayFigures::of(&targets, |t| t.forward), OneWayFigures::of(&targets, |t| t.reverse)],
             repeatability: targets.iter().filter_map(TargetReadings::repeatability).reduce(f64::max),
-            systematic: range(means()),
+            systematic: range(all.iter().map(|r| r.mean)),
             mean: range(points.iter().map(|p| p.1)),
-            accuracy: repeated.then_some(spread),
+            accuracy: accuracy(&all),
             slope: slope(&points),
             targets,
         })
     }
 
     /// Targets with the means of both directions.
-    pub(super) fn middle(&self) -> Vec<(f64, f64)> {
+    pub fn middle(&self) -> Vec<(f64, f64)> {
         self.targets.iter().map(|t| (t.position, t.middle())).collect()
     }
 
@@ -118,19 +158,14 @@ impl AccuracyFigures {
     }
 }
 
-fn range(values: impl Iterator<Item = f64>) -> f64 {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    if high >= low { high - low } else { 0.0 }
-}
-
-fn targets(samples: &[&Sample]) -> Vec<TargetReadings> {
-    let mut sorted: Vec<&Sample> = samples.to_vec();
+fn targets(readings: &[TargetReading]) -> Vec<TargetReadings> {
+    let mut sorted: Vec<TargetReading> = readings.to_vec();
     sorted.sort_by(|a, b| a.position.total_cmp(&b.position));
     let groups = sorted.chunk_by(|a, b| a.position == b.position);
-    let of = |group: &[&Sample], way: Option<ColumnDirection>| {
+    let of = |group: &[TargetReading], way: Option<ColumnDirection>| {
         repeated(group.iter().filter(|s| s.direction == way).map(|s| s.value).collect())
     };
-    let target = |group: &[&Sample]| TargetReadings {
+    let target = |group: &[TargetReading]| TargetReadings {
         position: group[0].position,
         forward: of(group, Some(ColumnDirection::Forward)),
         reverse: of(group, Some(ColumnDirection::Reverse)),
@@ -147,14 +182,6 @@ fn repeated(values: Vec<f64>) -> Option<Repeated> {
     Some(Repeated { mean, deviation, count })
 }
 
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len().max(1) as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), p| (x + p.0 / n, y + p.1 / n));
-    let sum = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>();
-    let square = sum(&|p| (p.0 - x) * (p.0 - x));
-    if square > 0.0 { sum(&|p| (p.0 - x) * (p.1 - y)) / square } else { 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -162,13 +189,7 @@ mod tests {
     /// Two targets, two runs, both directions; the figures worked out by hand.
     #[test]
     fn figures_are_those_of_the_standard() {
-        let sample = |position, direction, value| Sample {
-            error: 0,
-            position,
-            direction: Some(direction),
-            run: String::new(),
-            value,
-        };
+        let sample = |position, direction, value| TargetReading { position, direction: Some(direction), value };
         let (f, r) = (ColumnDirection::Forward, ColumnDirection::Reverse);
         let all = [
             sample(0.0, f, 1.0),
@@ -180,13 +201,21 @@ mod tests {
             sample(100.0, r, 7.0),
             sample(100.0, r, 9.0),
         ];
-        let figures = AccuracyFigures::of(&all.iter().collect::<Vec<_>>()).unwrap();
+        let figures = AccuracyFigures::of(&all).unwrap();
         let s = 2.0_f64.sqrt();
         // Means 2, 0 | 5, 8; reversals 2, -3; spans 2 s + 2 s + |B|.
-        assert_eq!((figures.reversal, figures.mean_reversal, figures.runs), (Some(-3.0), Some(-0.5), 2));
+        assert_eq!((figures.reversal, figures.mean_reversal, figures.runs), (Some(3.0), Some(-0.5), 2));
         assert!((figures.repeatability.unwrap() - (2.0 * s + 3.0).max(4.0 * s)).abs() < 1e-12);
         assert_eq!((figures.systematic, figures.mean), (8.0, 5.5));
         assert!((figures.accuracy.unwrap() - ((8.0 + 2.0 * s) - (2.0 - 2.0 * s).min(0.0))).abs() < 1e-12);
+        let [up, down] = figures.one_way.map(Option::unwrap);
+        assert_eq!((up.systematic, down.systematic), (3.0, 8.0));
+        // Forward 2 +- 2 s and 5 +- 0, reverse 0 +- 0 and 8 +- 2 s.
+        assert!(
+            (up.repeatability.unwrap() - 4.0 * s).abs() < 1e-12
+                && (down.accuracy.unwrap() - (8.0 + 2.0 * s)).abs() < 1e-12
+        );
+        assert!((up.accuracy.unwrap() - (5.0 - (2.0 - 2.0 * s)).max(4.0 * s)).abs() < 1e-12);
         assert!((figures.slope - 0.055).abs() < 1e-15 && figures.bidirectional());
     }
 }

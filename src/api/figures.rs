@@ -1,0 +1,470 @@
+//! Figures of the ISO 230 series from readings of tests: circles, axes of rotation, drift.
+
+use super::run::{Answer, Call, Refused, Run};
+use crate::analysis::instrument::CirclePlane;
+use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
+use crate::report::{DialPanel, LinePanel, LinePicture, Picture, PolarPicture};
+use crate::standards::{
+    self, AngleReading, Caused, CircleCauses, CircleFigures, DriftFigures, ErrorMotion, LEAST_ARC, LEAST_PLACES,
+    NOT_VERIFIED, RadialReading, ReadingsTable, Sense, arc, causes, rotating,
+};
+use crate::syntax::sheet::read_sheet;
+use crate::units::significant;
+use serde::Serialize;
+use std::path::Path;
+
+/// A test.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StandardTest {
+    /// Circular path (ISO 230-4).
+    #[default]
+    Circle,
+    /// Error motions of an axis of rotation (ISO 230-7).
+    Rotation,
+    /// Thermal drift (ISO 230-3).
+    Drift,
+}
+
+/// Options of [`figures`].
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default)]
+pub struct FiguresOptions {
+    /// The test.
+    pub test: StandardTest,
+    /// Circle: its plane.
+    pub plane: CirclePlane,
+    /// Circle: its nominal radius, above 0 and up to 10000 mm.
+    pub radius_mm: f64,
+    /// Circle: its feed, mm/min.
+    pub feed: Option<f64>,
+    /// Rotation and drift: distance of the planes of the first and the second probe, mm; the second towards the tool
+    /// holder.
+    pub distance_mm: Option<f64>,
+}
+
+impl Default for FiguresOptions {
+    fn default() -> Self {
+        let test = StandardTest::default();
+        Self { test, plane: CirclePlane::XY, radius_mm: 100.0, feed: None, distance_mm: None }
+    }
+}
+
+/// Figures of a test. Serialises as docs/formats.md describes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "test", rename_all = "snake_case")]
+pub enum TestFigures {
+    /// Of a circle.
+    Circle(Box<CircleTest>),
+    /// Of an axis of rotation.
+    Rotation(RotationTest),
+    /// Of drift.
+    Drift(DriftTest),
+}
+
+/// A value with its standard uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct UncertainValue {
+    /// The value.
+    pub value: f64,
+    /// Standard uncertainty by what the causes leave (type A); none without readings to spare.
+    pub sigma: Option<f64>,
+}
+
+impl UncertainValue {
+    fn of(found: Caused, factor: f64) -> Self {
+        Self { value: found.value * factor + 0.0, sigma: found.sigma.map(|sigma| (sigma * factor).abs()) }
+    }
+}
+
+/// Figures of each sense of rotation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BothSenses<T> {
+    /// With rising angle.
+    pub counter_clockwise: Option<T>,
+    /// With falling angle.
+    pub clockwise: Option<T>,
+}
+
+impl<T> BothSenses<T> {
+    fn of([counter_clockwise, clockwise]: [Option<T>; 2]) -> Self {
+        Self { counter_clockwise, clockwise }
+    }
+}
+
+/// Figures of a circle after ISO 230-4.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CircleTest {
+    /// The plane.
+    pub plane: CirclePlane,
+    /// Nominal radius.
+    pub radius_mm: f64,
+    /// Arc on which there are readings.
+    pub arc_deg: f64,
+    /// Number of readings.
+    pub readings: usize,
+    /// Circular deviation G about the centre of least squares.
+    pub circular_deviation_um: BothSenses<f64>,
+    /// Bidirectional circular deviation G(b).
+    pub bidirectional_um: Option<f64>,
+    /// Mean bidirectional radial deviation D.
+    pub mean_radial_um: Option<f64>,
+    /// Radial deviations F about the nominal centre, largest and smallest.
+    pub radial_max_min_um: BothSenses<[f64; 2]>,
+    /// Centre of least squares from the nominal one: how the ball stood.
+    pub centre_um: [f64; 2],
+    /// The circle taken apart; none where the readings do not tell causes apart.
+    pub causes: Option<CauseTest>,
+    /// The standard's text was not at hand.
+    pub note: &'static str,
+    #[serde(skip)]
+    curves: [Vec<(f64, f64)>; 2],
+}
+
+/// Causes of the deviations of a circle, each beside the others by least squares.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CauseTest {
+    /// Angle between the directions of the plane minus 90 deg. Of one sense servo mismatch is in it.
+    pub squareness_urad: UncertainValue,
+    /// Scale of the first direction minus scale of the second.
+    pub scale_mismatch_um_per_m: UncertainValue,
+    /// Reversal of both axes, as ISO 230-2 signs it: below zero is lost motion.
+    pub reversal_um: [UncertainValue; 2],
+    /// Servo mismatch as a radial amplitude: above zero the first axis lags more. None of one sense.
+    pub servo_um: Option<UncertainValue>,
+    /// The same as a difference of delays, with a feed.
+    pub servo_ms: Option<UncertainValue>,
+    /// Root mean square of what these causes leave.
+    pub rest_um: f64,
+}
+
+impl CauseTest {
+    fn of(found: &CircleCauses, feed: Option<f64>) -> Self {
+        // An amplitude of v dt / 2; v in um/ms is feed in mm/min / 60.
+        let delay = |servo: Caused| feed.map(|feed| UncertainValue::of(servo, 120.0 / feed));
+        Self {
+            squareness_urad: UncertainValue::of(found.squareness, 1.0),
+            scale_mismatch_um_per_m: UncertainValue::of(found.scale_mismatch, 1.0),
+            reversal_um: found.reversal.map(|reversal| UncertainValue::of(reversal, 1.0)),
+            servo_um: found.servo.map(|servo| UncertainValue::of(servo, 1.0)),
+            servo_ms: found.servo.and_then(delay),
+            rest_um: found.rest,
+        }
+    }
+}
+
+/// Figures of the error motions of an axis of rotation after ISO 230-7.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RotationTest {
+    /// Number of readings.
+    pub readings: usize,
+    /// Error motions by probe, then in the rotating sensitive direction, then tilts.
+    pub motions: Vec<MotionTest>,
+    /// The standard's text was not at hand.
+    pub note: &'static str,
+}
+
+/// An error motion about the centre of least squares.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MotionTest {
+    /// Probe, or what was formed of probes.
+    pub motion: String,
+    /// Unit of the figures, `um` or `urad`.
+    pub unit: &'static str,
+    /// Places of the turn.
+    pub places: usize,
+    /// Turns, at the place that has fewest.
+    pub turns: usize,
+    /// Total error motion.
+    pub total: f64,
+    /// Synchronous error motion; of an axial probe the residual one, without the fundamental.
+    pub synchronous: f64,
+    /// Asynchronous error motion; none of one turn.
+    pub asynchronous: Option<f64>,
+    /// Amplitude of what goes round once. Radial: how far the artefact stood off the axis. Axial: the fundamental,
+    /// which is an error motion.
+    pub once: f64,
+    /// Synchronous error motion with what goes round once.
+    pub synchronous_with_once: f64,
+    #[serde(skip)]
+    mean_turn: Vec<AngleReading>,
+}
+
+impl MotionTest {
+    fn of((motion, unit): (String, &'static str), readings: &[AngleReading]) -> Option<Self> {
+        let found = ErrorMotion::of(readings)?;
+        Some(Self {
+            motion,
+            unit,
+            places: found.places,
+            turns: found.turns,
+            total: found.total,
+            synchronous: found.synchronous,
+            asynchronous: found.asynchronous,
+            once: libm::hypot(found.once[0], found.once[1]),
+            synchronous_with_once: found.synchronous_whole,
+            mean_turn: found.mean_turn,
+        })
+    }
+}
+
+/// Figures of thermal drift after ISO 230-3.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DriftTest {
+    /// Duration of the test.
+    pub minutes: f64,
+    /// Displacements by probe, then tilts.
+    pub drifts: Vec<DriftOf>,
+    /// Ranges of the temperatures.
+    pub temperatures: Vec<TemperatureRange>,
+    /// The standard's text was not at hand.
+    pub note: &'static str,
+    #[serde(skip)]
+    curves: Vec<LinePanel>,
+}
+
+/// The drift of one displacement or tilt.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DriftOf {
+    /// Probe or tilt.
+    pub drift: String,
+    /// Unit of the figures, `um` or `urad`.
+    pub unit: &'static str,
+    /// Range over the test.
+    pub range: f64,
+    /// Range over the first 60 minutes.
+    pub first_hour: f64,
+    /// Largest range within 60 minutes.
+    pub largest_in_an_hour: f64,
+    /// Last minus first.
+    pub change: f64,
+}
+
+/// The range of a temperature.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TemperatureRange {
+    /// The sensor.
+    pub sensor: String,
+    /// Lowest and highest, deg C.
+    pub deg_c: [f64; 2],
+}
+
+/// Returns the figures of a test, read from a table: columns are named with their unit in the title.
+///
+/// Fails for a table that cannot be read, and for readings that do not carry the figures.
+pub fn figures(
+    path: impl AsRef<Path>,
+    options: &FiguresOptions,
+    run: Run<'_>,
+) -> Result<Answer<TestFigures>, Diagnostics> {
+    Call::answer(run, &Sources::default(), |call| {
+        let positive = |value: f64, most: f64| value > 0.0 && value <= most;
+        if !positive(options.radius_mm, 1e4) || options.feed.is_some_and(|feed| !positive(feed, 1e6)) {
+            return call.usage("a radius is above 0 and up to 10000 mm, a feed above 0 and up to 1000000 mm/min");
+        }
+        if options.distance_mm.is_some_and(|distance| !positive(distance, 1e4)) {
+            return call.usage("a distance is above 0 and up to 10000 mm");
+        }
+        let sheet = read_sheet(path.as_ref(), run.files, &mut call.diagnostics).ok_or(Refused)?;
+        let found = ReadingsTable::of(&sheet).and_then(|table| match options.test {
+            StandardTest::Circle => circle(&table, options).map(|test| TestFigures::Circle(Box::new(test))),
+            StandardTest::Rotation => rotation(&table, options).map(TestFigures::Rotation),
+            StandardTest::Drift => drift(&table, options).map(TestFigures::Drift),
+        });
+        found.or_else(|refusal| call.refuse(refusal))
+    })
+}
+
+fn refusal(message: String, help: &str) -> Diagnostic {
+    Diagnostic::new(codes::E0519, message).help(help.to_owned())
+}
+
+fn circle(table: &ReadingsTable, options: &FiguresOptions) -> Result<CircleTest, Diagnostic> {
+    let readings = table.circle(options.radius_mm)?;
+    let arc_deg = arc(&readings);
+    let Some(found) = CircleFigures::of(&readings) else {
+        let message = format!("the readings are on {} deg of the circle", significant(arc_deg, 4));
+        return Err(refusal(message, &format!("a centre needs {LEAST_ARC} deg")));
+    };
+    let curve = |sense: Sense| {
+        let mine = readings.iter().zip(&found.centred).filter(|(r, _)| r.sense == sense);
+        let mut curve: Vec<(f64, f64)> = mine.map(|(r, x): (&RadialReading, &f64)| (r.angle, *x)).collect();
+        curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+        curve
+    };
+    Ok(CircleTest {
+        plane: options.plane,
+        radius_mm: options.radius_mm,
+        arc_deg,
+        readings: readings.len(),
+        circular_deviation_um: BothSenses::of(found.deviation),
+        bidirectional_um: found.bidirectional,
+        mean_radial_um: found.mean,
+        radial_max_min_um: BothSenses::of(found.extremes),
+        centre_um: found.centre,
+        causes: causes(&readings, options.radius_mm).map(|found| CauseTest::of(&found, options.feed)),
+        note: NOT_VERIFIED,
+        curves: Sense::ALL.map(curve),
+    })
+}
+
+/// Pairs of probes `x1` and `x2`: their letter, and the readings of both.
+type Pair<'p> = (&'p str, &'p [f64], &'p [f64]);
+
+fn pairs(probes: &[(String, Vec<f64>)]) -> Vec<Pair<'_>> {
+    let second = |name: &str| probes.iter().find(|(other, _)| *other == format!("{name}2"));
+    probes
+        .iter()
+        .filter_map(|(name, first)| {
+            let letter = name.strip_suffix('1')?;
+            second(letter).map(|(_, second)| (letter, first.as_slice(), second.as_slice()))
+        })
+        .collect()
+}
+
+fn rotation(table: &ReadingsTable, options: &FiguresOptions) -> Result<RotationTest, Diagnostic> {
+    let (angles, probes) = (table.angles()?, table.probes()?);
+    let at = |values: &[f64]| angles.iter().copied().zip(values.iter().copied()).collect::<Vec<AngleReading>>();
+    let named = |name: &str| probes.iter().find(|(probe, _)| probe == name).map(|(_, values)| values.as_slice());
+    let mut all: Vec<((String, &'static str), Vec<AngleReading>)> =
+        probes.iter().map(|(name, values)| ((name.clone(), "um"), at(values))).collect();
+    for end in ["", "1", "2"] {
+        if let (Some(x), Some(y)) = (named(&format!("x{end}")), named(&format!("y{end}"))) {
+            all.push(((format!("rotating x{end}, y{end}"), "um"), rotating(&angles, x, y)));
+        }
+    }
+    if let Some(distance) = options.distance_mm {
+        for (letter, first, second) in pairs(&probes) {
+            // um over mm are mrad.
+            let tilts: Vec<f64> = first.iter().zip(second).map(|(a, b)| (b - a) / distance * 1e3).collect();
+            all.push(((format!("tilt {letter}"), "urad"), at(&tilts)));
+        }
+    }
+    let help = format!(
+        "columns are `angle [deg]` and probes such as `x [um]`, `y [um]`, `z [um]`, or `x1`, `x2` of two planes; each \
+         turn has at least {LEAST_PLACES} places, the same in every turn"
+    );
+    let motions: Option<Vec<MotionTest>> =
+        all.into_iter().map(|(name, values)| MotionTest::of(name, &values)).collect();
+    match motions.filter(|motions| !motions.is_empty()) {
+        Some(motions) => Ok(RotationTest { readings: angles.len(), motions, note: NOT_VERIFIED }),
+        None => Err(refusal("the readings show no error motion".to_owned(), &help)),
+    }
+}
+
+fn drift(table: &ReadingsTable, options: &FiguresOptions) -> Result<DriftTest, Diagnostic> {
+    let (times, probes) = (table.times()?, table.probes()?);
+    let mut all: Vec<(String, &'static str, Vec<f64>)> =
+        probes.iter().map(|(name, values)| (name.clone(), "um", values.clone())).collect();
+    if let Some(distance) = options.distance_mm {
+        for (letter, first, second) in pairs(&probes) {
+            // A displacement that grows along Z turns about the other axis: dX/dZ = +B, dY/dZ = -A.
+            let (name, sign) = match letter {
+                "x" => ("tilt B".to_owned(), 1e3),
+                "y" => ("tilt A".to_owned(), -1e3),
+                other => (format!("tilt of {other}"), 1e3),
+            };
+            all.push((name, "urad", first.iter().zip(second).map(|(a, b)| sign * (b - a) / distance).collect()));
+        }
+    }
+    let one = |(drift, unit, values): &(String, &'static str, Vec<f64>)| {
+        DriftFigures::of(&times, values).map(|found| DriftOf {
+            drift: drift.clone(),
+            unit,
+            range: found.total,
+            first_hour: found.first,
+            largest_in_an_hour: found.largest_in_an_hour,
+            change: found.change + 0.0,
+        })
+    };
+    let drifts: Vec<DriftOf> = all.iter().filter_map(one).collect();
+    if drifts.is_empty() {
+        let help = "columns are `time [min]`, probes such as `x1 [um]`, and temperatures such as `air [degC]`";
+        return Err(refusal("there is no reading of a probe".to_owned(), help));
+    }
+    let warm = table.temperatures()?;
+    let panel = |unit: &'static str, shown: &'static str| {
+        let of = all.iter().filter(|(_, of, _)| *of == unit);
+        let curve = |(name, _, values): &(String, &'static str, Vec<f64>)| {
+            let start = values.first().copied().unwrap_or(0.0);
+            (name.clone(), times.iter().zip(values).map(|(t, x)| (*t, x - start)).collect())
+        };
+        LinePanel { unit: shown, curves: of.map(curve).collect() }
+    };
+    let degrees = warm.iter().map(|(name, values)| {
+        (name.clone(), times.iter().copied().zip(values.iter().copied()).collect::<Vec<(f64, f64)>>())
+    });
+    let degrees = LinePanel { unit: "\u{b0}C", curves: degrees.collect() };
+    let panels = [panel("um", "\u{b5}m"), panel("urad", "\u{b5}rad"), degrees];
+    let extremes = |(sensor, values): &(String, Vec<f64>)| {
+        let start = values.first().copied().unwrap_or(0.0);
+        let low = values.iter().copied().fold(start, f64::min);
+        TemperatureRange { sensor: sensor.clone(), deg_c: [low, values.iter().copied().fold(start, f64::max)] }
+    };
+    Ok(DriftTest {
+        minutes: standards::range(times.iter().copied()),
+        drifts,
+        temperatures: warm.iter().map(extremes).collect(),
+        note: NOT_VERIFIED,
+        curves: panels.into_iter().filter(|panel| !panel.curves.is_empty()).collect(),
+    })
+}
+
+impl TestFigures {
+    /// Returns a picture of the readings.
+    pub fn picture(&self) -> Picture {
+        match self {
+            Self::Circle(test) => test.picture(),
+            Self::Rotation(test) => test.picture(),
+            Self::Drift(test) => {
+                let subtitle = format!("Over {} min", significant(test.minutes, 4));
+                LinePicture { title: "Thermal drift", subtitle: &subtitle, across: "time in min", panels: &test.curves }
+                    .picture()
+            }
+        }
+    }
+}
+
+impl CircleTest {
+    fn picture(&self) -> Picture {
+        let whole = self.arc_deg >= 360.0;
+        let [right, up] = self.plane.directions().map(|i| ["+X", "+Y", "+Z"][i]);
+        let g = |of: Option<f64>| of.map_or_else(|| "-".to_owned(), |g| significant(g, 3));
+        let (there, back) = (self.circular_deviation_um.counter_clockwise, self.circular_deviation_um.clockwise);
+        let square = self
+            .causes
+            .map(|causes| format!(", squareness {} \u{b5}rad", significant(causes.squareness_urad.value, 3)));
+        let panel = DialPanel {
+            directions: [right.to_owned(), up.to_owned()],
+            curves: self.curves.to_vec(),
+            closed: whole,
+            title: format!("{}: G(b) {} \u{b5}m", self.plane.name(), g(self.bidirectional_um)),
+            line: format!("G {} and {} \u{b5}m{}", g(there), g(back), square.unwrap_or_default()),
+        };
+        let subtitle = format!("Radius {} mm, {} readings", significant(self.radius_mm, 6), self.readings);
+        PolarPicture::senses("Circular path", &subtitle, &[panel]).picture()
+    }
+}
+
+impl RotationTest {
+    fn picture(&self) -> Picture {
+        let panel = |test: &MotionTest| DialPanel {
+            directions: ["0\u{b0}".to_owned(), "90\u{b0}".to_owned()],
+            curves: vec![test.mean_turn.clone()],
+            closed: true,
+            title: format!("{}: synchronous {} {}", test.motion, significant(test.synchronous, 3), shown(test.unit)),
+            line: format!(
+                "total {}, asynchronous {}",
+                significant(test.total, 3),
+                test.asynchronous.map_or_else(|| "-".to_owned(), |x| significant(x, 3))
+            ),
+        };
+        let panels: Vec<DialPanel> = self.motions.iter().map(panel).collect();
+        PolarPicture::mean_turn("Error motions", "Mean of all turns about the centre of least squares", &panels)
+            .picture()
+    }
+}
+
+fn shown(unit: &str) -> &'static str {
+    if unit == "um" { "\u{b5}m" } else { "\u{b5}rad" }
+}

@@ -1,0 +1,141 @@
+//! Figures of positioning after ISO 230-2 beyond those of the table: by direction, by target, with their uncertainty.
+
+use crate::identify::import::Import;
+use crate::standards::{self, AccuracyFigures, AccuracyUncertainty, Contributor, OneWayFigures, Repeated, contributor};
+use crate::units::Dimension;
+use serde::Serialize;
+
+/// Figures of one direction of approach, in the unit of the error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OneWayAccuracy {
+    /// Systematic deviation E of the direction.
+    #[serde(rename = "E")]
+    pub systematic: f64,
+    /// Repeatability R of the direction; none without repeated runs.
+    #[serde(rename = "R")]
+    pub repeatability: Option<f64>,
+    /// Accuracy A of the direction; none without repeated runs.
+    #[serde(rename = "A")]
+    pub accuracy: Option<f64>,
+}
+
+impl OneWayAccuracy {
+    fn of(figures: &OneWayFigures, factor: f64) -> Self {
+        let scaled = |x: Option<f64>| x.map(|x| x * factor);
+        let (repeatability, accuracy) = (scaled(figures.repeatability), scaled(figures.accuracy));
+        Self { systematic: figures.systematic * factor, repeatability, accuracy }
+    }
+}
+
+/// Figures of both directions of approach; none of a direction that was not measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OneWayBoth {
+    /// Approached with rising position.
+    pub forward: Option<OneWayAccuracy>,
+    /// Approached with falling position.
+    pub reverse: Option<OneWayAccuracy>,
+}
+
+impl OneWayBoth {
+    pub(super) fn of(figures: &AccuracyFigures, factor: f64) -> Self {
+        let [forward, reverse] = figures.one_way.map(|way| way.map(|way| OneWayAccuracy::of(&way, factor)));
+        Self { forward, reverse }
+    }
+}
+
+/// Readings of one direction at a target, in the unit of the error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ReadAtTarget {
+    /// Their mean.
+    pub mean: f64,
+    /// The estimate of the standard deviation; none of a single reading.
+    pub s: Option<f64>,
+    /// Their number.
+    pub runs: usize,
+}
+
+/// A target with its readings.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasuredTarget {
+    /// Position, mm or deg.
+    pub position: f64,
+    /// Approached with rising position.
+    pub forward: Option<ReadAtTarget>,
+    /// Approached with falling position.
+    pub reverse: Option<ReadAtTarget>,
+    /// From a side that is not known.
+    pub unknown: Option<ReadAtTarget>,
+    /// Reversal: mean of the forward approach minus mean of the reverse one. Lost motion is below zero.
+    #[serde(rename = "B")]
+    pub reversal: Option<f64>,
+}
+
+impl MeasuredTarget {
+    pub(super) fn all(figures: &AccuracyFigures, factor: f64) -> Vec<Self> {
+        let read = |of: Option<Repeated>| {
+            of.map(|of| ReadAtTarget {
+                mean: of.mean * factor + 0.0,
+                s: of.deviation.map(|s| s * factor),
+                runs: of.count,
+            })
+        };
+        let one = |target: &standards::TargetReadings| Self {
+            position: target.position,
+            forward: read(target.forward),
+            reverse: read(target.reverse),
+            unknown: read(target.unknown),
+            reversal: target.reversal().map(|b| b * factor + 0.0),
+        };
+        figures.targets.iter().map(one).collect()
+    }
+}
+
+/// Expanded uncertainties, k = 2, in the unit of the error, after ISO 230-2 annex A: not verified against its text.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct AccuracyUncertainties {
+    /// Of E, of one direction and of both.
+    #[serde(rename = "E")]
+    pub systematic: f64,
+    /// Of M.
+    #[serde(rename = "M")]
+    pub mean: f64,
+    /// Of B.
+    #[serde(rename = "B")]
+    pub reversal: f64,
+    /// Of R.
+    #[serde(rename = "R")]
+    pub repeatability: f64,
+    /// Of A.
+    #[serde(rename = "A")]
+    pub accuracy: f64,
+}
+
+impl AccuracyUncertainties {
+    fn of(found: &AccuracyUncertainty, factor: f64) -> Self {
+        Self {
+            systematic: found.systematic * factor,
+            mean: found.mean * factor,
+            reversal: found.reversal * factor,
+            repeatability: found.repeatability * factor,
+            accuracy: found.accuracy * factor,
+        }
+    }
+
+    /// Returns those of one error; `None` where no contributor counts for it.
+    pub(super) fn of_error(
+        all: &[Contributor],
+        (found, error): (&Import, usize),
+        figures: &AccuracyFigures,
+    ) -> Option<Self> {
+        let direction = found.errors.get(error)?.direction;
+        let dimension = if direction.is_rotation() { Dimension::ANGLE } else { Dimension::LENGTH };
+        let length = found.is_positioning(error).then(|| standards::range(figures.targets.iter().map(|t| t.position)));
+        let uncertainty = AccuracyUncertainty::of(all, dimension, length, figures.runs)?;
+        Some(Self::of(&uncertainty, direction.micro().0))
+    }
+}
+
+/// Reads the contributors; the words that cannot be read.
+pub(super) fn contributors(words: &[String]) -> Result<Vec<Contributor>, &String> {
+    words.iter().map(|words| contributor(words).ok_or(words)).collect()
+}

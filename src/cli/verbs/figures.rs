@@ -1,0 +1,211 @@
+//! `abbe figures`: figures of a standard from readings of a test.
+
+use crate::cli::arguments::{PictureFile, help, svg};
+use crate::cli::output::session::Session;
+use crate::cli::output::view::table;
+use crate::cli::{Format, Outcome};
+use abbe::options::{CirclePlane, StandardTest};
+use abbe::results::{CauseTest, CircleTest, DriftTest, RotationTest, TestFigures, UncertainValue};
+use abbe::text::significant;
+use abbe::{FiguresOptions, figures};
+use serde_json::json;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The test.
+    #[arg(value_enum)]
+    test: TestArg,
+    /// The readings: a table with a title and a unit over each column.
+    file: PathBuf,
+    #[arg(long, value_enum, value_name = "AXES", default_value = "xy", help = help::PLANE,
+        long_help = "Circle: its plane; angles run from the first direction to the second")]
+    plane: PlaneArg,
+    #[arg(long, value_name = "MM", default_value_t = 100.0, help = help::RADIUS,
+        long_help = "Circle: its nominal radius, mm (above 0)")]
+    radius: f64,
+    /// Circle: its feed, mm/min, to state servo mismatch as a difference of delays (above 0).
+    #[arg(long, value_name = "MM/MIN")]
+    feed: Option<f64>,
+    /// Rotation and drift: distance from the first plane of probes (`x1`) to the second (`x2`, towards the holder), mm
+    /// (above 0).
+    #[arg(long, value_name = "MM")]
+    distance: Option<f64>,
+    #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
+        long_help = "Draw the readings, as SVG unless the file ends in .png")]
+    svg: Option<PictureFile>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum TestArg {
+    /// Circular path (ISO 230-4).
+    Circle,
+    /// Error motions of an axis of rotation (ISO 230-7).
+    Rotation,
+    /// Thermal drift (ISO 230-3).
+    Drift,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum PlaneArg {
+    Xy,
+    Yz,
+    Zx,
+}
+
+impl Args {
+    fn options(&self) -> FiguresOptions {
+        FiguresOptions {
+            test: match self.test {
+                TestArg::Circle => StandardTest::Circle,
+                TestArg::Rotation => StandardTest::Rotation,
+                TestArg::Drift => StandardTest::Drift,
+            },
+            plane: match self.plane {
+                PlaneArg::Xy => CirclePlane::XY,
+                PlaneArg::Yz => CirclePlane::YZ,
+                PlaneArg::Zx => CirclePlane::ZX,
+            },
+            radius_mm: self.radius,
+            feed: self.feed,
+            distance_mm: self.distance,
+        }
+    }
+}
+
+pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
+    PictureFile::refuse(session, args.svg.iter())?;
+    let answer = figures(&args.file, &args.options(), session.run());
+    let result = session.take(answer)?;
+    if let Some(file) = &args.svg {
+        file.write(&result.picture(), session)?;
+    }
+    match session.format() {
+        Format::Json => session.print_json(json!(result)),
+        Format::Csv => session.print(&csv(&rows(&result))),
+        Format::Text => session.print(&text(&result)),
+    }
+    Ok(())
+}
+
+/// Header and rows of the figures.
+type Figures = (Vec<&'static str>, Vec<Vec<String>>);
+
+fn rows(result: &TestFigures) -> Figures {
+    match result {
+        TestFigures::Circle(test) => circle(test),
+        TestFigures::Rotation(test) => rotation(test),
+        TestFigures::Drift(test) => drift(test),
+    }
+}
+
+fn n(x: f64) -> String {
+    significant(x, 4)
+}
+
+fn maybe(x: Option<f64>) -> String {
+    x.map_or_else(|| "-".to_owned(), n)
+}
+
+fn circle(test: &CircleTest) -> Figures {
+    let line =
+        |name: &str, value: String, sigma: String, unit: &str| vec![name.to_owned(), value, sigma, unit.to_owned()];
+    let blank = String::new;
+    let (g, f) = (test.circular_deviation_um, test.radial_max_min_um);
+    let ends = |ends: Option<[f64; 2]>| ends.map_or_else(|| "-".to_owned(), |[a, b]| format!("{} / {}", n(a), n(b)));
+    let mut rows = vec![
+        line("G counter-clockwise", maybe(g.counter_clockwise), blank(), "um"),
+        line("G clockwise", maybe(g.clockwise), blank(), "um"),
+        line("G(b)", maybe(test.bidirectional_um), blank(), "um"),
+        line("D", maybe(test.mean_radial_um), blank(), "um"),
+        line("F counter-clockwise", ends(f.counter_clockwise), blank(), "um"),
+        line("F clockwise", ends(f.clockwise), blank(), "um"),
+    ];
+    let [u, v] = test.plane.directions().map(|i| ["X", "Y", "Z"][i]);
+    rows.extend(test.causes.iter().flat_map(|causes| caused(causes, [u, v])));
+    (vec!["figure", "value", "u", "unit"], rows)
+}
+
+/// The causes of a circle in a plane of two directions.
+fn caused(causes: &CauseTest, [u, v]: [&str; 2]) -> Vec<Vec<String>> {
+    let line = |name: String, of: UncertainValue, unit: &str| vec![name, n(of.value), maybe(of.sigma), unit.to_owned()];
+    let [first, second] = causes.reversal_um;
+    let mut rows = vec![
+        line("squareness".to_owned(), causes.squareness_urad, "urad"),
+        line(format!("scale {u} minus {v}"), causes.scale_mismatch_um_per_m, "um/m"),
+        line(format!("reversal {u}"), first, "um"),
+        line(format!("reversal {v}"), second, "um"),
+    ];
+    rows.extend(causes.servo_um.map(|servo| line("servo mismatch".to_owned(), servo, "um")));
+    rows.extend(causes.servo_ms.map(|servo| line(format!("delay {u} minus {v}"), servo, "ms")));
+    rows.push(vec!["rest, rms".to_owned(), n(causes.rest_um), String::new(), "um".to_owned()]);
+    rows
+}
+
+fn rotation(test: &RotationTest) -> Figures {
+    let header = vec!["motion", "unit", "total", "synchronous", "asynchronous", "once a turn", "synchronous with it"];
+    let row = |m: &abbe::results::MotionTest| {
+        let figures = [n(m.total), n(m.synchronous), maybe(m.asynchronous), n(m.once), n(m.synchronous_with_once)];
+        [m.motion.clone(), m.unit.to_owned()].into_iter().chain(figures).collect()
+    };
+    (header, test.motions.iter().map(row).collect())
+}
+
+fn drift(test: &DriftTest) -> Figures {
+    let header = vec!["drift", "unit", "range", "first 60 min", "largest in 60 min", "change"];
+    let row = |d: &abbe::results::DriftOf| {
+        let figures = [d.range, d.first_hour, d.largest_in_an_hour, d.change].map(n);
+        [d.drift.clone(), d.unit.to_owned()].into_iter().chain(figures).collect()
+    };
+    let warm = test.temperatures.iter().map(|of| {
+        let [low, high] = of.deg_c;
+        let dash = || "-".to_owned();
+        vec![of.sensor.clone(), "degC".to_owned(), format!("{} to {}", n(low), n(high)), dash(), dash(), dash()]
+    });
+    (header, test.drifts.iter().map(row).chain(warm).collect())
+}
+
+fn csv((header, rows): &Figures) -> String {
+    let lines = rows.iter().map(|row| row.iter().map(|cell| cell.replace(',', ";")).collect::<Vec<_>>().join(","));
+    [header.join(",")].into_iter().chain(lines).map(|line| line + "\n").collect()
+}
+
+fn text(result: &TestFigures) -> String {
+    let head = match result {
+        TestFigures::Circle(test) => {
+            let [u, v] = test.centre_um;
+            let causes = if test.causes.is_none() { "\nthe readings do not tell the causes apart" } else { "" };
+            format!(
+                "circle of {} mm in {}: {} readings over {} deg, ISO 230-4\ncentre of least squares at {}, {} um from \
+                 the nominal one{causes}",
+                n(test.radius_mm),
+                test.plane.name(),
+                test.readings,
+                n(test.arc_deg),
+                n(u),
+                n(v)
+            )
+        }
+        TestFigures::Rotation(test) => {
+            let places = test.motions.first().map_or((0, 0), |motion| (motion.places, motion.turns));
+            format!(
+                "axis of rotation: {} readings, {} places, {} turns, about the centre of least squares, ISO 230-7\n\
+                 once a turn: of a radial probe the set-up of the artefact, of an axial one the fundamental, which is \
+                 an error motion",
+                test.readings, places.0, places.1
+            )
+        }
+        TestFigures::Drift(test) => format!("drift over {} min, ISO 230-3", n(test.minutes)),
+    };
+    let note = match result {
+        TestFigures::Circle(test) => test.note,
+        TestFigures::Rotation(test) => test.note,
+        TestFigures::Drift(test) => test.note,
+    };
+    let (header, rows) = rows(result);
+    let mut list = table(&header);
+    rows.into_iter().for_each(|row| {
+        let _ = list.add_row(row);
+    });
+    format!("{head}\n{list}\n{note}\n")
+}
