@@ -246,10 +246,10 @@ impl Svd {
         self.v.columns(rank, self.v.ncols() - rank).into_owned()
     }
 
-    /// Covariance of the shortest solution for right sides of unit variance: `V S^-2 V^T` over the rank.
-    pub fn covariance(&self, rank: usize) -> DMatrix<f64> {
-        let kept = DMatrix::from_fn(self.v.nrows(), rank, |i, k| self.v[(i, k)] / self.values[k]);
-        &kept * kept.transpose()
+    /// Root of the covariance of the shortest solution for right sides of unit variance: `R = V S^-1` over the rank,
+    /// the covariance is `R R^T`.
+    pub fn root_covariance(&self, rank: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(self.v.nrows(), rank, |i, k| self.v[(i, k)] / self.values[k])
     }
 }
 

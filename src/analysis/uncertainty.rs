@@ -74,11 +74,12 @@ impl UncertainDeviations {
         approach: Approach,
     ) -> Self {
         let own = machine.uncertain_parts();
+        let bare = machine.without_uncertainty();
         let effect = |part: &UncertainPart| {
             if !own.contains(part) {
                 return Vec::new();
             }
-            let model = part_model(machine, part, approach);
+            let model = part_model(&bare, part, approach);
             poses.iter().map(|pose| model.deviation(pose)).collect()
         };
         Self { values, parts: parts.par_iter().map(effect).collect(), whole }
@@ -109,9 +110,14 @@ fn figures(statistics: &Statistics) -> Figures {
     [a, b, c, d, e, f, g, h]
 }
 
-/// Returns the model whose deviations are the effect of one standard uncertainty of a part, to first order.
-pub fn part_model(machine: &Machine, part: &UncertainPart, approach: Approach) -> CompiledModel {
-    CompiledModel::new(&machine.moved_by(part), Order::Degree(1), approach)
+/// Returns the models whose deviations are the effects of one standard uncertainty of each part, to first order.
+pub fn part_models(machine: &Machine, parts: &[UncertainPart], approach: Approach) -> Vec<CompiledModel> {
+    let bare = machine.without_uncertainty();
+    parts.par_iter().map(|part| part_model(&bare, part, approach)).collect()
+}
+
+fn part_model(bare: &Machine, part: &UncertainPart, approach: Approach) -> CompiledModel {
+    CompiledModel::new(&bare.moved_by(part), Order::Degree(1), approach)
 }
 
 /// Returns the parts of several machines, each once.

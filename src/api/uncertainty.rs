@@ -1,10 +1,10 @@
 //! Intervals of the headline figures by the uncertainty that a machine file states of its errors.
 
 use crate::analysis::{
-    Bands, Comparison, MachineResult, UncertainDeviations, band_places, bands, part_model, uncertain_parts,
+    Bands, Comparison, MachineResult, UncertainDeviations, band_places, bands, part_models, uncertain_parts,
 };
 use crate::controller::{Certificate, Depth};
-use crate::evaluate::{Bare, CompiledModel, Field, Frame, Order, Poses, Statistics, frame_rotation};
+use crate::evaluate::{Bare, Field, Frame, Order, Poses, Statistics, frame_rotation};
 use crate::machine::{Approach, Machine, Pose};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -26,7 +26,7 @@ impl PoseUncertainty {
         if parts.is_empty() {
             return None;
         }
-        let models: Vec<CompiledModel> = parts.par_iter().map(|part| part_model(machine, part, approach)).collect();
+        let models = part_models(machine, &parts, approach);
         let one = |pose: &Pose| {
             let turned = frame_rotation(machine, pose, frame);
             let mut squares = [Vector3::zeros(); 2];

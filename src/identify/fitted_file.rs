@@ -1,11 +1,11 @@
 //! A fitted machine as a machine file: self-contained, no `extends`, no tables outside.
 
 use super::model::{Basis, Parameter, Term};
-use super::solve::Solution;
+use super::solve::{Misfit, Solution};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
     Approach, Axis, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, JointUncertainty,
-    Machine, MachineParts, ResidualForm, machine_file,
+    Machine, MachineParts, machine_file,
 };
 use crate::syntax::IdentifyEntry;
 use crate::units::significant;
@@ -21,13 +21,14 @@ pub struct FileNotes<'a> {
     /// Writes the joint covariance of the parameters. Without it only each error's own uncertainty is stated.
     pub joint: bool,
     /// The forms of the axes beside the fitted curves; `None` if the readings cannot show any.
-    pub forms: Option<&'a [ResidualForm]>,
+    pub misfit: Option<&'a Misfit>,
 }
 
 /// The text of a machine file that says what `machine` says, the fitted parameters with their new values and expanded
-/// uncertainties (k = 2; of a curve the largest over the travel).
+/// uncertainties (k = 2, with few readings to spare as wide as 95 % need; of a curve the largest over the travel).
 pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solution, notes: FileNotes<'_>) -> String {
     let mut parts = machine.to_parts();
+    let solution = &solution.clone().widened(parameters);
     for ((place, direction), curves) in curves_of(parameters, &solution.theta()) {
         put(&mut parts, place, direction, curves);
         let half = expanded(machine, parameters, solution, Source { place, direction });
@@ -43,7 +44,10 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
         let part = |column: &Vec<f64>| joint_part(&parts, parameters, column);
         let fitted: Vec<JointUncertainty> = columns.iter().map(part).collect();
         parts.covariance.retain(|part| !part.is_empty());
-        parts.forms = notes.forms.map_or(parts.forms, <[_]>::to_vec);
+        if let Some(misfit) = notes.misfit {
+            parts.forms.retain(|form| !misfit.judged.contains(&form.axis));
+            parts.forms.extend(misfit.forms.iter().cloned());
+        }
         // Beyond what was measured a curve that only its bounds hold is as good as unknown.
         if fitted.iter().all(|part| is_plausible(part, machine)) {
             parts.covariance.extend(fitted);

@@ -9,6 +9,8 @@ const KNOTS_PER_LENGTH: f64 = 2.0;
 const KNOTS: (usize, usize) = (6, 64);
 /// Modes below this share of the variance of the largest change nothing.
 const FAINT: f64 = 1e-3;
+/// Steps in which a symmetric matrix of this size is diagonal, or never.
+const MAX_STEPS: usize = 10_000;
 /// A turn, deg.
 const TURN: f64 = 360.0;
 
@@ -43,7 +45,8 @@ impl ResidualForm {
             let lengths = apart(i, j) / self.length;
             libm::exp(-0.5 * lengths * lengths)
         };
-        let spectrum = SymmetricEigen::new(DMatrix::from_fn(count, count, near));
+        let correlations = DMatrix::from_fn(count, count, near);
+        let Some(spectrum) = SymmetricEigen::try_new(correlations, f64::EPSILON, MAX_STEPS) else { return Vec::new() };
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|a, b| spectrum.eigenvalues[*b].total_cmp(&spectrum.eigenvalues[*a]).then(a.cmp(b)));
         let kept = order.iter().filter(|k| spectrum.eigenvalues[**k] > FAINT * spectrum.eigenvalues[order[0]]);

@@ -5,6 +5,7 @@ use super::{
     SetUp,
 };
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// One standard uncertainty of an independent part of the joint uncertainty: the column of a factor L of the covariance
 /// L L^T of all values of the errors (JCGM 102:2011, 6.2).
@@ -45,8 +46,8 @@ pub enum UncertainPart {
     Joint(JointUncertainty),
     /// An error that states its own, with its values and its standard uncertainty (mm, rad).
     Alone(ErrorId, ErrorTerm, f64),
-    /// A mode of the form of an axis that its errors leave: one standard deviation of a displacement.
-    Form(ErrorId, Curve),
+    /// A mode of the form of an axis: one standard deviation of a displacement, beside these errors of the axis.
+    Form(ErrorId, Curve, Arc<JointErrors>),
 }
 
 impl Machine {
@@ -65,13 +66,23 @@ impl Machine {
 
     /// Returns the modes of a form in all directions.
     fn form_parts(&self, form: &ResidualForm) -> Vec<UncertainPart> {
-        let Some(axis) = self.axes().iter().find(|axis| axis.name == form.axis) else { return Vec::new() };
-        let modes = form.modes(axis);
+        let Some(i) = self.axes().iter().position(|axis| axis.name == form.axis) else { return Vec::new() };
+        let (modes, errors) = (form.modes(&self.axes()[i]), Arc::new(self.axis_errors(i).clone()));
         let error =
             |direction: Direction| ErrorId { axis: form.axis.clone(), family: ErrorFamily::Component, direction };
         let displacements = Direction::ALL.iter().filter(|direction| !direction.is_rotation());
-        let part = |direction: &Direction, mode: &Curve| UncertainPart::Form(error(*direction), mode.clone());
+        let part = |direction: &Direction, mode: &Curve| {
+            UncertainPart::Form(error(*direction), mode.clone(), Arc::clone(&errors))
+        };
         displacements.flat_map(|direction| modes.iter().map(move |mode| part(direction, mode))).collect()
+    }
+
+    /// Returns the machine without what is known of the uncertainty of its errors.
+    pub fn without_uncertainty(&self) -> Self {
+        let mut parts = self.parts().clone();
+        parts.covariance.clear();
+        parts.forms.clear();
+        self.with_parts(parts)
     }
 
     /// Returns the machine whose only errors are one standard uncertainty of a part: its deviation to first order is
@@ -88,7 +99,7 @@ impl Machine {
         let curve = |curve: Curve| ErrorTerm::Component(ComponentError::Single(curve));
         let (amounts, setup) = match part {
             UncertainPart::Joint(joint) => (joint.errors.clone(), joint.setup),
-            UncertainPart::Form(error, mode) => one(error, curve(mode.clone())),
+            UncertainPart::Form(error, mode, _) => one(error, curve(mode.clone())),
             UncertainPart::Alone(error, _, sigma) => match error.family {
                 ErrorFamily::Location => one(error, ErrorTerm::Constant(*sigma)),
                 ErrorFamily::Component => one(error, curve(Curve::Polynomial(vec![*sigma]))),

@@ -48,7 +48,7 @@ pub fn of_sample(sample: &Sample) -> Machine {
 /// The fitted machine file.
 pub fn fitted_text(machine: &Machine, parameters: &[Parameter], found: &Fit) -> String {
     let note = [("fit".to_owned(), "by a test".to_owned())];
-    let notes = FileNotes { provenance: &note, request: &IdentifyEntry::default(), joint: true, forms: None };
+    let notes = FileNotes { provenance: &note, request: &IdentifyEntry::default(), joint: true, misfit: None };
     fitted_file(machine, parameters, &Solution::of(found, parameters), notes)
 }
 

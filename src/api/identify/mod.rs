@@ -373,8 +373,7 @@ fn machine_file(
     let provenance = provenance::entries(file, options, problem, fitted);
     let own_parameters = &fitted.unknowns[..fitted.own];
     let text = |request: &IdentifyEntry| {
-        let forms = fitted.misfit.as_ref().map(|misfit| &misfit.forms[..]);
-        let notes = FileNotes { provenance: &provenance, request, joint, forms };
+        let notes = FileNotes { provenance: &provenance, request, joint, misfit: fitted.misfit.as_ref() };
         fitted_file(file, own_parameters, &fitted.solution, notes)
     };
     let first = text(&problem.request);

@@ -29,5 +29,6 @@ pub use prediction::Model;
 pub(super) use prediction::masked;
 pub(super) use prior::Prior;
 pub use request::{overruled, parameters, slope_bounds, unused};
+pub(super) use type_b::Channel;
 pub use type_b::{SharedEffect, TypeB, type_b};
 pub(super) use volume::{Volume, middle};

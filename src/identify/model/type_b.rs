@@ -5,9 +5,11 @@ use super::observation::rotation_to;
 use super::prediction::Model;
 use super::refusal::Refusal;
 use crate::diagnostic::{Diagnostic, codes, shown};
-use crate::identify::data::{Measurement, Reading};
-use crate::lower::{ErrorSite, NominalPose};
+use crate::evaluate::Frame;
+use crate::identify::data::{Measurement, Reading, ReadingKind};
+use crate::lower::{ErrorSite, NominalPose, Source};
 use crate::machine::AxisKind;
+use crate::standards::thermal;
 use crate::units::{self, Dimension};
 use nalgebra::Vector3;
 
@@ -25,8 +27,17 @@ pub struct TypeB {
 pub enum SharedEffect {
     /// Lengths and positions are read too large by this ratio.
     Scale(f64),
-    /// Every component is read too large by this (mm), independent of the other components.
+    /// All lengths of a channel are read too large by this (mm), independent of the other channels.
     Offset(f64),
+}
+
+/// Readings that share an offset: one component of one kind in one frame, or one error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Channel {
+    kind: ReadingKind,
+    component: usize,
+    frame: Option<Frame>,
+    source: Option<Source>,
 }
 
 const HELP: &str = "write a name and a standard uncertainty: `laser 0.4 um/m` (a scale of all lengths), `set-up 2 um` \
@@ -45,14 +56,16 @@ pub fn type_b(words: &str) -> Result<TypeB, Refusal> {
         return Err(refusal("is no name with a length, a ratio or a temperature times an expansion"));
     };
     let (SharedEffect::Scale(size) | SharedEffect::Offset(size)) = effect;
-    if size > 0.0 { Ok(TypeB { name: name.join(" "), effect }) } else { Err(refusal("is not above zero")) }
+    if size > 0.0 && size.is_finite() {
+        Ok(TypeB { name: name.join(" "), effect })
+    } else {
+        Err(refusal("is not above zero"))
+    }
 }
 
 fn effect(words: &str) -> Option<SharedEffect> {
-    if let Some((temperature, expansion)) = words.split_once(" x ") {
-        let kelvin = units::number(temperature.trim().strip_suffix('K')?.trim()).ok()?;
-        let ratio = units::quantity(expansion.trim().strip_suffix("/K")?.trim()).ok()?;
-        return (ratio.dimension == Dimension::RATIO).then_some(SharedEffect::Scale(kelvin * ratio.value));
+    if let Some(thermal) = thermal(words) {
+        return Some(SharedEffect::Scale(thermal.temperature * thermal.expansion));
     }
     let quantity = units::quantity(words).ok()?;
     let length = quantity.as_length().map(SharedEffect::Offset);
@@ -61,14 +74,26 @@ fn effect(words: &str) -> Option<SharedEffect> {
 }
 
 impl SharedEffect {
-    /// Returns what one standard uncertainty of each independent part changes of a reading (mm, in its frame) of the
-    /// machine with these unknowns.
-    pub(crate) fn of(self, model: &Model<'_>, m: &Measurement, theta: &[f64]) -> Vec<Vector3<f64>> {
+    /// Returns what one standard uncertainty changes of a reading (mm, in its frame) of the machine with these
+    /// unknowns, by channel (`None`: common to all).
+    pub(crate) fn of(self, model: &Model<'_>, m: &Measurement, theta: &[f64]) -> Vec<(Option<Channel>, Vector3<f64>)> {
         match self {
-            Self::Scale(ratio) => vec![scaled(model, m, theta) * ratio],
-            Self::Offset(size) => (0..m.seen().len()).map(|k| Vector3::ith(k, size)).collect(),
+            Self::Scale(ratio) => vec![(None, scaled(model, m, theta) * ratio)],
+            Self::Offset(size) => channels(m).map(|of| (Some(of), Vector3::ith(of.component, size))).collect(),
         }
     }
+}
+
+/// The channels of a reading; of an angle none, a length says nothing of it.
+fn channels(m: &Measurement) -> impl Iterator<Item = Channel> {
+    let kind = m.kind();
+    let (frame, source) = match &m.reading {
+        Reading::Deviation { frame, .. } => (Some(*frame), None),
+        Reading::Error { source, .. } => (None, Some(*source)),
+        Reading::Distance { .. } | Reading::Along { .. } => (None, None),
+    };
+    let read = m.seen().into_iter().enumerate().filter(move |(_, seen)| *seen && kind != ReadingKind::Angle);
+    read.map(move |(component, _)| Channel { kind, component, frame, source })
 }
 
 /// The length that a reading measures, from the workpiece origin on.
@@ -86,9 +111,9 @@ fn scaled(model: &Model<'_>, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
         Reading::Along { direction, .. } => Vector3::new(direction.dot(&nominal().pose.translation), 0.0, 0.0),
         Reading::Error { source, .. } => match source.place {
             ErrorSite::Component(i) if !source.direction.is_rotation() => {
-                let axis = &model.machine(m).axes()[i];
-                let along = if axis.kind == AxisKind::Linear { axis.direction[source.direction.index()] } else { 0.0 };
-                Vector3::new(along * m.pose[i], 0.0, 0.0)
+                let linear = model.machine(m).axes().get(i).filter(|axis| axis.kind == AxisKind::Linear);
+                let along = linear.map_or(0.0, |axis| axis.direction[source.direction.index()] * m.pose[i]);
+                Vector3::new(along, 0.0, 0.0)
             }
             _ => Vector3::zeros(),
         },

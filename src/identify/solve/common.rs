@@ -4,8 +4,8 @@ use super::fit::Fit;
 use super::solution::Solution;
 use super::sums::summed;
 use crate::identify::data::Measurement;
-use crate::identify::model::{Model, TypeB};
-use nalgebra::DMatrix;
+use crate::identify::model::{Channel, Model, TypeB};
+use nalgebra::{DMatrix, DVector};
 
 /// Returns the covariance of the unknowns, in their units, that uncertainties of type B make, each to first order.
 pub fn common(
@@ -15,19 +15,49 @@ pub fn common(
     all: &[TypeB],
 ) -> DMatrix<f64> {
     let count = fit.theta.len();
-    let effects = |m: &Measurement| all.iter().flat_map(|of| of.effect.of(model, m, &fit.theta)).collect::<Vec<_>>();
-    let width = data.first().map_or(0, |m| effects(m).len());
-    if width == 0 {
-        return DMatrix::zeros(count, count);
-    }
-    let add = |sum: &mut DMatrix<f64>, m: &Measurement, weight: f64| {
+    let add = |sums: &mut Shifts, m: &Measurement, weight: f64| {
         let (unknowns, _) = model.rows(m, &fit.theta);
-        for (k, effect) in effects(m).into_iter().enumerate() {
-            // What was not read has no row in `unknowns`.
-            sum.column_mut(k).iter_mut().zip(&unknowns).for_each(|(s, u)| *s += u.dot(&effect) * weight);
+        for (k, of) in all.iter().enumerate() {
+            for (channel, effect) in of.effect.of(model, m, &fit.theta) {
+                // What was not read has no row in `unknowns`.
+                let sum = sums.column((k, channel), count);
+                sum.iter_mut().zip(&unknowns).for_each(|(s, u)| *s += u.dot(&effect) * weight);
+            }
         }
     };
-    let cross = summed((data, &fit.weights), || DMatrix::zeros(count, width), add, |a, b| a + b);
-    let moved = solution.unit_covariance() * cross;
+    let shifts = summed((data, &fit.weights), Shifts::default, add, |sums, more| sums.plus(more, count));
+    if shifts.columns.is_empty() {
+        return DMatrix::zeros(count, count);
+    }
+    let root = solution.unit_root();
+    let moved = &root * root.tr_mul(&DMatrix::from_columns(&shifts.columns));
     &moved * moved.transpose()
+}
+
+/// An uncertainty, by its index, in one channel.
+type Cause = (usize, Option<Channel>);
+
+/// Products of the unknowns' effects on the readings with one standard uncertainty of each cause.
+#[derive(Default)]
+struct Shifts {
+    causes: Vec<Cause>,
+    columns: Vec<DVector<f64>>,
+}
+
+impl Shifts {
+    /// The column of a cause.
+    fn column(&mut self, cause: Cause, unknowns: usize) -> &mut DVector<f64> {
+        let known = self.causes.iter().position(|of| *of == cause);
+        let k = known.unwrap_or_else(|| {
+            self.causes.push(cause);
+            self.columns.push(DVector::zeros(unknowns));
+            self.causes.len() - 1
+        });
+        &mut self.columns[k]
+    }
+
+    fn plus(mut self, more: Self, unknowns: usize) -> Self {
+        more.causes.into_iter().zip(more.columns).for_each(|(cause, column)| *self.column(cause, unknowns) += column);
+        self
+    }
 }

@@ -14,6 +14,10 @@ use nalgebra::{DMatrix, DVector, Vector3};
 pub(super) const KNOTS: usize = 12;
 /// Positions that an axis must have been measured at, to tell form from curve.
 const FEWEST_PLACES: usize = 6;
+/// Positions nearer to each other than this share of the interval count as one.
+const APART: f64 = 1e-3;
+/// Least share of the travel that they must span.
+const SPAN: f64 = 0.01;
 /// Singular values below this share of the largest are zero.
 const RANK: f64 = 1e-9;
 
@@ -23,6 +27,8 @@ pub(super) struct FormedAxis {
     pub kind: AxisKind,
     /// Positions measured: from where to where (mm or deg).
     pub interval: (f64, f64),
+    /// One for each knot: 1 there, 0 at the others.
+    hats: Vec<Curve>,
     pub blocks: Vec<Block>,
 }
 
@@ -59,7 +65,8 @@ pub(super) fn formed(model: &Model<'_>, data: &[Measurement]) -> Vec<FormedAxis>
     let axes = model.machines().first().map_or(&[][..], |machine| machine.axes());
     let mut first = 0;
     let mut one = |(axis, of): (usize, &Axis)| {
-        let interval = measured(data, axis)?;
+        let interval = measured(data, axis, of)?;
+        let hats = hats(interval)?;
         let mut block = |direction: &Direction| {
             let source = Source { place: ErrorSite::Component(axis), direction: *direction };
             let read = |m: &Measurement| matches!(&m.reading, Reading::Error { source: of, .. } if *of == source);
@@ -70,13 +77,13 @@ pub(super) fn formed(model: &Model<'_>, data: &[Measurement]) -> Vec<FormedAxis>
             Some(Block { first: first - KNOTS, source, rest: rest(model.parameters(), source, interval) })
         };
         let blocks = Direction::ALL.iter().filter_map(&mut block).collect();
-        Some(FormedAxis { name: of.name.clone(), kind: of.kind, interval, blocks })
+        Some(FormedAxis { name: of.name.clone(), kind: of.kind, interval, hats, blocks })
     };
     axes.iter().enumerate().filter_map(&mut one).collect()
 }
 
 /// The interval of the positions of an axis, if they are enough.
-fn measured(data: &[Measurement], axis: usize) -> Option<(f64, f64)> {
+fn measured(data: &[Measurement], axis: usize, of: &Axis) -> Option<(f64, f64)> {
     let mut places: Vec<f64> = Vec::new();
     for m in data {
         places.push(m.pose[axis]);
@@ -85,8 +92,19 @@ fn measured(data: &[Measurement], axis: usize) -> Option<(f64, f64)> {
         }
     }
     places.sort_by(f64::total_cmp);
-    places.dedup();
-    (places.len() >= FEWEST_PLACES).then(|| (places[0], places[places.len() - 1]))
+    let (min, max) = (*places.first()?, *places.last()?);
+    places.dedup_by(|next, before| *next - *before < APART * (max - min));
+    let (start, end) = of.travel.interval();
+    (places.len() >= FEWEST_PLACES && max - min >= SPAN * (end - start)).then_some((min, max))
+}
+
+/// The straight curves of the knots over an interval.
+fn hats(interval: (f64, f64)) -> Option<Vec<Curve>> {
+    let one = |k: usize| {
+        let points: Vec<(f64, f64)> = (0..KNOTS).map(|i| (knot(interval, i), f64::from(u8::from(i == k)))).collect();
+        Knots::new(&points, None).ok().map(Curve::Linear)
+    };
+    (0..KNOTS).map(one).collect()
 }
 
 fn knot((min, max): (f64, f64), i: usize) -> f64 {
@@ -144,6 +162,16 @@ impl Sums {
         sums
     }
 
+    /// The same with values known before the data as readings: rows over their standard uncertainty, and what the fit
+    /// misses them by, beside readings that scatter by `sigma` (mm).
+    pub fn with_known(mut self, known: &DMatrix<f64>, missing: &DVector<f64>, sigma: f64) -> Self {
+        let (last, variance) = (self.forms.ncols() - 1, sigma * sigma);
+        let mut residual = self.cross.column_mut(last);
+        residual += known.tr_mul(missing) * variance;
+        self.forms[(last, last)] += missing.norm_squared() * variance;
+        self
+    }
+
     fn zero(forms: usize, unknowns: usize) -> Self {
         Self { forms: DMatrix::zeros(forms, forms), cross: DMatrix::zeros(unknowns, forms), weight: 0.0 }
     }
@@ -170,13 +198,10 @@ impl FormedAxis {
     /// The values at the knots as parameters.
     fn parameters(&self, model: &Model<'_>) -> Vec<Parameter> {
         let Some(machine) = model.machines().first() else { return Vec::new() };
-        let at = |block: &Block, k: usize| {
-            let point = |i: usize| (knot(self.interval, i), f64::from(u8::from(i == k)));
-            let points: Vec<(f64, f64)> = (0..KNOTS).map(point).collect();
-            let basis = Knots::new(&points, None).map_or(Basis::Constant, |knots| Basis::Spline(Curve::Linear(knots)));
-            Parameter::single(machine, String::new(), block.source, basis, 0.0)
+        let of = |block: &Block, hat: &Curve| {
+            Parameter::single(machine, String::new(), block.source, Basis::Spline(hat.clone()), 0.0)
         };
-        self.blocks.iter().flat_map(|block| (0..KNOTS).map(|k| at(block, k)).collect::<Vec<_>>()).collect()
+        self.blocks.iter().flat_map(|block| self.hats.iter().map(move |hat| of(block, hat))).collect()
     }
 }
 
@@ -188,4 +213,42 @@ pub(super) fn selected(of: &DMatrix<f64>, indices: &[usize]) -> DMatrix<f64> {
 /// Selects entries of a column.
 pub(super) fn entries(of: &DMatrix<f64>, column: usize, indices: &[usize]) -> DVector<f64> {
     DVector::from_iterator(indices.len(), indices.iter().map(|i| of[(*i, column)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a fit with known values leaves, by the dense projection of its readings and known values together.
+    #[test]
+    fn known_values_are_readings() {
+        let wave = |i: usize, j: usize| libm::sin(1.3 * i as f64 + 2.1 * (j * j) as f64 + 0.4);
+        let (unknowns, knots) = (DMatrix::from_fn(9, 2, wave), DMatrix::from_fn(9, 1, |i, _| wave(i, 7)));
+        let (read, sigma) = (DVector::from_fn(9, |i, _| wave(i, 3)), 0.7);
+        let (known, values) = (DMatrix::from_row_slice(1, 2, &[3.0, -1.0]), DVector::from_element(1, 4.0));
+        let all = unknowns.clone().insert_rows(9, 1, 0.0);
+        let mut all = all;
+        all.set_row(9, &(&known * sigma).row(0));
+        let mut right = read.clone().insert_row(9, values[0] * sigma);
+        let theta = (all.tr_mul(&all)).try_inverse().unwrap() * all.tr_mul(&right);
+        let left = &read - &unknowns * &theta;
+        let effects = DMatrix::from_fn(9, 2, |i, j| if j == 0 { knots[i] } else { left[i] });
+        let sums = Sums { forms: effects.tr_mul(&effects), cross: unknowns.tr_mul(&effects), weight: 1.0 };
+        let sums = sums.with_known(&known, &(&values - &known * &theta), sigma);
+        let covariance = all.tr_mul(&all).try_inverse().unwrap();
+        let found = &sums.forms - sums.cross.tr_mul(&(&covariance * &sums.cross));
+        right -= &all * &theta;
+        let whole = DMatrix::from_fn(10, 2, |i, j| {
+            if j == 1 {
+                right[i]
+            } else if i < 9 {
+                knots[i]
+            } else {
+                0.0
+            }
+        });
+        let beside = DMatrix::identity(10, 10) - &all * covariance * all.transpose();
+        let expected = whole.tr_mul(&(beside * &whole));
+        assert!((found - expected).amax() < 1e-12);
+    }
 }

@@ -7,8 +7,9 @@ use crate::evaluate::Order;
 use crate::identify::data::Measurement;
 use crate::identify::model::{Model, Parameter};
 use crate::identify::words::{drowned, echelon, inseparable, list, named};
+use crate::lower::Source;
 use crate::machine::JointUncertainty;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// Singular values of the column-scaled Jacobian below this share of the largest are zero.
 const RANK: f64 = 1e-10;
@@ -24,7 +25,7 @@ const TOLD: f64 = 1e-6;
 /// Rounds in which the scatter of the readings and what is known before them are weighed against each other.
 const ROUNDS: usize = 4;
 /// Least scatter (mm) beside which values are known: less is rounding.
-const MIN_SIGMA: f64 = 1e-9;
+pub(super) const MIN_SIGMA: f64 = 1e-9;
 /// A parameter with more than this squared share in the null space has no value of its own.
 const LOST: f64 = 1e-3;
 
@@ -42,7 +43,7 @@ pub struct Estimate {
     pub form: f64,
     /// The part of it that is common to all readings.
     pub common: f64,
-    /// Number of standard uncertainties to either side of a 95 % interval (Student); `None` without scatter.
+    /// Number of combined standard uncertainties to either side of a 95 % interval (Student); `None` without scatter.
     pub coverage: Option<f64>,
     /// How many times better its effect on a usual reading is known than one reading is: root mean square of the
     /// effect of one standard uncertainty over the readings, inverted, in standard deviations of a reading. Depends on
@@ -104,8 +105,10 @@ pub struct Solution {
     pub sigma: f64,
     /// Readings minus rank.
     pub freedom: usize,
-    /// Covariance of the parameters as displacements over `units`, for readings of unit variance.
-    covariance: DMatrix<f64>,
+    /// Root of the covariance of the parameters as displacements over `units`, for readings of unit variance.
+    root: DMatrix<f64>,
+    /// Degrees of freedom that the scatter of each parameter rests on.
+    freedoms: Vec<f64>,
     /// Directions (columns) in which these are free.
     hidden: DMatrix<f64>,
     units: DVector<f64>,
@@ -130,16 +133,18 @@ impl Solution {
         let freedom = redundant.map_or(fit.reduced.rows.saturating_sub(rank), |rest| libm::round(rest) as usize);
         let sigma = libm::sqrt(fit.squares / redundant.unwrap_or(freedom as f64).max(1.0));
         let null = sized.as_ref().map_or_else(Vec::new, |sized| echelon(&sized.null_space(rank)));
-        let (covariance, hidden) = match &sized {
-            Some(sized) => (sized.covariance(rank), sized.null_space(rank)),
-            None => (unit.covariance(rank), DMatrix::zeros(parameters.len(), 0)),
+        let (root, hidden) = match &sized {
+            Some(sized) => (sized.root_covariance(rank), sized.null_space(rank)),
+            None => (unit.root_covariance(rank), DMatrix::zeros(parameters.len(), 0)),
         };
         let units = if full { &scale } else { &sizes };
         // Standard uncertainties for readings of unit variance.
-        let spread = |j: usize| libm::sqrt(covariance[(j, j)].max(0.0)) / units[j];
+        let spread = |j: usize| root.row(j).norm() / units[j];
         let free = |j: usize| hidden.row(j).norm_squared() > LOST;
         let theta = at_rest(fit, &null, parameters);
-        let root = libm::sqrt(fit.reduced.rows.max(1) as f64);
+        let readings = libm::sqrt(fit.reduced.rows.max(1) as f64);
+        let freedoms: Vec<f64> =
+            (0..parameters.len()).map(|j| fit.freedom.get(j).copied().unwrap_or(freedom as f64)).collect();
         let mut student = student::Coverage::default();
         let estimate = |(j, value): (usize, f64)| Estimate {
             value,
@@ -147,8 +152,8 @@ impl Solution {
             scatter: (!free(j) && freedom > 0).then(|| spread(j) * sigma),
             form: 0.0,
             common: 0.0,
-            coverage: (freedom > 0).then(|| student.reach(fit.freedom.get(j).copied().unwrap_or(freedom as f64))),
-            valuation: if free(j) || norms[j] == 0.0 { 0.0 } else { root / (norms[j] * spread(j)) },
+            coverage: (freedom > 0).then(|| student.reach(freedoms[j])),
+            valuation: if free(j) || norms[j] == 0.0 { 0.0 } else { readings / (norms[j] * spread(j)) },
         };
         let estimates: Vec<Estimate> = theta.into_iter().enumerate().map(estimate).collect();
         let values = estimates.iter().zip(parameters).filter(|(e, p)| e.valuation > 0.0 && !p.is_nuisance());
@@ -175,7 +180,8 @@ impl Solution {
             freedom,
             units: units.clone(),
             shared: SharedCovariance::none(parameters.len()),
-            covariance,
+            root,
+            freedoms,
             hidden,
             null,
         }
@@ -189,37 +195,59 @@ impl Solution {
         self
     }
 
-    /// The same with what the readings of another solution share.
-    pub(super) fn sharing_with(mut self, other: &Self) -> Self {
-        self.shared = other.shared.clone();
+    /// The same with what the readings share in another solution of the same linear problem, to which this one adds
+    /// knowledge: that moves this one less.
+    pub(super) fn sharing_with(mut self, other: &Self, fit: &Fit) -> Self {
+        let seen = with_known(&fit.reduced, &fit.known, self.sigma).r;
+        let root = self.unit_root();
+        self.shared = other.shared.mapped(&(&root * (&seen * &root).tr_mul(&seen)));
         self.combine();
         self
     }
 
     fn combine(&mut self) {
+        let mut student = student::Coverage::default();
         for (j, estimate) in self.estimates.iter_mut().enumerate() {
             let root = |part: &DMatrix<f64>| libm::sqrt(part[(j, j)].max(0.0));
             (estimate.form, estimate.common) = (root(&self.shared.form), root(&self.shared.common));
             let all = |scatter: f64| libm::sqrt(scatter * scatter + self.shared.of(j, j).max(0.0));
             estimate.sigma = estimate.scatter.map(all);
+            // Only the scatter rests on few readings (Welch and Satterthwaite, JCGM 100:2008, G.4.1).
+            let share = estimate.scatter.zip(estimate.sigma).filter(|(scatter, _)| *scatter > 0.0);
+            let ratio = share.map_or(1.0, |(scatter, sigma)| sigma / scatter);
+            let freedom = self.freedoms[j] * ratio * ratio * ratio * ratio;
+            estimate.coverage = estimate.coverage.map(|_| student.reach(freedom));
         }
     }
 
-    /// Covariance of the parameters, in their units, for independent readings of unit variance. What the data leave
-    /// free has none.
-    pub(super) fn unit_covariance(&self) -> DMatrix<f64> {
-        let unit = |i: usize, j: usize| self.covariance[(i, j)] / (self.units[i] * self.units[j]);
-        DMatrix::from_fn(self.units.len(), self.units.len(), unit)
+    /// The same with the scatter so much wider that two standard uncertainties reach 95 % where few readings are to
+    /// spare (Student); the unknowns of one error alike, for they may cancel.
+    pub fn widened(mut self, parameters: &[Parameter]) -> Self {
+        let mut student = student::Coverage::default();
+        let sources = |p: &Parameter| p.terms.iter().map(|term| term.source).collect::<Vec<_>>();
+        let all: Vec<Vec<Source>> = parameters.iter().map(sources).collect();
+        for j in 0..self.root.nrows() {
+            let alike = |i: &usize| {
+                *i == j || all.get(j).zip(all.get(*i)).is_some_and(|(a, b)| a.iter().any(|s| b.contains(s)))
+            };
+            let freedom =
+                (0..self.freedoms.len()).filter(alike).map(|i| self.freedoms[i]).fold(f64::INFINITY, f64::min);
+            self.root.row_mut(j).scale_mut((0.5 * student.reach(freedom)).max(1.0));
+        }
+        self
     }
 
-    /// Combined covariance of two parameters as displacements over `units`.
-    fn covariance_of(&self, i: usize, j: usize) -> f64 {
-        self.covariance[(i, j)] * self.sigma * self.sigma + self.shared.of(i, j) * self.units[i] * self.units[j]
+    /// Root of the covariance of the parameters, in their units, for independent readings of unit variance. What the
+    /// data leave free has none.
+    pub(super) fn unit_root(&self) -> DMatrix<f64> {
+        DMatrix::from_fn(self.root.nrows(), self.root.ncols(), |j, k| self.root[(j, k)] / self.units[j])
     }
 
-    /// The same of all parameters.
+    /// Combined covariance of all parameters as displacements over `units`.
     fn combined(&self) -> DMatrix<f64> {
-        DMatrix::from_fn(self.units.len(), self.units.len(), |i, j| self.covariance_of(i, j))
+        let scatter = &self.root * self.root.transpose() * (self.sigma * self.sigma);
+        let shared = |i: usize, j: usize| self.shared.of(i, j) * self.units[i] * self.units[j];
+        scatter + DMatrix::from_fn(self.units.len(), self.units.len(), shared)
     }
 
     /// Counts the rank of the model to first order at the same place, by which the exact one is no larger than what the
@@ -239,7 +267,7 @@ impl Solution {
     fn without_products(mut self, fit: &Fit, parameters: &[Parameter]) -> Self {
         let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
         let seen = informed(fit, &sizes).0.scaled(&sizes);
-        self.covariance = seen.covariance(self.rank_first_order);
+        self.root = seen.root_covariance(self.rank_first_order);
         self.hidden = seen.null_space(self.rank_first_order);
         self.null = echelon(&self.hidden);
         self.units = sizes;
@@ -251,13 +279,13 @@ impl Solution {
     /// Draws the uncertainties of the parameters from their covariance.
     fn estimate(&mut self, fit: &Fit) {
         let norms = fit.reduced.column_norms();
-        let root = libm::sqrt(fit.reduced.rows.max(1) as f64);
+        let readings = libm::sqrt(fit.reduced.rows.max(1) as f64);
         for (j, estimate) in self.estimates.iter_mut().enumerate() {
             let is_free = self.hidden.row(j).norm_squared() > LOST;
-            let spread = libm::sqrt(self.covariance[(j, j)].max(0.0)) / self.units[j];
+            let spread = self.root.row(j).norm() / self.units[j];
             estimate.scatter = (!is_free && self.freedom > 0).then_some(spread * self.sigma);
             estimate.valuation =
-                if is_free || norms[j] == 0.0 || spread == 0.0 { 0.0 } else { root / (norms[j] * spread) };
+                if is_free || norms[j] == 0.0 || spread == 0.0 { 0.0 } else { readings / (norms[j] * spread) };
         }
         self.combine();
     }
@@ -279,8 +307,11 @@ impl Solution {
         let told = self.hidden.tr_mul(&row).norm_squared() <= LOST * row.norm_squared();
         let acting: Vec<usize> = (0..row.len()).filter(|j| row[*j] != 0.0).collect();
         let pairs = acting.iter().flat_map(|i| acting.iter().map(move |j| (*i, *j)));
-        let variance: f64 = pairs.map(|(i, j)| row[i] * self.covariance_of(i, j) * row[j]).sum();
-        (told && self.freedom > 0).then(|| libm::sqrt(variance.max(0.0)))
+        let amount = |j: usize| row[j] * self.units[j];
+        let shared: f64 = pairs.map(|(i, j)| amount(i) * self.shared.of(i, j) * amount(j)).sum();
+        let mut scatter = RowDVector::zeros(self.root.ncols());
+        acting.iter().for_each(|j| scatter += self.root.row(*j) * (row[*j] * self.sigma));
+        (told && self.freedom > 0).then(|| libm::sqrt((scatter.norm_squared() + shared).max(0.0)))
     }
 
     /// The same in another datum: values `theta`, of which those of a fit are linear functions (`map`), and directions
@@ -291,11 +322,11 @@ impl Solution {
         let units = DVector::from_iterator(count, parameters.iter().map(|p| p.size));
         let seen = informed(fit, &units).0.scaled(&units);
         self.hidden = seen.null_space(self.rank_first_order);
-        self.covariance = seen.covariance(self.rank_first_order);
+        self.root = seen.root_covariance(self.rank_first_order);
         self.units = units.clone();
         self.shared = self.shared.mapped(map);
         let map = DMatrix::from_fn(count, count, |i, j| map[(i, j)] * units[i] / units[j]);
-        self.covariance = &map * &self.covariance * map.transpose();
+        self.root = &map * &self.root;
         let svd = Svd::new(&(&map * &self.hidden).transpose());
         let kept = svd.values.iter().filter(|value| **value > FIXED).count();
         let fixed = self.hidden.ncols() - kept;
@@ -393,7 +424,7 @@ fn informed(fit: &Fit, sizes: &DVector<f64>) -> (ReducedSystem, Option<f64>) {
         let sized = whole.scaled(sizes);
         let mut own = fit.reduced.r.clone();
         own.column_iter_mut().zip(sizes.iter()).for_each(|(mut column, size)| column /= *size);
-        let used = (&own * sized.covariance(sized.rank(RANK)) * own.transpose()).trace();
+        let used = (&own * sized.root_covariance(sized.rank(RANK))).norm_squared();
         redundant = (fit.reduced.rows as f64 - used).max(0.0);
     }
     (whole, Some(redundant))

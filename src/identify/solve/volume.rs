@@ -52,7 +52,7 @@ impl Prediction {
         let length = |i: usize| deviations.fixed_view::<3, 1>(3 * i, 0).norm();
         let deviation = (0..volume.rows.len()).map(length).fold(0.0, f64::max);
         let bounded = bounded(model, fit);
-        let sharing = |fit: &Fit| Solution::of(fit, model.parameters()).sharing_with(solution);
+        let sharing = |held: &Fit| Solution::of(held, model.parameters()).sharing_with(solution, fit);
         let held = bounded.as_ref().map(sharing);
         let solution = held.as_ref().unwrap_or(solution);
         let (columns, free) = solution.spread(&jacobian);
