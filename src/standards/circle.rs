@@ -52,7 +52,7 @@ pub struct CircleFigures {
     pub deviation: [Option<f64>; 2],
     /// Bidirectional circular deviation G(b); `None` of one sense.
     pub bidirectional: Option<f64>,
-    /// Mean bidirectional radial deviation D; `None` of one sense.
+    /// Mean bidirectional radial deviation D, about that centre; `None` of one sense.
     pub mean: Option<f64>,
     /// Radial deviations F about the nominal centre, largest and smallest, counter-clockwise and clockwise.
     pub extremes: [Option<[f64; 2]>; 2],
@@ -80,24 +80,16 @@ impl CircleFigures {
         };
         let read: Vec<f64> = readings.iter().map(|r| r.deviation).collect();
         let ends = Sense::ALL.map(|sense| of(sense, &centred));
-        let means = Sense::ALL.map(|sense| mean(readings, sense));
         let width = |ends: [f64; 2]| ends[0] - ends[1];
         Some(Self {
             centre: [fit.values[1], fit.values[2]],
             deviation: ends.map(|ends| ends.map(width)),
             bidirectional: ends[0].zip(ends[1]).map(|(a, b)| a[0].max(b[0]) - a[1].min(b[1])),
-            mean: means[0].zip(means[1]).map(|(a, b)| 0.5 * (a + b)),
+            mean: ends[0].and(ends[1]).map(|_| fit.values[0]),
             extremes: Sense::ALL.map(|sense| of(sense, &read)),
             centred,
         })
     }
-}
-
-/// The mean of a sense.
-fn mean(readings: &[RadialReading], sense: Sense) -> Option<f64> {
-    let (sum, count) =
-        readings.iter().filter(|r| r.sense == sense).fold((0.0, 0), |(s, n), r| (s + r.deviation, n + 1));
-    (count > 0).then(|| sum / f64::from(count))
 }
 
 /// The arc (deg) on which there are readings: a turn less the widest gap.
@@ -255,7 +247,7 @@ mod tests {
         };
         let found = CircleFigures::of(&part(0.0, 221.0)).unwrap();
         assert!((found.centre[0] - 3.0).abs() < 1e-9 && (found.centre[1] + 5.0).abs() < 1e-9);
-        assert!(found.bidirectional.unwrap() < 1e-9);
+        assert!(found.bidirectional.unwrap() < 1e-9 && (found.mean.unwrap() - 1.0).abs() < 1e-9);
         assert_eq!(CircleFigures::of(&part(0.0, 120.0)), None);
         assert!((arc(&part(0.0, 220.0)) - 218.0).abs() < 1e-9);
     }

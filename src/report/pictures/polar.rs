@@ -59,6 +59,9 @@ const TOP: f64 = 84.0;
 const NOMINAL: f64 = 96.0;
 /// Rings on either side of it.
 const RINGS: i32 = 2;
+/// Diagrams beside each other, and the height of a row of them with its lines, px.
+const ACROSS: usize = 4;
+const ROW: f64 = PANEL + 52.0;
 /// Distance from ring to ring, px.
 const PITCH: f64 = 19.0;
 const SENSES: [(&str, Stroke); 2] = [
@@ -155,30 +158,34 @@ impl Dial {
 impl<'a> PolarPicture<'a> {
     /// Returns diagrams of circles, counter-clockwise and clockwise.
     pub fn senses(title: &'a str, subtitle: &'a str, panels: &'a [DialPanel]) -> Self {
-        let outwards = "the dark circle is the nominal radius. Outwards: the machine is too far out.";
+        let outwards =
+            " of radial deviation; the dark circle is the nominal radius. Outwards: the machine is too far out.";
         Self { title, subtitle, panels, ways: &SENSES, outwards }
     }
 
     /// Returns diagrams of the mean turn of an axis of rotation.
     pub fn mean_turn(title: &'a str, subtitle: &'a str, panels: &'a [DialPanel]) -> Self {
-        let outwards = "the dark circle is zero, outwards is plus.";
+        let outwards = ", of a tilt as many µrad; the dark circle is zero, outwards is plus.";
         Self { title, subtitle, panels, ways: &MEAN_TURN, outwards }
     }
 
     /// The picture.
     pub fn picture(&self) -> Picture {
-        let width = 2.0 * LEFT + PANEL * self.panels.len().max(2) as f64;
-        let mut svg = Svg::new(width, TOP + PANEL + 100.0);
+        let width = 2.0 * LEFT + PANEL * self.panels.len().clamp(2, ACROSS) as f64;
+        let below = TOP + ROW * self.panels.len().div_ceil(ACROSS) as f64 + 6.0;
+        let mut svg = Svg::new(width, below + 42.0);
         svg.heading(LEFT, (self.title, 60), (self.subtitle, (width / 7.5) as usize));
         let all = self.panels.iter().flat_map(|panel| panel.curves.iter().flatten());
         let largest = all.fold(0.0_f64, |max, (_, x)| max.max(x.abs()));
-        let dial = |i: usize| Dial::new((LEFT + PANEL * (i as f64 + 0.5), TOP + PANEL * 0.5), largest);
+        let dial = |i: usize| {
+            let (column, row) = ((i % ACROSS) as f64, (i / ACROSS) as f64);
+            Dial::new((LEFT + PANEL * (column + 0.5), TOP + PANEL * 0.5 + ROW * row), largest)
+        };
         self.panels.iter().enumerate().for_each(|(i, panel)| self.draw(&mut svg, panel, dial(i)));
-        let below = TOP + PANEL + 58.0;
         let _ = self.ways.iter().fold(LEFT, |x, (name, stroke)| stroke.key(&mut svg, (x, below), name));
-        let note = format!("One ring is {} of radial deviation; {}", dial(0).ring_words(), self.outwards);
+        let note = format!("One ring is {}{}", dial(0).ring_words(), self.outwards);
         for (i, line) in wrapped(&note, (width / 6.4) as usize).iter().enumerate() {
-            svg.text((LEFT, below + 20.0 + 16.0 * i as f64), line, Font::faint(12.0), Anchor::Start, 0.0);
+            svg.text((LEFT, below + 22.0 + 16.0 * i as f64), line, Font::faint(12.0), Anchor::Start, 0.0);
         }
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
