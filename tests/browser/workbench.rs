@@ -84,7 +84,12 @@ impl Bench {
 
     /// Compares the figures of a measured machine with the command line's.
     fn agrees(&self) {
-        let map = self.command("map", &["--random", "2000"]);
+        self.agrees_with(&[]);
+    }
+
+    /// The same with further options of the command line.
+    fn agrees_with(&self, more: &[&str]) {
+        let map = self.command("map", &[&["--random", "2000"], more].concat());
         let pairs = [("p95", "p95"), ("max", "max"), ("rms", "rms"), ("mean", "mean")];
         for (at, name) in pairs {
             assert_eq!(Some(self.figure(at)), map["position_um"][name].as_f64(), "{at}");
@@ -152,6 +157,15 @@ pub fn numbers() {
         bench.agrees();
     }
     bench.quiet();
+    let bench = Bench::of_config("bench-tools", "vmc-cframe-754.yaml");
+    bench.agrees_with(&["--tool", "short"]);
+    let short = bench.figure("p95");
+    let choose =
+        "const tool = document.getElementById('tool'); tool.value = 'long'; tool.dispatchEvent(new Event('change'));";
+    let _ = bench.browser.run(choose);
+    bench.settled();
+    assert!(bench.figure("p95") > short);
+    bench.agrees_with(&["--tool", "long"]);
 }
 
 pub fn edits() {

@@ -20,6 +20,7 @@ import { move, place } from "./ui/address";
 import { Chips } from "./ui/chips";
 import { button, byId, make } from "./ui/dom";
 import { followTheme } from "./ui/theme";
+import { ToolChoice } from "./ui/tools";
 
 class Workbench {
   private readonly nonce = document.querySelector("style")?.nonce ?? "";
@@ -30,6 +31,7 @@ class Workbench {
   private readonly deviation: Deviation;
   private readonly sliders = new AxisSliders(byId("axes"), byId("poses"), (pose, rests) => this.moved(pose, rests));
   private readonly chips = new Chips(byId("chain"), (list) => this.rebuild(list));
+  private readonly tools = new ToolChoice(byId("poses"), (tool) => this.take(tool));
   private readonly verdict = new Verdict(byId("verdict"));
   private readonly statistics = new StatisticsTable(byId("statistics"), (pose) => this.sliders.go(pose));
   private readonly pareto = new Pareto(byId("pareto"), (error) => this.find(error));
@@ -65,9 +67,16 @@ class Workbench {
   async open(): Promise<void> {
     const { machine, text } = await this.store.open();
     this.editor.open(text, this.nonce);
+    this.session.take(this.tools.chosen);
     this.session.open(machine, text);
     this.whatif.follow();
     this.buttons();
+  }
+
+  private take(tool: string): void {
+    move({ tool });
+    this.session.take(tool);
+    this.changed(false);
   }
 
   private get isChanged(): boolean {
@@ -114,7 +123,8 @@ class Workbench {
       document.title = `${chain.machine} – abbe workbench`;
       if (!state.stale) this.chips.show(chain.chain);
       this.sliders.show(chain);
-      this.stage?.show(chain, "", this.sliders.pose);
+      this.tools.show(chain.tools.map((tool) => tool.name));
+      this.stage?.show(chain, this.tools.chosen, this.sliders.pose);
       this.deviation.follow(chain, this.sliders.pose, state.now.map?.from === "bounds");
     }
     this.verdict.show(state);
@@ -170,7 +180,8 @@ class Workbench {
     choice.value = store.chosen;
     choice.addEventListener("change", () => {
       store.chosen = choice.value;
-      move({ example: choice.value, pose: "" });
+      move({ example: choice.value, pose: "", tool: "" });
+      this.tools.chosen = "";
       void this.open();
     });
     return [choice];

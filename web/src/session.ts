@@ -8,6 +8,7 @@ import {
   type Evaluator,
   type Pose,
   type Question,
+  type Request,
   type Sources,
   type VolumeMap,
 } from "./evaluator/types";
@@ -60,6 +61,7 @@ export class Session {
   machine = "";
   kept = "";
   private text = "";
+  private tool = "";
   private readonly keptFindings = new Map<Effort, Findings | null>();
   private now: Findings | null = null;
   private wish: Effort | null = null;
@@ -87,6 +89,12 @@ export class Session {
     this.keptFindings.clear();
   }
 
+  /** Takes another tool of the file; the first for an empty name. */
+  take(tool: string): void {
+    this.tool = tool;
+    this.keptFindings.clear();
+  }
+
   change(text: string, draft: boolean): void {
     this.text = text;
     this.wish = draft ? DRAFT : FULL;
@@ -95,8 +103,7 @@ export class Session {
 
   /** Asks about the text as it is now. */
   async ask(questions: Question[]): Promise<unknown[]> {
-    const request = { machine: this.machine, texts: { [this.machine]: this.text }, questions };
-    return (await this.evaluator.ask(request)).answers;
+    return (await this.evaluator.ask(this.request(this.text, questions))).answers;
   }
 
   /** Deviations at poses, in the order of the axes of the chain. */
@@ -104,6 +111,11 @@ export class Session {
     const rows = poses.map((pose) => chain.axes.map((axis) => pose[axis.name] ?? 0));
     const [answer] = await this.ask([{ eval: { poses: rows } }]);
     return accepted<Evaluated>(answer);
+  }
+
+  private request(text: string, questions: Question[]): Request {
+    const tool = this.tool ? { tool: this.tool } : {};
+    return { machine: this.machine, texts: { [this.machine]: text }, questions, ...tool };
   }
 
   private async work(): Promise<void> {
@@ -147,11 +159,7 @@ export class Session {
       { sources: { poses } },
       { budget: { samples } },
     ];
-    const { diagnostics, answers } = await this.evaluator.ask({
-      machine: this.machine,
-      texts: { [this.machine]: text },
-      questions,
-    });
+    const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
     const chain = accepted<Chain>(answers[0]);
     if (!chain) return { diagnostics, findings: null };
     const [map, sources, budget] = [

@@ -138,7 +138,7 @@ export class Editor {
       doc,
       extensions: [
         EditorView.cspNonce.of(nonce),
-        EditorView.contentAttributes.of({ "aria-label": "Machine file" }),
+        EditorView.contentAttributes.of({ "aria-label": "Machine file", tabindex: "0" }),
         lineNumbers(),
         lintGutter(),
         history(),

@@ -42,6 +42,8 @@ export interface Reply {
 export interface Request {
   machine: string;
   texts: Record<string, string>;
+  /** Name of the tool; the first of the file where it is left out. */
+  tool?: string;
   questions: Question[];
 }
 

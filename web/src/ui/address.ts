@@ -5,6 +5,8 @@ export interface Place {
   example: string;
   /** Limit of the 95 % value, um; empty without. */
   limit: string;
+  /** Name of the tool; empty for the first of the file. */
+  tool: string;
   /** Pose, `X=250,C=90`. */
   pose: string;
 }
@@ -12,7 +14,7 @@ export interface Place {
 export function place(): Place {
   const found = new URLSearchParams(location.hash.slice(1));
   const of = (name: string) => found.get(name) ?? "";
-  return { example: of("example"), limit: of("limit"), pose: of("pose") };
+  return { example: of("example"), limit: of("limit"), tool: of("tool"), pose: of("pose") };
 }
 
 /** Changes a part of the address, without an entry in the history of the browser. */
