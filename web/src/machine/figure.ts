@@ -41,9 +41,17 @@ export class Figure {
     this.root.updateMatrixWorld(true);
   }
 
-  /** The sphere around everything at the present pose. */
-  sphere(): three.Sphere {
-    return new three.Box3().setFromObject(this.root).getBoundingSphere(new three.Sphere());
+  /** The sphere around everything, wherever the linear axes stand; the machine stays at the pose. */
+  sphere(pose: Pose): three.Sphere {
+    const all = new three.Box3();
+    const linear = this.layout.chain.axes.filter((axis) => axis.kind === "linear");
+    for (const end of [0, 1] as const) {
+      const there = Object.fromEntries(linear.map((axis) => [axis.name, axis.travel[end]]));
+      this.move({ ...pose, ...there });
+      all.expandByObject(this.root);
+    }
+    this.move(pose);
+    return all.expandByObject(this.root).getBoundingSphere(new three.Sphere());
   }
 
   dispose(): void {

@@ -66,7 +66,7 @@ export class Stage {
     this.scene.add(figure.root);
     figure.move(pose);
     const shape = chain.chain + chain.machine;
-    if (shape !== this.shown) this.look();
+    if (shape !== this.shown) this.look(pose);
     this.shown = shape;
     this.renderer.domElement.setAttribute("aria-label", `The machine ${chain.machine}, ${chain.chain}`);
     this.draw();
@@ -78,14 +78,14 @@ export class Stage {
   }
 
   /** Puts the camera before the whole machine. */
-  look(): void {
+  look(pose: Pose): void {
     if (!this.figure) return;
     const { up, back, right } = this.figure.layout;
-    const { center, radius } = this.figure.sphere();
+    const { center, radius } = this.figure.sphere(pose);
     const from = new three.Vector3(...up).multiplyScalar(0.62).add(new three.Vector3(...back).multiplyScalar(-1.25));
     from.add(new three.Vector3(...right).multiplyScalar(0.95)).normalize();
     const narrow = Math.min(this.camera.aspect, 1);
-    const distance = (radius * 0.92) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
+    const distance = (radius * 0.9) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
     this.camera.up.set(...up);
     this.camera.position.copy(center).addScaledVector(from, distance);
     this.camera.near = distance / 100;
