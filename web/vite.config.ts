@@ -1,5 +1,5 @@
 import { createHash } from "node:crypto";
-import { readFileSync } from "node:fs";
+import { readdirSync, readFileSync } from "node:fs";
 import { defineConfig, type Plugin } from "vite";
 
 /** Puts style and script into the page, with a policy that lets nothing else run. */
@@ -13,7 +13,8 @@ function onePage(mode: string): Plugin {
         const script = take(bundle, ".js");
         const style = take(bundle, ".css");
         const page = readFileSync("page.html", "utf8");
-        const source = fill(page, { policy: policy(mode, script), style, script, ...start(mode) });
+        const licences = notices([...this.getModuleIds()]);
+        const source = fill(page, { policy: policy(mode, script), style, script, licences, ...start(mode) });
         this.emitFile({ type: "asset", fileName: mode === "program" ? "workbench.html" : "index.html", source });
       },
     },
@@ -27,6 +28,20 @@ function take(bundle: Bundle, ending: string): string {
   if (!file) throw new Error(`the bundle has no ${ending}`);
   delete bundle[file.fileName];
   return (file.code ?? String(file.source)).trim();
+}
+
+/** Names, versions and licences of the packages in the script: their terms ask for it. */
+function notices(modules: string[]): string {
+  const folders = modules.map((id) => /^.*\/node_modules\/(?:@[^/]+\/)?[^/]+/.exec(id.replaceAll("\\", "/"))?.[0]);
+  const texts = [...new Set(folders)].filter((folder) => folder !== undefined).map(notice);
+  return [...new Set(texts)].sort().join("\n\n").replaceAll("--", "- -");
+}
+
+function notice(folder: string): string {
+  const { name, version } = JSON.parse(readFileSync(`${folder}/package.json`, "utf8")) as Record<string, string>;
+  const licence = readdirSync(folder).find((file) => /^licen[cs]e/i.test(file));
+  if (!licence) throw new Error(`${name} has no licence`);
+  return `${name} ${version}\n\n${readFileSync(`${folder}/${licence}`, "utf8").trim()}`;
 }
 
 /** The program fills in its own nonce and start; the page of the playground has fixed ones. */

@@ -52,8 +52,8 @@ pub enum Question {
 
 /// Answers a request of JSON by JSON: `{"diagnostics": [...], "answers": [...]}`.
 ///
-/// `diagnostics` are those of reading the machine, with their places. Without a machine `answers` is empty; otherwise it
-/// has an entry for each question, the result or `{"refused": true, "diagnostics": [...]}`.
+/// `diagnostics` are those of reading the machine, with their places. Without a machine `answers` is empty. Otherwise
+/// it has an entry for each question, the result or `{"refused": true, "diagnostics": [...]}`.
 pub fn workbench(request: &str, run: Run<'_>) -> Value {
     let mut json = serde_json::Deserializer::from_str(request);
     match serde_path_to_error::deserialize(&mut json) {
@@ -106,9 +106,15 @@ fn document<T: Serialize>(answer: Result<Answer<T>, Diagnostics>) -> Value {
 mod tests {
     use super::*;
 
-    const MACHINE: &str = "abbe: 1\nmachine: M\nchain: w b X Y Z t\naxes:\n  X: { travel: [0, 400], origin: [0, 0, 0] }\n  \
-         Y: { travel: [0, 400], origin: [0, 0, 0] }\n  Z: { travel: [0, 400], origin: [0, 0, 0] }\n\
-         errors: { EC0Y: 20 urad, EB0Z: 5 urad }\n";
+    const MACHINE: &str = "abbe: 1
+machine: M
+chain: w b X Y Z t
+axes:
+  X: { travel: [0, 400], origin: [0, 0, 0] }
+  Y: { travel: [0, 400], origin: [0, 0, 0] }
+  Z: { travel: [0, 400], origin: [0, 0, 0] }
+errors: { EC0Y: 20 urad, EB0Z: 5 urad }
+";
 
     fn ask(text: &str, questions: Value) -> Value {
         let request = json!({"machine": "m.yaml", "texts": {"m.yaml": text}, "questions": questions});

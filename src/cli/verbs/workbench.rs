@@ -38,7 +38,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let port = listener.local_addr().map_or(args.port, |address| address.port());
     let bench = token().and_then(|token| {
         let bench = Bench::new(&args.machine, session.confined(), token);
-        serve(listener, port, Arc::new(bench)).map_err(|failure| failure.to_string())
+        serve(listener, port, Arc::new(bench))
     });
     bench.or_else(|failure| session.refuse(unserved(format!("the page cannot be served: {failure}"))))?;
     session.print(&format!(
@@ -51,9 +51,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 /// Returns 128 random bits, hexadecimal.
-fn token() -> Result<String, String> {
+fn token() -> std::io::Result<String> {
     let mut bytes = [0; 16];
-    getrandom::fill(&mut bytes).map_err(|failure| failure.to_string())?;
+    getrandom::fill(&mut bytes).map_err(|failure| std::io::Error::other(failure.to_string()))?;
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
