@@ -136,7 +136,7 @@ enum Verb {
     Verify(verify::Args),
     /// One self-contained HTML page for a design review.
     Report(report::Args),
-    /// A page in the browser in which the machine file is edited and its effect is seen at once.
+    /// A page to change the machine file and see its effect at once.
     Workbench(workbench::Args),
     /// Difference between two sets of compensation files, in micrometres.
     Diff(diff::Args),
