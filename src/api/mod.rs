@@ -49,6 +49,7 @@ pub mod results;
 mod run;
 pub mod sets;
 mod show;
+mod sources;
 mod starter;
 mod study;
 mod summary;
@@ -58,6 +59,7 @@ mod tolerances;
 mod tool_poses;
 mod uncertainty;
 mod verify;
+mod workbench;
 
 use crate::evaluate::Order;
 use crate::machine::Machine;
@@ -87,10 +89,12 @@ pub use replay::replay;
 pub use report::{ReportOptions, report};
 pub use run::{Answer, Monitor, Run};
 pub use show::show;
+pub use sources::{SourcesOptions, sources};
 pub use starter::{schema, starter};
 pub use summary::summary;
 pub use targets::targets;
 pub use verify::{VerifyOptions, verify};
+pub use workbench::workbench;
 
 pub use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 pub use crate::syntax::{Disk, Files, MemoryFiles};

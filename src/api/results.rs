@@ -42,6 +42,7 @@ pub use super::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayAccura
 pub use super::reach::{ReachDirections, ReachResult};
 pub use super::report::Report;
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
+pub use super::sources::{ErrorSource, ErrorSources};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::tool_poses::{BeyondTravel, Lack, MissedToolPose, NeededTravel, ReachedToolPoses};

@@ -24,7 +24,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use verbs::{
     budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, figures, identify,
-    import, init, instrument, man, map, reach, report, show, targets, verify,
+    import, init, instrument, man, map, reach, report, show, targets, verify, workbench,
 };
 
 /// A compiler from machine-tool configurations to volumetric compensation.
@@ -138,6 +138,8 @@ enum Verb {
     Verify(verify::Args),
     /// One self-contained HTML page for a design review.
     Report(report::Args),
+    /// A page to change the machine file and see its effect at once.
+    Workbench(workbench::Args),
     /// Difference between two sets of compensation files, in micrometres.
     Diff(diff::Args),
     /// The controllers, their mechanisms, and how sure their facts are.
@@ -233,6 +235,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),
         Verb::Report(args) => report::run(session, &args),
+        Verb::Workbench(args) => workbench::run(session, &args),
         Verb::Diff(args) => diff::run(session, &args),
         Verb::Targets => targets::run(session),
         Verb::Check(args) => check::run(session, &args),

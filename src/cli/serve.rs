@@ -1,12 +1,12 @@
-//! One page over HTTP, for a browser on this computer only.
+//! HTTP for a browser on this computer only.
 //!
 //! The listener is bound to 127.0.0.1, and the `Host` header must name it: a page from elsewhere that resolves its own
-//! name to 127.0.0.1 reads nothing. Request heads are short and have a deadline, and the number of connections at a
-//! time is limited.
+//! name to 127.0.0.1 reads nothing. Request heads are short and have a deadline, bodies have a limit, and the number of
+//! connections at a time is limited.
 
-use http_body_util::Full;
-use hyper::body::{Bytes, Incoming};
-use hyper::header::{self, HeaderMap, HeaderValue};
+use http_body_util::{BodyExt, Full, Limited};
+use hyper::body::{Body, Bytes, Incoming};
+use hyper::header::{self, HeaderMap, HeaderName, HeaderValue};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper::{Method, Request, Response, StatusCode};
@@ -17,15 +17,62 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio::sync::Semaphore;
 
-/// Maximum size of a request head, bytes.
+/// Maximum size of a request head, and of a body, bytes.
 const MAX_HEAD: usize = 8 * 1024;
+const MAX_BODY: usize = 8 << 20;
 
-/// Time for a request head to arrive, and for a whole exchange.
+/// Time for a request head to arrive, for its body, and for a whole exchange with the answer computed.
 const HEAD_DEADLINE: Duration = Duration::from_secs(2);
-const EXCHANGE_DEADLINE: Duration = Duration::from_secs(10);
+const BODY_DEADLINE: Duration = Duration::from_secs(10);
+const EXCHANGE_DEADLINE: Duration = Duration::from_secs(120);
 
 /// Maximum number of connections at a time; further ones wait.
 const MAX_CONNECTIONS: usize = 16;
+
+/// Header with the token of a page.
+const TOKEN: HeaderName = HeaderName::from_static("x-abbe-token");
+
+/// A request from this computer.
+#[derive(Debug)]
+pub(super) struct PageRequest {
+    /// `GET`, `POST` ...
+    pub method: Method,
+    /// Path and query; empty if the request names another server.
+    pub path: String,
+    /// The tag that the browser knows.
+    pub known_tag: Option<String>,
+    /// The token that the page sends with what it asks.
+    pub token: Option<String>,
+    /// The body.
+    pub body: Bytes,
+}
+
+/// The answer to a request.
+#[derive(Debug)]
+pub(super) struct PageResponse {
+    pub status: StatusCode,
+    /// Media type of the body.
+    pub media: &'static str,
+    /// Entity tag, in quotes.
+    pub tag: Option<String>,
+    pub body: Bytes,
+}
+
+impl PageResponse {
+    /// Returns an answer without a body.
+    pub(super) fn empty(status: StatusCode) -> Self {
+        Self { status, media: HTML, tag: None, body: Bytes::new() }
+    }
+}
+
+/// Media type of a page.
+pub(super) const HTML: &str = "text/html; charset=utf-8";
+
+/// Answers requests, on several threads.
+pub(super) trait Site: Send + Sync + 'static {
+    /// Answers one.
+    fn respond(&self, request: &PageRequest) -> PageResponse;
+}
 
 /// A page as it is served.
 pub(super) struct ServedPage {
@@ -38,28 +85,49 @@ pub(super) struct ServedPage {
 /// The page that is served now.
 pub(super) type CurrentPage = Arc<Mutex<Arc<ServedPage>>>;
 
-/// Serves the page in the background for as long as the program runs.
-pub(super) fn serve(listener: TcpListener, port: u16, page: CurrentPage) -> std::io::Result<()> {
+impl Site for CurrentPage {
+    fn respond(&self, request: &PageRequest) -> PageResponse {
+        let Ok(current) = self.lock().map(|page| Arc::clone(&page)) else {
+            return PageResponse::empty(StatusCode::OK);
+        };
+        let status = page_status(request, &current.tag);
+        let body = if status == StatusCode::OK { current.body.clone() } else { Bytes::new() };
+        PageResponse { status, media: HTML, tag: Some(current.tag.clone()), body }
+    }
+}
+
+/// Returns the status of a request where a page is all there is.
+fn page_status(request: &PageRequest, tag: &str) -> StatusCode {
+    match (&request.method, request.path.as_str()) {
+        (&Method::GET, "/") if request.known_tag.as_deref() == Some(tag) => StatusCode::NOT_MODIFIED,
+        (&Method::GET, "/") => StatusCode::OK,
+        (&Method::GET, _) => StatusCode::NOT_FOUND,
+        _ => StatusCode::METHOD_NOT_ALLOWED,
+    }
+}
+
+/// Serves a site in the background for as long as the program runs.
+pub(super) fn serve(listener: TcpListener, port: u16, site: Arc<dyn Site>) -> std::io::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
     let _ = std::thread::Builder::new().name("http".to_owned()).spawn(move || {
         // No listener: nothing can be served, and the page on disk stays.
-        let _ = runtime.block_on(accept(listener, port, page));
+        let _ = runtime.block_on(accept(listener, port, site));
     })?;
     Ok(())
 }
 
-async fn accept(listener: TcpListener, port: u16, page: CurrentPage) -> std::io::Result<()> {
+async fn accept(listener: TcpListener, port: u16, site: Arc<dyn Site>) -> std::io::Result<()> {
     let listener = tokio::net::TcpListener::from_std(listener)?;
     let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
     loop {
         let Ok(place) = Arc::clone(&places).acquire_owned().await else { return Ok(()) };
         let Ok((stream, _)) = listener.accept().await else { continue };
-        let page = Arc::clone(&page);
+        let site = Arc::clone(&site);
         drop(tokio::spawn(async move {
             let answer = service_fn(move |request| {
-                let response = respond(&request, port, &page);
-                async move { Ok::<_, Infallible>(response) }
+                let site = Arc::clone(&site);
+                async move { Ok::<_, Infallible>(respond(request, port, site).await) }
             });
             let mut server = http1::Builder::new();
             let server = server.timer(TokioTimer::new()).header_read_timeout(HEAD_DEADLINE);
@@ -72,52 +140,73 @@ async fn accept(listener: TcpListener, port: u16, page: CurrentPage) -> std::io:
     }
 }
 
-fn respond(request: &Request<Incoming>, port: u16, page: &CurrentPage) -> Response<Full<Bytes>> {
-    let Ok(current) = page.lock().map(|page| Arc::clone(&page)) else {
-        return Response::new(Full::default());
+async fn respond(request: Request<Incoming>, port: u16, site: Arc<dyn Site>) -> Response<Full<Bytes>> {
+    let answer = match read(request, port).await {
+        // Answers are computed: the thread of the connections stays free.
+        Ok(request) => tokio::task::spawn_blocking(move || site.respond(&request)).await,
+        Err(status) => Ok(PageResponse::empty(status)),
     };
-    let path = request.uri().path_and_query().map_or("", |path| path.as_str());
-    let absolute = request.uri().authority().is_some();
-    let status = status(request.method(), if absolute { "" } else { path }, request.headers(), port, &current.tag);
-    let body = if status == StatusCode::OK { current.body.clone() } else { Bytes::new() };
-    let mut response = Response::new(Full::new(body));
-    *response.status_mut() = status;
+    response(answer.unwrap_or_else(|_| PageResponse::empty(StatusCode::INTERNAL_SERVER_ERROR)))
+}
+
+/// Reads a request, or returns the status that refuses it.
+async fn read(request: Request<Incoming>, port: u16) -> Result<PageRequest, StatusCode> {
+    let (head, body) = request.into_parts();
+    if !is_local(&head.headers, port) {
+        return Err(StatusCode::MISDIRECTED_REQUEST);
+    }
+    if body.size_hint().lower() > MAX_BODY as u64 {
+        return Err(StatusCode::PAYLOAD_TOO_LARGE);
+    }
+    let body = tokio::time::timeout(BODY_DEADLINE, Limited::new(body, MAX_BODY).collect()).await;
+    let body = body.map_err(|_| StatusCode::REQUEST_TIMEOUT)?.map_err(|_| StatusCode::PAYLOAD_TOO_LARGE)?;
+    let own = |name| one(&head.headers, name).map(str::to_owned);
+    let path = head.uri.path_and_query().map_or("", |path| path.as_str());
+    let absolute = head.uri.authority().is_some();
+    Ok(PageRequest {
+        known_tag: own(header::IF_NONE_MATCH),
+        token: own(TOKEN),
+        path: if absolute { String::new() } else { path.to_owned() },
+        method: head.method,
+        body: body.to_bytes(),
+    })
+}
+
+fn response(answer: PageResponse) -> Response<Full<Bytes>> {
+    let mut response = Response::new(Full::new(answer.body));
+    *response.status_mut() = answer.status;
     for (name, value) in FIXED {
         let _ = response.headers_mut().insert(name, HeaderValue::from_static(value));
     }
-    if let Ok(tag) = HeaderValue::from_str(&current.tag) {
+    let _ = response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static(answer.media));
+    if let Some(tag) = answer.tag.as_deref().and_then(|tag| HeaderValue::from_str(tag).ok()) {
         let _ = response.headers_mut().insert(header::ETAG, tag);
     }
     response
 }
 
 /// The page itself states what it may load; no frame may hold it, and no other origin may read it.
-const FIXED: [(header::HeaderName, &str); 7] = [
-    (header::CONTENT_TYPE, "text/html; charset=utf-8"),
+const FIXED: [(HeaderName, &str); 6] = [
     (header::CACHE_CONTROL, "no-store"),
     (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
     (header::X_FRAME_OPTIONS, "DENY"),
-    (header::HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+    (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
     (header::REFERRER_POLICY, "no-referrer"),
-    (header::ALLOW, "GET"),
+    (header::ALLOW, "GET, POST"),
 ];
 
-/// Returns the status of a request: only `GET /` from this computer gets the page.
-fn status(method: &Method, path: &str, headers: &HeaderMap, port: u16, tag: &str) -> StatusCode {
-    let one = |name| match &headers.get_all(name).iter().collect::<Vec<_>>()[..] {
+/// Returns the value of a header that stands once.
+fn one(headers: &HeaderMap, name: HeaderName) -> Option<&str> {
+    match &headers.get_all(name).iter().collect::<Vec<_>>()[..] {
         [value] => value.to_str().ok(),
         _ => None,
-    };
+    }
+}
+
+/// True if a request names this computer.
+fn is_local(headers: &HeaderMap, port: u16) -> bool {
     let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
-    if !one(header::HOST).is_some_and(|host| own.iter().any(|own| own == host)) {
-        return StatusCode::MISDIRECTED_REQUEST;
-    }
-    match (method, path) {
-        (&Method::GET, "/") if one(header::IF_NONE_MATCH) == Some(tag) => StatusCode::NOT_MODIFIED,
-        (&Method::GET, "/") => StatusCode::OK,
-        (&Method::GET, _) => StatusCode::NOT_FOUND,
-        _ => StatusCode::METHOD_NOT_ALLOWED,
-    }
+    one(headers, header::HOST).is_some_and(|host| own.iter().any(|own| own == host))
 }
 
 #[cfg(test)]
@@ -131,7 +220,14 @@ mod tests {
             for (name, value) in lines {
                 let _ = headers.append(*name, HeaderValue::from_str(value).unwrap());
             }
-            status(&Method::from_bytes(method.as_bytes()).unwrap(), path, &headers, 8000, "\"a\"").as_u16()
+            if !is_local(&headers, 8000) {
+                return 421;
+            }
+            let (method, known_tag) =
+                (Method::from_bytes(method.as_bytes()).unwrap(), one(&headers, header::IF_NONE_MATCH));
+            let (path, known_tag) = (path.to_owned(), known_tag.map(str::to_owned));
+            let request = PageRequest { method, path, known_tag, token: None, body: Bytes::new() };
+            page_status(&request, "\"a\"").as_u16()
         };
         let (here, host) = ("127.0.0.1:8000", "host");
         assert_eq!(ask("GET", "/", &[(host, here)]), 200);

@@ -27,7 +27,7 @@ pub(super) fn run(session: &mut Session, args: &Args) -> Outcome {
     let mut turn = Turn { args, good: None };
     let (files, first) = turn.take(session)?;
     let answer = Arc::new(Mutex::new(Arc::new(first)));
-    serve(listener, port, Arc::clone(&answer)).or_else(|failure| {
+    serve(listener, port, Arc::new(Arc::clone(&answer))).or_else(|failure| {
         let message = format!("the page cannot be served: {failure}");
         session.refuse(Diagnostic::new(codes::E0631, message).help("write the page to a file: --out FILE.html"))
     })?;

@@ -100,7 +100,7 @@ impl MemoryFiles {
 
 impl Files for MemoryFiles {
     fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
-        self.0.get(path).cloned().ok_or(ReadFailure::NotFound)
+        self.0.get(path).or_else(|| self.0.get(&lexical(path))).cloned().ok_or(ReadFailure::NotFound)
     }
 
     fn entries(&self, folder: &Path) -> Vec<FolderEntry> {

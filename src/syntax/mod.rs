@@ -30,6 +30,7 @@ pub use document::{
     AlgebraEntry, AxisEntry, ConventionsEntry, CovarianceEntry, DatumEntry, DatumLine, DatumZero, Document, FormEntry,
     GeneratorsEntry, IdentifyEntry, PlausibleEntry, SetUpEntry, SquarenessSite, ToolEntry, TravelEntry, VolumeAxis,
 };
+pub(crate) use error_words::{component_words, location_words};
 pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};
 pub use geometry::{PositionEntry, RelativeEntry, SideEntry, WrittenChain, WrittenChains};
 pub use places::{Keys, below, keys};

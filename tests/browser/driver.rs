@@ -43,7 +43,9 @@ impl Browser {
         let arguments = [
             "--headless=new",
             "--no-sandbox",
-            "--disable-gpu",
+            // The workbench draws in three dimensions: by software where there is no graphics card.
+            "--use-angle=swiftshader",
+            "--enable-unsafe-swiftshader",
             "--disable-dev-shm-usage",
             "--hide-scrollbars",
             "--force-device-scale-factor=1",
@@ -113,6 +115,20 @@ impl Browser {
         let stroke = |key: &&str| [json!({"type": "keyDown", "value": key}), json!({"type": "keyUp", "value": key})];
         let actions: Vec<Value> = keys.iter().flat_map(stroke).collect();
         let _ = self.ask("actions", &json!({"actions": [{"type": "key", "id": "keys", "actions": actions}]}));
+    }
+
+    /// Drags from one point of the window to another.
+    pub fn drag(&self, from: (f64, f64), to: (f64, f64)) {
+        let event = |kind: &str, (x, y): (f64, f64)| {
+            let parameters = json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1});
+            let _ = self.devtools("Input.dispatchMouseEvent", &parameters);
+        };
+        event("mousePressed", from);
+        for step in 1..=8 {
+            let share = f64::from(step) / 8.0;
+            event("mouseMoved", (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1)));
+        }
+        event("mouseReleased", to);
     }
 
     /// A command of the DevTools protocol.

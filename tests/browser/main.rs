@@ -1,5 +1,5 @@
-//! The report page in a real Chromium, driven over WebDriver: it loads without the network and without complaint, shows
-//! the numbers of its data, and its controls, keys and `--watch` do as labelled.
+//! The pages in a real Chromium, driven over WebDriver: they load without the network and without complaint, show the
+//! numbers of the program, and their controls, keys, `--watch` and saving do as labelled.
 //!
 //! Without Chromium every check is left out and named; with `ABBE_REQUIRE_BROWSER=1` (as in `tests/run`) that
 //! is a failure. Screenshots are kept in `target/debug/screenshots/`.
@@ -13,11 +13,12 @@ mod driver;
 mod page;
 mod pictures;
 mod watch;
+mod workbench;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 8] = [
+const CHECKS: [checks::Check; 15] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -25,6 +26,13 @@ const CHECKS: [checks::Check; 8] = [
     ("controls and pictures have names", page::names),
     ("text from the machine file is text", page::hostile),
     ("a saved machine file refreshes the page, a broken one leaves the last good one", watch::refreshes),
+    ("the workbench shows the numbers of the command line, before and after edits", workbench::numbers),
+    ("what is typed, dragged and undone reaches the file only when it is saved", workbench::edits),
+    ("the workbench moves an axis across the bed by keys and by dragging", workbench::chain),
+    ("the workbench shows refusals at their place and keeps the last figures", workbench::refusals),
+    ("the workbench shows bounds of a machine of which nothing is measured", workbench::bounds),
+    ("only the page of the workbench may ask and save", workbench::tokens),
+    ("screenshots of the workbench", workbench::screenshots),
     ("screenshots: light, dark, print, projector, mobile, comparison", pictures::screenshots),
 ];
 

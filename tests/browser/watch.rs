@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The program while it serves; it ends with this value.
-struct Serving(Child);
+pub struct Serving(pub Child);
 
 impl Drop for Serving {
     fn drop(&mut self) {
@@ -22,7 +22,7 @@ impl Drop for Serving {
 const MACHINE: &str = "abbe: 1\nmachine: Watched\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [0, 500] }\n  Y: { travel: [0, 400] }\n  Z: { travel: [0, 300] }\nerrors:\n  EC0Y: 20 urad\n";
 
 /// Waits until a script returns true.
-fn wait(browser: &Browser, script: &str) {
+pub fn wait(browser: &Browser, script: &str) {
     let start = Instant::now();
     while browser.run(script) != true {
         assert!(start.elapsed() < PATIENCE, "never: {script}");

@@ -49,6 +49,11 @@ impl Session {
         self.global.confined.as_ref().filter(|root| !root.is_dir()).map(|root| root.display().to_string())
     }
 
+    /// Returns the folder of `--confined`.
+    pub(crate) fn confined(&self) -> Option<&Path> {
+        self.global.confined.as_deref()
+    }
+
     /// Surroundings of a call of the library: files from the disk, progress on the terminal.
     pub(crate) fn run(&self) -> Run<'_> {
         Run { files: &*self.files, monitor: &self.bar, deny_warnings: self.global.deny.is_some() }

@@ -23,3 +23,4 @@ pub(super) mod report;
 pub(super) mod show;
 pub(super) mod targets;
 pub(super) mod verify;
+pub(super) mod workbench;

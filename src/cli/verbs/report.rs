@@ -28,7 +28,7 @@ pub(crate) struct Args {
     /// Serve the page on 127.0.0.1 and refresh it whenever the machine file, or a file it names, is saved.
     #[arg(long)]
     pub watch: bool,
-    /// The port of `--watch` (0 to 65535) [default: any that is free].
+    /// Port on 127.0.0.1 (0 to 65535) [default: any that is free].
     #[arg(long, requires = "watch", default_value_t = 0, hide_default_value = true)]
     pub port: u16,
     #[command(flatten)]

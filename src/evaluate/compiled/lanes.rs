@@ -104,6 +104,7 @@ pub fn store_fence() {
 }
 
 /// Sums, differences and products of a vector type by three intrinsics.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 macro_rules! operators {
     ($vector:ident, $add:ident, $sub:ident, $mul:ident) => {
         impl Add for $vector {
@@ -170,6 +171,7 @@ macro_rules! fused {
 
 /// Implements the operations in which vector types differ by the intrinsic alone: number of lanes, splat, load, store
 /// and quotient.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 macro_rules! common {
     ($count:literal, $splat:ident, $load:ident, $store:ident, $over:ident) => {
         const COUNT: usize = $count;

@@ -1,0 +1,123 @@
+//! Each error alone over the volume: which of them dominate.
+
+use super::machine_file::{MachineFile, bounded_only};
+use super::order_of;
+use super::poses::{AxisPositions, axis_positions};
+use super::run::{Answer, Call, Refused, Run};
+use crate::analysis::{ErrorStatistics, View, error_statistics, map, rest};
+use crate::diagnostic::Diagnostics;
+use crate::evaluate::{CompiledField, Frame, Order, Poses, Random, worst};
+use crate::machine::{Approach, AxisKind, ErrorId, Machine};
+use crate::syntax::{component_words, location_words};
+
+/// Options of [`sources`].
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default)]
+pub struct SourcesOptions {
+    /// Number of random poses over the volume, at most [`SourcesOptions::MAX_POSES`].
+    pub poses: usize,
+    /// Seed of the poses.
+    pub seed: u64,
+    /// Order of all errors together; exact by default, unless the conventions of the machine name an order.
+    pub order: Option<Order>,
+    /// Side of approach, where forward and reverse curves were given.
+    pub approach: Approach,
+}
+
+impl SourcesOptions {
+    /// Largest number of poses: all errors at all poses are held at once.
+    pub const MAX_POSES: usize = 10_000;
+}
+
+impl Default for SourcesOptions {
+    fn default() -> Self {
+        Self { poses: 2000, seed: 1, order: None, approach: Approach::default() }
+    }
+}
+
+/// Each error that has a value, alone.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ErrorSources {
+    /// Name of the machine.
+    pub machine: String,
+    /// Number of poses.
+    pub poses: usize,
+    /// Seed of the poses.
+    pub seed: u64,
+    /// The pose with the largest deviation by all errors together, mm and deg.
+    pub worst: AxisPositions,
+    /// The errors, largest 95 % position deviation first.
+    pub errors: Vec<ErrorSource>,
+}
+
+/// One error alone, first order.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ErrorSource {
+    /// Name of the error.
+    pub error: ErrorId,
+    /// What it is, in words.
+    pub words: String,
+    /// 95 % of the poses have a smaller position deviation, um.
+    pub p95_um: f64,
+    /// Largest position deviation, um.
+    pub max_um: f64,
+    /// 95 % of the poses have a smaller rotation of the tool, urad.
+    pub p95_urad: f64,
+    /// Its part along the deviation at the worst pose, um.
+    pub at_worst_um: f64,
+}
+
+/// Returns the effect of each error alone over random poses of the volume.
+///
+/// Fails for more than [`SourcesOptions::MAX_POSES`] poses. Warns of a machine of which nothing is measured.
+pub fn sources(
+    file: &MachineFile,
+    options: &SourcesOptions,
+    run: Run<'_>,
+) -> Result<Answer<ErrorSources>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| found(call, file, options))
+}
+
+fn found(call: &mut Call<'_>, machine: &Machine, options: &SourcesOptions) -> Result<ErrorSources, Refused> {
+    let SourcesOptions { poses: count, seed, order, approach } = *options;
+    if count > SourcesOptions::MAX_POSES {
+        return call.usage(format!("sources take {} poses at most", SourcesOptions::MAX_POSES));
+    }
+    call.extend(bounded_only(machine));
+    let field = CompiledField::new(machine, order_of(machine, order));
+    let poses = Poses::Random(Random::of(machine, count, seed));
+    let view = View { approach, frame: Frame::Workpiece };
+    let all = call.stage(count, |advance| map(&field, &poses, view, advance));
+    let deviations = all.map(|map| map.deviations).unwrap_or_default();
+    let at = worst(&deviations, 1).first().map_or_else(|| rest(machine), |i| poses.get(*i));
+    let errors = error_statistics(&field, &poses, &at, approach);
+    Ok(ErrorSources {
+        machine: machine.name().to_owned(),
+        poses: count,
+        seed,
+        worst: axis_positions(machine, &at),
+        errors: errors.into_iter().map(|of| source(machine, of)).collect(),
+    })
+}
+
+fn source(machine: &Machine, of: ErrorStatistics) -> ErrorSource {
+    ErrorSource {
+        words: words(machine, &of.error),
+        p95_um: of.position.p95,
+        max_um: of.position.max,
+        p95_urad: of.rotation.p95,
+        at_worst_um: of.along + 0.0,
+        error: of.error,
+    }
+}
+
+/// Returns what an error is, in words; an axis that is not of the chain is the spindle.
+pub(super) fn words(machine: &Machine, error: &ErrorId) -> String {
+    let axis = machine.axes().iter().find(|axis| axis.name == error.axis);
+    let rotary = axis.is_none_or(|axis| axis.kind == AxisKind::Rotary);
+    let direction = axis.map_or(machine.tool().direction, |axis| axis.direction);
+    // The words name the machine's axis only where the axis is parallel to it.
+    let along = direction.iter().position(|x| x.abs() > 1.0 - 1e-9);
+    let form = if error.is_location() { location_words } else { component_words };
+    form(error.axis.as_str(), rotary, along, error.direction.index())
+}

@@ -1,0 +1,206 @@
+//! `abbe workbench`: the page in which a machine file is edited, served on 127.0.0.1.
+//!
+//! The page asks for everything by POST with a token that only this page knows. It may save one file, the one that was
+//! named on the command line, and only over the text that it was given.
+
+use crate::cli::Outcome;
+use crate::cli::output::session::Session;
+use crate::cli::serve::{HTML, PageRequest, PageResponse, Site, serve};
+use crate::cli::store::files::Recorded;
+use crate::cli::store::write::replace_whole;
+use abbe::{Diagnostic, Files, Run, codes, workbench};
+use hyper::{Method, StatusCode};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::net::{Ipv4Addr, TcpListener};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The machine file.
+    machine: PathBuf,
+    /// Port on 127.0.0.1 (0 to 65535) [default: any that is free].
+    #[arg(long, default_value_t = 0, hide_default_value = true)]
+    port: u16,
+}
+
+pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
+    if session.files.read(&args.machine).is_err() {
+        // The refusal names the reason.
+        session.load(&args.machine, None)?;
+    }
+    let unserved = |message: String| Diagnostic::new(codes::E0631, message);
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, args.port)).or_else(|failure| {
+        let message = format!("127.0.0.1 port {} cannot be opened: {failure}", args.port);
+        session.refuse(unserved(message).help("leave `--port` out: any free port is taken then"))
+    })?;
+    let port = listener.local_addr().map_or(args.port, |address| address.port());
+    let bench = token().and_then(|token| {
+        let bench = Bench::new(&args.machine, session.confined(), token);
+        serve(listener, port, Arc::new(bench))
+    });
+    bench.or_else(|failure| session.refuse(unserved(format!("the page cannot be served: {failure}"))))?;
+    session.print(&format!(
+        "http://127.0.0.1:{port}/ is the workbench of {}; the file changes when you save it there. Ctrl-C ends it.",
+        args.machine.display()
+    ));
+    loop {
+        std::thread::park();
+    }
+}
+
+/// Returns 128 random bits, hexadecimal.
+fn token() -> std::io::Result<String> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes).map_err(|failure| std::io::Error::other(failure.to_string()))?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+/// The page, built from `web/` ([docs/workbench.md]); its placeholders stand outside style and script.
+const PAGE: &str = include_str!("../../report/page/workbench.html");
+const NONCE: &str = "@NONCE@";
+const START: &str = "@START@";
+
+/// A machine file on the workbench.
+struct Bench {
+    machine: PathBuf,
+    /// The folder of `--confined`.
+    root: Option<PathBuf>,
+    token: String,
+    page: String,
+    /// Held while the file is compared and replaced.
+    saving: Mutex<()>,
+}
+
+/// What the page sends to save the file.
+#[derive(Deserialize)]
+struct SaveRequest {
+    /// The text to write.
+    text: String,
+    /// The text that the page was given.
+    before: String,
+}
+
+impl Site for Bench {
+    fn respond(&self, request: &PageRequest) -> PageResponse {
+        match (&request.method, request.path.as_str()) {
+            (&Method::GET, "/") => PageResponse {
+                status: StatusCode::OK,
+                media: HTML,
+                tag: None,
+                body: self.page.clone().into_bytes().into(),
+            },
+            (&Method::GET, _) => PageResponse::empty(StatusCode::NOT_FOUND),
+            (&Method::POST, _) if request.token.as_deref() != Some(self.token.as_str()) => {
+                PageResponse::empty(StatusCode::FORBIDDEN)
+            }
+            (&Method::POST, path) => self.post(path, &String::from_utf8_lossy(&request.body)),
+            _ => PageResponse::empty(StatusCode::METHOD_NOT_ALLOWED),
+        }
+    }
+}
+
+impl Bench {
+    fn new(machine: &Path, root: Option<&Path>, token: String) -> Self {
+        let start = json!({"evaluator": "program", "token": token}).to_string();
+        // Both are hexadecimal or JSON without markup.
+        let page = PAGE.replace(NONCE, &token).replace(START, &start);
+        let (machine, root) = (machine.to_owned(), root.map(Path::to_owned));
+        Self { machine, root, token, page, saving: Mutex::default() }
+    }
+
+    fn post(&self, path: &str, body: &str) -> PageResponse {
+        match path {
+            "/open" => self.open(),
+            "/ask" => answer(StatusCode::OK, &workbench(body, Run::with(&self.files()))),
+            "/save" => match serde_json::from_str(body) {
+                Ok(request) => self.save(&request),
+                Err(_) => PageResponse::empty(StatusCode::BAD_REQUEST),
+            },
+            _ => PageResponse::empty(StatusCode::NOT_FOUND),
+        }
+    }
+
+    fn files(&self) -> Recorded {
+        Recorded::within(self.root.as_deref())
+    }
+
+    /// Returns the text of the file as it is now.
+    fn text(&self) -> Option<String> {
+        String::from_utf8(self.files().read(&self.machine).ok()?).ok()
+    }
+
+    fn open(&self) -> PageResponse {
+        match self.text() {
+            Some(text) => answer(StatusCode::OK, &json!({"machine": self.machine, "text": text})),
+            None => failed(StatusCode::NOT_FOUND, "the file cannot be read as text"),
+        }
+    }
+
+    fn save(&self, request: &SaveRequest) -> PageResponse {
+        let _saving = self.saving.lock().unwrap_or_else(PoisonError::into_inner);
+        match self.text() {
+            Some(text) if text == request.before => match replace_whole(&self.machine, request.text.as_bytes()) {
+                Ok(()) => answer(StatusCode::OK, &json!({"saved": true})),
+                Err(diagnostic) => failed(StatusCode::INTERNAL_SERVER_ERROR, &diagnostic.message),
+            },
+            Some(_) => failed(StatusCode::CONFLICT, "the file on the disk has changed since the page read it"),
+            None => failed(StatusCode::CONFLICT, "the file on the disk can no longer be read"),
+        }
+    }
+}
+
+fn answer(status: StatusCode, value: &Value) -> PageResponse {
+    PageResponse { status, media: "application/json", tag: None, body: value.to_string().into_bytes().into() }
+}
+
+fn failed(status: StatusCode, message: &str) -> PageResponse {
+    answer(status, &json!({"failure": message}))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ask(bench: &Bench, method: Method, path: &str, token: Option<&str>, body: &Value) -> (u16, Value) {
+        let body = body.to_string().into_bytes().into();
+        let (path, token) = (path.to_owned(), token.map(str::to_owned));
+        let response = bench.respond(&PageRequest { method, path, known_tag: None, token, body });
+        (response.status.as_u16(), serde_json::from_slice(&response.body).unwrap_or(Value::Null))
+    }
+
+    #[test]
+    fn only_the_page_reads_and_saves_and_only_over_what_it_read() {
+        let folder = std::env::temp_dir().join(format!("abbe-bench-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = folder.join("m.yaml");
+        std::fs::write(&file, "abbe: 1\n").unwrap();
+        let bench = Bench::new(&file, None, "secret".to_owned());
+        let save = |before: &str, text: &str| json!({"before": before, "text": text});
+        for path in ["/open", "/ask", "/save"] {
+            for token in [None, Some(""), Some("guess")] {
+                assert_eq!(ask(&bench, Method::POST, path, token, &save("abbe: 1\n", "x")).0, 403, "{path}");
+            }
+            assert_eq!(ask(&bench, Method::GET, path, Some("secret"), &Value::Null).0, 404, "{path}");
+        }
+        let post = |path: &str, body: &Value| ask(&bench, Method::POST, path, Some("secret"), body);
+        assert_eq!(post("/open", &Value::Null).1["text"], "abbe: 1\n");
+        assert_eq!(post("/save", &save("other", "x")).0, 409);
+        assert_eq!(post("/save", &json!({"text": "x"})).0, 400);
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "abbe: 1\n");
+        assert_eq!(post("/save", &save("abbe: 1\n", "abbe: 1\n# new\n")).0, 200);
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "abbe: 1\n# new\n");
+        assert_eq!(post("/../m.yaml", &Value::Null).0, 404);
+        assert_eq!(ask(&bench, Method::PUT, "/", Some("secret"), &Value::Null).0, 405);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn the_page_has_each_placeholder_and_its_script_has_none() {
+        assert_eq!(PAGE.matches(START).count(), 1);
+        let script = PAGE.split("<script>").nth(1).unwrap();
+        assert!(!script.contains(NONCE) && !script.contains(START));
+        assert!(PAGE.split("<style").nth(1).unwrap().starts_with(" nonce=\"@NONCE@\">"));
+    }
+}

@@ -1,0 +1,59 @@
+//! The library as WebAssembly: files in memory and a request of JSON in, JSON out.
+//!
+//! The page writes bytes into the buffer that [`input`] returns, calls [`put`] or [`ask`], and reads what [`output`]
+//! points at. Nothing is imported: the module has no clock, no disk and no network.
+
+// Exported names are the only unsafe attribute; no pointer is followed here.
+#![allow(unsafe_code, reason = "names of the exports")]
+
+use abbe::{MemoryFiles, Run, workbench};
+use std::cell::RefCell;
+
+/// What the page and the engine hand each other.
+#[derive(Default)]
+struct Engine {
+    files: MemoryFiles,
+    input: Vec<u8>,
+    output: Vec<u8>,
+}
+
+thread_local! {
+    static ENGINE: RefCell<Engine> = RefCell::default();
+}
+
+/// Returns a buffer of `length` bytes for the page to write into.
+#[unsafe(no_mangle)]
+pub extern "C" fn input(length: usize) -> *mut u8 {
+    ENGINE.with_borrow_mut(|engine| {
+        engine.input.clear();
+        engine.input.resize(length, 0);
+        engine.input.as_mut_ptr()
+    })
+}
+
+/// Takes a file: of the input the first `name_length` bytes are its name, the rest is its text.
+#[unsafe(no_mangle)]
+pub extern "C" fn put(name_length: usize) {
+    ENGINE.with_borrow_mut(|engine| {
+        let (name, rest) = engine.input.split_at(name_length.min(engine.input.len()));
+        let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
+        let (name, rest) = (text(name), text(rest));
+        engine.files = std::mem::take(&mut engine.files).with(name, rest);
+    });
+}
+
+/// Answers the request that the input holds, and returns the number of bytes of the output.
+#[unsafe(no_mangle)]
+pub extern "C" fn ask() -> usize {
+    ENGINE.with_borrow_mut(|engine| {
+        let request = String::from_utf8_lossy(&engine.input);
+        engine.output = workbench(&request, Run::with(&engine.files)).to_string().into_bytes();
+        engine.output.len()
+    })
+}
+
+/// Returns the output.
+#[unsafe(no_mangle)]
+pub extern "C" fn output() -> *const u8 {
+    ENGINE.with_borrow(|engine| engine.output.as_ptr())
+}

@@ -1,0 +1,162 @@
+/** The editor of the machine file. Everything that changes the file is a change of its text. */
+
+import { closeBrackets } from "@codemirror/autocomplete";
+import {
+  defaultKeymap,
+  history,
+  historyKeymap,
+  isolateHistory,
+  redo,
+  redoDepth,
+  undo,
+  undoDepth,
+} from "@codemirror/commands";
+import { yaml } from "@codemirror/lang-yaml";
+import { bracketMatching, HighlightStyle, indentOnInput, syntaxHighlighting } from "@codemirror/language";
+import { lintGutter, lintKeymap } from "@codemirror/lint";
+import { highlightSelectionMatches, searchKeymap } from "@codemirror/search";
+import { EditorState } from "@codemirror/state";
+import { drawSelection, EditorView, highlightActiveLine, keymap, lineNumbers } from "@codemirror/view";
+import { tags } from "@lezer/highlight";
+import type { Change } from "./chain";
+import type { FileNumber } from "./numbers";
+import { written } from "./numbers";
+
+/** What hears of the editor. */
+export interface Listener {
+  /** The text is another one; `draft` while a slider is held. */
+  changed(draft: boolean): void;
+  /** The cursor is elsewhere. */
+  cursor(): void;
+  save(): void;
+}
+
+const COLOURS = HighlightStyle.define([
+  { tag: [tags.definition(tags.propertyName), tags.propertyName], color: "var(--accent)" },
+  { tag: [tags.lineComment, tags.comment], color: "var(--faint)", fontStyle: "italic" },
+  { tag: [tags.string, tags.special(tags.string)], color: "var(--text-string)" },
+  { tag: [tags.separator, tags.punctuation, tags.squareBracket, tags.brace], color: "var(--faint)" },
+]);
+
+const LOOK = EditorView.theme({
+  "&": { height: "100%", fontSize: "12.5px", color: "var(--ink)", backgroundColor: "var(--card)" },
+  ".cm-scroller": { fontFamily: "ui-monospace, 'DejaVu Sans Mono', Menlo, Consolas, monospace", lineHeight: "1.5" },
+  ".cm-content": { caretColor: "var(--ink)" },
+  ".cm-gutters": { backgroundColor: "var(--card)", color: "var(--faint)", border: "none" },
+  ".cm-activeLine, .cm-activeLineGutter": { backgroundColor: "var(--line-active)" },
+  "&.cm-focused .cm-selectionBackground, .cm-selectionBackground": { backgroundColor: "var(--selection) !important" },
+  "&.cm-focused .cm-cursor": { borderLeftColor: "var(--ink)" },
+  ".cm-tooltip": {
+    backgroundColor: "var(--ground)",
+    color: "var(--ink)",
+    border: "1px solid var(--line)",
+    maxWidth: "34rem",
+  },
+  ".cm-diagnostic": { whiteSpace: "pre-wrap", fontFamily: "system-ui, sans-serif" },
+  ".cm-panels": { backgroundColor: "var(--card)", color: "var(--ink)" },
+});
+
+export class Editor {
+  readonly view: EditorView;
+  /** Digits that a held slider wrote last. */
+  private dragging: string | null = null;
+
+  constructor(
+    parent: HTMLElement,
+    nonce: string,
+    private readonly listener: Listener,
+  ) {
+    this.view = new EditorView({ parent, state: this.state("", nonce) });
+  }
+
+  get text(): string {
+    return this.view.state.doc.toString();
+  }
+
+  /** Takes another file; nothing of the one before can be undone into it. */
+  open(text: string, nonce: string): void {
+    this.view.setState(this.state(text, nonce));
+  }
+
+  /** Writes a text in place of a range, as one step of undo. */
+  change(change: Change): void {
+    this.view.dispatch({ changes: change, annotations: isolateHistory.of("full"), userEvent: "input.workbench" });
+  }
+
+  /** Replaces the digits of a number while a slider is held: all of it is one step of undo. */
+  drag(number: FileNumber, value: number, decimals: number): void {
+    const insert = written(value, decimals);
+    const changes = { from: number.from, to: number.from + this.held(number), insert };
+    // A composition joins the step before it, however long the slider rests.
+    const first = { annotations: isolateHistory.of("before"), userEvent: "input.workbench" };
+    const isFirst = this.dragging === null;
+    this.dragging = insert;
+    this.view.dispatch({ changes, ...(isFirst ? first : { userEvent: "input.type.compose" }) });
+  }
+
+  /** The slider is let go. */
+  drop(): void {
+    if (this.dragging === null) return;
+    this.dragging = null;
+    this.view.dispatch({ annotations: isolateHistory.of("after") });
+    this.listener.changed(false);
+  }
+
+  /** Puts the cursor at a place and shows it. */
+  reveal(position: number): void {
+    this.view.dispatch({
+      selection: { anchor: position },
+      effects: EditorView.scrollIntoView(position, { y: "center" }),
+    });
+    this.view.focus();
+  }
+
+  undo(): void {
+    undo(this.view);
+  }
+
+  redo(): void {
+    redo(this.view);
+  }
+
+  get canUndo(): boolean {
+    return undoDepth(this.view.state) > 0;
+  }
+
+  get canRedo(): boolean {
+    return redoDepth(this.view.state) > 0;
+  }
+
+  /** Length of the digits in the text: those of the file, or those that the held slider wrote last. */
+  private held(number: FileNumber): number {
+    return this.dragging?.length ?? number.to - number.from;
+  }
+
+  private state(doc: string, nonce: string): EditorState {
+    const save = { key: "Mod-s", preventDefault: true, run: () => (this.listener.save(), true) };
+    return EditorState.create({
+      doc,
+      extensions: [
+        EditorView.cspNonce.of(nonce),
+        EditorView.contentAttributes.of({ "aria-label": "Machine file", tabindex: "0" }),
+        lineNumbers(),
+        lintGutter(),
+        history(),
+        drawSelection(),
+        highlightActiveLine(),
+        indentOnInput(),
+        bracketMatching(),
+        closeBrackets(),
+        highlightSelectionMatches(),
+        yaml(),
+        syntaxHighlighting(COLOURS),
+        LOOK,
+        keymap.of([save, ...defaultKeymap, ...historyKeymap, ...searchKeymap, ...lintKeymap]),
+        EditorView.updateListener.of((update) => {
+          if (update.docChanged) this.listener.changed(this.dragging !== null);
+          if (update.docChanged || update.selectionSet) this.listener.cursor();
+        }),
+      ],
+    });
+  }
+}

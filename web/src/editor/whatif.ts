@@ -1,0 +1,100 @@
+/** What if: a slider for the number at the cursor, and for every error and tolerance of the file. */
+
+import type { Editor } from "./editor";
+import { type FileNumber, numberAt, numbers, range } from "./numbers";
+import { make } from "../ui/dom";
+import { nameOf } from "./names";
+import { Text } from "@codemirror/state";
+
+/** Sections of a file whose numbers have a slider in the list, in the order of the list. */
+const LISTED = ["errors", "tolerances", "tool", "tools"];
+
+export class WhatIf {
+  private readonly row = make("div", { class: "slider-row" });
+  private readonly input = make("input", { type: "range", id: "number" });
+  private readonly label = make("label", { for: "number" });
+  private readonly output = make("output", { for: "number" });
+  private readonly choice = make("select", { "aria-label": "Number of the file" });
+  private chosen: FileNumber | null = null;
+  private held = false;
+  private listed: FileNumber[] = [];
+  private doc: Text = Text.empty;
+
+  constructor(
+    parent: HTMLElement,
+    private readonly editor: Editor,
+  ) {
+    this.row.append(this.choice, this.output, this.input);
+    parent.append(make("h2", {}, "What if"), this.label, this.row);
+    this.input.addEventListener("input", () => this.drag());
+    this.input.addEventListener("change", () => this.drop());
+    this.choice.addEventListener("change", () => this.choose());
+    this.follow();
+  }
+
+  /** The cursor or the text has moved. */
+  follow(): void {
+    if (this.held) return;
+    const { state } = this.editor.view;
+    if (!this.doc.eq(state.doc)) this.list();
+    this.doc = state.doc;
+    const here = numberAt(state, state.selection.main.head);
+    this.take(here ?? this.again() ?? this.listed[0] ?? null);
+  }
+
+  /** The number that was chosen before, where it stands now. */
+  private again(): FileNumber | undefined {
+    const key = this.chosen && nameOf(this.chosen);
+    return numbers(this.editor.view.state).find((number) => nameOf(number) === key);
+  }
+
+  private list(): void {
+    const all = numbers(this.editor.view.state);
+    this.listed = LISTED.flatMap((section) => all.filter((number) => number.path[0] === section));
+    this.choice.replaceChildren(
+      ...this.listed.map((number) => make("option", { value: nameOf(number) }, nameOf(number))),
+    );
+  }
+
+  private take(number: FileNumber | null): void {
+    this.chosen = number;
+    this.row.hidden = number === null;
+    if (!number) return void (this.label.textContent = "No error, tolerance or tool of this file is a number.");
+    const { min, max, step } = range(number);
+    Object.assign(this.input, { min: String(min), max: String(max), step: String(step) });
+    this.input.value = String(number.value);
+    const name = nameOf(number);
+    this.choice.value = name;
+    const known = this.choice.value === name;
+    if (!known) this.choice.prepend(make("option", { value: name, selected: "" }, name));
+    this.label.textContent = "Number at the cursor, or one of the list:";
+    this.shown(number.value, number);
+  }
+
+  private shown(value: number, number: FileNumber): void {
+    const text = `${Number(value.toFixed(range(number).decimals))} ${number.unit}`.trim();
+    this.output.textContent = text.replace("-", "−");
+    this.input.setAttribute("aria-valuetext", `${nameOf(number)} ${text}`);
+  }
+
+  private choose(): void {
+    const number = numbers(this.editor.view.state).find((of) => nameOf(of) === this.choice.value);
+    if (!number) return;
+    this.chosen = number;
+    this.editor.view.dispatch({ selection: { anchor: number.from }, scrollIntoView: true });
+  }
+
+  private drag(): void {
+    if (!this.chosen) return;
+    this.held = true;
+    const value = Number(this.input.value);
+    this.editor.drag(this.chosen, value, range(this.chosen).decimals);
+    this.shown(value, this.chosen);
+  }
+
+  private drop(): void {
+    this.held = false;
+    this.editor.drop();
+    this.follow();
+  }
+}

@@ -1,0 +1,114 @@
+/** The machine as a tree of bodies: each axis is a group that moves within the one that carries it. */
+
+import * as three from "three";
+import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
+import type { Axis, Chain, Pose, Vec3 } from "../evaluator/types";
+import { castings } from "./castings";
+import { type Layout, layout, motion } from "./layout";
+import type { Material, Shape } from "./shapes";
+import { along } from "./vectors";
+
+export type Materials = Record<Material, three.Material>;
+
+/** A machine that can be drawn, and moved by its axes. */
+export class Figure {
+  readonly root = new three.Group();
+  /** The group in which the workpiece stands still, with its origin and directions. */
+  readonly workpiece = new three.Group();
+  readonly layout: Layout;
+  private readonly bodies = new Map<string, three.Group>();
+
+  constructor(chain: Chain, tool: string, materials: Materials) {
+    const found = layout(chain, tool);
+    if (!found) throw new Error("the machine has no tool");
+    this.layout = found;
+    const shapes = castings(found);
+    this.bodies.set("bed", this.root);
+    this.grow(found.tool);
+    const inner = this.grow(found.workpiece);
+    inner.add(this.workpiece);
+    this.workpiece.position.set(...chain.workpiece_origin_mm);
+    const [a, b, c] = chain.workpiece_rotation_deg.map((angle) => (angle * Math.PI) / 180) as Vec3;
+    // Turned about X, then Y, then Z of the machine.
+    this.workpiece.setRotationFromEuler(new three.Euler(a, b, c, "ZYX"));
+    for (const [body, list] of shapes) this.fill(body, list, materials);
+    for (const axis of chain.axes) if (axis.kind === "rotary") this.pivot(axis, materials);
+  }
+
+  /** Moves the axes to a pose, mm and deg; axes that it leaves out are at 0. */
+  move(pose: Pose): void {
+    for (const axis of this.layout.chain.axes) this.moveAxis(axis, pose[axis.name] ?? 0);
+    this.root.updateMatrixWorld(true);
+  }
+
+  /** The sphere around everything, wherever the linear axes stand; the machine stays at the pose. */
+  sphere(pose: Pose): three.Sphere {
+    const all = new three.Box3();
+    const linear = this.layout.chain.axes.filter((axis) => axis.kind === "linear");
+    for (const end of [0, 1] as const) {
+      const there = Object.fromEntries(linear.map((axis) => [axis.name, axis.travel[end]]));
+      this.move({ ...pose, ...there });
+      all.expandByObject(this.root);
+    }
+    this.move(pose);
+    return all.expandByObject(this.root).getBoundingSphere(new three.Sphere());
+  }
+
+  dispose(): void {
+    this.root.traverse((object) => {
+      if (object instanceof three.Mesh || object instanceof three.Line) object.geometry.dispose();
+    });
+  }
+
+  /** A group for each axis of a side, one within the other, and returns the innermost. */
+  private grow(axes: Axis[]): three.Group {
+    let parent = this.root;
+    for (const axis of axes) {
+      const group = new three.Group();
+      group.matrixAutoUpdate = false;
+      parent.add(group);
+      this.bodies.set(axis.name, group);
+      parent = group;
+    }
+    return parent;
+  }
+
+  private moveAxis(axis: Axis, position: number): void {
+    const group = this.bodies.get(axis.name);
+    if (!group) return;
+    const by = motion(axis) * position;
+    const direction = new three.Vector3(...axis.direction);
+    if (axis.kind === "linear") group.matrix.setPosition(direction.multiplyScalar(by));
+    else {
+      const origin = new three.Vector3(...axis.origin_mm);
+      const turn = new three.Matrix4().makeRotationAxis(direction, (by * Math.PI) / 180);
+      const back = origin.clone().applyMatrix4(turn);
+      group.matrix.copy(turn).setPosition(origin.sub(back));
+    }
+  }
+
+  /** One mesh for each material of a body, and the edges of its castings. */
+  private fill(body: string, shapes: Shape[], materials: Materials): void {
+    const group = this.bodies.get(body);
+    const kinds = new Set(shapes.map((shape) => shape.material));
+    for (const material of kinds) {
+      const parts = shapes.filter((shape) => shape.material === material).map((shape) => shape.geometry);
+      const merged = mergeGeometries(parts);
+      const mesh = new three.Mesh(merged, materials[material]);
+      mesh.castShadow = mesh.receiveShadow = material !== "part";
+      group?.add(mesh, new three.LineSegments(new three.EdgesGeometry(merged, 40), materials.line));
+      parts.forEach((part) => part.dispose());
+    }
+  }
+
+  /** The line about which a rotary axis turns. */
+  private pivot(axis: Axis, materials: Materials): void {
+    const reach = this.layout.table * 1.5 + this.layout.size;
+    const ends = [-1, 1].map((way) => new three.Vector3(...along(axis.origin_mm, axis.direction, way * reach)));
+    const line = new three.Line(new three.BufferGeometry().setFromPoints(ends), materials.guide);
+    const dashed = new three.LineDashedMaterial({ color: 0xc25f0c, dashSize: reach / 18, gapSize: reach / 28 });
+    line.material = dashed;
+    line.computeLineDistances();
+    this.bodies.get(axis.name)?.parent?.add(line);
+  }
+}

@@ -1,0 +1,165 @@
+/** The picture of the machine: camera, light, theme, and what is drawn about the deviation. */
+
+import * as three from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import type { Chain, Pose, Vec3 } from "../evaluator/types";
+import { Figure, type Materials } from "./figure";
+import { Marks } from "./marks";
+import type { Material } from "./shapes";
+
+const LIGHT: Record<Material, number> = {
+  bed: 0x9aa4ae,
+  axis: 0xd9dfe4,
+  rotary: 0x6f9fd0,
+  guide: 0x39424b,
+  spindle: 0xa8b0b8,
+  tool: 0xd9a33c,
+  part: 0xb9d7a8,
+  line: 0x4a545e,
+};
+const DARK: Record<Material, number> = {
+  bed: 0x59636d,
+  axis: 0x8a95a0,
+  rotary: 0x4f86bd,
+  guide: 0x20262c,
+  spindle: 0x9aa4ae,
+  tool: 0xe0b04c,
+  part: 0x7fa56f,
+  line: 0x161a1f,
+};
+
+export class Stage {
+  readonly marks = new Marks();
+  private readonly scene = new three.Scene();
+  private readonly camera = new three.PerspectiveCamera(32, 1, 1, 1e6);
+  private readonly renderer: three.WebGLRenderer;
+  private readonly controls: OrbitControls;
+  private readonly materials = {} as Materials;
+  private figure: Figure | null = null;
+  private shown = "";
+  private pending = 0;
+
+  /** Fails where the browser cannot draw in three dimensions. */
+  constructor(private readonly parent: HTMLElement) {
+    this.renderer = new three.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    const canvas = this.renderer.domElement;
+    canvas.tabIndex = 0;
+    canvas.setAttribute("role", "img");
+    parent.append(canvas);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.listenToKeyEvents(canvas);
+    this.controls.addEventListener("change", () => this.draw());
+    this.lights();
+    for (const material of Object.keys(LIGHT) as Material[]) this.materials[material] = this.material(material);
+    new ResizeObserver(() => this.resize()).observe(parent);
+    this.theme(false);
+  }
+
+  /** Shows a machine. The camera stays where it is while the chain keeps its shape. */
+  show(chain: Chain, tool: string, pose: Pose): void {
+    const figure = new Figure(chain, tool, this.materials);
+    this.figure?.dispose();
+    this.figure?.root.removeFromParent();
+    this.figure = figure;
+    figure.workpiece.add(this.marks.group);
+    this.scene.add(figure.root);
+    figure.move(pose);
+    const shape = chain.chain + chain.machine;
+    if (shape !== this.shown) this.look(pose);
+    this.shown = shape;
+    this.renderer.domElement.setAttribute("aria-label", `The machine ${chain.machine}, ${chain.chain}`);
+    this.draw();
+  }
+
+  move(pose: Pose): void {
+    this.figure?.move(pose);
+    this.draw();
+  }
+
+  /** Puts the camera before the whole machine. */
+  look(pose: Pose): void {
+    if (!this.figure) return;
+    const { up, back, right } = this.figure.layout;
+    const { center, radius } = this.figure.sphere(pose);
+    const from = new three.Vector3(...up).multiplyScalar(0.62).add(new three.Vector3(...back).multiplyScalar(-1.25));
+    from.add(new three.Vector3(...right).multiplyScalar(0.95)).normalize();
+    const narrow = Math.min(this.camera.aspect, 1);
+    const distance = (radius * 0.9) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
+    this.camera.up.set(...up);
+    this.camera.position.copy(center).addScaledVector(from, distance);
+    this.camera.near = distance / 100;
+    this.camera.far = distance * 10;
+    this.controls.target.copy(center);
+    this.resize();
+    this.controls.update();
+    this.sun(center, radius);
+  }
+
+  theme(dark: boolean): void {
+    const colours = dark ? DARK : LIGHT;
+    for (const material of Object.keys(colours) as Material[]) {
+      const of = this.materials[material] as three.MeshStandardMaterial | three.LineBasicMaterial;
+      of.color.setHex(colours[material]);
+    }
+    this.marks.theme(dark);
+    this.draw();
+  }
+
+  draw(): void {
+    if (this.pending) return;
+    this.pending = requestAnimationFrame(() => {
+      this.pending = 0;
+      this.renderer.render(this.scene, this.camera);
+    });
+  }
+
+  /** The deviation at the present pose, in the workpiece frame. */
+  deviation(nominal: Vec3 | null, deviation_mm: Vec3, times: number): void {
+    const size = this.figure?.layout.size ?? 100;
+    this.marks.deviation(nominal, deviation_mm, times, size);
+    this.draw();
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.parent;
+    if (!width || !height) return;
+    this.renderer.setSize(width, height);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  private readonly lamp = new three.DirectionalLight(0xffffff, 1.9);
+  private readonly sky = new three.HemisphereLight(0xffffff, 0x9aa5b1, 2.1);
+
+  private lights(): void {
+    this.scene.add(this.sky, this.lamp, this.lamp.target);
+  }
+
+  private sun(center: three.Vector3, radius: number): void {
+    const { up, back, right } = this.figure?.layout ?? { up: [0, 0, 1], back: [0, 1, 0], right: [1, 0, 0] };
+    this.sky.position.set(...(up as Vec3));
+    this.lamp.target.position.copy(center);
+    this.lamp.position.copy(center);
+    for (const [direction, k] of [
+      [up, 2.0],
+      [back, -2.0],
+      [right, -0.5],
+    ] as [Vec3, number][])
+      this.lamp.position.addScaledVector(new three.Vector3(...direction), k * radius);
+  }
+
+  private material(material: Material): three.Material {
+    if (material === "line") return new three.LineBasicMaterial({ transparent: true, opacity: 0.55 });
+    const flat = {
+      roughness: 0.65,
+      metalness: 0.12,
+      polygonOffset: true,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 1,
+    };
+    if (material === "part") return new three.MeshStandardMaterial({ ...flat, transparent: true, opacity: 0.75 });
+    return new three.MeshStandardMaterial(flat);
+  }
+}

@@ -1,0 +1,218 @@
+/** The workbench: puts the parts together. Every change of the machine is a change of the text in the editor. */
+
+import "./style.css";
+import { chainEdit } from "./editor/chain";
+import { inWords, range as placeRange, show as showMarks } from "./editor/diagnostics";
+import { Editor } from "./editor/editor";
+import { numbers } from "./editor/numbers";
+import { WhatIf } from "./editor/whatif";
+import { Playground } from "./evaluator/playground";
+import { Program } from "./evaluator/program";
+import type { Diagnostic, Evaluator, Pose, Store } from "./evaluator/types";
+import { AxisSliders } from "./machine/axes";
+import { Deviation } from "./machine/deviation";
+import { Stage } from "./machine/stage";
+import { Pareto } from "./review/pareto";
+import { StatisticsTable } from "./review/statistics";
+import { Verdict } from "./review/verdict";
+import { Session, type State } from "./session";
+import { move, place } from "./ui/address";
+import { Chips } from "./ui/chips";
+import { button, byId, make } from "./ui/dom";
+import { followTheme } from "./ui/theme";
+import { ToolChoice } from "./ui/tools";
+
+class Workbench {
+  private readonly nonce = document.querySelector("style")?.nonce ?? "";
+  private readonly editor: Editor;
+  private readonly whatif: WhatIf;
+  private readonly session: Session;
+  private readonly stage: Stage | null = standing();
+  private readonly deviation: Deviation;
+  private readonly sliders = new AxisSliders(byId("axes"), byId("poses"), (pose, rests) => this.moved(pose, rests));
+  private readonly chips = new Chips(byId("chain"), (list) => this.rebuild(list));
+  private readonly tools = new ToolChoice(byId("poses"), (tool) => this.take(tool));
+  private readonly verdict = new Verdict(byId("verdict"));
+  private readonly statistics = new StatisticsTable(byId("statistics"), (pose) => this.sliders.go(pose));
+  private readonly pareto = new Pareto(byId("pareto"), (error) => this.find(error));
+  private readonly undo = button("Undo", () => this.editor.undo());
+  private readonly redo = button("Redo", () => this.editor.redo());
+  private readonly keep: HTMLButtonElement;
+
+  constructor(
+    evaluator: Evaluator,
+    private readonly store: Store,
+  ) {
+    this.session = new Session(
+      evaluator,
+      (state) => this.show(state),
+      (message) => this.complain(message),
+      working,
+    );
+    this.editor = new Editor(byId("editor"), this.nonce, {
+      changed: (draft) => this.changed(draft),
+      cursor: () => this.whatif?.follow(),
+      save: () => void this.save(),
+    });
+    this.whatif = new WhatIf(byId("whatif"), this.editor);
+    this.deviation = new Deviation(byId("legend"), byId("poses"), this.stage, this.session);
+    this.keep = button(store.verb, () => void this.save(), { class: "primary", id: "save" });
+    byId("actions").append(...this.examples(), this.undo, this.redo, this.keep);
+    followTheme((dark) => this.stage?.theme(dark));
+    window.addEventListener("beforeunload", (event) => {
+      if (this.isChanged && store.verb === "Save") event.preventDefault();
+    });
+  }
+
+  async open(): Promise<void> {
+    const { machine, text } = await this.store.open();
+    this.editor.open(text, this.nonce);
+    this.session.take(this.tools.chosen);
+    this.session.open(machine, text);
+    this.whatif.follow();
+    this.buttons();
+  }
+
+  private take(tool: string): void {
+    move({ tool });
+    this.session.take(tool);
+    this.changed(false);
+  }
+
+  private get isChanged(): boolean {
+    return this.editor.text !== this.session.kept;
+  }
+
+  private changed(draft: boolean): void {
+    this.session.change(this.editor.text, draft);
+    this.buttons();
+  }
+
+  private buttons(): void {
+    this.undo.disabled = !this.editor.canUndo;
+    this.redo.disabled = !this.editor.canRedo;
+    this.keep.disabled = this.store.verb === "Save" && !this.isChanged;
+    this.keep.textContent = this.store.verb + (this.isChanged ? " •" : "");
+  }
+
+  private async save(): Promise<void> {
+    const text = this.editor.text;
+    try {
+      await this.store.save(text, this.session.kept);
+      this.session.keep(text);
+      this.complain("");
+      this.changed(false);
+    } catch (failure) {
+      this.complain(`Not saved: ${failure instanceof Error ? failure.message : failure}.`);
+    }
+  }
+
+  private complain(message: string): void {
+    const problem = byId("problem");
+    problem.hidden = message === "";
+    problem.textContent = message;
+  }
+
+  private show(state: State): void {
+    this.complain("");
+    showMarks(this.editor.view, this.session.machine, state.diagnostics);
+    this.list(state.diagnostics);
+    if (state.now) {
+      const { chain } = state.now;
+      byId("name").textContent = chain.machine;
+      document.title = `${chain.machine} – abbe workbench`;
+      if (!state.stale) this.chips.show(chain.chain);
+      this.sliders.show(chain);
+      this.tools.show(chain.tools.map((tool) => tool.name));
+      this.stage?.show(chain, this.tools.chosen, this.sliders.pose);
+      this.deviation.follow(chain, this.sliders.pose, state.now.map?.from === "bounds");
+    }
+    this.verdict.show(state);
+    this.statistics.show(state);
+    this.pareto.show(state);
+    document.body.dataset["state"] = state.effort.draft ? "draft" : "full";
+  }
+
+  private moved(pose: Pose, rests: boolean): void {
+    this.stage?.move(pose);
+    this.deviation.moved(pose, rests);
+  }
+
+  /** Diagnostics below the editor; each leads to its place. */
+  private list(found: Diagnostic[]): void {
+    const entry = (diagnostic: Diagnostic) => {
+      const at = diagnostic.places.find((of) => of.file === this.session.machine);
+      const go = () => at && this.editor.reveal(placeRange(this.editor.view.state.doc, at)[0]);
+      const line = at ? `line ${at.line}: ` : "";
+      const [first, ...rest] = inWords(diagnostic, this.session.machine).split("\n");
+      return make(
+        "li",
+        { class: diagnostic.severity },
+        button(`${line}${first}`, go, { title: diagnostic.code }),
+        ...rest.map((text) => make("p", {}, text)),
+      );
+    };
+    byId("diagnostics").replaceChildren(...(found.length ? [make("ul", {}, ...found.map(entry))] : []));
+  }
+
+  private rebuild(list: string[]): void {
+    const edit = chainEdit(this.editor.view.state, list);
+    if (edit) this.editor.change(edit);
+    else this.complain("The file writes its chain as `branches`, or takes it from elsewhere: change it in the text.");
+  }
+
+  /** Leads to the number of an error; one that a table gives has none in the file. */
+  private find(error: string): void {
+    const number = numbers(this.editor.view.state).find((of) => of.path.includes(error));
+    if (number) return this.editor.reveal(number.from);
+    const section = this.editor.text.search(/^(measured|tolerances|class):/m);
+    if (section >= 0) this.editor.reveal(section);
+  }
+
+  private examples(): HTMLElement[] {
+    if (!(this.store instanceof Playground)) return [];
+    const store = this.store;
+    const choice = make(
+      "select",
+      { "aria-label": "Example", id: "example" },
+      ...store.examples.machines.map((name) => make("option", {}, name)),
+    );
+    choice.value = store.chosen;
+    choice.addEventListener("change", () => {
+      store.chosen = choice.value;
+      move({ example: choice.value, pose: "", tool: "" });
+      this.tools.chosen = "";
+      void this.open();
+    });
+    return [choice];
+  }
+}
+
+/** While figures are computed a line below the head is coloured. */
+function working(busy: boolean): void {
+  if (busy) document.body.dataset["busy"] = "yes";
+  else delete document.body.dataset["busy"];
+}
+
+/** The stage, or a sentence where the browser cannot draw it. */
+function standing(): Stage | null {
+  try {
+    return new Stage(byId("stage"));
+  } catch {
+    byId("stage").textContent = "This browser cannot draw in three dimensions (WebGL); everything else works.";
+    return null;
+  }
+}
+
+async function start(): Promise<void> {
+  const given = JSON.parse(byId("start").textContent ?? "{}") as { evaluator: string; token?: string };
+  const face =
+    import.meta.env.MODE === "program" ? new Program(given.token ?? "") : await Playground.load(place().example);
+  await new Workbench(face, face).open();
+}
+
+start().catch((failure: unknown) => {
+  const problem = byId("problem");
+  problem.hidden = false;
+  problem.textContent = failure instanceof Error ? failure.message : String(failure);
+});

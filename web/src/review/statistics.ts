@@ -1,0 +1,61 @@
+/** Further figures, each with its difference to the kept state, and the worst poses. */
+
+import type { Pose } from "../evaluator/types";
+import type { Findings, State } from "../session";
+import { button, make } from "../ui/dom";
+import { deciding } from "./verdict";
+import { difference, figure, pair } from "./number";
+
+type Pick = (of: Findings) => number | undefined;
+
+/** Name for tests, words, unit, value. */
+type Row = [string, string, string, Pick];
+
+const MEASURED: Row[] = [
+  ["max", "Largest deviation", "µm", (of) => of.map?.position_um.max],
+  ["rms", "Root mean square", "µm", (of) => of.map?.position_um.rms],
+  ["mean", "Mean", "µm", (of) => of.map?.position_um.mean],
+  ["rotation", "Tilt of the tool, 95 %", "µrad", (of) => of.map?.rotation_urad.p95],
+];
+
+const BOUNDED: Row[] = [
+  ["rss", "Root of the sum of squares", "µm", (of) => of.budget?.position_um.rss],
+  ["worst_case", "All bounds at their worst", "µm", (of) => of.budget?.position_um.worst_case],
+  ["bounds_p95", "95 % of machines, at 95 % of the poses", "µm", (of) => of.map?.position_um.p95],
+  ["rotation", "Tilt of the tool, 95 %", "µrad", (of) => of.map?.rotation_urad.p95],
+];
+
+/** The poses to look at first. */
+export function worstPoses(of: Findings): { axes: Pose; um: number }[] {
+  const bounded = of.map?.bounds?.worst.map(({ axes, p95_um }) => ({ axes, um: p95_um }));
+  return bounded ?? of.map?.worst.map(({ axes, deviation_um }) => ({ axes, um: Math.hypot(...deviation_um) })) ?? [];
+}
+
+export class StatisticsTable {
+  constructor(
+    private readonly parent: HTMLElement,
+    private readonly go: (pose: Pose) => void,
+  ) {}
+
+  show(state: State): void {
+    const { now, kept } = state;
+    if (!now?.map || !deciding(now)) return this.parent.replaceChildren();
+    const rows = (now.map.from ? BOUNDED : MEASURED).flatMap((row) => this.row(row, now, kept));
+    const table = make("table", {}, make("tbody", {}, ...rows));
+    const worst = worstPoses(now)[0];
+    const see = worst
+      ? [button("Show the worst pose", () => this.go(worst.axes), { class: "primary", id: "worst" })]
+      : [];
+    this.parent.classList.toggle("stale", state.stale);
+    this.parent.replaceChildren(table, ...see);
+  }
+
+  private row([at, words, unit, pick]: Row, now: Findings, kept: Findings | null): HTMLElement[] {
+    const value = pick(now);
+    if (value === undefined) return [];
+    const by = difference(pair(value, kept && pick(kept)), unit);
+    return [
+      make("tr", {}, make("th", { scope: "row" }, words), make("td", {}, figure(at, value, unit)), make("td", {}, by)),
+    ];
+  }
+}

@@ -1,0 +1,115 @@
+/** The first thing a review looks at: the 95 % value, its band, and whether it is within the limit. */
+
+import type { Findings, State } from "../session";
+import { make } from "../ui/dom";
+import { move, place } from "../ui/address";
+import { difference, figure, pair, rounded } from "./number";
+
+/** The figure that decides, with the interval that is known of it. */
+export interface Deciding {
+  value: number;
+  band: [number, number] | null;
+  /** What it is, in a sentence. */
+  words: string;
+  /** Where the interval comes from; empty without one. */
+  source: string;
+}
+
+/** Of a machine that is measured the 95 % value over the volume; of one that is only bounded that of the budget. */
+export function deciding(of: Findings): Deciding | null {
+  if (of.map && of.sources?.errors.length) return measured(of.map);
+  const drawn = of.budget?.position_um.monte_carlo.percentiles["p95"];
+  if (!drawn || !of.budget) return null;
+  return {
+    value: drawn.value,
+    band: [drawn.low, drawn.high],
+    words: `95 of 100 machines built to these tolerances deviate less than this, ${STATISTICS[of.budget.statistic] ?? of.budget.statistic}. Nothing of this machine is measured.`,
+    source: `interval of ${of.budget.samples} drawn machines`,
+  };
+}
+
+const STATISTICS: Record<string, string> = {
+  max: "at their worst pose",
+  p95: "at 95 % of their poses",
+  rms: "in the root mean square over the volume",
+  mean: "on average over the volume",
+};
+
+function measured(map: NonNullable<Findings["map"]>): Deciding {
+  const band = map.uncertainty?.position_um.p95 ?? null;
+  return {
+    value: map.position_um.p95,
+    band,
+    words: "95 % of the poses in the volume deviate less than this: functional point, actual minus nominal.",
+    source: band
+      ? "interval by the uncertainties of the file"
+      : "The file states no uncertainties, so no interval is known.",
+  };
+}
+
+export class Verdict {
+  constructor(private readonly parent: HTMLElement) {}
+
+  show(state: State): void {
+    const now = state.now && deciding(state.now);
+    if (!now) return this.parent.replaceChildren(...this.nothing(state));
+    const kept = state.kept && deciding(state.kept);
+    const band = now.band
+      ? make("p", { class: "band" }, `${rounded(now.band[0])} to ${rounded(now.band[1])} µm: ${now.source}`)
+      : make("p", { class: "band" }, now.source);
+    this.parent.classList.toggle("stale", state.stale);
+    this.parent.replaceChildren(
+      make("h2", {}, state.stale ? "Error of the machine, before the last edit" : "Error of the machine"),
+      make(
+        "p",
+        { class: "headline" },
+        figure("p95", now.value, "µm"),
+        " ",
+        difference(pair(now.value, kept?.value), "µm"),
+      ),
+      make("p", { class: "words" }, now.words + (state.effort.draft ? ` Draft: ${state.effort.poses} poses.` : "")),
+      band,
+      this.limit(now),
+    );
+  }
+
+  private nothing(state: State): HTMLElement[] {
+    const words = state.stale
+      ? "The file is refused: see the marks in the editor."
+      : "No error has a value or a bound. Write some under `errors` or `tolerances`, or take those of a class: `class: production`.";
+    return [make("h2", {}, "Error of the machine"), make("p", { class: "words" }, words)];
+  }
+
+  /** Pass or fail against the limit in the address. */
+  private limit(of: Deciding): HTMLElement {
+    const input = make("input", {
+      type: "number",
+      min: "0",
+      step: "any",
+      id: "limit",
+      value: place().limit,
+      placeholder: "none",
+    });
+    const answer = make("strong", {});
+    const judge = () => {
+      const limit = Number(input.value);
+      const known = input.value !== "" && limit > 0;
+      answer.textContent = known ? verdict(of, limit) : "";
+      answer.className = known ? `verdict-${verdict(of, limit).split(/[ ,]/)[0]?.toLowerCase()}` : "";
+    };
+    input.addEventListener("input", () => {
+      move({ limit: input.value });
+      judge();
+    });
+    judge();
+    return make("p", { class: "limit" }, make("label", { for: "limit" }, "Limit"), input, " µm ", answer);
+  }
+}
+
+/** A limit within the band decides nothing. */
+export function verdict(of: Deciding, limit: number): string {
+  const [low, high] = of.band ?? [of.value, of.value];
+  if (high <= limit) return `Passes by ${rounded(limit - of.value)} µm`;
+  if (low > limit) return `Fails by ${rounded(of.value - limit)} µm`;
+  return "Open: the limit lies within the band";
+}

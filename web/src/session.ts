@@ -1,0 +1,172 @@
+/** What the page knows of the machine: answers to its text as it is now and as it was kept last. */
+
+import {
+  accepted,
+  type Chain,
+  type Diagnostic,
+  type Evaluated,
+  type Evaluator,
+  type Pose,
+  type Question,
+  type Request,
+  type Sources,
+  type VolumeMap,
+} from "./evaluator/types";
+
+/** Answers to one text. */
+export interface Findings {
+  chain: Chain;
+  map: VolumeMap | null;
+  sources: Sources | null;
+  budget: Budget | null;
+}
+
+/** The parts of a budget that are shown. */
+export interface Budget {
+  poses: number;
+  samples: number;
+  statistic: string;
+  position_um: {
+    rss: number;
+    worst_case: number;
+    monte_carlo: { percentiles: Record<string, { value: number; low: number; high: number }> };
+  };
+  tighten: { error: string; tolerance: number; unit: string; um_of_p95: number; um_of_p95_sigma: number }[];
+}
+
+/** How much is computed: little while a slider is held, all of it afterwards. */
+export interface Effort {
+  draft: boolean;
+  poses: number;
+  samples: number;
+}
+
+export const DRAFT: Effort = { draft: true, poses: 300, samples: 100 };
+export const FULL: Effort = { draft: false, poses: 2000, samples: 1000 };
+
+/** The state that the page shows. */
+export interface State {
+  effort: Effort;
+  diagnostics: Diagnostic[];
+  /** Of the last text that was accepted. */
+  now: Findings | null;
+  /** Of the text that was kept last, computed with the same effort. */
+  kept: Findings | null;
+  /** True if the present text is refused, so that `now` is of an earlier one. */
+  stale: boolean;
+}
+
+/** Keeps asking for the newest text: while an answer is awaited, only the last of the wishes is remembered. */
+export class Session {
+  machine = "";
+  kept = "";
+  private text = "";
+  private tool = "";
+  private readonly keptFindings = new Map<Effort, Findings | null>();
+  private now: Findings | null = null;
+  private wish: Effort | null = null;
+  private busy = false;
+
+  constructor(
+    private readonly evaluator: Evaluator,
+    private readonly show: (state: State) => void,
+    private readonly failed: (message: string) => void,
+    /** Hears when work begins, and when all that was wished for is shown. */
+    private readonly working: (busy: boolean) => void,
+  ) {}
+
+  /** Begins with a file as it is kept. */
+  open(machine: string, text: string): void {
+    this.machine = machine;
+    this.now = null;
+    this.keep(text);
+    this.change(text, false);
+  }
+
+  /** The text is kept: differences are to this one from now on. */
+  keep(text: string): void {
+    this.kept = text;
+    this.keptFindings.clear();
+  }
+
+  /** Takes another tool of the file; the first for an empty name. */
+  take(tool: string): void {
+    this.tool = tool;
+    this.keptFindings.clear();
+  }
+
+  change(text: string, draft: boolean): void {
+    this.text = text;
+    this.wish = draft ? DRAFT : FULL;
+    void this.work();
+  }
+
+  /** Asks about the text as it is now. */
+  async ask(questions: Question[]): Promise<unknown[]> {
+    return (await this.evaluator.ask(this.request(this.text, questions))).answers;
+  }
+
+  /** Deviations at poses, in the order of the axes of the chain. */
+  async deviations(chain: Chain, poses: Pose[]): Promise<Evaluated | null> {
+    const rows = poses.map((pose) => chain.axes.map((axis) => pose[axis.name] ?? 0));
+    const [answer] = await this.ask([{ eval: { poses: rows } }]);
+    return accepted<Evaluated>(answer);
+  }
+
+  private request(text: string, questions: Question[]): Request {
+    const tool = this.tool ? { tool: this.tool } : {};
+    return { machine: this.machine, texts: { [this.machine]: text }, questions, ...tool };
+  }
+
+  private async work(): Promise<void> {
+    if (this.busy) return;
+    this.busy = true;
+    this.working(true);
+    try {
+      while (this.wish) await this.turn(this.wish);
+    } catch (failure) {
+      this.failed(failure instanceof Error ? failure.message : String(failure));
+    }
+    this.busy = false;
+    this.working(false);
+  }
+
+  private async turn(effort: Effort): Promise<void> {
+    const text = this.text;
+    this.wish = null;
+    const { diagnostics, findings } = await this.findings(text, effort);
+    if (findings) this.now = findings;
+    const kept = await this.ofKept(effort);
+    this.show({ effort, diagnostics, now: this.now, kept, stale: !findings });
+  }
+
+  private async ofKept(effort: Effort): Promise<Findings | null> {
+    const known = this.keptFindings.get(effort);
+    if (known !== undefined) return known;
+    const { findings } = await this.findings(this.kept, effort);
+    this.keptFindings.set(effort, findings);
+    return findings;
+  }
+
+  private async findings(
+    text: string,
+    effort: Effort,
+  ): Promise<{ diagnostics: Diagnostic[]; findings: Findings | null }> {
+    const { poses, samples } = effort;
+    const questions: Question[] = [
+      "show",
+      { map: { poses: { random: poses }, worst: 5, samples } },
+      { sources: { poses } },
+      { budget: { samples } },
+    ];
+    const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
+    const chain = accepted<Chain>(answers[0]);
+    if (!chain) return { diagnostics, findings: null };
+    const [map, sources, budget] = [
+      accepted<VolumeMap>(answers[1]),
+      accepted<Sources>(answers[2]),
+      accepted<Budget>(answers[3]),
+    ];
+    return { diagnostics, findings: { chain, map, sources, budget } };
+  }
+}

@@ -1,0 +1,25 @@
+/** The page's address holds what is not in the machine file: the example, the limit, the pose. */
+
+export interface Place {
+  /** Name of the example. */
+  example: string;
+  /** Limit of the 95 % value, um; empty without. */
+  limit: string;
+  /** Name of the tool; empty for the first of the file. */
+  tool: string;
+  /** Pose, `X=250,C=90`. */
+  pose: string;
+}
+
+export function place(): Place {
+  const found = new URLSearchParams(location.hash.slice(1));
+  const of = (name: string) => found.get(name) ?? "";
+  return { example: of("example"), limit: of("limit"), tool: of("tool"), pose: of("pose") };
+}
+
+/** Changes a part of the address, without an entry in the history of the browser. */
+export function move(change: Partial<Place>): void {
+  const next = new URLSearchParams();
+  for (const [name, value] of Object.entries({ ...place(), ...change })) if (value) next.set(name, value);
+  history.replaceState(null, "", `#${next}`);
+}

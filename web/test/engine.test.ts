@@ -1,0 +1,110 @@
+/** The engine against the program: the same JSON, character by character, for 50 random edits. */
+
+import { yaml } from "@codemirror/lang-yaml";
+import { EditorState } from "@codemirror/state";
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { test } from "node:test";
+import { gzipSync } from "node:zlib";
+import { numbers, range, written } from "../src/editor/numbers";
+import { Engine } from "../src/evaluator/engine";
+import type { Question, Reply } from "../src/evaluator/types";
+import { random } from "./random";
+
+const [program, engineFile] = [process.env["ABBE_PROGRAM"], process.env["ABBE_ENGINE"]];
+const skip = program && engineFile ? false : "ABBE_PROGRAM and ABBE_ENGINE name the program and the engine";
+
+interface Examples {
+  machines: string[];
+  files: Record<string, string>;
+}
+
+const examples = (): Examples => JSON.parse(readFileSync("out/examples.json", "utf8")) as Examples;
+
+async function started(): Promise<Engine> {
+  const engine = await Engine.of(await WebAssembly.compile(readFileSync(engineFile ?? "")));
+  for (const [name, text] of Object.entries(examples().files)) engine.put(name, text);
+  return engine;
+}
+
+/** What the program prints for a verb, of a file among the examples with another text. */
+function printed(machine: string, text: string, verb: string[]): string {
+  const folder = "out/files";
+  rmSync(folder, { recursive: true, force: true });
+  for (const [name, content] of Object.entries({ ...examples().files, [machine]: text })) {
+    mkdirSync(`${folder}/${name}`.replace(/\/[^/]*$/, ""), { recursive: true });
+    writeFileSync(`${folder}/${name}`, content);
+  }
+  const [name, ...options] = verb;
+  try {
+    return execFileSync(program ?? "", [name ?? "", machine, ...options, "--format", "json", "--quiet"], {
+      cwd: folder,
+      encoding: "utf8",
+      stdio: "pipe",
+    }).trim();
+  } catch (failure) {
+    return (failure as { stdout: string }).stdout.trim();
+  }
+}
+
+const QUESTIONS: [Question, string[]][] = [
+  [{ map: { poses: { random: 500 }, samples: 50 } }, ["map", "--random", "500", "--samples", "50"]],
+  ["show", ["show"]],
+  [{ budget: { poses: 50, samples: 50 } }, ["budget", "--poses", "50", "--samples", "50"]],
+];
+
+test("50 random edits: the engine answers as the program prints", { skip }, async () => {
+  const engine = await started();
+  const { machines, files } = examples();
+  const next = random(50);
+  let compared = 0;
+  for (let k = 0; k < 50; k += 1) {
+    const machine = machines[next(machines.length)] ?? "";
+    const text = edited(files[machine] ?? "", next);
+    const [question, verb] = QUESTIONS[k % QUESTIONS.length] ?? ["show", ["show"]];
+    const reply = JSON.parse(
+      engine.ask(JSON.stringify({ machine, texts: { [machine]: text }, questions: [question] })),
+    ) as Reply;
+    const expected = JSON.parse(printed(machine, text, verb)) as {
+      refused?: boolean;
+      warnings?: unknown;
+      more_warnings?: unknown;
+    };
+    if (expected.refused) continue;
+    // The program lists the warnings of reading the file there too.
+    const [own, theirs] = [
+      { ...(reply.answers[0] as object), warnings: 0, more_warnings: 0 },
+      { ...expected, warnings: 0, more_warnings: 0 },
+    ];
+    assert.equal(JSON.stringify(own), JSON.stringify(theirs), `${machine}: ${verb.join(" ")}`);
+    compared += 1;
+  }
+  assert.ok(compared >= 30, `${compared} were accepted`);
+});
+
+function edited(text: string, next: (below: number) => number): string {
+  const list = numbers(EditorState.create({ doc: text, extensions: [yaml()] })).filter(({ path }) =>
+    ["errors", "tolerances", "tool", "tools"].includes(path[0] ?? ""),
+  );
+  const number = list[next(Math.max(list.length, 1))];
+  if (!number) return text;
+  const { min, max, decimals } = range(number);
+  return (
+    text.slice(0, number.from) +
+    written(min + ((max - min) * (1 + next(1000))) / 1001, decimals) +
+    text.slice(number.to)
+  );
+}
+
+test("the engine is small, and answers 2000 poses while a slider moves", { skip }, async () => {
+  const size = gzipSync(readFileSync(engineFile ?? ""), { level: 9 }).length;
+  console.log(`engine: ${statSync(engineFile ?? "").size} bytes, ${size} by gzip`);
+  assert.ok(size < 1_700_000, `${size} bytes by gzip`);
+  const engine = await started();
+  const request = JSON.stringify({ machine: "trunnion.yaml", questions: [{ map: { poses: { random: 2000 } } }] });
+  engine.ask(request);
+  const start = performance.now();
+  for (let k = 0; k < 10; k += 1) engine.ask(request);
+  console.log(`2000 poses of the trunnion, with reading the file: ${((performance.now() - start) / 10).toFixed(1)} ms`);
+});
