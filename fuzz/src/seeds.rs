@@ -183,7 +183,8 @@ fn measured() -> Vec<Vec<u8>> {
 fn manifests() -> Vec<Vec<u8>> {
     let manifest = |name: &&str| {
         let path = Path::new(ROOT).join("templates").join(name).join("target.yaml");
-        [format!("# {name}\n").as_bytes(), &read(&path)].concat()
+        let text = String::from_utf8_lossy(&read(&path)).replace(&format!("target: {name}\n"), "target: own\n");
+        format!("# {name}\n{text}").into_bytes()
     };
     NAMES.iter().map(manifest).collect()
 }
