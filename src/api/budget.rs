@@ -126,7 +126,7 @@ impl Serialize for BudgetResult {
 ///
 /// Fails if no error is bounded, and for poses or classes that do not fit the machine.
 pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Result<Answer<BudgetResult>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| budgeted(call, file, options))
+    Call::answer_by_hand(run, file.sources(), |call| budgeted(call, file, options))
 }
 
 /// Maximum number of random poses.

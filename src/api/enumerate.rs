@@ -261,7 +261,7 @@ pub fn enumerate(
     file: Option<&dyn StudyFile>,
     run: Run<'_>,
 ) -> Result<Answer<EnumerateResult>, Diagnostics> {
-    Call::answer(run, machine.sources(), |call| studied(call, machine, options, file))
+    Call::answer_by_hand(run, machine.sources(), |call| studied(call, machine, options, file))
 }
 
 fn studied(

@@ -61,7 +61,7 @@ pub fn equations(
     options: &EquationsOptions,
     run: Run<'_>,
 ) -> Result<Answer<EquationsResult>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| found(call, file, options))
+    Call::answer_by_hand(run, file.sources(), |call| found(call, file, options))
 }
 
 fn found(call: &mut Call<'_>, machine: &Machine, options: &EquationsOptions) -> Result<EquationsResult, Refused> {

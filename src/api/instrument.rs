@@ -159,7 +159,7 @@ pub fn instrument(
     options: &InstrumentOptions,
     run: Run<'_>,
 ) -> Result<Answer<InstrumentResult>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| read(call, file, options))
+    Call::answer_by_hand(run, file.sources(), |call| read(call, file, options))
 }
 
 fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> Result<InstrumentResult, Refused> {

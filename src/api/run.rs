@@ -3,6 +3,7 @@
 use super::finite;
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::syntax::{Disk, Files, MemoryFiles};
+use std::fmt;
 use std::ops::Deref;
 
 /// Hears of the progress of a long job. All methods do nothing by default.
@@ -99,6 +100,19 @@ impl<'a> Call<'a> {
         Self::answer_of(run, sources, |call| {
             let value = job(call)?;
             call.extend(finite::refusal(&value));
+            Ok(value)
+        })
+    }
+
+    /// The same for a value whose JSON is made by hand.
+    pub fn answer_by_hand<T: fmt::Debug>(
+        run: Run<'a>,
+        sources: &Sources,
+        job: impl FnOnce(&mut Self) -> Result<T, Refused>,
+    ) -> Result<Answer<T>, Diagnostics> {
+        Self::answer_of(run, sources, |call| {
+            let value = job(call)?;
+            call.extend(finite::refusal_of_content(&value));
             Ok(value)
         })
     }

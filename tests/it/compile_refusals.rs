@@ -372,6 +372,23 @@ fn templates_that_would_do_harm() {
     }
 }
 
+#[test]
+fn a_target_has_the_name_of_its_folder() {
+    let folder = Folder::new();
+    let machine = config("gantry-3ax.yaml");
+    let own = folder.path("templates/own");
+    std::fs::create_dir_all(&own).unwrap();
+    for entry in std::fs::read_dir("templates/grid-csv").unwrap().map(Result::unwrap) {
+        std::fs::copy(entry.path(), own.join(entry.file_name())).unwrap();
+    }
+    let templates = folder.path("templates");
+    let more = ["--templates", templates.to_str().unwrap(), "--poses", "5"];
+    // Found by fuzzing: the manifest of the set would name the target of the binary, and `verify` would judge by that.
+    let run = compile(&machine, "own", &folder.path("out"), &more);
+    run.refused("E0703").says("`grid-csv`").says("`own`");
+    assert!(!folder.path("out").exists());
+}
+
 #[cfg(unix)]
 #[test]
 fn templates_that_are_links() {

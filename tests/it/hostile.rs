@@ -339,3 +339,52 @@ fn readings_of_more_than_16_mb_are_read() {
     assert!(!run.err.contains("E0103"), "{}", run.err);
     assert!(Path::new(&folder.path("f.yaml")).exists(), "{}", run.err);
 }
+
+/// The configuration `hmc-4ax` with every column of its tables times a factor of its own.
+fn measured_again(folder: &Folder, round: usize) -> std::path::PathBuf {
+    const FACTORS: [f64; 5] = [-1.5, 0.3, 2.0, -0.7, 3.0];
+    let (root, own) = (Path::new(env!("CARGO_MANIFEST_DIR")).join("configs"), folder.path(&format!("round-{round}")));
+    std::fs::create_dir_all(own.join("errors/hmc-4ax")).unwrap();
+    std::fs::copy(root.join("hmc-4ax.yaml"), own.join("m.yaml")).unwrap();
+    for entry in std::fs::read_dir(root.join("errors/hmc-4ax")).unwrap().map(Result::unwrap) {
+        let scaled = |(k, cell): (usize, &str)| match cell.trim().parse::<f64>() {
+            Ok(number) if k > 0 && round > 0 => (number * FACTORS[(k * round + round) % 5]).to_string(),
+            _ => cell.to_owned(),
+        };
+        let text = std::fs::read_to_string(entry.path()).unwrap();
+        let line = |line: &str| line.split(',').enumerate().map(scaled).collect::<Vec<_>>().join(",") + "\n";
+        std::fs::write(own.join("errors/hmc-4ax").join(entry.file_name()), text.lines().map(line).collect::<String>())
+            .unwrap();
+    }
+    own.join("m.yaml")
+}
+
+/// Round after round, each on top of the last one, with and without new products: never more tables than the control has.
+#[test]
+fn rounds_of_sag_tables_stay_within_the_control() {
+    let folder = Folder::new();
+    let tables = |out: &Path| {
+        let text = std::fs::read_to_string(out.join("_N_NC_CEC_INI")).unwrap();
+        let numbers = text.split("$AN_CEC[").skip(1).map(|rest| rest.split(',').next().unwrap().to_owned());
+        numbers.collect::<std::collections::BTreeSet<_>>().len()
+    };
+    let mut installed: Option<String> = None;
+    let mut warned = false;
+    for round in 0..4 {
+        let machine = measured_again(&folder, round);
+        let mut last = None;
+        for without in [&[][..], &["--without", "product"]] {
+            let out = folder.path(&format!("set-{round}-{}", without.len()));
+            let over = installed.iter().flat_map(|old| ["--installed", old.as_str()]);
+            let more: Vec<&str> = FEW.iter().copied().chain(over).chain(without.iter().copied()).collect();
+            let run = compile(&machine, "sinumerik-cec", &out, &more);
+            assert_eq!(run.code, Some(0), "round {round}: {}", run.err);
+            warned |= run.err.contains("W0708");
+            let count = tables(&out);
+            assert!((1..=62).contains(&count), "round {round}: {count} tables");
+            last = last.or(Some(out));
+        }
+        installed = last.map(|out| out.to_str().unwrap().to_owned());
+    }
+    assert!(warned, "the rounds never met the limit");
+}

@@ -24,6 +24,7 @@ mod convert;
 mod coverage;
 mod datum;
 mod defects;
+mod determinism;
 mod diagnostics;
 mod diff_machines;
 mod enumerate;
@@ -46,6 +47,8 @@ mod hostile;
 mod identify;
 mod import;
 mod import_layouts;
+#[cfg(target_os = "linux")]
+mod inputs_kept;
 mod instrument;
 mod interactions;
 #[cfg(target_os = "linux")]
@@ -90,6 +93,8 @@ mod show;
 mod sides;
 mod straightness;
 mod support;
+#[cfg(target_os = "linux")]
+mod system_faults;
 mod targets;
 mod theorems;
 mod tidy;

@@ -3,6 +3,7 @@
 
 use super::options::CompensationOptions;
 use super::{found_set, misread};
+use crate::api::finite;
 use crate::api::run::{Call, Refused};
 use crate::compensation::CorrectionTables;
 use crate::controller::{ControllerTarget, KinematicsModule, Limits, ReadBack, RenderedFile};
@@ -47,6 +48,7 @@ pub(crate) fn rendered(
 ) -> Result<ModuleFiles, Refused> {
     let limits = request.limits;
     let meant = carried(call, machine, target, request)?;
+    call.extend(finite::refusal_of_content(&meant));
     call.checked()?;
     let reversal = Arc::new(target.reversal_tables(machine));
     call.extend(limits.exceeded(machine, &reversal));

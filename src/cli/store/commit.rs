@@ -101,17 +101,25 @@ fn half((name, failure): (String, std::io::Error)) -> Diagnostic {
         .help("the set in this folder is half replaced: load none of its files; the next `compile` into it mends it")
 }
 
-/// Removes a file if its bytes are those of the old set.
+/// Removes a file if its bytes are those of the old set; returns the file if it stays.
 fn remove(folder: &Path, old: &Hashed) -> Option<Stale> {
     let path = folder.join(&old.name);
-    if hash(&path).as_ref() != Some(&old.sha256) {
-        return None;
+    let stays = |why: String| Some(Stale { file: old.clone(), why });
+    if let Some(why) = no_longer(&path, old) {
+        return stays(why.to_owned()).filter(|_| path.symlink_metadata().is_ok());
     }
     match fs::remove_file(&path) {
-        Err(failure) if failure.kind() != ErrorKind::NotFound => {
-            Some(Stale { file: old.clone(), why: format!("it cannot be removed: {failure}") })
-        }
+        Err(failure) if failure.kind() != ErrorKind::NotFound => stays(format!("it cannot be removed: {failure}")),
         _ => None,
+    }
+}
+
+/// Returns the reason why a file is not the one that was written, or cannot be told to be; `None` if it is.
+pub(crate) fn no_longer(path: &Path, old: &Hashed) -> Option<&'static str> {
+    match hash(path) {
+        Some(hash) if hash == old.sha256 => None,
+        Some(_) => Some("it has been changed since abbe wrote it"),
+        None => Some("it cannot be read"),
     }
 }
 
@@ -176,7 +184,7 @@ fn regular(path: &Path) -> Option<Vec<u8>> {
 }
 
 /// SHA-256 of a regular file; none if there is no such file.
-pub(crate) fn hash(path: &Path) -> Option<String> {
+fn hash(path: &Path) -> Option<String> {
     regular(path).map(|bytes| sha256(&bytes))
 }
 /// Makes renames last. A file system that cannot do it for folders does it on its own terms.

@@ -66,8 +66,8 @@ impl NewSet<'_> {
             if known || path.symlink_metadata().is_err() {
                 continue;
             }
-            let why = if commit::hash(&path).as_ref() != Some(&old.sha256) {
-                "it has been changed since abbe wrote it".to_owned()
+            let why = if let Some(why) = commit::no_longer(&path, old) {
+                why.to_owned()
             } else if write::is_input(&path, self.read) {
                 "it is an input of this run".to_owned()
             } else if !(self.writes)(target, &old.name) {

@@ -4,6 +4,7 @@ use crate::cli::arguments::{MaxSamplesArg, PosesArg, SamplesArg, SeedArg, ToolAr
 use crate::cli::output::ranking;
 use crate::cli::output::session::Session;
 use crate::cli::store::study_file::StateFile;
+use crate::cli::store::write::refuse_outputs;
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::{JudgedBy, StudyFile};
@@ -112,6 +113,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         },
     };
     let machine = session.load(&args.machine, args.tool.name())?;
+    refuse_outputs(&args.state, &session.files).or_else(|d| session.refuse(d))?;
     let file = args.state.as_deref().map(StateFile::new);
     let file = file.as_ref().map(|file| file as &dyn StudyFile);
     let answer = enumerate(&machine, &args.options(part), file, session.run());

@@ -1,7 +1,7 @@
 //! The sources of targets: the binary, then a folder of the user's.
 
 use super::Manifest;
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::syntax::{Files, YamlFailure, from_yaml, read_text};
 use std::fmt::{Display, Formatter};
 use std::path::Path;
@@ -139,7 +139,8 @@ impl ControllerTarget {
     fn from_folder(folder: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Self> {
         let mut text = |file: &str| read_text(&folder.join(file), None, files, diagnostics).map(|(_, text)| text);
         let manifest = text("target.yaml")?;
-        let manifest = match sound(&manifest) {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy();
+        let manifest = match sound(&manifest).and_then(|manifest| named(manifest, &name)) {
             Ok(manifest) => manifest,
             Err(fault) => {
                 let message = format!("`{}`: {fault}", folder.join("target.yaml").display());
@@ -162,6 +163,8 @@ enum ManifestFault {
     Unsound(String),
     /// A template is outside the target's folder.
     Template(String),
+    /// The target has another name than its folder, by which it is found.
+    Name(String, String),
 }
 
 impl Display for ManifestFault {
@@ -170,6 +173,9 @@ impl Display for ManifestFault {
             Self::Syntax(failure) => write!(f, "{failure}"),
             Self::Unsound(fault) => f.write_str(fault),
             Self::Template(name) => write!(f, "the template `{name}` is not a plain file name"),
+            Self::Name(own, folder) => {
+                write!(f, "the target is named `{}` and its folder `{}`: give both one name", shown(own), shown(folder))
+            }
         }
     }
 }
@@ -184,6 +190,14 @@ fn sound(text: &str) -> Result<Manifest, ManifestFault> {
         Some(file) => Err(ManifestFault::Template(file.template.clone())),
         None => Ok(manifest),
     }
+}
+
+/// Refuses a manifest that names another target than its folder: the files would be judged by that one.
+fn named(manifest: Manifest, folder: &str) -> Result<Manifest, ManifestFault> {
+    if manifest.target == folder {
+        return Ok(manifest);
+    }
+    Err(ManifestFault::Name(manifest.target, folder.to_owned()))
 }
 
 /// A name that cannot leave its folder.

@@ -1,0 +1,7 @@
+//! See `abbe_fuzz::targets`.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(
+    init: abbe_fuzz::seeds::write_if_asked("imports"),
+    |bytes: &[u8]| abbe_fuzz::targets::imports(bytes)
+);

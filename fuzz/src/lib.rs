@@ -1,0 +1,10 @@
+//! Fuzzing of the library in process: files in memory, and oracles that hold for any input.
+//!
+//! `targets` has one function for each target of libFuzzer, `oracles` what must hold of an answer, `case` the files of an
+//! input, `generated` machines from a dictionary of numbers, `seeds` the inputs to begin with. A broken oracle is a panic.
+
+mod case;
+mod generated;
+mod oracles;
+pub mod seeds;
+pub mod targets;

@@ -1,0 +1,237 @@
+//! Every output option of every verb against every input: whatever the output is called, no input changes.
+
+use crate::oracle::program::Folder;
+use crate::support::{Run, abbe};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// A verb with all its inputs, and the options that name an output.
+struct Verb {
+    name: &'static str,
+    /// Arguments of a run that succeeds; `END` stands for the ending of the inputs.
+    arguments: &'static [&'static str],
+    /// Names of the files that it reads, without their ending; `templates` for those of a target.
+    inputs: &'static [&'static str],
+    outputs: &'static [&'static str],
+}
+
+/// Options that name a file or a folder that is read.
+const INPUTS: [&str; 9] = [
+    "--axis-poses",
+    "--columns",
+    "--confined",
+    "--cost",
+    "--data",
+    "--installed",
+    "--replay",
+    "--templates",
+    "--tool-poses",
+];
+
+/// Inputs that are outputs too, or the outputs of other runs of the same verb.
+const STATES: [&str; 2] = ["--merge", "--state"];
+
+const MACHINE: &[&str] = &["machine", "base", "table"];
+
+const VERBS: [Verb; 11] = [
+    Verb {
+        name: "show",
+        arguments: &["show", "machine.END"],
+        inputs: MACHINE,
+        outputs: &["--svg", "--png", "--curves"],
+    },
+    Verb {
+        name: "map",
+        arguments: &["map", "machine.END", "--tool-poses", "poses.END", "--target", "own", "--templates", "templates"],
+        inputs: &["machine", "base", "table", "poses", "templates"],
+        outputs: &["--csv", "--json", "--parquet", "--vtk", "--svg", "--png"],
+    },
+    Verb {
+        name: "budget",
+        arguments: &[
+            "budget",
+            "bounded.END",
+            "--samples",
+            "2",
+            "--goal",
+            "1 mm",
+            "--cost",
+            "cost.END",
+            "--tool-poses",
+            "poses.END",
+        ],
+        inputs: &["bounded", "base", "cost", "poses"],
+        outputs: &["--pareto", "--waterfall"],
+    },
+    Verb {
+        name: "enumerate",
+        arguments: &["enumerate", "bounded.END", "--samples", "2", "--max-samples", "2", "--tool-poses", "poses.END"],
+        inputs: &["bounded", "base", "poses"],
+        outputs: &["--state"],
+    },
+    Verb {
+        name: "identify",
+        arguments: &["identify", "machine.END", "--data", "data.END", "--fit", "EXX:poly1"],
+        inputs: &["machine", "base", "table", "data"],
+        outputs: &["--out", "--pictures"],
+    },
+    Verb {
+        name: "import",
+        arguments: &["import", "runs.END", "--columns", "columns.END"],
+        inputs: &["runs", "columns"],
+        outputs: &["--out"],
+    },
+    Verb {
+        name: "convert",
+        arguments: &["convert", "machine.END", "--to", "linearised"],
+        inputs: MACHINE,
+        outputs: &["--out"],
+    },
+    Verb {
+        name: "compile",
+        arguments: &["compile", "machine.END", "--poses", "3", "--target", "own", "--templates", "templates"],
+        inputs: &["machine", "base", "table", "templates"],
+        outputs: &["--out"],
+    },
+    Verb {
+        name: "report",
+        arguments: &[
+            "report",
+            "machine.END",
+            "--poses",
+            "3",
+            "--tool-poses",
+            "poses.END",
+            "--target",
+            "own",
+            "--templates",
+            "templates",
+        ],
+        inputs: &["machine", "base", "table", "poses", "templates"],
+        outputs: &["--out"],
+    },
+    Verb {
+        name: "reach",
+        arguments: &["reach", "machine.END"],
+        inputs: MACHINE,
+        outputs: &["--svg", "--png", "--vtk"],
+    },
+    Verb {
+        name: "instrument",
+        arguments: &["instrument", "machine.END", "ball-bar"],
+        inputs: MACHINE,
+        outputs: &["--svg"],
+    },
+];
+
+impl Verb {
+    fn reads(&self, path: &Path) -> bool {
+        let own = path.parent().unwrap().ends_with("own");
+        let stem = if own { "templates" } else { path.file_stem().unwrap().to_str().unwrap() };
+        self.inputs.contains(&stem)
+    }
+}
+
+/// Endings with which all options together are tried: pictures take no other.
+const ENDINGS: [&str; 3] = ["yaml", "svg", "png"];
+
+/// Writes every input of every verb with this ending.
+fn inputs(folder: &Folder, ending: &str) {
+    let axes = ["X", "Y", "Z"].map(|axis| format!("  {axis}: {{ travel: [0, 400], origin: [0, 0, 0] }}\n")).concat();
+    let base = format!("abbe: 1\nmachine: m\nchain: w b X Y Z t\naxes:\n{axes}volume: {{ step: 200 mm }}\n");
+    let write = |name: &str, text: &str| drop(folder.write(&format!("{name}.{ending}"), text));
+    write("base", &base);
+    write("machine", &format!("abbe: 1\nextends: base.{ending}\nmeasured: [table.{ending}]\n"));
+    write("bounded", &format!("abbe: 1\nextends: base.{ending}\nerrors: {{ EXX: {{ tolerance: 9 um }} }}\n"));
+    write("table", "X [mm],EXX [um]\n0,0\n200,5\n400,3\n");
+    write("poses", "X,Y,Z\n100,200,300\n");
+    write("cost", "power: 1\n");
+    write(
+        "data",
+        "X [mm],Y [mm],dx [um],dy [um],dz [um]\n0,0,0,0,0\n100,50,1,0,0\n200,300,3,0,0\n300,90,3,0,0\n400,200,2,0,0\n",
+    );
+    write("runs", "Kanal 0;Kanal 1\n0;0\n100;2\n200;4\n");
+    write(
+        "columns",
+        "position: { column: Kanal 0, unit: mm }\ncolumns: { Kanal 1: { error: EXX, unit: um, direction: forward } }\n",
+    );
+    let own = folder.path("templates/own");
+    std::fs::create_dir_all(&own).unwrap();
+    let grid = Path::new(env!("CARGO_MANIFEST_DIR")).join("templates/grid-csv");
+    for entry in std::fs::read_dir(grid).unwrap().map(Result::unwrap) {
+        let text = std::fs::read_to_string(entry.path()).unwrap().replace("grid-csv", "own");
+        std::fs::write(own.join(entry.file_name()), text).unwrap();
+    }
+}
+
+/// All files below a folder.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.is_dir() {
+            all.extend(files(&path));
+        } else {
+            let bytes = std::fs::read(&path).unwrap();
+            all.insert(path, bytes);
+        }
+    }
+    all
+}
+
+fn run(folder: &Folder, verb: &Verb, ending: &str, more: &[&str]) -> Run {
+    let arguments = verb.arguments.iter().map(|argument| argument.replace("END", ending));
+    Run::of(abbe().args(arguments).args(more).arg("--quiet").current_dir(folder.path("")))
+}
+
+#[test]
+fn no_output_replaces_an_input() {
+    let mut pairs = 0;
+    for verb in &VERBS {
+        for ending in ENDINGS {
+            let folder = Folder::new();
+            inputs(&folder, ending);
+            let before = files(&folder.path(""));
+            for option in verb.outputs {
+                for input in before.keys().filter(|path| verb.reads(path)) {
+                    let link = folder.path(&format!("link.{ending}"));
+                    std::os::unix::fs::symlink(input, &link).unwrap();
+                    for output in [input, &link] {
+                        pairs += 1;
+                        let run = run(&folder, verb, ending, &[option, output.to_str().unwrap()]);
+                        let what = format!("{} {option} {}: {}", verb.name, output.display(), run.err);
+                        assert_ne!(run.code, Some(0), "{what}");
+                        let mut after = files(&folder.path(""));
+                        after.remove(&link);
+                        assert!(after == before, "{what}");
+                    }
+                    std::fs::remove_file(&link).unwrap();
+                }
+                // The same run, with a name that is free.
+                let free = folder.path("free").join(format!("out.{ending}"));
+                std::fs::create_dir_all(free.parent().unwrap()).unwrap();
+                let run = run(&folder, verb, ending, &[option, free.to_str().unwrap()]);
+                let pictures = ["--svg", "--png", "--curves", "--pareto", "--waterfall"].contains(option);
+                assert!(run.code == Some(0) || pictures && ending == "yaml", "{} {option}: {}", verb.name, run.err);
+                std::fs::remove_dir_all(folder.path("free")).unwrap();
+            }
+        }
+    }
+    println!("{pairs} pairs");
+    assert!(pairs > 300, "{pairs}");
+}
+
+/// An option that names a path is an input or an output of the table above.
+#[test]
+fn every_option_that_names_a_path_is_tried() {
+    let page = std::fs::read_to_string("docs/options.md").unwrap();
+    let option = |line: &str| {
+        let words = line.strip_prefix("| `")?.split_once('`')?.0;
+        let (option, value) = words.split_once(' ')?;
+        ["FILE", "DIR", "PATH"].contains(&value).then(|| option.to_owned())
+    };
+    let known: BTreeSet<String> = page.lines().filter_map(option).collect();
+    let outputs = VERBS.iter().flat_map(|verb| verb.outputs);
+    let tried: BTreeSet<String> =
+        INPUTS.iter().chain(&STATES).chain(outputs).map(|&option| option.to_owned()).collect();
+    assert_eq!(known, tried);
+}
