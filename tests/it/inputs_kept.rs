@@ -33,7 +33,7 @@ const STATES: [&str; 2] = ["--merge", "--state"];
 
 const MACHINE: &[&str] = &["machine", "base", "table"];
 
-const VERBS: [Verb; 11] = [
+const VERBS: [Verb; 12] = [
     Verb {
         name: "show",
         arguments: &["show", "machine.END"],
@@ -79,8 +79,9 @@ const VERBS: [Verb; 11] = [
         name: "import",
         arguments: &["import", "runs.END", "--columns", "columns.END"],
         inputs: &["runs", "columns"],
-        outputs: &["--out"],
+        outputs: &["--out", "--svg"],
     },
+    Verb { name: "figures", arguments: &["figures", "circle", "circle.END"], inputs: &["circle"], outputs: &["--svg"] },
     Verb {
         name: "convert",
         arguments: &["convert", "machine.END", "--to", "linearised"],
@@ -150,6 +151,7 @@ fn inputs(folder: &Folder, ending: &str) {
         "data",
         "X [mm],Y [mm],dx [um],dy [um],dz [um]\n0,0,0,0,0\n100,50,1,0,0\n200,300,3,0,0\n300,90,3,0,0\n400,200,2,0,0\n",
     );
+    write("circle", "angle [deg],ccw [um]\n0,1\n90,2\n180,1\n270,2\n");
     write("runs", "Kanal 0;Kanal 1\n0;0\n100;2\n200;4\n");
     write(
         "columns",
