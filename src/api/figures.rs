@@ -2,14 +2,14 @@
 
 use super::run::{Answer, Call, Refused, Run};
 use crate::analysis::instrument::CirclePlane;
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
+use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::report::{DialPanel, LinePanel, LinePicture, Picture, PolarPicture};
 use crate::standards::{
     self, AngleReading, Caused, CircleCauses, CircleFigures, DriftFigures, ErrorMotion, LEAST_ARC, LEAST_PLACES,
     NOT_VERIFIED, RadialReading, ReadingsTable, Sense, arc, causes, rotating,
 };
 use crate::syntax::sheet::read_sheet;
-use crate::units::significant;
+use crate::units::{counted, significant};
 use serde::Serialize;
 use std::path::Path;
 
@@ -249,6 +249,9 @@ pub struct TemperatureRange {
     pub deg_c: [f64; 2],
 }
 
+/// Maximum number of left-out columns that a warning lists.
+const LISTED: usize = 12;
+
 /// Returns the figures of a test, read from a table: columns are named with their unit in the title.
 ///
 /// Fails for a table that cannot be read, and for readings that do not carry the figures.
@@ -266,13 +269,24 @@ pub fn figures(
             return call.usage("a distance is above 0 and up to 10000 mm");
         }
         let sheet = read_sheet(path.as_ref(), run.files, &mut call.diagnostics).ok_or(Refused)?;
-        let found = ReadingsTable::of(&sheet).and_then(|table| match options.test {
+        let table = ReadingsTable::of(&sheet).or_else(|refusal| call.refuse(refusal))?;
+        call.extend(left_out(&table.unused(options.test == StandardTest::Circle)));
+        let found = match options.test {
             StandardTest::Circle => circle(&table, options).map(|test| TestFigures::Circle(Box::new(test))),
             StandardTest::Rotation => rotation(&table, options).map(TestFigures::Rotation),
             StandardTest::Drift => drift(&table, options).map(TestFigures::Drift),
-        });
+        };
         found.or_else(|refusal| call.refuse(refusal))
     })
+}
+
+/// A warning of columns that are not read.
+fn left_out(names: &[&str]) -> Option<Diagnostic> {
+    let list: Vec<String> = names.iter().take(LISTED).map(|name| format!("`{}`", shown(name))).collect();
+    let more = if names.len() > LISTED { " ..." } else { "" };
+    let message = format!("{} left out, not understood: {}{more}", counted(names.len(), "column"), list.join(", "));
+    let help = "a reading has its unit in its title: `x [um]`";
+    (!names.is_empty()).then(|| Diagnostic::new(codes::W0511, message).help(help))
 }
 
 fn refusal(message: String, help: &str) -> Diagnostic {
@@ -452,7 +466,7 @@ impl RotationTest {
             directions: ["0\u{b0}".to_owned(), "90\u{b0}".to_owned()],
             curves: vec![test.mean_turn.clone()],
             closed: true,
-            title: format!("{}: synchronous {} {}", test.motion, significant(test.synchronous, 3), shown(test.unit)),
+            title: format!("{}: synchronous {} {}", test.motion, significant(test.synchronous, 3), printed(test.unit)),
             line: format!(
                 "total {}, asynchronous {}",
                 significant(test.total, 3),
@@ -465,6 +479,6 @@ impl RotationTest {
     }
 }
 
-fn shown(unit: &str) -> &'static str {
+fn printed(unit: &str) -> &'static str {
     if unit == "um" { "\u{b5}m" } else { "\u{b5}rad" }
 }

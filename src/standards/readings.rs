@@ -143,6 +143,20 @@ impl ReadingsTable {
             .collect())
     }
 
+    /// Returns the names of the columns that are neither the angle or time nor readings: of a circle those of its
+    /// deviations, else lengths and temperatures.
+    pub fn unused(&self, is_circle: bool) -> Vec<&str> {
+        let circle = ["deviation", "length", "radius"].iter().chain(&COUNTER_CLOCKWISE).chain(&CLOCKWISE);
+        let circle: Vec<&str> = circle.copied().collect();
+        let used = |column: &&NumberColumn| {
+            let name = column.name.as_str();
+            let reading = column.factor(Dimension::LENGTH).is_ok() || column.is_temperature();
+            let of_test = if is_circle { circle.contains(&name) } else { TIME.contains(&name) || reading };
+            ANGLE.contains(&name) || of_test
+        };
+        self.columns.iter().filter(|column| !used(column)).map(|column| column.name.as_str()).collect()
+    }
+
     /// Returns the columns that are lengths, with their names, in um.
     pub fn probes(&self) -> Result<Vec<(String, Vec<f64>)>, Diagnostic> {
         let probes = self.columns.iter().filter(|column| {
@@ -158,10 +172,8 @@ impl ReadingsTable {
 
     /// Returns the columns of temperatures (deg C), with their names.
     pub fn temperatures(&self) -> Result<Vec<(String, Vec<f64>)>, Diagnostic> {
-        let warm = |column: &&NumberColumn| {
-            column.unit.as_deref().is_some_and(|unit| ["degc", "\u{b0}c"].contains(&unit.to_lowercase().as_str()))
-        };
-        self.columns.iter().filter(warm).map(|column| Ok((column.name.clone(), column.whole(1.0)?))).collect()
+        let warm = self.columns.iter().filter(|column| column.is_temperature());
+        warm.map(|column| Ok((column.name.clone(), column.whole(1.0)?))).collect()
     }
 }
 
@@ -190,6 +202,10 @@ fn value(cell: &str, separator: char, decimals: &mut Decimals) -> Result<Option<
 }
 
 impl NumberColumn {
+    fn is_temperature(&self) -> bool {
+        self.unit.as_deref().is_some_and(|unit| ["degc", "\u{b0}c"].contains(&unit.to_lowercase().as_str()))
+    }
+
     /// The factor of its unit to mm or rad.
     fn factor(&self, dimension: Dimension) -> Result<f64, Diagnostic> {
         let Some(unit) = &self.unit else {

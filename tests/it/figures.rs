@@ -1,6 +1,6 @@
 //! Figures of standards from readings: closed forms, and a virtual instrument whose figures are formed elsewhere.
 
-use crate::program::{Folder, abbe, json, refused, well_formed};
+use crate::program::{Folder, abbe, abbe_on, json, refused, well_formed};
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -218,6 +218,23 @@ fn drift_has_ranges_and_tilts() {
     near(&tilt["change"], 5.0 * whole, 1e-6);
     near(&report["temperatures"][0]["deg_c"][1], 24.0, 1e-9);
     well_formed(&std::fs::read_to_string(&svg).unwrap()).unwrap();
+}
+
+/// A column is a reading by its unit, or it is left out by name.
+#[test]
+fn columns_that_are_no_readings_are_left_out_by_name() {
+    let folder = Folder::new("figures-columns");
+    let rows: String = (0..24).map(|i| format!("{},{},7,1\n", 15 * i, i % 2)).collect();
+    for (test, title) in
+        [("circle", "angle [deg],ccw [um],index,temperature"), ("rotation", "angle [deg],x [um],index,y")]
+    {
+        let file = folder.with("readings.csv", &format!("{title}\n{rows}")).display().to_string();
+        let output = abbe_on(2, &["figures", test, &file]);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let last = title.rsplit(',').next().unwrap();
+        let words = format!("2 columns left out, not understood: `index`, `{last}`");
+        assert!(output.status.success() && said.contains("W0511") && said.contains(&words), "{test}: {said}");
+    }
 }
 
 #[test]

@@ -226,8 +226,7 @@ mod tests {
         let (unknowns, knots) = (DMatrix::from_fn(9, 2, wave), DMatrix::from_fn(9, 1, |i, _| wave(i, 7)));
         let (read, sigma) = (DVector::from_fn(9, |i, _| wave(i, 3)), 0.7);
         let (known, values) = (DMatrix::from_row_slice(1, 2, &[3.0, -1.0]), DVector::from_element(1, 4.0));
-        let all = unknowns.clone().insert_rows(9, 1, 0.0);
-        let mut all = all;
+        let mut all = unknowns.clone().insert_rows(9, 1, 0.0);
         all.set_row(9, &(&known * sigma).row(0));
         let mut right = read.clone().insert_row(9, values[0] * sigma);
         let theta = (all.tr_mul(&all)).try_inverse().unwrap() * all.tr_mul(&right);
