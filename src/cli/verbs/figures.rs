@@ -18,17 +18,17 @@ pub(crate) struct Args {
     test: TestArg,
     /// The readings: a table with a title and a unit over each column.
     file: PathBuf,
-    #[arg(long, value_enum, value_name = "AXES", default_value = "xy", help = help::PLANE,
-        long_help = "Circle: its plane; angles run from the first direction to the second")]
-    plane: PlaneArg,
+    #[arg(long, value_enum, value_name = "AXES", help = help::PLANE,
+        long_help = "Circle: its plane; angles run from the first direction to the second [default: xy]")]
+    plane: Option<PlaneArg>,
     #[arg(long, value_name = "MM", default_value_t = 100.0, help = help::RADIUS,
         long_help = "Circle: its nominal radius, mm (above 0)")]
     radius: f64,
-    /// Circle: its feed, mm/min, to state servo mismatch as a difference of delays (above 0).
+    /// Circle: its feed, mm/min, to state servo mismatch as a difference of delays (above 0) [default: no delays].
     #[arg(long, value_name = "MM/MIN")]
     feed: Option<f64>,
     /// Rotation and drift: distance from the first plane of probes (`x1`) to the second (`x2`, towards the holder), mm
-    /// (above 0).
+    /// (above 0) [default: no tilts].
     #[arg(long, value_name = "MM")]
     distance: Option<f64>,
     #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
@@ -62,9 +62,9 @@ impl Args {
                 TestArg::Drift => StandardTest::Drift,
             },
             plane: match self.plane {
-                PlaneArg::Xy => CirclePlane::XY,
-                PlaneArg::Yz => CirclePlane::YZ,
-                PlaneArg::Zx => CirclePlane::ZX,
+                None | Some(PlaneArg::Xy) => CirclePlane::XY,
+                Some(PlaneArg::Yz) => CirclePlane::YZ,
+                Some(PlaneArg::Zx) => CirclePlane::ZX,
             },
             radius_mm: self.radius,
             feed: self.feed,
