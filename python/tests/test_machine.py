@@ -161,6 +161,8 @@ jobs = {
     "budget": lambda: machine.budget(poses=20_000, samples=20_000, class_="production"),
     "deviations": lambda: [machine.deviations(np.zeros((20_000_000, 5)), order=3) for _ in range(100)],
 }
+# Where the tests run in the background the shell has it ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 try:
     jobs[sys.argv[2]]()
