@@ -1,15 +1,17 @@
 //! Figures of the ISO 230 series from readings of tests: circles, axes of rotation, drift.
 
+use super::import::columns_left_out;
+use super::positioning::printed;
 use super::run::{Answer, Call, Refused, Run};
 use crate::analysis::instrument::CirclePlane;
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
+use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::report::{DialPanel, LinePanel, LinePicture, Picture, PolarPicture};
 use crate::standards::{
     self, AngleReading, Caused, CircleCauses, CircleFigures, DriftFigures, ErrorMotion, LEAST_ARC, LEAST_PLACES,
     NOT_VERIFIED, RadialReading, ReadingsTable, Sense, arc, causes, rotating,
 };
 use crate::syntax::sheet::read_sheet;
-use crate::units::{counted, significant};
+use crate::units::significant;
 use serde::Serialize;
 use std::path::Path;
 
@@ -54,11 +56,11 @@ impl Default for FiguresOptions {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "test", rename_all = "snake_case")]
 pub enum TestFigures {
-    /// Of a circle.
+    /// A circle.
     Circle(Box<CircleTest>),
-    /// Of an axis of rotation.
+    /// An axis of rotation.
     Rotation(RotationTest),
-    /// Of drift.
+    /// Drift.
     Drift(DriftTest),
 }
 
@@ -249,9 +251,6 @@ pub struct TemperatureRange {
     pub deg_c: [f64; 2],
 }
 
-/// Maximum number of left-out columns that a warning lists.
-const LISTED: usize = 12;
-
 /// Returns the figures of a test, read from a table: columns are named with their unit in the title.
 ///
 /// Fails for a table that cannot be read, and for readings that do not carry the figures.
@@ -270,7 +269,8 @@ pub fn figures(
         }
         let sheet = read_sheet(path.as_ref(), run.files, &mut call.diagnostics).ok_or(Refused)?;
         let table = ReadingsTable::of(&sheet).or_else(|refusal| call.refuse(refusal))?;
-        call.extend(left_out(&table.unused(options.test == StandardTest::Circle)));
+        let unused = table.unused(options.test == StandardTest::Circle);
+        call.extend(columns_left_out(&unused, "a reading has its unit in its title: `x [um]`"));
         let found = match options.test {
             StandardTest::Circle => circle(&table, options).map(|test| TestFigures::Circle(Box::new(test))),
             StandardTest::Rotation => rotation(&table, options).map(TestFigures::Rotation),
@@ -278,15 +278,6 @@ pub fn figures(
         };
         found.or_else(|refusal| call.refuse(refusal))
     })
-}
-
-/// A warning of columns that are not read.
-fn left_out(names: &[&str]) -> Option<Diagnostic> {
-    let list: Vec<String> = names.iter().take(LISTED).map(|name| format!("`{}`", shown(name))).collect();
-    let more = if names.len() > LISTED { " ..." } else { "" };
-    let message = format!("{} left out, not understood: {}{more}", counted(names.len(), "column"), list.join(", "));
-    let help = "a reading has its unit in its title: `x [um]`";
-    (!names.is_empty()).then(|| Diagnostic::new(codes::W0511, message).help(help))
 }
 
 fn refusal(message: String, help: &str) -> Diagnostic {
@@ -477,8 +468,4 @@ impl RotationTest {
         PolarPicture::mean_turn("Error motions", "Mean of all turns about the centre of least squares", &panels)
             .picture()
     }
-}
-
-fn printed(unit: &str) -> &'static str {
-    if unit == "um" { "\u{b5}m" } else { "\u{b5}rad" }
 }

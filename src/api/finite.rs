@@ -274,7 +274,6 @@ mod tests {
 
     /// A value that shows text, names and numbers.
     #[derive(Debug, serde::Serialize)]
-    #[allow(dead_code)]
     struct Content {
         name: &'static str,
         letter: char,

@@ -1,6 +1,6 @@
 //! A single-axis measurement as an instrument exports it, to a table of error curves.
 
-use super::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayBoth, ReadAtTarget, contributors};
+use super::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayBoth, ReadAtTarget, contributors, printed};
 use super::run::{Answer, Call, Refused, Run};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::identify::import::{self, Import, ImportRequest, ReferenceLine, Sample};
@@ -239,8 +239,8 @@ impl ImportedError {
             readings: self.readings.iter().filter(|(.., from)| *from == way).map(|(x, y, _)| (*x, *y)).collect(),
         };
         RunPanel {
-            title: format!("{}{e}{b}{r}{a} {}", self.error, if self.unit == "um" { "\u{b5}m" } else { "\u{b5}rad" }),
-            unit: if self.unit == "um" { "\u{b5}m" } else { "\u{b5}rad" },
+            title: format!("{}{e}{b}{r}{a} {}", self.error, printed(self.unit)),
+            unit: printed(self.unit),
             ways: [read(|t| t.forward, Some(true)), read(|t| t.reverse, Some(false)), read(|t| t.unknown, None)],
         }
     }
@@ -406,11 +406,16 @@ fn left_out(found: &Import) -> Option<Diagnostic> {
 /// Columns that no rule has.
 fn unknown_columns(found: &Import) -> Option<Diagnostic> {
     let unknown = found.unused_columns.iter().filter(|column| !column.known);
-    let titles: Vec<String> = unknown.map(|column| format!("`{}`", shown(&column.title))).collect();
-    let list = titles.iter().take(LISTED).cloned().collect::<Vec<_>>().join(", ");
-    let more = if titles.len() > LISTED { " ..." } else { "" };
-    let message = format!("{} left out, not understood: {list}{more}", counted(titles.len(), "column"));
+    let titles: Vec<&str> = unknown.map(|column| column.title.as_str()).collect();
     let help = "a reading among them is mapped by `--columns FILE`; `abbe explain W0511` shows such a file";
+    columns_left_out(&titles, help)
+}
+
+/// A warning of columns that were not understood.
+pub(super) fn columns_left_out(titles: &[&str], help: &str) -> Option<Diagnostic> {
+    let list: Vec<String> = titles.iter().take(LISTED).map(|title| format!("`{}`", shown(title))).collect();
+    let more = if titles.len() > LISTED { " ..." } else { "" };
+    let message = format!("{} left out, not understood: {}{more}", counted(titles.len(), "column"), list.join(", "));
     (!titles.is_empty()).then(|| Diagnostic::new(codes::W0511, message).help(help))
 }
 

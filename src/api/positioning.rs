@@ -63,7 +63,7 @@ pub struct MeasuredTarget {
     pub forward: Option<ReadAtTarget>,
     /// Approached with falling position.
     pub reverse: Option<ReadAtTarget>,
-    /// From a side that is not known.
+    /// Approached from a side that is not known.
     pub unknown: Option<ReadAtTarget>,
     /// Reversal: mean of the forward approach minus mean of the reverse one. Lost motion is below zero.
     #[serde(rename = "B")]
@@ -93,19 +93,19 @@ impl MeasuredTarget {
 /// Expanded uncertainties, k = 2, in the unit of the error, after ISO 230-2 annex A: not verified against its text.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AccuracyUncertainties {
-    /// Of E, of one direction and of both.
+    /// Uncertainty of E, of one direction and of both.
     #[serde(rename = "E")]
     pub systematic: f64,
-    /// Of M.
+    /// Uncertainty of M.
     #[serde(rename = "M")]
     pub mean: f64,
-    /// Of B.
+    /// Uncertainty of B.
     #[serde(rename = "B")]
     pub reversal: f64,
-    /// Of R.
+    /// Uncertainty of R.
     #[serde(rename = "R")]
     pub repeatability: f64,
-    /// Of A.
+    /// Uncertainty of A.
     #[serde(rename = "A")]
     pub accuracy: f64,
 }
@@ -133,6 +133,11 @@ impl AccuracyUncertainties {
         let uncertainty = AccuracyUncertainty::of(all, dimension, length, figures.runs)?;
         Some(Self::of(&uncertainty, direction.micro().0))
     }
+}
+
+/// Returns a unit of figures as pictures print it.
+pub(super) fn printed(unit: &str) -> &'static str {
+    if unit == "um" { "\u{b5}m" } else { "\u{b5}rad" }
 }
 
 /// Reads the contributors; the words that cannot be read.

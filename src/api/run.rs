@@ -97,11 +97,7 @@ impl<'a> Call<'a> {
         sources: &Sources,
         job: impl FnOnce(&mut Self) -> Result<T, Refused>,
     ) -> Result<Answer<T>, Diagnostics> {
-        Self::answer_of(run, sources, |call| {
-            let value = job(call)?;
-            call.extend(finite::refusal(&value));
-            Ok(value)
-        })
+        Self::answer_judged(run, sources, finite::refusal, job)
     }
 
     /// The same for a value whose JSON is made by hand.
@@ -110,9 +106,18 @@ impl<'a> Call<'a> {
         sources: &Sources,
         job: impl FnOnce(&mut Self) -> Result<T, Refused>,
     ) -> Result<Answer<T>, Diagnostics> {
+        Self::answer_judged(run, sources, finite::refusal_of_content, job)
+    }
+
+    fn answer_judged<T>(
+        run: Run<'a>,
+        sources: &Sources,
+        refusal: impl Fn(&T) -> Option<Diagnostic>,
+        job: impl FnOnce(&mut Self) -> Result<T, Refused>,
+    ) -> Result<Answer<T>, Diagnostics> {
         Self::answer_of(run, sources, |call| {
             let value = job(call)?;
-            call.extend(finite::refusal_of_content(&value));
+            call.extend(refusal(&value));
             Ok(value)
         })
     }

@@ -7,7 +7,7 @@ use super::Outcome;
 use super::output::session::Session;
 use super::output::view::{ApproachArg, FrameArg, order};
 use super::store::write::{PictureKind, refuse_outputs, write_picture};
-use abbe::options::{Approach, Frame, Order};
+use abbe::options::{Approach, CirclePlane, Frame, Order};
 use abbe::results::Picture;
 use abbe::text::{Reason, parse_length, shown};
 use std::convert::Infallible;
@@ -172,6 +172,24 @@ pub(super) struct InstalledArg {
     /// The compensation files that were in force when the machine was measured.
     #[arg(long, value_name = "DIR")]
     pub(super) installed: Option<PathBuf>,
+}
+
+/// The plane of a circle.
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+pub(super) enum PlaneArg {
+    Xy,
+    Yz,
+    Zx,
+}
+
+impl From<PlaneArg> for CirclePlane {
+    fn from(plane: PlaneArg) -> Self {
+        match plane {
+            PlaneArg::Xy => Self::XY,
+            PlaneArg::Yz => Self::YZ,
+            PlaneArg::Zx => Self::ZX,
+        }
+    }
 }
 
 /// A file for a picture, in the form that its ending names.

@@ -89,15 +89,15 @@ pub fn contributor(words: &str) -> Option<Contributor> {
 /// Expanded uncertainties, k = 2, of the figures, in the unit of the readings (mm or rad).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AccuracyUncertainty {
-    /// Of the systematic deviations E of one direction and of both.
+    /// Uncertainty of the systematic deviations E of one direction and of both.
     pub systematic: f64,
-    /// Of the mean deviation M.
+    /// Uncertainty of the mean deviation M.
     pub mean: f64,
-    /// Of the reversal at a target, and of B.
+    /// Uncertainty of the reversal at a target, and of B.
     pub reversal: f64,
-    /// Of the repeatabilities R.
+    /// Uncertainty of the repeatabilities R.
     pub repeatability: f64,
-    /// Of the accuracies A.
+    /// Uncertainty of the accuracies A.
     pub accuracy: f64,
 }
 

@@ -134,7 +134,8 @@ pub struct CircleCauses {
 pub fn causes(readings: &[RadialReading], radius: f64) -> Option<CircleCauses> {
     let both = Sense::ALL.iter().all(|sense| readings.iter().any(|r| r.sense == *sense));
     let count = if both { 8 } else { 7 };
-    let rows = DMatrix::from_fn(readings.len(), count, |i, j| effects(&readings[i], radius)[j]);
+    let effects = readings.iter().flat_map(|reading| effects(reading, radius).into_iter().take(count));
+    let rows = DMatrix::from_row_iterator(readings.len(), count, effects);
     let fit = fitted(&rows, readings)?;
     let caused = |j: usize| Caused { value: fit.values[j], sigma: fit.sigmas.as_ref().map(|s| s[j]) };
     Some(CircleCauses {

@@ -17,7 +17,7 @@ pub use annex_a::{AccuracyUncertainty, Contributor, REFERENCE, Thermal, contribu
 pub use circle::{Caused, CircleCauses, CircleFigures, LEAST_ARC, RadialReading, Sense, arc, causes};
 pub use drift::DriftFigures;
 pub use positioning::{AccuracyFigures, OneWayFigures, Repeated, TargetReading, TargetReadings};
-pub use readings::{NumberColumn, ReadingsTable};
+pub use readings::ReadingsTable;
 pub use rotation::{AngleReading, ErrorMotion, LEAST_PLACES, rotating};
 pub use targets::remarks;
 

@@ -10,11 +10,11 @@ const MAX_ROWS: usize = 1_000_000;
 
 /// A column of numbers.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NumberColumn {
+struct NumberColumn {
     /// Its name, in lower case.
-    pub name: String,
+    name: String,
     /// Its unit as it is written.
-    pub unit: Option<String>,
+    unit: Option<String>,
     /// The numbers as they are written; `None` of empty cells.
     values: Vec<Option<f64>>,
 }
@@ -23,7 +23,7 @@ pub struct NumberColumn {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadingsTable {
     /// Columns of numbers.
-    pub columns: Vec<NumberColumn>,
+    columns: Vec<NumberColumn>,
     /// The sense of rotation of each row, if there is such a column.
     senses: Option<Vec<Sense>>,
 }

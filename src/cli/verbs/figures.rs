@@ -1,12 +1,12 @@
 //! `abbe figures`: figures of a standard from readings of a test.
 
-use crate::cli::arguments::{PictureFile, help, svg};
+use crate::cli::arguments::{PictureFile, PlaneArg, help, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::{Format, Outcome};
 use abbe::options::{CirclePlane, StandardTest};
 use abbe::results::{CauseTest, CircleTest, DriftTest, RotationTest, TestFigures, UncertainValue};
-use abbe::text::significant;
+use abbe::text::{NOT_VERIFIED, significant};
 use abbe::{FiguresOptions, figures};
 use serde_json::json;
 use std::path::PathBuf;
@@ -46,13 +46,6 @@ enum TestArg {
     Drift,
 }
 
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum PlaneArg {
-    Xy,
-    Yz,
-    Zx,
-}
-
 impl Args {
     fn options(&self) -> FiguresOptions {
         FiguresOptions {
@@ -61,11 +54,7 @@ impl Args {
                 TestArg::Rotation => StandardTest::Rotation,
                 TestArg::Drift => StandardTest::Drift,
             },
-            plane: match self.plane {
-                None | Some(PlaneArg::Xy) => CirclePlane::XY,
-                Some(PlaneArg::Yz) => CirclePlane::YZ,
-                Some(PlaneArg::Zx) => CirclePlane::ZX,
-            },
+            plane: self.plane.map_or(CirclePlane::XY, CirclePlane::from),
             radius_mm: self.radius,
             feed: self.feed,
             distance_mm: self.distance,
@@ -197,15 +186,10 @@ fn text(result: &TestFigures) -> String {
         }
         TestFigures::Drift(test) => format!("drift over {} min, ISO 230-3", n(test.minutes)),
     };
-    let note = match result {
-        TestFigures::Circle(test) => test.note,
-        TestFigures::Rotation(test) => test.note,
-        TestFigures::Drift(test) => test.note,
-    };
     let (header, rows) = rows(result);
     let mut list = table(&header);
     rows.into_iter().for_each(|row| {
         let _ = list.add_row(row);
     });
-    format!("{head}\n{list}\n{note}\n")
+    format!("{head}\n{list}\n{NOT_VERIFIED}\n")
 }

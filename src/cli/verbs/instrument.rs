@@ -1,6 +1,6 @@
 //! `abbe instrument`: readings of measuring instruments on the machine.
 
-use crate::cli::arguments::{PictureFile, ToolArg, help, svg};
+use crate::cli::arguments::{PictureFile, PlaneArg, ToolArg, help, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, table};
 use crate::cli::{Format, Outcome};
@@ -53,13 +53,6 @@ enum InstrumentArg {
     StepDiagonals,
 }
 
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum PlaneArg {
-    Xy,
-    Yz,
-    Zx,
-}
-
 impl Args {
     fn options(&self) -> InstrumentOptions {
         let instrument = match self.instrument {
@@ -68,14 +61,9 @@ impl Args {
             InstrumentArg::Diagonals => Instrument::Diagonals,
             InstrumentArg::StepDiagonals => Instrument::StepDiagonals,
         };
-        let plane = |plane: PlaneArg| match plane {
-            PlaneArg::Xy => CirclePlane::XY,
-            PlaneArg::Yz => CirclePlane::YZ,
-            PlaneArg::Zx => CirclePlane::ZX,
-        };
         InstrumentOptions {
             instrument,
-            plane: self.plane.map(plane),
+            plane: self.plane.map(CirclePlane::from),
             radius_mm: self.radius,
             axis: self.axis.clone(),
             at: self.at.clone(),

@@ -29,11 +29,11 @@ pub struct DiagonalPicture<'a> {
     pub diagonals: &'a [Diagonal],
 }
 
+pub(super) const LEFT: f64 = 24.0;
+pub(super) const TOP: f64 = 92.0;
 const WIDTH: f64 = 920.0;
-const LEFT: f64 = 24.0;
-const TOP: f64 = 92.0;
 /// Width beside a frame for its axis.
-const MARGIN: f64 = 66.0;
+pub(super) const MARGIN: f64 = 66.0;
 const COMPONENTS: [(&str, Stroke); 3] = [
     ("dx", Stroke { colour: FIRST, dashes: "" }),
     ("dy", Stroke { colour: SECOND, dashes: "7 3" }),
@@ -42,7 +42,8 @@ const COMPONENTS: [(&str, Stroke); 3] = [
 const WAYS: [(&str, Stroke); 2] =
     [("there", Stroke { colour: FIRST, dashes: "" }), ("back", Stroke { colour: SECOND, dashes: "7 3" })];
 
-fn begin(title: &str, subtitle: &str, height: f64) -> Svg {
+/// Begins a picture of readings.
+pub(super) fn begin(title: &str, subtitle: &str, height: f64) -> Svg {
     let mut svg = Svg::new(WIDTH, height);
     svg.heading(LEFT, (title, 70), (subtitle, 120));
     svg

@@ -3,6 +3,7 @@
 
 use super::frame::{Axis, PlotFrame};
 use super::polar::Stroke;
+use super::readings::{LEFT, MARGIN, TOP, begin};
 use super::svg::{Anchor, FIRST, Font, INK, Picture, SECOND, Svg, THIRD, polyline};
 
 /// Readings of one direction of approach.
@@ -38,11 +39,6 @@ pub struct RunPicture<'a> {
     pub panels: &'a [RunPanel],
 }
 
-const WIDTH: f64 = 920.0;
-const LEFT: f64 = 24.0;
-const TOP: f64 = 92.0;
-/// Width beside the frame for its axis.
-const MARGIN: f64 = 66.0;
 const HEIGHT: f64 = 230.0;
 const STEP: f64 = HEIGHT + 96.0;
 const WAYS: [(&str, Stroke); 3] = [
@@ -55,8 +51,7 @@ impl RunPicture<'_> {
     /// The picture.
     pub fn picture(&self) -> Picture {
         let height = TOP + STEP * self.panels.len() as f64 + 24.0;
-        let mut svg = Svg::new(WIDTH, height);
-        svg.heading(LEFT, (self.title, 70), (self.subtitle, 120));
+        let mut svg = begin(self.title, self.subtitle, height);
         for (i, panel) in self.panels.iter().enumerate() {
             let top = TOP + 16.0 + STEP * i as f64;
             panel.draw(&mut svg, PlotFrame { left: LEFT + MARGIN, top, width: 800.0, height: HEIGHT }, self.position);
@@ -134,8 +129,7 @@ impl LinePicture<'_> {
     /// The picture.
     pub fn picture(&self) -> Picture {
         let height = TOP + STEP * self.panels.len() as f64;
-        let mut svg = Svg::new(WIDTH, height);
-        svg.heading(LEFT, (self.title, 70), (self.subtitle, 120));
+        let mut svg = begin(self.title, self.subtitle, height);
         let points = || self.panels.iter().flat_map(|panel| panel.curves.iter().flat_map(|(_, points)| points));
         let across = scale(points().map(|(x, _)| *x), 0.0);
         for (i, panel) in self.panels.iter().enumerate() {
