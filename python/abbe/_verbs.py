@@ -86,6 +86,7 @@ Fit = Literal["axis", "functional_point"]
 #: the manifest's.
 #: ``without``: Kinds of tables to leave out although the controller has them: product, plane, cross_axis, own_axis.
 #: ``fit``: Content of own-axis tables; by default the manifest's.
+#: ``map``: Letters and numbers of axes in the controller, such as ``A=AX6`` or ``X1=U``, over those of the machine file.
 CompensationOptions = TypedDict(
     "CompensationOptions",
     {
@@ -95,6 +96,7 @@ CompensationOptions = TypedDict(
         "stored": Union[Stored, None],
         "without": Sequence[Text],
         "fit": Union[Fit, None],
+        "map": Sequence[Text],
     },
     total=False,
 )

@@ -77,7 +77,7 @@ pub struct CompiledSet {
 pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Result<Answer<CompiledSet>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
         call.extend(bounded_only(file));
-        let target = options.compensation.target(call, &options.target, None)?;
+        let target = options.compensation.target(call, &options.target)?;
         refuse_unverified(call, &target, options.accept_unverified)?;
         if target.manifest.kinematics().is_some() {
             return module(call, file, &target, options);
@@ -102,7 +102,7 @@ fn tables(
         limits: options.max_correction,
     };
     let whole = CompensationOptions { without: Vec::new(), ..how.clone() };
-    let whole = whole.target(call, &options.target, None)?;
+    let whole = whole.target(call, &options.target)?;
     let over = installed.as_ref().map(|installed| (installed, &whole));
     let set = table_set::rendered(call, file, target, &request, over)?;
     let target = over.map_or(target, |(_, whole)| whole);

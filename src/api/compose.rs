@@ -126,7 +126,7 @@ fn split(
     let plain = CompensationOptions { templates: options.templates.clone(), ..CompensationOptions::default() };
     let mut found = Vec::new();
     for name in names {
-        found.push(plain.target(call, name, None)?);
+        found.push(plain.target(call, name)?);
     }
     let of_parameters = |target: &ControllerTarget| target.manifest.kinematics().map(|own| !own.machines.is_empty());
     let (mut parameters, mut tables) = (Vec::new(), Vec::new());
@@ -143,7 +143,7 @@ fn split(
     }
     if let ([target], [beside]) = (&parameters[..], &tables[..]) {
         // The options are the tables'.
-        let beside = options.target(call, &beside.manifest.target, None)?;
+        let beside = options.target(call, &beside.manifest.target)?;
         return Ok((target.clone(), beside));
     }
     let message = format!("{} would correct the same errors twice", names.join(" and "));

@@ -96,7 +96,13 @@ fn difference(
     let properties = first.differences(second);
     // These change no deviation, and a travel taken alone would change the work.
     let idle = |property: &MachineProperty| {
-        matches!(property, MachineProperty::Travel(_) | MachineProperty::Class | MachineProperty::Tolerances)
+        matches!(
+            property,
+            MachineProperty::Travel(_)
+                | MachineProperty::Controller(_)
+                | MachineProperty::Class
+                | MachineProperty::Tolerances
+        )
     };
     let alone = |property: &&MachineProperty| !idle(property);
     let single: Vec<(&MachineProperty, Machine)> = properties
@@ -161,6 +167,10 @@ fn described(
         MachineProperty::Origin(name) => ("origin", name.to_string(), of_axis(name, |a| point(&a.origin)), None),
         MachineProperty::Sense(name) => ("sense", name.to_string(), of_axis(name, sense), None),
         MachineProperty::Travel(name) => ("travel", name.to_string(), of_axis(name, travel), None),
+        MachineProperty::Controller(name) => {
+            let words = |axis: &Axis| axis.controller.words().join(", ");
+            ("controller", name.to_string(), of_axis(name, words), None)
+        }
         MachineProperty::Tool => ("tool", String::new(), both.map(|m| tool(m.tool())), None),
         MachineProperty::Workpiece => ("workpiece", String::new(), both.map(workpiece), None),
         MachineProperty::Conventions => ("conventions", String::new(), conventions(first, second), None),

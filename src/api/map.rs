@@ -333,7 +333,7 @@ fn compensation(
         return call
             .usage("a compensated machine is mapped with the exact model: omit `--order`, or give `--order exact`");
     }
-    let target = options.compensation.target(call, name, None)?;
+    let target = options.compensation.target(call, name)?;
     let depth = Depth { poses: CERTIFIED, seed: options.seed };
     let (effect, _) = compiled_effect(call, machine, &target, &options.compensation, depth)?;
     Ok(Some((target, effect)))

@@ -4,7 +4,7 @@ use super::compensation::table_set::FoundTables;
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
 use super::verify::{VerifyOptions, opened, tables};
-use crate::controller::{Replay, assigned_letters};
+use crate::controller::{AssignedAxis, Replay, assigned_letters, by_number};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::machine::Approach;
 use crate::syntax::read_text;
@@ -92,14 +92,15 @@ fn added(
     call: &mut Call,
     file: &MachineFile,
     replay: &Replay,
-    letters: &[(usize, String)],
+    letters: &[AssignedAxis],
     at: &ReplayPosition,
 ) -> Result<f64, Refused> {
-    let by_letter = letters.iter().position(|(_, letter)| *letter == at.joint);
-    let by_name = || letters.iter().position(|(axis, _)| file.axes()[*axis].name.as_str() == at.joint);
-    let joint = by_letter.or_else(by_name).or_else(|| at.joint.parse().ok());
-    let Some((axis, _)) = joint.and_then(|joint| letters.get(joint)) else {
-        let known: Vec<String> = letters.iter().enumerate().map(|(i, (_, letter))| format!("{letter} ({i})")).collect();
+    let by_letter = letters.iter().find(|known| known.letter == at.joint);
+    let by_name = || letters.iter().find(|known| file.axes()[known.axis].name.as_str() == at.joint);
+    let by_number = || by_number(letters, at.joint.parse::<usize>().ok()?.checked_add(1)?);
+    let Some(AssignedAxis { axis, .. }) = by_letter.or_else(by_name).or_else(by_number) else {
+        let joint = |known: &AssignedAxis| format!("{} ({})", known.letter, known.number - 1);
+        let known: Vec<String> = letters.iter().map(joint).collect();
         let message = format!("the machine has no joint `{}`", shown(&at.joint));
         let help = format!("the controller's letters, and their numbers, are {}", known.join(", "));
         return call.refuse(Diagnostic::new(codes::E0802, message).help(help));

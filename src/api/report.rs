@@ -237,7 +237,7 @@ fn compensated(
     options: &ReportOptions,
 ) -> Result<TargetResult, Refused> {
     let (how, depth) = (&options.compensation, Depth { poses: options.poses, seed: options.seed });
-    let target = how.target(call, name, None)?;
+    let target = how.target(call, name)?;
     let (effect, certificate) = compiled_effect(call, machine, &target, how, depth)?;
     Ok(TargetResult { target, effect, certificate })
 }

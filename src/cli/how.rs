@@ -41,6 +41,9 @@ pub(super) struct CompensationArgs {
     /// [default: axis].
     #[arg(long, value_enum, alias = "fit")]
     own_axis: Option<FitArg>,
+    /// Letters and numbers of axes in the controller [default: `controller` of the axes in the machine file].
+    #[arg(long, value_name = "A=AX6,C=AX7", value_delimiter = ',')]
+    map: Vec<String>,
 }
 
 /// Content of own-axis tables.
@@ -95,6 +98,7 @@ impl CompensationArgs {
                 FitArg::Axis => Fit::Axis,
                 FitArg::FunctionalPoint => Fit::FunctionalPoint,
             }),
+            map: self.map.clone(),
         }
     }
 }

@@ -26,7 +26,9 @@ pub use certificate::{
 };
 pub use emit::{Hashed, LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile, sha256};
 pub use kinematics::{KinematicsModule, Model, ModuleField, Parameters};
-pub use manifest::{Certainty, Controller, ControllerTarget, NAMES, assigned_letters, is_plain_name};
+pub use manifest::{
+    AssignedAxis, Certainty, Controller, ControllerTarget, NAMES, assigned_letters, by_number, is_plain_name,
+};
 pub use read::{ReadBack, RecognisedSet, recognise};
 pub use replay::Replay;
 pub use single_errors::{certify, certify_composed, certify_kinematics};

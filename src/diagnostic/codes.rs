@@ -198,6 +198,7 @@ codes! {
     E0709 "a number beyond the controller's limits",
     E0710 "a target known from memory only",
     E0711 "two sets do not belong together",
+    E0712 "the number of an axis in the controller is not stated",
     E0730 "files of several possible targets",
     E0731 "the axis of a file is unknown",
     E0732 "two files for the same part of a set",

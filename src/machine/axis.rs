@@ -1,6 +1,6 @@
 //! An axis of the resolved machine.
 
-use super::{AxisName, Branch, Sense};
+use super::{AxisName, Branch, ControllerAxis, Sense};
 
 /// The kind of motion of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -56,6 +56,8 @@ pub struct Axis {
     pub branch: Branch,
     /// Sense of a positive command if it is on the workpiece side; without effect on the tool side.
     pub sense: Sense,
+    /// Its letter and number in the controller, where the file states them.
+    pub controller: ControllerAxis,
 }
 
 impl Axis {

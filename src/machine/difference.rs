@@ -16,6 +16,8 @@ pub enum MachineProperty {
     Sense(AxisName),
     /// Travel of an axis; no deviation depends on it.
     Travel(AxisName),
+    /// Letter and number of an axis in the controller; no deviation depends on them.
+    Controller(AxisName),
     /// Gauge point, functional point and direction of the tool in use.
     Tool,
     /// Origin and rotation of the workpiece.
@@ -81,7 +83,8 @@ impl Machine {
             MachineProperty::Direction(name)
             | MachineProperty::Origin(name)
             | MachineProperty::Sense(name)
-            | MachineProperty::Travel(name) => {
+            | MachineProperty::Travel(name)
+            | MachineProperty::Controller(name) => {
                 let axis = parts.axes.iter_mut().find(|axis| axis.name == *name)?;
                 take(axis, theirs(name)?, property);
             }
@@ -175,6 +178,7 @@ fn axis_differences(a: &Axis, b: &Axis) -> Vec<MachineProperty> {
         (a.origin != b.origin, MachineProperty::Origin(name())),
         (a.sign() != b.sign(), MachineProperty::Sense(name())),
         (a.travel != b.travel, MachineProperty::Travel(name())),
+        (a.controller != b.controller, MachineProperty::Controller(name())),
     ];
     all.into_iter().filter_map(|(differs, property)| differs.then_some(property)).collect()
 }
@@ -184,6 +188,7 @@ fn take(axis: &mut Axis, theirs: &Axis, property: &MachineProperty) {
         MachineProperty::Direction(_) => axis.direction = theirs.direction,
         MachineProperty::Origin(_) => axis.origin = theirs.origin,
         MachineProperty::Sense(_) => axis.sense = theirs.sense,
+        MachineProperty::Controller(_) => axis.controller = theirs.controller,
         _ => axis.travel = theirs.travel,
     }
 }

@@ -1,9 +1,9 @@
 //! A machine as a machine file: self-contained, no `extends`, no tables outside. The inverse of [`super::resolve()`].
 
 use super::{
-    AlgebraChoice, Anchor, Axis, AxisKind, AxisName, Branch, ComponentError, Curve, Direction, ErrorFamily, ErrorId,
-    ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Grid, JointErrors, JointUncertainty, MAIN_AXES, MachineParts,
-    ResidualForm, Sense, SetUp, Tool, Travel,
+    AlgebraChoice, Anchor, Axis, AxisKind, AxisName, Branch, ComponentError, ControllerAxis, Curve, Direction,
+    ErrorFamily, ErrorId, ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Grid, JointErrors, JointUncertainty,
+    MAIN_AXES, MachineParts, ResidualForm, Sense, SetUp, Tool, Travel,
 };
 
 /// The text of a machine file that says what `parts` say; `provenance` are further entries of that section
@@ -51,8 +51,15 @@ fn axis_line(axis: &Axis, errors: &JointErrors, parts: &MachineParts) -> String 
     };
     let (direction, origin) = (point(&axis.direction), point(&axis.origin));
     let other = other_side(axis, errors, parts).unwrap_or_default();
-    let name = &axis.name;
-    format!("  {name}: {{ kind: {kind}, direction: {direction}, origin: {origin}, travel: {travel}{sense}{other} }}\n")
+    let (name, known) = (&axis.name, controller(axis.controller));
+    format!(
+        "  {name}: {{ kind: {kind}, direction: {direction}, origin: {origin}, travel: {travel}{sense}{known}{other} }}\n"
+    )
+}
+
+fn controller(axis: ControllerAxis) -> String {
+    let words = axis.words();
+    if words.is_empty() { String::new() } else { format!(", controller: [{}]", words.join(", ")) }
 }
 
 fn travel(travel: Travel, unit: &str) -> String {

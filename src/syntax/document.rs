@@ -94,10 +94,22 @@ pub struct AxisEntry {
     /// `iso841` or `direct`.
     #[schemars(schema_with = "super::schema::sense")]
     pub sense: Option<String>,
+    /// Its letter or number in the controller, or both.
+    #[schemars(schema_with = "super::schema::controller_axis")]
+    pub controller: Option<ControllerEntry>,
     /// Geometry and errors when it carries the tool, over the plain keys.
     pub on_tool: Option<SideEntry>,
     /// Geometry and errors when it carries the workpiece, over the plain keys.
     pub on_workpiece: Option<SideEntry>,
+}
+
+/// A letter or a number, or both.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ControllerEntry {
+    /// One of them.
+    One(Scalar),
+    /// Both.
+    Both(Vec<Scalar>),
 }
 
 /// `[min, max]` or `continuous`.
@@ -542,6 +554,18 @@ impl Forms for TravelEntry {
     }
 }
 
+impl Forms for ControllerEntry {
+    const EXPECTING: &'static str = "a letter or a number, or both: [A, 6]";
+
+    fn scalar(word: Scalar) -> Option<Self> {
+        Some(Self::One(word))
+    }
+
+    fn list(words: Vec<Scalar>) -> Option<Self> {
+        Some(Self::Both(words))
+    }
+}
+
 impl Forms for GeneratorsEntry {
     const EXPECTING: &'static str = "per-error, per-axis, single, or a mapping of generators to lists of error names";
 
@@ -565,4 +589,4 @@ macro_rules! deserialize_by_forms {
     )*};
 }
 
-deserialize_by_forms!(VolumeEntry, PresetOr, Walk, TravelEntry, GeneratorsEntry);
+deserialize_by_forms!(VolumeEntry, PresetOr, Walk, TravelEntry, ControllerEntry, GeneratorsEntry);

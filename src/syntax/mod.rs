@@ -27,8 +27,9 @@ mod yaml;
 
 pub use disk::Disk;
 pub use document::{
-    AlgebraEntry, AxisEntry, ConventionsEntry, CovarianceEntry, DatumEntry, DatumLine, DatumZero, Document, FormEntry,
-    GeneratorsEntry, IdentifyEntry, PlausibleEntry, SetUpEntry, SquarenessSite, ToolEntry, TravelEntry, VolumeAxis,
+    AlgebraEntry, AxisEntry, ControllerEntry, ConventionsEntry, CovarianceEntry, DatumEntry, DatumLine, DatumZero,
+    Document, FormEntry, GeneratorsEntry, IdentifyEntry, PlausibleEntry, SetUpEntry, SquarenessSite, ToolEntry,
+    TravelEntry, VolumeAxis,
 };
 pub(crate) use error_words::{component_words, location_words};
 pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};

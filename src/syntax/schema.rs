@@ -286,6 +286,17 @@ pub fn travel(generator: &mut SchemaGenerator) -> Schema {
     json_schema!({ "anyOf": [range, { "const": "continuous" }] })
 }
 
+/// A letter, a number, or both.
+pub fn controller_axis(_: &mut SchemaGenerator) -> Schema {
+    let number = json!({ "type": "integer", "minimum": 1, "maximum": 65535 });
+    let word = json!({ "type": "string", "pattern": "^([A-Z]|(AX|#)?[0-9]+)$" });
+    let one = json!({ "anyOf": [number, word] });
+    json_schema!({
+        "description": "What the controller calls the axis: a letter (A) or a number from 1 (6, AX6, #6), or both.",
+        "anyOf": [number, word, { "type": "array", "items": one, "maxItems": 2 }, { "type": "null" }]
+    })
+}
+
 /// A distance above zero.
 pub fn step(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "anyOf": [{ "type": ["number", "null"], "exclusiveMinimum": 0 }, position()["anyOf"][1].clone()] })

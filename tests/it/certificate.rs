@@ -268,8 +268,8 @@ fn a_shift_of_the_zero_is_compared_with_a_shift_alone() {
     let folder = Folder::new();
     let machine = folder.write(
         "machine.yaml",
-        "abbe: 1\nmachine: example\nchain: \"w b X Y Z t\"\naxes:\n  X: { travel: [-200 mm, 200 mm], origin: [0, 0, 0] }\n  Y: { travel: [0 mm, 100 mm], origin: [0, 0, 0] }\n  \
-         Z: { travel: [0 mm, 100 mm], origin: [0, 0, 0] }\nerrors:\n  EXX: { points: [[-200 mm, 0 um], [200 mm, 40 um]] }\nvolume: { step: 50 mm }\n",
+        "abbe: 1\nmachine: example\nchain: \"w b X Y Z t\"\naxes:\n  X: { controller: 1, travel: [-200 mm, 200 mm], origin: [0, 0, 0] }\n  Y: { controller: 2, travel: [0 mm, 100 mm], origin: [0, 0, 0] }\n  \
+         Z: { controller: 3, travel: [0 mm, 100 mm], origin: [0, 0, 0] }\nerrors:\n  EXX: { points: [[-200 mm, 0 um], [200 mm, 40 um]] }\nvolume: { step: 50 mm }\n",
     );
     for target in ["sinumerik-enc", "fanuc-pitch"] {
         let run = compile(&machine, target, &folder.path(target), &["--accept-unverified", "--poses", "2000"]);
@@ -344,7 +344,7 @@ fn compiled_text(machine: &Path, target: &str, out: &Path) -> Run {
 #[test]
 fn the_sign_test_names_the_sum_of_all_tables() {
     let folder = Folder::new();
-    let text = "abbe: 1\nmachine: m\nchain: \"w X' b Y Z t\"\naxes:\n  X: { travel: [0, 500], origin: [0, 0, 0] }\n  Y: { travel: [0, 400], origin: [0, 0, 0] }\n  Z: { travel: [-300, 0], origin: [0, 0, 0] }\nerrors:\n  EXX: { points: [[0, 0 um], [500, 10 um]] }\n  EXY: { points: [[0, 4 um], [200, 1 um], [400, 4 um]] }\n";
+    let text = "abbe: 1\nmachine: m\nchain: \"w X' b Y Z t\"\naxes:\n  X: { controller: 1, travel: [0, 500], origin: [0, 0, 0] }\n  Y: { controller: 2, travel: [0, 400], origin: [0, 0, 0] }\n  Z: { controller: 3, travel: [-300, 0], origin: [0, 0, 0] }\nerrors:\n  EXX: { points: [[0, 0 um], [500, 10 um]] }\n  EXY: { points: [[0, 4 um], [200, 1 um], [400, 4 um]] }\n";
     let machine = folder.write("machine.yaml", text);
     for target in ["sinumerik-cec", "twincat-axis", "grid-csv"] {
         let run = compiled_text(&machine, target, &folder.path(target));
@@ -365,7 +365,7 @@ fn the_sign_test_comes_in_reverse_where_only_that_is_corrected() {
     let folder = Folder::new();
     let table = folder.write("x.csv", "X [mm], EXX+ [um], EXX- [um], EYX [um]\n0, 0, 0, 0\n500, 0, 2, 9\n");
     assert!(table.exists());
-    let text = "abbe: 1\nmachine: m\nchain: \"w X' b Y Z t\"\naxes:\n  X: { travel: [0, 500], origin: [0, 0, 0] }\n  Y: { travel: [0, 400], origin: [0, 0, 0] }\n  Z: { travel: [-300, 0], origin: [0, 0, 0] }\nmeasured: [x.csv]\n";
+    let text = "abbe: 1\nmachine: m\nchain: \"w X' b Y Z t\"\naxes:\n  X: { controller: 1, travel: [0, 500], origin: [0, 0, 0] }\n  Y: { controller: 2, travel: [0, 400], origin: [0, 0, 0] }\n  Z: { controller: 3, travel: [-300, 0], origin: [0, 0, 0] }\nmeasured: [x.csv]\n";
     let machine = folder.write("machine.yaml", text);
     let run = compiled_text(&machine, "linuxcnc", &folder.path("out"));
     let said = run.out.lines().find(|line| line.starts_with("Then measure")).unwrap_or_default();
@@ -454,9 +454,11 @@ fn sets_are_judged_with_another_tool() {
 
 /// Three linear axes and an endless table.
 fn with_table(folder: &Folder, errors: &str) -> std::path::PathBuf {
-    let axes = ["X", "Y", "Z"].map(|name| format!("  {name}: {{ travel: [0 mm, 200 mm] }}\n")).concat();
+    let axes = [("X", 1), ("Y", 2), ("Z", 3)]
+        .map(|(name, number)| format!("  {name}: {{ controller: {number}, travel: [0 mm, 200 mm] }}\n"))
+        .concat();
     let text = format!(
-        "abbe: 1\nmachine: example\nchain: \"w C' b X Y Z t\"\naxes:\n{axes}  C: {{ travel: continuous }}\nerrors: {{ {errors} }}\n\
+        "abbe: 1\nmachine: example\nchain: \"w C' b X Y Z t\"\naxes:\n{axes}  C: {{ controller: 4, travel: continuous }}\nerrors: {{ {errors} }}\n\
          volume: {{ step: 50 mm, C: {{ step: 45 deg }} }}\n"
     );
     folder.write("machine.yaml", &text)

@@ -11,9 +11,11 @@ fn files(at: &Path) -> BTreeMap<PathBuf, Entry> {
 }
 
 fn machine(um: f64) -> String {
-    let axes = ["X", "Y", "Z"].map(|axis| format!("  {axis}: {{ travel: [0, 300], origin: [0, 0, 0] }}\n")).concat();
+    let axes = [("X", 1), ("Y", 2), ("Z", 3)]
+        .map(|(axis, n)| format!("  {axis}: {{ controller: {n}, travel: [0, 300], origin: [0, 0, 0] }}\n"))
+        .concat();
     format!(
-        "abbe: 1\nmachine: Fräse\nchain: w C' b X Y Z t\naxes:\n{axes}  C: {{ travel: continuous, origin: [9, 8, 7] }}\nerrors:\n  \
+        "abbe: 1\nmachine: Fräse\nchain: w C' b X Y Z t\naxes:\n{axes}  C: {{ controller: 4, travel: continuous, origin: [9, 8, 7] }}\nerrors:\n  \
          EXX: {{ points: [[0 mm, 0 um], [120 mm, {um} um], [300 mm, 1 um]] }}\n  EBX: {{ points: [[0 mm, 3 urad], \
          [300 mm, {um} urad]] }}\n  ECC: {{ harmonics: {{ 2: [{um} urad, 1 urad] }} }}\n  EYY: {{ tolerance: 7 um }}\n\
          volume: {{ step: 100 mm, C: {{ step: 45 deg }} }}\n"

@@ -20,9 +20,11 @@ fn certified(machine: &Machine, target: &ControllerTarget, tables: &CorrectionTa
 
 /// Three linear axes and an endless table.
 fn with_table(folder: &Folder, name: &str, errors: &str) -> PathBuf {
-    let axes = ["X", "Y", "Z"].map(|name| format!("  {name}: {{ travel: [0 mm, 200 mm] }}\n")).concat();
+    let axes = [("X", 1), ("Y", 2), ("Z", 3)]
+        .map(|(name, number)| format!("  {name}: {{ controller: {number}, travel: [0 mm, 200 mm] }}\n"))
+        .concat();
     let text = format!(
-        "abbe: 1\nmachine: example\nchain: \"w C' b X Y Z t\"\naxes:\n{axes}  C: {{ travel: continuous }}\nerrors:\n  {errors}\n\
+        "abbe: 1\nmachine: example\nchain: \"w C' b X Y Z t\"\naxes:\n{axes}  C: {{ controller: 4, travel: continuous }}\nerrors:\n  {errors}\n\
          volume: {{ step: 50 mm, C: {{ step: 15 deg }} }}\n"
     );
     folder.write(name, &text)
@@ -86,8 +88,8 @@ fn a_fault_in_each_kind_of_table_shows() {
 
 /// Three axes whose slides turn about points of their own.
 fn with_points(folder: &Folder) -> PathBuf {
-    let text = "abbe: 1\nmachine: example\nchain: \"w X' b Y Z t\"\naxes:\n  X: { travel: [0 mm, 500 mm], origin: [100, 0, 200] }\n  \
-         Y: { travel: [0 mm, 400 mm], origin: [0, 300, -500] }\n  Z: { travel: [-300 mm, 0 mm], origin: [0, 0, 0] }\nerrors:\n  \
+    let text = "abbe: 1\nmachine: example\nchain: \"w X' b Y Z t\"\naxes:\n  X: { controller: 1, travel: [0 mm, 500 mm], origin: [100, 0, 200] }\n  \
+         Y: { controller: 2, travel: [0 mm, 400 mm], origin: [0, 300, -500] }\n  Z: { controller: 3, travel: [-300 mm, 0 mm], origin: [0, 0, 0] }\nerrors:\n  \
          EAX: { points: [[0 mm, 10 urad], [500 mm, 30 urad]] }\n  ECX: { points: [[0 mm, -20 urad], [500 mm, 20 urad]] }\n  \
          EBY: { points: [[0 mm, 0 urad], [400 mm, 40 urad]] }\n";
     folder.write("machine.yaml", text)

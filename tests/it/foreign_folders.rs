@@ -18,14 +18,14 @@ fn machine(path: &Path, um: f64, with_c: bool) {
     let (chain, c, ecc) = if with_c {
         (
             "w C' b X t",
-            "\n  C: { travel: continuous, origin: [0, 0, 0] }",
+            "\n  C: { controller: 2, travel: continuous, origin: [0, 0, 0] }",
             "\n  ECC: { harmonics: { 1: [30 urad, 0 urad] } }",
         )
     } else {
         ("w b X t", "", "")
     };
     let text = format!(
-        "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}{c}\n\
+        "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ controller: 1, travel: [0 mm, 100 mm], origin: [0, 0, 0] }}{c}\n\
          errors:\n  EXX: {{ points: [[0 mm, 0 um], [100 mm, {um} um]] }}{ecc}\n"
     );
     std::fs::write(path, text).unwrap();
@@ -177,7 +177,7 @@ fn files_outside_the_folder_are_listed_and_can_be_refused() {
     symlink("../x.csv", inside.join("link.csv")).unwrap();
     let own = folder.write(
         "theirs/m.yaml",
-        "abbe: 1\nextends: ../base.yaml\nmachine: m\nchain: w b X t\naxes: { X: { travel: [0, 100], origin: [0, 0, 0] } }\nmeasured: [link.csv]\n",
+        "abbe: 1\nextends: ../base.yaml\nmachine: m\nchain: w b X t\naxes: { X: { controller: 1, travel: [0, 100], origin: [0, 0, 0] } }\nmeasured: [link.csv]\n",
     );
     let shown = |verb: &str, more: &[&str]| Run::of(abbe().arg(verb).arg(&own).args(more).current_dir(&inside));
     for verb in ["show", "check"] {
@@ -202,7 +202,7 @@ fn files_outside_the_folder_are_listed_and_can_be_refused() {
     // Through a link alone, and a file that is not there.
     let _ = folder.write(
         "theirs/n.yaml",
-        "abbe: 1\nmachine: m\nchain: w b X t\naxes: { X: { travel: [0, 100], origin: [0, 0, 0] } }\nmeasured: [link.csv]\n",
+        "abbe: 1\nmachine: m\nchain: w b X t\naxes: { X: { controller: 1, travel: [0, 100], origin: [0, 0, 0] } }\nmeasured: [link.csv]\n",
     );
     for (name, table) in [("n.yaml", "link.csv"), ("o.yaml", "../none.csv"), ("p.yaml", "/etc/passwd")] {
         let text = std::fs::read_to_string(inside.join("n.yaml")).unwrap().replace("link.csv", table);

@@ -185,9 +185,9 @@ fn wrong_axes_counts_and_switches_are_refused() {
     }
     let other = changed(&three, "linuxcnc-matrixkins", "matrixkins.hal", ("setp matrixkins.", "setp matrixkin."));
     other.refused("E0704").says("no pin of `matrixkins`");
-    let tilt = "abbe: 1\nmachine: tilt\nchain: \"w C' A' b X Y Z t\"\naxes:\n  X: { travel: [-200 mm, 200 mm], origin: [0, 0, 0] }\n  \
-                Y: { travel: [-200 mm, 200 mm], origin: [0, 0, 0] }\n  Z: { travel: [0 mm, 200 mm], origin: [0, 0, 0] }\n  A: { travel: [-90 deg, 90 deg], sense: direct }\n  \
-                C: { travel: continuous, sense: direct }\nerrors:\n  EX0C: 5 um\nvolume: { step: 100 mm, A: { step: 45 deg }, C: { step: 45 deg } }\n";
+    let tilt = "abbe: 1\nmachine: tilt\nchain: \"w C' A' b X Y Z t\"\naxes:\n  X: { controller: 1, travel: [-200 mm, 200 mm], origin: [0, 0, 0] }\n  \
+                Y: { controller: 2, travel: [-200 mm, 200 mm], origin: [0, 0, 0] }\n  Z: { controller: 3, travel: [0 mm, 200 mm], origin: [0, 0, 0] }\n  A: { controller: 4, travel: [-90 deg, 90 deg], sense: direct }\n  \
+                C: { controller: 5, travel: continuous, sense: direct }\nerrors:\n  EX0C: 5 um\nvolume: { step: 100 mm, A: { step: 45 deg }, C: { step: 45 deg } }\n";
     let tilt = folder.write("tilt.yaml", tilt);
     let other = changed(&tilt, "linuxcnc-trt", "trt.hal", ("setp xyzac-trt-kins.", "setp xyzbc-trt-kins."));
     other.refused("E0704").says("no pin of `xyzac-trt-kins`");

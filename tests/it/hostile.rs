@@ -223,8 +223,9 @@ fn a_curve_closes_whatever_its_units() {
 }
 
 fn three(folder: &Folder, name: &str, errors: &str) -> std::path::PathBuf {
-    let axes =
-        ["X", "Y", "Z"].map(|axis| format!("  {axis}: {{ travel: [0 mm, 400 mm], origin: [0, 0, 0] }}\n")).concat();
+    let axes = [("X", 1), ("Y", 2), ("Z", 3)]
+        .map(|(axis, n)| format!("  {axis}: {{ controller: {n}, travel: [0 mm, 400 mm], origin: [0, 0, 0] }}\n"))
+        .concat();
     let text = format!(
         "abbe: 1\nmachine: Fräse\nchain: w b X Y Z t\naxes:\n{axes}errors:\n  {errors}: {{ points: [[0 mm, 0 urad], \
          [100 mm, 30 urad], [250 mm, -40 urad], [400 mm, 60 urad]] }}\nvolume: {{ step: 200 mm }}\n"

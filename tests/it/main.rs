@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
 mod annotations;
+mod axis_numbers;
 mod bad_input;
 mod bound_words;
 mod bounded;

@@ -12,12 +12,12 @@ use crate::support::{Run, abbe, cec, compile, config, names, number, verify};
 const FEW: [&str; 3] = ["--accept-unverified", "--poses", "60"];
 
 fn machine(folder: &Folder, chain: &str, errors: &str) -> PathBuf {
-    let rotary = if chain.contains('C') { "  C: { travel: continuous }\n" } else { "" };
+    let rotary = if chain.contains('C') { "  C: { controller: 4, travel: continuous }\n" } else { "" };
     folder.write(
         "machine.yaml",
         &format!(
-            "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  Y: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  \
-             Z: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n{rotary}errors:\n  {errors}\nvolume: {{ step: 100 mm }}\n"
+            "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ controller: 1, travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  Y: {{ controller: 2, travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  \
+             Z: {{ controller: 3, travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n{rotary}errors:\n  {errors}\nvolume: {{ step: 100 mm }}\n"
         ),
     )
 }

@@ -17,8 +17,8 @@ fn three_axes(folder: &Folder, name: &str, y: u32) -> PathBuf {
     folder.write(
         name,
         &format!(
-            "abbe: 1\nmachine: example\nchain: \"w b X Y Z t\"\naxes:\n  X: {{ travel: [0 mm, 500 mm], origin: [0, 0, 0] }}\n  Y: {{ travel: [0 mm, {y} mm], origin: [0, 0, 0] }}\n  \
-             Z: {{ travel: [-300 mm, 0 mm], origin: [0, 0, 0] }}\nerrors:\n  {errors}\nvolume: {{ step: 100 mm }}\n"
+            "abbe: 1\nmachine: example\nchain: \"w b X Y Z t\"\naxes:\n  X: {{ controller: 1, travel: [0 mm, 500 mm], origin: [0, 0, 0] }}\n  Y: {{ controller: 2, travel: [0 mm, {y} mm], origin: [0, 0, 0] }}\n  \
+             Z: {{ controller: 3, travel: [-300 mm, 0 mm], origin: [0, 0, 0] }}\nerrors:\n  {errors}\nvolume: {{ step: 100 mm }}\n"
         ),
     )
 }
@@ -27,8 +27,8 @@ fn three_axes(folder: &Folder, name: &str, y: u32) -> PathBuf {
 fn tilting_table(folder: &Folder) -> PathBuf {
     folder.write(
         "tilting.yaml",
-        "abbe: 1\nmachine: tilting\nchain: \"w C' A' b X Y Z t\"\naxes:\n  X: { travel: [-200 mm, 200 mm], origin: [0, 0, 0] }\n  Y: { travel: [-150 mm, 150 mm], origin: [0, 0, 0] }\n  \
-         Z: { travel: [-300 mm, 0 mm], origin: [0, 0, 0] }\n  A: { travel: [-90 deg, 30 deg], sense: direct }\n  C: { travel: continuous, sense: direct }\nerrors:\n  EX0C: 20 um\n  EY0A: -15 um\n",
+        "abbe: 1\nmachine: tilting\nchain: \"w C' A' b X Y Z t\"\naxes:\n  X: { controller: 1, travel: [-200 mm, 200 mm], origin: [0, 0, 0] }\n  Y: { controller: 2, travel: [-150 mm, 150 mm], origin: [0, 0, 0] }\n  \
+         Z: { controller: 3, travel: [-300 mm, 0 mm], origin: [0, 0, 0] }\n  A: { controller: 4, travel: [-90 deg, 30 deg], sense: direct }\n  C: { controller: 5, travel: continuous, sense: direct }\nerrors:\n  EX0C: 20 um\n  EY0A: -15 um\n",
     )
 }
 

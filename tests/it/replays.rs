@@ -41,8 +41,8 @@ pub fn read(
 /// Controller order: letter and whether it turns without end, with the index in the machine.
 pub fn order(machine: &Machine, target: &ControllerTarget) -> (Vec<(char, bool)>, Vec<usize>) {
     let letters = abbe::controller::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap();
-    let axes = letters.iter().map(|(axis, letter)| (letter.chars().next().unwrap(), machine.is_continuous(*axis)));
-    (axes.collect(), letters.iter().map(|(axis, _)| *axis).collect())
+    let axes = letters.iter().map(|known| (known.letter.chars().next().unwrap(), machine.is_continuous(known.axis)));
+    (axes.collect(), letters.iter().map(|known| known.axis).collect())
 }
 
 /// Positions within the travels and outside, many of them at whole steps.
@@ -94,7 +94,11 @@ const TABLE: &str = "\n  ECC: { harmonics: { 1: [30 urad, 20 urad], 3: [7 urad, 
 
 pub fn machine(folder: &Folder, table: bool) -> PathBuf {
     let (chain, axis, errors) = if table {
-        ("w C' b X Y Z t", "\n  C: { travel: continuous, origin: [10, 50, -20] }", format!("{ERRORS}{TABLE}"))
+        (
+            "w C' b X Y Z t",
+            "\n  C: { controller: 4, travel: continuous, origin: [10, 50, -20] }",
+            format!("{ERRORS}{TABLE}"),
+        )
     } else {
         ("w b X Y Z t", "", ERRORS.to_owned())
     };
@@ -102,8 +106,8 @@ pub fn machine(folder: &Folder, table: bool) -> PathBuf {
     folder.write(
         if table { "table.yaml" } else { "three.yaml" },
         &format!(
-            "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  \
-             Y: {{ travel: [0 mm, 120 mm], origin: [0, 0, 0] }}\n  Z: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}{axis}\ntool: {{ gauge: [0, 60, 50], length: 80 mm }}\n\
+            "abbe: 1\nmachine: example\nchain: \"{chain}\"\naxes:\n  X: {{ controller: 1, travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  \
+             Y: {{ controller: 2, travel: [0 mm, 120 mm], origin: [0, 0, 0] }}\n  Z: {{ controller: 3, travel: [0 mm, 100 mm], origin: [0, 0, 0] }}{axis}\ntool: {{ gauge: [0, 60, 50], length: 80 mm }}\n\
              errors:\n  {errors}\nvolume: {{ step: 50 mm{turn} }}\n"
         ),
     )

@@ -25,8 +25,8 @@ fn machine(folder: &Folder, errors: &str) -> PathBuf {
     folder.write(
         "machine.yaml",
         &format!(
-            "abbe: 1\nmachine: example\nchain: \"w b X Y Z t\"\naxes:\n  X: {{ travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  \
-             Y: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  Z: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\nerrors:\n  {errors}\nvolume: {{ step: 100 mm }}\n"
+            "abbe: 1\nmachine: example\nchain: \"w b X Y Z t\"\naxes:\n  X: {{ controller: 1, travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  \
+             Y: {{ controller: 2, travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  Z: {{ controller: 3, travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\nerrors:\n  {errors}\nvolume: {{ step: 100 mm }}\n"
         ),
     )
 }
@@ -36,8 +36,8 @@ fn with_table(folder: &Folder, errors: &str) -> PathBuf {
     folder.write(
         "table.yaml",
         &format!(
-            "abbe: 1\nmachine: table\nchain: \"w C' b X Y Z t\"\naxes:\n  X: {{ travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  \
-             Y: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  Z: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  C: {{ travel: continuous }}\nerrors:\n  {errors}\n\
+            "abbe: 1\nmachine: table\nchain: \"w C' b X Y Z t\"\naxes:\n  X: {{ controller: 1, travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  \
+             Y: {{ controller: 2, travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  Z: {{ controller: 3, travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  C: {{ controller: 4, travel: continuous }}\nerrors:\n  {errors}\n\
              volume: {{ step: 100 mm, C: {{ step: 15 deg }} }}\n"
         ),
     )

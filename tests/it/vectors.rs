@@ -127,8 +127,8 @@ fn text_of(folder: &Folder, errors: &str, target: &str, file: &str) -> String {
     let machine: PathBuf = folder.write(
         "machine.yaml",
         &format!(
-            "abbe: 1\nmachine: example\nchain: \"w b X Y Z t\"\naxes:\n  X: {{ travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  Y: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  \
-             Z: {{ travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\nerrors:\n  {errors}\nvolume: {{ step: 100 mm }}\n"
+            "abbe: 1\nmachine: example\nchain: \"w b X Y Z t\"\naxes:\n  X: {{ controller: 1, travel: [-200 mm, 200 mm], origin: [0, 0, 0] }}\n  Y: {{ controller: 2, travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\n  \
+             Z: {{ controller: 3, travel: [0 mm, 100 mm], origin: [0, 0, 0] }}\nerrors:\n  {errors}\nvolume: {{ step: 100 mm }}\n"
         ),
     );
     compile(&machine, target, &folder.path(target), &["--accept-unverified", "--poses", "5"]).json();

@@ -2,7 +2,7 @@
 //! files are there by name; else the one that their content identifies.
 
 use super::folder::{Folder, ignored};
-use super::options::{CompensationOptions, stored_of};
+use super::options::CompensationOptions;
 use crate::api::run::{Call, Refused};
 use crate::controller::{ControllerTarget, LOCK_NAME, Lock, NAMES, ReadBack, RecognisedSet, recognise};
 use crate::diagnostic::{Diagnostic, codes};
@@ -29,12 +29,15 @@ pub(crate) fn found_set(
         folder.refuse_odd(lock, &mut call.diagnostics);
         call.checked()?;
     }
-    let stored = lock.as_ref().and_then(|lock| options.stored.or_else(|| stored_of(&lock.options)));
+    let options = &options.as_in(lock.as_ref());
     let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
     let candidates = match named {
-        Some(name) => vec![options.target(call, &name, stored)?],
+        Some(name) => vec![options.target(call, &name)?],
         None => all_targets(call, options)?,
     };
+    if let [target] = &candidates[..] {
+        refuse_assumed_axes(call, machine, target)?;
+    }
     if let ([target], Some(lock)) = (&candidates[..], &lock) {
         let tables = target.table_files(machine);
         refuse_incomplete(call, &folder, lock, &tables)?;
@@ -49,6 +52,7 @@ pub(crate) fn found_set(
     let there = |target: &&ControllerTarget| target.table_files(machine).iter().any(|name| folder.has(name));
     let by_name: Vec<&ControllerTarget> = candidates.iter().filter(there).collect();
     if let [target] = by_name[..] {
+        refuse_assumed_axes(call, machine, target)?;
         let wanted = [target.table_files(machine), target.index_files()].concat();
         let files = folder.read(&wanted, &mut call.diagnostics);
         for name in target.foreign_files(machine).into_iter().filter(|name| folder.has(name)) {
@@ -65,7 +69,18 @@ pub(crate) fn found_set(
 fn all_targets(call: &mut Call, options: &CompensationOptions) -> Result<Vec<ControllerTarget>, Refused> {
     let mut names: Vec<String> = NAMES.iter().map(|name| (*name).to_owned()).collect();
     names.extend(options.own_targets(call.run.files).into_iter().filter(|own| !NAMES.contains(&&**own)));
-    names.into_iter().map(|name| options.target(call, &name, None)).collect()
+    names.into_iter().map(|name| options.target(call, &name)).collect()
+}
+
+/// Refuses axes of the machine whose letter or number in the target's files would be an assumption.
+pub(crate) fn refuse_assumed_axes(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+) -> Result<(), Refused> {
+    let Some(letters) = &target.manifest.axis_letters else { return Ok(()) };
+    call.extend(letters.refusal(machine, &target.manifest.target));
+    call.checked()
 }
 
 /// A table that the set's manifest lists is part of it, whether or not its target could do without.
@@ -92,6 +107,7 @@ fn by_content(
     };
     let texts = folder.texts(&mut call.diagnostics);
     if let Some(RecognisedSet { target, files }) = recognise(machine, targets, &texts, &mut call.diagnostics) {
+        refuse_assumed_axes(call, machine, &target)?;
         return Ok(FoundSet { target, files });
     }
     call.checked()?;

@@ -2,8 +2,9 @@
 
 use crate::api::run::{Call, Refused};
 use crate::compensation::{Fit, Goal, Scope, Stored};
-use crate::controller::{ControllerTarget, is_plain_name};
+use crate::controller::{ControllerTarget, Lock, is_plain_name};
 use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::machine::ControllerAxis;
 use crate::syntax::{EntryKind, Files};
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,8 @@ pub struct CompensationOptions {
     pub without: Vec<String>,
     /// Content of own-axis tables; by default the manifest's.
     pub fit: Option<Fit>,
+    /// Letters and numbers of axes in the controller, such as `A=AX6` or `X1=U`, over those of the machine file.
+    pub map: Vec<String>,
 }
 
 /// Axes that correct.
@@ -50,12 +53,37 @@ fn stored_word(stored: Stored) -> &'static str {
 }
 
 /// Returns the meaning of stored numbers that the manifest of a set states.
-pub(crate) fn stored_of(options: &[String]) -> Option<Stored> {
+fn stored_of(options: &[String]) -> Option<Stored> {
     let known = [Stored::Correction, Stored::Error];
     known.into_iter().find(|stored| options.iter().any(|option| option == stored_word(*stored)))
 }
 
+/// What the manifest of a set says before an entry of [`CompensationOptions::map`].
+const MAP: &str = "map ";
+
+/// Reads entries such as `A=AX6`; one axis may have a letter and a number. `Err`: the entry that is none.
+fn axis_words(map: &[String]) -> Result<Vec<(String, ControllerAxis)>, &String> {
+    let mut all: Vec<(String, ControllerAxis)> = Vec::new();
+    for entry in map {
+        let read = || entry.split_once('=').and_then(|(name, word)| Some((name, ControllerAxis::parse(word)?)));
+        let (name, word) = read().ok_or(entry)?;
+        match all.iter_mut().find(|(known, _)| known == name) {
+            Some((_, words)) => *words = words.and(word).ok_or(entry)?,
+            None => all.push((name.to_owned(), word)),
+        }
+    }
+    Ok(all)
+}
+
 impl CompensationOptions {
+    /// These options, and what the manifest of a set states where they do not.
+    pub(crate) fn as_in(&self, lock: Option<&Lock>) -> Self {
+        let Some(lock) = lock else { return self.clone() };
+        let of_lock = || lock.options.iter().filter_map(|option| option.strip_prefix(MAP)).map(str::to_owned);
+        let map = if self.map.is_empty() { of_lock().collect() } else { self.map.clone() };
+        Self { stored: self.stored.or_else(|| stored_of(&lock.options)), map, ..self.clone() }
+    }
+
     pub(crate) fn scope(&self) -> Scope {
         let goal = self.correct.unwrap_or(Goal::Position);
         let usual = if goal == Goal::Pose { CorrectingAxes::All } else { CorrectingAxes::Linear };
@@ -75,6 +103,7 @@ impl CompensationOptions {
         let mut words = vec![format!("correct {goal}"), format!("with {axes} axes")];
         words.extend(self.stored.map(|stored| stored_word(stored).to_owned()));
         words.extend(self.without.iter().map(|kind| format!("without {kind}")));
+        words.extend(self.map.iter().map(|entry| format!("{MAP}{entry}")));
         words.extend(self.fit.map(|fit| match fit {
             Fit::Axis => "fit axis".to_owned(),
             Fit::FunctionalPoint => "fit functional-point".to_owned(),
@@ -93,19 +122,14 @@ impl CompensationOptions {
         names.filter(|name| is_plain_name(name) && has_manifest(name)).collect()
     }
 
-    /// Finds a target by name and adapts it to the options; `stored` goes before the option.
-    pub(crate) fn target(
-        &self,
-        call: &mut Call,
-        name: &str,
-        stored: Option<Stored>,
-    ) -> Result<ControllerTarget, Refused> {
+    /// Finds a target by name and adapts it to the options.
+    pub(crate) fn target(&self, call: &mut Call, name: &str) -> Result<ControllerTarget, Refused> {
         if let Some(folder) = self.templates.as_deref().filter(|_| is_plain_name(name)) {
             refuse_links(call, &folder.join(name))?;
         }
         let target = ControllerTarget::find(name, self.templates.as_deref(), call.run.files, &mut call.diagnostics);
         let mut target = target.ok_or(Refused)?;
-        if let Some(stored) = stored.or(self.stored) {
+        if let Some(stored) = self.stored {
             target.manifest.mechanism.store(stored);
         }
         for kind in &self.without {
@@ -117,6 +141,14 @@ impl CompensationOptions {
         if let Some(fit) = self.fit {
             target.manifest.mechanism.fit(fit);
         }
+        let given = match axis_words(&self.map) {
+            Ok(given) => given,
+            Err(entry) => {
+                let (entry, expected) = (entry.escape_debug(), ControllerAxis::EXPECTED);
+                return call.usage(format!("--map: `{entry}` is not an axis, `=` and {expected}"));
+            }
+        };
+        target.manifest.axis_letters.iter_mut().for_each(|letters| letters.given.clone_from(&given));
         Ok(target)
     }
 }

@@ -50,6 +50,7 @@ pub(crate) fn rendered(
         return call.refuse(refusal);
     }
     refuse_no_letter(call, machine, target)?;
+    found_set::refuse_assumed_axes(call, machine, target)?;
     refuse_short_travel(call, machine, target)?;
     let TableRequest { scope, limits, .. } = *request;
     let axes = lattice_axes(call, machine, request.lattice)?;

@@ -5,8 +5,7 @@ use super::stored::{StoredColumn, StoredPosition, differences};
 use crate::compensation::{
     CorrectionTable, CorrectionTables, Directions, Encoding, ErrorCurve, Spacing, TABLES_OF_A_PRODUCT, TableRules,
 };
-use crate::controller::manifest::ControllerTarget;
-use crate::controller::manifest::{Layout, OutsideTable};
+use crate::controller::manifest::{AssignedAxis, ControllerTarget, Layout, OutsideTable};
 use crate::machine::{AxisKind, Branch, ErrorId, Location, Machine, Tool};
 use minijinja::{Value, context};
 use std::sync::Arc;
@@ -24,8 +23,8 @@ pub(crate) struct TableWords<'a> {
     pub target: &'a ControllerTarget,
     pub machine: &'a Machine,
     pub tables: &'a Arc<CorrectionTables>,
-    /// (index of the axis, letter) in the controller's order.
-    pub letters: &'a [(usize, String)],
+    /// The axes in the controller's order.
+    pub letters: &'a [AssignedAxis],
 }
 
 /// A table with its directions in the controller, and their numbers.
@@ -40,12 +39,17 @@ impl TableWords<'_> {
         self.machine.axes()[axis].kind
     }
 
-    fn joint(&self, axis: usize) -> usize {
-        self.letters.iter().position(|(a, _)| *a == axis).unwrap_or(axis)
+    fn assigned(&self, axis: usize) -> Option<&AssignedAxis> {
+        self.letters.iter().find(|known| known.axis == axis)
+    }
+
+    /// Number of an axis from 1.
+    fn number(&self, axis: usize) -> usize {
+        self.assigned(axis).map_or(axis + 1, |known| known.number)
     }
 
     fn letter(&self, axis: usize) -> &str {
-        self.letters.get(self.joint(axis)).map_or("", |(_, letter)| letter)
+        self.assigned(axis).map_or("", |known| &known.letter)
     }
 
     fn rules(&self, table: &CorrectionTable) -> Option<&TableRules> {
@@ -78,7 +82,7 @@ impl TableWords<'_> {
         let lines: Vec<Value> = rotary
             .map(|(i, a)| {
                 let (origin, direction) = (a.origin.map(number), a.direction.map(number));
-                context! { name => a.name.as_str(), origin, direction, number => self.joint(i) + 1 }
+                context! { name => a.name.as_str(), origin, direction, number => self.number(i) }
             })
             .collect();
         let tool = self.machine.tool();
@@ -134,7 +138,7 @@ impl TableWords<'_> {
             number => tables[0].number,
             bidirectional => table.reverse.is_some(),
             input => self.letter(input), output => self.letter(output),
-            input_number => self.joint(input) + 1, output_number => self.joint(output) + 1,
+            input_number => self.number(input), output_number => self.number(output),
             cells => if table.axes.len() > 1 { self.cells(table, rules) } else { Value::UNDEFINED },
             rows => if table.axes.len() == 2 { self.matrix(table, rules) } else { Value::UNDEFINED },
             slope => self.slope(table, rules),
@@ -147,8 +151,8 @@ impl TableWords<'_> {
 
     fn axis(&self, axis: usize) -> Value {
         let this = &self.machine.axes()[axis];
-        let joint = self.joint(axis);
-        context! { letter => self.letter(axis), name => this.name.as_str(), joint, number => joint + 1,
+        let number = self.number(axis);
+        context! { letter => self.letter(axis), name => this.name.as_str(), joint => number - 1, number,
         unit => this.unit() }
     }
 
@@ -249,8 +253,8 @@ impl TableWords<'_> {
             let input = table.axes[place];
             context! {
                 number, times, points,
-                input => self.letter(input), input_number => self.joint(input) + 1,
-                output => self.letter(table.corrected[0]), output_number => self.joint(table.corrected[0]) + 1,
+                input => self.letter(input), input_number => self.number(input),
+                output => self.letter(table.corrected[0]), output_number => self.number(table.corrected[0]),
                 ..self.input(table, rules, place)
             }
         };

@@ -7,7 +7,7 @@
 use super::context::TableWords;
 use super::number::fixed;
 use crate::compensation::{CorrectionTable, CorrectionTables};
-use crate::controller::manifest::{ControllerTarget, FileSpec, Per, assigned_letters, is_plain_name};
+use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileSpec, Per, assigned_letters, is_plain_name};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{AxisKind, Machine, Travel};
 use minijinja::syntax::SyntaxConfig;
@@ -147,11 +147,7 @@ impl ControllerTarget {
         spec: &FileSpec,
     ) -> Result<Vec<(usize, String)>, TemplateFailure> {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
-        let name = |(joint, (axis, letter)): (usize, &(usize, String))| {
-            let own = context! { joint, letter, name => machine.axes()[*axis].name.as_str() };
-            file_name(spec, own).map(|name| (*axis, name))
-        };
-        letters.iter().enumerate().map(name).collect()
+        letters.iter().map(|known| Ok((known.axis, file_name(spec, name_context(machine, known))?))).collect()
     }
 }
 
@@ -165,6 +161,11 @@ fn environment() -> Environment<'static> {
         environment.set_syntax(syntax);
     }
     environment
+}
+
+/// The variables of the name of an axis's file.
+fn name_context(machine: &Machine, known: &AssignedAxis) -> Value {
+    context! { joint => known.number - 1, letter => known.letter.as_str(), name => machine.axes()[known.axis].name.as_str() }
 }
 
 /// Renders the name of a file: expressions without filters and functions.
@@ -225,10 +226,9 @@ impl Writer<'_> {
                 }
                 continue;
             }
-            for joint in 0..self.words.letters.len() {
-                let axis = self.words.letters[joint].0;
-                if spec.per.wants(axis, &self.words.tables.tables) {
-                    files.push(self.file(spec, template, self.axis_context(joint, Some(spec.per))?)?);
+            for known in self.words.letters {
+                if spec.per.wants(known.axis, &self.words.tables.tables) {
+                    files.push(self.file(spec, template, self.axis_context(known, Some(spec.per))?)?);
                 }
             }
         }
@@ -253,25 +253,24 @@ impl Writer<'_> {
     }
 
     /// An axis; with its tables in the file of an axis.
-    fn axis_context(&self, joint: usize, of: Option<Per>) -> Result<Value, TemplateFailure> {
+    fn axis_context(&self, known: &AssignedAxis, of: Option<Per>) -> Result<Value, TemplateFailure> {
         let (machine, target) = (self.words.machine, self.words.target);
-        let (index, letter) = &self.words.letters[joint];
+        let AssignedAxis { axis: index, letter, number } = known;
         let axis = &machine.axes()[*index];
         let (min, max) = self.limits(*index);
         let mut per_axis = target.manifest.files.iter().filter(|spec| spec.per == Per::Axis);
-        let own = context! { joint, letter, name => axis.name.as_str() };
-        let file = per_axis.next().map(|spec| file_name(spec, own)).transpose()?;
+        let file = per_axis.next().map(|spec| file_name(spec, name_context(machine, known))).transpose()?;
         let tables = of.map(|per| self.words.tables(|table| per.holds(*index, table)));
         let own = of.map(|_| self.words.own_points(*index));
         Ok(context! {
-            joint, letter, file, tables,
+            joint => number - 1, letter, file, tables,
             points => own,
             name => axis.name.as_str(),
             kind => if axis.kind == AxisKind::Linear { "linear" } else { "rotary" },
             unit => axis.unit(),
             min => self.position(min),
             max => self.position(max),
-            number => joint + 1,
+            number,
             ..self.common()
         })
     }
@@ -286,7 +285,7 @@ impl Writer<'_> {
 
     fn machine_context(&self, spec: &FileSpec) -> Result<Value, TemplateFailure> {
         let axes =
-            (0..self.words.letters.len()).map(|joint| self.axis_context(joint, None)).collect::<Result<Vec<_>, _>>()?;
+            self.words.letters.iter().map(|known| self.axis_context(known, None)).collect::<Result<Vec<_>, _>>()?;
         let (columns, rows) = self.words.lattice().unzip();
         // A lattice is written row by row; as a list of tables it would be in memory as text.
         let tables = columns.is_none().then(|| self.words.tables(|table| self.words.is_of(table, spec.of.as_deref())));

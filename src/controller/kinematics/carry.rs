@@ -112,8 +112,8 @@ fn letters(machine: &Machine, target: &ControllerTarget) -> Result<Vec<(usize, u
             .help("this target knows the letters X Y Z, U V W and A B C")
     })?;
     let mut found = vec![None; machine.axes().len()];
-    for (joint, (axis, letter)) in assigned.iter().enumerate() {
-        found[*axis] = WORLD.find(letter.as_str()).map(|coordinate| (coordinate, joint));
+    for (joint, known) in assigned.iter().enumerate() {
+        found[known.axis] = WORLD.find(known.letter.as_str()).map(|coordinate| (coordinate, joint));
     }
     found.into_iter().collect::<Option<Vec<_>>>().ok_or_else(|| {
         Diagnostic::new(codes::E0750, "an axis has a letter that is no coordinate of the world")

@@ -1,6 +1,7 @@
 //! The manifest of a target (`target.yaml`): mechanisms of the controller, and its use of them.
 
 use crate::compensation::{KinematicsMechanism, Mechanisms, OwnAxisContent, TableRules};
+use crate::machine::ControllerAxis;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -155,6 +156,23 @@ pub struct AxisLetters {
     pub rotary: String,
     /// The order in which the controller counts them.
     pub order: String,
+    /// Numbers of axes, where the builder of the machine sets them; without the key they follow from `order`.
+    #[serde(default)]
+    pub numbers: Option<AxisNumbers>,
+    /// Letters and numbers of axes by name, from the options of a run.
+    #[serde(skip)]
+    pub given: Vec<(String, ControllerAxis)>,
+}
+
+/// Numbers that the controller's files use for axes.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisNumbers {
+    /// The things that are counted, and the place where the control states their numbers.
+    pub are: String,
+    /// Word before a number in the controller's files, such as `AX`.
+    #[serde(default)]
+    pub prefix: String,
 }
 
 /// The parts of a set that have a file of their own.

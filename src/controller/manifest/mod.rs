@@ -13,6 +13,6 @@ pub use description::{
     Arithmetic, AxisLetters, Certainty, Column, Controller, Edge, FileSpec, Frame, Index, Layout, LineSpec, Lookup,
     Manifest, OutsideTable, Per,
 };
-pub use letters::assigned_letters;
+pub use letters::{AssignedAxis, assigned_letters, by_number};
 pub(super) use library::path_fits;
 pub use library::{ControllerTarget, NAMES, is_plain_name};

@@ -2,8 +2,7 @@
 //! positions.
 
 use super::{Fault, ReadBack};
-use crate::controller::manifest::ControllerTarget;
-use crate::controller::manifest::{Index, Layout};
+use crate::controller::manifest::{AssignedAxis, ControllerTarget, Index, Layout, by_number};
 use crate::machine::Machine;
 
 /// An axis, assigned to a file by another file.
@@ -15,7 +14,7 @@ pub(super) struct AxisFile {
 }
 
 /// Returns the assignments of a file. A fault: its settings make the controller read the files differently.
-pub(super) fn assigned(index: &Index, letters: &[(usize, String)], text: &str) -> Result<Vec<AxisFile>, Fault> {
+pub(super) fn assigned(index: &Index, letters: &[AssignedAxis], text: &str) -> Result<Vec<AxisFile>, Fault> {
     match index {
         Index::Sections { prefix, key, with } => sections((prefix, key), with, letters, text),
         Index::Columns { header } => Ok(columns(header, letters, text)),
@@ -26,15 +25,15 @@ pub(super) fn assigned(index: &Index, letters: &[(usize, String)], text: &str) -
 fn sections(
     (prefix, key): (&str, &str),
     with: &std::collections::BTreeMap<String, String>,
-    letters: &[(usize, String)],
+    letters: &[AssignedAxis],
     text: &str,
 ) -> Result<Vec<AxisFile>, Fault> {
     let mut all = Vec::new();
     let mut lines = text.lines().enumerate().peekable();
     while let Some((_, line)) = lines.next() {
         let section = line.trim().strip_prefix('[').and_then(|l| l.strip_prefix(prefix)?.split_once(']'));
-        let axis = section.and_then(|(n, _)| letters.get(n.parse::<usize>().ok()?)).map(|(axis, _)| *axis);
-        let Some(axis) = axis else { continue };
+        let axis = section.and_then(|(n, _)| by_number(letters, n.parse::<usize>().ok()?.checked_add(1)?));
+        let Some(axis) = axis.map(|known| known.axis) else { continue };
         let mut said: Vec<(usize, &str, &str)> = Vec::new();
         while let Some((number, line)) = lines.next_if(|(_, line)| !line.trim().starts_with('[')) {
             let setting = line.split_once('=').filter(|_| !line.trim().starts_with(['#', ';']));
@@ -55,13 +54,13 @@ fn sections(
 }
 
 /// A line with a header before the letters of axes, then lines with a file under each letter.
-fn columns(header: &str, letters: &[(usize, String)], text: &str) -> Vec<AxisFile> {
+fn columns(header: &str, letters: &[AssignedAxis], text: &str) -> Vec<AxisFile> {
     let mut rows = text.lines().map(str::split_whitespace).map(Iterator::collect::<Vec<_>>);
     let head: Vec<&str> = header.split_whitespace().collect();
     let Some(names) = rows.find(|row| row.starts_with(&head)) else { return Vec::new() };
     let axis = |column: usize| {
         let letter = names.get(column)?;
-        letters.iter().find(|(_, known)| known == letter).map(|(axis, _)| *axis)
+        letters.iter().find(|known| known.letter == *letter).map(|known| known.axis)
     };
     let under = |row: Vec<&str>| {
         let files = row.iter().enumerate().skip(head.len()).filter(|(_, file)| **file != "-");
@@ -99,7 +98,7 @@ pub(super) fn spans(target: &ControllerTarget, machine: &Machine, axis: usize, p
 /// Files that are assigned otherwise than by their names, or read otherwise than here.
 pub(super) fn index_fault(
     target: &ControllerTarget,
-    letters: &[(usize, String)],
+    letters: &[AssignedAxis],
     files: &[ReadBack],
 ) -> Option<(usize, Fault)> {
     let indices = target.manifest.files.iter().filter_map(|spec| Some((spec, spec.index.as_ref()?)));

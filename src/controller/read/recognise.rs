@@ -9,7 +9,7 @@
 
 use super::place::{assigned, by_frame, spans};
 use super::{Fault, ReadBack, Reading};
-use crate::controller::manifest::{ControllerTarget, FileSpec, Layout, Per, assigned_letters};
+use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileSpec, Layout, Per, assigned_letters};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
 
@@ -148,7 +148,7 @@ impl TargetFit {
     fn axes(
         &self,
         machine: &Machine,
-        letters: &[(usize, String)],
+        letters: &[AssignedAxis],
         files: &[NamedText],
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Option<usize>>> {
@@ -194,7 +194,7 @@ impl TargetFit {
         &self,
         placed: &FilePlace,
         machine: &Machine,
-        letters: &[(usize, String)],
+        letters: &[AssignedAxis],
         files: &[NamedText],
         diagnostics: &mut Diagnostics,
     ) -> Option<Option<usize>> {
@@ -267,7 +267,7 @@ impl TargetFit {
 struct Trial<'a> {
     target: &'a ControllerTarget,
     machine: &'a Machine,
-    letters: &'a [(usize, String)],
+    letters: &'a [AssignedAxis],
     text: &'a str,
     /// The fault at which the longest reading ended.
     furthest: Option<Fault>,
@@ -298,9 +298,9 @@ impl Trial<'_> {
             return Some((vec![axis], positions));
         }
         // The first axis serves as well as any: axes differ in their unit.
-        let first = self.letters.first()?.0;
+        let first = self.letters.first()?.axis;
         let (_, positions) = of(spec.per, self.read(layout, Some(first))?);
-        let axes: Vec<usize> = self.letters.iter().map(|(axis, _)| *axis).collect();
+        let axes: Vec<usize> = self.letters.iter().map(|known| known.axis).collect();
         let fitting = |axis: &usize| self.read(layout, Some(*axis)).is_some();
         let axes: Vec<usize> = axes.into_iter().filter(fitting).collect();
         (!axes.is_empty()).then_some((axes, positions))

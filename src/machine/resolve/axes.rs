@@ -3,8 +3,8 @@
 use super::context::{Context, dotted};
 use super::positions::{PositionDraft, position};
 use crate::diagnostic::{codes, did_you_mean, shown};
-use crate::machine::{AxisKind, AxisName, Branch, Sense, Travel};
-use crate::syntax::{AxisEntry, Keys, Scalar, SideEntry, TravelEntry, below, keys};
+use crate::machine::{AxisKind, AxisName, Branch, ControllerAxis, Sense, Travel};
+use crate::syntax::{AxisEntry, ControllerEntry, Keys, Scalar, SideEntry, TravelEntry, below, keys};
 
 /// Shortest travel, mm or deg: controls have increments of a micrometre or a thousandth of a degree.
 const SHORTEST: f64 = 1e-3;
@@ -18,6 +18,7 @@ pub struct AxisDraft {
     pub name: AxisName,
     pub kind: Option<AxisKind>,
     pub sense: Option<Sense>,
+    pub controller: ControllerAxis,
     /// The plain keys.
     pub plain: SideDraft,
     /// The blocks `on_tool` and `on_workpiece`.
@@ -111,7 +112,17 @@ fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Opt
     let none = SideDraft::default;
     let (plain, on_tool, on_workpiece) = (none(), none(), none());
     let (side, travel) = (Branch::Workpiece, None);
-    let unknown = AxisDraft { name: name.clone(), kind: None, sense: None, plain, on_tool, on_workpiece, side, travel };
+    let unknown = AxisDraft {
+        name: name.clone(),
+        kind: None,
+        sense: None,
+        controller: ControllerAxis::default(),
+        plain,
+        on_tool,
+        on_workpiece,
+        side,
+        travel,
+    };
     let Some(entry) = entry else { return Some(unknown) };
     let kind = kind(context, &name, entry, &at);
     let travel = kind.and_then(|kind| plain_travel(context, &name, kind, entry, &at));
@@ -126,7 +137,25 @@ fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Opt
         let side = block_entry(entry, branch).zip(kind);
         side.map(|(side, kind)| block(context, &name, kind, side, &below(&at, block_key(branch)))).unwrap_or_default()
     });
-    Some(AxisDraft { kind, sense, plain, on_tool, on_workpiece, ..unknown })
+    let controller = controller(context, &name, entry, &at);
+    Some(AxisDraft { kind, sense, controller, plain, on_tool, on_workpiece, ..unknown })
+}
+
+/// The letter and the number that an entry gives the axis in the controller.
+fn controller(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys) -> ControllerAxis {
+    let words = match &entry.controller {
+        Some(ControllerEntry::One(word)) => std::slice::from_ref(word),
+        Some(ControllerEntry::Both(words)) => words,
+        None => &[],
+    };
+    let read = |all: ControllerAxis, word: &Scalar| all.and(ControllerAxis::parse(&word.to_string())?);
+    words.iter().try_fold(ControllerAxis::default(), read).unwrap_or_else(|| {
+        let words: Vec<String> = words.iter().map(Scalar::to_string).collect();
+        let message = format!("`{}` is not what a controller calls axis `{name}`", shown(&words.join(", ")));
+        let help = format!("write {}, or both: [A, 6]", ControllerAxis::EXPECTED);
+        context.at_value(codes::E0712, &below(at, "controller"), message, help);
+        ControllerAxis::default()
+    })
 }
 
 /// Geometry that the block of a side gives.

@@ -137,6 +137,7 @@ fn in_chain(
             travel: side.travel,
             branch,
             sense: draft.sense.unwrap_or(conventions.workpiece_axes),
+            controller: draft.controller,
         })
     });
     walk.collect()

@@ -15,7 +15,11 @@ pub fn write(sample: &Sample, folder: &Folder) -> String {
     let mut text = format!("abbe: 1\nmachine: random\n{}\n{}", chain(sample), conventions(sample));
     text += "axes:\n";
     for (axis, extra) in rigid.walk.iter().zip(&sample.axes) {
-        writeln!(text, "  {}: {}", axis.name, axis_line(axis, extra)).unwrap();
+        // The order in which the readers of these tests count.
+        let place = |name: &str| "XYZABCUVW".find(name).unwrap_or(usize::MAX);
+        let before =
+            rigid.walk.iter().filter(|other| (place(&other.name), &other.name) < (place(&axis.name), &axis.name));
+        writeln!(text, "  {}: {{ controller: {}, {}", axis.name, before.count() + 1, axis_line(axis, extra)).unwrap();
     }
     let [x, y, length] = rigid.offset;
     let tip =
@@ -63,8 +67,8 @@ fn conventions(sample: &Sample) -> String {
 fn axis_line(axis: &Axis, extra: &Extra) -> String {
     let unit = if axis.rotary { "deg" } else { "mm" };
     let mut line = match extra.travel {
-        Some([low, high]) => format!("{{ travel: [{low} {unit}, {high} {unit}]"),
-        None => "{ travel: continuous".into(),
+        Some([low, high]) => format!("travel: [{low} {unit}, {high} {unit}]"),
+        None => "travel: continuous".into(),
     };
     if axis.name.starts_with('J') {
         line += if axis.rotary { ", kind: rotary" } else { ", kind: linear" };

@@ -98,7 +98,7 @@ fn origin(word: &str, own: &Mapping, gauge: V3) -> V3 {
 }
 
 fn axis(word: &str, own: &Mapping, gauge: V3) -> Axis {
-    known(own, &["travel", "origin", "direction", "kind", "sense", "on_tool", "on_workpiece"]);
+    known(own, &["controller", "travel", "origin", "direction", "kind", "sense", "on_tool", "on_workpiece"]);
     let name = word.trim_end_matches('\'').to_owned();
     let letter = "XYZUVWABC".find(&name);
     let rotary = own.get("kind").map_or_else(|| letter.unwrap() >= 6, |kind| kind == "rotary");
