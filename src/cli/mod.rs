@@ -24,7 +24,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use verbs::{
     budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, figures, identify,
-    import, init, instrument, man, map, reach, report, show, targets, verify, workbench,
+    import, init, instrument, locate, man, map, reach, report, show, targets, verify, workbench,
 };
 
 /// A compiler from machine-tool configurations to volumetric compensation.
@@ -132,6 +132,8 @@ enum Verb {
     Import(import::Args),
     /// Figures of ISO 230-3, 230-4 and 230-7 from readings of a test.
     Figures(figures::Args),
+    /// Location errors from what a control's own calibration of the rotary axes found.
+    Locate(locate::Args),
     /// The compensation files of a controller, with their certificate.
     Compile(compile::Args),
     /// Replay compensation files as the controller would, and certify the residual.
@@ -231,6 +233,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Identify(args) => identify::run(session, &args),
         Verb::Figures(args) => figures::run(session, &args),
         Verb::Import(args) => import::run(session, &args),
+        Verb::Locate(args) => locate::run(session, &args),
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),

@@ -25,10 +25,10 @@ const OF_SPINDLE: &str = "  EA0S: 15 urad\n  EB0S: -31 urad\n";
 /// A trunnion; the axes do not meet.
 pub fn table_table(errors: &str) -> String {
     format!(
-        "abbe: 1\nmachine: table-table\nchain: \"w C' A' Y' b X Z (S) t\"\naxes:\n  X: {{ travel: [0 mm, 500 mm] }}\n  \
-         Y: {{ travel: [0 mm, 450 mm] }}\n  Z: {{ travel: [-400 mm, 0 mm] }}\n  \
-         A: {{ travel: [-120 deg, 30 deg], origin: [250, 225, -350] }}\n  \
-         C: {{ travel: continuous, origin: [250, 225, -380] }}\ntool: {{ gauge: [10, 20, 30], length: 120 mm }}\n\
+        "abbe: 1\nmachine: table-table\nchain: \"w C' A' Y' b X Z (S) t\"\naxes:\n  X: {{ controller: 1, travel: [0 mm, 500 mm] }}\n  \
+         Y: {{ controller: 2, travel: [0 mm, 450 mm] }}\n  Z: {{ controller: 3, travel: [-400 mm, 0 mm] }}\n  \
+         A: {{ controller: 4, travel: [-120 deg, 30 deg], origin: [250, 225, -350] }}\n  \
+         C: {{ controller: 5, travel: continuous, origin: [250, 225, -380] }}\ntool: {{ gauge: [10, 20, 30], length: 120 mm }}\n\
          workpiece: {{ origin: [250, 225, -360] }}\nerrors:\n{errors}"
     )
 }
@@ -38,31 +38,31 @@ pub const OF_TABLES: &str = "  EY0A: -8 um\n  EZ0A: 17 um\n  EB0A: 54 urad\n  EC
                          EA0C: -62 urad\n  EB0C: 44 urad\n";
 
 /// A fork head; B is inclined and does not meet C.
-fn head_head(errors: &str) -> String {
+pub fn head_head(errors: &str) -> String {
     format!(
-        "abbe: 1\nmachine: head-head\nchain: \"w Y' b X Z C B (S) t\"\naxes:\n  X: {{ travel: [0 mm, 900 mm] }}\n  \
-         Y: {{ travel: [0 mm, 450 mm] }}\n  Z: {{ travel: [-400 mm, 0 mm] }}\n  \
-         C: {{ travel: [-200 deg, 200 deg], origin: [5, 3, 0] }}\n  \
-         B: {{ travel: [-100 deg, 100 deg], direction: [0, 1, 1], origin: [12, 0, 260] }}\n\
+        "abbe: 1\nmachine: head-head\nchain: \"w Y' b X Z C B (S) t\"\naxes:\n  X: {{ controller: 1, travel: [0 mm, 900 mm] }}\n  \
+         Y: {{ controller: 2, travel: [0 mm, 450 mm] }}\n  Z: {{ controller: 3, travel: [-400 mm, 0 mm] }}\n  \
+         C: {{ controller: 5, travel: [-200 deg, 200 deg], origin: [5, 3, 0] }}\n  \
+         B: {{ controller: 4, travel: [-100 deg, 100 deg], direction: [0, 1, 1], origin: [12, 0, 260] }}\n\
          tool: {{ gauge: [0, 0, 40], length: 150 mm }}\nworkpiece: {{ origin: [100, 50, -300] }}\nerrors:\n{errors}"
     )
 }
 
-const OF_HEADS: &str = "  EX0C: 26 um\n  EY0C: -9 um\n  EA0C: -62 urad\n  EB0C: 44 urad\n  EX0B: 13 um\n  EZ0B: -21 um\n  \
+pub const OF_HEADS: &str = "  EX0C: 26 um\n  EY0C: -9 um\n  EA0C: -62 urad\n  EB0C: 44 urad\n  EX0B: 13 um\n  EZ0B: -21 um\n  \
                         EA0B: 33 urad\n  EC0B: -47 urad\n";
 
 /// The table turns right-handed.
-fn head_table(errors: &str) -> String {
+pub fn head_table(errors: &str) -> String {
     format!(
-        "abbe: 1\nmachine: head-table\nchain: \"w C' X' b Y Z B (S) t\"\naxes:\n  X: {{ travel: [0 mm, 500 mm] }}\n  \
-         Y: {{ travel: [0 mm, 450 mm] }}\n  Z: {{ travel: [-400 mm, 0 mm] }}\n  \
-         C: {{ travel: continuous, sense: direct, origin: [250, 225, -380] }}\n  \
-         B: {{ travel: [-100 deg, 100 deg], origin: [1, 2, 220] }}\ntool: {{ gauge: [0, 0, 0], length: 90 mm }}\n\
+        "abbe: 1\nmachine: head-table\nchain: \"w C' X' b Y Z B (S) t\"\naxes:\n  X: {{ controller: 1, travel: [0 mm, 500 mm] }}\n  \
+         Y: {{ controller: 2, travel: [0 mm, 450 mm] }}\n  Z: {{ controller: 3, travel: [-400 mm, 0 mm] }}\n  \
+         C: {{ controller: 5, travel: continuous, sense: direct, origin: [250, 225, -380] }}\n  \
+         B: {{ controller: 4, travel: [-100 deg, 100 deg], origin: [1, 2, 220] }}\ntool: {{ gauge: [0, 0, 0], length: 90 mm }}\n\
          workpiece: {{ origin: [250, 225, -300] }}\nerrors:\n{errors}"
     )
 }
 
-fn with_spindle(of_axes: &str) -> String {
+pub fn with_spindle(of_axes: &str) -> String {
     format!("{of_axes}{OF_SPINDLE}")
 }
 
@@ -186,7 +186,7 @@ fn longer(sample: &Sample) -> Sample {
     longer
 }
 
-fn compiled(folder: &Folder, text: &str, target: &str) -> (PathBuf, PathBuf, serde_json::Value) {
+pub fn compiled(folder: &Folder, text: &str, target: &str) -> (PathBuf, PathBuf, serde_json::Value) {
     let machine = folder.write("machine.yaml", text);
     let out = folder.path(target);
     let json = compile(&machine, target, &out, &ACCEPT).json();
@@ -238,7 +238,7 @@ fn lines_are_those_of_the_motion_in_any_convention() {
             "machine: table-table\n",
             "machine: table-table\nconventions: { location: carried_body, errors_are: body, workpiece_axes: direct }\n",
         )
-        .replace("  Y: { travel", "  Y: { sense: iso841, travel");
+        .replace("  Y: { controller: 1, travel", "  Y: { controller: 1, sense: iso841, travel");
     let (_, out, _) = compiled(&folder, &text, "sinumerik-traori");
     let control = Control::traori("table-table", &numbers(&out.join("TRAORI.INI")));
     let mut carried = plain.clone();
@@ -404,9 +404,9 @@ fn sign_tests_as_printed() {
 
 fn pivoting(errors: &str) -> String {
     format!(
-        "abbe: 1\nmachine: pivot\nchain: \"w b X Y Z C B t\"\naxes:\n  X: {{ travel: [-300 mm, 300 mm] }}\n  \
-         Y: {{ travel: [-300 mm, 300 mm] }}\n  Z: {{ travel: [-300 mm, 0 mm] }}\n  C: {{ travel: [-200 deg, 200 deg] }}\n  \
-         B: {{ travel: [-100 deg, 100 deg], direction: [0, -1, 0], origin: [0, 0, 250] }}\n\
+        "abbe: 1\nmachine: pivot\nchain: \"w b X Y Z C B t\"\naxes:\n  X: {{ controller: 1, travel: [-300 mm, 300 mm] }}\n  \
+         Y: {{ controller: 2, travel: [-300 mm, 300 mm] }}\n  Z: {{ controller: 3, travel: [-300 mm, 0 mm] }}\n  C: {{ controller: 5, travel: [-200 deg, 200 deg] }}\n  \
+         B: {{ controller: 4, travel: [-100 deg, 100 deg], direction: [0, -1, 0], origin: [0, 0, 250] }}\n\
          tool: {{ length: 100 mm }}\nerrors:\n{errors}"
     )
 }

@@ -61,6 +61,7 @@ mod linuxcnc_constants;
 mod linuxcnc_kinematics;
 mod linuxcnc_kins;
 mod loaded;
+mod locate;
 mod map;
 mod map_files;
 mod measurements;

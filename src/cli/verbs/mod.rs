@@ -16,6 +16,7 @@ pub(super) mod identify;
 pub(super) mod import;
 pub(super) mod init;
 pub(super) mod instrument;
+pub(super) mod locate;
 pub(super) mod man;
 pub(super) mod map;
 pub(super) mod reach;

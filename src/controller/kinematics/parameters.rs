@@ -147,6 +147,12 @@ impl Parameters {
         ))
     }
 
+    /// True if another transformation has other numbers than the nominal one.
+    pub(super) fn differs(&self, other: &Transformation) -> bool {
+        let both = [&self.nominal, other].map(|of| self.rules.numbers(of));
+        both[0].iter().zip(&both[1]).any(|(a, b)| (a - b).abs() > SAME)
+    }
+
     /// The numbers of the nominal machine, changed as these change those with which the machine was measured.
     fn effective(&self, values: &[f64]) -> Vec<f64> {
         let own = self.rules.numbers(&self.nominal);

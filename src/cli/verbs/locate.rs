@@ -1,0 +1,84 @@
+//! `abbe locate`: location errors from the lines of the rotary axes that a control's own calibration, or a probe, found.
+
+use crate::cli::arguments::{InstalledArg, help};
+use crate::cli::output::session::Session;
+use crate::cli::output::view::table;
+use crate::cli::store::write;
+use crate::cli::{Format, Outcome};
+use abbe::results::{LocateResult, LocatedError};
+use abbe::text::significant;
+use abbe::{LocateOptions, locate};
+use serde_json::json;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The machine file.
+    machine: PathBuf,
+    /// A table of lines, or a folder with kinematic parameters of a controller.
+    found: PathBuf,
+    #[arg(long, value_name = "NAME", help = help::TARGET,
+        long_help = "The controller of the parameters [default: the one that their files name]")]
+    target: Option<String>,
+    /// A folder with targets of your own.
+    #[arg(long, value_name = "DIR")]
+    templates: Option<PathBuf>,
+    #[command(flatten)]
+    installed: InstalledArg,
+    #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the machine with the errors found to this file")]
+    out: Option<PathBuf>,
+}
+
+pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
+    let file = session.load(&args.machine, None)?;
+    write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
+    let (target, templates) = (args.target.clone(), args.templates.clone());
+    let options = LocateOptions { target, templates, installed: args.installed.installed.clone() };
+    let answer = locate(&file, &args.found, &options, session.run());
+    let result = session.take(answer)?;
+    if let Some(out) = &args.out {
+        let text = result.machine_file.as_bytes();
+        write::write_whole(out, text, &session.files).or_else(|refusal| session.refuse(refusal))?;
+    }
+    match session.format() {
+        Format::Json => session.print_json(json!(result)),
+        Format::Csv => session.print(&csv(&result)),
+        Format::Text => session.print(&text(&result)),
+    }
+    Ok(())
+}
+
+const TITLES: [&str; 8] = ["error", "unit", "found", "U", "in file", "U in file", "difference", "agrees"];
+
+fn cells(error: &LocatedError, number: fn(f64) -> String, none: &str) -> [String; 8] {
+    let maybe = |x: Option<f64>| x.map_or_else(|| none.to_owned(), number);
+    let agrees = error.agrees.map_or(none, |agrees| if agrees { "yes" } else { "no" });
+    [
+        error.name.clone(),
+        error.unit.to_owned(),
+        number(error.found),
+        maybe(error.uncertainty),
+        number(error.in_file),
+        maybe(error.in_file_uncertainty),
+        number(error.difference),
+        agrees.to_owned(),
+    ]
+}
+
+fn text(result: &LocateResult) -> String {
+    let mut rows = table(&TITLES);
+    for error in &result.errors {
+        let _ = rows.add_row(cells(error, |x| significant(libm::round(x * 1e6) / 1e6 + 0.0, 4), "-"));
+    }
+    let source = result.target.as_ref().map_or_else(|| "a table of lines".to_owned(), |name| format!("`{name}`"));
+    let mut text = format!("{}: location errors from {source}\n{rows}\n", result.machine);
+    if result.errors.iter().any(|error| error.agrees.is_some()) {
+        text += "agrees: the difference is within both expanded uncertainties (k = 2), root of the sum of squares\n";
+    }
+    text
+}
+
+fn csv(result: &LocateResult) -> String {
+    let row = |error: &LocatedError| cells(error, |x| x.to_string(), "").join(",") + "\n";
+    TITLES.join(",") + "\n" + &result.errors.iter().map(row).collect::<String>()
+}
