@@ -52,9 +52,8 @@ fn axis_line(axis: &Axis, errors: &JointErrors, parts: &MachineParts) -> String 
     let (direction, origin) = (point(&axis.direction), point(&axis.origin));
     let other = other_side(axis, errors, parts).unwrap_or_default();
     let (name, known) = (&axis.name, controller(axis.controller));
-    format!(
-        "  {name}: {{ kind: {kind}, direction: {direction}, origin: {origin}, travel: {travel}{sense}{known}{other} }}\n"
-    )
+    let geometry = format!("direction: {direction}, origin: {origin}, travel: {travel}{sense}");
+    format!("  {name}: {{ kind: {kind}, {geometry}{known}{other} }}\n")
 }
 
 fn controller(axis: ControllerAxis) -> String {

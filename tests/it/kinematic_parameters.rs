@@ -238,7 +238,7 @@ fn lines_are_those_of_the_motion_in_any_convention() {
             "machine: table-table\n",
             "machine: table-table\nconventions: { location: carried_body, errors_are: body, workpiece_axes: direct }\n",
         )
-        .replace("  Y: { controller: 1, travel", "  Y: { controller: 1, sense: iso841, travel");
+        .replace("  Y: { controller: 2, travel", "  Y: { controller: 2, sense: iso841, travel");
     let (_, out, _) = compiled(&folder, &text, "sinumerik-traori");
     let control = Control::traori("table-table", &numbers(&out.join("TRAORI.INI")));
     let mut carried = plain.clone();

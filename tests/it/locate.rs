@@ -160,12 +160,13 @@ fn tables_that_say_nothing_are_refused() {
         ("axis,i,j,k\nC,0,0,0\n", "no length"),
         ("axis,i,j\nC,0,0\n", "needs i, j and k"),
         ("axis,x [mm],u [um]\nC,250,-1\n", "below 0"),
+        ("axis,x [um]\nC,250\n", "mm from the nominal axis"),
+        ("axis,i,j,k\nC,1,0,0\n", "more than 5 deg off"),
     ] {
         let found = folder.write("lines.csv", text);
         locate(&machine, &found, &[]).refused("E0519").says(says);
     }
-    let found = folder.write("lines.csv", "axis,i,j,k\nC,1,0,0\n");
-    locate(&machine, &found, &[]).refused("E0751").says("no location errors");
+    let found = folder.write("lines.csv", "axis,x [mm]\nC,250\n");
     let tables = folder.path("tables");
     let _ = compile(&machine, "grid-csv", &tables, &["--poses", "5"]);
     assert_eq!(locate(&machine, &tables, &[]).code, Some(2));

@@ -4,7 +4,7 @@ use crate::api::run::{Call, Refused};
 use crate::compensation::{Fit, Goal, Scope, Stored};
 use crate::controller::{ControllerTarget, Lock, is_plain_name};
 use crate::diagnostic::{Diagnostic, codes, shown};
-use crate::machine::ControllerAxis;
+use crate::machine::{AxisName, ControllerAxis};
 use crate::syntax::{EntryKind, Files};
 use std::path::{Path, PathBuf};
 
@@ -66,6 +66,7 @@ fn axis_words(map: &[String]) -> Result<Vec<(String, ControllerAxis)>, &String> 
     let mut all: Vec<(String, ControllerAxis)> = Vec::new();
     for entry in map {
         let read = || entry.split_once('=').and_then(|(name, word)| Some((name, ControllerAxis::parse(word)?)));
+        let read = || read().filter(|(name, _)| AxisName::new(name).is_some());
         let (name, word) = read().ok_or(entry)?;
         match all.iter_mut().find(|(known, _)| known == name) {
             Some((_, words)) => *words = words.and(word).ok_or(entry)?,

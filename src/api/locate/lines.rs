@@ -4,7 +4,7 @@ use crate::controller::{RotaryLine, Transformation};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::Machine;
 use crate::syntax::sheet::{Decimals, Line, Sheet, cells, drop_empty, number, separator, title};
-use crate::units::{self, Dimension, FARTHEST};
+use crate::units::{self, Dimension, FARTHEST, significant};
 use nalgebra::Vector3;
 
 /// Columns of numbers.
@@ -54,6 +54,12 @@ pub(super) struct FoundLine {
     /// Expanded uncertainty (k = 2) of the direction, rad.
     pub angle_uncertainty: Option<f64>,
 }
+
+/// Largest distance of a point from the nominal axis, mm: above it, it counts from another zero.
+const MAX_SHIFT: f64 = 10.0;
+
+/// Smallest cosine of the angle between a direction and the nominal one: 5 deg.
+const MIN_COSINE: f64 = 0.996;
 
 fn refusal(message: impl Into<String>) -> Diagnostic {
     Diagnostic::new(codes::E0519, message.into()).help(HELP)
@@ -206,6 +212,7 @@ impl Row {
         } else if self.direction.iter().any(Option::is_some) {
             return Err(refusal(format!("the direction of `{name}` needs i, j and k")));
         }
+        refuse_far(&line, nominal, name)?;
         let stated = std::array::from_fn(|k| self.point[k].or(self.shift[k]).is_some());
         let directed = self.direction[0].is_some();
         if !directed && stated == [false; 3] {
@@ -217,4 +224,19 @@ impl Row {
         let [point_uncertainty, angle_uncertainty] = self.uncertainty;
         Ok(FoundLine { line, stated, directed, point_uncertainty, angle_uncertainty })
     }
+}
+
+/// Refuses a line that no location error explains.
+fn refuse_far(line: &RotaryLine, nominal: &RotaryLine, name: &str) -> Result<(), Diagnostic> {
+    let shift = line.point - nominal.point;
+    let across = (shift - nominal.direction * nominal.direction.dot(&shift)).norm();
+    if across > MAX_SHIFT {
+        let message = format!("the point of `{name}` is {} mm from the nominal axis", significant(across, 4));
+        let help = "coordinates are those of `origin` in the machine file, all axes at 0, in the unit of the title";
+        return Err(Diagnostic::new(codes::E0519, message).help(help));
+    }
+    if line.direction.dot(&nominal.direction) < MIN_COSINE {
+        return Err(refusal(format!("the direction of `{name}` is more than 5 deg off the nominal one")));
+    }
+    Ok(())
 }

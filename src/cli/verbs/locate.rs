@@ -1,4 +1,4 @@
-//! `abbe locate`: location errors from the lines of the rotary axes that a control's own calibration, or a probe, found.
+//! `abbe locate`: location errors from the lines of the rotary axes that a control's own calibration found.
 
 use crate::cli::arguments::{InstalledArg, help};
 use crate::cli::output::session::Session;
@@ -25,7 +25,8 @@ pub(crate) struct Args {
     templates: Option<PathBuf>,
     #[command(flatten)]
     installed: InstalledArg,
-    #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the machine with the errors found to this file")]
+    #[arg(long, value_name = "PATH", help = help::OUT,
+        long_help = "Write the machine with the errors found to this file")]
     out: Option<PathBuf>,
 }
 

@@ -165,7 +165,8 @@ fn environment() -> Environment<'static> {
 
 /// The variables of the name of an axis's file.
 fn name_context(machine: &Machine, known: &AssignedAxis) -> Value {
-    context! { joint => known.number - 1, letter => known.letter.as_str(), name => machine.axes()[known.axis].name.as_str() }
+    let (letter, name) = (known.letter.as_str(), machine.axes()[known.axis].name.as_str());
+    context! { joint => known.number - 1, letter, name }
 }
 
 /// Renders the name of a file: expressions without filters and functions.
