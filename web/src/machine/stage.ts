@@ -4,7 +4,7 @@ import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Chain, Pose, Vec3 } from "../evaluator/types";
 import { Figure, type Materials } from "./figure";
-import { Marks } from "./marks";
+import { Marks, type WorkPoint } from "./marks";
 import type { Material } from "./shapes";
 
 const LIGHT: Record<Material, number> = {
@@ -119,6 +119,17 @@ export class Stage {
     const size = this.figure?.layout.size ?? 100;
     this.marks.deviation(nominal, deviation_mm, times, size);
     this.draw();
+  }
+
+  /** The path of a part, coloured on a scale that ends at `most` um. */
+  path(points: WorkPoint[], most: number): void {
+    this.marks.path(points, most, (this.figure?.layout.size ?? 100) / 22);
+    this.draw();
+  }
+
+  /** The picture as it is. */
+  get canvas(): HTMLCanvasElement {
+    return this.renderer.domElement;
   }
 
   private resize(): void {
