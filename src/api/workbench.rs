@@ -6,6 +6,7 @@
 use super::budget::{BudgetOptions, budget};
 use super::compare::{CompareOptions, compare};
 use super::eval::{EvalOptions, eval};
+use super::instrument::{InstrumentOptions, instrument};
 use super::machine_file::{LoadOptions, MachineFile, Overlay, load};
 use super::map::{MapOptions, MapPoses, MapResult, map, map_tables};
 use super::map_tables::MapTable;
@@ -15,6 +16,7 @@ use super::show::show;
 use super::sources::{SourcesOptions, all_words, sources};
 use super::starter::schema;
 use super::summary::summary;
+use super::targets::targets;
 use super::tool_poses::{RowTip, tips};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::report::RowFormat;
@@ -68,6 +70,10 @@ pub enum Question {
     Work(WorkOptions),
     /// This machine beside another, which is the first of the comparison.
     Compare(CompareWith),
+    /// Readings of a measuring instrument.
+    Instrument(InstrumentOptions),
+    /// The controllers, in short.
+    Targets,
     /// What each error of the axes is, in words, by name.
     Words,
     /// The JSON Schema of machine files.
@@ -148,6 +154,8 @@ impl Question {
                 Ok(first) => document(compare(&[first.value, machine.clone()], &with.options, run)),
                 Err(diagnostics) => json!(diagnostics),
             },
+            Self::Instrument(options) => document(instrument(machine, options, run)),
+            Self::Targets => json!(targets()),
             Self::Words => json!(all_words(machine)),
             Self::Schema => schema(),
         }

@@ -14,6 +14,8 @@ import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
 import { Deviation } from "./machine/deviation";
 import { Stage } from "./machine/stage";
+import { Acceptance } from "./review/acceptance";
+import { Control } from "./review/control";
 import { Pareto } from "./review/pareto";
 import { Part } from "./review/part";
 import { ReachLine } from "./review/reach";
@@ -43,14 +45,23 @@ class Workbench {
   private readonly chips = new Chips(byId("chain"), (list) => this.rebuild(list));
   private readonly tools = new ToolChoice(byId("poses"), (tool) => this.take(tool));
   private readonly verdict = new Verdict(byId("verdict"));
-  private readonly statistics = new StatisticsTable(byId("statistics"), (pose) => this.sliders.go(pose));
-  private readonly panels = { errors: make("div"), tighten: make("div"), variants: make("div"), part: make("div") };
+  private readonly statistics = new StatisticsTable(byId("statistics"), byId("poses"), (pose) => this.sliders.go(pose));
+  private readonly panels = {
+    errors: make("div"),
+    tighten: make("div"),
+    variants: make("div"),
+    part: make("div"),
+    control: make("div"),
+    acceptance: make("div"),
+  };
   private readonly pareto = new Pareto(this.panels.errors, (error) => this.find(error));
   private readonly cards = new Cards();
   private readonly reach: ReachLine;
   private readonly tighten: Tighten;
   private readonly variants: Variants;
   private readonly part: Part;
+  private readonly control: Control;
+  private readonly acceptance: Acceptance;
   private schema: Schema | null = null;
   private readonly undo = button("Undo", () => this.editor.undo());
   private readonly redo = button("Redo", () => this.editor.redo());
@@ -78,13 +89,17 @@ class Workbench {
     const failed = (failure: unknown) => this.complain(String(failure));
     this.reach = new ReachLine(byId("reach"), this.session, failed);
     this.tighten = new Tighten(this.panels.tighten, this.session, this.editor);
-    this.variants = new Variants(this.panels.variants, this.session, this.editor, failed);
+    this.variants = new Variants(this.panels.variants, this.session, this.editor, () => this.part.work, failed);
     this.part = new Part(this.panels.part, this.session, this.stage, (pose) => this.sliders.go(pose), failed);
+    this.control = new Control(this.panels.control, this.session, failed);
+    this.acceptance = new Acceptance(this.panels.acceptance, this.session, failed);
     new Tabs(byId("review"), "Review", [
       { name: "errors", label: "Errors", panel: this.panels.errors },
       { name: "tighten", label: "Tighten", panel: this.panels.tighten },
       { name: "variants", label: "Variants", panel: this.panels.variants },
       { name: "part", label: "Part", panel: this.panels.part },
+      { name: "control", label: "Control", panel: this.panels.control },
+      { name: "acceptance", label: "Test", panel: this.panels.acceptance },
     ]);
     const { stage } = this;
     if (stage) byId("poses").append(button("PNG", () => download.canvas("machine", stage.canvas), PICTURE));
@@ -167,6 +182,8 @@ class Workbench {
     this.tighten.show(state);
     this.variants.show(state);
     this.part.show(state);
+    this.control.show(state);
+    this.acceptance.show(state);
     if (!state.stale) void this.learn();
     document.body.dataset["state"] = state.effort.draft ? "draft" : "full";
   }

@@ -6,13 +6,15 @@ export type Vec3 = [number, number, number];
 export type Question =
   | "check"
   | "show"
-  | { map: { poses: { random: number }; worst?: number; samples?: number } }
+  | { map: { poses: { random: number }; worst?: number; samples?: number; target?: string } }
   | { sources: { poses: number } }
   | { budget: { poses?: number; samples?: number; goal_mm?: number } }
   | { eval: { poses: number[][] } }
   | { reach: { step_mm?: number } }
   | { work: { tool_poses: string; samples?: number } }
-  | { compare: { first: string; options: { poses?: number; samples?: number } } }
+  | { compare: { first: string; options: { poses?: number; tool_poses?: string } } }
+  | { instrument: { instrument: "ball_bar" | "r_test" | "diagonals" } }
+  | "targets"
   | "words"
   | "schema";
 
@@ -149,11 +151,39 @@ export interface Reach {
   reasons: string[];
 }
 
+/** A quantile of drawn machines with its interval, um. */
+export interface Quantile {
+  value: number;
+  low: number;
+  high: number;
+}
+
+/** A controller: what it corrects and what not, in words. */
+export interface Target {
+  target: string;
+  title: string;
+  expresses: string;
+  cannot: string[];
+}
+
+export interface BallBar {
+  radius_mm: number;
+  planes: { plane: string; bidirectional_um: number; squareness_urad: number }[];
+}
+
+export interface RTest {
+  axes: { axis: string; range_um: Vec3 }[];
+}
+
+export interface Diagonals {
+  diagonals: { name: string; e_d_um: number; b_d_um: number }[];
+}
+
 /** The cheapest tolerances for a goal. */
 export interface ToleranceGoal {
   goal_um: number;
-  before_um: number;
-  proof_um: number;
+  before_um: Quantile;
+  proof_um: Quantile;
   proof_samples: number;
   staying_um: number;
   cost: { before: number; after: number; per_um: number };

@@ -12,7 +12,7 @@ export class Cards {
 
   constructor() {
     this.card.hidden = true;
-    document.body.append(this.card);
+    document.querySelector("main")?.append(this.card);
     for (const event of ["pointerover", "focusin"] as const)
       document.addEventListener(event, ({ target }) => this.over(target));
     for (const event of ["pointerout", "focusout"] as const) document.addEventListener(event, () => this.hide());

@@ -40,7 +40,7 @@ export function sketch(name: ErrorName, axis: Axis | null): SVGSVGElement {
     ? [drawn(line, motion, "actual line"), ...outline(body, motion)]
     : outline(body, motion);
   const guide = isLinear && !name.isLocation && !name.isRotation ? [wave(direction, error)] : [];
-  const svg = element("svg", { viewBox: "-80 -72 160 144", class: "sketch", "aria-hidden": "true" });
+  const svg = element("svg", { viewBox: "-64 -58 128 116", class: "sketch", "aria-hidden": "true" });
   svg.append(drawn(line, still, "nominal line"), ...outline(body, still, "nominal"), ...guide, ...moved);
   svg.append(name.isRotation ? arc(error) : drawn([[0, 0, 0], scaled(error, SHIFT * 2.4)], still, "arrow"));
   svg.append(...triad());
@@ -104,7 +104,7 @@ function arc(about: Vec3): SVGElement {
 }
 
 function triad(): SVGElement[] {
-  const corner: [number, number] = [-66, 58];
+  const corner: [number, number] = [-54, 46];
   return UNITS.flatMap((of, i) => {
     const [x, y] = flat(scaled(of, 16));
     const text = element("text", { x: String(corner[0] + x * 1.45 - 3), y: String(corner[1] + y * 1.45 + 3) });

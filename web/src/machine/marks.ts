@@ -2,6 +2,8 @@
 
 import * as three from "three";
 import type { Vec3 } from "../evaluator/types";
+import { rounded } from "../review/number";
+import type { Told } from "./pick";
 
 /** A node of a field: nominal position in the workpiece frame, mm, and length of the deviation, um. */
 export interface FieldNode {
@@ -20,6 +22,8 @@ export interface WorkPoint {
   um: number | null;
   /** Colour where it is stopped. */
   stopped: string;
+  words: string;
+  click?: () => void;
 }
 
 export class Marks {
@@ -76,6 +80,7 @@ export class Marks {
       mesh.setMatrixAt(i, this.placed(node, times));
       mesh.setColorAt(i, this.colour(node.length_um / (most || 1)));
     });
+    mesh.userData["told"] = { words: (i) => nodeWords(nodes[i]) } satisfies Told;
     this.field = mesh;
     this.group.add(mesh);
   }
@@ -107,6 +112,8 @@ export class Marks {
         mesh.setMatrixAt(i, new three.Matrix4().makeTranslation(...point.tip));
         mesh.setColorAt(i, colour(point));
       });
+      const told: Told = { words: (i) => list[i]?.words ?? "", click: (i) => list[i]?.click?.() };
+      mesh.userData["told"] = told;
       this.work.add(mesh);
     }
   }
@@ -130,4 +137,11 @@ export class Marks {
     const low = Math.min(Math.floor(at), list.length - 2);
     return new three.Color(list[low]).lerp(new three.Color(list[low + 1]), at - low);
   }
+}
+
+/** Length of the deviation at a node, with its parts. */
+function nodeWords(node: FieldNode | undefined): string {
+  if (!node) return "";
+  const parts = node.deviation_um.map((um, i) => `${"XYZ"[i]} ${rounded(um)}`).join(", ");
+  return `${rounded(node.length_um)} µm (${parts})`;
 }

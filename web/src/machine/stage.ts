@@ -5,6 +5,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Chain, Pose, Vec3 } from "../evaluator/types";
 import { Figure, type Materials } from "./figure";
 import { Marks, type WorkPoint } from "./marks";
+import { Pick } from "./pick";
 import type { Material } from "./shapes";
 
 const LIGHT: Record<Material, number> = {
@@ -52,6 +53,7 @@ export class Stage {
     this.controls.addEventListener("change", () => this.draw());
     this.lights();
     for (const material of Object.keys(LIGHT) as Material[]) this.materials[material] = this.material(material);
+    new Pick(parent, canvas, this.scene, this.camera);
     new ResizeObserver(() => this.resize()).observe(parent);
     this.theme(false);
   }
@@ -123,7 +125,10 @@ export class Stage {
 
   /** The path of a part, coloured on a scale that ends at `most` um. */
   path(points: WorkPoint[], most: number): void {
-    this.marks.path(points, most, (this.figure?.layout.size ?? 100) / 22);
+    this.marks.path(points, most, (this.figure?.layout.size ?? 100) / 14);
+    // The block stands for a part: it steps back where the part itself is known.
+    this.materials.part.opacity = points.length ? 0.18 : 0.75;
+    this.materials.part.depthWrite = !points.length;
     this.draw();
   }
 

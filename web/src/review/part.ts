@@ -8,7 +8,7 @@ import { isSettled, type Session, type State } from "../session";
 import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
-import { figure } from "./number";
+import { figure, rounded } from "./number";
 
 /** Colours of what stops a pose, told apart without red and green, and from the scale of deviations. */
 const STOPPED = ["#0077bb", "#33bbee", "#009988", "#666666", "#7755cc", "#aa7700"];
@@ -66,10 +66,17 @@ export class Part {
     this.update();
   }
 
+  /** The file of tool poses, and its text where it is not on the disk. */
+  get work(): { path: string; more: Record<string, string> } | null {
+    if (this.given) return { path: this.given.name, more: { [this.given.name]: this.given.text } };
+    const path = place().work;
+    return path ? { path, more: {} } : null;
+  }
+
   private update(): void {
-    const path = this.given?.name ?? place().work;
-    if (!path) return this.nothing([]);
-    const more = this.given ? { [this.given.name]: this.given.text } : {};
+    const work = this.work;
+    if (!work) return this.nothing([]);
+    const { path, more } = work;
     void this.asking.do(async () => {
       const [answer] = await this.session.ask([{ work: { tool_poses: path } }], more);
       const work = accepted<Work>(answer);
@@ -89,7 +96,7 @@ export class Part {
     const stops = [...new Set(rows.filter((row) => !row.axes).map(stop))];
     const colours = new Map(stops.map((of, i) => [of, STOPPED[i % STOPPED.length] ?? "#666666"]));
     const most = reached[0] ? deviation(reached[0]) : 0;
-    this.stage?.path(points(work, colours), most);
+    this.stage?.path(points(work, colours, this.go), most);
     const csv = () => download.csv("part", [["line", "feature", "um", "stopped_by"], ...rows.map(line)]);
     const name = path.replace(/^.*[/\\]/, "");
     this.body.replaceChildren(
@@ -122,7 +129,11 @@ export class Part {
       const count = rows.filter((row) => !row.axes && stop(row) === of).length;
       return make("li", { "data-stop": of }, mark, ` ${count} ${words(of)}`);
     };
-    return make("ul", { class: "inline" }, ...[...colours].map(entry));
+    const most = Math.max(0, ...rows.filter((row) => row.axes).map(deviation));
+    const scale = make("span", { class: "scale" });
+    scale.style.background = `linear-gradient(to right, ${this.stage?.marks.colours.join(", ")})`;
+    const colouring = make("li", {}, "0 ", scale, ` ${rounded(most)} µm`);
+    return make("ul", { class: "inline" }, colouring, ...[...colours].map(entry));
   }
 
   private features(work: Work): HTMLElement[] {
@@ -179,12 +190,17 @@ function words(stop: string): string {
   return `stopped by ${stop}`;
 }
 
-function points(work: Work, colours: Map<string, string>): WorkPoint[] {
+function points(work: Work, colours: Map<string, string>, go: (pose: Pose) => void): WorkPoint[] {
   const rows = new Map(work.rows.poses.map((row) => [row.line, row]));
   return work.tips.map(({ line, tip_mm: tip }) => {
     const row = rows.get(line);
-    if (!row?.axes) return { tip, um: null, stopped: colours.get(row ? stop(row) : "") ?? "#666666" };
-    return { tip, um: deviation(row), stopped: "" };
+    const axes = row?.axes;
+    if (row && axes) {
+      const words = `line ${line}: ${rounded(deviation(row))} µm`;
+      return { tip, um: deviation(row), stopped: "", words, click: () => go(axes) };
+    }
+    const of = row ? stop(row) : "";
+    return { tip, um: null, stopped: colours.get(of) ?? "#666666", words: `line ${line}: ${words(of)}` };
   });
 }
 

@@ -42,14 +42,14 @@ function shown(reach: Reach): HTMLElement[] {
   const share = make("strong", { "data-at": "reach", "data-value": String(reach.share) }, percent);
   const of = `${reach.tips} tips, ${directions(reach)}`;
   const words = make("p", {}, "Work in reach ", share, make("span", { class: "words" }, ` of ${of}`));
-  const reasons = reach.reasons.slice(0, FEW).map((reason) => make("li", {}, reason));
-  const more = reach.reasons.length - reasons.length;
-  const rest = more > 0 ? [make("li", {}, `and ${more} more`)] : [];
-  const list = make("ul", { class: "words", title: reach.reasons.join("\n") }, ...reasons, ...rest);
-  return reasons.length ? [words, list] : [words];
+  if (!reach.reasons.length) return [words];
+  const more = reach.reasons.length - FEW;
+  const rest = `${reach.reasons.slice(0, FEW).join("; ")}${more > 0 ? `; ${more} more` : ""}.`;
+  const all = { class: "words", id: "out-of-reach", title: reach.reasons.join("\n") };
+  return [words, make("p", all, "The rest: ", rest.replaceAll(/-(\d)/g, "−$1").replaceAll("tool poses", "poses"))];
 }
 
 function directions({ directions: { kind, count } }: Reach): string {
   if (kind === "one") return "one direction of the tool";
-  return kind === "circle" ? `${count} directions on a circle` : `${count} directions of a hemisphere`;
+  return `${count} directions ${kind === "circle" ? "on a circle" : "each"}`;
 }

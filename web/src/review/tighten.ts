@@ -49,12 +49,12 @@ export class Tighten {
   }
 
   private shown(goal: ToleranceGoal): HTMLElement[] {
-    const { cost } = goal;
+    const { cost, proof_um: proof } = goal;
     const facts = make(
       "p",
       {},
-      figure("goal-proof", goal.proof_um, "µm"),
-      ` by ${goal.proof_samples} other machines, before ${rounded(goal.before_um)} µm; cost ${rounded(cost.before)} → ${rounded(cost.after)}`,
+      figure("goal-proof", proof.value, "µm"),
+      ` (${rounded(proof.low)} to ${rounded(proof.high)}) by ${goal.proof_samples} other machines, before ${rounded(goal.before_um.value)} µm; cost ${rounded(cost.before)} → ${rounded(cost.after)}`,
       ` (${rounded(cost.per_um)} for a further µm).`,
     );
     const rows = goal.tolerances.map((of) => {

@@ -27,12 +27,15 @@ export class Variants {
     parent: HTMLElement,
     private readonly session: Session,
     private readonly editor: Editor,
+    /** The tool poses of the part, if one is named. */
+    private readonly work: () => { path: string; more: Record<string, string> } | null,
     failed: (failure: unknown) => void,
   ) {
     this.asking = new Newest(failed);
     const keep = button("Keep as variant A", () => this.keep(), { class: "primary", id: "keep-a" });
     this.back.disabled = true;
-    const words = "Keep the machine as variant A, go on editing, and compare on the same 1000 tool poses.";
+    const words =
+      "Keep the machine as variant A, go on editing, and compare on the same tool poses: those of the part, else 1000 of the volume.";
     parent.append(make("p", { class: "words" }, words), make("p", {}, keep, " ", this.back), this.body);
   }
 
@@ -55,8 +58,10 @@ export class Variants {
   private compare(): void {
     void this.asking.do(async () => {
       const name = this.session.beside(NAME);
-      const question = { compare: { first: name, options: { poses: 1000 } } };
-      const [answer] = await this.session.ask([question], { [name]: this.first ?? "" });
+      const work = this.work();
+      const options = work ? { tool_poses: work.path } : { poses: 1000 };
+      const texts = { ...work?.more, [name]: this.first ?? "" };
+      const [answer] = await this.session.ask([{ compare: { first: name, options } }], texts);
       const found = accepted<Comparison>(answer);
       if (answer !== undefined) this.body.replaceChildren(...(found ? shown(found) : refused(answer as Refusal)));
     });
@@ -81,7 +86,7 @@ function shown(of: Comparison): HTMLElement[] {
       make("td", {}, figure(`b-a-${at}`, b.minus_first?.position_um[at] ?? now - before, "µm")),
     ),
   );
-  const heads = ["", "A", "now", "now − A"].map((head) => make("th", { scope: "col" }, head));
+  const heads = ["Figure", "A", "now", "now − A"].map((head) => make("th", { scope: "col" }, head));
   const table = make(
     "table",
     { class: "list" },

@@ -13,6 +13,8 @@ export interface Place {
   view: string;
   /** Path of the file of tool poses. */
   work: string;
+  /** Name of the control. */
+  target: string;
   /** Goal of the 95 % value, um. */
   goal: string;
 }
@@ -27,6 +29,7 @@ export function place(): Place {
     pose: of("pose"),
     view: of("view"),
     work: of("work"),
+    target: of("target"),
     goal: of("goal"),
   };
 }
