@@ -245,7 +245,9 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
         let machine = MACHINE.replace("20 urad", "30 urad");
         let request = json!({
             "machine": "m.yaml", "texts": {"m.yaml": machine, "a.yaml": MACHINE},
-            "questions": [{"compare": {"first": "a.yaml", "options": {"poses": 200}}}, {"compare": {"first": "b.yaml"}}],
+            "questions": [
+                {"compare": {"first": "a.yaml", "options": {"poses": 200}}}, {"compare": {"first": "b.yaml"}},
+            ],
         });
         let found = workbench(&request.to_string(), Run::default());
         let [compared, missing] = [&found["answers"][0], &found["answers"][1]];
@@ -275,12 +277,10 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
 
     #[test]
     fn every_error_of_the_chain_has_words() {
+        const EYX: &str = "Straightness error of X in Y: across its direction, at its position.";
         let found = ask(MACHINE, json!(["words", "schema", {"reach": {"step_mm": 100.0}}]));
         let words = found["answers"][0].as_object().unwrap();
-        assert_eq!(
-            (words.len(), &words["EYX"]),
-            (36, &json!("Straightness error of X in Y: across its direction, at its position."))
-        );
+        assert_eq!((words.len(), &words["EYX"]), (36, &json!(EYX)));
         assert!(found["answers"][1]["properties"]["axes"].is_object());
         assert_eq!(found["answers"][2]["share"], 1.0);
     }

@@ -126,9 +126,8 @@ export class Stage {
   /** The path of a part, coloured on a scale that ends at `most` um. */
   path(points: WorkPoint[], most: number): void {
     this.marks.path(points, most, (this.figure?.layout.size ?? 100) / 14);
-    // The block stands for a part: it steps back where the part itself is known.
-    this.materials.part.opacity = points.length ? 0.18 : 0.75;
-    this.materials.part.depthWrite = !points.length;
+    // The block stands for a part: where the part is known only its edges stay.
+    this.materials.part.visible = !points.length;
     this.draw();
   }
 

@@ -31,9 +31,11 @@ export function barChart(
     ];
   });
   const head = [text(12, 20, title, 'font-size="16" font-weight="bold"'), text(12, 37, note, 'font-size="11"')];
-  const frame = `xmlns="http://www.w3.org/2000/svg" width="${WIDTH}" height="${height}" viewBox="0 0 ${WIDTH} ${height}"`;
-  const ground = `<rect width="${WIDTH}" height="${height}" fill="#ffffff"/>`;
-  const svg = `<svg ${frame} font-family="DejaVu Sans, Helvetica, Arial, sans-serif" font-size="13">${ground}${[...head, ...lines].join("")}</svg>`;
+  const size = `width="${WIDTH}" height="${height}"`;
+  const frame = `xmlns="http://www.w3.org/2000/svg" ${size} viewBox="0 0 ${WIDTH} ${height}"`;
+  const font = 'font-family="DejaVu Sans, Helvetica, Arial, sans-serif" font-size="13"';
+  const content = [`<rect ${size} fill="#ffffff"/>`, ...head, ...lines].join("");
+  const svg = `<svg ${frame} ${font}>${content}</svg>`;
   return { svg, width: WIDTH, height };
 }
 

@@ -1,4 +1,4 @@
-/** The part: tool poses of a file on the machine, coloured by deviation; those out of reach by the axis that stops them. */
+/** The part: tool poses of a file on the machine, coloured by deviation; those out of reach by the axis that stops. */
 
 import { Newest } from "../evaluator/newest";
 import { accepted, type Pose, type Refusal, type Work, type WorkRow } from "../evaluator/types";
@@ -36,7 +36,8 @@ export class Part {
     const file = make("input", { type: "file", "aria-label": "File of tool poses", id: "work-file" });
     file.addEventListener("change", () => void this.take(file.files));
     const words =
-      "Tool poses in the workpiece frame: CSV with X, Y, Z and I, J, K or rotary axes, or APT. Drop a file here, choose it, or name it:";
+      "Tool poses in the workpiece frame: CSV with X, Y, Z and I, J, K or rotary axes, or APT. " +
+      "Drop a file here, choose it, or name it:";
     parent.append(make("p", { class: "words" }, words), make("p", { class: "chooser" }, this.input, file), this.body);
     this.input.setAttribute("aria-label", "Path of a file of tool poses");
     parent.addEventListener("dragover", (event) => event.preventDefault());

@@ -22,10 +22,10 @@ export class Tighten {
   ) {
     this.input.addEventListener("input", () => move({ goal: this.input.value }));
     this.input.addEventListener("keydown", ({ key }) => key === "Enter" && void this.ask());
-    const row = make("p", {}, make("label", { for: "goal" }, "Goal of the 95 % value "), this.input, " µm ", this.find);
-    const words =
-      "The cheapest tolerances for a goal, where a tolerance costs the more the finer it is (`budget --goal`).";
-    parent.append(make("p", { class: "words" }, words.replaceAll("`", "")), row, this.problem, this.answer);
+    const label = make("label", { for: "goal" }, "Goal of the 95 % value ");
+    const row = make("p", {}, label, this.input, " µm ", this.find);
+    const words = "The cheapest tolerances for a goal; a tolerance costs the more the finer it is (budget --goal).";
+    parent.append(make("p", { class: "words" }, words), row, this.problem, this.answer);
   }
 
   /** The machine is another one: an answer of the one before would mislead. */
@@ -34,7 +34,7 @@ export class Tighten {
     this.find.disabled = !bounded;
     this.problem.textContent = bounded
       ? ""
-      : "No error of this machine is bounded. Write bounds under tolerances, or take those of a class: class: production.";
+      : "No error of this machine is bounded. Write bounds under tolerances, or take a class, as class: production.";
     if (isSettled(state)) this.answer.replaceChildren();
   }
 
@@ -54,8 +54,9 @@ export class Tighten {
       "p",
       {},
       figure("goal-proof", proof.value, "µm"),
-      ` (${rounded(proof.low)} to ${rounded(proof.high)}) by ${goal.proof_samples} other machines, before ${rounded(goal.before_um.value)} µm; cost ${rounded(cost.before)} → ${rounded(cost.after)}`,
-      ` (${rounded(cost.per_um)} for a further µm).`,
+      ` (${rounded(proof.low)} to ${rounded(proof.high)}) by ${goal.proof_samples} other machines, `,
+      `before ${rounded(goal.before_um.value)} µm; `,
+      `cost ${rounded(cost.before)} → ${rounded(cost.after)} (${rounded(cost.per_um)} for a further µm).`,
     );
     const rows = goal.tolerances.map((of) => {
       const unit = of.unit.replace("u", "µ");

@@ -35,7 +35,8 @@ export class Variants {
     const keep = button("Keep as variant A", () => this.keep(), { class: "primary", id: "keep-a" });
     this.back.disabled = true;
     const words =
-      "Keep the machine as variant A, go on editing, and compare on the same tool poses: those of the part, else 1000 of the volume.";
+      "Keep the machine as variant A, go on editing, and compare on the same tool poses: " +
+      "those of the part, else 1000 of the volume.";
     parent.append(make("p", { class: "words" }, words), make("p", {}, keep, " ", this.back), this.body);
   }
 
