@@ -74,7 +74,7 @@ pub enum Question {
     Instrument(InstrumentOptions),
     /// The controllers, in short.
     Targets,
-    /// What each error of the axes is, in words, by name.
+    /// Words for each error of the axes and the spindle, by name.
     Words,
     /// The JSON Schema of machine files.
     Schema,
