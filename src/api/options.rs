@@ -12,7 +12,7 @@ pub use super::replay::ReplayPosition;
 pub use super::starter::Starter;
 pub use super::study::StudyFile;
 pub use super::tolerances::ToleranceOptions;
-pub use super::workbench::{Question, WorkbenchRequest};
+pub use super::workbench::{CompareWith, Question, WorkOptions, WorkbenchRequest};
 pub use crate::analysis::Naming;
 pub use crate::analysis::budget::{Distribution, Statistic};
 pub use crate::analysis::instrument::CirclePlane;

@@ -7,8 +7,9 @@ use super::run::{Answer, Call, Refused, Run};
 use crate::analysis::{ErrorStatistics, View, error_statistics, map, rest};
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{CompiledField, Frame, Order, Poses, Random, worst};
-use crate::machine::{Approach, AxisKind, ErrorId, Machine};
+use crate::machine::{Approach, AxisKind, Direction, ErrorFamily, ErrorId, Machine};
 use crate::syntax::{component_words, location_words};
+use indexmap::IndexMap;
 
 /// Options of [`sources`].
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -109,6 +110,23 @@ fn source(machine: &Machine, of: ErrorStatistics) -> ErrorSource {
         at_worst_um: of.along + 0.0,
         error: of.error,
     }
+}
+
+/// Returns what each error is that an axis or the spindle can have, in words, by name in the order of the chain.
+pub(super) fn all_words(machine: &Machine) -> IndexMap<String, String> {
+    let both: &[ErrorFamily] = &[ErrorFamily::Component, ErrorFamily::Location];
+    let axes = machine.axes().iter().map(|axis| (&axis.name, both));
+    let spindle = machine.chain().spindle().map(|name| (name, &both[1..]));
+    let mut words_by_name = IndexMap::new();
+    for (axis, families) in axes.chain(spindle) {
+        for (family, direction) in
+            families.iter().flat_map(|family| Direction::ALL.map(|direction| (family, direction)))
+        {
+            let error = ErrorId { axis: axis.clone(), family: *family, direction };
+            let _ = words_by_name.insert(error.to_string(), words(machine, &error));
+        }
+    }
+    words_by_name
 }
 
 /// Returns what an error is, in words; an axis that is not of the chain is the spindle.

@@ -4,19 +4,28 @@
 //! once, and every answer has the shape that the verb of the program prints with `--format json`.
 
 use super::budget::{BudgetOptions, budget};
+use super::compare::{CompareOptions, compare};
 use super::eval::{EvalOptions, eval};
+use super::instrument::{InstrumentOptions, instrument};
 use super::machine_file::{LoadOptions, MachineFile, Overlay, load};
-use super::map::{MapOptions, map};
-use super::run::{Answer, Run};
+use super::map::{MapOptions, MapPoses, MapResult, map, map_tables};
+use super::map_tables::MapTable;
+use super::reach::{ReachOptions, ReachResult, reach};
+use super::run::{Answer, Call, Run};
 use super::show::show;
-use super::sources::{SourcesOptions, sources};
+use super::sources::{SourcesOptions, all_words, sources};
+use super::starter::schema;
 use super::summary::summary;
+use super::targets::targets;
+use super::tool_poses::{RowTip, tips};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::report::RowFormat;
 use crate::syntax::MemoryFiles;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
 
 /// Questions about one machine.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -30,6 +39,12 @@ pub struct WorkbenchRequest {
     pub tool: Option<String>,
     /// The questions, in the order in which they are answered.
     pub questions: Vec<Question>,
+}
+
+impl WorkbenchRequest {
+    fn load_options(&self) -> LoadOptions {
+        LoadOptions { tool: self.tool.clone() }
+    }
 }
 
 /// A question: a verb with its options.
@@ -48,6 +63,47 @@ pub enum Question {
     Sources(SourcesOptions),
     /// Tolerances to the volumetric error.
     Budget(BudgetOptions),
+    /// The share of tips and directions of the tool that the nominal machine reaches, with `reasons` in words.
+    Reach(ReachOptions),
+    /// A map at the tool poses of a file with its table, as `map --json` writes it, and the tips of all rows:
+    /// `{"map": {...}, "rows": {...}, "tips": [...]}`.
+    Work(WorkOptions),
+    /// This machine beside another, which is the first of the comparison.
+    Compare(CompareWith),
+    /// Readings of a measuring instrument.
+    Instrument(InstrumentOptions),
+    /// The controllers, in short.
+    Targets,
+    /// Words for each error of the axes and the spindle, by name.
+    Words,
+    /// The JSON Schema of machine files.
+    Schema,
+}
+
+/// The other machine of a comparison.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CompareWith {
+    /// Name of its file.
+    pub first: String,
+    /// Options of the comparison.
+    pub options: CompareOptions,
+}
+
+/// Options of [`Question::Work`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct WorkOptions {
+    /// The file of tool poses.
+    pub tool_poses: PathBuf,
+    /// Number of machines that are drawn where errors are only bounded.
+    pub samples: usize,
+}
+
+impl Default for WorkOptions {
+    fn default() -> Self {
+        Self { tool_poses: PathBuf::new(), samples: MapOptions::default().samples }
+    }
 }
 
 /// Answers a request of JSON by JSON: `{"diagnostics": [...], "answers": [...]}`.
@@ -73,9 +129,10 @@ fn answered(request: &WorkbenchRequest, run: Run<'_>) -> Value {
     let text = request.texts.iter().fold(MemoryFiles::new(), |files, (name, text)| files.with(name, text.as_str()));
     let files = Overlay { text, files: run.files };
     let run = Run { files: &files, ..run };
-    match load(Path::new(&request.machine), &LoadOptions { tool: request.tool.clone() }, run) {
+    match load(Path::new(&request.machine), &request.load_options(), run) {
         Ok(Answer { value: machine, warnings }) => {
-            let answers: Vec<Value> = request.questions.iter().map(|question| question.answer(&machine, run)).collect();
+            let answers: Vec<Value> =
+                request.questions.iter().map(|question| question.answer(&machine, request, run)).collect();
             json!({"diagnostics": warnings.records(), "answers": answers})
         }
         Err(diagnostics) => refused(&diagnostics),
@@ -83,7 +140,7 @@ fn answered(request: &WorkbenchRequest, run: Run<'_>) -> Value {
 }
 
 impl Question {
-    fn answer(&self, machine: &MachineFile, run: Run<'_>) -> Value {
+    fn answer(&self, machine: &MachineFile, request: &WorkbenchRequest, run: Run<'_>) -> Value {
         match self {
             Self::Check => json!(summary(machine)),
             Self::Show => json!(show(machine)),
@@ -91,8 +148,51 @@ impl Question {
             Self::Map(options) => document(map(machine, options, run)),
             Self::Sources(options) => document(sources(machine, options, run)),
             Self::Budget(options) => document(budget(machine, options, run)),
+            Self::Reach(options) => document(reach(machine, options, run).map(with_reasons)),
+            Self::Work(options) => document(work(machine, options, run)),
+            Self::Compare(with) => match load(Path::new(&with.first), &request.load_options(), run) {
+                Ok(first) => document(compare(&[first.value, machine.clone()], &with.options, run)),
+                Err(diagnostics) => json!(diagnostics),
+            },
+            Self::Instrument(options) => document(instrument(machine, options, run)),
+            Self::Targets => json!(targets()),
+            Self::Words => json!(all_words(machine)),
+            Self::Schema => schema(),
         }
     }
+}
+
+/// The reach of a machine, with what stops the rest in words.
+#[derive(Serialize)]
+struct ReasonedReach {
+    #[serde(flatten)]
+    reach: ReachResult,
+    reasons: Vec<String>,
+}
+
+fn with_reasons(answer: Answer<ReachResult>) -> Answer<ReasonedReach> {
+    let reasons = answer.value.lacks.iter().map(|lack| lack.words("tool pose")).collect();
+    Answer { value: ReasonedReach { reach: answer.value, reasons }, warnings: answer.warnings }
+}
+
+/// A map at tool poses, row by row.
+#[derive(Serialize)]
+struct WorkRows {
+    map: MapResult,
+    rows: Value,
+    tips: Vec<RowTip>,
+}
+
+fn work(machine: &MachineFile, options: &WorkOptions, run: Run<'_>) -> Result<Answer<WorkRows>, Diagnostics> {
+    let path = &options.tool_poses;
+    let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, path))?.value;
+    let poses = MapPoses::ToolPoses(path.clone());
+    let options = MapOptions { poses, samples: options.samples, ..MapOptions::default() };
+    let mut bytes = Cursor::new(Vec::new());
+    let table = MapTable { name: "rows".to_owned(), form: RowFormat::Json, sink: Box::new(&mut bytes) };
+    let Answer { value: map, warnings } = map_tables(machine, &options, vec![table], run)?;
+    let rows = serde_json::from_slice(bytes.get_ref()).unwrap_or_default();
+    Ok(Answer { value: WorkRows { map, rows, tips }, warnings })
 }
 
 fn document<T: Serialize>(answer: Result<Answer<T>, Diagnostics>) -> Value {
@@ -138,6 +238,51 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
         let found = ask(MACHINE, json!([{"map": {"poses": "all"}}]));
         assert_eq!(found["diagnostics"][0]["code"], "E0818");
         assert!(found["diagnostics"][0]["message"].as_str().unwrap().contains("questions[0]"), "{found}");
+    }
+
+    #[test]
+    fn another_text_is_the_first_of_a_comparison() {
+        let machine = MACHINE.replace("20 urad", "30 urad");
+        let request = json!({
+            "machine": "m.yaml", "texts": {"m.yaml": machine, "a.yaml": MACHINE},
+            "questions": [
+                {"compare": {"first": "a.yaml", "options": {"poses": 200}}}, {"compare": {"first": "b.yaml"}},
+            ],
+        });
+        let found = workbench(&request.to_string(), Run::default());
+        let [compared, missing] = [&found["answers"][0], &found["answers"][1]];
+        assert_eq!(compared["machines"][0]["file"], "a.yaml");
+        let um = |i: usize| compared["machines"][i]["position_um"]["p95"].as_f64().unwrap();
+        assert!(um(1) > um(0), "{compared}");
+        assert_eq!(compared["machines"][1]["minus_first"]["position_um"]["p95"], json!(um(1) - um(0)));
+        assert_eq!(missing["refused"], true);
+    }
+
+    #[test]
+    fn the_rows_of_a_file_of_tool_poses_have_a_deviation_or_what_is_missing() {
+        let work = "X, Y, Z\n100, 0, 0\n100, 200, 0\n900, 0, 0\n";
+        let request = json!({
+            "machine": "m.yaml", "texts": {"m.yaml": MACHINE, "work.csv": work},
+            "questions": [{"work": {"tool_poses": "work.csv"}}],
+        });
+        let found = workbench(&request.to_string(), Run::default());
+        let [map, rows] = [&found["answers"][0]["map"], &found["answers"][0]["rows"]["poses"]];
+        assert_eq!((&map["poses"], rows.as_array().unwrap().len()), (&json!(2), 3), "{found}");
+        // A tip 200 mm along Y stands 200 mm x 20 urad off in X.
+        let dx = |row: usize| rows[row]["deviation_um"][0].as_f64().unwrap();
+        assert!((dx(0) - dx(1) - 4.0).abs() < 1e-3, "{rows}");
+        assert_eq!(found["answers"][0]["tips"][2], json!({"line": 4, "tip_mm": [900.0, 0.0, 0.0]}));
+        assert_eq!((&rows[2]["line"], &rows[2]["beyond"][0]["axis"]), (&json!(4), &json!("X")));
+    }
+
+    #[test]
+    fn every_error_of_the_chain_has_words() {
+        const EYX: &str = "Straightness error of X in Y: across its direction, at its position.";
+        let found = ask(MACHINE, json!(["words", "schema", {"reach": {"step_mm": 100.0}}]));
+        let words = found["answers"][0].as_object().unwrap();
+        assert_eq!((words.len(), &words["EYX"]), (36, &json!(EYX)));
+        assert!(found["answers"][1]["properties"]["axes"].is_object());
+        assert_eq!(found["answers"][2]["share"], 1.0);
     }
 
     #[test]

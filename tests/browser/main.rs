@@ -12,13 +12,14 @@ mod checks;
 mod driver;
 mod page;
 mod pictures;
+mod review;
 mod watch;
 mod workbench;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 15] = [
+const CHECKS: [checks::Check; 22] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -31,6 +32,13 @@ const CHECKS: [checks::Check; 15] = [
     ("the workbench moves an axis across the bed by keys and by dragging", workbench::chain),
     ("the workbench shows refusals at their place and keeps the last figures", workbench::refusals),
     ("the workbench shows bounds of a machine of which nothing is measured", workbench::bounds),
+    ("the work in reach is the command line's, and names explain themselves", review::reach),
+    ("a goal gives the command line's tolerances, and writes them into the file", review::goal),
+    ("variants stand side by side with the numbers of `compare`", review::variants),
+    ("the part is coloured, stopped and reached as `map --tool-poses` says", review::part),
+    ("what a control repairs and a test reads are the command line's", review::control),
+    ("keys and names of errors are completed", review::completion),
+    ("charts are downloaded as CSV, SVG and PNG", review::downloads),
     ("only the page of the workbench may ask and save", workbench::tokens),
     ("screenshots of the workbench", workbench::screenshots),
     ("screenshots: light, dark, print, projector, mobile, comparison", pictures::screenshots),

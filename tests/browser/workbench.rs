@@ -10,14 +10,14 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
 /// A machine of which nothing is measured.
-const BOUNDED: &str = "abbe: 1\nmachine: \"<b>Bounded</b> & <script>alert(1)</script>\"\nchain: \"w b X Y Z t\"\naxes:\n  \
+pub const BOUNDED: &str = "abbe: 1\nmachine: \"<b>Bounded</b> & <script>alert(1)</script>\"\nchain: \"w b X Y Z t\"\naxes:\n  \
     X: { travel: [0, 500], origin: [0, 0, 0] }\n  Y: { travel: [0, 400], origin: [0, 0, 0] }\n  \
     Z: { travel: [0, 300], origin: [0, 0, 0] }\ntolerances:\n  EXX: 4 um\n  EBX: 10 urad\n  X-Y: 20 urad\n";
 
 /// A workbench with a browser before it.
-struct Bench {
-    browser: Browser,
-    file: PathBuf,
+pub struct Bench {
+    pub browser: Browser,
+    pub file: PathBuf,
     address: String,
     _serving: Serving,
     _folder: Folder,
@@ -25,12 +25,12 @@ struct Bench {
 
 impl Bench {
     /// Opens a copy of a machine file with its tables.
-    fn of_config(name: &str, machine: &str) -> Self {
+    pub fn of_config(name: &str, machine: &str) -> Self {
         let text = std::fs::read_to_string(Path::new("configs").join(machine)).unwrap();
         Self::new(name, &text, (1400, 900))
     }
 
-    fn new(name: &str, text: &str, (width, height): (u32, u32)) -> Self {
+    pub fn new(name: &str, text: &str, (width, height): (u32, u32)) -> Self {
         let folder = Folder::new(name);
         let file = folder.0.join("m.yaml");
         std::fs::write(&file, text).unwrap();
@@ -49,33 +49,33 @@ impl Bench {
     }
 
     /// Waits until all is computed for the text as it is.
-    fn settled(&self) {
+    pub fn settled(&self) {
         wait(&self.browser, "return document.body.dataset.state === 'full' && !document.body.dataset.busy;");
     }
 
     /// The whole number behind a figure.
-    fn figure(&self, at: &str) -> f64 {
+    pub fn figure(&self, at: &str) -> f64 {
         let value = self.browser.run(&format!("return document.querySelector('[data-at=\"{at}\"]').dataset.value;"));
         value.as_str().unwrap().parse().unwrap()
     }
 
-    fn click(&self, id: &str) {
+    pub fn click(&self, id: &str) {
         let _ = self.browser.run(&format!("document.getElementById('{id}').click();"));
     }
 
-    fn save(&self) -> String {
+    pub fn save(&self) -> String {
         self.click("save");
         wait(&self.browser, "return document.getElementById('save').disabled;");
         self.settled();
         self.on_disk()
     }
 
-    fn on_disk(&self) -> String {
+    pub fn on_disk(&self) -> String {
         std::fs::read_to_string(&self.file).unwrap()
     }
 
     /// What the command line says of the file as it is on the disk.
-    fn command(&self, verb: &str, more: &[&str]) -> Value {
+    pub fn command(&self, verb: &str, more: &[&str]) -> Value {
         let output =
             abbe().arg(verb).arg(&self.file).args(more).args(["--format", "json", "--quiet"]).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -83,12 +83,12 @@ impl Bench {
     }
 
     /// Compares the figures of a measured machine with the command line's.
-    fn agrees(&self) {
+    pub fn agrees(&self) {
         self.agrees_with(&[]);
     }
 
     /// The same with further options of the command line.
-    fn agrees_with(&self, more: &[&str]) {
+    pub fn agrees_with(&self, more: &[&str]) {
         let map = self.command("map", &[&["--random", "2000"], more].concat());
         let pairs = [("p95", "p95"), ("max", "max"), ("rms", "rms"), ("mean", "mean")];
         for (at, name) in pairs {
@@ -98,19 +98,19 @@ impl Bench {
     }
 
     /// Puts the cursor before the number of an error.
-    fn at_error(&self, error: &str) {
-        let all = "const all = [...document.querySelectorAll('#pareto > button')].find((b) => b.textContent.includes('all'));";
+    pub fn at_error(&self, error: &str) {
+        let all = "const all = [...document.querySelectorAll('#panel-errors button')].find((b) => b.textContent.includes('all'));";
         let find = "[...document.querySelectorAll('.error-name')].find((b) => b.textContent === ";
         let _ = self.browser.run(&format!("{all} if (all) all.click(); {find}'{error}').click();"));
     }
 
     /// Presses keys where the cursor is.
-    fn types(&self, text: &str) {
+    pub fn types(&self, text: &str) {
         let keys: Vec<String> = text.chars().map(String::from).collect();
         self.browser.press(&keys.iter().map(String::as_str).collect::<Vec<_>>());
     }
 
-    fn quiet(&self) {
+    pub fn quiet(&self) {
         assert!(self.browser.complaints().is_empty(), "{:?}", self.browser.complaints());
     }
 }

@@ -2,25 +2,37 @@
 
 import "./style.css";
 import { chainEdit } from "./editor/chain";
+import type { Schema } from "./editor/complete";
 import { inWords, range as placeRange, show as showMarks } from "./editor/diagnostics";
 import { Editor } from "./editor/editor";
 import { numbers } from "./editor/numbers";
 import { WhatIf } from "./editor/whatif";
 import { Playground } from "./evaluator/playground";
 import { Program } from "./evaluator/program";
-import type { Diagnostic, Evaluator, Pose, Store } from "./evaluator/types";
+import { accepted, type Diagnostic, type Evaluator, type Pose, type Store } from "./evaluator/types";
+import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
 import { Deviation } from "./machine/deviation";
 import { Stage } from "./machine/stage";
+import { Acceptance } from "./review/acceptance";
+import { Control } from "./review/control";
 import { Pareto } from "./review/pareto";
+import { Part } from "./review/part";
+import { ReachLine } from "./review/reach";
 import { StatisticsTable } from "./review/statistics";
+import { Tighten } from "./review/tighten";
+import { Variants } from "./review/variants";
 import { Verdict } from "./review/verdict";
 import { Session, type State } from "./session";
 import { move, place } from "./ui/address";
 import { Chips } from "./ui/chips";
 import { button, byId, make } from "./ui/dom";
+import { download } from "./ui/download";
+import { Tabs } from "./ui/tabs";
 import { followTheme } from "./ui/theme";
 import { ToolChoice } from "./ui/tools";
+
+const PICTURE = { title: "Download the picture as PNG" };
 
 class Workbench {
   private readonly nonce = document.querySelector("style")?.nonce ?? "";
@@ -33,8 +45,24 @@ class Workbench {
   private readonly chips = new Chips(byId("chain"), (list) => this.rebuild(list));
   private readonly tools = new ToolChoice(byId("poses"), (tool) => this.take(tool));
   private readonly verdict = new Verdict(byId("verdict"));
-  private readonly statistics = new StatisticsTable(byId("statistics"), (pose) => this.sliders.go(pose));
-  private readonly pareto = new Pareto(byId("pareto"), (error) => this.find(error));
+  private readonly statistics = new StatisticsTable(byId("statistics"), byId("poses"), (pose) => this.sliders.go(pose));
+  private readonly panels = {
+    errors: make("div"),
+    tighten: make("div"),
+    variants: make("div"),
+    part: make("div"),
+    control: make("div"),
+    acceptance: make("div"),
+  };
+  private readonly pareto = new Pareto(this.panels.errors, (error) => this.find(error));
+  private readonly cards = new Cards();
+  private readonly reach: ReachLine;
+  private readonly tighten: Tighten;
+  private readonly variants: Variants;
+  private readonly part: Part;
+  private readonly control: Control;
+  private readonly acceptance: Acceptance;
+  private schema: Schema | null = null;
   private readonly undo = button("Undo", () => this.editor.undo());
   private readonly redo = button("Redo", () => this.editor.redo());
   private readonly keep: HTMLButtonElement;
@@ -53,9 +81,28 @@ class Workbench {
       changed: (draft) => this.changed(draft),
       cursor: () => this.whatif?.follow(),
       save: () => void this.save(),
+      language: () => this.schema && { schema: this.schema, words: this.session.words },
+      explain: (name) => this.cards.of(name),
     });
     this.whatif = new WhatIf(byId("whatif"), this.editor);
     this.deviation = new Deviation(byId("legend"), byId("poses"), this.stage, this.session);
+    const failed = (failure: unknown) => this.complain(String(failure));
+    this.reach = new ReachLine(byId("reach"), this.session, failed);
+    this.tighten = new Tighten(this.panels.tighten, this.session, this.editor);
+    this.variants = new Variants(this.panels.variants, this.session, this.editor, () => this.part.work, failed);
+    this.part = new Part(this.panels.part, this.session, this.stage, (pose) => this.sliders.go(pose), failed);
+    this.control = new Control(this.panels.control, this.session, failed);
+    this.acceptance = new Acceptance(this.panels.acceptance, this.session, failed);
+    new Tabs(byId("review"), "Review", [
+      { name: "errors", label: "Errors", panel: this.panels.errors },
+      { name: "tighten", label: "Tighten", panel: this.panels.tighten },
+      { name: "variants", label: "Variants", panel: this.panels.variants },
+      { name: "part", label: "Part", panel: this.panels.part },
+      { name: "control", label: "Control", panel: this.panels.control },
+      { name: "acceptance", label: "Test", panel: this.panels.acceptance },
+    ]);
+    const { stage } = this;
+    if (stage) byId("poses").append(button("PNG", () => download.canvas("machine", stage.canvas), PICTURE));
     this.keep = button(store.verb, () => void this.save(), { class: "primary", id: "save" });
     byId("actions").append(...this.examples(), this.undo, this.redo, this.keep);
     followTheme((dark) => this.stage?.theme(dark));
@@ -124,13 +171,28 @@ class Workbench {
       if (!state.stale) this.chips.show(chain.chain);
       this.sliders.show(chain);
       this.tools.show(chain.tools.map((tool) => tool.name));
+      this.cards.follow(chain, state.now.words);
       this.stage?.show(chain, this.tools.chosen, this.sliders.pose);
       this.deviation.follow(chain, this.sliders.pose, state.now.map?.from === "bounds");
     }
     this.verdict.show(state);
     this.statistics.show(state);
     this.pareto.show(state);
+    this.reach.show(state, this.tools.chosen);
+    this.tighten.show(state);
+    this.variants.show(state);
+    this.part.show(state);
+    this.control.show(state);
+    this.acceptance.show(state);
+    if (!state.stale) void this.learn();
     document.body.dataset["state"] = state.effort.draft ? "draft" : "full";
+  }
+
+  /** Asks once what may stand in a machine file. */
+  private async learn(): Promise<void> {
+    if (this.schema) return;
+    const [answer] = await this.session.ask(["schema"]).catch(() => []);
+    this.schema = accepted<Schema>(answer);
   }
 
   private moved(pose: Pose, rests: boolean): void {

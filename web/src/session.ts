@@ -16,9 +16,16 @@ import {
 /** Answers to one text. */
 export interface Findings {
   chain: Chain;
+  /** The errors of its axes, in words by name. */
+  words: Record<string, string>;
   map: VolumeMap | null;
   sources: Sources | null;
   budget: Budget | null;
+}
+
+/** True for the findings of the text as it is, with all effort: the time to ask what takes longer. */
+export function isSettled(state: State): state is State & { now: Findings } {
+  return state.now !== null && !state.stale && !state.effort.draft;
 }
 
 /** The parts of a budget that are shown. */
@@ -101,9 +108,20 @@ export class Session {
     void this.work();
   }
 
-  /** Asks about the text as it is now. */
-  async ask(questions: Question[]): Promise<unknown[]> {
-    return (await this.evaluator.ask(this.request(this.text, questions))).answers;
+  /** Asks about the text as it is now; `more` are further files by name. */
+  async ask(questions: Question[], more: Record<string, string> = {}): Promise<unknown[]> {
+    const request = this.request(this.text, questions);
+    return (await this.evaluator.ask({ ...request, texts: { ...more, ...request.texts } })).answers;
+  }
+
+  /** The errors of the machine that was accepted last, in words by name. */
+  get words(): Record<string, string> {
+    return this.now?.words ?? {};
+  }
+
+  /** Name of a file in the folder of the machine. */
+  beside(name: string): string {
+    return this.machine.replace(/[^/\\]*$/, "") + name;
   }
 
   /** Deviations at poses, in the order of the axes of the chain. */
@@ -155,6 +173,7 @@ export class Session {
     const { poses, samples } = effort;
     const questions: Question[] = [
       "show",
+      "words",
       { map: { poses: { random: poses }, worst: 5, samples } },
       { sources: { poses } },
       { budget: { samples } },
@@ -162,11 +181,12 @@ export class Session {
     const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
     const chain = accepted<Chain>(answers[0]);
     if (!chain) return { diagnostics, findings: null };
-    const [map, sources, budget] = [
-      accepted<VolumeMap>(answers[1]),
-      accepted<Sources>(answers[2]),
-      accepted<Budget>(answers[3]),
+    const [words, map, sources, budget] = [
+      accepted<Record<string, string>>(answers[1]) ?? {},
+      accepted<VolumeMap>(answers[2]),
+      accepted<Sources>(answers[3]),
+      accepted<Budget>(answers[4]),
     ];
-    return { diagnostics, findings: { chain, map, sources, budget } };
+    return { diagnostics, findings: { chain, words, map, sources, budget } };
   }
 }

@@ -114,6 +114,21 @@ impl ReachedToolPoses {
     }
 }
 
+/// The place of a row of a file.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub(crate) struct RowTip {
+    /// Line of the file, from 1.
+    line: usize,
+    /// Functional point from the workpiece origin, mm, workpiece frame.
+    tip_mm: [f64; 3],
+}
+
+/// Returns the place of every row of a file, reached or not.
+pub(crate) fn tips(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<RowTip>, Refused> {
+    let tip = |row: &Row| RowTip { line: row.line, tip_mm: row.tip.into() };
+    Ok(read(call, machine, path)?.rows.iter().map(tip).collect())
+}
+
 /// Reads a file; rotary columns are those of `machine`.
 pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<ToolPoses, Refused> {
     let Some(sheet) = read_sheet(path, call.run.files, &mut call.diagnostics) else { return Err(Refused) };

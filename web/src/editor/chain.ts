@@ -51,7 +51,7 @@ export function chainEdit(state: EditorState, list: string[]): Change | null {
 }
 
 /** Range of the value of a key of the file itself. */
-function valueOf(state: EditorState, name: string): { from: number; to: number } | null {
+export function valueOf(state: EditorState, name: string): { from: number; to: number } | null {
   let found: { from: number; to: number } | null = null;
   tree(state).iterate({
     enter: (at) => {

@@ -19,6 +19,7 @@ import { EditorState } from "@codemirror/state";
 import { drawSelection, EditorView, highlightActiveLine, keymap, lineNumbers } from "@codemirror/view";
 import { tags } from "@lezer/highlight";
 import type { Change } from "./chain";
+import { completion, type Language } from "./complete";
 import type { FileNumber } from "./numbers";
 import { written } from "./numbers";
 
@@ -29,6 +30,10 @@ export interface Listener {
   /** The cursor is elsewhere. */
   cursor(): void;
   save(): void;
+  /** What is known of machine files, for completion. */
+  language(): Language | null;
+  /** What a name in the text is. */
+  explain(name: string): HTMLElement | null;
 }
 
 const COLOURS = HighlightStyle.define([
@@ -52,6 +57,10 @@ const LOOK = EditorView.theme({
     border: "1px solid var(--line)",
     maxWidth: "34rem",
   },
+  ".cm-tooltip-autocomplete > ul > li": { fontFamily: "system-ui, sans-serif", padding: "2px 6px" },
+  ".cm-tooltip-autocomplete > ul > li[aria-selected]": { background: "var(--selection)", color: "var(--ink)" },
+  ".cm-completionLabel": { fontWeight: "600" },
+  ".cm-completionDetail": { color: "var(--faint)", fontStyle: "normal" },
   ".cm-diagnostic": { whiteSpace: "pre-wrap", fontFamily: "system-ui, sans-serif" },
   ".cm-panels": { backgroundColor: "var(--card)", color: "var(--ink)" },
 });
@@ -78,8 +87,8 @@ export class Editor {
     this.view.setState(this.state(text, nonce));
   }
 
-  /** Writes a text in place of a range, as one step of undo. */
-  change(change: Change): void {
+  /** Writes texts in place of ranges, as one step of undo. */
+  change(change: Change | Change[]): void {
     this.view.dispatch({ changes: change, annotations: isolateHistory.of("full"), userEvent: "input.workbench" });
   }
 
@@ -147,6 +156,10 @@ export class Editor {
         indentOnInput(),
         bracketMatching(),
         closeBrackets(),
+        completion(
+          () => this.listener.language(),
+          (name) => this.listener.explain(name),
+        ),
         highlightSelectionMatches(),
         yaml(),
         syntaxHighlighting(COLOURS),

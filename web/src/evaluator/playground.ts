@@ -2,6 +2,7 @@
 
 import type { FromWorker, ToWorker } from "./worker";
 import type { Evaluator, OpenFile, Reply, Request, Store } from "./types";
+import { save as download } from "../ui/download";
 import EngineWorker from "./worker?worker&inline";
 
 /** Examples beside the page: names of machine files, and all files by name. */
@@ -47,11 +48,7 @@ export class Playground implements Evaluator, Store {
   }
 
   save(text: string): Promise<void> {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([text], { type: "application/yaml" }));
-    link.download = this.chosen.split("/").pop() ?? "machine.yaml";
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    download(this.chosen.split("/").pop() ?? "machine.yaml", new Blob([text], { type: "application/yaml" }));
     return Promise.resolve();
   }
 

@@ -6,10 +6,17 @@ export type Vec3 = [number, number, number];
 export type Question =
   | "check"
   | "show"
-  | { map: { poses: { random: number }; worst?: number; samples?: number } }
+  | { map: { poses: { random: number }; worst?: number; samples?: number; target?: string } }
   | { sources: { poses: number } }
-  | { budget: { poses?: number; samples?: number } }
-  | { eval: { poses: number[][] } };
+  | { budget: { poses?: number; samples?: number; goal_mm?: number } }
+  | { eval: { poses: number[][] } }
+  | { reach: { step_mm?: number } }
+  | { work: { tool_poses: string; samples?: number } }
+  | { compare: { first: string; options: { poses?: number; tool_poses?: string } } }
+  | { instrument: { instrument: "ball_bar" | "r_test" | "diagonals" } }
+  | "targets"
+  | "words"
+  | "schema";
 
 export interface Place {
   file: string;
@@ -131,6 +138,110 @@ export interface Sources {
 
 export interface Evaluated {
   poses: { axes: Pose; nominal: Vec3; deviation: Vec3; rotation: Vec3 }[];
+}
+
+export interface Reach {
+  tips: number;
+  directions: { kind: "one" | "circle" | "hemisphere"; count: number };
+  tool_poses: number;
+  reached: number;
+  share: number;
+  tips_in_all_directions: number;
+  /** What stops the rest, the most frequent first. */
+  reasons: string[];
+}
+
+/** A quantile of drawn machines with its interval, um. */
+export interface Quantile {
+  value: number;
+  low: number;
+  high: number;
+}
+
+/** A controller: what it corrects and what not, in words. */
+export interface Target {
+  target: string;
+  title: string;
+  expresses: string;
+  cannot: string[];
+}
+
+export interface BallBar {
+  radius_mm: number;
+  planes: { plane: string; bidirectional_um: number; squareness_urad: number }[];
+}
+
+export interface RTest {
+  axes: { axis: string; range_um: Vec3 }[];
+}
+
+export interface Diagonals {
+  diagonals: { name: string; e_d_um: number; b_d_um: number }[];
+}
+
+/** The cheapest tolerances for a goal. */
+export interface ToleranceGoal {
+  goal_um: number;
+  before_um: Quantile;
+  proof_um: Quantile;
+  proof_samples: number;
+  staying_um: number;
+  cost: { before: number; after: number; per_um: number };
+  tolerances: { error: string; unit: string; old: number; new: number; um_of_p95: number; binds: string }[];
+}
+
+/** A machine beside another on the same tool poses. */
+export interface Comparison {
+  poses: number;
+  asked: number;
+  machines: ComparedMachine[];
+  budgets?: {
+    samples: number;
+    machines: { position_um: { monte_carlo: { percentiles: Record<string, { value: number }> } } }[];
+    versus_first_p95_um: {
+      verdict: "first" | "equal" | "not_told_apart" | "worse" | "better";
+      minus_first: { value: number; low: number | null; high: number | null };
+    }[];
+  };
+  contributions: { error: string; um: (number | null)[]; minus_first: number[] }[];
+}
+
+export interface ComparedMachine {
+  machine: string;
+  from?: "bounds";
+  position_um: Summary;
+  rotation_urad: Summary;
+  minus_first: { position_um: Summary; rotation_urad: Summary } | null;
+  uncertainty?: { minus_first: { position_um: Record<keyof Summary, Interval> }; told_apart: boolean };
+}
+
+/** A row of a file of tool poses: reached with its deviation, or not with what it lacks. */
+export interface WorkRow {
+  line: number;
+  feature?: string;
+  axes?: Pose;
+  deviation_um?: Vec3;
+  /** Where nothing is measured. */
+  position_um?: { rss: number; p95: number };
+  why?: "direction" | "place" | "travel";
+  beyond?: { axis: string; by: number; unit: string }[];
+}
+
+export interface Work {
+  map: {
+    position_um: Summary;
+    features?: {
+      feature: string;
+      poses: number;
+      unreached: number;
+      max_um: number | null;
+      line: number | null;
+      axes: Pose | null;
+      errors: { error: string; um: number }[];
+    }[];
+  };
+  rows: { poses: WorkRow[] };
+  tips: { line: number; tip_mm: Vec3 }[];
 }
 
 /** Narrows an answer: `null` where the question was refused. */

@@ -1,5 +1,6 @@
 /** The deviation at the present pose, enlarged, and the field around it. */
 
+import { Newest } from "../evaluator/newest";
 import type { Chain, Evaluated, Pose, Vec3 } from "../evaluator/types";
 import { rounded } from "../review/number";
 import type { Session } from "../session";
@@ -15,8 +16,7 @@ export class Deviation {
   private chain: Chain | null = null;
   private pose: Pose = {};
   private bounded = false;
-  private busy = false;
-  private again = false;
+  private readonly asking = new Newest(() => this.legend.replaceChildren());
 
   constructor(
     private readonly legend: HTMLElement,
@@ -25,7 +25,7 @@ export class Deviation {
     private readonly session: Session,
   ) {
     buttons.append(make("label", { class: "check" }, this.field, " Field around this pose"));
-    this.field.addEventListener("change", () => void this.update());
+    this.field.addEventListener("change", () => void this.asking.do(() => this.ask()));
   }
 
   /** The machine is another one. */
@@ -37,19 +37,7 @@ export class Deviation {
 
   moved(pose: Pose, _rests: boolean): void {
     this.pose = { ...pose };
-    void this.update();
-  }
-
-  /** While an answer is awaited only the last pose is remembered. */
-  private async update(): Promise<void> {
-    this.again = true;
-    if (this.busy) return;
-    this.busy = true;
-    while (this.again) {
-      this.again = false;
-      await this.ask().catch(() => this.legend.replaceChildren());
-    }
-    this.busy = false;
+    void this.asking.do(() => this.ask());
   }
 
   private async ask(): Promise<void> {

@@ -2,6 +2,8 @@
 
 import * as three from "three";
 import type { Vec3 } from "../evaluator/types";
+import { rounded } from "../review/number";
+import type { Told } from "./pick";
 
 /** A node of a field: nominal position in the workpiece frame, mm, and length of the deviation, um. */
 export interface FieldNode {
@@ -14,6 +16,16 @@ export interface FieldNode {
 const SCALE_LIGHT = ["#f3e3a8", "#f0a95b", "#d9623b", "#9b2d4d", "#4a1247"];
 const SCALE_DARK = ["#4a1247", "#9b2d4d", "#d9623b", "#f0a95b", "#f8edb8"];
 
+/** A tool pose of a part: reached with its deviation, or stopped. */
+export interface WorkPoint {
+  tip: Vec3;
+  um: number | null;
+  /** Colour where it is stopped. */
+  stopped: string;
+  words: string;
+  click?: () => void;
+}
+
 export class Marks {
   readonly group = new three.Group();
   private readonly arrow = new three.ArrowHelper(new three.Vector3(0, 0, 1), new three.Vector3(), 1, 0xc2185b);
@@ -22,6 +34,7 @@ export class Marks {
     new three.MeshBasicMaterial({ color: 0xc2185b, depthTest: false, transparent: true, opacity: 0.85 }),
   );
   private field: three.Object3D | null = null;
+  private readonly work = new three.Group();
   private dark = false;
 
   constructor() {
@@ -32,7 +45,7 @@ export class Marks {
       material.depthTest = false;
       material.transparent = true;
     }
-    this.group.add(this.arrow, this.ghost);
+    this.group.add(this.arrow, this.ghost, this.work);
   }
 
   theme(dark: boolean): void {
@@ -67,8 +80,42 @@ export class Marks {
       mesh.setMatrixAt(i, this.placed(node, times));
       mesh.setColorAt(i, this.colour(node.length_um / (most || 1)));
     });
+    mesh.userData["told"] = { words: (i) => nodeWords(nodes[i]) } satisfies Told;
     this.field = mesh;
     this.group.add(mesh);
+  }
+
+  /** Draws the path of a part: balls coloured by deviation, octahedra where an axis stops. */
+  path(points: WorkPoint[], most: number, size: number): void {
+    for (const old of [...this.work.children] as (three.Mesh | three.Line)[]) {
+      old.geometry.dispose();
+      old.removeFromParent();
+    }
+    if (!points.length) return;
+    const places = points.map(({ tip }) => new three.Vector3(...tip));
+    const line = new three.LineBasicMaterial({
+      color: this.dark ? 0xdfe6ec : 0x2b3640,
+      transparent: true,
+      opacity: 0.6,
+    });
+    this.work.add(new three.Line(new three.BufferGeometry().setFromPoints(places), line));
+    const reached = points.filter(({ um }) => um !== null);
+    const stopped = points.filter(({ um }) => um === null);
+    const colour = ({ um, stopped }: WorkPoint) =>
+      um === null ? new three.Color(stopped) : this.colour(um / (most || 1));
+    for (const [list, shape] of [
+      [reached, new three.SphereGeometry(size, 14, 10)],
+      [stopped, new three.OctahedronGeometry(1.4 * size)],
+    ] as const) {
+      const mesh = new three.InstancedMesh(shape, new three.MeshBasicMaterial(), list.length);
+      list.forEach((point, i) => {
+        mesh.setMatrixAt(i, new three.Matrix4().makeTranslation(...point.tip));
+        mesh.setColorAt(i, colour(point));
+      });
+      const told: Told = { words: (i) => list[i]?.words ?? "", click: (i) => list[i]?.click?.() };
+      mesh.userData["told"] = told;
+      this.work.add(mesh);
+    }
   }
 
   clear(): void {
@@ -90,4 +137,11 @@ export class Marks {
     const low = Math.min(Math.floor(at), list.length - 2);
     return new three.Color(list[low]).lerp(new three.Color(list[low + 1]), at - low);
   }
+}
+
+/** Length of the deviation at a node, with its parts. */
+function nodeWords(node: FieldNode | undefined): string {
+  if (!node) return "";
+  const parts = node.deviation_um.map((um, i) => `${"XYZ"[i]} ${rounded(um)}`).join(", ");
+  return `${rounded(node.length_um)} µm (${parts})`;
 }

@@ -4,7 +4,8 @@ import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Chain, Pose, Vec3 } from "../evaluator/types";
 import { Figure, type Materials } from "./figure";
-import { Marks } from "./marks";
+import { Marks, type WorkPoint } from "./marks";
+import { Pick } from "./pick";
 import type { Material } from "./shapes";
 
 const LIGHT: Record<Material, number> = {
@@ -52,6 +53,7 @@ export class Stage {
     this.controls.addEventListener("change", () => this.draw());
     this.lights();
     for (const material of Object.keys(LIGHT) as Material[]) this.materials[material] = this.material(material);
+    new Pick(parent, canvas, this.scene, this.camera);
     new ResizeObserver(() => this.resize()).observe(parent);
     this.theme(false);
   }
@@ -119,6 +121,19 @@ export class Stage {
     const size = this.figure?.layout.size ?? 100;
     this.marks.deviation(nominal, deviation_mm, times, size);
     this.draw();
+  }
+
+  /** The path of a part, coloured on a scale that ends at `most` um. */
+  path(points: WorkPoint[], most: number): void {
+    this.marks.path(points, most, (this.figure?.layout.size ?? 100) / 14);
+    // The block stands for a part: where the part is known only its edges stay.
+    this.materials.part.visible = !points.length;
+    this.draw();
+  }
+
+  /** The picture as it is. */
+  get canvas(): HTMLCanvasElement {
+    return this.renderer.domElement;
   }
 
   private resize(): void {

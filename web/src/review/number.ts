@@ -24,7 +24,7 @@ export function figure(at: string, value: number, unit: string): HTMLElement {
   return make(
     "span",
     { class: "number", "data-at": at, "data-value": String(value), title: `${value} ${unit}` },
-    `${rounded(value)} ${unit}`,
+    `${value !== 0 && Math.abs(value) < 5e-4 ? "< 0.001" : rounded(value)} ${unit}`,
   );
 }
 

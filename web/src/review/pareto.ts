@@ -2,6 +2,8 @@
 
 import type { Findings, State } from "../session";
 import { button, make } from "../ui/dom";
+import { download } from "../ui/download";
+import { barChart } from "./chart";
 import { difference, figure, pair } from "./number";
 
 /** A bar of the chart. */
@@ -50,17 +52,14 @@ export class Pareto {
         ? [button(this.whole ? "Show the largest only" : `Show all ${list.length}`, () => this.toggle())]
         : [];
     this.parent.classList.toggle("stale", state.stale);
+    const head = measured ? "What dominates" : "What to tighten";
+    const words = measured
+      ? "Each error alone: 95 % of the poses deviate less."
+      : "By how much the 95 % value hangs on each tolerance.";
     this.parent.replaceChildren(
-      make("h2", {}, measured ? "What dominates" : "What to tighten"),
-      make(
-        "p",
-        { class: "words" },
-        measured
-          ? "Each error alone: 95 % of the poses deviate less."
-          : "By how much the 95 % value hangs on each tolerance.",
-      ),
+      make("p", { class: "words" }, words),
       make("ol", { class: "bars" }, ...shown.map((bar) => this.bar(bar, kept.get(bar.error) ?? null, most))),
-      ...more,
+      make("p", {}, ...more, ...downloads(`${state.now.chain.machine}: ${head.toLowerCase()}`, words, list)),
     );
   }
 
@@ -77,7 +76,7 @@ export class Pareto {
     before.hidden = kept === null || Math.abs(kept - bar.um) < most * 2e-3;
     const name = button(bar.error, () => this.find(bar.error), {
       class: "error-name",
-      title: `${bar.words} Show it in the file.`,
+      "data-error": bar.error,
     });
     const value = make(
       "span",
@@ -95,4 +94,25 @@ export class Pareto {
       make("span", { class: "track" }, fill, before),
     );
   }
+}
+
+/** The chart as a file. */
+function downloads(title: string, note: string, list: Bar[]): (Node | string)[] {
+  const chart = () =>
+    barChart(
+      title,
+      note,
+      list.map(({ error, words, um }) => ({ name: error, words, um })),
+    );
+  const rows = list.map(({ error, words, um }) => [error, words, um]);
+  const png = () => {
+    const { svg, width, height } = chart();
+    void download.png("errors", svg, width, height);
+  };
+  const files: [string, () => void][] = [
+    ["CSV", () => download.csv("errors", [["error", "words", "um"], ...rows])],
+    ["SVG", () => download.svg("errors", chart().svg)],
+    ["PNG", png],
+  ];
+  return files.flatMap(([label, save]) => [" ", button(label, save, { title: `Download as ${label}` })]);
 }

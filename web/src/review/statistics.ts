@@ -32,22 +32,28 @@ export function worstPoses(of: Findings): { axes: Pose; um: number }[] {
 }
 
 export class StatisticsTable {
+  private worst: Pose = {};
+  private readonly see = button("Show the worst pose", () => this.go(this.worst), { class: "primary", id: "worst" });
+
   constructor(
     private readonly parent: HTMLElement,
+    buttons: HTMLElement,
     private readonly go: (pose: Pose) => void,
-  ) {}
+  ) {
+    buttons.append(this.see);
+    this.see.hidden = true;
+  }
 
   show(state: State): void {
     const { now, kept } = state;
+    const worst = now?.map && deciding(now) ? worstPoses(now)[0] : undefined;
+    this.see.hidden = !worst;
+    if (worst) this.worst = worst.axes;
     if (!now?.map || !deciding(now)) return this.parent.replaceChildren();
     const rows = (now.map.from ? BOUNDED : MEASURED).flatMap((row) => this.row(row, now, kept));
     const table = make("table", {}, make("tbody", {}, ...rows));
-    const worst = worstPoses(now)[0];
-    const see = worst
-      ? [button("Show the worst pose", () => this.go(worst.axes), { class: "primary", id: "worst" })]
-      : [];
     this.parent.classList.toggle("stale", state.stale);
-    this.parent.replaceChildren(table, ...see);
+    this.parent.replaceChildren(table);
   }
 
   private row([at, words, unit, pick]: Row, now: Findings, kept: Findings | null): HTMLElement[] {

@@ -9,12 +9,29 @@ export interface Place {
   tool: string;
   /** Pose, `X=250,C=90`. */
   pose: string;
+  /** Name of the open tab; empty for the first. */
+  view: string;
+  /** Path of the file of tool poses. */
+  work: string;
+  /** Name of the control. */
+  target: string;
+  /** Goal of the 95 % value, um. */
+  goal: string;
 }
 
 export function place(): Place {
   const found = new URLSearchParams(location.hash.slice(1));
   const of = (name: string) => found.get(name) ?? "";
-  return { example: of("example"), limit: of("limit"), tool: of("tool"), pose: of("pose") };
+  return {
+    example: of("example"),
+    limit: of("limit"),
+    tool: of("tool"),
+    pose: of("pose"),
+    view: of("view"),
+    work: of("work"),
+    target: of("target"),
+    goal: of("goal"),
+  };
 }
 
 /** Changes a part of the address, without an entry in the history of the browser. */

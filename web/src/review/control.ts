@@ -1,0 +1,100 @@
+/** What a control can repair: the machine with the files that `compile` would write for it, and without. */
+
+import { Newest } from "../evaluator/newest";
+import { accepted, type Refusal, type Summary, type Target } from "../evaluator/types";
+import { FULL, isSettled, type Session, type State } from "../session";
+import { move, place } from "../ui/address";
+import { make } from "../ui/dom";
+import { figure } from "./number";
+
+interface Compensated {
+  position_um: Summary;
+  rotation_urad: Summary;
+  uncompensated: { position_um: Summary; rotation_urad: Summary };
+}
+
+export class Control {
+  private readonly select = make("select", { id: "target" }, make("option", { value: "" }, "choose one"));
+  private readonly body = make("div", { "aria-live": "polite" });
+  private readonly asking: Newest;
+  private targets: Target[] = [];
+
+  constructor(
+    parent: HTMLElement,
+    private readonly session: Session,
+    failed: (failure: unknown) => void,
+  ) {
+    this.asking = new Newest(failed);
+    this.select.addEventListener("change", () => {
+      move({ target: this.select.value });
+      this.update();
+    });
+    parent.append(make("p", {}, make("label", { for: "target" }, "Control "), this.select), this.body);
+  }
+
+  show(state: State): void {
+    this.body.classList.toggle("stale", state.stale);
+    if (!isSettled(state)) return;
+    if (state.now.map?.from === "bounds" || !state.now.sources?.errors.length) {
+      this.select.disabled = true;
+      this.body.replaceChildren(
+        make("p", { class: "words" }, "Nothing of this machine is measured: there is nothing to correct yet."),
+      );
+      return;
+    }
+    this.select.disabled = false;
+    this.update();
+  }
+
+  private update(): void {
+    void this.asking.do(async () => {
+      await this.list();
+      const name = this.select.value;
+      const target = this.targets.find((of) => of.target === name);
+      if (!target) return this.body.replaceChildren();
+      const question = { map: { poses: { random: FULL.poses }, target: name } };
+      const [answer] = await this.session.ask([question]);
+      if (answer === undefined) return;
+      const found = accepted<Compensated>(answer);
+      this.body.replaceChildren(...(found ? shown(found, target) : refused(answer as Refusal)));
+    });
+  }
+
+  private async list(): Promise<void> {
+    if (this.targets.length) return;
+    const [answer] = await this.session.ask(["targets"]);
+    this.targets = accepted<Target[]>(answer) ?? [];
+    this.select.append(...this.targets.map(({ target, title }) => make("option", { value: target }, title)));
+    this.select.value = place().target;
+  }
+}
+
+function shown({ position_um, rotation_urad, uncompensated }: Compensated, target: Target): HTMLElement[] {
+  const row = (words: string, at: string, unit: string, before: number, after: number) =>
+    make(
+      "tr",
+      {},
+      make("th", { scope: "row" }, words),
+      make("td", {}, figure(`without-${at}`, before, unit)),
+      make("td", {}, figure(`with-${at}`, after, unit)),
+    );
+  const heads = ["Figure", "as it is", "corrected"].map((head) => make("th", { scope: "col" }, head));
+  const rows = [
+    row("95 % of the poses", "p95", "µm", uncompensated.position_um.p95, position_um.p95),
+    row("Largest deviation", "max", "µm", uncompensated.position_um.max, position_um.max),
+    row("Rotation of the tool, 95 %", "rotation-left", "µrad", uncompensated.rotation_urad.p95, rotation_urad.p95),
+  ];
+  const table = make(
+    "table",
+    { class: "list" },
+    make("thead", {}, make("tr", {}, ...heads)),
+    make("tbody", {}, ...rows),
+  );
+  const cannot = make("ul", { class: "words" }, ...target.cannot.map((line) => make("li", {}, line)));
+  const corrects = make("p", { class: "words" }, `Corrects ${target.expresses}. It cannot correct:`);
+  return [table, corrects, cannot];
+}
+
+function refused(answer: Refusal): HTMLElement[] {
+  return answer.diagnostics.map(({ message }) => make("p", { class: "refused" }, message));
+}

@@ -1,0 +1,210 @@
+/** The part: tool poses of a file on the machine, coloured by deviation; those out of reach by the axis that stops. */
+
+import { Newest } from "../evaluator/newest";
+import { accepted, type Pose, type Refusal, type Work, type WorkRow } from "../evaluator/types";
+import type { WorkPoint } from "../machine/marks";
+import type { Stage } from "../machine/stage";
+import { isSettled, type Session, type State } from "../session";
+import { move, place } from "../ui/address";
+import { button, make } from "../ui/dom";
+import { download } from "../ui/download";
+import { figure, rounded } from "./number";
+
+/** Colours of what stops a pose, told apart without red and green, and from the scale of deviations. */
+const STOPPED = ["#0077bb", "#33bbee", "#009988", "#666666", "#7755cc", "#aa7700"];
+
+/** Rows that are listed. */
+const FEW = 6;
+
+export class Part {
+  private readonly input = make("input", { type: "text", id: "work", placeholder: "work.csv", spellcheck: "false" });
+  private readonly body = make("div", { "aria-live": "polite" });
+  private readonly asking: Newest;
+  /** A file that was dropped, or chosen: its name and text. */
+  private given: { name: string; text: string } | null = null;
+
+  constructor(
+    parent: HTMLElement,
+    private readonly session: Session,
+    private readonly stage: Stage | null,
+    private readonly go: (pose: Pose) => void,
+    failed: (failure: unknown) => void,
+  ) {
+    this.asking = new Newest(failed);
+    this.input.value = place().work;
+    this.input.addEventListener("change", () => this.name());
+    const file = make("input", { type: "file", "aria-label": "File of tool poses", id: "work-file" });
+    file.addEventListener("change", () => void this.take(file.files));
+    const words =
+      "Tool poses in the workpiece frame: CSV with X, Y, Z and I, J, K or rotary axes, or APT. " +
+      "Drop a file here, choose it, or name it:";
+    parent.append(make("p", { class: "words" }, words), make("p", { class: "chooser" }, this.input, file), this.body);
+    this.input.setAttribute("aria-label", "Path of a file of tool poses");
+    parent.addEventListener("dragover", (event) => event.preventDefault());
+    parent.addEventListener("drop", (event) => {
+      event.preventDefault();
+      void this.take(event.dataTransfer?.files ?? null);
+    });
+  }
+
+  show(state: State): void {
+    this.body.classList.toggle("stale", state.stale);
+    if (isSettled(state)) this.update();
+  }
+
+  private name(): void {
+    this.given = null;
+    move({ work: this.input.value.trim() });
+    this.update();
+  }
+
+  private async take(files: FileList | null): Promise<void> {
+    const file = files?.[0];
+    if (!file) return;
+    this.given = { name: this.session.beside(file.name), text: await file.text() };
+    this.input.value = "";
+    move({ work: "" });
+    this.update();
+  }
+
+  /** The file of tool poses, and its text where it is not on the disk. */
+  get work(): { path: string; more: Record<string, string> } | null {
+    if (this.given) return { path: this.given.name, more: { [this.given.name]: this.given.text } };
+    const path = place().work;
+    return path ? { path, more: {} } : null;
+  }
+
+  private update(): void {
+    const work = this.work;
+    if (!work) return this.nothing([]);
+    const { path, more } = work;
+    void this.asking.do(async () => {
+      const [answer] = await this.session.ask([{ work: { tool_poses: path } }], more);
+      const work = accepted<Work>(answer);
+      if (work) this.shown(work, path);
+      else if (answer !== undefined) this.nothing((answer as Refusal).diagnostics.map(({ message }) => message));
+    });
+  }
+
+  private nothing(reasons: string[]): void {
+    this.stage?.path([], 1);
+    this.body.replaceChildren(...reasons.map((reason) => make("p", { class: "refused" }, reason)));
+  }
+
+  private shown(work: Work, path: string): void {
+    const rows = work.rows.poses;
+    const reached = rows.filter((row) => row.axes).sort((a, b) => deviation(b) - deviation(a));
+    const stops = [...new Set(rows.filter((row) => !row.axes).map(stop))];
+    const colours = new Map(stops.map((of, i) => [of, STOPPED[i % STOPPED.length] ?? "#666666"]));
+    const most = reached[0] ? deviation(reached[0]) : 0;
+    this.stage?.path(points(work, colours, this.go), most);
+    const csv = () => download.csv("part", [["line", "feature", "um", "stopped_by"], ...rows.map(line)]);
+    const name = path.replace(/^.*[/\\]/, "");
+    this.body.replaceChildren(
+      make(
+        "p",
+        {},
+        make("strong", {}, `${reached.length} of ${rows.length}`),
+        ` tool poses of ${name} are reached`,
+        ...this.largest(reached),
+      ),
+      this.legend(colours, rows),
+      ...this.features(work),
+      make("ol", { class: "rows" }, ...reached.slice(0, FEW).map((row) => this.row(row))),
+      make("p", {}, button("CSV", csv)),
+    );
+  }
+
+  private largest(reached: WorkRow[]): (Node | string)[] {
+    const [worst] = reached;
+    if (!worst?.axes) return ["."];
+    const { axes } = worst;
+    const see = button("Go to the worst", () => this.go(axes), { id: "worst-of-part", class: "primary" });
+    return ["; at most ", figure("part-max", deviation(worst), "µm"), ". ", see];
+  }
+
+  private legend(colours: Map<string, string>, rows: WorkRow[]): HTMLElement {
+    const entry = ([of, colour]: [string, string]) => {
+      const mark = make("span", { class: "stop" });
+      mark.style.background = colour;
+      const count = rows.filter((row) => !row.axes && stop(row) === of).length;
+      return make("li", { "data-stop": of }, mark, ` ${count} ${words(of)}`);
+    };
+    const most = Math.max(0, ...rows.filter((row) => row.axes).map(deviation));
+    const scale = make("span", { class: "scale" });
+    scale.style.background = `linear-gradient(to right, ${this.stage?.marks.colours.join(", ")})`;
+    const colouring = make("li", {}, "0 ", scale, ` ${rounded(most)} µm`);
+    return make("ul", { class: "inline" }, colouring, ...[...colours].map(entry));
+  }
+
+  private features(work: Work): HTMLElement[] {
+    const list = work.map.features ?? [];
+    if (!list.length) return [];
+    const row = (of: (typeof list)[number]) =>
+      make(
+        "tr",
+        {},
+        make(
+          "th",
+          { scope: "row" },
+          of.axes ? button(of.feature || "no feature", () => of.axes && this.go(of.axes)) : of.feature,
+        ),
+        make("td", {}, of.max_um === null ? "not reached" : figure(`feature-${of.feature}`, of.max_um, "µm")),
+        make(
+          "td",
+          {},
+          ...of.errors.map(({ error }) => make("span", { "data-error": error, tabindex: "0" }, `${error} `)),
+        ),
+      );
+    const heads = ["Feature", "largest", "by"].map((head) => make("th", { scope: "col" }, head));
+    return [
+      make(
+        "table",
+        { class: "list" },
+        make("thead", {}, make("tr", {}, ...heads)),
+        make("tbody", {}, ...list.map(row)),
+      ),
+    ];
+  }
+
+  private row(row: WorkRow): HTMLElement {
+    const label = `Line ${row.line}${row.feature ? `, ${row.feature}` : ""}`;
+    const see = button(label, () => row.axes && this.go(row.axes), { class: "link" });
+    return make("li", {}, see, " ", figure(`line-${row.line}`, deviation(row), "µm"));
+  }
+}
+
+/** Length of the deviation, um; of a machine that is only bounded its 95 % value. */
+function deviation(row: WorkRow): number {
+  return row.position_um?.p95 ?? Math.hypot(...(row.deviation_um ?? [0, 0, 0]));
+}
+
+/** What stops a row: the axis that is farthest beyond its travel, else the reason. */
+function stop(row: WorkRow): string {
+  const [first] = [...(row.beyond ?? [])].sort((a, b) => Math.abs(b.by) - Math.abs(a.by));
+  return first?.axis ?? row.why ?? "";
+}
+
+function words(stop: string): string {
+  if (stop === "direction") return "in a direction that the rotary axes cannot point";
+  if (stop === "place") return "at a place that the axes do not span";
+  return `stopped by ${stop}`;
+}
+
+function points(work: Work, colours: Map<string, string>, go: (pose: Pose) => void): WorkPoint[] {
+  const rows = new Map(work.rows.poses.map((row) => [row.line, row]));
+  return work.tips.map(({ line, tip_mm: tip }) => {
+    const row = rows.get(line);
+    const axes = row?.axes;
+    if (row && axes) {
+      const words = `line ${line}: ${rounded(deviation(row))} µm`;
+      return { tip, um: deviation(row), stopped: "", words, click: () => go(axes) };
+    }
+    const of = row ? stop(row) : "";
+    return { tip, um: null, stopped: colours.get(of) ?? "#666666", words: `line ${line}: ${words(of)}` };
+  });
+}
+
+function line(row: WorkRow): (string | number | null)[] {
+  return [row.line, row.feature ?? "", row.axes ? deviation(row) : null, row.axes ? "" : stop(row)];
+}

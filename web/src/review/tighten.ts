@@ -1,0 +1,99 @@
+/** The inverse budget: the cheapest tolerances for a goal, and their way into the file. */
+
+import type { Editor } from "../editor/editor";
+import { toleranceEdits } from "../editor/tolerances";
+import { accepted, type Refusal, type ToleranceGoal } from "../evaluator/types";
+import { isSettled, type Session, type State } from "../session";
+import { move, place } from "../ui/address";
+import { button, make } from "../ui/dom";
+import { download } from "../ui/download";
+import { figure, rounded } from "./number";
+
+export class Tighten {
+  private readonly input = make("input", { type: "number", min: "0", step: "any", id: "goal", value: place().goal });
+  private readonly find = button("Find tolerances", () => void this.ask(), { class: "primary", id: "find-tolerances" });
+  private readonly answer = make("div", { "aria-live": "polite" });
+  private readonly problem = make("p", { class: "words" });
+
+  constructor(
+    parent: HTMLElement,
+    private readonly session: Session,
+    private readonly editor: Editor,
+  ) {
+    this.input.addEventListener("input", () => move({ goal: this.input.value }));
+    this.input.addEventListener("keydown", ({ key }) => key === "Enter" && void this.ask());
+    const label = make("label", { for: "goal" }, "Goal of the 95 % value ");
+    const row = make("p", {}, label, this.input, " µm ", this.find);
+    const words = "The cheapest tolerances for a goal; a tolerance costs the more the finer it is (budget --goal).";
+    parent.append(make("p", { class: "words" }, words), row, this.problem, this.answer);
+  }
+
+  /** The machine is another one: an answer of the one before would mislead. */
+  show(state: State): void {
+    const bounded = state.now?.budget !== null && state.now !== null;
+    this.find.disabled = !bounded;
+    this.problem.textContent = bounded
+      ? ""
+      : "No error of this machine is bounded. Write bounds under tolerances, or take a class, as class: production.";
+    if (isSettled(state)) this.answer.replaceChildren();
+  }
+
+  private async ask(): Promise<void> {
+    const goal_mm = Number(this.input.value) * 1e-3;
+    this.find.disabled = true;
+    this.answer.textContent = "Machines are drawn …";
+    const [answer] = await this.session.ask([{ budget: { goal_mm } }]).catch(() => [null]);
+    this.find.disabled = false;
+    const goal = accepted<{ goal: ToleranceGoal }>(answer)?.goal;
+    this.answer.replaceChildren(...(goal ? this.shown(goal) : refusal(answer as Refusal | null)));
+  }
+
+  private shown(goal: ToleranceGoal): HTMLElement[] {
+    const { cost, proof_um: proof } = goal;
+    const facts = make(
+      "p",
+      {},
+      figure("goal-proof", proof.value, "µm"),
+      ` (${rounded(proof.low)} to ${rounded(proof.high)}) by ${goal.proof_samples} other machines, `,
+      `before ${rounded(goal.before_um.value)} µm; `,
+      `cost ${rounded(cost.before)} → ${rounded(cost.after)} (${rounded(cost.per_um)} for a further µm).`,
+    );
+    const rows = goal.tolerances.map((of) => {
+      const unit = of.unit.replace("u", "µ");
+      return make(
+        "tr",
+        {},
+        make("th", { scope: "row", "data-error": of.error, tabindex: "0" }, of.error),
+        make("td", {}, `${Number(of.old.toPrecision(4))} ${unit}`),
+        make("td", {}, figure(`goal-${of.error}`, of.new, unit)),
+        make("td", {}, `${rounded(of.um_of_p95)} µm`),
+      );
+    });
+    const heads = ["Error", "is", "new", "in the 95 %"].map((head) => make("th", { scope: "col" }, head));
+    const table = make(
+      "table",
+      { class: "list" },
+      make("thead", {}, make("tr", {}, ...heads)),
+      make("tbody", {}, ...rows),
+    );
+    const csv = () => download.csv("tolerances", [["error", "unit", "old", "new", "um_of_p95"], ...listed(goal)]);
+    const write = button("Write into the file", () => this.write(goal), { class: "primary", id: "write-tolerances" });
+    return [
+      facts,
+      make("div", { class: "scroll", tabindex: "0" }, table),
+      make("p", {}, write, " ", button("CSV", csv)),
+    ];
+  }
+
+  private write(goal: ToleranceGoal): void {
+    this.editor.change(toleranceEdits(this.editor.view.state, goal.tolerances));
+  }
+}
+
+const listed = (goal: ToleranceGoal) => goal.tolerances.map((of) => [of.error, of.unit, of.old, of.new, of.um_of_p95]);
+
+function refusal(answer: Refusal | null): HTMLElement[] {
+  const list = answer?.diagnostics ?? [];
+  const words = list.flatMap(({ message, help }) => [message, ...(help ? [help] : [])]);
+  return (words.length ? words : ["The program did not answer."]).map((text) => make("p", { class: "refused" }, text));
+}

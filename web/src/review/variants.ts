@@ -1,0 +1,153 @@
+/** Variants side by side: the text that was kept as A beside the present one, on the same tool poses. */
+
+import type { Editor } from "../editor/editor";
+import { Newest } from "../evaluator/newest";
+import { accepted, type Comparison, type Refusal } from "../evaluator/types";
+import { isSettled, type Session, type State } from "../session";
+import { button, make } from "../ui/dom";
+import { download } from "../ui/download";
+import { figure, rounded } from "./number";
+
+/** Name of the text of A, in the folder of the machine so that what it names is found. */
+const NAME = "variant-A.abbe.yaml";
+
+const ROWS = [
+  ["p95", "95 % of the poses"],
+  ["max", "Largest deviation"],
+  ["rms", "Root mean square"],
+] as const;
+
+export class Variants {
+  private first: string | null = null;
+  private readonly body = make("div", { "aria-live": "polite" });
+  private readonly back = button("Back to A", () => this.restore(), { id: "back-to-a" });
+  private readonly asking: Newest;
+
+  constructor(
+    parent: HTMLElement,
+    private readonly session: Session,
+    private readonly editor: Editor,
+    /** The tool poses of the part, if one is named. */
+    private readonly work: () => { path: string; more: Record<string, string> } | null,
+    failed: (failure: unknown) => void,
+  ) {
+    this.asking = new Newest(failed);
+    const keep = button("Keep as variant A", () => this.keep(), { class: "primary", id: "keep-a" });
+    this.back.disabled = true;
+    const words =
+      "Keep the machine as variant A, go on editing, and compare on the same tool poses: " +
+      "those of the part, else 1000 of the volume.";
+    parent.append(make("p", { class: "words" }, words), make("p", {}, keep, " ", this.back), this.body);
+  }
+
+  show(state: State): void {
+    this.body.classList.toggle("stale", state.stale);
+    if (this.first !== null && isSettled(state)) this.compare();
+  }
+
+  private keep(): void {
+    this.first = this.editor.text;
+    this.back.disabled = false;
+    this.compare();
+  }
+
+  private restore(): void {
+    if (this.first === null) return;
+    this.editor.change({ from: 0, to: this.editor.view.state.doc.length, insert: this.first });
+  }
+
+  private compare(): void {
+    void this.asking.do(async () => {
+      const name = this.session.beside(NAME);
+      const work = this.work();
+      const options = work ? { tool_poses: work.path } : { poses: 1000 };
+      const texts = { ...work?.more, [name]: this.first ?? "" };
+      const [answer] = await this.session.ask([{ compare: { first: name, options } }], texts);
+      const found = accepted<Comparison>(answer);
+      if (answer !== undefined) this.body.replaceChildren(...(found ? shown(found) : refused(answer as Refusal)));
+    });
+  }
+}
+
+function refused(answer: Refusal): HTMLElement[] {
+  return answer.diagnostics.map(({ message }) => make("p", { class: "refused" }, message));
+}
+
+function shown(of: Comparison): HTMLElement[] {
+  const [a, b] = of.machines;
+  if (!a || !b) return [];
+  const cells = ROWS.map(([at, words]) => [words, at, a.position_um[at], b.position_um[at]] as const);
+  const rows = cells.map(([words, at, before, now]) =>
+    make(
+      "tr",
+      {},
+      make("th", { scope: "row" }, words),
+      make("td", {}, figure(`a-${at}`, before, "µm")),
+      make("td", {}, figure(`b-${at}`, now, "µm")),
+      make("td", {}, figure(`b-a-${at}`, b.minus_first?.position_um[at] ?? now - before, "µm")),
+    ),
+  );
+  const heads = ["Figure", "A", "now", "now − A"].map((head) => make("th", { scope: "col" }, head));
+  const table = make(
+    "table",
+    { class: "list" },
+    make("thead", {}, make("tr", {}, ...heads)),
+    make("tbody", {}, ...rows),
+  );
+  const csv = () =>
+    download.csv("variants", [["figure", "A_um", "now_um"], ...cells.map(([words, , x, y]) => [words, x, y])]);
+  const poses = `${of.poses} of ${of.asked} tool poses, which both reach.`;
+  return [
+    make("p", { id: "told-apart" }, make("strong", {}, judgement(of))),
+    table,
+    ...because(of),
+    make("p", { class: "words" }, poses, " ", button("CSV", csv)),
+  ];
+}
+
+/** Which is better, and whether that is more than what is known of the two. */
+export function judgement(of: Comparison): string {
+  const [, b] = of.machines;
+  const drawn = of.budgets?.versus_first_p95_um.find(({ verdict }) => verdict !== "first");
+  if (drawn) {
+    const { value, low, high } = drawn.minus_first;
+    const band = low === null || high === null ? "" : ` (${rounded(low)} to ${rounded(high)})`;
+    const by = `${rounded(value)} µm${band} in the 95 % value of drawn machines`;
+    if (drawn.verdict === "equal") return "Equal in every drawn machine.";
+    if (drawn.verdict === "not_told_apart") return `Not told apart: ${by}.`;
+    return `${drawn.verdict === "better" ? "Better" : "Worse"} than A, more than the drawn machines differ: ${by}.`;
+  }
+  const by = b?.minus_first?.position_um.p95;
+  if (by === undefined) return "Of only one of the two nothing is measured: they cannot be compared.";
+  if (by === 0) return "Equal.";
+  const which = `${by < 0 ? "Better" : "Worse"} than A by ${rounded(Math.abs(by))} µm in the 95 % value`;
+  if (!b?.uncertainty)
+    return `${which}; the files state no uncertainty, so it is not known whether that is more than it.`;
+  const [low, high] = b.uncertainty.minus_first.position_um.p95;
+  const band = `${rounded(low)} to ${rounded(high)} µm`;
+  return b.uncertainty.told_apart
+    ? `${which}, more than the uncertainty (${band}).`
+    : `${which}, within the uncertainty (${band}).`;
+}
+
+/** The errors whose part changed most. */
+function because(of: Comparison): HTMLElement[] {
+  const changed = of.contributions
+    .map(({ error, minus_first }) => ({ error, by: minus_first[1] ?? 0 }))
+    .filter(({ by }) => Math.abs(by) > 5e-3)
+    .sort((x, y) => Math.abs(y.by) - Math.abs(x.by))
+    .slice(0, 4);
+  if (!changed.length) return [];
+  const list = changed.map(({ error, by }) =>
+    make(
+      "li",
+      {},
+      make("span", { "data-error": error, tabindex: "0", class: "error-name" }, error),
+      ` ${by > 0 ? "+" : ""}${rounded(by)} µm`,
+    ),
+  );
+  return [
+    make("p", { class: "words" }, "Each error alone, where it changed most:"),
+    make("ul", { class: "inline" }, ...list),
+  ];
+}

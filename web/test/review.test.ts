@@ -1,0 +1,112 @@
+/** What the panels write and say: tolerances into the text, completion of keys, judgements, tables. */
+
+import { yaml } from "@codemirror/lang-yaml";
+import { EditorState } from "@codemirror/state";
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { keysAbove, keysAt } from "../src/editor/complete";
+import { toleranceEdits } from "../src/editor/tolerances";
+import type { Comparison } from "../src/evaluator/types";
+import { letters, parsed } from "../src/explain/name";
+import { judgement } from "../src/review/variants";
+import { csv } from "../src/ui/download";
+
+const stateOf = (doc: string) => EditorState.create({ doc, extensions: [yaml()] });
+
+function written(text: string, wishes: [string, number, string][]): string {
+  const state = stateOf(text);
+  const changes = toleranceEdits(
+    state,
+    wishes.map(([error, value, unit]) => ({ error, new: value, unit })),
+  );
+  return state.update({ changes }).state.doc.toString();
+}
+
+test("a new tolerance stands in place of the old one, never coarser", () => {
+  const text = "tolerances:\n  EXX: 4 um  # of the scale\n  X-Y: 20urad\nerrors:\n  EC0A: { tolerance: 8 arcsec }\n";
+  assert.equal(
+    written(text, [
+      ["EXX", 3.1479, "um"],
+      ["EC0Y", 0.0123456, "urad"],
+      ["EC0A", 11, "urad"],
+    ]),
+    "tolerances:\n  EXX: 3.14 um  # of the scale\n  X-Y: 0.0123 urad\nerrors:\n  EC0A: { tolerance: 11 urad }\n",
+  );
+});
+
+test("a tolerance of a class or another file becomes an entry of this one", () => {
+  const wish: [string, number, string][] = [
+    ["EYX", 2, "um"],
+    ["EBX", 5, "urad"],
+  ];
+  assert.equal(
+    written("abbe: 1\nclass: premium", wish),
+    "abbe: 1\nclass: premium\ntolerances:\n  EYX: 2 um\n  EBX: 5 urad\n",
+  );
+  assert.equal(
+    written("tolerances:\n    EXX: 4 um\n", wish),
+    "tolerances:\n    EYX: 2 um\n    EBX: 5 urad\n    EXX: 4 um\n",
+  );
+  assert.equal(written("tolerances: { EXX: 4 um }\n", wish), "tolerances: { EYX: 2 um, EBX: 5 urad, EXX: 4 um }\n");
+});
+
+const SCHEMA = {
+  properties: { axes: { $ref: "#/definitions/Axes" }, errors: {}, class: { description: "A class." } },
+  definitions: {
+    Axes: { additionalProperties: { $ref: "#/definitions/Axis" } },
+    Axis: { anyOf: [{ properties: { travel: { description: "Its ends." } } }, { properties: { origin: {} } }] },
+  },
+};
+
+test("keys are completed by where they stand", () => {
+  const language = { schema: SCHEMA, words: { EXX: "Positioning error of X." } };
+  const at = (text: string) => {
+    const position = text.indexOf("|");
+    const state = stateOf(text.replace("|", ""));
+    return Object.keys(keysAt(language, keysAbove(state, position)));
+  };
+  assert.deepEqual(at("abbe: 1\n|"), ["axes", "errors", "class"]);
+  assert.deepEqual(at("axes:\n  X: { tr|"), ["travel", "origin"]);
+  assert.deepEqual(at("axes:\n  X:\n    travel: [0, 1]\n    |"), ["travel", "origin"]);
+  assert.deepEqual(at("errors:\n  # none\n  |"), ["EXX"]);
+  assert.deepEqual(at("axes:\n  X: { travel: [0, 1] }\ntolerances: { E|"), ["EXX"]);
+});
+
+test("names are taken apart as ISO 230-1 builds them", () => {
+  assert.deepEqual(parsed("EB0C"), { along: 1, isRotation: true, isLocation: true, axis: "C" });
+  assert.deepEqual(parsed("EXX1"), { along: 0, isRotation: false, isLocation: false, axis: "X1" });
+  assert.deepEqual([parsed("E0C"), parsed("<b>"), parsed("EDX")], [null, null, null]);
+  const name = parsed("EYX");
+  assert.equal(name && letters(name), "Y: shift along Y · X: in motion of X");
+});
+
+test("a difference within the uncertainty is none", () => {
+  const summary = { max: 0, mean: 0, rms: 0, p95: 0 };
+  const machine = { machine: "M", position_um: summary, rotation_urad: summary, minus_first: null };
+  const of = (p95: number, band: [number, number] | null): Comparison => ({
+    poses: 10,
+    asked: 10,
+    contributions: [],
+    machines: [
+      machine,
+      {
+        ...machine,
+        minus_first: { position_um: { ...summary, p95 }, rotation_urad: summary },
+        ...(band && {
+          uncertainty: {
+            minus_first: { position_um: { max: band, mean: band, rms: band, p95: band } },
+            told_apart: band[0] > 0 || band[1] < 0,
+          },
+        }),
+      },
+    ],
+  });
+  assert.match(judgement(of(-2, [-3, -1])), /^Better than A by 2\.00 µm .*more than the uncertainty/);
+  assert.match(judgement(of(2, [-1, 5])), /^Worse than A by 2\.00 µm .*within the uncertainty/);
+  assert.match(judgement(of(2, null)), /state no uncertainty/);
+  assert.equal(judgement(of(0, null)), "Equal.");
+});
+
+test("text from a file is no formula in a table", () => {
+  assert.equal(csv([["a,b", -1.5, null, '=HYPERLINK("x")', "-face"]]), '"a,b",-1.5,,"\'=HYPERLINK(""x"")",\'-face\n');
+});
