@@ -99,7 +99,7 @@ class Grid(Space):
 
     def _design(self, index: int) -> dict[str, Any]:
         values: dict[str, Any] = {}
-        for name in reversed(self.parameters):
+        for name in reversed(list(self.parameters)):
             of, count = self.parameters[name], self._count(name)
             index, at = divmod(index, count)
             if isinstance(of, Interval):
@@ -113,13 +113,13 @@ class Grid(Space):
 
 @dataclass(frozen=True)
 class Sample(Space):
-    """``count`` random designs, even over each parameter. A design depends on its index and the seed alone."""
+    """``size`` random designs, even over each parameter. A design depends on its index and the seed alone."""
 
-    count: int = 100
+    size: int = 100
     seed: int = 1
 
     def __len__(self) -> int:
-        return self.count
+        return self.size
 
     def _design(self, index: int) -> dict[str, Any]:
         # The upper halves of the counter leave every index a stream of its own.

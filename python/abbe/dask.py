@@ -19,6 +19,7 @@ import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -476,7 +477,7 @@ def _noise_fits(sent: _Sent, shared: Any, first: int, end: int, threads: int) ->
             for place, (name, sigma) in builtins.enumerate(noise.items()):
                 stream = np.random.Generator(np.random.Philox(key=seed, counter=[0, 0, draw, place + 1]))
                 noisy[name] = columns[name] + sigma * stream.standard_normal(len(columns[name]))
-            rows += _fitted(lambda noisy=noisy: sent.machine().identify(noisy, **options), {"draw": draw})
+            rows += _fitted(partial(sent.machine().identify, noisy, **options), {"draw": draw})
     return pyarrow.Table.from_pylist(rows, schema=_DRAWS)
 
 

@@ -176,11 +176,17 @@ def minimize(problem: Problem, *, seed: int = 1, map: Callable[..., Iterable[Des
         return found[:, 0] if x.ndim == 1 else found
 
     ends = sum((low is not None) + (high is not None) for low, high in problem.constraints.values())
-    within = NonlinearConstraint(lambda x: columns(x, problem.violations, ends), -np.inf, 0.0) if ends else ()
-    settings = {"maxiter": 50, "popsize": 10, "polish": False, "vectorized": True, "updating": "deferred", **options}
-    differential_evolution(
-        lambda x: columns(x, problem.objectives, 1)[0], vectors.bounds, constraints=within, rng=seed, **settings
-    )
+
+    def goals(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.asarray(columns(x, problem.objectives, 1)[0])
+
+    def limits(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return columns(x, problem.violations, ends)
+
+    within = NonlinearConstraint(limits, -np.inf, 0.0) if ends else ()
+    settings: dict[str, Any] = {"maxiter": 50, "popsize": 10, "polish": False, "vectorized": True, **options}
+    bounds: Any = vectors.bounds
+    differential_evolution(goals, bounds, constraints=within, rng=seed, updating="deferred", **settings)
     allowed = [design for design in vectors.known.values() if problem.is_allowed(design)]
     if not allowed:
         raise ValueError(_none_allowed(vectors))

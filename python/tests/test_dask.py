@@ -65,7 +65,10 @@ def bounded() -> abbe.Machine:
     )
 
 
-SPACE = {"errors.EC0Y.tolerance": Interval(1, 30, "urad"), "axes.X.travel": [[0, 200], [0, 300], [0, 400]]}
+SPACE: dict[str, Any] = {
+    "errors.EC0Y.tolerance": Interval(1, 30, "urad"),
+    "axes.X.travel": [[0, 200], [0, 300], [0, 400]],
+}
 
 
 def table_bytes(table: pyarrow.Table) -> bytes:
@@ -76,15 +79,15 @@ def table_bytes(table: pyarrow.Table) -> bytes:
 
 
 def test_designs_hang_on_their_index_alone() -> None:
-    sample = Sample(SPACE, count=50, seed=3)
+    sample = Sample(SPACE, size=50, seed=3)
     assert list(sample) == [sample[index] for index in range(50)] == sample[0:50]
-    assert list(Sample(SPACE, count=7, seed=3)) == sample[:7]
-    assert sample[0] != Sample(SPACE, count=50, seed=4)[0]
-    values = np.array([design["errors.EC0Y.tolerance"] for design in Sample(SPACE, count=4000, seed=1)])
+    assert list(Sample(SPACE, size=7, seed=3)) == sample[:7]
+    assert sample[0] != Sample(SPACE, size=50, seed=4)[0]
+    values = np.array([design["errors.EC0Y.tolerance"] for design in Sample(SPACE, size=4000, seed=1)])
     # The mean of a uniform variable has the standard error 29 / sqrt(12 * 4000).
     assert abs(values.mean() - 15.5) < 4 * 29 / np.sqrt(12 * 4000)
     assert values.min() >= 1 and values.max() <= 30
-    picked = [design["axes.X.travel"][1] for design in Sample(SPACE, count=3000, seed=1)]
+    picked = [design["axes.X.travel"][1] for design in Sample(SPACE, size=3000, seed=1)]
     assert all(abs(picked.count(end) - 1000) < 120 for end in (200, 300, 400))
     grid = Grid(SPACE, steps=3)
     assert [design["errors.EC0Y.tolerance"] for design in grid] == [1] * 3 + [15.5] * 3 + [30] * 3
@@ -94,7 +97,7 @@ def test_designs_hang_on_their_index_alone() -> None:
 
 
 def test_a_study_is_that_of_one_process(client: Client) -> None:
-    table = abbe.dask.evaluate(bounded(), Sample(SPACE, count=60, seed=2), budgeted, ["p95_um", "threads"], batch=4)
+    table = abbe.dask.evaluate(bounded(), Sample(SPACE, size=60, seed=2), budgeted, ["p95_um", "threads"], batch=4)
     found = table.compute()
     assert table_bytes(found) == table_bytes(alone(table))
     assert found["index"].to_pylist() == list(range(60))
@@ -226,7 +229,7 @@ def mortal() -> Iterator[Client]:
 
 
 def test_a_worker_is_killed_in_a_study(mortal: Client) -> None:
-    table = abbe.dask.evaluate(bounded(), Sample(SPACE, count=60, seed=2), slow, ["p95_um"], batch=2)
+    table = abbe.dask.evaluate(bounded(), Sample(SPACE, size=60, seed=2), slow, ["p95_um"], batch=2)
     futures = mortal.compute(list(table.parts))
     for count, _ in enumerate(as_completed(futures), 1):
         if count == 8:
@@ -235,7 +238,7 @@ def test_a_worker_is_killed_in_a_study(mortal: Client) -> None:
     assert sum(future.status == "finished" for future in futures) < len(futures) // 2
     found = pyarrow.concat_tables(mortal.gather(futures))
     assert killed not in mortal.run(os.getpid).values()
-    fast = abbe.dask.evaluate(bounded(), Sample(SPACE, count=60, seed=2), budgeted, ["p95_um"], batch=7)
+    fast = abbe.dask.evaluate(bounded(), Sample(SPACE, size=60, seed=2), budgeted, ["p95_um"], batch=7)
     assert table_bytes(found) == table_bytes(alone(fast))
 
 
@@ -261,7 +264,8 @@ def test_a_worker_is_killed_while_it_writes(mortal: Client, tmp_path: Path) -> N
 
 
 def test_a_worker_is_killed_in_a_budget(mortal: Client) -> None:
-    machine, options = abbe.load(STUDY), {"samples": 4000, "poses": 100, "class_": "production"}
+    machine = abbe.load(STUDY)
+    options: dict[str, Any] = {"samples": 4000, "poses": 100, "class_": "production"}
     future = mortal.compute(abbe.dask.budget(machine, shards=40, **options))
     while not any(mortal.has_what().values()) or not any(mortal.processing().values()):
         time.sleep(0.01)
