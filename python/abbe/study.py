@@ -26,6 +26,7 @@ __all__ = [
     "Grid",
     "Interval",
     "Parameter",
+    "Parameters",
     "Problem",
     "Sample",
     "Space",
@@ -78,8 +79,8 @@ class Problem:
 
     ``parameters`` are intervals and lists of choices by name: paths of the machine file, or names of one's own that
     ``changes`` turns into what ``machine.with_`` takes. ``measure`` returns numbers by name; ``goals`` names those to
-    make small, or with ``"max"`` large; ``constraints`` are the lowest and the highest allowed value of others, ``None`` for
-    an open end.
+    make small, or with ``"max"`` large; ``constraints`` are the lowest and the highest allowed value of others, or
+    ``None`` for an open end.
     """
 
     machine: Machine
@@ -149,10 +150,17 @@ class _Vectors:
             values[name] = plain if isinstance(of, Interval) else of[min(int(plain), len(of) - 1)]
         return values
 
+    def key(self, vector: Sequence[float]) -> tuple[float, ...]:
+        """Returns the vector with indices as whole numbers: designs that are equal have equal keys."""
+        pairs = zip(self.problem.parameters.values(), vector, strict=True)
+        return tuple(
+            float(number) if isinstance(of, Interval) else float(min(int(number), len(of) - 1)) for of, number in pairs
+        )
+
     def designs(self, vectors: NDArray[np.float64]) -> list[Design]:
         """Measures designs, each once."""
         rows = np.reshape(vectors, (-1, len(self.bounds)))
-        keys = [tuple(float(number) for number in row) for row in rows]
+        keys = [self.key(row) for row in rows]
         new = [key for key in dict.fromkeys(keys) if key not in self.known]
         self.known.update(zip(new, self.map(self.problem.design, [self.values(key) for key in new]), strict=True))
         return [self.known[key] for key in keys]
@@ -185,8 +193,9 @@ def minimize(problem: Problem, *, seed: int = 1, map: Callable[..., Iterable[Des
 
     within = NonlinearConstraint(limits, -np.inf, 0.0) if ends else ()
     settings: dict[str, Any] = {"maxiter": 50, "popsize": 10, "polish": False, "vectorized": True, **options}
-    bounds: Any = vectors.bounds
-    differential_evolution(goals, bounds, constraints=within, rng=seed, updating="deferred", **settings)
+    # Its stubs know goals of one vector only.
+    search: Any = differential_evolution
+    search(goals, vectors.bounds, constraints=within, rng=seed, updating="deferred", **settings)
     allowed = [design for design in vectors.known.values() if problem.is_allowed(design)]
     if not allowed:
         raise ValueError(_none_allowed(vectors))

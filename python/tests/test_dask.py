@@ -119,7 +119,7 @@ def test_refused_designs_are_rows() -> None:
 
 def test_maps(client: Client, tmp_path: Path) -> None:
     machine = abbe.load(TRUNNION)
-    axes = {"X": np.linspace(0, 500, 11), "A": [-30.0, 0.0, 10.0], "C": np.linspace(0, 350, 17)}
+    axes: dict[str, Any] = {"X": np.linspace(0, 500, 11), "A": [-30.0, 0.0, 10.0], "C": np.linspace(0, 350, 17)}
     grid = abbe.dask.deviations(machine, axes, nodes=40)
     assert list(grid.axes) == ["C", "A", "X"] and grid.position.shape == (17, 3, 11, 3)
     position, rotation = dask.compute(grid.position, grid.rotation)
@@ -147,7 +147,7 @@ def test_a_map_of_the_volume_has_the_rows_of_the_program(tmp_path: Path) -> None
 def test_blocks_are_pieces_of_the_list_of_nodes() -> None:
     machine = abbe.load(TRUNNION)
     for nodes in (1, 7, 33, 34, 200, 10_000):
-        axes = {"X": np.linspace(0, 500, 11), "A": [-30.0, 0.0, 10.0], "C": np.linspace(0, 350, 17)}
+        axes: dict[str, Any] = {"X": np.linspace(0, 500, 11), "A": [-30.0, 0.0, 10.0], "C": np.linspace(0, 350, 17)}
         table = abbe.dask.deviations(machine, axes, nodes=nodes).table
         found = alone(table)
         assert found.num_rows == 17 * 3 * 11
@@ -244,7 +244,7 @@ def test_a_worker_is_killed_in_a_study(mortal: Client) -> None:
 
 def test_a_worker_is_killed_while_it_writes(mortal: Client, tmp_path: Path) -> None:
     machine = abbe.load(TRUNNION)
-    axes = {"X": np.linspace(0, 500, 60), "A": np.linspace(-90, 20, 50), "C": np.linspace(0, 350, 200)}
+    axes: dict[str, Any] = {"X": np.linspace(0, 500, 60), "A": np.linspace(-90, 20, 50), "C": np.linspace(0, 350, 200)}
     grid = abbe.dask.deviations(machine, axes, nodes=3000)
     killed: list[int] = []
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import abbe
-from abbe.study import Interval, Problem, minimize, p95_um, pareto
+from abbe.study import Interval, Parameters, Problem, minimize, p95_um, pareto
 
 MACHINE = """
 abbe: 1
@@ -29,7 +29,7 @@ def measure(machine: abbe.Machine) -> Mapping[str, float]:
     return {"um": float(deviation), "price": 1e-3 / squareness + length / 100, "length": length}
 
 
-PARAMETERS = {"errors.EC0Y": Interval(2, 40, "urad"), "axes.X.travel": [[0, 200], [0, 300], [0, 500]]}
+PARAMETERS: Parameters = {"errors.EC0Y": Interval(2, 40, "urad"), "axes.X.travel": [[0, 200], [0, 300], [0, 500]]}
 
 
 def test_a_pareto_front_and_its_files(tmp_path: Path) -> None:
@@ -46,6 +46,7 @@ def test_a_pareto_front_and_its_files(tmp_path: Path) -> None:
         assert row["price"] == pytest.approx(1e3 / urad + row["length"] / 100, rel=1e-9)
     assert [row["um"] for row in rows] == sorted(row["um"] for row in rows)
     assert [row["price"] for row in rows] == sorted((row["price"] for row in rows), reverse=True)
+    assert len({(row["errors.EC0Y"], row["length"]) for row in rows}) == len(rows), "no design twice"
     again = pareto(problem, population=16, generations=8)
     assert again.records() == rows and again.measured == front.measured
     paths = front.save(tmp_path / "front")
