@@ -48,7 +48,11 @@ VERBS = {
     "import_readings": Verb(
         "ImportResult", "Makes a table of error curves of a measurement as an instrument exports it.", words=("path",)
     ),
+    "figures": Verb("Result", "Returns figures of the ISO 230 series from the readings of a test.", words=("path",)),
 }
+
+#: Verbs without a machine: functions.
+FREE = ("import_readings", "figures")
 
 #: Verbs that take further machines: their number in words, for the docstring.
 OTHERS = {"compare": "*others: Verbs", "report": "*others: Verbs", "diff": "other: Verbs"}
@@ -195,7 +199,7 @@ def default_text(default: Any) -> str:
 
 def method(name: str, found: dict[str, Any], types: Types) -> str:
     """Returns the source of a method, or of a function for a verb without a machine."""
-    verb, free = VERBS[name], name == "import_readings"
+    verb, free = VERBS[name], name in FREE
     schema, defaults = found["schema"], found["default"]
     definitions = schema.get("$defs", {})
     options = {key: one for key, one in schema["properties"].items() if key not in OWN.get(name, ())}
@@ -272,7 +276,7 @@ def source() -> str:
         raise SystemExit(f"verbs without an entry here, or the other way round: {set(verbs) ^ set(VERBS)}")
     types = Types()
     methods = {name: method(name, verbs[name], types) for name in VERBS}
-    functions = methods.pop("import_readings")
+    functions = "\n\n\n".join(methods.pop(name) for name in FREE)
     head = HEAD % ",\n    ".join(sorted({verb.result for verb in VERBS.values()}))
     first = [
         "class Verbs:",

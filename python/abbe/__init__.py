@@ -11,7 +11,7 @@ in another unit; positions of rotary axes are in deg as programmed.
 from ._abbe import __version__
 from ._calls import set_threads
 from ._diagnostics import Diagnostic, DiagnosticError, DiagnosticWarning, Place
-from ._functions import check, classify, explain, import_readings, schema, starter, targets
+from ._functions import check, classify, explain, figures, import_readings, schema, starter, targets
 from ._machine import Deviations, Machine, load, loads
 from ._results import (
     BudgetResult,
@@ -63,6 +63,7 @@ __all__ = [
     "check",
     "classify",
     "explain",
+    "figures",
     "import_readings",
     "load",
     "loads",

@@ -6,6 +6,7 @@ import json
 import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from contextvars import ContextVar
 from typing import Any, Union
 
 from . import _abbe
@@ -15,6 +16,9 @@ from ._diagnostics import warn
 Text = Union[str, "os.PathLike[str]"]
 
 _threads: int | None = None
+
+#: The number of threads within a task of :mod:`abbe.dask`, whatever the scheduler.
+task_threads: ContextVar[int | None] = ContextVar("abbe_task_threads", default=None)
 
 
 def set_threads(threads: int | None) -> None:
@@ -35,6 +39,9 @@ def threads_of(threads: int | None) -> int:
         if threads < 1:
             raise ValueError("threads: 1 or more")
         return threads
+    of_task = task_threads.get()
+    if of_task is not None:
+        return of_task
     if _threads is not None:
         return _threads
     return 1 if _in_dask_task() else 0

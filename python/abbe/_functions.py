@@ -7,9 +7,9 @@ from typing import Any, Literal
 
 from ._calls import Text, call
 from ._results import Record, Result
-from ._verbs import import_readings
+from ._verbs import figures, import_readings
 
-__all__ = ["check", "classify", "explain", "import_readings", "schema", "starter", "targets"]
+__all__ = ["check", "classify", "explain", "figures", "import_readings", "schema", "starter", "targets"]
 
 
 def check(*paths: Text) -> list[dict[str, Any]]:

@@ -69,6 +69,9 @@ class Machine(Verbs):
         texts = [text for text in self._native.texts() if not changes or text[0] != self.path]
         return _restored, (path, tuple(texts), tool, changes)
 
+    def __dask_tokenize__(self) -> object:
+        return self.__reduce__()[1]
+
     def __repr__(self) -> str:
         return f"<Machine {self.name!r}: {self.chain}>"
 
@@ -91,6 +94,12 @@ class Machine(Verbs):
     def axis_names(self) -> tuple[str, ...]:
         """The names of the axes in the order of the chain, which is that of the columns of poses."""
         return tuple(self._native.axes())
+
+    @cached_property
+    def grid(self) -> dict[str, NDArray[np.float64]]:
+        """The positions of the nodes of the grid of the volume by axis, mm and deg."""
+        nodes = zip(self.axis_names, self._native.grid(), strict=True)
+        return {name: np.array(positions) for name, positions in nodes}
 
     @cached_property
     def geometry(self) -> Record:

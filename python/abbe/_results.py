@@ -287,6 +287,13 @@ class BudgetResult(Result):
     __slots__ = ()
     _table = "tighten"
 
+    @property
+    def state(self) -> str:
+        """The drawn machines of a part (``shard``) as a state file holds them, for ``merge``."""
+        if "state" not in self._texts:
+            raise ValueError("a part of a budget has a state: machine.budget(..., shard=(1, 4))")
+        return self._texts["state"]
+
 
 class EnumerateResult(Result):
     """Arrangements of the axes in order. The table has a row for each arrangement."""

@@ -154,6 +154,9 @@ RunApproach = Literal["one-way", "alternating"]
 #: Line of a straightness.
 StraightnessLine = Literal["least-squares", "end-points"]
 
+#: A test.
+StandardTest = Literal["circle", "rotation", "drift"]
+
 
 class Verbs:
     """The verbs of a machine."""
@@ -413,6 +416,8 @@ class Verbs:
         at: Text | None = None,
         goal_mm: float | None = None,
         cost: Text | None = None,
+        shard: tuple[int, int] | None = None,
+        merge: Sequence[Text] | None = None,
         threads: int | None = None,
     ) -> BudgetResult:
         """Returns what tolerances do to the volumetric error, and which to tighten first.
@@ -432,6 +437,8 @@ class Verbs:
         * ``at``: A pose at which contributions are listed too, ``X=100,C=90``: mm and deg; axes left out are at 0.
         * ``goal_mm``: Goal of the 95 % value of the position, mm: the cheapest tolerances for it are sought.
         * ``cost``: YAML file with the cost of tolerances; by default the sum of 1 / tolerance (um, urad).
+        * ``shard``: Draws only part I of N of the machines.
+        * ``merge``: Files of drawn machines that together hold all; none is drawn again.
         """
         options: dict[str, Any] = {
             "class": class_,
@@ -444,6 +451,8 @@ class Verbs:
             "at": at,
             "goal_mm": goal_mm,
             "cost": cost,
+            "shard": shard,
+            "merge": merge,
         }
         found = call("budget", [self._native], options, threads=threads)
         return BudgetResult(found)
@@ -942,3 +951,35 @@ def import_readings(
     }
     found = call("import_readings", [], options, words=[path], threads=threads)
     return ImportResult(found)
+
+
+def figures(
+    path: Text,
+    *,
+    test: StandardTest = "circle",
+    plane: Plane = "XY",
+    radius_mm: float = 100.0,
+    feed: float | None = None,
+    distance_mm: float | None = None,
+    threads: int | None = None,
+) -> Result:
+    """Returns figures of the ISO 230 series from the readings of a test.
+
+    Options, each with the default of the façade where it is ``None``:
+
+    * ``test``: The test.
+    * ``plane``: Circle: its plane.
+    * ``radius_mm``: Circle: its nominal radius, above 0 and up to 10000 mm.
+    * ``feed``: Circle: its feed, mm/min.
+    * ``distance_mm``: Rotation and drift: distance of the planes of the first and the second probe, mm; the second
+      towards the tool holder.
+    """
+    options: dict[str, Any] = {
+        "test": test,
+        "plane": plane,
+        "radius_mm": radius_mm,
+        "feed": feed,
+        "distance_mm": distance_mm,
+    }
+    found = call("figures", [], options, words=[path], threads=threads)
+    return Result(found)

@@ -92,6 +92,11 @@ impl NativeMachine {
         self.loaded.file.axes().iter().map(|axis| axis.name.to_string()).collect()
     }
 
+    /// Positions of the nodes of the volume's grid, axis by axis, mm and deg.
+    fn grid(&self) -> Vec<Vec<f64>> {
+        self.loaded.file.grid()
+    }
+
     /// Name of the machine.
     fn name(&self) -> &str {
         self.loaded.file.name()

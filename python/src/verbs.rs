@@ -8,9 +8,9 @@ use crate::request::{Request, TextsAndDisk};
 use abbe::options::{Delivery, MapTable, Starter, StudyFile, TableForm};
 use abbe::sets::LOCK_NAME;
 use abbe::{
-    BudgetOptions, ClassifyOptions, CompareOptions, CompileOptions, ConvertOptions, Diagnostic, Diagnostics,
-    DiffMachinesOptions, DiffOptions, EnumerateOptions, EquationsOptions, EvalOptions, IdentifyOptions, ImportOptions,
-    InstrumentOptions, MapOptions, PlanOptions, ReachOptions, ReportOptions, Run, VerifyOptions,
+    Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompileOptions, ConvertOptions, Diagnostic, Diagnostics,
+    DiffMachinesOptions, DiffOptions, EnumerateOptions, EquationsOptions, EvalOptions, FiguresOptions, IdentifyOptions,
+    ImportOptions, InstrumentOptions, MapOptions, PlanOptions, ReachOptions, ReportOptions, Run, VerifyOptions,
 };
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -46,7 +46,7 @@ const TOP: usize = 12;
 const STATE: &str = "state";
 
 /// Returns all verbs.
-fn table() -> [Verb; 18] {
+fn table() -> [Verb; 19] {
     [
         Verb::new("eval", |request, options: &EvalOptions, run| {
             Ok(Outcome::of(request, abbe::eval(request.machine()?, options, run)?).0)
@@ -78,6 +78,10 @@ fn table() -> [Verb; 18] {
         Verb::new("import_readings", |request, options: &ImportOptions, run| {
             let (outcome, result) = Outcome::of(request, abbe::import(request.path(0)?, options, run)?);
             Ok(outcome.text("table.csv", result.table))
+        }),
+        Verb::new("figures", |request, options: &FiguresOptions, run| {
+            let (outcome, result) = Outcome::of(request, abbe::figures(request.path(0)?, options, run)?);
+            Ok(outcome.text("figures.svg", result.picture().svg()))
         }),
         Verb::new("compile", compile),
         Verb::new("verify", |request, options: &VerifyOptions, run| {
@@ -148,6 +152,12 @@ fn map(request: &Request, options: &MapOptions, run: Run<'_>) -> Found {
 }
 
 fn budget(request: &Request, options: &BudgetOptions, run: Run<'_>) -> Found {
+    if options.shard.is_some() {
+        let answer = abbe::budget_part(request.machine()?, options, run)?;
+        let state = answer.value.to_text();
+        let progress = json!({"samples": answer.value.samples, "drawn": answer.value.count()});
+        return Ok(Outcome::of(request, Answer { value: progress, warnings: answer.warnings }).0.text(STATE, state));
+    }
     let (outcome, result) = Outcome::of(request, abbe::budget(request.machine()?, options, run)?);
     Ok(outcome.text("pareto.svg", result.pareto(TOP).svg()).text("waterfall.svg", result.waterfall(TOP).svg()))
 }
@@ -187,7 +197,7 @@ fn compile(request: &Request, options: &CompileOptions, run: Run<'_>) -> Found {
 fn report(request: &Request, options: &ReportOptions, run: Run<'_>) -> Found {
     let answer = abbe::report(&request.machine_files(), options, run)?;
     let page = answer.value.page(Delivery::Alone, None).map_err(Diagnostics::from)?.text;
-    let bytes = abbe::Answer { value: json!({"bytes": page.len()}), warnings: answer.warnings };
+    let bytes = Answer { value: json!({"bytes": page.len()}), warnings: answer.warnings };
     Ok(Outcome::of(request, bytes).0.text("report.html", page))
 }
 

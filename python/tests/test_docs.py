@@ -1,4 +1,4 @@
-"""The blocks of docs/python.md run one after the other."""
+"""The blocks of docs/python.md and docs/cluster.md run one after the other."""
 
 from __future__ import annotations
 
@@ -9,14 +9,16 @@ import pytest
 from conftest import REPOSITORY
 
 
-def test_blocks_of_the_documentation(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.filterwarnings("ignore:.*:DeprecationWarning", "ignore:.*:ResourceWarning")
+@pytest.mark.parametrize("document", ["python", "cluster"])
+def test_blocks_of_the_documentation(document: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(REPOSITORY)
-    text = (REPOSITORY / "docs" / "python.md").read_text(encoding="utf-8")
+    text = (REPOSITORY / "docs" / f"{document}.md").read_text(encoding="utf-8")
     blocks = re.findall(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
-    assert len(blocks) > 5
+    assert len(blocks) > 3
     names: dict[str, Any] = {}
     for block in blocks:
-        exec(compile(block, "docs/python.md", "exec"), names)
+        exec(compile(block, f"docs/{document}.md", "exec"), names)
     assert names["machine"].chain == "w C' A' Y' b X Z t"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import warnings
 from pathlib import Path
 from typing import Any
@@ -176,3 +177,53 @@ def test_documents_hold_only_json() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         json.dumps(machine().map(poses={"random": 10}).to_dict(), allow_nan=False)
+
+
+def test_parts_of_a_budget_are_put_together(tmp_path: Path) -> None:
+    study = machine(REPOSITORY / "docs" / "examples" / "study.yaml")
+    options: dict[str, Any] = {"samples": 130, "poses": 20, "class_": "production"}
+    paths = []
+    for part in (3, 1, 2, 4):
+        found = study.budget(shard=(part, 4), **options)
+        assert found.samples == 130 and found.drawn in (0, 10, 40, 80)
+        paths.append(tmp_path / f"part-{part}")
+        paths[-1].write_text(found.state)
+    assert study.budget(merge=paths, **options).to_dict() == study.budget(**options).to_dict()
+    assert study.budget(merge=[*paths, paths[0]], **options).samples == 130, "a part may be named twice"
+    bad = tmp_path / "bad"
+    bad.write_text(paths[0].read_text().replace('"samples":130', '"samples":"130"'))
+    parts = json.loads(paths[1].read_text())
+    parts["drawn"]["position"][0]["parts"].pop()
+    short = tmp_path / "short"
+    short.write_text(json.dumps(parts))
+    parts = json.loads(paths[1].read_text())
+    parts["drawn"]["position"][0]["value"] *= 2
+    other = tmp_path / "other"
+    other.write_text(json.dumps(parts))
+    for code, merge, changed in [
+        ("E0611", paths[1:], {}),
+        ("E0611", [*paths, other], {}),
+        ("E0610", [*paths[1:], bad], {}),
+        ("E0610", [*paths[1:], short], {}),
+        ("E0610", [tmp_path / "none"], {}),
+        ("E0610", paths, {"seed": 2}),
+    ]:
+        with pytest.raises(abbe.DiagnosticError) as refused:
+            study.budget(merge=merge, **{**options, **changed})
+        assert refused.value.code == code, merge
+    for shard in ((0, 4), (5, 4), (1, 0)):
+        with pytest.raises(abbe.DiagnosticError):
+            study.budget(shard=shard, **options)
+    with pytest.raises(ValueError, match="shard"):
+        study.budget(**options).state
+
+
+def test_figures(program: Any, tmp_path: Path) -> None:
+    file = tmp_path / "circle.csv"
+    rows = [f"{at},{3 * math.cos(math.radians(2 * at)):.6f}" for at in range(0, 360, 5)]
+    file.write_text("angle [deg],ccw [um]\n" + "\n".join(rows) + "\n")
+    found = abbe.figures(file, test="circle")
+    assert found.to_dict() == program("figures", "circle", file)
+    # Two times the amplitude of the ellipse.
+    assert found.circular_deviation_um.counter_clockwise == pytest.approx(6.0, abs=1e-6)
+    assert "figures.svg" in found.pictures

@@ -1,12 +1,13 @@
 //! From tolerances to the volumetric error.
 
+use super::budget_parts::{self, BudgetShard};
 use super::goal::{ToleranceGoal, goal};
 use super::machine_file::MachineFile;
 use super::poses::{axis_positions, check, pose_option};
 use super::run::{Answer, Call, Refused, Run};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use super::tool_poses::{self, ReachedToolPoses};
-use crate::analysis::budget::{Bound, Budget, Request, budget as computed, budget_poses, known};
+use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_of_drawn, budget_poses, known};
 use crate::diagnostic::Diagnostics;
 use crate::machine::{Machine, Pose};
 use crate::report::{BudgetReport, DrawSettings, Picture};
@@ -36,12 +37,27 @@ pub struct BudgetOptions {
     pub goal_mm: Option<f64>,
     /// YAML file with the cost of tolerances; by default the sum of 1 / tolerance (um, urad).
     pub cost: Option<PathBuf>,
+    /// Draws only part I of N of the machines.
+    pub shard: Option<(usize, usize)>,
+    /// Files of drawn machines that together hold all; none is drawn again.
+    pub merge: Vec<PathBuf>,
 }
 
 impl Default for BudgetOptions {
     fn default() -> Self {
         let tolerances = ToleranceOptions::default();
-        Self { tolerances, seed: 1, poses: 500, tool_poses: None, samples: 1000, at: None, goal_mm: None, cost: None }
+        Self {
+            tolerances,
+            seed: 1,
+            poses: 500,
+            tool_poses: None,
+            samples: 1000,
+            at: None,
+            goal_mm: None,
+            cost: None,
+            shard: None,
+            merge: Vec::new(),
+        }
     }
 }
 
@@ -126,13 +142,41 @@ impl Serialize for BudgetResult {
 ///
 /// Fails if no error is bounded, and for poses or classes that do not fit the machine.
 pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Result<Answer<BudgetResult>, Diagnostics> {
-    Call::answer_by_hand(run, file.sources(), |call| budgeted(call, file, options))
+    Call::answer_by_hand(run, file.sources(), |call| {
+        if options.shard.is_some() {
+            return call.usage("a part of the machines has no budget: put all parts together with `merge`");
+        }
+        budgeted(call, file, options)
+    })
+}
+
+/// Draws part I of N of the machines of a budget, [`BudgetOptions::shard`]; without it all of them.
+///
+/// Fails where [`budget`] does, and for a part that is not 1 to N.
+pub fn budget_part(
+    file: &MachineFile,
+    options: &BudgetOptions,
+    run: Run<'_>,
+) -> Result<Answer<BudgetShard>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| {
+        let at = fitting(call, file, options)?;
+        let (bounds, _) = options.tolerances.bounds(call, file)?;
+        let work = BudgetWork::of(call, file, options)?;
+        budget_parts::drawn_part(call, options, work.request(file, options, (&bounds, at.as_deref())))
+    })
 }
 
 /// Maximum number of random poses.
 const MAX_POSES: usize = 100_000;
 
 fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<BudgetResult, Refused> {
+    let at = fitting(call, machine, options)?;
+    let bounded = options.tolerances.bounds(call, machine)?;
+    budget_of(call, machine, options, at, bounded)
+}
+
+/// Refuses options that make no sense together, and returns the pose asked for.
+fn fitting(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<Option<Pose>, Refused> {
     if options.samples < 2 {
         return call.usage("a budget draws 2 machines at least");
     }
@@ -144,8 +188,36 @@ fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> 
     }
     let at = pose_option(call, machine, options.at.as_ref())?;
     check(call, machine, at.as_slice())?;
-    let bounded = options.tolerances.bounds(call, machine)?;
-    budget_of(call, machine, options, at, bounded)
+    Ok(at)
+}
+
+/// The poses of a budget and the generator of its machines.
+struct BudgetWork {
+    poses: Vec<Pose>,
+    tool_poses: Option<ReachedToolPoses>,
+    draws: Draws,
+}
+
+impl BudgetWork {
+    fn of(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<Self, Refused> {
+        let tool_poses = tool_poses::asked(call, machine, options.tool_poses.as_ref())?;
+        let poses = match &tool_poses {
+            Some(reached) => reached.poses.clone(),
+            None => budget_poses(machine, options.poses, options.seed),
+        };
+        Ok(Self { poses, tool_poses, draws: options.tolerances.draws(options.seed) })
+    }
+
+    fn request<'a>(
+        &'a self,
+        machine: &'a Machine,
+        options: &BudgetOptions,
+        (bounds, at): (&'a [Bound], Option<&'a [f64]>),
+    ) -> Request<'a> {
+        let (samples, statistic) = (options.samples, options.tolerances.statistic);
+        let searched = self.tool_poses.is_none();
+        Request { machine, bounds, poses: &self.poses, searched, at, draws: &self.draws, samples, statistic }
+    }
 }
 
 /// Budgets bounds, given with their class.
@@ -156,29 +228,17 @@ pub(super) fn budget_of(
     at: Option<Pose>,
     (bounds, class): (Vec<Bound>, Option<ClassSource>),
 ) -> Result<BudgetResult, Refused> {
-    let draws = options.tolerances.draws(options.seed);
-    let tool_poses = tool_poses::asked(call, machine, options.tool_poses.as_ref())?;
-    let poses = match &tool_poses {
-        Some(reached) => reached.poses.clone(),
-        None => budget_poses(machine, options.poses, options.seed),
-    };
-    let (samples, statistic) = (options.samples, options.tolerances.statistic);
-    let request = Request {
-        machine,
-        bounds: &bounds,
-        poses: &poses,
-        searched: tool_poses.is_none(),
-        at: at.as_deref(),
-        draws: &draws,
-        samples,
-        statistic,
-    };
-    let budget = call.stage(2 * samples, |advance| computed(request, advance));
+    let work = BudgetWork::of(call, machine, options)?;
+    let request = work.request(machine, options, (&bounds, at.as_deref()));
+    let drawn = budget_parts::merged(call, options, request)?;
+    let steps = if drawn.is_some() { 0 } else { 2 * options.samples };
+    let budget = call.stage(steps, |advance| budget_of_drawn(request, drawn, advance));
     let goal = match options.goal_mm {
-        Some(goal_mm) => Some(goal(call, machine, options, (&bounds, &poses), goal_mm)?),
+        Some(goal_mm) => Some(goal(call, machine, options, (&bounds, &work.poses), goal_mm)?),
         None => None,
     };
-    let drawing = options.tolerances.drawing(class, samples, options.seed);
+    let drawing = options.tolerances.drawing(class, options.samples, options.seed);
+    let BudgetWork { poses, tool_poses, .. } = work;
     let (machine, poses) = (machine.clone(), poses.len());
     Ok(BudgetResult { machine, drawing, at, bounds, budget, poses, tool_poses, goal })
 }

@@ -4,7 +4,7 @@ use super::order_of;
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{Hashed, sha256};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
-use crate::evaluate::Order;
+use crate::evaluate::{Nodes, Order};
 use crate::machine::{self, ErrorTerm, Machine};
 use crate::syntax::{self, Files, IdentifyEntry, MemoryFiles};
 use crate::units::counted;
@@ -66,6 +66,11 @@ impl MachineFile {
     /// Returns the files that the machine was read from, in the order read.
     pub fn input_files(&self) -> &[InputFile] {
         &self.input_files
+    }
+
+    /// Returns the positions of the nodes of the volume's grid (mm or deg), axis by axis.
+    pub fn grid(&self) -> Vec<Vec<f64>> {
+        Nodes::of(&self.machine).positions()
     }
 
     /// Returns the order of the errors where none is asked for: the one that the conventions name, or exact.

@@ -10,6 +10,7 @@
 mod algebra;
 mod bounded;
 mod budget;
+mod budget_parts;
 mod budgets;
 mod certificate;
 mod check;
@@ -65,7 +66,7 @@ mod workbench;
 use crate::evaluate::Order;
 use crate::machine::Machine;
 
-pub use budget::{BudgetOptions, budget};
+pub use budget::{BudgetOptions, budget, budget_part};
 pub use check::check;
 pub use classify::{ClassifyOptions, classify};
 pub use compare::{CompareOptions, compare};

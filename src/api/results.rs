@@ -2,6 +2,7 @@
 
 pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::budget::BudgetResult;
+pub use super::budget_parts::BudgetShard;
 pub use super::budgets::ComparedBudgets;
 pub use super::certificate::{CertificateReport, CertificateStep};
 pub use super::check::CheckedFile;

@@ -94,7 +94,8 @@ fn of_study(call: &Call<'_>, path: &Path, empty: &Journal) -> Result<Journal, Di
     Ok(journal)
 }
 
-fn why(failure: &ReadFailure) -> String {
+/// Returns the reason why a file of results cannot be read.
+pub(super) fn why(failure: &ReadFailure) -> String {
     match failure {
         ReadFailure::NotFound => "there is no such file".to_owned(),
         ReadFailure::Denied => "permission denied".to_owned(),

@@ -63,6 +63,7 @@ impl Args {
             at: self.at.clone(),
             goal_mm: self.goal,
             cost: self.cost.clone(),
+            ..BudgetOptions::default()
         }
     }
 }

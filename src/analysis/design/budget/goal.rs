@@ -205,7 +205,7 @@ impl<'a> Search<'a> {
             .map(|(bound, tolerance)| Bound { tolerance: *tolerance, ..bound.clone() })
             .collect();
         let mut drawn: Vec<Sample> =
-            monte_carlo::draw(&self.poses, &self.joints, &bounds, draws, statistic, samples, &|_| ());
+            monte_carlo::draw(&self.poses, &self.joints, &bounds, draws, statistic, 0..samples, &|_| ());
         drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
         let worst = &drawn[drawn.len() - drawn.len().div_ceil(WORST)..];
         let mean = |of: &dyn Fn(&Sample) -> f64| worst.iter().map(of).sum::<f64>() / worst.len() as f64;

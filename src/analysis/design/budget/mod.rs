@@ -46,5 +46,7 @@ pub use paired::{PairedDifference, PairedTest, Verdict, VersusFirst, are_equal, 
 pub use pose_by_pose::{BoundedDeviation, BoundedLength, PoseByPose, PosesRequest, effects_at, pose_by_pose};
 pub use quantile::{Percentile, mean, rank};
 pub use side_by_side::{BoundedError, BudgetPart, side_by_side};
-pub use totals::{Budget, Contribution, PERCENTS, Request, Totals, budget, budget_poses};
+pub use totals::{
+    Budget, Contribution, DrawnSamples, PERCENTS, Request, Totals, budget, budget_of_drawn, budget_poses, drawn,
+};
 pub use worst::longest;

@@ -5,6 +5,7 @@ use super::draw::Draws;
 use super::kernel::{BudgetPose, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, squares};
 use super::quantile::rank;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The statistic of one machine's deviations over the poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -40,7 +41,8 @@ impl Statistic {
 }
 
 /// One drawn machine.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Sample {
     /// Its statistic over the poses (mm or rad).
     pub value: f64,
@@ -50,21 +52,22 @@ pub struct Sample {
     pub parts: Vec<f64>,
 }
 
-/// Returns a number of drawn machines; the same to the bit on any number of threads.
+/// Returns the drawn machines with these indices; the same to the bit on any number of threads, and for any range that
+/// they lie in.
 pub fn draw(
     poses: &[BudgetPose],
     joints: &[JointBounds],
     bounds: &[Bound],
     draws: &Draws,
     statistic: Statistic,
-    samples: usize,
+    samples: Range<usize>,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Vec<Sample> {
     let chunk = |index: usize| {
-        let first = index * SAMPLE_LANES;
+        let first = samples.start + index * SAMPLE_LANES;
         let chunk = SampleChunk::new(joints, bounds, draws, first);
         let lengths: Vec<SampleLanes> = poses.iter().map(|pose| squares(&pose.deviations(&chunk))).collect();
-        let count = SAMPLE_LANES.min(samples - first);
+        let count = SAMPLE_LANES.min(samples.end - first);
         progress(count);
         let sample = |lane: usize| {
             let column: Vec<f64> = lengths.iter().map(|lanes| lanes[lane]).collect();
@@ -75,7 +78,7 @@ pub fn draw(
         };
         (0..count).map(sample).collect::<Vec<_>>()
     };
-    (0..samples.div_ceil(SAMPLE_LANES)).into_par_iter().flat_map_iter(chunk).collect()
+    (0..samples.len().div_ceil(SAMPLE_LANES)).into_par_iter().flat_map_iter(chunk).collect()
 }
 
 /// Returns the components of vectors along their sum, in which a fixed vector is too.

@@ -11,6 +11,7 @@ use crate::evaluate::{Poses, Random};
 use crate::lower::Quantity;
 use crate::machine::{Machine, Pose};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The request for a budget.
 #[derive(Debug, Clone, Copy)]
@@ -121,12 +122,36 @@ pub fn budget_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
     (0..corners).map(corner).chain(within.iter()).collect()
 }
 
+/// Drawn machines in the order of their indices.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DrawnSamples {
+    /// Statistic of the position, mm.
+    pub position: Vec<Sample>,
+    /// Statistic of the orientation of the tool, rad.
+    pub rotation: Vec<Sample>,
+}
+
+/// Returns the drawn machines with these indices, for [`budget_of_drawn`]. Calls `progress` with the number of machines
+/// drawn since its last call: in all twice their number.
+pub fn drawn(request: Request<'_>, samples: Range<usize>, progress: &(dyn Fn(usize) + Sync)) -> DrawnSamples {
+    let joints = by_joint(request.machine, request.bounds);
+    let of = |quantity| drawn_at(&request, &joints, &placed(&request, &joints, quantity), samples.clone(), progress);
+    DrawnSamples { position: of(Quantity::Position), rotation: of(Quantity::Rotation) }
+}
+
 /// Returns the budget; the request has at least one bound, pose and sample. Calls `progress` with the number of
 /// machines drawn since its last call: in all twice the samples.
 pub fn budget(request: Request<'_>, progress: &(dyn Fn(usize) + Sync)) -> Budget {
+    budget_of_drawn(request, None, progress)
+}
+
+/// Returns the budget with machines that are drawn already: all that the request asks for.
+pub fn budget_of_drawn(request: Request<'_>, drawn: Option<DrawnSamples>, progress: &(dyn Fn(usize) + Sync)) -> Budget {
     let joints = by_joint(request.machine, request.bounds);
-    let (position, extremes, worst) = totals(&request, &joints, Quantity::Position, progress);
-    let (rotation, ..) = totals(&request, &joints, Quantity::Rotation, progress);
+    let (of_position, of_rotation) = drawn.map(|drawn| (drawn.position, drawn.rotation)).unzip();
+    let (position, extremes, worst) = totals(&request, &joints, (Quantity::Position, of_position), progress);
+    let (rotation, ..) = totals(&request, &joints, (Quantity::Rotation, of_rotation), progress);
     let at = request.at.map(|pose| {
         let budget_pose = BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
         contributions(&lengths(&budget_pose.extremes(&joints, request.bounds)))
@@ -143,16 +168,29 @@ pub fn budget(request: Request<'_>, progress: &(dyn Fn(usize) + Sync)) -> Budget
 /// Deviations by every error at its bound, at every pose.
 type Extremes = Vec<Vec<[f64; 3]>>;
 
+fn placed(request: &Request<'_>, joints: &[JointBounds], quantity: Quantity) -> Vec<BudgetPose> {
+    request.poses.par_iter().map(|pose| BudgetPose::new(request.machine, joints, pose, quantity)).collect()
+}
+
+fn drawn_at(
+    request: &Request<'_>,
+    joints: &[JointBounds],
+    poses: &[BudgetPose],
+    samples: Range<usize>,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Vec<Sample> {
+    monte_carlo::draw(poses, joints, request.bounds, request.draws, request.statistic, samples, progress)
+}
+
 fn totals(
     request: &Request<'_>,
     joints: &[JointBounds],
-    quantity: Quantity,
+    (quantity, drawn): (Quantity, Option<Vec<Sample>>),
     progress: &(dyn Fn(usize) + Sync),
 ) -> (Totals, Extremes, Vec<[f64; 3]>) {
-    let Request { machine, bounds, poses, draws, samples, statistic, searched, .. } = *request;
+    let Request { machine, bounds, poses, samples, searched, .. } = *request;
     let scale = if quantity == Quantity::Position { 1e3 } else { 1e6 };
-    let budget_poses: Vec<BudgetPose> =
-        poses.par_iter().map(|pose| BudgetPose::new(machine, joints, pose, quantity)).collect();
+    let budget_poses = placed(request, joints, quantity);
     let extremes: Extremes = budget_poses.par_iter().map(|budget_pose| budget_pose.extremes(joints, bounds)).collect();
     let (worst, mut worst_case) = worst_of(&extremes);
     let sums: Vec<f64> = extremes.iter().map(|list| rss(list)).collect();
@@ -166,7 +204,7 @@ fn totals(
         (worst_pose, _, worst_case) = search(Objective { value: &longest, bound: &sum }, &worst_pose);
         (rss_pose, at_rss, largest_sum) = search(Objective { value: &rss, bound: &rss }, &rss_pose);
     }
-    let mut drawn = monte_carlo::draw(&budget_poses, joints, bounds, draws, statistic, samples, progress);
+    let mut drawn = drawn.unwrap_or_else(|| drawn_at(request, joints, &budget_poses, 0..samples, progress));
     let in_order = drawn.iter().map(|sample| sample.value * scale).collect();
     // A stable order of equal values keeps the window the same on every run.
     drawn.sort_by(|a, b| a.value.total_cmp(&b.value));

@@ -1,0 +1,143 @@
+//! Machines of a budget that are drawn in parts, on other computers if need be, and put together.
+
+use super::budget::BudgetOptions;
+use super::run::{Call, Refused};
+use super::study::why;
+use crate::analysis::budget::{DrawnSamples, Request, SAMPLE_LANES, drawn};
+use crate::controller::sha256;
+use crate::diagnostic::{Diagnostic, codes, shown};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+
+/// Part of the machines that a budget draws. Serialises as a state file holds it, docs/formats.md.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BudgetShard {
+    /// Version of the form.
+    pub abbe_budget: String,
+    /// SHA-256 of the machine and the options: parts with another one do not belong to the budget.
+    pub fingerprint: String,
+    /// Number of machines of the whole.
+    pub samples: usize,
+    /// Index of the first machine of this part.
+    pub first: usize,
+    /// The machines of this part, mm and rad.
+    pub drawn: DrawnSamples,
+}
+
+impl BudgetShard {
+    /// Returns the number of machines of this part.
+    pub fn count(&self) -> usize {
+        self.drawn.position.len()
+    }
+
+    /// Returns the part as the text of its state file; numbers are read back to the last bit.
+    pub fn to_text(&self) -> String {
+        serde_json::json!(self).to_string() + "\n"
+    }
+}
+
+const FORM: &str = "1";
+
+/// Draws the part that the options ask for.
+pub(super) fn drawn_part(
+    call: &mut Call<'_>,
+    options: &BudgetOptions,
+    request: Request<'_>,
+) -> Result<BudgetShard, Refused> {
+    let (part, parts) = options.shard.unwrap_or((1, 1));
+    if !(1..=parts).contains(&part) {
+        return call.usage("part I of N is 1 to N");
+    }
+    let samples = options.samples;
+    let range = range(samples, (part, parts));
+    let first = range.start;
+    let drawn = call.stage(2 * range.len(), |advance| drawn(request, range, advance));
+    let fingerprint = fingerprint(options, request);
+    Ok(BudgetShard { abbe_budget: FORM.to_owned(), fingerprint, samples, first, drawn })
+}
+
+/// The machines of a part: whole chunks of those that are computed side by side.
+fn range(samples: usize, (part, parts): (usize, usize)) -> Range<usize> {
+    let chunks = samples.div_ceil(SAMPLE_LANES) as u128;
+    let end = |part: usize| {
+        let chunk = chunks * part as u128 / parts as u128;
+        usize::try_from(chunk).unwrap_or(usize::MAX).saturating_mul(SAMPLE_LANES).min(samples)
+    };
+    end(part - 1)..end(part)
+}
+
+/// Everything that drawn machines depend on.
+fn fingerprint(options: &BudgetOptions, request: Request<'_>) -> String {
+    let Request { machine, bounds, poses, .. } = request;
+    let drawn = (options.seed, options.samples, &options.tolerances);
+    sha256(format!("{} {machine:?} {bounds:?} {poses:?} {drawn:?}", env!("CARGO_PKG_VERSION")).as_bytes())
+}
+
+/// Returns the machines of the files to merge; none without files.
+pub(super) fn merged(
+    call: &mut Call<'_>,
+    options: &BudgetOptions,
+    request: Request<'_>,
+) -> Result<Option<DrawnSamples>, Refused> {
+    if options.merge.is_empty() {
+        return Ok(None);
+    }
+    together(call, options, request).map(Some).or_else(|refusal| call.refuse(refusal))
+}
+
+fn together(call: &Call<'_>, options: &BudgetOptions, request: Request<'_>) -> Result<DrawnSamples, Diagnostic> {
+    let expected = fingerprint(options, request);
+    let mut parts = BTreeMap::new();
+    for path in &options.merge {
+        let part = read(call, path, (&expected, request.bounds.len()))?;
+        if part.count() > 0 && parts.get(&part.first).is_some_and(|known| *known != part.drawn) {
+            let message = format!("`{}` has other machines than a part before it", path.display());
+            let help = "one of them was changed or made by another build: compute the parts again";
+            return Err(Diagnostic::new(codes::E0611, message).help(help));
+        }
+        if part.count() > 0 {
+            let _ = parts.insert(part.first, part.drawn);
+        }
+    }
+    let mut whole = DrawnSamples::default();
+    for (first, part) in parts {
+        if first != whole.position.len() {
+            return Err(incomplete(first.min(whole.position.len()), options.samples));
+        }
+        whole.position.extend(part.position);
+        whole.rotation.extend(part.rotation);
+    }
+    if whole.position.len() == options.samples {
+        Ok(whole)
+    } else {
+        Err(incomplete(whole.position.len(), options.samples))
+    }
+}
+
+fn incomplete(count: usize, samples: usize) -> Diagnostic {
+    let message = format!("the parts do not hold the {samples} machines of the budget: they are whole up to {count}");
+    Diagnostic::new(codes::E0611, message).help("name all parts of one division, each `I/N` of the same N")
+}
+
+/// Returns the part in a file, if it is of this budget.
+fn read(call: &Call<'_>, path: &Path, (fingerprint, bounds): (&str, usize)) -> Result<BudgetShard, Diagnostic> {
+    let name = path.display();
+    let foreign = |message: String| {
+        Diagnostic::new(codes::E0610, message).help("name another file, or remove this one; it is unchanged")
+    };
+    let bytes = call.run.files.read(path).map_err(|failure| foreign(format!("`{name}`: {}", why(&failure))))?;
+    let part: BudgetShard = serde_json::from_slice(&bytes)
+        .map_err(|failure| foreign(format!("`{name}` is not a state file: {}", shown(&failure.to_string()))))?;
+    if part.abbe_budget != FORM || part.fingerprint != fingerprint {
+        let message =
+            format!("`{name}` belongs to another budget: the machine file, an option or the program has changed");
+        return Err(foreign(message));
+    }
+    let all = || part.drawn.position.iter().chain(&part.drawn.rotation);
+    if part.drawn.rotation.len() != part.count() || all().any(|sample| sample.parts.len() != bounds) {
+        return Err(foreign(format!("`{name}` is not a state file: machines do not have {bounds} parts each")));
+    }
+    Ok(part)
+}
