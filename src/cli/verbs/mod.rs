@@ -19,6 +19,7 @@ pub(super) mod instrument;
 pub(super) mod man;
 pub(super) mod map;
 pub(super) mod reach;
+pub(super) mod record;
 pub(super) mod report;
 pub(super) mod show;
 pub(super) mod targets;
