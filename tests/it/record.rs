@@ -120,7 +120,8 @@ fn a_record_holds_its_sources_and_the_numbers_of_the_other_verbs() {
         assert_eq!(row(name)["found"]["expanded_uncertainty"].as_f64().map(|u| (u * 1e6).round() / 1e6), u, "{name}");
         assert!(row(name)["left"].is_null());
     }
-    let curve = &data["curves"][0];
+    // Joint by joint from the workpiece: Y before X.
+    let curve = &data["curves"][1];
     assert_eq!((&curve["error"], &curve["positions"]), (&"EXX".into(), &serde_json::json!([0.0, 200.0, 400.0])));
     assert!((number(curve, "/reverse/1") - 3.0).abs() < 1e-9 && (number(curve, "/forward/1") - 2.0).abs() < 1e-9);
 }

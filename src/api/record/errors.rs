@@ -75,7 +75,12 @@ fn curve(machine: &Machine, state: &'static str, id: &ErrorId, axis: &Axis, comp
 /// The positions of the points of all its curves; 21 over the travel where they have none or too many, and where the
 /// curves do not share them.
 fn positions(axis: &Axis, component: &ComponentError) -> Vec<f64> {
-    let mut tables = component.curves().map(|curve| curve.knots().map(|knots| knots.positions().to_vec()));
+    // The breaks of a B-spline are too few to show it.
+    let table = |curve: &Curve| match curve {
+        Curve::BSpline(_) => None,
+        curve => curve.knots().map(|knots| knots.positions().to_vec()),
+    };
+    let mut tables = component.curves().map(table);
     let first = tables.next().flatten();
     let shared = first.filter(|first| first.len() <= MOST_ROWS && tables.all(|other| other.as_ref() == Some(first)));
     shared.unwrap_or_else(|| {

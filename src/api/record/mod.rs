@@ -31,7 +31,7 @@ use decisions::{Figures, decisions, document};
 use description::{Description, SetEntry, StateName, unfit};
 use files::RecordFiles;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The list of the hashes of a record.
 pub const SUMS_NAME: &str = "SHA256SUMS";
@@ -275,7 +275,7 @@ fn verified(
         compensation: options.compensation.clone(),
         poses: options.poses,
         seed: options.seed,
-        installed: entry.installed.as_ref().map(|folder| PathBuf::from(base.join(folder.as_str()))),
+        installed: entry.installed.as_ref().map(|folder| base.join(folder.as_str())),
     };
     let answer = verify(states.of(entry.verify_with), path, &options, call.run);
     taken(call, answer).map(|report| json!(report))

@@ -15,6 +15,9 @@ use std::path::{Path, PathBuf};
 /// Maximum number of panels of the picture.
 const PANELS: usize = 12;
 
+/// Least change of an error that is drawn, um or urad.
+const SHOWN: f64 = 1e-3;
+
 /// The part of `record.json` that a trend needs.
 #[derive(Debug, Clone, Deserialize)]
 struct StoredRecord {
@@ -82,8 +85,8 @@ pub struct ErrorTrend {
     pub alarm_limit: Option<f64>,
     /// State of the newest value.
     pub alarm: AlarmState,
-    /// Newest less oldest value.
-    pub change: f64,
+    /// Newest less oldest value; `None` for a single one.
+    pub change: Option<f64>,
     /// The values, oldest first.
     pub points: Vec<TrendPoint>,
 }
@@ -232,18 +235,22 @@ fn of_error(records: &[StoredRecord], name: &str, unit: &str) -> Option<ErrorTre
         Some(_) => AlarmState::Below,
     };
     let (error, unit) = (name.to_owned(), unit.to_owned());
-    Some(ErrorTrend { error, unit, alarm_limit, alarm: state, change: newest - oldest, points })
+    let change = (points.len() > 1).then_some(newest - oldest);
+    Some(ErrorTrend { error, unit, alarm_limit, alarm: state, change, points })
 }
 
 impl RecordTrend {
-    /// Returns the errors over the days: those in alarm, then those that changed most in their unit; at most 12.
+    /// Returns the errors that changed or have an alarm limit over the days: those in alarm first, then those with a
+    /// limit, then those that changed most; at most 12.
     pub fn picture(&self) -> Picture {
         let first = self.records.first().map_or(0, |record| record.dates.begin.number());
         let begin = self.records.first().map_or("", |record| record.dates.begin.as_str());
-        let mut shown: Vec<&ErrorTrend> = self.errors.iter().collect();
+        let size = |error: &ErrorTrend| error.change.map_or(0.0, f64::abs);
+        let moved = |error: &&ErrorTrend| error.alarm_limit.is_some() || size(error) > SHOWN;
+        let mut shown: Vec<&ErrorTrend> = self.errors.iter().filter(moved).collect();
         let rank = |error: &ErrorTrend| (error.alarm != AlarmState::Alarm, error.alarm_limit.is_none());
-        shown.sort_by(|a, b| rank(a).cmp(&rank(b)).then(b.change.abs().total_cmp(&a.change.abs())));
-        let omitted = shown.len().saturating_sub(PANELS);
+        shown.sort_by(|a, b| rank(a).cmp(&rank(b)).then(size(b).total_cmp(&size(a))));
+        let omitted = self.errors.len() - shown.len().min(PANELS);
         shown.truncate(PANELS);
         let panels: Vec<LinePanel> = shown.into_iter().map(|error| panel(error, first)).collect();
         let more = if omitted > 0 { format!("; {omitted} more errors are in the table") } else { String::new() };

@@ -189,12 +189,13 @@ fn trend_row(of: &ErrorTrend, trend: &RecordTrend) -> Vec<String> {
         let values: Vec<String> = points.map(|point| n(point.value)).collect();
         if values.is_empty() { "-".to_owned() } else { values.join(" > ") }
     });
+    let change = of.change.map_or_else(|| "-".to_owned(), n);
     let alarm = match (of.alarm, of.alarm_limit) {
         (AlarmState::Alarm, Some(limit)) => format!("ALARM: ±{}", n(limit)),
         (_, Some(limit)) => format!("±{}", n(limit)),
         _ => "-".to_owned(),
     };
-    [of.error.clone(), of.unit.clone()].into_iter().chain(values).chain([n(of.change), alarm]).collect()
+    [of.error.clone(), of.unit.clone()].into_iter().chain(values).chain([change, alarm]).collect()
 }
 
 fn trend_text(trend: &RecordTrend) -> String {

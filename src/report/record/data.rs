@@ -67,7 +67,7 @@ impl TryFrom<String> for Day {
         let (Some(year), Some(month), Some(day), true) = (part(0, 4), part(5, 7), part(8, 10), shape) else {
             return Err(fault());
         };
-        let leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+        let leap = year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
         let days = match month {
             2 => 28 + u16::from(leap),
             4 | 6 | 9 | 11 => 30,
