@@ -63,7 +63,7 @@ pub(super) fn checked(call: &mut Call<'_>, folder: &Path) -> Result<RecordCheck,
         if entry.name == REPLACED {
             replaced_sets += replaced(call, &folder.join(REPLACED));
         } else {
-            strangers(files, folder, &entry.name, &list, &mut unlisted);
+            strangers(files, folder, (&entry.name, entry.kind), &list, &mut unlisted);
         }
     }
     call.checked()?;
@@ -93,17 +93,23 @@ fn listed(files: &dyn Files, folder: &Path) -> Option<(BTreeMap<String, String>,
     (list.contains_key(super::JSON_NAME) && list.len() <= MOST).then_some((list, hash))
 }
 
-/// Files below an entry that the list does not name.
-fn strangers(files: &dyn Files, folder: &Path, name: &str, list: &BTreeMap<String, String>, found: &mut Vec<String>) {
-    let deep = name.matches('/').count() > DEPTH || found.len() >= MOST;
-    for entry in if deep { Vec::new() } else { files.entries(&folder.join(name)) } {
-        strangers(files, folder, &format!("{name}/{}", entry.name), list, found);
+/// Files at or below an entry that the list does not name. Links are not followed.
+fn strangers(
+    files: &dyn Files,
+    folder: &Path,
+    (name, kind): (&str, EntryKind),
+    list: &BTreeMap<String, String>,
+    found: &mut Vec<String>,
+) {
+    if found.len() >= MOST || name.matches('/').count() > DEPTH {
+        return;
     }
-    let parent = name.rsplit_once('/').map_or_else(|| folder.to_owned(), |(parent, _)| folder.join(parent));
-    let own = name.rsplit('/').next().unwrap_or(name);
-    let is_file = files.entries(&parent).iter().any(|entry| entry.name == own && entry.kind != EntryKind::Other);
-    if is_file && !list.contains_key(name) {
-        found.push(name.to_owned());
+    if kind != EntryKind::Other {
+        found.extend((!list.contains_key(name)).then(|| name.to_owned()));
+        return;
+    }
+    for entry in files.entries(&folder.join(name)) {
+        strangers(files, folder, (&format!("{name}/{}", entry.name), entry.kind), list, found);
     }
 }
 

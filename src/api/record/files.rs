@@ -137,6 +137,8 @@ pub enum SetFault {
     NoManifest,
     /// A file of the manifest is missing, or has other bytes.
     Changed(String),
+    /// Its files have more bytes than any set.
+    TooLarge,
 }
 
 impl std::fmt::Display for SetFault {
@@ -144,6 +146,7 @@ impl std::fmt::Display for SetFault {
         match self {
             Self::NoManifest => write!(f, "holds no set with a manifest that abbe wrote"),
             Self::Changed(name) => write!(f, "holds a set whose `{}` is missing or was edited", shown(name)),
+            Self::TooLarge => write!(f, "holds a set of more than {} MB", SET_LIMIT >> 20),
         }
     }
 }
@@ -152,11 +155,29 @@ impl std::error::Error for SetFault {}
 
 /// Reads a whole set: the files that its manifest lists with the bytes that it lists, and those of its parts.
 ///
-/// Fails if there is no manifest, and if a file is missing or was edited.
+/// Fails if there is no manifest, if a file is missing or was edited, and if the files are larger than any set.
 pub fn set_files(files: &dyn Files, folder: &Path) -> Result<SetFiles, SetFault> {
+    let mut set = files_of(files, folder, &mut 0)?;
+    for part in set.lock.parts.clone() {
+        let changed = || SetFault::Changed(part.name.clone());
+        if !is_plain_name(&part.name) {
+            return Err(changed());
+        }
+        let mut bytes = set.files.iter().map(|(_, bytes)| bytes.len() as u64).sum();
+        let inner = files_of(files, &folder.join(&part.name), &mut bytes)?;
+        // Parts of parts are not written.
+        if !inner.lock.parts.is_empty() || inner.files.first().is_none_or(|(_, lock)| sha256(lock) != part.sha256) {
+            return Err(changed());
+        }
+        set.files.extend(inner.files.into_iter().map(|(name, bytes)| (format!("{}/{name}", part.name), bytes)));
+    }
+    Ok(set)
+}
+
+/// Reads the manifest of a folder and the files that it lists; `total` counts the bytes.
+fn files_of(files: &dyn Files, folder: &Path, total: &mut u64) -> Result<SetFiles, SetFault> {
     let bytes = files.read_at_most(&folder.join(LOCK_NAME), SET_LIMIT).map_err(|_| SetFault::NoManifest)?;
-    let text = String::from_utf8(bytes.clone()).map_err(|_| SetFault::NoManifest)?;
-    let lock = Lock::from_text(&text).ok_or(SetFault::NoManifest)?;
+    let lock = std::str::from_utf8(&bytes).ok().and_then(Lock::from_text).ok_or(SetFault::NoManifest)?;
     let mut all = vec![(LOCK_NAME.to_owned(), bytes)];
     for file in &lock.files {
         let changed = || SetFault::Changed(file.name.clone());
@@ -164,17 +185,14 @@ pub fn set_files(files: &dyn Files, folder: &Path) -> Result<SetFiles, SetFault>
             return Err(changed());
         }
         let bytes = files.read_at_most(&folder.join(&file.name), SET_LIMIT).map_err(|_| changed())?;
+        *total += bytes.len() as u64;
+        if *total > SET_LIMIT {
+            return Err(SetFault::TooLarge);
+        }
         if sha256(&bytes) != file.sha256 {
             return Err(changed());
         }
         all.push((file.name.clone(), bytes));
-    }
-    for part in &lock.parts {
-        let inner = if is_plain_name(&part.name) { set_files(files, &folder.join(&part.name)).ok() } else { None };
-        // Parts of parts are not written.
-        let whole = inner.filter(|inner| inner.lock.parts.is_empty() && sha256(&inner.files[0].1) == part.sha256);
-        let inner = whole.ok_or_else(|| SetFault::Changed(part.name.clone()))?;
-        all.extend(inner.files.into_iter().map(|(name, bytes)| (format!("{}/{name}", part.name), bytes)));
     }
     Ok(SetFiles { lock, files: all })
 }
