@@ -471,3 +471,43 @@ fn an_archive_is_never_among_the_files_of_the_controller() {
     odd("files", Value::Array(vec![entry("large", &hash); 1000]));
     assert!(!folder.path("archive").exists());
 }
+
+/// The schema of PTB, by `xmllint`: the judge refuses what is wrong, and takes the certificate.
+#[test]
+#[ignore = "needs xmllint; tests/run installs it"]
+fn the_schema_takes_the_certificate() {
+    let schemas = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/dcc");
+    let valid = |xml: &Path| {
+        let mut judge = Command::new("xmllint");
+        judge.args(["--nonet", "--noout", "--schema"]).arg(schemas.join("dcc.xsd")).arg(xml);
+        let judged = judge.env("XML_CATALOG_FILES", schemas.join("catalog.xml")).output().unwrap();
+        (judged.status.success(), String::from_utf8_lossy(&judged.stderr).into_owned())
+    };
+    let (folder, description) = campaign("limits: [{ error: EC0Y, limit: 20 urad }, { error: EXX, limit: 20 um }]\n");
+    let text = read(&description)
+        .replace("as_found: machine/found.yaml", "as_found: machine/found.yaml\nas_left: machine/left.yaml");
+    folder.write("machine/left.yaml", &MACHINE.replace("value: 30 urad", "value: 6 urad"));
+    let smallest: String = ["temperatures:", "standards:", "figures:", "sets:", "remarks:", "limits:"]
+        .iter()
+        .fold(read(&description), |text, key| {
+            text.lines().filter(|l| !l.starts_with(key)).map(|l| format!("{l}\n")).collect()
+        });
+    for (name, text) in [("whole", text), ("smallest", smallest)] {
+        let description = folder.write(&format!("{name}.yaml"), &text);
+        let made = folder.path(name);
+        record(&description, &made, &[]).json();
+        let (accepted, words) = valid(&made.join("certificate.xml"));
+        assert!(accepted, "{name}: {words}");
+        let xml = read(&made.join("certificate.xml"));
+        for (old, new) in [
+            ("schemaVersion=\"3.2.1\"", "schemaVersion=\"3.3.0\""),
+            ("<dcc:city>Hamburg</dcc:city>", "<dcc:town>Hamburg</dcc:town>"),
+            ("<si:coverageFactorXMLList>2", "<si:coverageFactorXMLList>two"),
+            ("<dcc:uniqueIdentifier>R-1</dcc:uniqueIdentifier>", ""),
+        ] {
+            assert!(xml.contains(old), "{old}");
+            let broken = folder.write("broken.xml", &xml.replacen(old, new, 1));
+            assert!(!valid(&broken).0, "{name} {new}");
+        }
+    }
+}
