@@ -15,6 +15,9 @@ use std::fmt;
 
 const TEMPLATE: &str = include_str!("certificate.xml.j2");
 
+/// Names of tables, and their columns as they are written.
+type WrittenTables = Vec<(String, Vec<WrittenList>)>;
+
 /// Type of positions.
 const POSITION: &str = "basic_nominalValue";
 /// Type of errors.
@@ -46,7 +49,7 @@ impl std::error::Error for DccFault {}
 /// written.
 pub fn certificate(data: &RecordData) -> Result<String, DccFault> {
     let states = [("found", "As found"), ("left", "As left")].map(|(state, name)| (state, name, tables(data, state)));
-    let mut written: Vec<(&str, &str, Vec<(String, Vec<WrittenList>)>)> = Vec::new();
+    let mut written: Vec<(&str, &str, WrittenTables)> = Vec::new();
     for (state, name, tables) in states {
         tables.iter().try_for_each(QuantityTable::check).map_err(DccFault::List)?;
         let tables = tables.iter().map(|table| (table.name.clone(), table.written()));
@@ -142,7 +145,6 @@ fn temperatures(data: &RecordData) -> Result<Value, DccFault> {
     };
     let tables: Vec<QuantityTable> = data.temperatures.iter().map(of).collect();
     tables.iter().try_for_each(QuantityTable::check).map_err(DccFault::List)?;
-    let written: Vec<(String, Vec<WrittenList>)> =
-        tables.iter().map(|table| (table.name.clone(), table.written())).collect();
+    let written: WrittenTables = tables.iter().map(|table| (table.name.clone(), table.written())).collect();
     Ok(Value::from(ViaSerde(&written)))
 }
