@@ -42,6 +42,7 @@ pub use super::map_bounds::{MapFromBounds, WorstBoundedPose};
 pub use super::poses::AxisPositions;
 pub use super::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayAccuracy, OneWayBoth, ReadAtTarget};
 pub use super::reach::{ReachDirections, ReachResult};
+pub use super::record::{AlarmState, ErrorTrend, Record, RecordCheck, RecordTrend, TrendPoint, TrendRecord, TrendStep};
 pub use super::report::Report;
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
 pub use super::sources::{ErrorSource, ErrorSources};
@@ -64,5 +65,10 @@ pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};
 pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorKind, ErrorTerm, Machine, Sense, Travel};
 pub use crate::report::page::RenderedPage;
+pub use crate::report::record::{
+    AlarmLimit, Contact, CopiedFile, Dates, Day, ErrorCurve, ErrorRow, Instrument, LimitDecision, Line, MachineState,
+    NoValue, Person, Place, Plate, RecordData, RecordedSet, StateValue, Temperature, TwoLetters,
+};
 pub use crate::report::{BoundedFigures, LengthDifference, Picture, PictureFailure, RssDifference};
+pub use crate::standards::{Conformity, LimitSides};
 pub use crate::syntax::{FolderEntry, ReadFailure};

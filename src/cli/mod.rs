@@ -24,7 +24,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use verbs::{
     budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, figures, identify,
-    import, init, instrument, locate, man, map, reach, report, show, targets, verify, workbench,
+    import, init, instrument, locate, man, map, reach, record, report, show, targets, verify, workbench,
 };
 
 /// A compiler from machine-tool configurations to volumetric compensation.
@@ -138,6 +138,8 @@ enum Verb {
     Compile(compile::Args),
     /// Replay compensation files as the controller would, and certify the residual.
     Verify(verify::Args),
+    /// One calibration as a folder: machine, raw data with hashes, certificates, decisions; records in a line.
+    Record(record::Args),
     /// One self-contained HTML page for a design review.
     Report(report::Args),
     /// A page to change the machine file and see its effect at once.
@@ -237,6 +239,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Init(args) => init::run(session, &args),
         Verb::Compile(args) => compile::run(session, &args),
         Verb::Verify(args) => verify::run(session, &args),
+        Verb::Record(args) => record::run(session, &args),
         Verb::Report(args) => report::run(session, &args),
         Verb::Workbench(args) => workbench::run(session, &args),
         Verb::Diff(args) => diff::run(session, &args),

@@ -217,6 +217,9 @@ codes! {
     E0817 "tool poses cannot be read",
     E0818 "options that do not fit",
     E0819 "a file outside the folder of --confined",
+    E0820 "the description of a record does not fit",
+    E0821 "a record has changed",
+    E0822 "records that do not line up",
     W0201 "no version of the language",
     W0401 "an axis is left out",
     W0402 "a location error cannot act",
@@ -251,6 +254,7 @@ codes! {
     E0803 "an error is undefined at a pose",
     W0801 "poses beyond the travel",
     W0802 "errors that are only bounded",
+    W0820 "the certificate of an instrument has ended",
 }
 
 /// Finds a code by its name, in any case.

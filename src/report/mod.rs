@@ -2,6 +2,7 @@
 //! every time.
 //!
 //! - [`page`]: the report, one self-contained HTML page.
+//! - [`record`]: the record of a calibration for print; [`dcc`]: the same as a digital calibration certificate.
 //! - [`PlanePicture`]: the deviation over a plane of two linear axes; [`before_after`]: in two states.
 //! - [`FitPicture`]: prediction against data over such a plane.
 //! - [`all_curves`]: curves of the component errors as small multiples.
@@ -12,8 +13,10 @@
 //! - [`Rows`]: a map pose by pose as CSV, JSON, Parquet and VTK, streamed.
 //! - [`equations`]: the closed forms as text and as LaTeX.
 
+pub mod dcc;
 pub mod page;
 mod pictures;
+pub mod record;
 mod rows;
 mod text;
 

@@ -1,12 +1,13 @@
 //! Figures of the ISO 230 series from readings.
 //!
 //! `positioning`: ISO 230-2, with `annex_a`, its uncertainty, and `targets`, its choice of targets; `circle`: ISO
-//! 230-4; `rotation`: ISO 230-7; `drift`: ISO 230-3; `readings`: the tables of the last three. No text of a standard
-//! was at hand. The formulas of `positioning` agree with public measurements; the others rest on general knowledge and
-//! are stated as not verified against the text.
+//! 230-4; `rotation`: ISO 230-7; `drift`: ISO 230-3; `readings`: the tables of the last three; `conformity`: decisions
+//! of ISO 14253-1. No text of a standard was at hand. The formulas of `positioning` agree with public measurements; the
+//! others rest on general knowledge and are stated as not verified against the text.
 
 mod annex_a;
 mod circle;
+mod conformity;
 mod drift;
 mod positioning;
 mod readings;
@@ -15,6 +16,7 @@ mod targets;
 
 pub use annex_a::{AccuracyUncertainty, Contributor, REFERENCE, Thermal, contributor, thermal};
 pub use circle::{Caused, CircleCauses, CircleFigures, LEAST_ARC, RadialReading, Sense, arc, causes};
+pub use conformity::{Conformity, LimitSides, LimitedValue};
 pub use drift::DriftFigures;
 pub use positioning::{AccuracyFigures, OneWayFigures, Repeated, TargetReading, TargetReadings};
 pub use readings::ReadingsTable;

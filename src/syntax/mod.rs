@@ -36,6 +36,7 @@ pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};
 pub use geometry::{PositionEntry, RelativeEntry, SideEntry, WrittenChain, WrittenChains};
 pub use places::{Keys, below, keys};
 pub use read::read_text;
+pub(crate) use read::unreadable;
 pub use scalar::Scalar;
 pub use schema::schema;
 pub use table::{ColumnDirection, CsvColumn, CsvTable, read_table};

@@ -31,7 +31,8 @@ pub(super) fn keep(path: &Path, text: String, diagnostics: &mut Diagnostics) -> 
     (diagnostics.sources.add(shown(&path.display().to_string()), text.clone()), text)
 }
 
-pub(super) fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
+/// Returns the refusal of a file that cannot be read.
+pub(crate) fn unreadable(path: &Path, failure: &ReadFailure) -> Diagnostic {
     let file = format!("`{}`", shown(&path.display().to_string()));
     match failure {
         ReadFailure::NotFound => Diagnostic::new(codes::E0101, format!("there is no file {file}"))

@@ -16,8 +16,9 @@ struct Verb {
 }
 
 /// Options that name a file or a folder that is read.
-const INPUTS: [&str; 9] = [
+const INPUTS: [&str; 11] = [
     "--axis-poses",
+    "--check",
     "--columns",
     "--confined",
     "--cost",
@@ -26,6 +27,7 @@ const INPUTS: [&str; 9] = [
     "--replay",
     "--templates",
     "--tool-poses",
+    "--trend",
 ];
 
 /// Inputs that are outputs too, or the outputs of other runs of the same verb.
@@ -33,7 +35,7 @@ const STATES: [&str; 2] = ["--merge", "--state"];
 
 const MACHINE: &[&str] = &["machine", "base", "table"];
 
-const VERBS: [Verb; 12] = [
+const VERBS: [Verb; 14] = [
     Verb {
         name: "show",
         arguments: &["show", "machine.END"],
@@ -92,6 +94,29 @@ const VERBS: [Verb; 12] = [
         name: "compile",
         arguments: &["compile", "machine.END", "--poses", "3", "--target", "own", "--templates", "templates"],
         inputs: &["machine", "base", "table", "templates"],
+        outputs: &["--out"],
+    },
+    Verb {
+        name: "compile with an archive",
+        arguments: &[
+            "compile",
+            "machine.END",
+            "--poses",
+            "3",
+            "--target",
+            "own",
+            "--templates",
+            "templates",
+            "--out",
+            "compiled",
+        ],
+        inputs: &["machine", "base", "table", "templates"],
+        outputs: &["--record"],
+    },
+    Verb {
+        name: "record",
+        arguments: &["record", "record.END"],
+        inputs: &["record", "machine", "base", "table", "data"],
         outputs: &["--out"],
     },
     Verb {
@@ -156,6 +181,16 @@ fn inputs(folder: &Folder, ending: &str) {
     write(
         "columns",
         "position: { column: Kanal 0, unit: mm }\ncolumns: { Kanal 1: { error: EXX, unit: um, direction: forward } }\n",
+    );
+    let contact = "{ name: L, city: C }";
+    write(
+        "record",
+        &format!(
+            "record: 1\nid: R\ndates: {{ begin: 2026-11-02, end: 2026-11-02 }}\ncountry: DE\nplace: other\n\
+            laboratory: {contact}\ncustomer: {contact}\npersons: [{{ name: P }}]\nmachine: {{ serial: S }}\n\
+            as_found: machine.{ending}\ndata: [data.{ending}]\ninstruments: [{{ name: I, serial: S, certificate: C, \
+            calibrated: 2026-01-01, uncertainty: 1 um }}]\n"
+        ),
     );
     let own = folder.path("templates/own");
     std::fs::create_dir_all(&own).unwrap();

@@ -83,6 +83,7 @@ mod reach;
 mod readme;
 mod recognise;
 mod reconfigure;
+mod record;
 mod release;
 mod remarks;
 mod replays;

@@ -136,6 +136,17 @@ impl<'a> Job<'a> {
         println!("{:?}: {runs} faults", self.arguments[0]);
     }
 
+    /// The same where a temporary folder holds the new files.
+    fn old_or_new_below(&self, what: &str, run: &Output, at: &Path) {
+        let (found, killed) = (files(at), run.status.code().is_none());
+        for (path, entry) in &found {
+            let temporary = path.components().next().unwrap().as_os_str().to_str().unwrap().starts_with('.');
+            let known = self.old.get(path) == Some(entry) || self.new.get(path) == Some(entry);
+            assert!(known || temporary && killed, "{what}: {}", path.display());
+        }
+        assert!(run.status.code() != Some(0) || found == self.new, "{what}: success, and not the new files");
+    }
+
     /// Each file is the old one, or the new one; besides there are temporary files only after a kill.
     fn old_or_new(&self, what: &str, run: &Output, at: &Path) {
         let found = files(at);
@@ -266,4 +277,27 @@ fn a_study_goes_on_from_what_is_left() {
         ["enumerate", "m.yaml", "--poses", "3", "--samples", "4", "--max-samples", "4", "--quiet", "--state", "s.json"];
     let job = Job::new(&folder, &arguments, |at| std::fs::write(at.join("m.yaml"), machine(3.0, "")).unwrap());
     job.all(|_, _, _| {});
+}
+
+/// A record is there whole or not at all.
+#[test]
+#[ignore = "needs strace; tests/run installs it"]
+fn a_record_is_written_whole() {
+    let folder = Folder::new();
+    let arguments = ["record", "r.yaml", "--quiet", "--out", "out"];
+    let job = Job::new(&folder, &arguments, |at| {
+        let description = "record: 1\nid: R\ndates: { begin: 2026-11-02, end: 2026-11-02 }\ncountry: DE\nplace: other\n\
+            laboratory: { name: L, city: C }\ncustomer: { name: L, city: C }\npersons: [{ name: P }]\n\
+            machine: { serial: S }\nas_found: m.yaml\ndata: [r.csv]\n\
+            instruments: [{ name: I, serial: S, certificate: C, calibrated: 2026-01-01, uncertainty: 1 um }]\n";
+        std::fs::write(at.join("m.yaml"), machine(3.0, "")).unwrap();
+        std::fs::write(at.join("r.csv"), "1\n").unwrap();
+        std::fs::write(at.join("r.yaml"), description).unwrap();
+    });
+    let inside = |files: &Files| files.iter().filter(|(path, _)| path.starts_with("out")).count();
+    job.all(|what, run, at| {
+        job.old_or_new_below(what, run, at);
+        let found = inside(&files(at));
+        assert!(found == 0 || found == inside(&job.new), "{what}: {found} files");
+    });
 }

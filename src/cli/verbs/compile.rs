@@ -5,6 +5,7 @@ use crate::cli::arguments::{InstalledArg, help};
 use crate::cli::how::SetArgs;
 use crate::cli::output::certificate::CertificateView;
 use crate::cli::output::session::Session;
+use crate::cli::store::archive;
 use crate::cli::store::file_set::{self, NewSet};
 use crate::cli::store::write;
 use abbe::options::Limits;
@@ -25,6 +26,9 @@ pub(crate) struct Args {
     /// Write files of a format or a sign that is known from memory only.
     #[arg(long)]
     accept_unverified: bool,
+    /// Archive the set that this run replaces in the folder of a record, outside of --out.
+    #[arg(long, value_name = "DIR")]
+    record: Option<PathBuf>,
     #[command(flatten)]
     set: SetArgs,
     #[command(flatten)]
@@ -60,6 +64,10 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.set.tool.name())?;
     // Refusals come before the work.
     write::refuse_no_folder(&args.out).or_else(|refusal| session.refuse(refusal))?;
+    if let Some(record) = &args.record {
+        write::refuse_no_folder(record).or_else(|refusal| session.refuse(refusal))?;
+        archive::refuse_inside(session, record, &args.out)?;
+    }
     if let Some(installed) = &args.installed.installed {
         file_set::check(session, installed)?;
     }
@@ -68,6 +76,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let answer = abbe::compile(&file, &args.options(), session.run());
     let set = session.take(answer)?;
+    archived(session, args)?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
     let new = NewSet { files: &set.files, lock: &set.lock, read: &session.files, writes: &writes };
@@ -79,9 +88,15 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
+/// Archives the set that is there, once the new one is known to compile.
+fn archived(session: &mut Session, args: &Args) -> Outcome {
+    args.record.as_ref().map_or(Ok(()), |record| archive::keep(session, record, &args.out))
+}
+
 /// Writes the sets of two targets into subfolders, then the manifest over both.
 fn composed(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
     let set = session.take(abbe::compile_composed(file, &args.target, &args.options(), session.run()))?;
+    archived(session, args)?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
     let part = |files, lock, folder: &Path| NewSet { files, lock, read: &session.files, writes: &writes }.write(folder);

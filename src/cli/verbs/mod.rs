@@ -20,6 +20,7 @@ pub(super) mod locate;
 pub(super) mod man;
 pub(super) mod map;
 pub(super) mod reach;
+pub(super) mod record;
 pub(super) mod report;
 pub(super) mod show;
 pub(super) mod targets;

@@ -21,6 +21,7 @@ pub use comparison::ComparisonData;
 pub use data::{MachineData, PageData};
 pub use given::{MachineInput, TargetResult};
 pub use instruments::Instruments;
+pub(super) use render::style_hash;
 pub use render::{Delivery, Page, Pictures, RenderedPage};
 
 use super::pictures::rising;

@@ -109,9 +109,14 @@ fn hash(text: &str) -> String {
     BASE64.encode(Sha256::digest(text.as_bytes()))
 }
 
+/// Returns the source of a style or script in a content security policy.
+pub(in crate::report) fn style_hash(text: &str) -> String {
+    format!("'sha256-{}'", hash(text))
+}
+
 /// Returns the policy: nothing may be loaded, only our own style and script run.
 fn policy(script: &str, served: Delivery) -> String {
-    let own = |text: &str| format!("'sha256-{}'", hash(text));
+    let own = style_hash;
     let connect = if served == Delivery::Watched { "'self'" } else { "'none'" };
     format!(
         "default-src 'none'; script-src {}; style-src {}; connect-src {connect}; img-src data:; base-uri 'none'; \
