@@ -56,8 +56,8 @@ __all__ = [
     "identify_noise",
 ]
 
-#: Nodes of a block of a map: about 30 MB with positions and deviations.
-NODES = 1 << 18
+#: Nodes of a block of a map: about 12 MB of positions and deviations, and several times that while they are computed.
+NODES = 1 << 17
 
 
 class _Sent:

@@ -159,7 +159,7 @@ class _Vectors:
 
     def designs(self, vectors: NDArray[np.float64]) -> list[Design]:
         """Measures designs, each once."""
-        rows = np.reshape(vectors, (-1, len(self.bounds)))
+        rows: list[list[float]] = np.reshape(vectors, (-1, len(self.bounds))).tolist()
         keys = [self.key(row) for row in rows]
         new = [key for key in dict.fromkeys(keys) if key not in self.known]
         self.known.update(zip(new, self.map(self.problem.design, [self.values(key) for key in new]), strict=True))

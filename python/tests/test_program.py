@@ -215,7 +215,7 @@ def test_parts_of_a_budget_are_put_together(tmp_path: Path) -> None:
         with pytest.raises(abbe.DiagnosticError):
             study.budget(shard=shard, **options)
     with pytest.raises(ValueError, match="shard"):
-        study.budget(**options).state
+        print(study.budget(**options).state)
 
 
 def test_figures(program: Any, tmp_path: Path) -> None:
