@@ -86,7 +86,8 @@ Fit = Literal["axis", "functional_point"]
 #: the manifest's.
 #: ``without``: Kinds of tables to leave out although the controller has them: product, plane, cross_axis, own_axis.
 #: ``fit``: Content of own-axis tables; by default the manifest's.
-#: ``map``: Letters and numbers of axes in the controller, such as ``A=AX6`` or ``X1=U``, over those of the machine file.
+#: ``map``: Letters and numbers of axes in the controller, such as ``A=AX6`` or ``X1=U``, over those of the machine
+#: file.
 CompensationOptions = TypedDict(
     "CompensationOptions",
     {
