@@ -2,7 +2,7 @@
 //!
 //! The listener is bound to 127.0.0.1, and the `Host` header must name it: a page from elsewhere that resolves its own
 //! name to 127.0.0.1 reads nothing. Request heads are short and have a deadline, bodies have a limit, and the number of
-//! connections at a time is limited.
+//! connections at a time is limited: the oldest that keeps the server waiting gives way to a new one.
 
 use http_body_util::{BodyExt, Full, Limited};
 use hyper::body::{Body, Bytes, Incoming};
@@ -13,9 +13,11 @@ use hyper::{Method, Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use std::convert::Infallible;
 use std::net::TcpListener;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
-use tokio::sync::Semaphore;
+use tokio::net::TcpStream;
+use tokio::task::JoinHandle;
 
 /// Maximum size of a request head, and of a body, bytes.
 const MAX_HEAD: usize = 8 * 1024;
@@ -26,8 +28,11 @@ const HEAD_DEADLINE: Duration = Duration::from_secs(2);
 const BODY_DEADLINE: Duration = Duration::from_secs(10);
 const EXCHANGE_DEADLINE: Duration = Duration::from_secs(120);
 
-/// Maximum number of connections at a time; further ones wait.
+/// Maximum number of connections at a time.
 const MAX_CONNECTIONS: usize = 16;
+
+/// Time between two looks for a free place while all answers are being computed.
+const LOOK: Duration = Duration::from_millis(10);
 
 /// Header with the token of a page.
 const TOKEN: HeaderName = HeaderName::from_static("x-abbe-token");
@@ -119,31 +124,63 @@ pub(super) fn serve(listener: TcpListener, port: u16, site: Arc<dyn Site>) -> st
 
 async fn accept(listener: TcpListener, port: u16, site: Arc<dyn Site>) -> std::io::Result<()> {
     let listener = tokio::net::TcpListener::from_std(listener)?;
-    let places = Arc::new(Semaphore::new(MAX_CONNECTIONS));
+    let mut open: Vec<Connection> = Vec::new();
     loop {
-        let Ok(place) = Arc::clone(&places).acquire_owned().await else { return Ok(()) };
         let Ok((stream, _)) = listener.accept().await else { continue };
-        let site = Arc::clone(&site);
-        drop(tokio::spawn(async move {
-            let answer = service_fn(move |request| {
-                let site = Arc::clone(&site);
-                async move { Ok::<_, Infallible>(respond(request, port, site).await) }
-            });
-            let mut server = http1::Builder::new();
-            let server = server.timer(TokioTimer::new()).header_read_timeout(HEAD_DEADLINE);
-            let exchange =
-                server.max_buf_size(MAX_HEAD).keep_alive(false).serve_connection(TokioIo::new(stream), answer);
-            // A reader that goes away concerns nobody else.
-            let _ = tokio::time::timeout(EXCHANGE_DEADLINE, exchange).await;
-            drop(place);
-        }));
+        while !has_place(&mut open) {
+            tokio::time::sleep(LOOK).await;
+        }
+        let computing = Arc::new(AtomicBool::new(false));
+        let task = tokio::spawn(exchange(stream, port, Arc::clone(&site), Arc::clone(&computing)));
+        open.push(Connection { task, computing });
     }
 }
 
-async fn respond(request: Request<Incoming>, port: u16, site: Arc<dyn Site>) -> Response<Full<Bytes>> {
+/// A connection that is open.
+struct Connection {
+    task: JoinHandle<()>,
+    /// True while its answer is being computed: the server does not wait for the reader.
+    computing: Arc<AtomicBool>,
+}
+
+/// True if there is a place, perhaps that of the oldest connection that keeps the server waiting: a reader that is slow
+/// on purpose does not shut the others out.
+fn has_place(open: &mut Vec<Connection>) -> bool {
+    open.retain(|connection| !connection.task.is_finished());
+    if open.len() < MAX_CONNECTIONS {
+        return true;
+    }
+    let waiting = open.iter().position(|connection| !connection.computing.load(Ordering::Acquire));
+    waiting.map(|oldest| open.remove(oldest).task.abort()).is_some()
+}
+
+/// One request and its answer.
+async fn exchange(stream: TcpStream, port: u16, site: Arc<dyn Site>, computing: Arc<AtomicBool>) {
+    let answer = service_fn(move |request| {
+        let (site, computing) = (Arc::clone(&site), Arc::clone(&computing));
+        async move { Ok::<_, Infallible>(respond(request, port, site, &computing).await) }
+    });
+    let mut server = http1::Builder::new();
+    let server = server.timer(TokioTimer::new()).header_read_timeout(HEAD_DEADLINE);
+    let exchange = server.max_buf_size(MAX_HEAD).keep_alive(false).serve_connection(TokioIo::new(stream), answer);
+    // A reader that goes away concerns nobody else.
+    let _ = tokio::time::timeout(EXCHANGE_DEADLINE, exchange).await;
+}
+
+async fn respond(
+    request: Request<Incoming>,
+    port: u16,
+    site: Arc<dyn Site>,
+    computing: &AtomicBool,
+) -> Response<Full<Bytes>> {
     let answer = match read(request, port).await {
-        // Answers are computed: the thread of the connections stays free.
-        Ok(request) => tokio::task::spawn_blocking(move || site.respond(&request)).await,
+        Ok(request) => {
+            computing.store(true, Ordering::Release);
+            // Answers are computed: the thread of the connections stays free.
+            let answer = tokio::task::spawn_blocking(move || site.respond(&request)).await;
+            computing.store(false, Ordering::Release);
+            answer
+        }
         Err(status) => Ok(PageResponse::empty(status)),
     };
     response(answer.unwrap_or_else(|_| PageResponse::empty(StatusCode::INTERNAL_SERVER_ERROR)))
@@ -243,6 +280,50 @@ mod tests {
         }
         for method in ["POST", "HEAD", "OPTIONS", "PUT", "get"] {
             assert_eq!(ask(method, "/", &[(host, here)]), 405, "{method}");
+        }
+    }
+
+    /// Four kinds of slow readers, each more than there are places: a request that comes after them is answered long
+    /// before the first of their deadlines would free all places.
+    #[test]
+    fn slow_readers_do_not_shut_others_out() {
+        use std::io::{Read, Write};
+        use std::net::TcpStream;
+
+        const LARGE: usize = 32 << 20;
+        let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+        let port = listener.local_addr().unwrap().port();
+        let page = ServedPage { tag: "\"a\"".to_owned(), body: Bytes::from(vec![b'x'; LARGE]) };
+        let site: CurrentPage = Arc::new(Mutex::new(Arc::new(page)));
+        serve(listener, port, Arc::new(site)).unwrap();
+        let open = || {
+            let stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+            stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+            stream
+        };
+        let head = |line: &str, more: &str| format!("{line} HTTP/1.1\r\nhost: 127.0.0.1:{port}\r\n{more}");
+        let get = head("GET /", "\r\n");
+        for slow in [
+            String::new(),
+            head("GET /", ""),
+            head("POST /ask", "content-length: 100\r\n\r\nx"),
+            // Asks for a page that no buffer holds, and does not read it.
+            get.clone(),
+        ] {
+            let all: Vec<TcpStream> = (0..3 * MAX_CONNECTIONS)
+                .map(|_| {
+                    let mut stream = open();
+                    // The server may have given its place away already.
+                    let _ = stream.write_all(slow.as_bytes());
+                    stream
+                })
+                .collect();
+            let mut one = open();
+            one.write_all(get.as_bytes()).unwrap();
+            let mut answer = Vec::new();
+            let _ = one.read_to_end(&mut answer).unwrap();
+            assert!(answer.starts_with(b"HTTP/1.1 200") && answer.len() > LARGE, "{slow:?}: {}", answer.len());
+            drop(all);
         }
     }
 }
