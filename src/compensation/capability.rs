@@ -69,9 +69,6 @@ pub enum ModuleContent {
     FullModel,
     /// A 3x3 matrix from the axes X, Y, Z to their joints; constants row by row.
     LinearMap,
-    /// The lines of a tilting table: A or B, and C on it, tables turning right-handed. Constants: a point of
-    /// C's line (X, Y, Z), the vector from it to the tilting line (X, Y, Z), the length of the tool.
-    RotaryCentres,
     /// The lines of the rotary axes, and the tool axis, of the controller's five-axis transformation.
     KinematicParameters,
 }

@@ -106,13 +106,15 @@ impl ParameterVector {
 pub struct AssumedAxis {
     /// The axis.
     pub of: MachinePart,
-    /// The unit vector about which a positive command turns the tool right-handed relative to the workpiece.
+    /// The unit vector about which a positive command turns the tool right-handed relative to the workpiece; of the
+    /// tool its axis.
     #[serde(default)]
     pub direction: Option<[f64; 3]>,
     /// The same in either sense.
     #[serde(default)]
     pub line: Option<[f64; 3]>,
-    /// Components of the vector from the gauge point to a point of the axis, mm, where they are assumed.
+    /// Components of the vector from the gauge point to a point of the axis, mm, where they are assumed; of the tool
+    /// none.
     #[serde(default)]
     pub offset: [Option<f64>; 3],
 }
@@ -160,8 +162,12 @@ impl ParameterRules {
             }
             ParameterVector::Direction { of, .. } => known(of) && *of != MachinePart::Gauge,
         };
-        let assumed =
-            |axis: &AssumedAxis| known(&axis.of) && !matches!(axis.of, MachinePart::Gauge | MachinePart::Tool);
+        let free = |axis: &AssumedAxis| axis.offset.iter().all(Option::is_none);
+        let assumed = |axis: &AssumedAxis| match axis.of {
+            MachinePart::Gauge => false,
+            MachinePart::Tool => free(axis),
+            _ => known(&axis.of),
+        };
         let all = self.parameters.iter().all(fits) && self.assumes.iter().all(assumed);
         (!all).then(|| {
             "parameters: offsets between different axes or the gauge point, directions of axes or the tool, \

@@ -219,7 +219,7 @@ fn the_program_says_what_became_of_a_damaged_file() {
     let (table, three) = (replays::machine(&folder, true), replays::machine(&folder, false));
     let work: Vec<(&str, &PathBuf, u64)> = abbe::controller::NAMES
         .into_iter()
-        .filter(|name| *name != "linuxcnc-trt" && !PARAMETER_TARGETS.contains(name))
+        .filter(|name| !PARAMETER_TARGETS.contains(name))
         .enumerate()
         .map(|(i, name)| {
             let only_three = matches!(name, "klipper" | "marlin" | "linuxcnc-matrixkins");

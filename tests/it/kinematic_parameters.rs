@@ -437,6 +437,55 @@ fn pivot_length_of_5axiskins() {
     assert!(verify(&machine, &out, &["--poses", "20"]).code == Some(0));
 }
 
+/// The inverse of maxkins in LinuxCNC 2.9: the table turned back, then X = x - r sin B, Z = z + r cos B - p with
+/// r = p + W; what is left at its joints is what the other errors do.
+#[test]
+fn pivot_length_of_maxkins() {
+    let folder = Folder::new();
+    let text = |errors: &str| {
+        pivoting(errors)
+            .replace("w b X Y Z C B t", "w C' b X Y Z B t")
+            .replace("C: { controller: 5, travel", "C: { controller: 5, origin: [0, 0, -300], travel")
+    };
+    let (machine, out, json) = compiled(&folder, &text("  EZ0B: 40 um\n  EX0B: 15 um\n"), "linuxcnc-maxkins");
+    let found = numbers(&out.join("maxkins.hal"));
+    assert_eq!(found, BTreeMap::from([("setp maxkins.pivot-length".to_owned(), 250.04)]));
+    assert_eq!(json["errors"]["EZ0B"]["handled"], "fully");
+    assert_eq!(json["errors"]["EX0B"]["handled"], "no");
+    let sample = sample(&folder.write("exact.yaml", &text("  EZ0B: 40 um\n")));
+    let index = |name: &str| sample.rigid.walk.iter().position(|axis| axis.name == name).unwrap();
+    for pose in left::poses(&sample, 4, 100) {
+        let tip = left::ideal(&sample, &pose);
+        let (b, c, p) =
+            (pose[index("B")].to_radians(), pose[index("C")].to_radians(), found["setp maxkins.pivot-length"]);
+        let r = p + 100.0;
+        let turned = [tip[0] * c.cos() + tip[1] * c.sin(), tip[1] * c.cos() - tip[0] * c.sin()];
+        let joints = [turned[0] - r * b.sin(), turned[1], tip[2] + r * b.cos() - p];
+        let mut command = pose.clone();
+        ["X", "Y", "Z"].iter().zip(joints).for_each(|(name, joint)| command[index(name)] = joint);
+        assert!(norm(left::position(&sample, &pose, &command, Travel::Mean)) < 1e-9);
+    }
+    let other = folder.write("other.yaml", &text("").replace("origin: [0, 0, -300]", "origin: [1, 0, -300]"));
+    let _ = compile(&other, "linuxcnc-maxkins", &folder.path("no"), &ACCEPT).refused("E0751");
+    let inclined =
+        folder.write("tool.yaml", &text("").replace("length: 100 mm", "length: 100 mm, direction: [1, 0, 0]"));
+    let _ = compile(&inclined, "linuxcnc-maxkins", &folder.path("no"), &ACCEPT).refused("E0751");
+    assert!(verify(&machine, &out, &["--poses", "20"]).code == Some(0));
+}
+
+/// The second rotary axis is hypothetical: the line of the one that is there, from the gauge point (0, 50, 150), with
+/// EX0B = 9 um and EZ0B = -12 um; 0 - 50 + along the axis in Y.
+#[test]
+fn one_rotary_axis_in_fanucs_numbers() {
+    let folder = Folder::new();
+    let out = folder.path("out");
+    let json = compile(&config("hmc-4ax.yaml"), "fanuc-5axis", &out, &ACCEPT).json();
+    let wanted = BTreeMap::from([("19700", 0.009), ("19701", -50.0), ("19702", -150.012)]);
+    assert_eq!(numbers(&out.join("TCP.PRM")), wanted.into_iter().map(|(k, v)| (k.to_owned(), v)).collect());
+    assert_eq!(json["errors"]["EX0B"]["handled"], "fully");
+    assert_eq!(json["errors"]["EA0B"]["handled"], "no");
+}
+
 #[test]
 fn other_machines_and_memory_are_refused() {
     let folder = Folder::new();
@@ -447,7 +496,7 @@ fn other_machines_and_memory_are_refused() {
         let _ = compile(&config("gantry-3ax.yaml"), target, &out, &ACCEPT).refused("E0751");
         let _ = compile(&config("boring-w.yaml"), target, &out, &ACCEPT).refused("E0751");
     }
-    let _ = compile(&config("hmc-4ax.yaml"), "fanuc-5axis", &out, &ACCEPT).refused("E0751").says("one rotary axis");
+    let _ = compile(&config("hmc-4ax.yaml"), "haas-mrzp", &out, &ACCEPT).refused("E0751").says("one rotary axis");
     let head = folder.write("head.yaml", &head_head(OF_HEADS));
     let _ = compile(&head, "haas-mrzp", &out, &ACCEPT).refused("E0751").says("two rotary axes that carry the tool");
     assert!(!out.exists());

@@ -9,7 +9,7 @@ use crate::support::{compile, config, number, verify};
 /// `setp` lines by the name of the pin.
 fn constants(file: &Path) -> Vec<(String, f64)> {
     let text = std::fs::read_to_string(file).unwrap();
-    let lines = text.lines().filter(|line| !line.starts_with('#'));
+    let lines = text.lines().filter(|line| !line.starts_with(['#', 'n']));
     let constant = |line: &str| {
         let [set, pin, value] = line.split(' ').collect::<Vec<_>>()[..] else { panic!("{line}") };
         assert_eq!(set, "setp");
@@ -76,21 +76,23 @@ fn trt(folder: &Folder, tilt: &str, errors: &str, sense: &str) -> PathBuf {
 fn centres_of_a_tilting_table() {
     for (tilt, errors, offset) in [
         // The tilting line is at 2 + 0.007 in Y, the centre of C at 5 - 0.004; and -350 + 0.009 in Z.
-        ("A", "  EX0C: 6 um\n  EY0C: -4 um\n  EY0A: 7 um\n  EZ0A: 9 um\n", [0.0, 2.007 - 4.996, 30.009]),
-        ("B", "  EX0C: 6 um\n  EY0C: -4 um\n  EX0B: 7 um\n  EZ0B: 9 um\n", [1.007 - 3.006, 0.0, 30.009]),
+        ("A", "  EX0C: 6 um\n  EY0C: -4 um\n  EY0A: 7 um\n  EZ0A: 9 um\n", ("y-offset", 2.007 - 4.996)),
+        ("B", "  EX0C: 6 um\n  EY0C: -4 um\n  EX0B: 7 um\n  EZ0B: 9 um\n", ("x-offset", 1.007 - 3.006)),
     ] {
         let folder = Folder::new();
         let out = folder.path("out");
         let machine = trt(&folder, tilt, errors, "direct");
         let json = compile(&machine, "linuxcnc-trt", &out, &[]).json();
         let module = format!("xyz{}c-trt-kins", tilt.to_lowercase());
-        let names = ["x-rot-point", "y-rot-point", "z-rot-point", "x-offset", "y-offset", "z-offset", "tool-offset"];
-        let values = [3.006 - 0.5, 5.0 - 0.004, -380.0 - 10.0, offset[0], offset[1], offset[2], 120.0];
+        let names = ["x-rot-point", "y-rot-point", "z-rot-point", offset.0, "z-offset"];
+        let values = [3.006 - 0.5, 5.0 - 0.004, -380.0 - 10.0, offset.1, 30.009];
         let names = names.map(|name| format!("{module}.{name}"));
         let wanted: Vec<(&str, f64)> = names.iter().map(String::as_str).zip(values).collect();
         expect(&out.join("trt.hal"), &wanted, 1e-6 + 1e-12);
         assert!(number(&json, "/uncompensated/position_um/p95") > 10.0);
         assert!(number(&json, "/compensated/position_um/max") < 5e-3, "{json}");
+        let hal = std::fs::read_to_string(out.join("trt.hal")).unwrap();
+        assert!(hal.contains(&format!("net tool-length motion.tooloffset.z => {module}.tool-offset\n")));
         let again = verify(&machine, &out, &[]).json();
         assert_eq!(again["compensated"], json["compensated"]);
     }

@@ -54,7 +54,7 @@ fn every_target_is_told_by_its_content() {
     for target in abbe::controller::NAMES {
         let machine = match target {
             // Its machine is none of these; `kinematic_parameters` has it.
-            "linuxcnc-5axiskins" => continue,
+            "linuxcnc-5axiskins" | "linuxcnc-maxkins" => continue,
             "linuxcnc-trt" => &tilting,
             _ if PARAMETER_TARGETS.contains(&target) => &tilting,
             _ => &three,

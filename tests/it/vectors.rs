@@ -14,11 +14,12 @@ use crate::support::compile;
 use crate::support::controllers::Files;
 
 /// Tests with a target's vectors: of the file's text, and of the corrections.
-const VECTORS: [(&str, &str, &str); 24] = [
+const VECTORS: [(&str, &str, &str); 25] = [
     ("linuxcnc", "compile_linuxcnc", "compile_linuxcnc, tests/live"),
     ("linuxcnc-kins", "linuxcnc_kins/mod", "tests/live"),
     ("linuxcnc-matrixkins", "linuxcnc_constants", "linuxcnc_constants"),
     ("linuxcnc-trt", "linuxcnc_constants", "linuxcnc_constants"),
+    ("linuxcnc-maxkins", "kinematic_parameters", "kinematic_parameters"),
     ("linuxcnc-5axiskins", "kinematic_parameters", "kinematic_parameters"),
     ("sinumerik-traori", "kinematic_parameters", "kinematic_parameters"),
     ("heidenhain-kinematics", "kinematic_parameters", "kinematic_parameters"),

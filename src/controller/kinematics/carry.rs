@@ -1,6 +1,6 @@
 //! The content of a kinematics module, and the machines that it fits.
 
-use super::constants::{Centres, LinearMap};
+use super::constants::LinearMap;
 use super::data::{Model, WORLD};
 use super::parameters::Parameters;
 use super::topology;
@@ -16,8 +16,6 @@ pub enum KinematicsModule {
     FullModel(Model),
     /// X, Y, Z to their joints.
     LinearMap(LinearMap),
-    /// Lines of a tilting table.
-    RotaryCentres(Centres),
     /// Parameters of the controller's own transformation.
     KinematicParameters(Parameters),
 }
@@ -28,11 +26,9 @@ impl KinematicsModule {
         let Some(mechanism) = target.manifest.kinematics() else {
             return Err(Diagnostic::new(codes::E0703, "this target does not replace the kinematics"));
         };
-        let letters = || letters(machine, target);
         let carried = match mechanism.carries {
             ModuleContent::FullModel => Self::FullModel(Model::of(machine, mechanism.damping, orientation)?),
-            ModuleContent::LinearMap => Self::LinearMap(LinearMap::fitted(machine, &letters()?)?),
-            ModuleContent::RotaryCentres => Self::RotaryCentres(Centres::fitted(machine, &letters()?)?),
+            ModuleContent::LinearMap => Self::LinearMap(LinearMap::fitted(machine, &letters(machine, target)?)?),
             ModuleContent::KinematicParameters => {
                 Self::KinematicParameters(Parameters::of(machine, mechanism, orientation)?)
             }
@@ -64,7 +60,7 @@ impl KinematicsModule {
         match self {
             Self::FullModel(model) => model.orientation,
             Self::KinematicParameters(parameters) => parameters.vectors,
-            Self::LinearMap(_) | Self::RotaryCentres(_) => false,
+            Self::LinearMap(_) => false,
         }
     }
 
@@ -81,7 +77,7 @@ impl KinematicsModule {
     pub fn parameters(&self) -> Option<&Parameters> {
         match self {
             Self::KinematicParameters(parameters) => Some(parameters),
-            Self::FullModel(_) | Self::LinearMap(_) | Self::RotaryCentres(_) => None,
+            Self::FullModel(_) | Self::LinearMap(_) => None,
         }
     }
 
@@ -89,7 +85,7 @@ impl KinematicsModule {
     pub fn warnings(&self, machine: &Machine) -> Vec<Diagnostic> {
         match self {
             Self::FullModel(model) => topology::warnings(machine, model),
-            Self::LinearMap(_) | Self::RotaryCentres(_) | Self::KinematicParameters(_) => Vec::new(),
+            Self::LinearMap(_) | Self::KinematicParameters(_) => Vec::new(),
         }
     }
 
@@ -99,7 +95,6 @@ impl KinematicsModule {
         match self {
             Self::FullModel(model) => Self::FullModel(model),
             Self::LinearMap(map) => Self::LinearMap(map.rounded(decimals)),
-            Self::RotaryCentres(centres) => Self::RotaryCentres(centres.rounded(decimals)),
             Self::KinematicParameters(parameters) => Self::KinematicParameters(parameters),
         }
     }

@@ -25,10 +25,7 @@ const MARGIN: f64 = 1.0;
 pub fn context(machine: &Machine, carried: &KinematicsModule, mechanism: &KinematicsMechanism) -> Value {
     match carried {
         KinematicsModule::FullModel(model) => full_model(machine, model, mechanism),
-        KinematicsModule::LinearMap(map) => constants(&map.matrix, mechanism, "none"),
-        KinematicsModule::RotaryCentres(centres) => {
-            constants(&centres.lines, mechanism, ["a", "b"][centres.tilt.min(1)])
-        }
+        KinematicsModule::LinearMap(map) => constants(&map.matrix, mechanism),
         KinematicsModule::KinematicParameters(parameters) => {
             let one = |p: WrittenParameter| context! { name => p.name, value => p.value, before => p.before };
             context! { constants => parameters.written().into_iter().map(one).collect::<Vec<_>>() }
@@ -36,10 +33,10 @@ pub fn context(machine: &Machine, carried: &KinematicsModule, mechanism: &Kinema
     }
 }
 
-fn constants(values: &[f64], mechanism: &KinematicsMechanism, tilt: &str) -> Value {
+fn constants(values: &[f64], mechanism: &KinematicsMechanism) -> Value {
     let text = |value: &f64| fixed(*value, mechanism.increment.correction_decimals);
     let all = mechanism.constants.iter().zip(values).map(|(name, value)| context! { name, value => text(value) });
-    context! { constants => all.collect::<Vec<_>>(), tilt }
+    context! { constants => all.collect::<Vec<_>>() }
 }
 
 fn full_model(machine: &Machine, model: &Model, mechanism: &KinematicsMechanism) -> Value {

@@ -39,7 +39,6 @@ impl<'a> ModuleField<'a> {
                 model.command(&model.setting(), &world(self.machine, model, &tip, pose), pose)
             }
             KinematicsModule::LinearMap(map) => Some(map.command(pose)),
-            KinematicsModule::RotaryCentres(centres) => Some(centres.command(&tip, pose)),
             KinematicsModule::KinematicParameters(parameters) => {
                 Some(parameters.transformation().command(&programmed(self.machine, parameters.vectors, pose)))
             }

@@ -71,26 +71,16 @@ impl ControllerTarget {
             return None;
         };
         let mechanism = self.manifest.kinematics()?;
-        let pins = |module: usize| Pins {
-            modules: mechanism.components.get(module..=module).unwrap_or_default(),
-            names: &mechanism.constants,
-        };
+        let pins = Pins { modules: &mechanism.components, names: &mechanism.constants };
         let read = match (&spec.layout, meant) {
             (Some(Layout::CArrays), KinematicsModule::FullModel(meant)) => Arrays::read(&file.text)
                 .and_then(|arrays| model(&arrays, machine, meant))
                 .map(KinematicsModule::FullModel),
-            (Some(Layout::HalConstants), KinematicsModule::LinearMap(meant)) => pins(0).set(&file.text).map(|matrix| {
+            (Some(Layout::HalConstants), KinematicsModule::LinearMap(meant)) => pins.set(&file.text).map(|matrix| {
                 let mut map = meant.clone();
                 map.matrix = matrix;
                 KinematicsModule::LinearMap(map)
             }),
-            (Some(Layout::HalConstants), KinematicsModule::RotaryCentres(meant)) => {
-                pins(meant.tilt).set(&file.text).map(|lines| {
-                    let mut centres = meant.clone();
-                    centres.lines = lines;
-                    KinematicsModule::RotaryCentres(centres)
-                })
-            }
             (Some(Layout::Parameters { .. }), KinematicsModule::KinematicParameters(meant)) => {
                 let read = self.parameters(&meant.names(), &file.text).and_then(|stored| {
                     let values = meant.stored(&stored);

@@ -286,13 +286,17 @@ impl Transformation {
 impl AssumedAxis {
     /// True if a nominal axis is where the controller assumes it.
     fn holds(&self, nominal: &Transformation) -> bool {
-        let Some(line) = nominal.line(self.of) else { return false };
+        let found = match self.of {
+            MachinePart::Tool => Some((nominal.tool, Vector3::zeros())),
+            part => nominal.line(part).map(|line| (line.direction, line.point)),
+        };
+        let Some((unit, point)) = found else { return false };
         let same = |(assumed, found): (f64, f64)| (assumed - found).abs() <= SAME;
-        let turned = self.direction.is_none_or(|direction| (0..3).all(|k| same((direction[k], line.direction[k]))));
+        let turned = self.direction.is_none_or(|direction| (0..3).all(|k| same((direction[k], unit[k]))));
         let along = self.line.is_none_or(|along| {
-            let cosine: f64 = (0..3).map(|k| along[k] * line.direction[k]).sum();
+            let cosine: f64 = (0..3).map(|k| along[k] * unit[k]).sum();
             same((1.0, cosine.abs()))
         });
-        turned && along && (0..3).all(|k| self.offset[k].is_none_or(|offset| same((offset, line.point[k]))))
+        turned && along && (0..3).all(|k| self.offset[k].is_none_or(|offset| same((offset, point[k]))))
     }
 }

@@ -7,12 +7,13 @@ use std::fmt::{Display, Formatter};
 use std::path::Path;
 
 /// Targets in the binary.
-pub const NAMES: [&str; 24] = [
+pub const NAMES: [&str; 25] = [
     "linuxcnc",
     "linuxcnc-kins",
     "linuxcnc-matrixkins",
     "linuxcnc-trt",
     "linuxcnc-5axiskins",
+    "linuxcnc-maxkins",
     "isg-volcomp",
     "etalon-exchange",
     "sinumerik-cec",
@@ -35,7 +36,7 @@ pub const NAMES: [&str; 24] = [
 ];
 
 /// Files in the binary, as in `templates/`.
-const EMBEDDED: [(&str, &str); 66] = [
+const EMBEDDED: [(&str, &str); 68] = [
     ("linuxcnc/compensation.inc.j2", include_str!("../../../templates/linuxcnc/compensation.inc.j2")),
     ("linuxcnc/table.j2", include_str!("../../../templates/linuxcnc/table.j2")),
     ("linuxcnc/target.yaml", include_str!("../../../templates/linuxcnc/target.yaml")),
@@ -57,6 +58,8 @@ const EMBEDDED: [(&str, &str); 66] = [
     ("linuxcnc-trt/trt.hal.j2", include_str!("../../../templates/linuxcnc-trt/trt.hal.j2")),
     ("linuxcnc-5axiskins/pivot.hal.j2", include_str!("../../../templates/linuxcnc-5axiskins/pivot.hal.j2")),
     ("linuxcnc-5axiskins/target.yaml", include_str!("../../../templates/linuxcnc-5axiskins/target.yaml")),
+    ("linuxcnc-maxkins/pivot.hal.j2", include_str!("../../../templates/linuxcnc-maxkins/pivot.hal.j2")),
+    ("linuxcnc-maxkins/target.yaml", include_str!("../../../templates/linuxcnc-maxkins/target.yaml")),
     ("sinumerik-traori/traori.j2", include_str!("../../../templates/sinumerik-traori/traori.j2")),
     ("sinumerik-traori/target.yaml", include_str!("../../../templates/sinumerik-traori/target.yaml")),
     ("heidenhain-kinematics/list.j2", include_str!("../../../templates/heidenhain-kinematics/list.j2")),

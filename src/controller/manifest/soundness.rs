@@ -109,7 +109,7 @@ impl Manifest {
 fn layout_fits(carries: ModuleContent, layout: &Layout) -> bool {
     match carries {
         ModuleContent::FullModel => *layout == Layout::CArrays,
-        ModuleContent::LinearMap | ModuleContent::RotaryCentres => *layout == Layout::HalConstants,
+        ModuleContent::LinearMap => *layout == Layout::HalConstants,
         ModuleContent::KinematicParameters => matches!(layout, Layout::Parameters { comment, line, .. }
             if !comment.is_empty() && line.contains("<name>") && line.contains("<value>")),
     }
@@ -170,7 +170,6 @@ impl ModuleContent {
         match self {
             Self::FullModel | Self::KinematicParameters => 0,
             Self::LinearMap => 1,
-            Self::RotaryCentres => 2,
         }
     }
 
@@ -179,7 +178,6 @@ impl ModuleContent {
         match self {
             Self::FullModel | Self::KinematicParameters => 0,
             Self::LinearMap => 9,
-            Self::RotaryCentres => 7,
         }
     }
 }

@@ -13,7 +13,6 @@ impl ControllerTarget {
         match mechanism.carries {
             ModuleContent::FullModel => Arrays::read(text)?.take("abbe_options", 3).map(|_| ()),
             ModuleContent::LinearMap => pins.set::<9>(text).map(|_| ()),
-            ModuleContent::RotaryCentres => pins.set::<7>(text).map(|_| ()),
             ModuleContent::KinematicParameters => self.accept_parameters(text),
         }
     }

@@ -160,8 +160,15 @@ fn quantiles_by_hand() {
 }
 
 /// Targets of kinematic parameters: `kinematic_parameters` has their tests.
-pub const PARAMETER_TARGETS: [&str; 5] =
-    ["linuxcnc-5axiskins", "sinumerik-traori", "heidenhain-kinematics", "fanuc-5axis", "haas-mrzp"];
+pub const PARAMETER_TARGETS: [&str; 7] = [
+    "linuxcnc-5axiskins",
+    "linuxcnc-maxkins",
+    "linuxcnc-trt",
+    "sinumerik-traori",
+    "heidenhain-kinematics",
+    "fanuc-5axis",
+    "haas-mrzp",
+];
 
 /// True if a target's files are tables.
 pub fn writes_tables(target: &str) -> bool {
