@@ -13,7 +13,8 @@ use super::run::{Answer, Call, Refused, Run};
 use super::verify::{VerifyOptions, warn_edited, warn_other_inputs, warn_other_tool};
 use crate::compensation::CorrectionTables;
 use crate::controller::{
-    ControllerTarget, Depth, Effect, Hashed, LOCK_NAME, Lock, Parameters, RenderedFile, certify_composed, sha256,
+    Certificate, ControllerTarget, Depth, Effect, Figures, Hashed, KinematicsModule, LOCK_NAME, Lock, Parameters,
+    RenderedFile, TablesUnderTest, certify_composed, sha256,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
@@ -52,6 +53,8 @@ struct Composition {
     /// The machine that the tables are for: its nominal geometry is that of the parameters.
     rest: Machine,
     tables: CorrectionTables,
+    /// The tables that were in force when the machine was measured.
+    before: Option<CorrectionTables>,
     /// Names of the files, with their subfolders.
     files: Vec<String>,
 }
@@ -68,40 +71,74 @@ pub fn compile_composed(
 ) -> Result<Answer<ComposedSet>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
         call.extend(bounded_only(file));
-        if options.installed.is_some() {
-            return call.usage("--installed: with one target; compile the parts one by one");
-        }
-        let (target, tables_target) = split(call, targets, &options.compensation)?;
-        refuse_unverified(call, &target, options.accept_unverified)?;
-        refuse_unverified(call, &tables_target, options.accept_unverified)?;
         let how = &options.compensation;
-        let request = ModuleRequest { limits: options.max_correction, ..ModuleRequest::plain(how.orientation()) };
-        let module = module_set::rendered(call, file, &target, request)?;
-        let Some(parameters) = module.module.parameters().cloned() else { return Err(Refused) };
-        let rest = remaining(call, file, &parameters)?;
-        let request = TableRequest {
-            lattice: &options.lattice,
-            max_nodes: options.max_nodes,
-            scope: how.scope(),
-            limits: options.max_correction,
-        };
-        let rendered = table_set::rendered(call, &rest, &tables_target, &request, None)?;
-        let names = |target: &ControllerTarget, files: &[RenderedFile]| {
-            files.iter().map(|file| format!("{}/{}", target.manifest.target, file.name)).collect::<Vec<_>>()
-        };
-        let files = [names(&target, &module.rendered), names(&tables_target, &rendered.rendered)].concat();
-        let composition = Composition { target, parameters, tables_target, rest, tables: rendered.tables, files };
+        let targets = split(call, targets, how)?;
+        refuse_unverified(call, &targets.0, options.accept_unverified)?;
+        refuse_unverified(call, &targets.1, options.accept_unverified)?;
+        let (composition, [of_first, of_second]) = compiled(call, file, targets, options)?;
         let certificate = composition.certificate(file, how, (options.poses, options.seed), call)?;
         let goal = if how.orientation() { "correct pose" } else { "correct position" };
-        let first = composition.part(file, &composition.target, vec![goal.to_owned()], module.rendered);
+        let first = composition.part(file, &composition.target, vec![goal.to_owned()], of_first);
         let beside = [how.words(), vec![beside(&first.lock)]].concat();
-        let second = composition.part(file, &composition.tables_target, beside, rendered.rendered);
+        let second = composition.part(file, &composition.tables_target, beside, of_second);
         let parts = vec![first, second];
         let hashed = |part: &ComposedPart| Hashed::new(part.folder.clone(), part.lock.to_text().as_bytes());
         let mut lock = Lock::new(&composition.name(), file, how.words(), file.inputs(), Vec::new());
         lock.parts = parts.iter().map(hashed).collect();
         Ok(ComposedSet { parts, lock, certificate })
     })
+}
+
+/// Returns the parameters and the tables for what they leave, as the controller reads them, and the files of both.
+fn compiled(
+    call: &mut Call,
+    machine: &Machine,
+    (target, mut tables_target): (ControllerTarget, ControllerTarget),
+    options: &CompileOptions,
+) -> Result<(Composition, [Vec<RenderedFile>; 2]), Refused> {
+    let how = &options.compensation;
+    let installed = installed(call, machine, (&target, &tables_target), how, options.installed.as_deref())?;
+    let (before, installed) = installed.unzip();
+    let request = ModuleRequest { limits: options.max_correction, before, ..ModuleRequest::plain(how.orientation()) };
+    let module = module_set::rendered(call, machine, &target, request)?;
+    let Some(parameters) = module.module.parameters().cloned() else { return Err(Refused) };
+    let rest = remaining(call, machine, &parameters)?;
+    let request = TableRequest {
+        lattice: &options.lattice,
+        max_nodes: options.max_nodes,
+        scope: how.scope(),
+        limits: options.max_correction,
+    };
+    let whole = everything(how).target(call, &tables_target.manifest.target)?;
+    let over = installed.as_ref().map(|installed| (installed, &whole));
+    let rendered = table_set::rendered(call, &rest, &tables_target, &request, over)?;
+    if over.is_some() {
+        tables_target = whole;
+    }
+    let names = |target: &ControllerTarget, files: &[RenderedFile]| {
+        files.iter().map(|file| format!("{}/{}", target.manifest.target, file.name)).collect::<Vec<_>>()
+    };
+    let files = [names(&target, &module.rendered), names(&tables_target, &rendered.rendered)].concat();
+    let tables = rendered.tables;
+    let composition = Composition { target, parameters, tables_target, rest, tables, before: installed, files };
+    Ok((composition, [module.rendered, rendered.rendered]))
+}
+
+/// Returns the effect that two targets have together on a machine, by the files that `compile` would write, and their
+/// certificate. Nothing is written.
+pub(in crate::api) fn composed_effect(
+    call: &mut Call,
+    machine: &Machine,
+    targets: &[String],
+    options: &CompensationOptions,
+    depth: Depth,
+) -> Result<(ControllerTarget, Effect, Certificate), Refused> {
+    let targets = split(call, targets, options)?;
+    let options = CompileOptions { compensation: options.clone(), ..CompileOptions::default() };
+    let (composition, _) = compiled(call, machine, targets, &options)?;
+    let (certificate, _) = composition.certified(machine, &options.compensation, depth, call)?;
+    let (effect, _) = composition.effect();
+    Ok((composition.both(), effect, certificate))
 }
 
 /// The word by which tables name the parameters that they are beside.
@@ -160,9 +197,25 @@ fn remaining(call: &mut Call, machine: &Machine, parameters: &Parameters) -> Res
     }
 }
 
+/// The name of both.
+fn joined(first: &ControllerTarget, second: &ControllerTarget) -> String {
+    format!("{}+{}", first.manifest.target, second.manifest.target)
+}
+
+/// The targets of the composed set in a folder: parameters, then tables.
+fn targets(
+    call: &mut Call,
+    path: &Path,
+    options: &CompensationOptions,
+) -> Result<(ControllerTarget, ControllerTarget), Refused> {
+    let lock = Folder::new(path, call.run.files).lock();
+    let names: Vec<String> = lock.iter().flat_map(|lock| &lock.parts).map(|part| part.name.clone()).collect();
+    split(call, &names, options)
+}
+
 impl Composition {
     fn name(&self) -> String {
-        format!("{}+{}", self.target.manifest.target, self.tables_target.manifest.target)
+        joined(&self.target, &self.tables_target)
     }
 
     /// Both targets as one: what neither can correct, and the sign tests of both.
@@ -188,7 +241,26 @@ impl Composition {
         ComposedPart { folder: target.manifest.target.clone(), files, lock }
     }
 
-    /// Certifies both together.
+    fn tables_under_test(&self) -> TablesUnderTest<'_> {
+        TablesUnderTest { target: &self.tables_target, tables: &self.tables, installed: self.before.as_ref() }
+    }
+
+    /// Certifies both together. Returns the figures after the parameters alone beside the certificate.
+    fn certified(
+        &self,
+        machine: &Machine,
+        how: &CompensationOptions,
+        depth: Depth,
+        call: &mut Call,
+    ) -> Result<(Certificate, Figures), Refused> {
+        let sets = ((&self.target, &self.parameters), self.tables_under_test());
+        let found = certify_composed(machine, &self.rest, sets, how.scope(), depth);
+        call.extend(verdict::warnings(&found.0));
+        call.checked()?;
+        Ok(found)
+    }
+
+    /// The certificate of both, with its steps.
     fn certificate(
         &self,
         file: &MachineFile,
@@ -197,14 +269,11 @@ impl Composition {
         call: &mut Call,
     ) -> Result<CertificateReport, Refused> {
         let depth = Depth { poses, seed };
-        let sets = ((&self.target, &self.parameters), (&self.tables_target, &self.tables));
-        let (certificate, first) = certify_composed(file, &self.rest, sets, how.scope(), depth);
-        call.extend(verdict::warnings(&certificate));
-        call.checked()?;
-        let (effect, target) = self.effect();
-        let both = self.both();
-        let field = effect.field(file, &target);
-        let mut report = CertificateReport::new(file, &both, &certificate, (&*field, depth), self.files.clone());
+        let (certificate, first) = self.certified(file, how, depth, call)?;
+        let tables = self.tables_under_test();
+        let module = KinematicsModule::KinematicParameters(self.parameters.clone());
+        let (both, field) = (self.both(), tables.beside(file, &module));
+        let mut report = CertificateReport::new(file, &both, &certificate, (&field, depth), self.files.clone());
         let step = |target: String, compensated| CertificateStep { target, compensated };
         report.steps =
             vec![step(self.target.manifest.target.clone(), first), step(both.manifest.target, certificate.compensated)];
@@ -233,7 +302,7 @@ impl Composition {
 
     /// The effect of both, and the target whose tables it has.
     fn effect(&self) -> (Effect, ControllerTarget) {
-        let module = crate::controller::KinematicsModule::KinematicParameters(self.parameters.clone());
+        let module = KinematicsModule::KinematicParameters(self.parameters.clone());
         (Effect::Module(Box::new(module), self.tables.clone()), self.tables_target.clone())
     }
 }
@@ -243,17 +312,46 @@ pub(in crate::api) fn is_composed(folder: &Path, call: &Call) -> bool {
     Folder::new(folder, call.run.files).lock().is_some_and(|lock| !lock.parts.is_empty())
 }
 
+/// What is in force is there, whatever new tables are to be without.
+fn everything(options: &CompensationOptions) -> CompensationOptions {
+    CompensationOptions { without: Vec::new(), ..options.clone() }
+}
+
+/// The parameters and the tables that were in force when the machine was measured.
+fn installed(
+    call: &mut Call,
+    machine: &Machine,
+    (target, tables_target): (&ControllerTarget, &ControllerTarget),
+    options: &CompensationOptions,
+    folder: Option<&Path>,
+) -> Result<Option<(Vec<f64>, CorrectionTables)>, Refused> {
+    let Some(folder) = folder else { return Ok(None) };
+    let shown = folder.display().to_string();
+    if !is_composed(folder, call) {
+        let message = format!("`{shown}` holds no set of two targets");
+        let help = "name the folder above the subfolders of both; what only one of them had is compiled with that one";
+        return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
+    }
+    let old = call.about(&shown, |call| found(call, machine, folder, &everything(options), (None, None)))?;
+    let (before, now) = (old.name(), joined(target, tables_target));
+    if before != now {
+        let message = format!("the files in `{shown}` are of `{before}`, not of `{now}`");
+        let help = "only sets of the same targets can be written on top of each other";
+        return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
+    }
+    Ok(Some((old.parameters.values().to_vec(), old.tables)))
+}
+
 /// Reads both parts of the composed set in a folder.
 fn found(
     call: &mut Call,
     machine: &Machine,
     path: &Path,
     options: &CompensationOptions,
+    (before, old_tables): (Option<Vec<f64>>, Option<CorrectionTables>),
 ) -> Result<Composition, Refused> {
-    let lock = Folder::new(path, call.run.files).lock();
-    let names: Vec<String> = lock.iter().flat_map(|lock| &lock.parts).map(|part| part.name.clone()).collect();
-    let (target, tables_target) = split(call, &names, options)?;
-    let request = ModuleRequest::plain(options.orientation());
+    let (target, tables_target) = targets(call, path, options)?;
+    let request = ModuleRequest { before, ..ModuleRequest::plain(options.orientation()) };
     let (of_first, of_second) = (path.join(&target.manifest.target), path.join(&tables_target.manifest.target));
     let locks = [&of_first, &of_second].map(|folder| Folder::new(folder, call.run.files).lock());
     if let [Some(first), Some(second)] = &locks
@@ -284,7 +382,7 @@ fn found(
     call.checked()?;
     let of_tables = found.files.iter().map(|file| format!("{}/{file}", tables_target.manifest.target));
     let files = of_parameters.into_iter().chain(of_tables).collect();
-    Ok(Composition { target, parameters, tables_target, rest, tables: found.tables, files })
+    Ok(Composition { target, parameters, tables_target, rest, tables: found.tables, before: old_tables, files })
 }
 
 /// The certificate of the composed set in a folder.
@@ -294,10 +392,10 @@ pub(super) fn verify_composed(
     folder: &Path,
     options: &VerifyOptions,
 ) -> Result<CertificateReport, Refused> {
-    if options.installed.is_some() {
-        return call.usage("--installed: with one target; verify the parts one by one");
-    }
-    let composition = found(call, file, folder, &options.compensation)?;
+    let how = &options.compensation;
+    let (target, tables_target) = targets(call, folder, how)?;
+    let before = installed(call, file, (&target, &tables_target), how, options.installed.as_deref())?;
+    let composition = found(call, file, folder, how, before.unzip())?;
     composition.warn(call, file, folder);
     composition.certificate(file, &options.compensation, (options.poses, options.seed), call)
 }
@@ -309,6 +407,6 @@ pub(in crate::api) fn found_composed(
     folder: &Path,
     options: &CompensationOptions,
 ) -> Result<(ControllerTarget, Effect), Refused> {
-    let (effect, target) = found(call, machine, folder, options)?.effect();
+    let (effect, target) = found(call, machine, folder, options, (None, None))?.effect();
     Ok((target, effect))
 }

@@ -1,7 +1,7 @@
 //! The error over a volume.
 
 use super::bounded::{AddedByBounds, DrawnBounds, added};
-use super::compensation::effect::compiled_effect;
+use super::compensation::effect::named_effect;
 use super::compensation::options::CompensationOptions;
 use super::features::{FeatureResult, features};
 use super::machine_file::MachineFile;
@@ -333,9 +333,8 @@ fn compensation(
         return call
             .usage("a compensated machine is mapped with the exact model: omit `--order`, or give `--order exact`");
     }
-    let target = options.compensation.target(call, name)?;
     let depth = Depth { poses: CERTIFIED, seed: options.seed };
-    let (effect, _) = compiled_effect(call, machine, &target, &options.compensation, depth)?;
+    let (target, effect, _) = named_effect(call, machine, name, &options.compensation, depth)?;
     Ok(Some((target, effect)))
 }
 

@@ -3,7 +3,7 @@
 use super::bounded::{DrawnBounds, added};
 use super::budget::{BudgetOptions, BudgetResult, budget_of};
 use super::budgets::{DrawnMachines, budgets};
-use super::compensation::effect::compiled_effect;
+use super::compensation::effect::named_effect;
 use super::compensation::options::CompensationOptions;
 use super::features::{bounded_features, features};
 use super::finite;
@@ -173,7 +173,10 @@ impl<'a> Subject<'a> {
         call.checked()?;
         let path = options.tool_poses.as_ref();
         let work = path.map(|path| work(call, file, path, (options, bounded.as_ref()))).transpose()?;
-        let written = targets.iter().map(|name| compensated(call, file, name, options)).collect::<Result<_, _>>()?;
+        let mut written = Vec::new();
+        for name in targets {
+            written.extend(compensated(call, file, name, options)?);
+        }
         let reached = work.as_ref().map(|(poses, _)| poses.as_slice());
         let bounds_add = added(call, file, settings, reached)?.map_or(Value::Null, |added| json!(added));
         let found = file.warnings().iter().chain(call.diagnostics.iter().skip(seen));
@@ -229,17 +232,23 @@ fn nothing_to_compensate(file: &MachineFile) -> Diagnostic {
     Diagnostic::new(codes::W0802, message).help("give values for measured errors, or omit `--target`")
 }
 
-/// Returns the effect of the files that `compile` would write for a target, and their certificate.
+/// Returns the effect of the files that `compile` would write for a target, and their certificate; of two targets
+/// joined by a plus sign after the parameters, and after both.
 fn compensated(
     call: &mut Call<'_>,
     machine: &Machine,
     name: &str,
     options: &ReportOptions,
-) -> Result<TargetResult, Refused> {
+) -> Result<Vec<TargetResult>, Refused> {
     let (how, depth) = (&options.compensation, Depth { poses: options.poses, seed: options.seed });
-    let target = how.target(call, name)?;
-    let (effect, certificate) = compiled_effect(call, machine, &target, how, depth)?;
-    Ok(TargetResult { target, effect, certificate })
+    let (target, effect, certificate) = named_effect(call, machine, name, how, depth)?;
+    let parameters = target.manifest.target.split_once('+').map(|(first, _)| first.to_owned());
+    let mut steps = Vec::new();
+    if let Some(first) = parameters {
+        steps.extend(compensated(call, machine, &first, options)?);
+    }
+    steps.push(TargetResult { target, effect, certificate });
+    Ok(steps)
 }
 
 /// Returns the budget that [`budget`](super::budget()) would give; `None` if no error is bounded.

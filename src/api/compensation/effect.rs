@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// Returns the effect of a target on a machine by the files that `compile` would write, and their certificate. Nothing
 /// is written.
-pub(crate) fn compiled_effect(
+fn compiled_effect(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
@@ -35,6 +35,24 @@ pub(crate) fn compiled_effect(
     call.extend(verdict::warnings(&certificate));
     call.checked()?;
     Ok((effect, certificate))
+}
+
+/// Returns the effect of a target by its name, or of two whose names are joined by a plus sign: kinematic parameters
+/// and tables for what they leave.
+pub(crate) fn named_effect(
+    call: &mut Call,
+    machine: &Machine,
+    name: &str,
+    options: &CompensationOptions,
+    depth: Depth,
+) -> Result<(ControllerTarget, Effect, Certificate), Refused> {
+    let names: Vec<String> = name.split('+').map(str::to_owned).collect();
+    if names.len() > 1 {
+        return compose::composed_effect(call, machine, &names, options, depth);
+    }
+    let target = options.target(call, name)?;
+    let (effect, certificate) = compiled_effect(call, machine, &target, options, depth)?;
+    Ok((target, effect, certificate))
 }
 
 /// Returns the effect of the set in a folder, of whatever target it is.

@@ -19,7 +19,7 @@ pub(crate) struct Args {
     machine: PathBuf,
     #[arg(long, value_name = "NAME", required = true, help = help::TARGET,
         long_help = "The controller; `abbe targets` lists them. Kinematic parameters and tables for what they leave: \
-            both targets, each with its --target")]
+            both targets, each with its --target or as A+B")]
     target: Vec<String>,
     #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Folder for the files")]
     out: PathBuf,
@@ -45,6 +45,10 @@ pub(crate) struct Args {
 }
 
 impl Args {
+    fn targets(&self) -> Vec<String> {
+        self.target.iter().flat_map(|name| name.split('+')).map(str::to_owned).collect()
+    }
+
     fn options(&self) -> CompileOptions {
         CompileOptions {
             target: self.target.first().cloned().unwrap_or_default(),
@@ -71,7 +75,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let Some(installed) = &args.installed.installed {
         file_set::check(session, installed)?;
     }
-    if args.target.len() > 1 {
+    if args.targets().len() > 1 {
         return composed(session, args, &file);
     }
     let answer = abbe::compile(&file, &args.options(), session.run());
@@ -95,7 +99,7 @@ fn archived(session: &mut Session, args: &Args) -> Outcome {
 
 /// Writes the sets of two targets into subfolders, then the manifest over both.
 fn composed(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
-    let set = session.take(abbe::compile_composed(file, &args.target, &args.options(), session.run()))?;
+    let set = session.take(abbe::compile_composed(file, &args.targets(), &args.options(), session.run()))?;
     archived(session, args)?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());

@@ -38,7 +38,7 @@ pub(crate) struct Args {
     seed: SeedArg,
     #[arg(long, value_name = "NAME", help = help::TARGET,
         long_help = "Map the residual after the compensation of this controller, beside the uncompensated error; \
-                     `abbe targets` lists them")]
+                     `abbe targets` lists them. Kinematic parameters and tables for what they leave: A+B")]
     target: Option<String>,
     #[command(flatten)]
     how: CompensationArgs,

@@ -23,7 +23,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     tool_poses: ToolPosesArg,
     #[arg(long, value_name = "NAME", help = help::TARGET,
-        long_help = "A controller whose compensation and certificate are to be shown; may be given several times")]
+        long_help = "A controller whose compensation and certificate are to be shown; may be given several times. \
+            Kinematic parameters and tables for what they leave, step by step: A+B")]
     pub target: Vec<String>,
     /// Serve the page on 127.0.0.1 and refresh it whenever the machine file, or a file it names, is saved.
     #[arg(long)]

@@ -6,6 +6,7 @@ use super::depth::{Depth, single_error_poses};
 use super::figures::{Judgement, figures, judge};
 use super::sign_test::strongest_at;
 use super::single_error::{NominalAt, SingleErrorResidual, judge_one, nominal};
+use super::tables::TablesUnderTest;
 use crate::compensation::CorrectionTables;
 use crate::controller::kinematics::{KinematicsModule, ModuleField, Parameters};
 use crate::controller::manifest::ControllerTarget;
@@ -20,9 +21,8 @@ const LONGER_TOOL_MM: f64 = 100.0;
 /// A module with the tables beside it.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::controller) struct ModuleSet<'a> {
-    pub target: &'a ControllerTarget,
     pub module: &'a KinematicsModule,
-    pub beside: &'a CorrectionTables,
+    pub tables: TablesUnderTest<'a>,
 }
 
 /// A target's module for one error alone; no module if it cannot be made.
@@ -42,7 +42,7 @@ pub(in crate::controller) fn judge_module(
     depth: Depth,
 ) -> Certificate {
     let poses = depth.poses(machine);
-    let driven = ModuleField::new(machine, set.module).beside(Replay::new(machine, set.target, set.beside));
+    let driven = set.tables.beside(machine, set.module);
     let bare = Bare { machine, order: Order::Exact };
     let Judgement { approach, uncompensated, compensated, raised } = judge(&bare, &driven, &poses);
     let zero = vec![0.0; machine.axes().len()];
@@ -55,7 +55,7 @@ pub(in crate::controller) fn judge_module(
         approach,
         uncompensated,
         compensated,
-        errors: single_errors.par_iter().map(|one| judge_single(machine, set.target, one, &single)).collect(),
+        errors: single_errors.par_iter().map(|one| judge_single(machine, set.tables.target, one, &single)).collect(),
         single_error_poses: single.len(),
         at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.added(&zero, approach)),
         shifted: None,
@@ -80,7 +80,7 @@ fn programming(
     let ways = [(machine, 0.0), (&longer, LONGER_TOOL_MM)].into_iter().flat_map(|of| [(of, false), (of, true)]);
     ways.map(|((machine, longer_mm), vectors)| {
         let module = KinematicsModule::KinematicParameters(own.clone().programmed(vectors));
-        let driven = ModuleField::new(machine, &module).beside(Replay::new(machine, set.target, set.beside));
+        let driven = set.tables.beside(machine, &module);
         let bare = Bare { machine, order: Order::Exact };
         let [uncompensated, compensated] = [&bare as &dyn Field, &driven].map(|field| figures(field, poses, approach));
         ProgrammingFigures { vectors, longer_mm, uncompensated, compensated }

@@ -7,6 +7,7 @@ use super::sign_test::strongest;
 use super::single_error::SetOfTables;
 use super::zero_shift::{Shiftable, ZeroShift};
 use crate::compensation::{CorrectionTables, Reference, SingleErrors, Spacing, TableRules};
+use crate::controller::kinematics::{KinematicsModule, ModuleField};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::replay::{Compensated, Replay};
 use crate::evaluate::{Bare, Order};
@@ -26,8 +27,17 @@ pub struct TablesUnderTest<'a> {
 impl<'a> TablesUnderTest<'a> {
     /// Returns the machine with the tables, in place of those that were in force when it was measured.
     pub fn field(&self, machine: &'a Machine) -> Compensated<'a> {
+        Compensated { machine, replay: self.replay(machine) }
+    }
+
+    /// Returns the machine with a kinematics module and the tables behind it.
+    pub fn beside(&self, machine: &'a Machine, module: &'a KinematicsModule) -> ModuleField<'a> {
+        ModuleField::new(machine, module).beside(self.replay(machine))
+    }
+
+    fn replay(&self, machine: &'a Machine) -> Replay<'a> {
         let load = |tables| Replay::new(machine, self.target, tables);
-        Compensated { machine, replay: load(self.tables).over(self.installed.map(load)) }
+        load(self.tables).over(self.installed.map(load))
     }
 }
 

@@ -9,8 +9,8 @@ use crate::controller::kinematics::{KinematicsModule, Parameters};
 use crate::controller::manifest::ControllerTarget;
 use crate::machine::Machine;
 
-/// Parameters and tables, each with its target.
-pub type ComposedSets<'a> = ((&'a ControllerTarget, &'a Parameters), (&'a ControllerTarget, &'a CorrectionTables));
+/// Parameters with their target, and tables.
+pub type ComposedSets<'a> = ((&'a ControllerTarget, &'a Parameters), TablesUnderTest<'a>);
 
 /// Certifies parameters and tables together. `rest` is the machine that the tables are for. Returns the figures after
 /// the parameters alone beside the certificate.
@@ -19,16 +19,14 @@ pub type ComposedSets<'a> = ((&'a ControllerTarget, &'a Parameters), (&'a Contro
 pub fn certify_composed(
     machine: &Machine,
     rest: &Machine,
-    ((target, parameters), (tables_target, tables)): ComposedSets,
+    ((target, parameters), tables): ComposedSets,
     scope: Scope,
     depth: Depth,
 ) -> (Certificate, Figures) {
     let module = KinematicsModule::KinematicParameters(parameters.clone());
     let first = certify_kinematics(machine, target, (&module, &CorrectionTables::default()), depth);
-    let judged = TablesUnderTest { target: tables_target, tables, installed: None };
-    let second = certify(rest, judged, scope, depth.poses, depth.seed);
-    let set = ModuleSet { target: tables_target, module: &module, beside: tables };
-    let mut both = judge_module(machine, set, &[], depth);
+    let second = certify(rest, tables, scope, depth.poses, depth.seed);
+    let mut both = judge_module(machine, ModuleSet { module: &module, tables }, &[], depth);
     let left = |one: &SingleErrorResidual| {
         let after = second.errors.iter().find(|other| other.error == one.error);
         SingleErrorResidual::new(one.error.clone(), one.alone_um, after.map_or(0.0, |after| after.residual_um))

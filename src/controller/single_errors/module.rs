@@ -1,7 +1,7 @@
 //! From a kinematics module to its certificate: makes the modules of single errors and has them judged.
 
 use crate::compensation::CorrectionTables;
-use crate::controller::certificate::{Certificate, Depth, ModuleSet, SingleErrorModule, judge_module};
+use crate::controller::certificate::{Certificate, Depth, ModuleSet, SingleErrorModule, TablesUnderTest, judge_module};
 use crate::controller::emit::{Limits, RAISE_LIMIT};
 use crate::controller::kinematics::KinematicsModule;
 use crate::controller::manifest::ControllerTarget;
@@ -18,7 +18,8 @@ pub fn certify_kinematics(
     depth: Depth,
 ) -> Certificate {
     let singles = single_error_modules(machine, target, module.orientation());
-    judge_module(machine, ModuleSet { target, module, beside }, &singles, depth)
+    let tables = TablesUnderTest { target, tables: beside, installed: None };
+    judge_module(machine, ModuleSet { module, tables }, &singles, depth)
 }
 
 /// Makes a module for every error alone.
