@@ -196,24 +196,40 @@ def parse_ini(text):
     return sections
 
 
-def hal_text(joints, kinematics="[KINS]KINEMATICS"):
-    """HAL file: motors that follow at once, one sampler per joint, no emergency stop."""
-    pins_per_sampler = "f" * len(SAMPLED_PINS)
+def hal_text(joints):
+    """HAL file with a sampler per joint: at most eight."""
+    return bare_hal(joints) + sampled(joints)
+
+
+def bare_hal(joints):
+    """HAL file: motors that follow at once, no emergency stop."""
     lines = [
-        "loadrt tpmod", "loadrt homemod", f"loadrt {kinematics}",
+        "loadrt tpmod", "loadrt homemod", "loadrt [KINS]KINEMATICS",
         f"loadrt motmod servo_period_nsec={SERVO_PERIOD_NS} num_joints={joints}",
-        "loadrt sampler depth={} cfg={}".format(
-            ",".join([str(SAMPLER_DEPTH)] * joints), ",".join([pins_per_sampler] * joints)),
         "addf motion-command-handler servo-thread", "addf motion-controller servo-thread",
         "net estop iocontrol.0.user-enable-out => iocontrol.0.emc-enable-in",
         "net prepare iocontrol.0.tool-prepare => iocontrol.0.tool-prepared",
         "net change iocontrol.0.tool-change => iocontrol.0.tool-changed",
     ]
+    lines += [f"net {motor(joint)} joint.{joint}.{SAMPLED_PINS[-1]} => joint.{joint}.motor-pos-fb"
+              for joint in range(joints)]
+    return "\n".join(lines) + "\n"
+
+
+def motor(joint):
+    """The signal of a joint's motor command."""
+    return f"joint{joint}-{SAMPLED_PINS[-1]}"
+
+
+def sampled(joints):
+    """HAL lines that sample every joint."""
+    pins_per_sampler = "f" * len(SAMPLED_PINS)
+    lines = ["loadrt sampler depth={} cfg={}".format(
+        ",".join([str(SAMPLER_DEPTH)] * joints), ",".join([pins_per_sampler] * joints))]
     for joint in range(joints):
-        signals = [f"joint{joint}-{pin}" for pin in SAMPLED_PINS]
-        lines += [f"net {signal} joint.{joint}.{pin} => sampler.{joint}.pin.{column}"
-                  for column, (signal, pin) in enumerate(zip(signals, SAMPLED_PINS))]
-        lines.append(f"net {signals[-1]} => joint.{joint}.motor-pos-fb")
+        lines += [f"net joint{joint}-{pin} joint.{joint}.{pin} => sampler.{joint}.pin.{column}"
+                  for column, pin in enumerate(SAMPLED_PINS[:-1])]
+        lines.append(f"net {motor(joint)} => sampler.{joint}.pin.{len(SAMPLED_PINS) - 1}")
         lines.append(f"addf sampler.{joint} servo-thread")
     return "\n".join(lines) + "\n"
 

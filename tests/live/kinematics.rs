@@ -40,7 +40,9 @@ pub fn centres() {
         };
         let pins: Vec<_> = hal.lines().filter(|line| line.starts_with("setp")).map(pin).collect();
         let joints: Vec<Value> = (0..40).map(|k| json!({"joints": joints(tilt, f64::from(k))})).collect();
-        let values: BTreeMap<&str, f64> = pins.iter().map(|(_, name, value)| (name.as_str(), *value)).collect();
+        let mut values: BTreeMap<&str, f64> = pins.iter().map(|(_, name, value)| (name.as_str(), *value)).collect();
+        assert!(hal.contains(&format!("net tool-length motion.tooloffset.z => {}.tool-offset", pins[0].0)));
+        let _ = values.insert("tool-offset", 120.0);
         let ask = json!({"module": pins[0].0, "sets": [{"pins": values, "poses": joints}]});
         let file = folder.0.join("ask.json");
         std::fs::write(&file, ask.to_string()).unwrap();

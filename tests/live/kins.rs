@@ -117,8 +117,8 @@ pub struct Bench {
 }
 
 impl Bench {
-    pub fn new(path: &str, tilting: Option<&str>) -> Self {
-        let sample = config::sample(Path::new(path));
+    pub fn new(path: impl AsRef<Path>, tilting: Option<&str>) -> Self {
+        let sample = config::sample(path.as_ref());
         let index = |name: &str| sample.rigid.walk.iter().position(|axis| axis.name == name);
         let robot = (1..=9).map(|k| format!("J{k}"));
         let joints: Vec<usize> =
@@ -190,7 +190,7 @@ fn drive(path: &str, tilting: Option<&str>) -> Seen {
 }
 
 /// Poses over the travels, turned axes over a turn.
-fn poses(bench: &Bench) -> Vec<Vec<f64>> {
+pub fn poses(bench: &Bench) -> Vec<Vec<f64>> {
     let mut random = Random::new(41);
     let mut position = |axis: usize| {
         let [low, high] = bench.sample.axes[axis].travel.unwrap_or([-180.0, 180.0]);

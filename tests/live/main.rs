@@ -8,11 +8,14 @@
 
 #[path = "../it/support/checks.rs"]
 mod checks;
+mod composed;
 #[path = "../it/support/config.rs"]
 mod config;
 mod kinematics;
 mod kins;
 mod kins_topologies;
+#[path = "../it/loaded.rs"]
+mod loaded;
 #[path = "../it/oracle/mod.rs"]
 #[allow(dead_code, reason = "shared with the tests that need no controller")]
 mod oracle;
@@ -23,13 +26,16 @@ use std::process::{Command, ExitCode, Output};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The longest first.
-const CHECKS: [checks::Check; 14] = [
+const CHECKS: [checks::Check; 17] = [
+    ("parameters and tables together, xyzac-trt and xyzbc-trt", composed::tilting_tables),
+    ("parameters and tables together, 5axiskins", composed::head),
+    ("parameters and tables together, maxkins", composed::head_over_table),
     ("the harness notices spoiled tables", tables::harness),
     ("three-axis tables in the running controller", tables::three_axis),
     ("five-axis tables in the running controller", tables::five_axis),
     ("malformed tables: what the controller swallows never comes out of compile", tables::malformed),
     ("ideal kinematics of xyzac-trt, xyzbc-trt and 5axiskins", kinematics::nominal),
-    ("fitted centres in xyzac-trt and xyzbc-trt", kinematics::centres),
+    ("centres in xyzac-trt and xyzbc-trt", kinematics::centres),
     ("pivot length in 5axiskins", kinematics::pivot),
     ("error model in the kinematics, three axes", kins::three_axis),
     ("error model in the kinematics, tilting table", kins::table_table),
