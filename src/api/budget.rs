@@ -151,6 +151,7 @@ pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Resu
 }
 
 /// Draws part I of N of the machines of a budget, [`BudgetOptions::shard`]; without it all of them.
+/// A part that a file of [`BudgetOptions::merge`] holds already is not drawn again; such a file need not be there.
 ///
 /// Fails where [`budget`] does, and for a part that is not 1 to N.
 pub fn budget_part(

@@ -6,6 +6,7 @@ use super::study::why;
 use crate::analysis::budget::{DrawnSamples, Request, SAMPLE_LANES, drawn};
 use crate::controller::sha256;
 use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::syntax::ReadFailure;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -40,7 +41,10 @@ impl BudgetShard {
 
 const FORM: &str = "1";
 
-/// Draws the part that the options ask for.
+/// Size of the largest file of a part: those of more machines take more parts.
+const MAX_BYTES: u64 = 256 << 20;
+
+/// Draws the part that the options ask for, unless a file to merge holds it.
 pub(super) fn drawn_part(
     call: &mut Call<'_>,
     options: &BudgetOptions,
@@ -53,9 +57,37 @@ pub(super) fn drawn_part(
     let samples = options.samples;
     let range = range(samples, (part, parts));
     let first = range.start;
-    let drawn = call.stage(2 * range.len(), |advance| drawn(request, range, advance));
     let fingerprint = fingerprint(options, request);
+    match kept(call, options, (&fingerprint, request.bounds.len()), &range) {
+        Ok(Some(part)) => return Ok(part),
+        Ok(None) => {}
+        Err(refusal) => return call.refuse(refusal),
+    }
+    let drawn = call.stage(2 * range.len(), |advance| drawn(request, range, advance));
     Ok(BudgetShard { abbe_budget: FORM.to_owned(), fingerprint, samples, first, drawn })
+}
+
+/// Returns the part that a file holds already, if there is such a file.
+fn kept(
+    call: &Call<'_>,
+    options: &BudgetOptions,
+    known: (&str, usize),
+    range: &Range<usize>,
+) -> Result<Option<BudgetShard>, Diagnostic> {
+    for path in &options.merge {
+        if matches!(call.run.files.read_at_most(path, MAX_BYTES), Err(ReadFailure::NotFound)) {
+            continue;
+        }
+        let part = read(call, path, known)?;
+        if (part.first, part.count()) == (range.start, range.len()) {
+            return Ok(Some(part));
+        }
+        let end = part.first + part.count();
+        let message = format!("`{}` holds the machines {} to {end} of this budget", path.display(), part.first + 1);
+        let help = "name another file for this part: this one is unchanged";
+        return Err(Diagnostic::new(codes::E0610, message).help(help));
+    }
+    Ok(None)
 }
 
 /// The machines of a part: whole chunks of those that are computed side by side.
@@ -127,7 +159,11 @@ fn read(call: &Call<'_>, path: &Path, (fingerprint, bounds): (&str, usize)) -> R
     let foreign = |message: String| {
         Diagnostic::new(codes::E0610, message).help("name another file, or remove this one; it is unchanged")
     };
-    let bytes = call.run.files.read(path).map_err(|failure| foreign(format!("`{name}`: {}", why(&failure))))?;
+    let bytes = call
+        .run
+        .files
+        .read_at_most(path, MAX_BYTES)
+        .map_err(|failure| foreign(format!("`{name}`: {}", why(&failure))))?;
     let part: BudgetShard = serde_json::from_slice(&bytes)
         .map_err(|failure| foreign(format!("`{name}` is not a state file: {}", shown(&failure.to_string()))))?;
     if part.abbe_budget != FORM || part.fingerprint != fingerprint {

@@ -174,6 +174,26 @@ pub(super) struct InstalledArg {
     pub(super) installed: Option<PathBuf>,
 }
 
+/// Work in parts.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct PartsArgs {
+    /// Keep results here; what is there already is not computed again.
+    #[arg(long, value_name = "FILE")]
+    pub(super) state: Option<PathBuf>,
+    /// Compute only this part of the work, into the state file.
+    #[arg(long, value_name = "I/N", requires = "state", value_parser = part)]
+    pub(super) shard: Option<(usize, usize)>,
+    /// Put the work together from state files.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub(super) merge: Vec<PathBuf>,
+}
+
+/// `2/3`: the second of three parts.
+fn part(text: &str) -> Result<(usize, usize), Reason> {
+    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+    numbers.filter(|(i, n)| (1..=*n).contains(i)).ok_or_else(|| Reason::new("this is not a part such as `2/3`"))
+}
+
 /// The plane of a circle.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 pub(super) enum PlaneArg {

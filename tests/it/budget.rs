@@ -355,3 +355,48 @@ fn a_part_of_the_volume_is_no_worse_than_the_whole() {
     }
     println!("largest ratio of a part to the whole: {largest}");
 }
+
+/// Parts drawn apart are the budget: the same bytes, whatever their number, their order and the number of threads.
+#[test]
+fn a_budget_is_the_same_in_parts() {
+    let folder = Folder::new("budget-shards");
+    let machine = with_errors(&folder, "EXX: { tolerance: 9 um }, EC0Y: { tolerance: 20 urad }");
+    let study = ["budget", text(&machine), "--samples", "203", "--poses", "40", "--format", "json"];
+    let whole = abbe(&study);
+    for parts in [1, 2, 7] {
+        let files: Vec<_> = (1..=parts).map(|i| folder.file(&format!("part-{i}-of-{parts}"))).collect();
+        let mut drawn = 0;
+        for (i, file) in files.iter().enumerate() {
+            let part = format!("{}/{parts}", i + 1);
+            let draw = [&study[..], &["--shard", &part, "--state", text(file)]].concat();
+            let said: Value = serde_json::from_slice(&abbe_on(1 + i % 3, &draw).stdout).unwrap();
+            drawn += said["drawn"].as_u64().unwrap();
+            let bytes = std::fs::read(file).unwrap();
+            // What is there already is taken as it is.
+            assert_eq!(abbe_on(2, &draw).status.code(), Some(0));
+            assert_eq!(std::fs::read(file).unwrap(), bytes);
+        }
+        assert_eq!(drawn, 203);
+        let named: Vec<&str> = files.iter().rev().map(|file| text(file)).collect();
+        assert_eq!(abbe(&[&study[..], &["--merge"], &named].concat()), whole, "{parts}");
+    }
+    let part = |i: usize| folder.file(&format!("part-{i}-of-7"));
+    let says = |more: &[&str], known: &str, words: &str| {
+        let (code, message) = refused(&[&study[..], more].concat());
+        assert!(code == 1 && message.contains(known) && message.contains(words), "{more:?}: {message}");
+    };
+    says(&["--merge", text(&part(1)), text(&part(3))], "E0611", "whole up to");
+    let (third, before) = (part(3), std::fs::read(part(3)).unwrap());
+    says(&["--shard", "2/7", "--state", text(&third)], "E0610", "holds the machines");
+    says(&["--shard", "3/7", "--state", text(&third), "--seed", "2"], "E0610", "another budget");
+    says(&["--shard", "1/1", "--state", text(&machine)], "E0630", "");
+    assert_eq!(std::fs::read(&third).unwrap(), before);
+    for usage in [
+        &["--shard", "0/7", "--state", "s"][..],
+        &["--shard", "1/7"],
+        &["--state", "s"],
+        &["--shard", "x", "--state", "s"],
+    ] {
+        assert_eq!(refused(&[&study[..], usage].concat()).0, 2, "{usage:?}");
+    }
+}

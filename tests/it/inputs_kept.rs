@@ -35,7 +35,7 @@ const STATES: [&str; 2] = ["--merge", "--state"];
 
 const MACHINE: &[&str] = &["machine", "base", "table"];
 
-const VERBS: [Verb; 14] = [
+const VERBS: [Verb; 15] = [
     Verb {
         name: "show",
         arguments: &["show", "machine.END"],
@@ -64,6 +64,12 @@ const VERBS: [Verb; 14] = [
         ],
         inputs: &["bounded", "base", "cost", "poses"],
         outputs: &["--pareto", "--waterfall"],
+    },
+    Verb {
+        name: "budget in parts",
+        arguments: &["budget", "bounded.END", "--samples", "2", "--shard", "1/1"],
+        inputs: &["bounded", "base"],
+        outputs: &["--state"],
     },
     Verb {
         name: "enumerate",

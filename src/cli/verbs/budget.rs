@@ -1,23 +1,26 @@
 //! `abbe budget`: tolerances to the volumetric error.
 
 use crate::cli::arguments::{
-    self, PictureFile, PosesArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, help, svg,
+    self, PartsArgs, PictureFile, PosesArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, help, svg,
 };
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, reach_text, table, tool_poses_text};
+use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::Statistic;
 use abbe::results::{Bound, BudgetResult, Contribution, PERCENTS, Percentile, Totals};
 use abbe::text::{Reason, angle, length, significant, tolerance, tolerance_unit};
-use abbe::{BudgetOptions, MachineFile, budget};
+use abbe::{BudgetOptions, MachineFile, budget, budget_part};
 use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
 #[command(mut_arg("poses", |option| option.default_value("500")))]
+#[command(mut_arg("state", |option| option.requires("shard")))]
+#[command(mut_arg("shard", |option| option.conflicts_with("merge")))]
 pub(crate) struct Args {
     /// The machine file; errors with a `tolerance` are budgeted.
     machine: PathBuf,
@@ -41,6 +44,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", requires = "goal")]
     cost: Option<PathBuf>,
     #[command(flatten)]
+    parts: PartsArgs,
+    #[command(flatten)]
     top: TopArg,
     #[command(flatten)]
     tool: ToolArg,
@@ -63,7 +68,8 @@ impl Args {
             at: self.at.clone(),
             goal_mm: self.goal,
             cost: self.cost.clone(),
-            ..BudgetOptions::default()
+            shard: self.parts.shard,
+            merge: self.parts.merge.clone(),
         }
     }
 }
@@ -75,6 +81,9 @@ fn goal(text: &str) -> Result<f64, Reason> {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.tool.name())?;
     PictureFile::refuse(session, args.pareto.iter().chain(&args.waterfall))?;
+    if let (Some(_), Some(state)) = (args.parts.shard, &args.parts.state) {
+        return part(session, args, &file, state);
+    }
     let answer = budget(&file, &args.options(), session.run());
     let result = session.take(answer)?;
     let top = args.top.count();
@@ -88,6 +97,22 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         Format::Json => session.print_json(json!(result)),
         Format::Csv => session.print(&report.csv()),
         Format::Text => session.print(&report.text()),
+    }
+    Ok(())
+}
+
+/// Draws a part of the machines into its state file, unless they are there.
+fn part(session: &mut Session, args: &Args, file: &MachineFile, state: &PathBuf) -> Outcome {
+    refuse_outputs([state], &session.files).or_else(|refusal| session.refuse(refusal))?;
+    let options = BudgetOptions { merge: vec![state.clone()], ..args.options() };
+    let part = session.take(budget_part(file, &options, session.run()))?;
+    replace_whole(state, part.to_text().as_bytes()).or_else(|refusal| session.refuse(refusal))?;
+    let (drawn, samples, name) = (part.count(), part.samples, state.display().to_string());
+    match session.format() {
+        Format::Json => session.print_json(json!({"state": name, "drawn": drawn, "samples": samples})),
+        _ => session.print(&format!(
+            "{drawn} of {samples} machines are drawn and kept in {name}; put the parts together with `--merge`\n"
+        )),
     }
     Ok(())
 }

@@ -1,6 +1,8 @@
 //! `abbe enumerate`: all arrangements of the axes on the two sides of the bed, ranked on the same work.
 
-use crate::cli::arguments::{MaxSamplesArg, PosesArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, percent};
+use crate::cli::arguments::{
+    MaxSamplesArg, PartsArgs, PosesArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, percent,
+};
 use crate::cli::output::ranking;
 use crate::cli::output::session::Session;
 use crate::cli::store::study_file::StateFile;
@@ -56,15 +58,8 @@ pub(crate) struct Args {
     reach: f64,
     #[command(flatten)]
     top: TopArg,
-    /// Keep results here; what is there already is not computed again.
-    #[arg(long, value_name = "FILE")]
-    state: Option<PathBuf>,
-    /// Compute only this part of the walks of one round, into the state file.
-    #[arg(long, value_name = "I/N", requires = "state")]
-    shard: Option<String>,
-    /// Put the first round together from state files, and go on from there.
-    #[arg(long, value_name = "FILE", num_args = 1..)]
-    merge: Vec<PathBuf>,
+    #[command(flatten)]
+    parts: PartsArgs,
     #[command(flatten)]
     tool: ToolArg,
 }
@@ -78,7 +73,7 @@ enum ByArg {
 }
 
 impl Args {
-    fn options(&self, shard: Option<(usize, usize)>) -> EnumerateOptions {
+    fn options(&self) -> EnumerateOptions {
         let by = |by: ByArg| match by {
             ByArg::Budget => JudgedBy::Budget,
             ByArg::Errors => JudgedBy::Errors,
@@ -97,26 +92,19 @@ impl Args {
             max_samples: self.max_samples.count(),
             first: self.first as usize,
             reach_percent: self.reach,
-            state: self.state.clone(),
-            shard,
-            merge: self.merge.clone(),
+            state: self.parts.state.clone(),
+            shard: self.parts.shard,
+            merge: self.parts.merge.clone(),
         }
     }
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let part = match args.shard.as_deref() {
-        None => None,
-        Some(text) => match shard(text) {
-            None => return session.usage(&format!("`--shard {text}` is not a part such as `2/3`")),
-            part => part,
-        },
-    };
     let machine = session.load(&args.machine, args.tool.name())?;
-    refuse_outputs(&args.state, &session.files).or_else(|d| session.refuse(d))?;
-    let file = args.state.as_deref().map(StateFile::new);
+    refuse_outputs(&args.parts.state, &session.files).or_else(|d| session.refuse(d))?;
+    let file = args.parts.state.as_deref().map(StateFile::new);
     let file = file.as_ref().map(|file| file as &dyn StudyFile);
-    let answer = enumerate(&machine, &args.options(part), file, session.run());
+    let answer = enumerate(&machine, &args.options(), file, session.run());
     let result = session.take(answer)?;
     let ranked = match &result {
         EnumerateResult::Part(progress) => return part_done(session, progress),
@@ -128,13 +116,6 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         Format::Text => session.print(&ranking::text(ranked, args.top.count())),
     }
     Ok(())
-}
-
-/// `2/3`: the second of three parts.
-fn shard(text: &str) -> Option<(usize, usize)> {
-    let (i, n) = text.split_once('/')?;
-    let (i, n) = (i.parse().ok()?, n.parse().ok()?);
-    (1..=n).contains(&i).then_some((i, n))
 }
 
 fn part_done(session: &Session, progress: &StudyProgress) -> Outcome {
