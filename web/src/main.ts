@@ -9,7 +9,7 @@ import { numbers } from "./editor/numbers";
 import { WhatIf } from "./editor/whatif";
 import { Playground } from "./evaluator/playground";
 import { Program } from "./evaluator/program";
-import { accepted, type Diagnostic, type Evaluator, type Pose, type Store } from "./evaluator/types";
+import { accepted, type Axis, type Diagnostic, type Evaluator, type Pose, type Store } from "./evaluator/types";
 import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
 import { Deviation } from "./machine/deviation";
@@ -39,9 +39,14 @@ class Workbench {
   private readonly editor: Editor;
   private readonly whatif: WhatIf;
   private readonly session: Session;
-  private readonly stage: Stage | null = standing();
+  private readonly stage = standing((axis, position, rests) => this.sliders.drag(axis, position, rests));
   private readonly deviation: Deviation;
-  private readonly sliders = new AxisSliders(byId("axes"), byId("poses"), (pose, rests) => this.moved(pose, rests));
+  private readonly sliders = new AxisSliders(
+    byId("axes"),
+    byId("poses"),
+    (pose, rests) => this.moved(pose, rests),
+    (axis) => this.stage?.point(axis),
+  );
   private readonly chips = new Chips(byId("chain"), (list) => this.rebuild(list));
   private readonly tools = new ToolChoice(byId("poses"), (tool) => this.take(tool));
   private readonly verdict = new Verdict(byId("verdict"));
@@ -257,9 +262,9 @@ function working(busy: boolean): void {
 }
 
 /** The stage, or a sentence where the browser cannot draw it. */
-function standing(): Stage | null {
+function standing(dragged: (axis: Axis, position: number, rests: boolean) => void): Stage | null {
   try {
-    return new Stage(byId("stage"));
+    return new Stage(byId("stage"), dragged);
   } catch {
     byId("stage").textContent = "This browser cannot draw in three dimensions (WebGL); everything else works.";
     return null;

@@ -18,6 +18,7 @@ export class AxisSliders {
     private readonly parent: HTMLElement,
     buttons: HTMLElement,
     private readonly moved: (pose: Pose, rests: boolean) => void,
+    private readonly chosen: (axis: string) => void,
   ) {
     buttons.append(button("Zero pose", () => this.go(this.zero()), { id: "zero" }));
   }
@@ -65,6 +66,8 @@ export class AxisSliders {
     const input = make("input", { type: "range", id, min: String(min), max: String(max), step: "any" });
     input.addEventListener("input", () => this.set(axis, Number(input.value), false));
     input.addEventListener("change", () => this.set(axis, Number(input.value), true));
+    input.addEventListener("focus", () => this.chosen(axis.name));
+    input.addEventListener("blur", () => this.chosen(""));
     this.inputs.set(axis.name, input);
     const ends = axis.continuous ? "turns without end" : `${min} to ${max} ${unitOf(axis)}`;
     return make(
@@ -74,6 +77,12 @@ export class AxisSliders {
       input,
       make("output", { for: id }),
     );
+  }
+
+  /** Moves one axis, and marks it as the one at hand until it rests. */
+  drag(axis: Axis, position: number, rests: boolean): void {
+    this.chosen(rests ? "" : axis.name);
+    this.set(axis, position, rests);
   }
 
   private set(axis: Axis, position: number, rests: boolean): void {

@@ -4,6 +4,7 @@ import * as three from "three";
 import { mergeGeometries } from "three/examples/jsm/utils/BufferGeometryUtils.js";
 import type { Axis, Chain, Pose, Vec3 } from "../evaluator/types";
 import { castings } from "./castings";
+import type { Line } from "./drag";
 import { type Layout, layout, motion } from "./layout";
 import type { Material, Shape } from "./shapes";
 import { along } from "./vectors";
@@ -54,6 +55,36 @@ export class Figure {
     return all.expandByObject(this.root).getBoundingSphere(new three.Sphere());
   }
 
+  /** The line of an axis at the present pose, in the machine's coordinates. */
+  line(axis: Axis): Line {
+    const carrier = this.bodies.get(axis.name)?.parent ?? this.root;
+    const origin = new three.Vector3(...axis.origin_mm).applyMatrix4(carrier.matrixWorld);
+    const direction = new three.Vector3(...axis.direction).transformDirection(carrier.matrixWorld);
+    return { origin: origin.toArray(), direction: direction.toArray() };
+  }
+
+  /** The tip of the tool in use. */
+  get tip(): Vec3 {
+    const { toolInUse, tool } = this.layout;
+    const body = this.bodies.get(tool[tool.length - 1]?.name ?? "bed") ?? this.root;
+    return new three.Vector3(...toolInUse.tip_mm).applyMatrix4(body.matrixWorld).toArray();
+  }
+
+  /** The point that an axis moves: the tip of the tool, or the workpiece origin for an axis that carries the part. */
+  moved(axis: Axis): Vec3 {
+    if (axis.side === "tool") return this.tip;
+    const body = this.workpiece.parent ?? this.root;
+    return new three.Vector3(...this.layout.chain.workpiece_origin_mm).applyMatrix4(body.matrixWorld).toArray();
+  }
+
+  /** The axes that carry a mesh, the nearest first; none for the bed and for marks. */
+  carriers(object: three.Object3D): Axis[] {
+    const name = object.userData["body"] as string | undefined;
+    const { tool, workpiece } = this.layout;
+    const side = [tool, workpiece].find((axes) => axes.some((axis) => axis.name === name)) ?? [];
+    return side.slice(0, side.findIndex((axis) => axis.name === name) + 1).reverse();
+  }
+
   dispose(): void {
     this.root.traverse((object) => {
       if (object instanceof three.Mesh || object instanceof three.Line) object.geometry.dispose();
@@ -96,6 +127,7 @@ export class Figure {
       const merged = mergeGeometries(parts);
       const mesh = new three.Mesh(merged, materials[material]);
       mesh.castShadow = mesh.receiveShadow = material !== "part";
+      mesh.userData["body"] = body;
       group?.add(mesh, new three.LineSegments(new three.EdgesGeometry(merged, 40), materials.line));
       parts.forEach((part) => part.dispose());
     }

@@ -63,7 +63,7 @@ export class Pick {
 const placeOf = (event: PointerEvent) => `${event.clientX} ${event.clientY}`;
 
 /** True for a body that one cannot see through. */
-function hides(object: three.Object3D): boolean {
+export function hides(object: three.Object3D): boolean {
   if (!(object instanceof three.Mesh) || !object.visible) return false;
   return !(object.material as three.Material).transparent;
 }

@@ -2,10 +2,12 @@
 
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import type { Chain, Pose, Vec3 } from "../evaluator/types";
+import type { Axis, Chain, Pose, Vec3 } from "../evaluator/types";
+import { Drag, type Grip } from "./drag";
 import { Figure, type Materials } from "./figure";
+import { Guide } from "./guide";
 import { Marks, type WorkPoint } from "./marks";
-import { Pick } from "./pick";
+import { hides, Pick } from "./pick";
 import type { Material } from "./shapes";
 
 const LIGHT: Record<Material, number> = {
@@ -31,6 +33,7 @@ const DARK: Record<Material, number> = {
 
 export class Stage {
   readonly marks = new Marks();
+  private readonly guide = new Guide();
   private readonly scene = new three.Scene();
   private readonly camera = new three.PerspectiveCamera(32, 1, 1, 1e6);
   private readonly renderer: three.WebGLRenderer;
@@ -39,15 +42,23 @@ export class Stage {
   private figure: Figure | null = null;
   private shown = "";
   private pending = 0;
+  private pose: Pose = {};
+  /** Name of the axis at hand. */
+  private chosen = "";
 
-  /** Fails where the browser cannot draw in three dimensions. */
-  constructor(private readonly parent: HTMLElement) {
+  /** Fails where the browser cannot draw in three dimensions. `dragged` hears of bodies that are moved by hand. */
+  constructor(
+    private readonly parent: HTMLElement,
+    dragged: (axis: Axis, position: number, rests: boolean) => void,
+  ) {
     this.renderer = new three.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     const canvas = this.renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
     parent.append(canvas);
+    new Drag(canvas, this.camera, { grips: (ray) => this.grips(ray), moved: dragged });
+    this.scene.add(this.guide.group);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.listenToKeyEvents(canvas);
     this.controls.addEventListener("change", () => this.draw());
@@ -66,7 +77,7 @@ export class Stage {
     this.figure = figure;
     figure.workpiece.add(this.marks.group);
     this.scene.add(figure.root);
-    figure.move(pose);
+    this.move(pose);
     const shape = chain.chain + chain.machine;
     if (shape !== this.shown) this.look(pose);
     this.shown = shape;
@@ -75,8 +86,34 @@ export class Stage {
   }
 
   move(pose: Pose): void {
+    this.pose = pose;
     this.figure?.move(pose);
+    this.point(this.chosen);
+  }
+
+  /** Shows the travel and the arm of an axis; of none for an empty name. */
+  point(name: string): void {
+    this.chosen = name;
+    const figure = this.figure;
+    const axis = figure?.layout.chain.axes.find((axis) => axis.name === name);
+    if (!figure || !axis) this.guide.clear();
+    else {
+      const { size, table } = figure.layout;
+      const [line, moved, position] = [figure.line(axis), figure.moved(axis), this.pose[name] ?? 0];
+      this.guide.show({ axis, line, position, moved, tip: figure.tip, size, table });
+    }
     this.draw();
+  }
+
+  /** The axes that carry the body in front of everything on a ray. */
+  private grips(ray: three.Raycaster): Grip[] {
+    const figure = this.figure;
+    const bodies = ({ object }: three.Intersection) => hides(object) || (isShown(object) && object.userData["body"]);
+    const [first] = ray.intersectObject(this.scene).filter(bodies);
+    if (!first || !figure) return [];
+    const point = first.point.toArray();
+    const grip = (axis: Axis) => ({ axis, position: this.pose[axis.name] ?? 0, line: figure.line(axis), point });
+    return figure.carriers(first.object).map(grip);
   }
 
   /** Puts the camera before the whole machine. */
@@ -178,3 +215,6 @@ export class Stage {
     return new three.MeshStandardMaterial(flat);
   }
 }
+
+/** The block that stands for a part is taken though one sees through it. */
+const isShown = (object: three.Object3D) => object instanceof three.Mesh && (object.material as three.Material).visible;
