@@ -396,6 +396,7 @@ fn a_budget_is_the_same_in_parts() {
         &["--shard", "1/7"],
         &["--state", "s"],
         &["--shard", "x", "--state", "s"],
+        &["--shard", "1/7", "--state", "s", "--goal", "1 mm"],
     ] {
         assert_eq!(refused(&[&study[..], usage].concat()).0, 2, "{usage:?}");
     }

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
 #[command(mut_arg("poses", |option| option.default_value("500")))]
 #[command(mut_arg("state", |option| option.requires("shard")))]
-#[command(mut_arg("shard", |option| option.conflicts_with("merge")))]
+#[command(mut_arg("shard", |option| option.conflicts_with_all(["merge", "at", "goal", "pareto", "waterfall"])))]
 pub(crate) struct Args {
     /// The machine file; errors with a `tolerance` are budgeted.
     machine: PathBuf,
