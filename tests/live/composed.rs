@@ -105,7 +105,7 @@ fn in_the_controller(stock: &Stock) {
     let (mut tip, mut axis, mut left) = (0.0_f64, 0.0_f64, Vec::new());
     for ((pose, motors), predicted) in poses.iter().zip(result["motors"].as_array().unwrap()).zip(&predicted) {
         let [real, said] =
-            [&command(&bench, stock, motors), predicted].map(|at| bench.sample.holds(at, Travel::Mean)[0].clone());
+            [&command(&bench, stock, motors), predicted].map(|at| bench.sample.holds(at, Travel::Mean)[0]);
         tip = tip.max(norm(minus(real.tip, said.tip)));
         axis = axis.max(norm(cross(real.axis(), said.axis())));
         left.push(1e3 * norm(minus(real.tip, bench.sample.holds(pose, Travel::Mean)[1].tip)));
