@@ -180,7 +180,8 @@ fn apart(control: &Control, sample: &Sample) -> (f64, f64) {
     })
 }
 
-fn longer(sample: &Sample) -> Sample {
+/// The same with a tool 100 mm longer.
+pub fn longer(sample: &Sample) -> Sample {
     let mut longer = sample.clone();
     longer.rigid.offset[2] -= 100.0;
     longer
@@ -300,6 +301,23 @@ fn numbers_by_hand() {
     }
 }
 
+/// The centre of C moves by its location error from where it was: a datum that stays on the machine is that much nearer.
+#[test]
+fn presets_stay_where_they_were() {
+    let folder = Folder::new();
+    let ended = |text: &str| {
+        let (_, out, _) = compiled(&folder, text, "heidenhain-kinematics");
+        let list = std::fs::read_to_string(out.join("kinematics.txt")).unwrap();
+        let from = list.find("; Presets").unwrap_or(list.len());
+        list[from..].lines().filter_map(|line| line.strip_prefix(";   ")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let offsets = "  EY0A: -8 um\n  EZ0A: 17.4 um\n  EX0C: 26 um\n  EY0C: -9 um\n";
+    // Y and Z as they are written: A at 204.992 and -379.9826, C from it at -0.001 and -30.0174.
+    assert_eq!(ended(&table_table(offsets)), ["X -0.026", "Y 0.009", "Z 0.0"]);
+    assert_eq!(ended(&head_table("  EX0C: 12 um\n  EX0B: 5 um\n")), ["X -0.012", "Y 0.0", "Z 0.0"]);
+    assert!(ended(&head_head("  EX0C: 12 um\n")).is_empty());
+}
+
 /// A control without directions of axes: what tilts leave is what the manual's transformation leaves.
 #[test]
 fn offsets_alone_leave_what_geometry_says() {
@@ -335,7 +353,7 @@ fn offsets_alone_leave_what_geometry_says() {
 
 #[test]
 fn parameters_do_not_know_the_tool() {
-    for target in ["sinumerik-traori", "fanuc-5axis", "heidenhain-kinematics", "haas-mrzp"] {
+    for target in ["sinumerik-traori", "sinumerik-chain", "fanuc-5axis", "heidenhain-kinematics", "haas-mrzp"] {
         let text = table_table(&with_spindle(OF_TABLES));
         let files = [text.clone(), text.replace("length: 120 mm", "offset: [3, -2, -260]")].map(|text| {
             let folder = Folder::new();
@@ -348,7 +366,7 @@ fn parameters_do_not_know_the_tool() {
 }
 
 /// The change of the command for X Y Z at a pose when numbers of a file change.
-fn moved(text: &str, target: &str, file: &str, changes: &[(&str, f64)], pose: &[(&str, f64)]) -> V3 {
+pub fn moved(text: &str, target: &str, file: &str, changes: &[(&str, f64)], pose: &[(&str, f64)]) -> V3 {
     let folder = Folder::new();
     let (path, out, _) = compiled(&folder, text, target);
     let machine = loaded::machine(&path);
@@ -491,7 +509,7 @@ fn other_machines_and_memory_are_refused() {
     let folder = Folder::new();
     let out = folder.path("out");
     let five = folder.write("five.yaml", &table_table(OF_TABLES));
-    for target in ["sinumerik-traori", "fanuc-5axis", "heidenhain-kinematics", "haas-mrzp"] {
+    for target in ["sinumerik-traori", "sinumerik-chain", "fanuc-5axis", "heidenhain-kinematics", "haas-mrzp"] {
         let _ = compile(&five, target, &out, &[]).refused("E0710");
         let _ = compile(&config("gantry-3ax.yaml"), target, &out, &ACCEPT).refused("E0751");
         let _ = compile(&config("boring-w.yaml"), target, &out, &ACCEPT).refused("E0751");

@@ -54,6 +54,7 @@ mod instrument;
 mod interactions;
 #[cfg(target_os = "linux")]
 mod killed;
+mod kinematic_chain;
 mod kinematic_parameters;
 mod kinematics_views;
 mod language;

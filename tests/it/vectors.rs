@@ -14,7 +14,7 @@ use crate::support::compile;
 use crate::support::controllers::Files;
 
 /// Tests with a target's vectors: of the file's text, and of the corrections.
-const VECTORS: [(&str, &str, &str); 25] = [
+const VECTORS: [(&str, &str, &str); 26] = [
     ("linuxcnc", "compile_linuxcnc", "compile_linuxcnc, tests/live"),
     ("linuxcnc-kins", "linuxcnc_kins/mod", "tests/live"),
     ("linuxcnc-matrixkins", "linuxcnc_constants", "linuxcnc_constants"),
@@ -22,6 +22,7 @@ const VECTORS: [(&str, &str, &str); 25] = [
     ("linuxcnc-maxkins", "kinematic_parameters", "kinematic_parameters"),
     ("linuxcnc-5axiskins", "kinematic_parameters", "kinematic_parameters"),
     ("sinumerik-traori", "kinematic_parameters", "kinematic_parameters"),
+    ("sinumerik-chain", "kinematic_chain", "kinematic_chain"),
     ("heidenhain-kinematics", "kinematic_parameters", "kinematic_parameters"),
     ("fanuc-5axis", "kinematic_parameters", "kinematic_parameters"),
     ("haas-mrzp", "kinematic_parameters", "kinematic_parameters"),

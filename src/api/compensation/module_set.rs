@@ -78,7 +78,7 @@ pub(crate) fn installed(
     let set =
         call.about(&folder.display().to_string(), |call| found_set::found_set(call, machine, folder, named, options))?;
     let Some(file) = set.files.first() else { return call.refuse(found_set::nothing_found(folder)) };
-    let values = target.read_parameters(&meant, file, &mut call.diagnostics);
+    let values = target.read_parameters(machine, &meant, file, &mut call.diagnostics);
     values.map_or(Err(Refused), |values| Ok(Some(values)))
 }
 

@@ -4,9 +4,10 @@
 use super::KinematicsModule;
 use super::data::{CurveData, Joint, Model, ModuleWords, WORLD};
 use super::parameters::WrittenParameter;
+use super::transformation::Transformation;
 use crate::compensation::KinematicsMechanism;
 use crate::controller::emit::fixed;
-use crate::machine::{Axis, Grid, Machine, Travel};
+use crate::machine::{Axis, AxisKind, Branch, Grid, Machine, Travel};
 use minijinja::{Value, context};
 
 /// The shortest decimal number that is read as the same double; never `-0`.
@@ -28,8 +29,33 @@ pub fn context(machine: &Machine, carried: &KinematicsModule, mechanism: &Kinema
         KinematicsModule::LinearMap(map) => constants(&map.matrix, mechanism),
         KinematicsModule::KinematicParameters(parameters) => {
             let one = |p: WrittenParameter| context! { name => p.name, value => p.value, before => p.before };
-            context! { constants => parameters.written().into_iter().map(one).collect::<Vec<_>>() }
+            let constants: Vec<Value> = parameters.written().into_iter().map(one).collect();
+            context! { constants, ..chain(machine, parameters.transformation()) }
         }
+    }
+}
+
+/// Both branches of the nominal chain, each from the bed outwards, and the names of the axes in the order of the
+/// transformation.
+fn chain(machine: &Machine, transformation: &Transformation) -> Value {
+    let all = machine.axes();
+    let moved = |axis: &Axis, k: usize| {
+        let carried = if axis.branch == Branch::Workpiece { -1.0 } else { 1.0 };
+        fixed(axis.direction[k] * axis.sign() * carried, 0)
+    };
+    let one = |axis: &Axis| {
+        let direction: Vec<String> = (0..3).map(|k| moved(axis, k)).collect();
+        context! { name => axis.name.as_str(), rotary => axis.kind == AxisKind::Rotary, direction }
+    };
+    let of = |branch: Branch| move |axis: &&Axis| axis.branch == branch;
+    let tool: Vec<Value> = all.iter().filter(of(Branch::Tool)).map(one).collect();
+    let workpiece: Vec<Value> = all.iter().rev().filter(of(Branch::Workpiece)).map(one).collect();
+    let name = |axis: usize| all[axis].name.to_string();
+    let rotary = transformation.head.iter().chain(transformation.table.iter().rev());
+    context! {
+        branches => context! { tool, workpiece },
+        linear_axes => transformation.linear.map(name).to_vec(),
+        rotary_axes => rotary.map(|line| name(line.axis)).collect::<Vec<_>>(),
     }
 }
 

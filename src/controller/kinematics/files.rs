@@ -1,10 +1,10 @@
 //! The files of a kinematics module, written and read back.
 
 use super::context::context;
-use super::{CurveData, Form, Joint, KinematicsModule, Model, ModuleWords};
+use super::{CurveData, Form, Joint, KinematicsModule, Model, ModuleWords, Parameters};
 use crate::compensation::{CorrectionTables, reversal_tables};
 use crate::controller::emit::RenderedFile;
-use crate::controller::manifest::{ControllerTarget, Layout, assigned_letters};
+use crate::controller::manifest::{ControllerTarget, FileSpec, Layout, assigned_letters};
 use crate::controller::read::{Arrays, Fault, Pins, ReadBack};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
@@ -39,18 +39,45 @@ impl ControllerTarget {
     /// E0704.
     pub fn read_parameters(
         &self,
+        machine: &Machine,
         meant: &KinematicsModule,
         file: &ReadBack,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<f64>> {
         let parameters = meant.parameters()?;
-        match self.parameters(&parameters.names(), &file.text) {
+        match self.parameters_of(machine, meant, parameters, &file.text) {
             Ok(stored) => Some(parameters.stored(&stored)),
             Err(fault) => {
                 fault.report(file, diagnostics);
                 None
             }
         }
+    }
+
+    /// The file that holds the numbers.
+    fn read_file(&self) -> Option<&FileSpec> {
+        self.manifest.files.iter().find(|spec| spec.layout.is_some())
+    }
+
+    /// The numbers of parameters in a text whose structure is the machine's.
+    fn parameters_of(
+        &self,
+        machine: &Machine,
+        module: &KinematicsModule,
+        parameters: &Parameters,
+        text: &str,
+    ) -> Result<Vec<f64>, Fault> {
+        let lines = self.parameter_lines()?;
+        let stored = lines.read(&parameters.names(), text)?;
+        if !lines.structure.is_empty() {
+            let written = self.render_kinematics(machine, module, &Arc::default(), &mut Diagnostics::default());
+            let own = written.iter().flatten().find(|file| Some(&file.name) == self.read_file().map(|spec| &spec.path));
+            lines.same_structure(
+                text,
+                &own.map_or_else(String::new, |file| String::from_utf8_lossy(&file.bytes).into()),
+            )?;
+        }
+        Ok(stored)
     }
 
     /// Reads the numbers of a module back. `meant` holds the axes of the machine that they are for. Diagnostics: E0704,
@@ -62,7 +89,7 @@ impl ControllerTarget {
         files: &[ReadBack],
         diagnostics: &mut Diagnostics,
     ) -> Option<KinematicsModule> {
-        let spec = self.manifest.files.iter().find(|spec| spec.layout.is_some())?;
+        let spec = self.read_file()?;
         let Some(file) = files.iter().find(|file| file.name == spec.path) else {
             diagnostics.push(
                 Diagnostic::new(codes::E0705, format!("the file `{}` is missing", spec.path))
@@ -81,8 +108,8 @@ impl ControllerTarget {
                 map.matrix = matrix;
                 KinematicsModule::LinearMap(map)
             }),
-            (Some(Layout::Parameters { .. }), KinematicsModule::KinematicParameters(meant)) => {
-                let read = self.parameters(&meant.names(), &file.text).and_then(|stored| {
+            (Some(Layout::Parameters { .. }), of @ KinematicsModule::KinematicParameters(meant)) => {
+                let read = self.parameters_of(machine, of, meant, &file.text).and_then(|stored| {
                     let values = meant.stored(&stored);
                     meant.fault(&values).map_or(Ok(values), |why| Err(Fault::new(0, why)))
                 });

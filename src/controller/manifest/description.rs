@@ -231,6 +231,9 @@ pub enum Layout {
         comment: String,
         /// The pattern of a parameter, with `<name>` and `<value>`.
         line: String,
+        /// Patterns of lines that say what the parameters mean: they stand as they are written for the machine.
+        #[serde(default)]
+        structure: Vec<String>,
         /// Patterns of the other lines.
         #[serde(default)]
         others: Vec<String>,

@@ -7,7 +7,7 @@ use std::fmt::{Display, Formatter};
 use std::path::Path;
 
 /// Targets in the binary.
-pub const NAMES: [&str; 25] = [
+pub const NAMES: [&str; 26] = [
     "linuxcnc",
     "linuxcnc-kins",
     "linuxcnc-matrixkins",
@@ -19,6 +19,7 @@ pub const NAMES: [&str; 25] = [
     "sinumerik-cec",
     "sinumerik-enc",
     "sinumerik-traori",
+    "sinumerik-chain",
     "heidenhain-com",
     "heidenhain-kinematics",
     "fanuc-pitch",
@@ -36,7 +37,7 @@ pub const NAMES: [&str; 25] = [
 ];
 
 /// Files in the binary, as in `templates/`.
-const EMBEDDED: [(&str, &str); 68] = [
+const EMBEDDED: [(&str, &str); 70] = [
     ("linuxcnc/compensation.inc.j2", include_str!("../../../templates/linuxcnc/compensation.inc.j2")),
     ("linuxcnc/table.j2", include_str!("../../../templates/linuxcnc/table.j2")),
     ("linuxcnc/target.yaml", include_str!("../../../templates/linuxcnc/target.yaml")),
@@ -61,6 +62,8 @@ const EMBEDDED: [(&str, &str); 68] = [
     ("linuxcnc-maxkins/pivot.hal.j2", include_str!("../../../templates/linuxcnc-maxkins/pivot.hal.j2")),
     ("linuxcnc-maxkins/target.yaml", include_str!("../../../templates/linuxcnc-maxkins/target.yaml")),
     ("sinumerik-traori/traori.j2", include_str!("../../../templates/sinumerik-traori/traori.j2")),
+    ("sinumerik-chain/chain.j2", include_str!("../../../templates/sinumerik-chain/chain.j2")),
+    ("sinumerik-chain/target.yaml", include_str!("../../../templates/sinumerik-chain/target.yaml")),
     ("sinumerik-traori/target.yaml", include_str!("../../../templates/sinumerik-traori/target.yaml")),
     ("heidenhain-kinematics/list.j2", include_str!("../../../templates/heidenhain-kinematics/list.j2")),
     ("heidenhain-kinematics/target.yaml", include_str!("../../../templates/heidenhain-kinematics/target.yaml")),

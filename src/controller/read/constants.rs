@@ -21,12 +21,18 @@ impl ControllerTarget {
 impl ControllerTarget {
     /// The numbers of kinematic parameters in a text, in the order of these names.
     pub fn parameters(&self, names: &[&str], text: &str) -> Result<Vec<f64>, Fault> {
+        self.parameter_lines()?.read(names, text)
+    }
+
+    /// The lines of its file of kinematic parameters.
+    pub fn parameter_lines(&self) -> Result<ParameterLines<'_>, Fault> {
         let lines = self.manifest.files.iter().find_map(|file| match &file.layout {
-            Some(Layout::Parameters { comment, line, others }) => Some(ParameterLines { comment, line, others }),
+            Some(Layout::Parameters { comment, line, structure, others }) => {
+                Some(ParameterLines { comment, line, structure, others })
+            }
             _ => None,
         });
-        let none = || Fault::new(0, "the target has no file of parameters");
-        lines.ok_or_else(none)?.read(names, text)
+        lines.ok_or_else(|| Fault::new(0, "the target has no file of parameters"))
     }
 
     /// Accepts the parameters of any kind of machine.

@@ -10,6 +10,8 @@ pub struct ParameterLines<'a> {
     pub comment: &'a str,
     /// The pattern of a parameter.
     pub line: &'a str,
+    /// Patterns of lines that say what the parameters mean.
+    pub structure: &'a [String],
     /// Patterns of other lines.
     pub others: &'a [String],
 }
@@ -17,21 +19,16 @@ pub struct ParameterLines<'a> {
 /// Larger numbers are no parameters of a machine.
 const MAX_NUMBER: f64 = 1e9;
 
-impl ParameterLines<'_> {
+impl<'a> ParameterLines<'a> {
     /// Reads the numbers of these names, in their order.
     pub fn read(&self, names: &[&str], text: &str) -> Result<Vec<f64>, Fault> {
         let mut found: Vec<Option<f64>> = vec![None; names.len()];
-        for (line, content) in text.lines().enumerate() {
-            let bare = content.split(self.comment).next().unwrap_or_default().trim();
-            if bare.is_empty() {
+        for (line, bare) in self.bare(text) {
+            if self.is_structure(bare) || self.others.iter().any(|other| lines::fits(other, bare)) {
                 continue;
             }
-            let Some((name, value)) = self.parameter(bare) else {
-                if self.others.iter().any(|other| lines::fits(other, bare)) {
-                    continue;
-                }
-                return Err(Fault::new(line, "the controller would not understand this line"));
-            };
+            let strange = || Fault::new(line, "the controller would not understand this line");
+            let (name, value) = self.parameter(bare).ok_or_else(strange)?;
             let known = names.iter().position(|known| *known == name);
             let slot = known.ok_or_else(|| Fault::new(line, format!("`{name}` is no parameter of this machine")))?;
             let number = units::number(&value).map_err(|why| Fault::new(line, why.to_string()))?;
@@ -48,6 +45,33 @@ impl ParameterLines<'_> {
             }
             None => Ok(found.into_iter().flatten().collect()),
         }
+    }
+
+    /// Refuses another structure than that of a text that was written for the machine.
+    pub fn same_structure(&self, text: &str, written: &str) -> Result<(), Fault> {
+        let mut wanted = self.bare(written).filter(|(_, line)| self.is_structure(line)).map(|(_, line)| line);
+        for (line, bare) in self.bare(text).filter(|(_, line)| self.is_structure(line)) {
+            let expected = wanted.next().unwrap_or("no such line");
+            if bare != expected {
+                return Err(Fault::new(
+                    line,
+                    format!("this machine has `{expected}` here: the numbers would mean something else"),
+                ));
+            }
+        }
+        wanted.next().map_or(Ok(()), |missing| Err(Fault::new(0, format!("the line `{missing}` is missing"))))
+    }
+
+    fn is_structure(&self, line: &str) -> bool {
+        self.structure.iter().any(|pattern| lines::fits(pattern, line))
+    }
+
+    /// Lines without comments and blanks, with their indices; no empty ones.
+    fn bare<'t>(&self, text: &'t str) -> impl Iterator<Item = (usize, &'t str)> + use<'t, 'a> {
+        let comment = self.comment;
+        let bare = move |line: &'t str| line.split(comment).next().unwrap_or_default().trim();
+        let all = text.lines().enumerate().map(move |(n, line)| (n, bare(line)));
+        all.filter(|(_, line)| !line.is_empty())
     }
 
     /// Name and value of a parameter's line.

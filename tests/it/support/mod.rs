@@ -160,11 +160,12 @@ fn quantiles_by_hand() {
 }
 
 /// Targets of kinematic parameters: `kinematic_parameters` has their tests.
-pub const PARAMETER_TARGETS: [&str; 7] = [
+pub const PARAMETER_TARGETS: [&str; 8] = [
     "linuxcnc-5axiskins",
     "linuxcnc-maxkins",
     "linuxcnc-trt",
     "sinumerik-traori",
+    "sinumerik-chain",
     "heidenhain-kinematics",
     "fanuc-5axis",
     "haas-mrzp",
