@@ -11,7 +11,7 @@ use std::ops::Deref;
 /// [`Monitor::advance`] may cancel the job by `std::panic::resume_unwind`: the job leaves nothing behind, and the
 /// caller catches it by `std::panic::catch_unwind` around the call.
 pub trait Monitor: Sync {
-    /// A stage of `total` steps begins.
+    /// A stage of `total` steps begins; 0 if nobody knows how many there will be.
     fn begin(&self, _total: usize) {}
     /// `steps` more of them are done. May be called from several threads.
     fn advance(&self, _steps: usize) {}

@@ -77,6 +77,7 @@ mod plan;
 mod prior;
 mod priors;
 mod program;
+mod progress;
 mod published;
 mod rank;
 mod ranks;

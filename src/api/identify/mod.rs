@@ -98,7 +98,12 @@ pub fn identify(
     Call::answer(run, file.sources(), |call| {
         let problem = Problem::read(call, file, options)?;
         enough(call, &problem)?;
-        solved(call, file, options, &problem)
+        let monitor = call.run.monitor;
+        monitor.begin(0);
+        let progress = |readings| monitor.advance(readings);
+        let result = solved(call, file, options, (&problem, &progress));
+        monitor.end();
+        result
     })
 }
 
@@ -301,9 +306,9 @@ fn solved(
     call: &mut Call<'_>,
     file: &MachineFile,
     options: &IdentifyOptions,
-    problem: &Problem,
+    (problem, progress): (&Problem, &(dyn Fn(usize) + Sync)),
 ) -> Result<IdentifyResult, Refused> {
-    let (model, data) = (problem.model(file, options.order()), &problem.rows);
+    let (model, data) = (problem.model(file, options.order()).reporting(progress), &problem.rows);
     let found = invariances(&model, data);
     if let Some(refusal) = remarks::shrinking(&found.stretches) {
         return call.refuse(refusal);

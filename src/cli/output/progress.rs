@@ -27,7 +27,7 @@ struct State {
 }
 
 impl Progress {
-    /// Starts at 0 of `total` steps; `quiet` prints nothing.
+    /// Starts at 0 of `total` steps (0: not known); `quiet` prints nothing.
     pub(crate) fn new(total: usize, quiet: bool) -> Self {
         let begun = Instant::now();
         let state = State { done: 0, next: begun + PATIENCE, shown: false };
@@ -45,11 +45,17 @@ impl Progress {
         if now >= state.next {
             state.next = now + PACE;
             state.shown = true;
-            let percent = 100 * state.done / self.total.max(1);
-            let left = remaining(now - self.begun, state.done, self.total);
-            let _ = write!(std::io::stderr(), "\r{percent:3} % of {}, {left} remaining\x1b[K", self.total);
+            let _ = write!(std::io::stderr(), "\r{}\x1b[K", words(now - self.begun, state.done, self.total));
         }
     }
+}
+
+/// What is said of a stage; of one whose length is not known, what is done.
+fn words(elapsed: Duration, done: usize, total: usize) -> String {
+    if total == 0 {
+        return format!("{done} steps in {} s", elapsed.as_secs());
+    }
+    format!("{:3} % of {total}, {} remaining", 100 * done / total, remaining(elapsed, done, total))
 }
 
 /// Estimate of the remaining time at the pace so far: `45 s`, `12 min`, `3.5 h`.
@@ -131,5 +137,7 @@ mod tests {
             ["30 s", "10 min", "2.0 h", "0 s"]
         );
         assert_eq!(left(1, 0, 5), "5 s");
+        let said = |done, total| words(Duration::from_secs(10), done, total);
+        assert_eq!([said(1, 4), said(7000, 0)], [" 25 % of 4, 30 s remaining", "7000 steps in 10 s"]);
     }
 }

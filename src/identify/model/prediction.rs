@@ -36,6 +36,8 @@ pub struct Model<'a> {
     known: Vec<Known>,
     /// Do location errors count in the real part?
     real_locations: bool,
+    /// Hears of measurements that were evaluated.
+    progress: &'a (dyn Fn(usize) + Sync),
 }
 
 /// Effect of a parameter on a source: factor times function. Indices are those of the model's lists.
@@ -107,7 +109,8 @@ impl<'a> Model<'a> {
         let slopes = DMatrix::zeros(0, parameters.len());
         let real_locations = machine.conventions().location_order == LocationOrder::Real;
         let (order, known) = (Order::Exact, Vec::new());
-        Self { machines, parameters, own, sources, functions, links, order, slopes, known, real_locations }
+        let progress = &|_| ();
+        Self { machines, parameters, own, sources, functions, links, order, slopes, known, real_locations, progress }
     }
 
     /// The model of the same machine with other unknowns.
@@ -127,6 +130,12 @@ impl<'a> Model<'a> {
     pub fn bounded(mut self, bounds: &[SlopeBound]) -> Self {
         let rows: Vec<Vec<f64>> = bounds.iter().flat_map(|bound| bound.rows(self.parameters)).collect();
         self.slopes = DMatrix::from_fn(rows.len(), self.parameters.len(), |i, j| rows[i][j]);
+        self
+    }
+
+    /// The same, which reports how many measurements were evaluated.
+    pub fn reporting(mut self, progress: &'a (dyn Fn(usize) + Sync)) -> Self {
+        self.progress = progress;
         self
     }
 
@@ -273,6 +282,7 @@ impl<'a> Model<'a> {
             for (measurement, weight) in data.iter().zip(weights) {
                 self.fill(measurement, libm::sqrt(*weight), theta, sum.extend(measurement.readings()));
             }
+            (self.progress)(data.len());
             sum
         };
         let pieces: Vec<Triangle> = data.par_chunks(piece).zip(weights.par_chunks(piece)).map(one).collect();
