@@ -10,6 +10,7 @@ import type { Comparison } from "../src/evaluator/types";
 import { letters, parsed } from "../src/explain/name";
 import { judgement } from "../src/review/variants";
 import { csv } from "../src/ui/download";
+import { compared, quantity } from "../src/ui/table";
 
 const stateOf = (doc: string) => EditorState.create({ doc, extensions: [yaml()] });
 
@@ -109,4 +110,10 @@ test("a difference within the uncertainty is none", () => {
 
 test("text from a file is no formula in a table", () => {
   assert.equal(csv([["a,b", -1.5, null, '=HYPERLINK("x")', "-face"]]), '"a,b",-1.5,,"\'=HYPERLINK(""x"")",\'-face\n');
+});
+
+test("columns are sorted by figures, words below numbers", () => {
+  const cells = ["12.5 µm", "−3 µrad", "not reached", "1e-3", "EC0Y", "x 7"].map(quantity);
+  assert.deepEqual(cells, [12.5, -3, "not reached", 1e-3, "EC0Y", "x 7"]);
+  assert.deepEqual([...cells].sort(compared), ["EC0Y", "not reached", "x 7", -3, 1e-3, 12.5]);
 });

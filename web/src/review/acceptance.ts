@@ -4,6 +4,7 @@ import { Newest } from "../evaluator/newest";
 import { accepted, type BallBar, type Diagonals, type Refusal, type RTest, type Vec3 } from "../evaluator/types";
 import { isSettled, type Session, type State } from "../session";
 import { make } from "../ui/dom";
+import { asCsv, row } from "../ui/table";
 import { figure } from "./number";
 
 export class Acceptance {
@@ -32,11 +33,13 @@ export class Acceptance {
       }));
       const [bar, turn, lines] = await this.session.ask(tests);
       if (bar === undefined) return;
-      this.body.replaceChildren(
+      const sections = [
         ...section("Ball bar, ISO 230-4", "bidirectional circular deviation", bar, circles),
         ...section("R-test", "range of the ball's reading along X, Y, Z", turn, turns),
         ...section("Laser along body diagonals, ISO 230-6", "systematic deviation and reversal", lines, diagonals),
-      );
+      ];
+      const tables = sections.filter((of) => of instanceof HTMLTableElement);
+      this.body.replaceChildren(...sections, make("p", {}, asCsv("acceptance", ...tables)));
     });
   }
 }
@@ -51,10 +54,9 @@ function section<T>(title: string, words: string, answer: unknown, rows: (of: T)
     const reasons = ((answer as Refusal | undefined)?.diagnostics ?? []).map(({ message }) => message);
     return [head, make("p", { class: "words" }, reasons.join(" "))];
   }
-  const row = ([name, cells]: Row) =>
-    make("tr", {}, make("th", { scope: "row" }, name), ...cells.map((cell) => make("td", {}, cell)));
   const caption = make("caption", { class: "words" }, words);
-  return [head, make("table", { class: "list" }, caption, make("tbody", {}, ...rows(found).map(row)))];
+  const body = make("tbody", {}, ...rows(found).map(([name, cells]) => row(name, ...cells)));
+  return [head, make("table", { class: "list" }, caption, body)];
 }
 
 function circles({ planes, radius_mm }: BallBar): Row[] {

@@ -5,6 +5,7 @@ import { accepted, type Refusal, type Summary, type Target } from "../evaluator/
 import { FULL, isSettled, type Session, type State } from "../session";
 import { move, place } from "../ui/address";
 import { make } from "../ui/dom";
+import { asCsv, row, table } from "../ui/table";
 import { figure } from "./number";
 
 interface Compensated {
@@ -70,29 +71,17 @@ export class Control {
 }
 
 function shown({ position_um, rotation_urad, uncompensated }: Compensated, target: Target): HTMLElement[] {
-  const row = (words: string, at: string, unit: string, before: number, after: number) =>
-    make(
-      "tr",
-      {},
-      make("th", { scope: "row" }, words),
-      make("td", {}, figure(`without-${at}`, before, unit)),
-      make("td", {}, figure(`with-${at}`, after, unit)),
-    );
-  const heads = ["Figure", "as it is", "corrected"].map((head) => make("th", { scope: "col" }, head));
+  const both = (words: string, at: string, unit: string, before: number, after: number) =>
+    row(words, figure(`without-${at}`, before, unit), figure(`with-${at}`, after, unit));
   const rows = [
-    row("95 % of the poses", "p95", "µm", uncompensated.position_um.p95, position_um.p95),
-    row("Largest deviation", "max", "µm", uncompensated.position_um.max, position_um.max),
-    row("Rotation of the tool, 95 %", "rotation-left", "µrad", uncompensated.rotation_urad.p95, rotation_urad.p95),
+    both("95 % of the poses", "p95", "µm", uncompensated.position_um.p95, position_um.p95),
+    both("Largest deviation", "max", "µm", uncompensated.position_um.max, position_um.max),
+    both("Rotation of the tool, 95 %", "rotation-left", "µrad", uncompensated.rotation_urad.p95, rotation_urad.p95),
   ];
-  const table = make(
-    "table",
-    { class: "list" },
-    make("thead", {}, make("tr", {}, ...heads)),
-    make("tbody", {}, ...rows),
-  );
+  const list = table(["Figure", "as it is", "corrected"], rows);
   const cannot = make("ul", { class: "words" }, ...target.cannot.map((line) => make("li", {}, line)));
   const corrects = make("p", { class: "words" }, `Corrects ${target.expresses}. It cannot correct:`);
-  return [table, corrects, cannot];
+  return [list, make("p", {}, asCsv(`control-${target.target}`, list)), corrects, cannot];
 }
 
 function refused(answer: Refusal): HTMLElement[] {

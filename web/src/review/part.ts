@@ -8,6 +8,7 @@ import { isSettled, type Session, type State } from "../session";
 import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
+import { row, table } from "../ui/table";
 import { figure, rounded } from "./number";
 
 /** Colours of what stops a pose, told apart without red and green, and from the scale of deviations. */
@@ -140,31 +141,13 @@ export class Part {
   private features(work: Work): HTMLElement[] {
     const list = work.map.features ?? [];
     if (!list.length) return [];
-    const row = (of: (typeof list)[number]) =>
-      make(
-        "tr",
-        {},
-        make(
-          "th",
-          { scope: "row" },
-          of.axes ? button(of.feature || "no feature", () => of.axes && this.go(of.axes)) : of.feature,
-        ),
-        make("td", {}, of.max_um === null ? "not reached" : figure(`feature-${of.feature}`, of.max_um, "µm")),
-        make(
-          "td",
-          {},
-          ...of.errors.map(({ error }) => make("span", { "data-error": error, tabindex: "0" }, `${error} `)),
-        ),
+    const feature = (of: (typeof list)[number]) =>
+      row(
+        of.axes ? button(of.feature || "no feature", () => of.axes && this.go(of.axes)) : of.feature,
+        of.max_um === null ? "not reached" : figure(`feature-${of.feature}`, of.max_um, "µm"),
+        of.errors.map(({ error }) => make("span", { "data-error": error, tabindex: "0" }, `${error} `)),
       );
-    const heads = ["Feature", "largest", "by"].map((head) => make("th", { scope: "col" }, head));
-    return [
-      make(
-        "table",
-        { class: "list" },
-        make("thead", {}, make("tr", {}, ...heads)),
-        make("tbody", {}, ...list.map(row)),
-      ),
-    ];
+    return [table(["Feature", "largest", "by"], list.map(feature))];
   }
 
   private row(row: WorkRow): HTMLElement {

@@ -7,6 +7,7 @@ import { isSettled, type Session, type State } from "../session";
 import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
+import { row, table } from "../ui/table";
 import { figure, rounded } from "./number";
 
 export class Tighten {
@@ -60,27 +61,19 @@ export class Tighten {
     );
     const rows = goal.tolerances.map((of) => {
       const unit = of.unit.replace("u", "µ");
-      return make(
-        "tr",
-        {},
+      return row(
         make("th", { scope: "row", "data-error": of.error, tabindex: "0" }, of.error),
-        make("td", {}, `${Number(of.old.toPrecision(4))} ${unit}`),
-        make("td", {}, figure(`goal-${of.error}`, of.new, unit)),
-        make("td", {}, `${rounded(of.um_of_p95)} µm`),
+        `${Number(of.old.toPrecision(4))} ${unit}`,
+        figure(`goal-${of.error}`, of.new, unit),
+        `${rounded(of.um_of_p95)} µm`,
       );
     });
-    const heads = ["Error", "is", "new", "in the 95 %"].map((head) => make("th", { scope: "col" }, head));
-    const table = make(
-      "table",
-      { class: "list" },
-      make("thead", {}, make("tr", {}, ...heads)),
-      make("tbody", {}, ...rows),
-    );
+    const list = table(["Error", "is", "new", "in the 95 %"], rows);
     const csv = () => download.csv("tolerances", [["error", "unit", "old", "new", "um_of_p95"], ...listed(goal)]);
     const write = button("Write into the file", () => this.write(goal), { class: "primary", id: "write-tolerances" });
     return [
       facts,
-      make("div", { class: "scroll", tabindex: "0" }, table),
+      make("div", { class: "scroll", tabindex: "0" }, list),
       make("p", {}, write, " ", button("CSV", csv)),
     ];
   }

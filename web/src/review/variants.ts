@@ -6,6 +6,7 @@ import { accepted, type Comparison, type Refusal } from "../evaluator/types";
 import { isSettled, type Session, type State } from "../session";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
+import { row, table } from "../ui/table";
 import { figure, rounded } from "./number";
 
 /** Name of the text of A, in the folder of the machine so that what it names is found. */
@@ -78,28 +79,20 @@ function shown(of: Comparison): HTMLElement[] {
   if (!a || !b) return [];
   const cells = ROWS.map(([at, words]) => [words, at, a.position_um[at], b.position_um[at]] as const);
   const rows = cells.map(([words, at, before, now]) =>
-    make(
-      "tr",
-      {},
-      make("th", { scope: "row" }, words),
-      make("td", {}, figure(`a-${at}`, before, "µm")),
-      make("td", {}, figure(`b-${at}`, now, "µm")),
-      make("td", {}, figure(`b-a-${at}`, b.minus_first?.position_um[at] ?? now - before, "µm")),
+    row(
+      words,
+      figure(`a-${at}`, before, "µm"),
+      figure(`b-${at}`, now, "µm"),
+      figure(`b-a-${at}`, b.minus_first?.position_um[at] ?? now - before, "µm"),
     ),
   );
-  const heads = ["Figure", "A", "now", "now − A"].map((head) => make("th", { scope: "col" }, head));
-  const table = make(
-    "table",
-    { class: "list" },
-    make("thead", {}, make("tr", {}, ...heads)),
-    make("tbody", {}, ...rows),
-  );
+  const list = table(["Figure", "A", "now", "now − A"], rows);
   const csv = () =>
     download.csv("variants", [["figure", "A_um", "now_um"], ...cells.map(([words, , x, y]) => [words, x, y])]);
   const poses = `${of.poses} of ${of.asked} tool poses, which both reach.`;
   return [
     make("p", { id: "told-apart" }, make("strong", {}, judgement(of))),
-    table,
+    list,
     ...because(of),
     make("p", { class: "words" }, poses, " ", button("CSV", csv)),
   ];

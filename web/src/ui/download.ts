@@ -2,7 +2,7 @@
 
 import { make } from "./dom";
 
-type Cell = string | number | null;
+export type Cell = string | number | null;
 
 export const download = {
   csv: (name: string, rows: Cell[][]) => save(`${name}.csv`, new Blob([csv(rows)], { type: "text/csv" })),
