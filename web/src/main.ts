@@ -1,7 +1,8 @@
 /** The workbench: puts the parts together. Every change of the machine is a change of the text in the editor. */
 
 import "./style.css";
-import { chainEdit } from "./editor/chain";
+import { axisAdded, axisRemoved } from "./editor/axes";
+import { type Change, chainEdit } from "./editor/chain";
 import type { Schema } from "./editor/complete";
 import { inWords, range as placeRange, show as showMarks } from "./editor/diagnostics";
 import { Editor } from "./editor/editor";
@@ -47,7 +48,11 @@ class Workbench {
     (pose, rests) => this.moved(pose, rests),
     (axis) => this.stage?.point(axis),
   );
-  private readonly chips = new Chips(byId("chain"), (list) => this.rebuild(list));
+  private readonly chips = new Chips(byId("chain"), {
+    move: (list) => this.rebuild(chainEdit(this.editor.view.state, list)),
+    add: (list, axis) => this.rebuild(axisAdded(this.editor.view.state, list, axis)),
+    remove: (list, axis) => this.rebuild(axisRemoved(this.editor.view.state, list, axis)),
+  });
   private readonly tools = new ToolChoice(byId("poses"), (tool) => this.take(tool));
   private readonly verdict = new Verdict(byId("verdict"));
   private readonly statistics = new StatisticsTable(byId("statistics"), byId("poses"), (pose) => this.sliders.go(pose));
@@ -222,8 +227,7 @@ class Workbench {
     byId("diagnostics").replaceChildren(...(found.length ? [make("ul", {}, ...found.map(entry))] : []));
   }
 
-  private rebuild(list: string[]): void {
-    const edit = chainEdit(this.editor.view.state, list);
+  private rebuild(edit: Change | Change[] | null): void {
     if (edit) this.editor.change(edit);
     else this.complain("The file writes its chain as `branches`, or takes it from elsewhere: change it in the text.");
   }

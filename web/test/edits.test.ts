@@ -5,7 +5,8 @@ import { EditorState } from "@codemirror/state";
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
-import { chainEdit, moved, words } from "../src/editor/chain";
+import { axisAdded, axisRemoved } from "../src/editor/axes";
+import { type Change, chainEdit, moved, words } from "../src/editor/chain";
 import { nameOf } from "../src/editor/names";
 import { numberAt, numbers, range, written } from "../src/editor/numbers";
 import { random } from "./random";
@@ -78,4 +79,47 @@ test("the chain is written where it stands, or below `extends`", () => {
   );
   assert.equal(write("branches: { tool: [X] }\n"), null);
   assert.equal(write("machine: M\n"), null);
+});
+
+test("an axis joins next to the tool, and leaves with what the file says of it", () => {
+  const doc = [
+    "abbe: 1",
+    'chain: "w C\' b X Z (S) t"',
+    "axes:",
+    "  # travels",
+    "  X: { travel: [0, 500] }",
+    "  Z: { travel: [-400, 0] } # quill",
+    "  C:",
+    "    travel: continuous",
+    "    origin: [1, 2, 3]",
+    "errors: { EX0C: 3 um, EXX: { table: x.csv }, EAX: 1 urad }",
+    "tolerances:",
+    "  EXC: 5 um",
+    "  X-C: 10 urad",
+    "",
+  ].join("\n");
+  const after = (edits: Change[] | null) => edits && stateOf(doc).update({ changes: edits }).state.doc.toString();
+  const list = words("w C' b X Z (S) t");
+  assert.equal(
+    after(axisAdded(stateOf(doc), list, "B")),
+    doc.replace("Z (S)", "Z B (S)").replace("  X: { travel", "  B: { travel: [-90 deg, 90 deg] }\n  X: { travel"),
+  );
+  assert.equal(
+    after(axisRemoved(stateOf(doc), list, "C")),
+    doc
+      .replace("w C' b", "w b")
+      .replace("  C:\n    travel: continuous\n    origin: [1, 2, 3]\n", "")
+      .replace("EX0C: 3 um, ", "")
+      .replace("tolerances:\n  EXC: 5 um\n  X-C: 10 urad\n", ""),
+  );
+  assert.equal(
+    after(axisRemoved(stateOf(doc), list, "X")),
+    doc
+      .replace("b X Z", "b Z")
+      .replace("  X: { travel: [0, 500] }\n", "")
+      .replace(", EXX: { table: x.csv }, EAX: 1 urad", "")
+      .replace("  X-C: 10 urad\n", ""),
+  );
+  assert.equal(axisRemoved(stateOf('extends: a.yaml\nchain: "w b X Z t"\n'), words("w b X Z t"), "X"), null);
+  assert.equal(axisAdded(stateOf("branches: { tool: [X] }\n"), words("w b X t"), "Y"), null);
 });

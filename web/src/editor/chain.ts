@@ -32,7 +32,7 @@ export function moved(list: string[], from: number, to: number): string[] {
 }
 
 /** The last place of an axis: before a spindle in parentheses and the tool. */
-function lastPlace(list: string[]): number {
+export function lastPlace(list: string[]): number {
   const end = list.findIndex((word) => word === "t" || word.startsWith("("));
   return (end < 0 ? list.length : end) - 1;
 }

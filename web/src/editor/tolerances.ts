@@ -1,7 +1,8 @@
 /** Tolerances written into the text: in place of those that stand there, else as an entry of their own. */
 
 import type { EditorState } from "@codemirror/state";
-import { type Change, valueOf } from "./chain";
+import type { Change } from "./chain";
+import { entries } from "./entries";
 import { type FileNumber, numbers } from "./numbers";
 
 /** A tolerance that is wished for, in `um` or `urad`. */
@@ -23,9 +24,9 @@ export function toleranceEdits(state: EditorState, wishes: Wish[]): Change[] {
     const text = `${finer(wish.new)} ${wish.unit}`;
     const number = known.find((number) => isTolerance(number, wish.error));
     if (number) edits.push({ from: number.from, to: end(state, number), insert: text });
-    else missing.push(`  ${wish.error}: ${text}`);
+    else missing.push(`${wish.error}: ${text}`);
   }
-  return [...edits, ...entries(state, missing)].sort((a, b) => a.from - b.from);
+  return [...edits, ...entries(state, "tolerances", missing)].sort((a, b) => a.from - b.from);
 }
 
 function isTolerance({ path }: FileNumber, error: string): boolean {
@@ -45,26 +46,4 @@ function end(state: EditorState, number: FileNumber): number {
 function finer(value: number): string {
   const power = 10 ** (2 - Math.floor(Math.log10(value)));
   return String(Number((Math.floor(value * power * (1 + 1e-12)) / power).toPrecision(3)));
-}
-
-/** Lines below `tolerances:`, or that section at the end of the file. */
-function entries(state: EditorState, lines: string[]): Change[] {
-  if (!lines.length) return [];
-  const section = valueOf(state, "tolerances");
-  const text = state.doc.toString();
-  if (!section) {
-    const at = state.doc.length;
-    return [
-      { from: at, to: at, insert: `${text.endsWith("\n") || !text ? "" : "\n"}tolerances:\n${lines.join("\n")}\n` },
-    ];
-  }
-  if (state.sliceDoc(section.from, section.from + 1) === "{") {
-    const list = lines.map((line) => `${line.trim()}, `).join("");
-    return [{ from: section.from + 1, to: section.from + 1, insert: ` ${list.trimEnd()}` }];
-  }
-  // The first entry, behind line ends and comments.
-  const first = section.from + (/^(?:\s*(?:#[^\n]*)?\n)*\s*/.exec(text.slice(section.from))?.[0].length ?? 0);
-  const indent = " ".repeat(first - state.doc.lineAt(first).from);
-  const insert = lines.map((line) => `${line.trim()}\n${indent}`).join("");
-  return [{ from: first, to: first, insert }];
 }

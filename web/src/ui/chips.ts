@@ -1,25 +1,34 @@
-/** The chain as chips: an axis is dragged, or moved by the arrow keys, to another place or across the bed. */
+/** The chain as chips: an axis is dragged, or moved by the arrow keys, to another place or across the bed; a list
+ * behind them adds and removes axes. */
 
+import { STANDARD, nameOf } from "../editor/axes";
 import { isAxis, moved, words } from "../editor/chain";
 import { make } from "./dom";
 
 const NAMES: Record<string, string> = { w: "workpiece", b: "bed", t: "tool" };
+
+/** What is wished of the chain. */
+export interface ChainWishes {
+  /** Takes the words of a new chain. */
+  move(list: string[]): void;
+  add(list: string[], axis: string): void;
+  remove(list: string[], axis: string): void;
+}
 
 export class Chips {
   private list: string[] = [];
   private held: { from: number; to: number } | null = null;
   private focused: string | null = null;
 
-  /** `write` takes the words of a new chain. */
   constructor(
     private readonly parent: HTMLElement,
-    private readonly write: (list: string[]) => void,
+    private readonly wishes: ChainWishes,
   ) {}
 
   show(chain: string): void {
     if (this.held) return;
     this.list = words(chain);
-    this.parent.replaceChildren(...this.list.map((word, i) => this.chip(word, i)));
+    this.parent.replaceChildren(...this.list.map((word, i) => this.chip(word, i)), this.choice());
     if (this.focused !== null)
       this.chips()
         .find((chip) => chip.dataset["axis"] === this.focused)
@@ -27,12 +36,39 @@ export class Chips {
   }
 
   private chips(): HTMLElement[] {
-    return [...this.parent.children] as HTMLElement[];
+    return [...this.parent.querySelectorAll<HTMLElement>(".chip")];
+  }
+
+  private choice(): HTMLElement {
+    const own = this.list.filter(isAxis).map(nameOf);
+    const free = Object.entries(STANDARD).filter(([name]) => !own.includes(name));
+    const choice = make(
+      "select",
+      { class: "axes-choice", "aria-label": "Add or remove an axis", title: "Add or remove an axis" },
+      make("option", { value: "" }, "±"),
+      make(
+        "optgroup",
+        { label: "Add, next to the tool" },
+        ...free.map(([name, kind]) => make("option", { value: `+${name}` }, `${name}, ${kind}`)),
+      ),
+      make(
+        "optgroup",
+        { label: "Remove, with its errors" },
+        ...own.map((name) => make("option", { value: `-${name}` }, name)),
+      ),
+    );
+    choice.addEventListener("change", () => {
+      const { value } = choice;
+      choice.value = "";
+      if (value.startsWith("+")) this.wishes.add(this.list, value.slice(1));
+      if (value.startsWith("-")) this.wishes.remove(this.list, value.slice(1));
+    });
+    return choice;
   }
 
   private chip(word: string, i: number): HTMLElement {
     if (!isAxis(word)) return make("span", { class: `chip fixed ${word === "b" ? "bed" : ""}` }, NAMES[word] ?? word);
-    const axis = word.replace(/'$/, "");
+    const axis = nameOf(word);
     const side = word.endsWith("'") ? "carries the workpiece" : "carries the tool";
     const label = `${axis}, ${side}; move it with the arrow keys or drag it`;
     const chip = make(
@@ -62,7 +98,7 @@ export class Chips {
 
   private place(from: number, to: number): void {
     const next = moved(this.list, from, to);
-    if (next !== this.list && next.join(" ") !== this.list.join(" ")) this.write(next);
+    if (next !== this.list && next.join(" ") !== this.list.join(" ")) this.wishes.move(next);
   }
 
   private grab(event: PointerEvent, chip: HTMLElement, from: number): void {
