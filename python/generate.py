@@ -38,6 +38,11 @@ VERBS = {
     "identify": Verb("IdentifyResult", "Fits errors to measurements."),
     "fit_monomials": Verb("Result", "Fits monomials of order 2, component by component, as the papers do."),
     "plan": Verb("PlanResult", "Returns poses worth measuring, and the uncertainty that the parameters will have."),
+    "locate": Verb(
+        "LocateResult",
+        "Returns the location errors that a control's own calibration found, beside those of the machine file.",
+        words=("path",),
+    ),
     "compile": Verb("CompileResult", "Compiles the files of a controller, with their certificate.", first=("target",)),
     "verify": Verb(
         "CertificateResult", "Replays the files in a folder, and certifies the residual.", words=("folder",)
@@ -49,10 +54,14 @@ VERBS = {
         "ImportResult", "Makes a table of error curves of a measurement as an instrument exports it.", words=("path",)
     ),
     "figures": Verb("Result", "Returns figures of the ISO 230 series from the readings of a test.", words=("path",)),
+    "record": Verb("RecordResult", "Makes the record of a calibration from its description.", words=("description",)),
+    "record_trend": Verb(
+        "TrendResult", "Puts records of one machine in a line: every error over the dates.", words=("*folders",)
+    ),
 }
 
 #: Verbs without a machine: functions.
-FREE = ("import_readings", "figures")
+FREE = ("import_readings", "figures", "record", "record_trend")
 
 #: Verbs that take further machines: their number in words, for the docstring.
 OTHERS = {"compare": "*others: Verbs", "report": "*others: Verbs", "diff": "other: Verbs"}
@@ -213,7 +222,7 @@ def method(name: str, found: dict[str, Any], types: Types) -> str:
         takes.append(parameters.pop("data"))
     takes += [parameters.pop(key) for key in verb.first]
     takes += [OTHERS[name]] if name in OTHERS else []
-    takes += [] if name in OTHERS and OTHERS[name].startswith("*") else ["*"]
+    takes += [] if any(taken.startswith("*") for taken in takes) else ["*"]
     takes += ["rows: bool = False"] if name == "map" else []
     takes += [*parameters.values(), "threads: int | None = None"]
     indent = "" if free else "    "

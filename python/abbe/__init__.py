@@ -11,7 +11,19 @@ in another unit; positions of rotary axes are in deg as programmed.
 from ._abbe import __version__
 from ._calls import set_threads
 from ._diagnostics import Diagnostic, DiagnosticError, DiagnosticWarning, Place
-from ._functions import check, classify, explain, figures, import_readings, schema, starter, targets
+from ._functions import (
+    check,
+    check_record,
+    classify,
+    explain,
+    figures,
+    import_readings,
+    record,
+    record_trend,
+    schema,
+    starter,
+    targets,
+)
 from ._machine import Deviations, Machine, load, loads
 from ._results import (
     BudgetResult,
@@ -26,12 +38,15 @@ from ._results import (
     IdentifyResult,
     ImportResult,
     InstrumentResult,
+    LocateResult,
     MapResult,
     PlanResult,
     ReachResult,
     Record,
+    RecordResult,
     ReportResult,
     Result,
+    TrendResult,
 )
 
 __all__ = [
@@ -51,22 +66,28 @@ __all__ = [
     "IdentifyResult",
     "ImportResult",
     "InstrumentResult",
+    "LocateResult",
     "Machine",
     "MapResult",
     "Place",
     "PlanResult",
     "ReachResult",
     "Record",
+    "RecordResult",
     "ReportResult",
     "Result",
+    "TrendResult",
     "__version__",
     "check",
+    "check_record",
     "classify",
     "explain",
     "figures",
     "import_readings",
     "load",
     "loads",
+    "record",
+    "record_trend",
     "schema",
     "set_threads",
     "starter",

@@ -7,9 +7,21 @@ from typing import Any, Literal
 
 from ._calls import Text, call
 from ._results import Record, Result
-from ._verbs import figures, import_readings
+from ._verbs import figures, import_readings, record, record_trend
 
-__all__ = ["check", "classify", "explain", "figures", "import_readings", "schema", "starter", "targets"]
+__all__ = [
+    "check",
+    "check_record",
+    "classify",
+    "explain",
+    "figures",
+    "import_readings",
+    "record",
+    "record_trend",
+    "schema",
+    "starter",
+    "targets",
+]
 
 
 def check(*paths: Text) -> list[dict[str, Any]]:
@@ -25,6 +37,11 @@ def check(*paths: Text) -> list[dict[str, Any]]:
 def classify(path: Text, *, tolerance: float = 1e-9) -> Result:
     """Returns motion and errors of a 4x4 matrix over the dual numbers: a YAML file as ``abbe classify`` reads it."""
     return Result(call("classify", [], {"tolerance": tolerance}, words=[path]))
+
+
+def check_record(folder: Text) -> Result:
+    """Compares every file of a record with its hash; refuses a record in which one differs or is missing."""
+    return Result(call("check_record", [], {}, words=[folder]))
 
 
 def explain(what: str) -> str:

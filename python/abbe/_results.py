@@ -385,14 +385,14 @@ class CertificateResult(Result):
     __slots__ = ()
 
 
-class CompileResult(CertificateResult):
-    """The files of a controller, with their certificate."""
+class Folder(Result):
+    """A result with the files of a folder."""
 
     __slots__ = ()
 
     @property
     def contents(self) -> dict[str, bytes]:
-        """The files by name, with the manifest `abbe.lock.json` last."""
+        """The files by name, the list of their hashes last."""
         return dict(self._files)
 
     def save(self, folder: str | Path) -> None:
@@ -402,7 +402,41 @@ class CompileResult(CertificateResult):
         if any(folder.iterdir()):
             raise FileExistsError(f"{folder} is not empty; the command `abbe compile` replaces a set as a whole")
         for name, content in self._files.items():
-            (folder / name).write_bytes(content)
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(content)
+
+
+class CompileResult(CertificateResult, Folder):
+    """The files of a controller, with their certificate."""
+
+    __slots__ = ()
+
+
+class RecordResult(Folder):
+    """The record of a calibration. The table has a row for each decision."""
+
+    __slots__ = ()
+    _table = "decisions"
+
+
+class TrendResult(Result):
+    """Records of one machine in a line. The table has a row for each error."""
+
+    __slots__ = ()
+    _table = "errors"
+
+
+class LocateResult(Result):
+    """Location errors as a control's own calibration found them. The table has a row for each error."""
+
+    __slots__ = ()
+    _table = "errors"
+
+    @property
+    def machine_file(self) -> str:
+        """The text of the machine file with the errors found."""
+        return self._texts["machine.yaml"]
 
 
 class DiffResult(Result):

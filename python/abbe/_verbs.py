@@ -21,11 +21,14 @@ from ._results import (
     IdentifyResult,
     ImportResult,
     InstrumentResult,
+    LocateResult,
     MapResult,
     PlanResult,
     ReachResult,
+    RecordResult,
     ReportResult,
     Result,
+    TrendResult,
 )
 
 #: The order to which errors are followed; as text ``exact`` or ``1`` to ``6``.
@@ -718,6 +721,33 @@ class Verbs:
         found = call("plan", [self._native], options, threads=threads)
         return PlanResult(found)
 
+    def locate(
+        self,
+        path: Text,
+        *,
+        target: Text | None = None,
+        templates: Text | None = None,
+        installed: Text | None = None,
+        threads: int | None = None,
+    ) -> LocateResult:
+        """Returns the location errors that a control's own calibration found, beside those of the machine file.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``target``: Name of the controller whose kinematic parameters the folder holds; by default the one that its
+          files name.
+        * ``templates``: A folder with targets of one's own, each a folder with a ``target.yaml``.
+        * ``installed``: Folder with the kinematic parameters before the calibration; by default those of the nominal
+          machine.
+        """
+        options: dict[str, Any] = {
+            "target": target,
+            "templates": templates,
+            "installed": installed,
+        }
+        found = call("locate", [self._native], options, words=[path], threads=threads)
+        return LocateResult(found)
+
     def compile(
         self,
         target: Text = "",
@@ -984,3 +1014,58 @@ def figures(
     }
     found = call("figures", [], options, words=[path], threads=threads)
     return Result(found)
+
+
+def record(
+    description: Text,
+    *,
+    tool: Text | None = None,
+    compensation: CompensationOptions | None = None,
+    poses: int = 2000,
+    seed: int = 1,
+    threads: int | None = None,
+) -> RecordResult:
+    """Makes the record of a calibration from its description.
+
+    Options, each with the default of the façade where it is ``None``:
+
+    * ``tool``: Tool of the machine; the first by default.
+    * ``compensation``: Options of the compensation, with which the sets are verified.
+    * ``poses``: Number of poses of certificates and comparisons.
+    * ``seed``: Seed of the poses.
+    """
+    options: dict[str, Any] = {
+        "tool": tool,
+        "compensation": compensation,
+        "poses": poses,
+        "seed": seed,
+    }
+    found = call("record", [], options, words=[description], threads=threads)
+    return RecordResult(found)
+
+
+def record_trend(
+    *folders: Text,
+    tool: Text | None = None,
+    compensation: CompensationOptions | None = None,
+    poses: int = 2000,
+    seed: int = 1,
+    threads: int | None = None,
+) -> TrendResult:
+    """Puts records of one machine in a line: every error over the dates.
+
+    Options, each with the default of the façade where it is ``None``:
+
+    * ``tool``: Tool of the machine; the first by default.
+    * ``compensation``: Options of the compensation, with which the sets are verified.
+    * ``poses``: Number of poses of certificates and comparisons.
+    * ``seed``: Seed of the poses.
+    """
+    options: dict[str, Any] = {
+        "tool": tool,
+        "compensation": compensation,
+        "poses": poses,
+        "seed": seed,
+    }
+    found = call("record_trend", [], options, words=[*folders], threads=threads)
+    return TrendResult(found)

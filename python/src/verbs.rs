@@ -10,7 +10,8 @@ use abbe::sets::LOCK_NAME;
 use abbe::{
     Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompileOptions, ConvertOptions, Diagnostic, Diagnostics,
     DiffMachinesOptions, DiffOptions, EnumerateOptions, EquationsOptions, EvalOptions, FiguresOptions, IdentifyOptions,
-    ImportOptions, InstrumentOptions, MapOptions, PlanOptions, ReachOptions, ReportOptions, Run, VerifyOptions,
+    ImportOptions, InstrumentOptions, LocateOptions, MapOptions, PlanOptions, ReachOptions, RecordOptions,
+    ReportOptions, Run, VerifyOptions,
 };
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
@@ -19,6 +20,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::io::Cursor;
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 type Found = Result<Outcome, Diagnostics>;
@@ -46,7 +48,7 @@ const TOP: usize = 12;
 const STATE: &str = "state";
 
 /// Returns all verbs.
-fn table() -> [Verb; 19] {
+fn table() -> [Verb; 22] {
     [
         Verb::new("eval", |request, options: &EvalOptions, run| {
             Ok(Outcome::of(request, abbe::eval(request.machine()?, options, run)?).0)
@@ -83,6 +85,20 @@ fn table() -> [Verb; 19] {
             let (outcome, result) = Outcome::of(request, abbe::figures(request.path(0)?, options, run)?);
             Ok(outcome.text("figures.svg", result.picture().svg()))
         }),
+        Verb::new("locate", |request, options: &LocateOptions, run| {
+            let (outcome, result) =
+                Outcome::of(request, abbe::locate(request.machine()?, request.path(0)?, options, run)?);
+            Ok(outcome.text("machine.yaml", result.machine_file))
+        }),
+        Verb::new("record", |request, options: &RecordOptions, run| {
+            let (outcome, record) = Outcome::of(request, abbe::record(request.path(0)?, options, run)?);
+            Ok(Outcome { files: record.files, ..outcome })
+        }),
+        Verb::new("record_trend", |request, options: &RecordOptions, run| {
+            let folders: Vec<PathBuf> = request.words.iter().map(PathBuf::from).collect();
+            let (outcome, trend) = Outcome::of(request, abbe::record_trend(&folders, options, run)?);
+            Ok(outcome.text("trend.svg", trend.picture().svg()))
+        }),
         Verb::new("compile", compile),
         Verb::new("verify", |request, options: &VerifyOptions, run| {
             let answer = abbe::verify(request.machine()?, request.path(0)?, options, run)?;
@@ -104,6 +120,7 @@ fn plain(name: &str, request: &Request, run: Run<'_>) -> Option<Found> {
     Some(match name {
         "check" => Ok(Outcome::plain(json!(abbe::check(&request.words, run)))),
         "classify" => classify(request, run),
+        "check_record" => check_record(request, run),
         "targets" => Ok(Outcome::plain(json!({"targets": abbe::targets()}))),
         "schema" => Ok(Outcome::plain(abbe::schema())),
         "explain" => explain(request),
@@ -125,6 +142,10 @@ fn explain(request: &Request) -> Found {
 fn classify(request: &Request, run: Run<'_>) -> Found {
     let options: ClassifyOptions = request.options()?;
     Ok(Outcome::of(request, abbe::classify(request.path(0)?, &options, run)?).0)
+}
+
+fn check_record(request: &Request, run: Run<'_>) -> Found {
+    Ok(Outcome::of(request, abbe::check_record(request.path(0)?, run)?).0)
 }
 
 fn equations(request: &Request, options: &EquationsOptions, run: Run<'_>) -> Found {
