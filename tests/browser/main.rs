@@ -19,7 +19,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 22] = [
+const CHECKS: [checks::Check; 24] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -30,6 +30,8 @@ const CHECKS: [checks::Check; 22] = [
     ("the workbench shows the numbers of the command line, before and after edits", workbench::numbers),
     ("what is typed, dragged and undone reaches the file only when it is saved", workbench::edits),
     ("the workbench moves an axis across the bed by keys and by dragging", workbench::chain),
+    ("axes join and leave with their entries and errors", workbench::axes),
+    ("a body of the picture is dragged, and one axis moves", workbench::drag),
     ("the workbench shows refusals at their place and keeps the last figures", workbench::refusals),
     ("the workbench shows bounds of a machine of which nothing is measured", workbench::bounds),
     ("the work in reach is the command line's, and names explain themselves", review::reach),

@@ -210,6 +210,17 @@ pub fn control() {
     assert_eq!(Some(bench.figure("without-p95")), printed["uncompensated"]["position_um"]["p95"].as_f64());
     assert_eq!(Some(bench.figure("with-rotation-left")), printed["rotation_urad"]["p95"].as_f64());
     assert_eq!(Some(bench.figure("without-p95")), Some(bench.figure("p95")));
+    let heads = "[...document.querySelectorAll('#panel-control thead button')]";
+    let order = || {
+        bench
+            .browser
+            .run("return [...document.querySelectorAll('#panel-control tbody th')].map((th) => th.textContent[0]);")
+    };
+    assert_eq!(order(), json!(["9", "L", "R"]));
+    let _ = bench.browser.run(&format!("{heads}[1].click();"));
+    assert_eq!(order(), json!(["R", "L", "9"]), "largest first: urad, then um");
+    let _ = bench.browser.run(&format!("{heads}[1].click();"));
+    assert_eq!(order(), json!(["9", "L", "R"]));
     picture(&bench, "control");
     bench.click("tab-acceptance");
     let bar = awaits(&bench, "ball-bar-XY");

@@ -225,6 +225,73 @@ pub fn chain() {
     bench.quiet();
 }
 
+/// Axes join and leave by the list behind the chips, with their entries and errors.
+pub fn axes() {
+    let bench = Bench::of_config("bench-axes", "trunnion.yaml");
+    let original = bench.on_disk();
+    let choose = |wish: &str| {
+        let script = format!(
+            "const list = document.querySelector('.axes-choice'); list.value = '{wish}'; \
+             list.dispatchEvent(new Event('change'));"
+        );
+        let _ = bench.browser.run(&script);
+    };
+    choose("+B");
+    wait(&bench.browser, "return document.querySelector('[data-axis=B]') !== null;");
+    let saved = bench.save();
+    assert!(saved.contains("chain: \"w C' A' Y' b X Z B t\""), "{saved}");
+    assert!(saved.contains("  B: { travel: [-90 deg, 90 deg] }\n"), "{saved}");
+    assert_eq!(saved.lines().count(), original.lines().count() + 1);
+    bench.agrees();
+    choose("-B");
+    wait(&bench.browser, "return document.querySelector('[data-axis=B]') === null;");
+    assert_eq!(bench.save(), original);
+    choose("-A");
+    wait(&bench.browser, "return document.querySelector('[data-axis=A]') === null;");
+    let saved = bench.save();
+    assert!(original.contains("EC0A:") && !saved.contains("EC0A:") && !saved.contains("\n  A:"), "{saved}");
+    assert!(saved.contains("EC0C:") || saved.contains("EX0C:"), "{saved}");
+    bench.agrees();
+    bench.quiet();
+}
+
+/// A body of the picture is taken and drawn: its axis moves, and the readout is that of the pose.
+pub fn drag() {
+    let bench = Bench::of_config("bench-drag", "trunnion.yaml");
+    let place = "const r = document.querySelector('#stage canvas').getBoundingClientRect(); \
+                 return [r.left, r.top, r.width, r.height];";
+    let found = bench.browser.run(place);
+    let [left, top, width, height] = [0, 1, 2, 3].map(|i| found[i].as_f64().unwrap());
+    let axes = || bench.browser.run("return [...document.querySelectorAll('#axes output')].map((o) => o.textContent);");
+    let before = axes();
+    let taken = (1..20).flat_map(|i| (1..20).map(move |k| (i, k))).find(|(i, k)| {
+        let at = (left + width * f64::from(*i) / 20.0, top + height * f64::from(*k) / 20.0);
+        let hover = serde_json::json!({"type": "mouseMoved", "x": at.0, "y": at.1});
+        let _ = bench.browser.devtools("Input.dispatchMouseEvent", &hover);
+        let cursor = bench.browser.run("return document.querySelector('#stage canvas').style.cursor;");
+        if cursor != "grab" {
+            return false;
+        }
+        bench.browser.drag(at, (at.0 + 60.0, at.1 + 40.0));
+        axes() != before
+    });
+    assert!(taken.is_some(), "no body of the machine can be taken");
+    let moved = axes();
+    let changed = (0..5).filter(|i| moved[*i] != before[*i]).count();
+    assert_eq!(changed, 1, "one axis moves: {before} {moved}");
+    bench.settled();
+    let pose = bench.browser.run("return new URLSearchParams(location.hash.slice(1)).get('pose');");
+    let printed = bench.command("eval", &["--at", pose.as_str().unwrap()]);
+    let component = |k: usize| printed["poses"][0]["deviation"][k].as_f64().unwrap() * 1e3;
+    let um = (0..3).map(|k| component(k).powi(2)).sum::<f64>().sqrt();
+    // The address rounds the pose.
+    let near = format!(
+        "const at = document.querySelector('[data-at=here]'); return Math.abs(at?.dataset.value - {um}) < 1e-2;"
+    );
+    wait(&bench.browser, &near);
+    bench.quiet();
+}
+
 fn line(before: &str, after: &str) -> (String, String) {
     (format!("chain: \"{before}\""), format!("chain: \"{after}\""))
 }
