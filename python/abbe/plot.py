@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ._machine import Machine
-from ._results import Result
+from ._results import MapResult, Result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["budget", "field"]
+__all__ = ["budget", "field", "parameters", "spread"]
 
 
 def field(
@@ -65,6 +65,41 @@ def budget(result: Result, *, top: int = 12, ax: Axes | None = None) -> Axes:
     names = [f"{row['error']}  {row['tolerance']:g} {row['unit']}" for row in rows]
     axes.barh(names, [row["average_um"] for row in rows])
     axes.set_xlabel("deviation of each error at its bound, mean over the poses, um")
+    return axes
+
+
+def parameters(result: Result, unit: str = "um", *, top: int = 20, ax: Axes | None = None) -> Axes:
+    """Draws the fitted values of a unit with their expanded uncertainties (k = 2), the largest against theirs first.
+
+    ``result`` is that of :meth:`abbe.Machine.identify`. Values that are held, or that the readings leave free, are left
+    out.
+    """
+    rows = [row for row in result.records() if row["unit"] == unit and row["sigma"]]
+    if not rows:
+        raise ValueError(f"no value is fitted in {unit}: there are {sorted({row['unit'] for row in result.records()})}")
+    rows = sorted(rows, key=lambda row: abs(float(row["value"]) / float(row["sigma"])), reverse=True)[:top][::-1]
+    axes = ax if ax is not None else _new()
+    values, expanded = ([float(row[key]) * k for row in rows] for key, k in (("value", 1), ("sigma", 2)))
+    axes.errorbar(values, [row["name"] for row in rows], xerr=expanded, fmt="o", capsize=3)
+    axes.axvline(0, color="0.7", linewidth=0.8)
+    axes.set_xlabel(f"value with its expanded uncertainty (k = 2), {unit}")
+    return axes
+
+
+def spread(result: MapResult, *, ax: Axes | None = None) -> Axes:
+    """Draws which share of the poses has a deviation up to a length (um), with the 95 % value.
+
+    ``result`` is that of :meth:`abbe.Machine.map` with ``rows=True``.
+    """
+    rows = result.rows
+    lengths = np.sort(np.linalg.norm(np.stack([rows[f"d{letter} [um]"] for letter in "xyz"]), axis=0))
+    axes = ax if ax is not None else _new()
+    axes.step(lengths, np.arange(1, len(lengths) + 1) / len(lengths) * 100, where="post")
+    p95 = float(result.position_um.p95)
+    axes.axvline(p95, color="0.5", linewidth=0.8, label=f"95 %: {p95:.4g} um")
+    axes.set_xlabel("deviation, um")
+    axes.set_ylabel("poses, %")
+    axes.legend()
     return axes
 
 
