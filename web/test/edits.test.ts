@@ -96,6 +96,10 @@ test("an axis joins next to the tool, and leaves with what the file says of it",
     "tolerances:",
     "  EXC: 5 um",
     "  X-C: 10 urad",
+    "measured:",
+    "  - errors/x.csv",
+    "  - errors/c.csv",
+    "volume: { X: { step: 50 mm }, C: { step: 15 deg } }",
     "",
   ].join("\n");
   const after = (edits: Change[] | null) => edits && stateOf(doc).update({ changes: edits }).state.doc.toString();
@@ -110,7 +114,9 @@ test("an axis joins next to the tool, and leaves with what the file says of it",
       .replace("w C' b", "w b")
       .replace("  C:\n    travel: continuous\n    origin: [1, 2, 3]\n", "")
       .replace("EX0C: 3 um, ", "")
-      .replace("tolerances:\n  EXC: 5 um\n  X-C: 10 urad\n", ""),
+      .replace("tolerances:\n  EXC: 5 um\n  X-C: 10 urad\n", "")
+      .replace("  - errors/c.csv\n", "")
+      .replace(", C: { step: 15 deg }", ""),
   );
   assert.equal(
     after(axisRemoved(stateOf(doc), list, "X")),
@@ -118,7 +124,9 @@ test("an axis joins next to the tool, and leaves with what the file says of it",
       .replace("b X Z", "b Z")
       .replace("  X: { travel: [0, 500] }\n", "")
       .replace(", EXX: { table: x.csv }, EAX: 1 urad", "")
-      .replace("  X-C: 10 urad\n", ""),
+      .replace("  X-C: 10 urad\n", "")
+      .replace("  - errors/x.csv\n", "")
+      .replace("X: { step: 50 mm }, ", ""),
   );
   assert.equal(axisRemoved(stateOf('extends: a.yaml\nchain: "w b X Z t"\n'), words("w b X Z t"), "X"), null);
   assert.equal(axisAdded(stateOf("branches: { tool: [X] }\n"), words("w b X t"), "Y"), null);

@@ -41,8 +41,12 @@ export function axisRemoved(state: EditorState, list: string[], name: string): C
   const chain = chainEdit(state, shorter);
   if (!chain || valueOf(state, "extends")) return null;
   const own = ([section, key = "", ...more]: string[]) =>
-    more.length === 0 && ((section === "axes" && key === name) || (isOfErrors(section) && concerns(key, name)));
-  return sorted([chain, ...removed(state, own)]);
+    more.length === 0 && ((isOfAxes(section) && key === name) || (isOfErrors(section) && concerns(key, name)));
+  return sorted([chain, ...removed(state, own), ...tables(state, name)]);
+}
+
+function isOfAxes(section: string | undefined): boolean {
+  return section === "axes" || section === "volume";
 }
 
 function isOfErrors(section: string | undefined): boolean {
@@ -72,6 +76,21 @@ function removed(state: EditorState, own: (path: string[]) => boolean): Change[]
       else if (braces) changes.push(...between(pairs, gone));
       else changes.push(...gone.map((pair) => lines(state, pair)));
       return false;
+    },
+  });
+  return changes;
+}
+
+/** Takes the tables away that are called like the axis, `errors/a.csv`. */
+function tables(state: EditorState, axis: string): Change[] {
+  const of = new RegExp(`(^|[/\\\\\\s"'])${axis}\\.csv["']?\\s*$`, "i");
+  const changes: Change[] = [];
+  tree(state).iterate({
+    enter: (at) => {
+      if (at.name !== "Item") return;
+      const [section, ...more] = path(state, at.node);
+      if (section === "measured" && more.length === 0 && of.test(state.sliceDoc(at.from, at.to)))
+        changes.push(lines(state, at.node));
     },
   });
   return changes;
