@@ -553,7 +553,8 @@ class Verbs:
         * ``instrument``: The instrument.
         * ``plane``: Ball bar: plane of the circle, workpiece frame; by default all three.
         * ``radius_mm``: Ball bar: its length, above 0 and up to 10000 mm.
-        * ``axis``: R-test: name of the rotary axis; by default all, one after the other.
+        * ``axis``: R-test: name of the rotary axis, or of several that turn at once, ``A+C``; by default all, one after
+          the other.
         * ``at``: Centre of the circle, place of the ball, or where the other axes are, ``X=100,C=90``: mm and deg. By
           default the middle of the volume, for the R-test three quarters along it; rotary axes at 0 or nearest to it.
         * ``points``: Readings on a circle or turn, points on a diagonal, or steps of every axis; by default 360, 37,

@@ -14,6 +14,11 @@ use crate::units::significant;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
+/// A position that somebody drives to: four decimals.
+fn driven(position: f64) -> f64 {
+    libm::round(position * 1e4) / 1e4 + 0.0
+}
+
 /// Options of [`instrument`].
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
@@ -24,7 +29,7 @@ pub struct InstrumentOptions {
     pub plane: Option<CirclePlane>,
     /// Ball bar: its length, above 0 and up to 10000 mm.
     pub radius_mm: f64,
-    /// R-test: name of the rotary axis; by default all, one after the other.
+    /// R-test: name of the rotary axis, or of several that turn at once, `A+C`; by default all, one after the other.
     pub axis: Option<String>,
     /// Centre of the circle, place of the ball, or where the other axes are, `X=100,C=90`: mm and deg. By default the
     /// middle of the volume, for the R-test three quarters along it; rotary axes at 0 or nearest to it.
@@ -112,7 +117,7 @@ impl InstrumentResult {
             }
             Readings::Turns(turns) => {
                 let subtitle = format!("R-test with the ball at {}", self.place());
-                let named = |r: &RTest| (self.machine.axes()[r.axis].name.to_string(), r.clone());
+                let named = |r: &RTest| (r.name(&self.machine), r.clone());
                 let tests: Vec<(String, RTest)> = turns.iter().map(named).collect();
                 RTestPicture { title, subtitle: &subtitle, tests: &tests }.picture()
             }
@@ -122,6 +127,33 @@ impl InstrumentResult {
                 DiagonalPicture { title, subtitle: &subtitle, diagonals: lines }.picture()
             }
         }
+    }
+
+    /// Returns the poses of the R-tests as a table to measure by, each there and back in a run of its own: the
+    /// positions of all axes, and empty columns for the readings, as `identify` takes them. None of other instruments.
+    pub fn sequence(&self) -> Option<String> {
+        let Readings::Turns(turns) = &self.readings else { return None };
+        let machine = &self.machine;
+        let title = |axis: &Axis| format!("{} [{}]", axis.name, axis.unit());
+        let titles: Vec<String> = machine.axes().iter().map(title).collect();
+        let mut table = format!(
+            "# R-test of {}, ball at {}: tool relative to workpiece, less the first reading of the run\n\
+             # directions of the machine: abbe identify --frame machine\n\
+             run,{},rel.dx [um],rel.dy [um],rel.dz [um]\n",
+            machine.name(),
+            self.place(),
+            titles.join(",")
+        );
+        for turn in turns {
+            let name = turn.name(machine);
+            let row = |run: &str, pose: &Pose| {
+                let positions: Vec<String> = pose.iter().map(|q| driven(*q).to_string()).collect();
+                format!("{run},{},,,\n", positions.join(","))
+            };
+            let there = turn.poses.iter().map(|pose| row(&format!("{name} there"), pose));
+            table.extend(there.chain(turn.poses.iter().rev().map(|pose| row(&format!("{name} back"), pose))));
+        }
+        Some(table)
     }
 
     fn contract(&self) -> Value {
@@ -223,18 +255,30 @@ fn turns(call: &mut Call<'_>, machine: &Machine, at: &[f64], options: &Instrumen
     let name = |i: usize| machine.axes()[i].name.as_str();
     let rotary: Vec<usize> =
         (0..machine.axes().len()).filter(|i| machine.axes()[*i].kind == AxisKind::Rotary).collect();
-    let wanted = |i: &usize| options.axis.as_ref().is_none_or(|wanted| name(*i) == wanted);
-    let chosen: Vec<usize> = rotary.iter().copied().filter(wanted).collect();
     if rotary.is_empty() {
         return call.usage("the machine has no rotary axis to turn");
     }
-    if chosen.is_empty() {
-        let known: Vec<&str> = rotary.iter().map(|i| name(*i)).collect();
-        return call.usage(format!("`--axis` is one of the rotary axes {}", known.join(", ")));
-    }
-    let one = |axis: usize| {
-        r_test(machine, at, axis, options.points.unwrap_or(37))
-            .map_err(|why| not_driven(&format!("an R-test of {} at this place of the ball", name(axis)), why))
+    let chosen: Vec<Vec<usize>> = match &options.axis {
+        None => rotary.iter().map(|axis| vec![*axis]).collect(),
+        Some(words) => {
+            let find = |word: &str| rotary.iter().copied().find(|i| name(*i) == word.trim());
+            let together: Option<Vec<usize>> = words.split('+').map(find).collect();
+            let once = |axes: &Vec<usize>| (1..axes.len()).all(|i| !axes[..i].contains(&axes[i]));
+            match together.filter(once) {
+                Some(together) => vec![together],
+                None => {
+                    let known: Vec<&str> = rotary.iter().map(|i| name(*i)).collect();
+                    let known = known.join(", ");
+                    return call
+                        .usage(format!("`--axis` is one of the rotary axes {known}, or several, each once: `A+C`"));
+                }
+            }
+        }
+    };
+    let one = |axes: Vec<usize>| {
+        let names: Vec<&str> = axes.iter().map(|i| name(*i)).collect();
+        r_test(machine, at, &axes, options.points.unwrap_or(37))
+            .map_err(|why| not_driven(&format!("an R-test of {} at this place of the ball", names.join("+")), why))
     };
     let turns = chosen.into_iter().map(one).collect::<Result<_, _>>().or_else(|refusal| call.refuse(refusal))?;
     Ok(Readings::Turns(turns))

@@ -35,7 +35,7 @@ const STATES: [&str; 2] = ["--merge", "--state"];
 
 const MACHINE: &[&str] = &["machine", "base", "table"];
 
-const VERBS: [Verb; 15] = [
+const VERBS: [Verb; 16] = [
     Verb {
         name: "show",
         arguments: &["show", "machine.END"],
@@ -170,6 +170,12 @@ const ENDINGS: [&str; 3] = ["yaml", "svg", "png"];
 /// Writes every input of every verb with this ending.
 fn inputs(folder: &Folder, ending: &str) {
     let axes = ["X", "Y", "Z"].map(|axis| format!("  {axis}: {{ travel: [0, 400], origin: [0, 0, 0] }}\n")).concat();
+    Verb {
+        name: "instrument with a sequence",
+        arguments: &["instrument", "turning.END", "r-test", "--points", "5"],
+        inputs: &["turning"],
+        outputs: &["--sequence"],
+    },
     let base = format!("abbe: 1\nmachine: m\nchain: w b X Y Z t\naxes:\n{axes}volume: {{ step: 200 mm }}\n");
     let write = |name: &str, text: &str| drop(folder.write(&format!("{name}.{ending}"), text));
     write("base", &base);
@@ -197,6 +203,12 @@ fn inputs(folder: &Folder, ending: &str) {
             as_found: machine.{ending}\ndata: [data.{ending}]\ninstruments: [{{ name: I, serial: S, certificate: C, \
             calibrated: 2026-01-01, uncertainty: 1 um }}]\n"
         ),
+    );
+    write(
+        "turning",
+        &base
+            .replace("b X Y Z t", "C' b X Y Z t")
+            .replace("volume", "  C: { travel: continuous, origin: [200, 200, 0] }\nvolume"),
     );
     let own = folder.path("templates/own");
     std::fs::create_dir_all(&own).unwrap();

@@ -1,6 +1,11 @@
 //! Virtual instruments against closed forms.
 
+use crate::kinematic_parameters::{OF_HEADS, OF_TABLES, head_head, head_table, table_table};
+use crate::oracle::curves::Travel;
+use crate::oracle::machines::Sample;
+use crate::oracle::matrix::{V3, minus};
 use crate::program::{Folder, abbe, json, refused, text, well_formed};
+use crate::support::config::sample;
 use serde_json::Value;
 
 fn number(value: &Value) -> f64 {
@@ -87,6 +92,69 @@ fn an_r_test_sees_an_eccentric_table_twice() {
     // Too far out, the linear axes cannot follow the whole path.
     let far = json(&["instrument", text(&path), "r-test", "--at", "X=290,Y=290", "--points", "37", "--format", "json"]);
     assert!(far["axes"][0]["skipped"].as_u64().unwrap() > 10);
+}
+
+/// The poses of three sequences, of both axes together too, are measured on the oracle's machine; `identify` finds its
+/// location errors.
+#[test]
+fn a_sequence_is_measured_and_tells_the_location_errors() {
+    for (of, turns) in [
+        (table_table as fn(&str) -> String, ["C", "A", "A+C"]),
+        (head_table, ["C", "B", "B+C"]),
+        (head_head, ["C", "B", "B+C"]),
+    ] {
+        let folder = Folder::new("sequence");
+        let errors = if of("") == table_table("") { OF_TABLES } else { OF_HEADS };
+        let (real, plain) = (folder.with("real.yaml", &of(errors)), folder.with("plain.yaml", &of("  EX0C: 0 um\n")));
+        let sample = sample(&real);
+        let mut arguments = vec!["identify".to_owned(), text(&plain).to_owned(), "--fit".to_owned()];
+        let names: Vec<&str> = errors.lines().map(|line| line.trim().split(':').next().unwrap()).collect();
+        arguments.extend([names.join(","), "--data".to_owned()]);
+        for (i, axes) in turns.iter().enumerate() {
+            let table = folder.file(&format!("{i}.csv"));
+            let rest = ["--axis", axes, "--points", "13", "--sequence", text(&table)];
+            let _ = abbe(&[&["instrument", text(&plain), "r-test"][..], &rest].concat());
+            let sequence = std::fs::read_to_string(&table).unwrap();
+            std::fs::write(&table, measured(&sequence, &sample)).unwrap();
+            arguments.push(text(&table).to_owned());
+        }
+        arguments.extend(["--format", "json"].map(str::to_owned));
+        let fit = json(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+        for line in errors.lines() {
+            let (name, value) = line.trim().split_once(": ").unwrap();
+            let wanted: f64 = value.split(' ').next().unwrap().parse().unwrap();
+            let found = fit["parameters"].as_array().unwrap().iter().find(|p| p["name"] == name).unwrap();
+            // Readings are written to 1e-6 um.
+            assert!((number(&found["value"]) - wanted).abs() < 1e-4, "{turns:?} {name}: {found}, {wanted}");
+        }
+    }
+    let folder = Folder::new("no-sequence");
+    let (exit, said) = refused(&["instrument", "trunnion.yaml", "ball-bar", "--sequence", text(&folder.file("s.csv"))]);
+    assert!(exit == 2 && said.contains("is for the R-test"), "{exit} {said}");
+    for wrong in ["A+A", "A+X", "A+", ""] {
+        assert_eq!(refused(&["instrument", "trunnion.yaml", "r-test", "--axis", wrong]).0, 2, "{wrong}");
+    }
+}
+
+/// The sequence with the readings of the oracle's machine, workpiece frame.
+fn measured(sequence: &str, sample: &Sample) -> String {
+    let mut lines = sequence.lines().filter(|line| !line.starts_with('#'));
+    let titles: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let mut table = titles.join(",") + "\n";
+    let mut first: Option<(String, V3)> = None;
+    for line in lines {
+        let cells: Vec<&str> = line.split(',').collect();
+        let at = |name: &str| titles.iter().position(|title| title.split(' ').next() == Some(name)).unwrap();
+        let pose: Vec<f64> = sample.rigid.walk.iter().map(|axis| cells[at(&axis.name)].parse().unwrap()).collect();
+        let [real, ideal] = sample.holds(&pose, Travel::Mean);
+        let deviation = minus(real.tip, ideal.tip);
+        if first.as_ref().is_none_or(|(run, _)| run != cells[0]) {
+            first = Some((cells[0].to_owned(), deviation));
+        }
+        let read = minus(deviation, first.as_ref().unwrap().1).map(|mm| format!("{:.6}", mm * 1e3));
+        table += &format!("{},{}\n", cells[..titles.len() - 3].join(","), read.join(","));
+    }
+    table
 }
 
 #[test]

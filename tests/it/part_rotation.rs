@@ -172,7 +172,7 @@ fn instruments_read_the_same_but_for_planes_of_the_part() {
     let mut random = Random::new(3);
     let (plain, turned, _) = of_config("trunnion.yaml", random.vector(180.0));
     for axis in [0, 1] {
-        let [a, b] = [&plain, &turned].map(|m| r_test(m, &centre, axis, 19).unwrap());
+        let [a, b] = [&plain, &turned].map(|m| r_test(m, &centre, &[axis], 19).unwrap());
         assert_eq!(a.skipped, b.skipped);
         let apart = a.readings.iter().zip(&b.readings).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         assert!(apart < 1e-7 && a.range[0] > 0.1, "{apart:e} um");

@@ -1,4 +1,4 @@
-//! An R-test, or probing of a ball on the table: a rotary axis turns while the other axes hold the
+//! An R-test, or probing of a ball on the table: rotary axes turn while the linear axes hold the
 //! functional point at a ball fixed to the workpiece; the readings are the actual place of the point.
 
 use super::path::Path;
@@ -8,12 +8,12 @@ use crate::machine::{Machine, Pose};
 use crate::standards::range;
 use nalgebra::Vector3;
 
-/// Readings of one rotary axis.
+/// Readings of rotary axes that turn together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RTest {
-    /// Index of the axis.
-    pub axis: usize,
-    /// Its positions, deg.
+    /// Indices of the axes, at least one.
+    pub axes: Vec<usize>,
+    /// Positions of the first of them, deg.
     pub positions: Vec<f64>,
     /// The poses there (mm, deg).
     pub poses: Vec<Pose>,
@@ -26,18 +26,28 @@ pub struct RTest {
     pub skipped: usize,
 }
 
-/// Returns the readings of an axis at `points` positions over its interval in the volume. The ball is at the nominal
-/// functional point of the pose `at` (mm, deg). Positions that the linear axes cannot follow are omitted; with fewer
-/// than three others the test fails with the reason.
-pub fn r_test(machine: &Machine, at: &[f64], axis: usize, points: usize) -> Result<RTest, Unreachable> {
+impl RTest {
+    /// The axes that turn, such as `C` or `A+C`.
+    pub fn name(&self, machine: &Machine) -> String {
+        let names: Vec<&str> = self.axes.iter().map(|axis| machine.axes()[*axis].name.as_str()).collect();
+        names.join("+")
+    }
+}
+
+/// Returns the readings of rotary axes at `points` positions, evenly from the beginning to the end of their intervals
+/// in the volume, all at once. The ball is at the nominal functional point of the pose `at` (mm, deg). Positions that
+/// the linear axes cannot follow are omitted; with fewer than three others the test fails with the reason.
+pub fn r_test(machine: &Machine, at: &[f64], axes: &[usize], points: usize) -> Result<RTest, Unreachable> {
     let ball = tool_pose(machine, at).tip;
-    let grid = &machine.volume()[axis];
     let last = points.max(2) - 1;
-    let position = |i: usize| grid.min + (grid.max - grid.min) * (i as f64 / last as f64);
+    let position = |axis: usize, i: usize| {
+        let grid = &machine.volume()[axis];
+        grid.min + (grid.max - grid.min) * (i as f64 / last as f64)
+    };
     let mut failure = Unreachable::Direction;
     let follow = |i: usize| {
         let mut pose = at.to_vec();
-        pose[axis] = position(i);
+        axes.iter().for_each(|axis| pose[*axis] = position(*axis, i));
         place(machine, &ball, &pose).map_err(|miss| failure = miss.why).ok()
     };
     let poses: Vec<Pose> = (0..=last).filter_map(follow).collect();
@@ -50,8 +60,8 @@ pub fn r_test(machine: &Machine, at: &[f64], axis: usize, points: usize) -> Resu
     let seen: Vec<Vector3<f64>> = path.driven(machine).into_iter().zip(&path.poses).map(in_machine).collect();
     let readings: Vec<Vector3<f64>> = seen.iter().map(|d| d - seen[0]).collect();
     Ok(RTest {
-        axis,
-        positions: path.poses.iter().map(|pose| pose[axis]).collect(),
+        positions: path.poses.iter().map(|pose| axes.first().map_or(0.0, |axis| pose[*axis])).collect(),
+        axes: axes.to_vec(),
         range: std::array::from_fn(|k| range(readings.iter().map(|d| d[k]))),
         poses: path.poses,
         readings,

@@ -3,6 +3,7 @@
 use crate::cli::arguments::{PictureFile, PlaneArg, ToolArg, help, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, table};
+use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
 use abbe::options::{CirclePlane, Instrument};
 use abbe::results::{BallBar, Diagonal, InstrumentResult, RTest, Readings};
@@ -25,8 +26,11 @@ pub(crate) struct Args {
         long_help = "Ball bar: its length, mm (above 0)")]
     radius: f64,
     #[arg(long, value_name = "AXIS", help = help::AXIS,
-        long_help = "R-test: the rotary axis [default: all, one after the other]")]
+        long_help = "R-test: the rotary axis, or several that turn at once, `A+C` [default: all, one after the other]")]
     axis: Option<String>,
+    /// R-test: write the poses to this file, a table to measure by that `identify` reads.
+    #[arg(long, value_name = "FILE")]
+    sequence: Option<PathBuf>,
     #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true, help = help::AT,
         long_help = "Centre of the circle, place of the ball, or where the other axes are, mm and deg [default: the \
                      middle of the volume; for the R-test three quarters along it; rotary axes at 0 or nearest to it]")]
@@ -75,10 +79,17 @@ impl Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.tool.name())?;
     PictureFile::refuse(session, args.svg.iter())?;
+    if args.sequence.is_some() && args.instrument != InstrumentArg::RTest {
+        return session.usage("`--sequence` is for the R-test: `abbe instrument MACHINE r-test --sequence FILE`");
+    }
+    write::refuse_outputs(&args.sequence, &session.files).or_else(|refusal| session.refuse(refusal))?;
     let answer = instrument(&file, &args.options(), session.run());
     let result = session.take(answer)?;
     if let Some(file) = &args.svg {
         file.write(&result.picture(), session)?;
+    }
+    if let Some((out, table)) = args.sequence.as_ref().zip(result.sequence()) {
+        write::write_whole(out, table.as_bytes(), &session.files).or_else(|refusal| session.refuse(refusal))?;
     }
     match session.format() {
         Format::Json => session.print_json(json!(result)),
@@ -152,7 +163,7 @@ fn turns_csv(file: &MachineFile, list: &[RTest]) -> String {
     let mut csv = "axis,position [deg],dx [um],dy [um],dz [um]\n".to_owned();
     for r in list {
         for (q, d) in r.positions.iter().zip(&r.readings) {
-            let name = cell(file.axes()[r.axis].name.as_str());
+            let name = cell(&r.name(file));
             csv += &format!("{name},{q},{},{},{}\n", d.x + 0.0, d.y + 0.0, d.z + 0.0);
         }
     }
@@ -165,7 +176,7 @@ fn turns_text(file: &MachineFile, result: &InstrumentResult, list: &[RTest]) -> 
     for r in list {
         let ends = [r.positions[0], r.positions[r.positions.len() - 1]].map(|q| significant(q, 6));
         let counts = [r.positions.len(), r.skipped].map(|n| n.to_string());
-        let name = file.axes()[r.axis].name.to_string();
+        let name = r.name(file);
         let _ = rows.add_row([name].into_iter().chain(ends).chain(counts).chain(r.range.map(um)));
     }
     format!(

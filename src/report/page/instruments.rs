@@ -76,7 +76,7 @@ impl Instruments {
     pub fn pictures(&self, machine: &Machine) -> [String; 3] {
         let title = machine.name();
         let svg = |there: bool, picture: &dyn Fn() -> String| if there { picture() } else { String::new() };
-        let named = |(_, turn): &(Pose, RTest)| (machine.axes()[turn.axis].name.to_string(), turn.clone());
+        let named = |(_, turn): &(Pose, RTest)| (turn.name(machine), turn.clone());
         let tests: Vec<(String, RTest)> = self.turns.iter().map(named).collect();
         let bar = format!("Ball bar of {} mm about the middle of the volume", self.radius);
         [
@@ -100,7 +100,7 @@ impl Instruments {
 fn turn(machine: &Machine, axis: usize) -> Option<(Pose, RTest)> {
     let at = |fraction: &f64| {
         let ball = within(machine, *fraction);
-        let test = r_test(machine, &ball, axis, POINTS[1]).ok()?;
+        let test = r_test(machine, &ball, &[axis], POINTS[1]).ok()?;
         Some((ball, test))
     };
     PLACES.iter().filter_map(at).reduce(|best, next| if next.1.skipped < best.1.skipped { next } else { best })

@@ -106,8 +106,9 @@ fn row(svg: &mut Svg, name: &str, test: &RTest, (frame, axis): (PlotFrame, &Axis
     let title = format!("{name}: ranges {ranges} µm");
     svg.text((frame.left, frame.top - 12.0), &title, Font::bold(13.0), Anchor::Start, 0.0);
     frame.vertical(svg, axis, "µm");
-    frame.horizontal(svg, &across, &format!("{name} in degrees"));
-    dial.rings(svg, &format!("{name} 0°"), "90°");
+    let first = name.split('+').next().unwrap_or(name);
+    frame.horizontal(svg, &across, &format!("{first} in degrees"));
+    dial.rings(svg, &format!("{first} 0°"), "90°");
     for (k, (_, stroke)) in COMPONENTS.iter().enumerate() {
         for stretch in stretches(&test.positions) {
             let values = || stretch.clone().map(|i| (test.positions[i], test.readings[i][k]));

@@ -24,7 +24,7 @@ pub fn turn_json(machine: &Machine, r: &RTest) -> Value {
         "axes": positions(machine, pose), "reading_um": [d.x + 0.0, d.y + 0.0, d.z + 0.0]})
     };
     json!({
-        "axis": machine.axes()[r.axis].name.as_str(), "range_um": r.range, "count": r.readings.len(),
+        "axis": r.name(machine), "range_um": r.range, "count": r.readings.len(),
             "skipped": r.skipped,
         "readings": r.positions.iter().zip(&r.poses).zip(&r.readings).map(reading).collect::<Vec<_>>(),
     })
