@@ -12,10 +12,11 @@ use super::order_of;
 use super::run::{Answer, Call, Refused, Run};
 use super::tolerances::ToleranceOptions;
 use super::tool_poses;
+use super::uncertainty::field_bands;
 use crate::analysis::{MAX_POSES, TooManyPoses, View, map};
 use crate::controller::Depth;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
-use crate::evaluate::{Bare, Frame, Order, Poses};
+use crate::evaluate::{Bare, Frame, Order, Poses, worst};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::page::{
     ComparisonData, Delivery, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
@@ -117,6 +118,9 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
     Ok(report)
 }
 
+/// Number of the worst poses at which intervals are followed, as `map` does by default.
+const WORST: usize = 5;
+
 /// Content of the page for a machine.
 fn drawn(
     number: usize,
@@ -130,8 +134,11 @@ fn drawn(
         let pictures = Pictures::new(given, &data);
         return Ok((data, pictures));
     }
-    let map = map(&Bare { machine: given.machine, order: given.order }, &given.sample(), view, advance)?;
-    let data = MachineData::new(number, given, &map);
+    let (bare, poses) = (Bare { machine: given.machine, order: given.order }, given.sample());
+    let map = map(&bare, &poses, view, advance)?;
+    let besides = worst(&map.deviations, WORST);
+    let intervals = field_bands(&bare, &poses, (map.statistics, &besides), given.approach, given.poses.1);
+    let data = MachineData::new(number, given, &map).with_uncertainty(given, json!(intervals));
     let pictures = Pictures::new(given, &data);
     Ok((data, pictures))
 }
@@ -199,6 +206,7 @@ impl<'a> Subject<'a> {
             instruments: &self.instruments,
             budget: self.budget.as_ref().map(BudgetResult::report),
             bounds_add: &self.bounds_add,
+            type_b: self.file.identify.as_ref().map_or(&[], |section| section.type_b.as_slice()),
         }
     }
 }

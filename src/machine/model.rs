@@ -273,6 +273,11 @@ impl Machine {
         self.parts.uncertainty.get(error).copied()
     }
 
+    /// What the curves leave of the form of axes.
+    pub fn forms(&self) -> &[ResidualForm] {
+        &self.parts.forms
+    }
+
     /// The origin of the numbers.
     pub fn provenance(&self) -> &Provenance {
         &self.parts.provenance

@@ -423,3 +423,33 @@ fn without_tolerances_there_is_no_budget_and_without_linear_axes_no_path() {
     let (code, message) = refused(&["report", "trunnion.yaml", "--class", "commodity", "--out", text(&out)]);
     assert!(code == 1 && message.contains("E0605") && !out.exists(), "{message}");
 }
+
+/// The intervals of `map`, the form of an axis and what a fit calls type B stand on the page.
+#[test]
+fn the_page_has_the_uncertainty_of_a_fitted_file() {
+    let folder = Folder::new("report-uncertainty");
+    let file = folder.with(
+        "fitted.yaml",
+        "abbe: 1\nmachine: m\nchain: \"w Y' b X Z t\"\naxes:\n  X: { travel: [0, 500], origin: [0, 0, 0] }\n  \
+         Y: { travel: [0, 400], origin: [0, 0, 0] }\n  Z: { travel: [-300, 0], origin: [0, 0, 0] }\n\
+         errors:\n  EXX: { value: 10 um, uncertainty: 2 um }\n\
+         covariance:\n  - { form: { axis: X, size: 0.8 um, length: 60 mm } }\n\
+         identify: { fit: [EXX], type_b: [\"laser 0.4 um/m\"] }\n",
+    );
+    let page = page(&folder, &[text(&file), "--poses", "60", "--seed", "3"]);
+    let found = &data(&page)["machines"][0]["uncertainty"];
+    let map = json(&["map", text(&file), "--random", "60", "--seed", "3", "--format", "json"]);
+    assert!(near(&found["intervals"], &map["uncertainty"]), "{found} {}", map["uncertainty"]);
+    assert_eq!(found["forms"], object!([{"axis": "X", "size_um": 0.8, "length": 60.0, "unit": "mm"}]));
+    assert_eq!(found["type_b"], object!(["laser 0.4 um/m"]));
+    assert!(page.contains("type B, one standard deviation each") && page.contains("laser 0.4 um"));
+    // A file that states none has no such part.
+    let sure = folder.with(
+        "sure.yaml",
+        &std::fs::read_to_string(&file).unwrap().split("covariance").next().unwrap().replace(", uncertainty: 2 um", ""),
+    );
+    let bare = abbe(&["report", text(&sure), "--poses", "20", "--out", text(&folder.file("sure.html")), "--quiet"]);
+    assert!(bare.is_empty() || !bare.contains("Intervals"));
+    let bare = std::fs::read_to_string(folder.file("sure.html")).unwrap();
+    assert!(data(&bare)["machines"][0]["uncertainty"].is_null() && !bare.contains("Form of the axes"));
+}

@@ -9,7 +9,7 @@ use crate::analysis::error_statistics;
 use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, levers, rest};
 use crate::controller::CompensationDegree;
 use crate::evaluate::{Bare, Frame, Order, Statistics, Summary, worst};
-use crate::machine::{Approach, Axis, ErrorId, ErrorTerm, Machine, Travel};
+use crate::machine::{Approach, Axis, ErrorId, ErrorTerm, Machine, ResidualForm, Travel};
 use crate::report::pictures::{Bar, ParetoPicture, Picture};
 use crate::report::text::{BudgetReport, positions};
 use serde::Serialize;
@@ -53,6 +53,8 @@ pub struct MachineData {
     bounds: Value,
     /// What bounds add to the measured errors; null where they add nothing.
     bounds_add: Value,
+    /// Intervals of the statistics by the uncertainty of the errors, forms of the axes, and type B; null without.
+    uncertainty: Value,
     /// Number of component errors that are bounded.
     bounded_components: usize,
     /// The file of tool poses, its features and what is out of reach; null without.
@@ -124,6 +126,21 @@ impl MachineData {
         }
     }
 
+    /// The same with intervals of the statistics, and what the file states of their origin.
+    pub fn with_uncertainty(self, given: &MachineInput<'_>, intervals: Value) -> Self {
+        let machine = given.machine;
+        let form = |form: &ResidualForm| {
+            let unit = machine.axis_index(form.axis.as_str()).map_or("mm", |i| machine.axes()[i].unit());
+            json!({"axis": form.axis.as_str(), "size_um": form.size * 1e3, "length": form.length, "unit": unit})
+        };
+        let forms: Vec<Value> = machine.forms().iter().map(form).collect();
+        if intervals.is_null() {
+            return self;
+        }
+        let uncertainty = json!({"intervals": intervals, "forms": forms, "type_b": given.type_b});
+        Self { uncertainty, ..self }
+    }
+
     /// What does not hang on deviations.
     fn described(number: usize, given: &MachineInput<'_>, field: FieldData) -> Self {
         let machine = given.machine;
@@ -147,6 +164,7 @@ impl MachineData {
             statistics: Value::Null,
             bounds: Value::Null,
             bounds_add: given.bounds_add.clone(),
+            uncertainty: Value::Null,
             bounded_components: given.budget.map_or(0, |budget| bounded_components(&budget)),
             work: given.work.map_or(Value::Null, |(_, work)| work.clone()),
             worst: Vec::new(),

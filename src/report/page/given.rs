@@ -31,6 +31,8 @@ pub struct MachineInput<'a> {
     pub budget: Option<BudgetReport<'a>>,
     /// What the bounds of errors without a value add to the measured ones; null where they add nothing.
     pub bounds_add: &'a Value,
+    /// Uncertainties that all readings of its fit shared (type B), in words.
+    pub type_b: &'a [String],
     /// Warnings, each as a line.
     pub warnings: &'a [String],
 }
