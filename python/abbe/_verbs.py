@@ -159,7 +159,7 @@ RunApproach = Literal["one-way", "alternating"]
 StraightnessLine = Literal["least-squares", "end-points"]
 
 #: A test.
-StandardTest = Literal["circle", "rotation", "drift"]
+StandardTest = Literal["circle", "rotation", "drift", "diagonals"]
 
 
 class Verbs:

@@ -1,14 +1,14 @@
-//! Figures of the ISO 230 series from readings of tests: circles, axes of rotation, drift.
+//! Figures of the ISO 230 series from readings of tests: circles, axes of rotation, drift, diagonals.
 
 use super::import::columns_left_out;
 use super::positioning::printed;
 use super::run::{Answer, Call, Refused, Run};
 use crate::analysis::instrument::CirclePlane;
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
+use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::report::{DialPanel, LinePanel, LinePicture, Picture, PolarPicture};
 use crate::standards::{
-    self, AngleReading, Caused, CircleCauses, CircleFigures, DriftFigures, ErrorMotion, LEAST_ARC, LEAST_PLACES,
-    NOT_VERIFIED, RadialReading, ReadingsTable, Sense, arc, causes, rotating,
+    self, AccuracyFigures, AngleReading, Caused, CircleCauses, CircleFigures, DriftFigures, ErrorMotion, LEAST_ARC,
+    LEAST_PLACES, NOT_VERIFIED, RadialReading, ReadingsTable, Sense, TableUse, arc, causes, rotating,
 };
 use crate::syntax::sheet::read_sheet;
 use crate::units::significant;
@@ -26,6 +26,8 @@ pub enum StandardTest {
     Rotation,
     /// Thermal drift (ISO 230-3).
     Drift,
+    /// Lasers along diagonals (ISO 230-6).
+    Diagonals,
 }
 
 /// Options of [`figures`].
@@ -62,6 +64,8 @@ pub enum TestFigures {
     Rotation(RotationTest),
     /// Drift.
     Drift(DriftTest),
+    /// Diagonals.
+    Diagonals(DiagonalsTest),
 }
 
 /// A value with its standard uncertainty.
@@ -251,6 +255,73 @@ pub struct TemperatureRange {
     pub deg_c: [f64; 2],
 }
 
+/// Figures of diagonals after ISO 230-6.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DiagonalsTest {
+    /// Number of readings.
+    pub readings: usize,
+    /// Diagonal systematic deviation of positioning E_d: the largest E of the diagonals.
+    pub e_d_um: f64,
+    /// Diagonal reversal B_d: the largest B of the diagonals; none of one direction.
+    pub b_d_um: Option<f64>,
+    /// Each diagonal.
+    pub diagonals: Vec<DiagonalTest>,
+    /// The standard's text was not at hand.
+    pub note: &'static str,
+}
+
+/// One diagonal, with the figures of ISO 230-2.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DiagonalTest {
+    /// Its name.
+    pub diagonal: String,
+    /// Largest minus smallest target.
+    pub length_mm: f64,
+    /// Number of targets.
+    pub targets: usize,
+    /// Smallest number of runs that a target has in a direction.
+    pub runs: usize,
+    /// Systematic deviation E of both directions.
+    pub e_um: f64,
+    /// Largest reversal B, and the mean with its sign; none of one direction.
+    pub b_um: Option<f64>,
+    /// Mean reversal: below zero is lost motion.
+    pub mean_b_um: Option<f64>,
+    /// Mean deviation M.
+    pub m_um: f64,
+    /// Repeatability R; none of single runs.
+    pub r_um: Option<f64>,
+    /// Accuracy A; none of single runs.
+    pub a_um: Option<f64>,
+    #[serde(skip)]
+    curves: LinePanel,
+}
+
+impl DiagonalTest {
+    fn of(diagonal: String, found: &AccuracyFigures) -> Self {
+        let um = |x: f64| x * 1e3 + 0.0;
+        let direction = |of: fn(&standards::TargetReadings) -> Option<standards::Repeated>| -> Vec<(f64, f64)> {
+            found.targets.iter().filter_map(|t| Some((t.position, um(of(t)?.mean)))).collect()
+        };
+        let curves = [("there", direction(|t| t.forward)), ("back", direction(|t| t.reverse))];
+        let curves = curves.into_iter().filter(|(_, points)| !points.is_empty());
+        let curves = curves.map(|(word, points)| (format!("{diagonal} {word}"), points)).collect();
+        Self {
+            length_mm: standards::range(found.targets.iter().map(|t| t.position)),
+            targets: found.targets.len(),
+            runs: found.runs,
+            e_um: um(found.systematic),
+            b_um: found.reversal.map(um),
+            mean_b_um: found.mean_reversal.map(um),
+            m_um: um(found.mean),
+            r_um: found.repeatability.map(um),
+            a_um: found.accuracy.map(um),
+            curves: LinePanel { unit: "\u{b5}m", curves },
+            diagonal,
+        }
+    }
+}
+
 /// Returns the figures of a test, read from a table: columns are named with their unit in the title.
 ///
 /// Fails for a table that cannot be read, and for readings that do not carry the figures.
@@ -269,12 +340,17 @@ pub fn figures(
         }
         let sheet = read_sheet(path.as_ref(), run.files, &mut call.diagnostics).ok_or(Refused)?;
         let table = ReadingsTable::of(&sheet).or_else(|refusal| call.refuse(refusal))?;
-        let unused = table.unused(options.test == StandardTest::Circle);
+        let unused = table.unused(match options.test {
+            StandardTest::Circle => TableUse::Circle,
+            StandardTest::Rotation | StandardTest::Drift => TableUse::Probes,
+            StandardTest::Diagonals => TableUse::Diagonals,
+        });
         call.extend(columns_left_out(&unused, "a reading has its unit in its title: `x [um]`"));
         let found = match options.test {
             StandardTest::Circle => circle(&table, options).map(|test| TestFigures::Circle(Box::new(test))),
             StandardTest::Rotation => rotation(&table, options).map(TestFigures::Rotation),
             StandardTest::Drift => drift(&table, options).map(TestFigures::Drift),
+            StandardTest::Diagonals => diagonals(&table).map(TestFigures::Diagonals),
         };
         found.or_else(|refusal| call.refuse(refusal))
     })
@@ -415,6 +491,24 @@ fn drift(table: &ReadingsTable, options: &FiguresOptions) -> Result<DriftTest, D
     })
 }
 
+fn diagonals(table: &ReadingsTable) -> Result<DiagonalsTest, Diagnostic> {
+    let list = table.along_diagonals()?;
+    let readings = list.iter().map(|(_, readings)| readings.len()).sum();
+    let one = |(name, readings): (String, Vec<_>)| Some(DiagonalTest::of(name, &AccuracyFigures::of(&readings)?));
+    let diagonals: Vec<DiagonalTest> = list.into_iter().filter_map(one).collect();
+    if let Some(point) = diagonals.iter().find(|diagonal| diagonal.length_mm <= 0.0) {
+        let message = format!("the diagonal `{}` has one target", shown(&point.diagonal));
+        return Err(refusal(message, "a diagonal has targets from one corner to the other"));
+    }
+    Ok(DiagonalsTest {
+        readings,
+        e_d_um: diagonals.iter().map(|diagonal| diagonal.e_um).fold(0.0, f64::max),
+        b_d_um: diagonals.iter().filter_map(|diagonal| diagonal.b_um).reduce(f64::max),
+        diagonals,
+        note: NOT_VERIFIED,
+    })
+}
+
 impl TestFigures {
     /// Returns a picture of the readings.
     pub fn picture(&self) -> Picture {
@@ -426,7 +520,16 @@ impl TestFigures {
                 LinePicture { title: "Thermal drift", subtitle: &subtitle, across: "time in min", panels: &test.curves }
                     .picture()
             }
+            Self::Diagonals(test) => test.picture(),
         }
+    }
+}
+
+impl DiagonalsTest {
+    fn picture(&self) -> Picture {
+        let panels: Vec<LinePanel> = self.diagonals.iter().map(|diagonal| diagonal.curves.clone()).collect();
+        let subtitle = format!("E_d {} \u{b5}m, means of the runs", significant(self.e_d_um, 3));
+        LinePicture { title: "Diagonals", subtitle: &subtitle, across: "way in mm", panels: &panels }.picture()
     }
 }
 

@@ -21,8 +21,8 @@ pub use super::eval::{EvalResult, EvalUnits, PoseResult};
 pub use super::explain::Explanation;
 pub use super::features::{DominatingError, FeatureResult};
 pub use super::figures::{
-    BothSenses, CauseTest, CircleTest, DriftOf, DriftTest, MotionTest, RotationTest, TemperatureRange, TestFigures,
-    UncertainValue,
+    BothSenses, CauseTest, CircleTest, DiagonalTest, DiagonalsTest, DriftOf, DriftTest, MotionTest, RotationTest,
+    TemperatureRange, TestFigures, UncertainValue,
 };
 pub use super::goal::{NewTolerance, ToleranceGoal};
 pub use super::identify::{

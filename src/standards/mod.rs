@@ -1,9 +1,9 @@
 //! Figures of the ISO 230 series from readings.
 //!
 //! `positioning`: ISO 230-2, with `annex_a`, its uncertainty, and `targets`, its choice of targets; `circle`: ISO
-//! 230-4; `rotation`: ISO 230-7; `drift`: ISO 230-3; `readings`: the tables of the last three; `conformity`: decisions
-//! of ISO 14253-1. No text of a standard was at hand. The formulas of `positioning` agree with public measurements; the
-//! others rest on general knowledge and are stated as not verified against the text.
+//! 230-4; `rotation`: ISO 230-7; `drift`: ISO 230-3; `readings`: their tables, and that of diagonals (ISO 230-6);
+//! `conformity`: decisions of ISO 14253-1. No text of a standard was at hand. The formulas of `positioning` agree with
+//! public measurements; the others rest on general knowledge and are stated as not verified against the text.
 
 mod annex_a;
 mod circle;
@@ -19,7 +19,7 @@ pub use circle::{Caused, CircleCauses, CircleFigures, LEAST_ARC, RadialReading, 
 pub use conformity::{Conformity, LimitSides, LimitedValue};
 pub use drift::DriftFigures;
 pub use positioning::{AccuracyFigures, OneWayFigures, Repeated, TargetReading, TargetReadings};
-pub use readings::ReadingsTable;
+pub use readings::{ReadingsTable, TableUse};
 pub use rotation::{AngleReading, ErrorMotion, LEAST_PLACES, rotating};
 pub use targets::remarks;
 

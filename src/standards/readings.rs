@@ -1,12 +1,16 @@
 //! Readings of tests as tables: a column for each quantity, named and with its unit in the title.
 
 use super::circle::{RadialReading, Sense};
+use super::positioning::TargetReading;
 use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{Decimals, Line, Sheet, cells, drop_empty, number, separator, title};
 use crate::units::{self, Dimension};
 
 /// Largest number of rows.
 const MAX_ROWS: usize = 1_000_000;
+/// Largest number of diagonals: the body has four, its faces twelve.
+const MAX_DIAGONALS: usize = 16;
 
 /// A column of numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +30,19 @@ pub struct ReadingsTable {
     columns: Vec<NumberColumn>,
     /// The sense of rotation of each row, if there is such a column.
     senses: Option<Vec<Sense>>,
+    /// The diagonal of each row, if there is such a column.
+    diagonals: Option<Vec<String>>,
+}
+
+/// The test whose columns a table has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableUse {
+    /// Deviations on a circle.
+    Circle,
+    /// Readings of probes, and temperatures.
+    Probes,
+    /// Deviations along diagonals.
+    Diagonals,
 }
 
 fn refusal(message: impl Into<String>) -> Diagnostic {
@@ -35,6 +52,10 @@ fn refusal(message: impl Into<String>) -> Diagnostic {
 const ANGLE: [&str; 4] = ["angle", "theta", "position", "c"];
 const TIME: [&str; 2] = ["time", "t"];
 const SENSE: [&str; 3] = ["sense", "direction", "rotation"];
+const DIAGONAL: &str = "diagonal";
+const WAY: [&str; 3] = ["way", "position", "target"];
+const THERE: [&str; 3] = ["there", "forward", "up"];
+const BACK: [&str; 3] = ["back", "reverse", "down"];
 const COUNTER_CLOCKWISE: [&str; 5] = ["ccw", "counter-clockwise", "counterclockwise", "+", "g3"];
 const CLOCKWISE: [&str; 4] = ["cw", "clockwise", "-", "g2"];
 const MINUTES: [(&str, f64); 3] = [("s", 1.0 / 60.0), ("min", 1.0), ("h", 60.0)];
@@ -62,7 +83,8 @@ impl ReadingsTable {
             return Err(at(header, refusal(format!("column `{}` is there twice", shown(&titles[twice])))));
         }
         let sense = columns.iter().position(|column| SENSE.contains(&column.name.as_str()));
-        let mut senses = Vec::new();
+        let diagonal = columns.iter().position(|column| column.name == DIAGONAL);
+        let (mut senses, mut diagonals) = (Vec::new(), Vec::new());
         let mut decimals = Decimals::default();
         for line in rows {
             let mut row = cells(&line.text, separator);
@@ -74,17 +96,19 @@ impl ReadingsTable {
             for (k, cell) in row.iter().enumerate() {
                 let read = if Some(k) == sense {
                     sense_of(cell).map(|sense| senses.push(sense))
+                } else if Some(k) == diagonal {
+                    diagonals.push(cell.clone());
+                    Ok(())
                 } else {
                     value(cell, separator, &mut decimals).map(|value| columns[k].values.push(value))
                 };
                 read.map_err(|why| at(line, why))?;
             }
         }
-        let senses = sense.map(|k| {
-            let _ = columns.remove(k);
-            senses
-        });
-        Ok(Self { columns, senses })
+        let words = [sense, diagonal];
+        let mut kept = 0..columns.len();
+        columns.retain(|_| !words.contains(&kept.next()));
+        Ok(Self { columns, senses: sense.map(|_| senses), diagonals: diagonal.map(|_| diagonals) })
     }
 
     fn column(&self, names: &[&str]) -> Option<&NumberColumn> {
@@ -143,16 +167,45 @@ impl ReadingsTable {
             .collect())
     }
 
-    /// Returns the names of the columns that are neither the angle or time nor readings: of a circle those of its
-    /// deviations, else lengths and temperatures.
-    pub fn unused(&self, is_circle: bool) -> Vec<&str> {
+    /// Returns the deviations (mm) along each diagonal, in the order of the table.
+    pub fn along_diagonals(&self) -> Result<Vec<(String, Vec<TargetReading>)>, Diagnostic> {
+        let help = "columns are `diagonal` (ppp, npp ...), `way [mm]` along it, `there [um]` and `back [um]`, a row \
+                    for each target and run";
+        let missing = |what: &str| refusal(format!("there is no column of {what}")).help(help);
+        let names = self.diagonals.as_ref().ok_or_else(|| missing("the names of diagonals"))?;
+        let ways = self.column(&WAY).ok_or_else(|| missing("ways along the diagonals"))?;
+        let ways = ways.whole(ways.factor(Dimension::LENGTH)?)?;
+        let mut list: Vec<(String, Vec<TargetReading>)> = Vec::new();
+        for (titles, direction) in [(THERE, ColumnDirection::Forward), (BACK, ColumnDirection::Reverse)] {
+            let Some(column) = self.column(&titles) else { continue };
+            let factor = column.factor(Dimension::LENGTH)?;
+            for ((name, way), value) in names.iter().zip(&ways).zip(&column.values) {
+                let Some(value) = value else { continue };
+                let reading = TargetReading { position: *way, direction: Some(direction), value: value * factor };
+                match list.iter().position(|(known, _)| known == name) {
+                    Some(known) => list[known].1.push(reading),
+                    None if list.len() < MAX_DIAGONALS => list.push((name.clone(), vec![reading])),
+                    None => return Err(refusal(format!("more than {MAX_DIAGONALS} diagonals")).help(help)),
+                }
+            }
+        }
+        if list.is_empty() { Err(missing("readings")) } else { Ok(list) }
+    }
+
+    /// Returns the names of the columns that are neither the angle or time nor readings: of a circle and of diagonals
+    /// those of their deviations, else lengths and temperatures.
+    pub fn unused(&self, of: TableUse) -> Vec<&str> {
         let circle = ["deviation", "length", "radius"].iter().chain(&COUNTER_CLOCKWISE).chain(&CLOCKWISE);
         let circle: Vec<&str> = circle.copied().collect();
         let used = |column: &&NumberColumn| {
             let name = column.name.as_str();
             let reading = column.factor(Dimension::LENGTH).is_ok() || column.is_temperature();
-            let of_test = if is_circle { circle.contains(&name) } else { TIME.contains(&name) || reading };
-            ANGLE.contains(&name) || of_test
+            let is_one_of = |lists: &[[&str; 3]]| lists.iter().any(|list| list.contains(&name));
+            match of {
+                TableUse::Circle => ANGLE.contains(&name) || circle.contains(&name),
+                TableUse::Probes => ANGLE.contains(&name) || TIME.contains(&name) || reading,
+                TableUse::Diagonals => is_one_of(&[WAY, THERE, BACK]),
+            }
         };
         self.columns.iter().filter(|column| !used(column)).map(|column| column.name.as_str()).collect()
     }

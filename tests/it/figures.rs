@@ -220,6 +220,41 @@ fn drift_has_ranges_and_tilts() {
     well_formed(&std::fs::read_to_string(&svg).unwrap()).unwrap();
 }
 
+/// The readings of the virtual laser give the figures that it forms itself; a table of one's own gives those of hand.
+#[test]
+fn diagonals_have_the_figures_of_the_virtual_laser() {
+    let folder = Folder::new("figures-diagonals");
+    let machine = "vmc-cframe-754.yaml";
+    let file = folder.with("laser.csv", &abbe(&["instrument", machine, "diagonals", "--format", "csv"]));
+    let (file, svg) = (file.display().to_string(), folder.file("d.svg").display().to_string());
+    let own = json(&["instrument", machine, "diagonals", "--format", "json"]);
+    let found = json(&["figures", "diagonals", &file, "--svg", &svg, "--format", "json"]);
+    near(&found["e_d_um"], own["e_um"].as_f64().unwrap(), 1e-9);
+    let list = found["diagonals"].as_array().unwrap();
+    assert_eq!((list.len(), &found["note"]), (4, &"not verified against the text of the standard".into()));
+    for (found, own) in list.iter().zip(own["diagonals"].as_array().unwrap()) {
+        assert_eq!((&found["diagonal"], &found["r_um"]), (&own["name"], &Value::Null));
+        near(&found["e_um"], own["e_d_um"].as_f64().unwrap(), 1e-9);
+        near(&found["b_um"], own["b_d_um"].as_f64().unwrap(), 1e-9);
+    }
+    well_formed(&std::fs::read_to_string(&svg).unwrap()).unwrap();
+    // Two runs: means there 0, 4, back 1, 7; deviations root 2 and 0.
+    let rows = "ppp;0;0;1\nppp;500;3;7\nppp;0;0;1\nppp;500;5;7\nnpp;0;0;0\nnpp;500;-2;\n";
+    let file = folder.with("own.csv", &format!("diagonal;way [mm];there [um];back [um]\n{rows}")).display().to_string();
+    let found = json(&["figures", "diagonals", &file, "--format", "json"]);
+    let ppp = &found["diagonals"][0];
+    assert_eq!((&ppp["runs"], &ppp["targets"], &found["readings"]), (&2.into(), &2.into(), &11.into()));
+    for (key, value) in [("e_um", 7.0), ("b_um", 3.0), ("mean_b_um", -2.0), ("m_um", 5.0), ("length_mm", 500.0)] {
+        near(&ppp[key], value, 1e-9);
+    }
+    // 4 s there, and 2 s there + B; mean + 2 s against mean - 2 s.
+    let s = 2.0_f64.sqrt();
+    near(&ppp["r_um"], (2.0 * s + 3.0).max(4.0 * s), 1e-9);
+    near(&ppp["a_um"], 7.0_f64.max(4.0 + 2.0 * s) - 0.0_f64.min(4.0 - 2.0 * s), 1e-9);
+    near(&found["e_d_um"], 7.0, 1e-9);
+    near(&found["b_d_um"], 3.0, 1e-9);
+}
+
 /// A column is a reading by its unit, or it is left out by name.
 #[test]
 fn columns_that_are_no_readings_are_left_out_by_name() {
@@ -242,6 +277,11 @@ fn readings_that_carry_no_figure_are_refused() {
     let folder = Folder::new("figures-refused");
     for (test, text, words) in [
         ("circle", "", "empty"),
+        ("diagonals", "way [mm],there [um]\n0,1\n", "names of diagonals"),
+        ("diagonals", "diagonal,there [um]\nppp,1\n", "ways along the diagonals"),
+        ("diagonals", "diagonal,way [mm]\nppp,1\n", "no column of readings"),
+        ("diagonals", "diagonal,way [mm],there [um]\nppp,1,1\nppp,1,2\n", "has one target"),
+        ("diagonals", "diagonal,way [mm],there\nppp,1,1\n", "has no unit"),
         ("circle", "ccw [um]\n1\n", "no column of angles"),
         ("circle", "angle [deg],ccw\n0,1\n90,1\n200,1\n", "has no unit"),
         ("circle", "angle [deg],ccw [urad]\n0,1\n90,1\n200,1\n", "not a unit"),

@@ -5,7 +5,7 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::{Format, Outcome};
 use abbe::options::{CirclePlane, StandardTest};
-use abbe::results::{CauseTest, CircleTest, DriftTest, RotationTest, TestFigures, UncertainValue};
+use abbe::results::{CauseTest, CircleTest, DiagonalsTest, DriftTest, RotationTest, TestFigures, UncertainValue};
 use abbe::text::{NOT_VERIFIED, significant};
 use abbe::{FiguresOptions, figures};
 use serde_json::json;
@@ -44,6 +44,8 @@ enum TestArg {
     Rotation,
     /// Thermal drift (ISO 230-3).
     Drift,
+    /// Lasers along diagonals (ISO 230-6).
+    Diagonals,
 }
 
 impl Args {
@@ -53,6 +55,7 @@ impl Args {
                 TestArg::Circle => StandardTest::Circle,
                 TestArg::Rotation => StandardTest::Rotation,
                 TestArg::Drift => StandardTest::Drift,
+                TestArg::Diagonals => StandardTest::Diagonals,
             },
             plane: self.plane.map_or(CirclePlane::XY, CirclePlane::from),
             radius_mm: self.radius,
@@ -85,6 +88,7 @@ fn rows(result: &TestFigures) -> Figures {
         TestFigures::Circle(test) => circle(test),
         TestFigures::Rotation(test) => rotation(test),
         TestFigures::Drift(test) => drift(test),
+        TestFigures::Diagonals(test) => diagonals(test),
     }
 }
 
@@ -154,6 +158,17 @@ fn drift(test: &DriftTest) -> Figures {
     (header, test.drifts.iter().map(row).chain(warm).collect())
 }
 
+fn diagonals(test: &DiagonalsTest) -> Figures {
+    let header =
+        vec!["diagonal", "length, mm", "targets", "runs", "E, um", "B, um", "mean B, um", "M, um", "R, um", "A, um"];
+    let row = |d: &abbe::results::DiagonalTest| {
+        let figures = [n(d.e_um), maybe(d.b_um), maybe(d.mean_b_um), n(d.m_um), maybe(d.r_um), maybe(d.a_um)];
+        let head = [d.diagonal.clone(), n(d.length_mm), d.targets.to_string(), d.runs.to_string()];
+        head.into_iter().chain(figures).collect()
+    };
+    (header, test.diagonals.iter().map(row).collect())
+}
+
 fn csv((header, rows): &Figures) -> String {
     let lines = rows.iter().map(|row| row.iter().map(|cell| cell.replace(',', ";")).collect::<Vec<_>>().join(","));
     [header.join(",")].into_iter().chain(lines).map(|line| line + "\n").collect()
@@ -185,6 +200,9 @@ fn text(result: &TestFigures) -> String {
             )
         }
         TestFigures::Drift(test) => format!("drift over {} min, ISO 230-3", n(test.minutes)),
+        TestFigures::Diagonals(test) => {
+            format!("diagonals: E_d {} um, B_d {} um, ISO 230-6", n(test.e_d_um), maybe(test.b_d_um))
+        }
     };
     let (header, rows) = rows(result);
     let mut list = table(&header);
