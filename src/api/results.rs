@@ -67,7 +67,8 @@ pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorKind, ErrorTerm, 
 pub use crate::report::page::RenderedPage;
 pub use crate::report::record::{
     AlarmLimit, Contact, CopiedFile, Dates, Day, ErrorCurve, ErrorRow, Instrument, LimitDecision, Line, MachineState,
-    NoValue, Person, Place, Plate, RecordData, RecordedSet, StateValue, Temperature, TwoLetters,
+    NoValue, Person, Place, Plate, RecordData, RecordedFigure, RecordedFigures, RecordedSet, StateValue, Temperature,
+    TwoLetters,
 };
 pub use crate::report::{BoundedFigures, LengthDifference, Picture, PictureFailure, RssDifference};
 pub use crate::standards::{Conformity, LimitSides};

@@ -42,6 +42,10 @@ sets: [{ folder: tables, compile: compile.json }]
 remarks: [Synthetic.]
 ";
 
+/// Figures as `import` writes them, and some that nobody can print.
+const FIGURES: &str = r#"{"errors": [{"error": "EXX", "unit": "um", "A": 10, "mean_B": -2.5, "U": {"A": 2, "E": 1},
+  "one_way": {"reverse": {"E": 4}}}, {"error": "EYX", "unit": "furlong", "A": 1}, {"error": "E\u0001X", "unit": "um", "A": 1}]}"#;
+
 /// A campaign: machine, raw data, figures, a compiled set with its certificate, and a description.
 fn campaign(more: &str) -> (Folder, PathBuf) {
     let folder = Folder::new();
@@ -53,7 +57,7 @@ fn campaign(more: &str) -> (Folder, PathBuf) {
     folder.write("raw/x laser.csv", RAW);
     folder.write("other/x laser.csv", "other\n");
     folder.write("laser.pdf", "a certificate\n");
-    folder.write("figures.json", r#"{"errors": [{"A": 10, "U": {"A": 2}}]}"#);
+    folder.write("figures.json", FIGURES);
     let compiled = compile(&folder.path("machine/found.yaml"), "linuxcnc", &folder.path("tables"), &[]);
     compiled.json();
     folder.write("compile.json", &compiled.out);
@@ -120,6 +124,21 @@ fn a_record_holds_its_sources_and_the_numbers_of_the_other_verbs() {
         assert_eq!(row(name)["found"]["expanded_uncertainty"].as_f64().map(|u| (u * 1e6).round() / 1e6), u, "{name}");
         assert!(row(name)["left"].is_null());
     }
+    // Figures of a known unit and a printable name, each with its uncertainty.
+    let figure = |name: &str, value: f64, u: Option<f64>| serde_json::json!({"figure": format!("EXX: {name}"), "value": value, "expanded_uncertainty": u, "unit": "um"});
+    let wanted =
+        [figure("mean reversal", -2.5, None), figure("accuracy A", 10.0, Some(2.0)), figure("E reverse", 4.0, None)];
+    assert_eq!(data["figures"][0]["values"], serde_json::json!(wanted));
+    let page = read(&out.join("record.html"));
+    assert!(
+        page.contains("<td>EXX: accuracy A</td><td class=\"n\">10</td><td class=\"n\">2</td><td>µm</td>"),
+        "{page}"
+    );
+    let certificate = read(&out.join("certificate.xml"));
+    let accuracy = certificate.split_once("EXX: accuracy A, figures").unwrap().1;
+    assert!(
+        accuracy.contains("<si:valueXMLList>10</si:valueXMLList>\n<si:unitXMLList>\\micro\\metre</si:unitXMLList>")
+    );
     // Joint by joint from the workpiece: Y before X.
     let curve = &data["curves"][1];
     assert_eq!((&curve["error"], &curve["positions"]), (&"EXX".into(), &serde_json::json!([0.0, 200.0, 400.0])));

@@ -11,6 +11,7 @@ mod check;
 mod decisions;
 mod description;
 mod errors;
+mod figures;
 mod files;
 mod trend;
 
@@ -25,10 +26,11 @@ use super::verify::{VerifyOptions, verify};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::report::dcc::certificate;
 use crate::report::record::{
-    CopiedFile, Instrument, LimitDecision, Line, RecordData, RecordedSet, record_page, record_pictures,
+    Instrument, LimitDecision, Line, RecordData, RecordedFigures, RecordedSet, record_page, record_pictures,
 };
 use decisions::{Figures, decisions, document};
 use description::{Description, SetEntry, StateName, unfit};
+use figures::figures_in;
 use files::RecordFiles;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -197,13 +199,14 @@ fn figures(
     description: &Description,
     base: &Path,
     files: &mut RecordFiles,
-) -> Result<(Vec<CopiedFile>, Vec<Figures>), Refused> {
+) -> Result<(Vec<RecordedFigures>, Vec<Figures>), Refused> {
     let (mut copies, mut figures) = (Vec::new(), Vec::new());
     for source in &description.figures {
         let (copy, bytes) = files.copy(call, base, source, "figures")?;
         let document = document(call, source, &bytes)?;
+        let values = figures_in(&document);
         figures.push(Figures { source: source.to_string(), file: copy.file.clone(), document });
-        copies.push(copy);
+        copies.push(RecordedFigures { copy, values });
     }
     Ok((copies, figures))
 }

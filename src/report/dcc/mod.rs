@@ -6,7 +6,7 @@ mod quantity;
 
 pub use quantity::{ListFault, QuantityList, QuantityTable, is_unit};
 
-use super::record::{ErrorCurve, RecordData, StateValue, environment};
+use super::record::{ErrorCurve, RecordData, RecordedFigure, StateValue, environment};
 use crate::standards::{Conformity, NOT_VERIFIED};
 use minijinja::value::Serde as ViaSerde;
 use minijinja::{Value, context};
@@ -55,6 +55,9 @@ pub fn certificate(data: &RecordData) -> Result<String, DccFault> {
         let tables = tables.iter().map(|table| (table.name.clone(), table.written()));
         written.push((state, name, tables.collect()));
     }
+    let figures = figures(data);
+    figures.iter().try_for_each(QuantityTable::check).map_err(DccFault::List)?;
+    written.push(("figures", "Figures", figures.iter().map(|table| (table.name.clone(), table.written())).collect()));
     written.retain(|(_, _, tables)| !tables.is_empty());
     let temperatures = temperatures(data)?;
     let decisions: Vec<&str> = data.decisions.iter().map(|decision| conformity(decision.decision)).collect();
@@ -87,6 +90,7 @@ fn unit(name: &str) -> &'static str {
         "mm" => r"\milli\metre",
         "deg" => r"\degree",
         "degC" => r"\degreecelsius",
+        "um/m" => r"\micro\metre\metre\tothe{-1}",
         _ => "",
     }
 }
@@ -129,6 +133,22 @@ fn of_curve(curve: &ErrorCurve) -> QuantityTable {
         ],
     };
     QuantityTable { name: curve.error.clone(), lists }
+}
+
+/// Figures of standards, a table of one value each.
+fn figures(data: &RecordData) -> Vec<QuantityTable> {
+    let of = |(file, figure): (&str, &RecordedFigure)| QuantityTable {
+        name: format!("{figure}, {file}", figure = figure.figure),
+        lists: vec![QuantityList {
+            name: figure.figure.to_string(),
+            ref_type: "basic_measuredValue",
+            unit: unit(figure.unit),
+            values: vec![figure.value],
+            expanded: figure.expanded_uncertainty.into_iter().collect(),
+        }],
+    };
+    let all = data.figures.iter().flat_map(|of| of.values.iter().map(|figure| (of.copy.file.as_str(), figure)));
+    all.map(of).collect()
 }
 
 /// The temperatures, a list of one value each.

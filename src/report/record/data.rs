@@ -365,6 +365,29 @@ pub struct CopiedFile {
     pub sha256: String,
 }
 
+/// A figure of a standard, from a document of another verb.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecordedFigure {
+    /// Its name.
+    pub figure: Line,
+    /// Its value.
+    pub value: f64,
+    /// Its expanded uncertainty (k = 2), if the document states one.
+    pub expanded_uncertainty: Option<f64>,
+    /// Unit of both.
+    pub unit: &'static str,
+}
+
+/// A document of figures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecordedFigures {
+    /// The file.
+    #[serde(flatten)]
+    pub copy: CopiedFile,
+    /// Figures in it that are those of `import` and `figures`.
+    pub values: Vec<RecordedFigure>,
+}
+
 /// Everything that a record shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RecordData {
@@ -419,7 +442,7 @@ pub struct RecordData {
     /// Raw data.
     pub data: Vec<CopiedFile>,
     /// Figures: JSON documents of other verbs.
-    pub figures: Vec<CopiedFile>,
+    pub figures: Vec<RecordedFigures>,
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@ mod data;
 
 pub use data::{
     AlarmLimit, Contact, CopiedFile, Dates, Day, ErrorCurve, ErrorRow, Instrument, LimitDecision, Line, MachineState,
-    NoValue, Person, Place, Plate, RecordData, RecordedSet, StateValue, Temperature, TwoLetters,
+    NoValue, Person, Place, Plate, RecordData, RecordedFigure, RecordedFigures, RecordedSet, StateValue, Temperature,
+    TwoLetters,
 };
 
 use super::page::style_hash;
