@@ -580,6 +580,7 @@ class Verbs:
         priors: Sequence[Text] | None = None,
         type_b: Sequence[Text] | None = None,
         frame: Frame = "workpiece",
+        axis_poses: Text | None = None,
         order: Order | None = None,
         robust: bool = False,
         folds: int | None = None,
@@ -603,6 +604,8 @@ class Verbs:
         * ``type_b``: Standard uncertainties that all readings share: ``laser 0.4 um/m`` (a scale), ``set-up 2 um`` (an
           offset), ``material 0.5 K x 11.7 um/m/K``. They come after those of the section ``identify``.
         * ``frame``: Frame in which the deviations were measured.
+        * ``axis_poses``: The poses of points that a laser tracker's export has by name: a table with a column for each
+          axis, and ``point``.
         * ``order``: Model to fit: exact by default, or of order 1 or 2.
         * ``robust``: Gives readings that stand out less weight (Huber).
         * ``folds``: Checks the prediction: leaves out every measurement once, in this many parts.
@@ -619,6 +622,7 @@ class Verbs:
             "priors": priors,
             "type_b": type_b,
             "frame": frame,
+            "axis_poses": axis_poses,
             "order": order_of(order),
             "robust": robust,
             "folds": folds,
@@ -639,6 +643,7 @@ class Verbs:
         priors: Sequence[Text] | None = None,
         type_b: Sequence[Text] | None = None,
         frame: Frame = "workpiece",
+        axis_poses: Text | None = None,
         order: Order | None = None,
         robust: bool = False,
         folds: int | None = None,
@@ -662,6 +667,8 @@ class Verbs:
         * ``type_b``: Standard uncertainties that all readings share: ``laser 0.4 um/m`` (a scale), ``set-up 2 um`` (an
           offset), ``material 0.5 K x 11.7 um/m/K``. They come after those of the section ``identify``.
         * ``frame``: Frame in which the deviations were measured.
+        * ``axis_poses``: The poses of points that a laser tracker's export has by name: a table with a column for each
+          axis, and ``point``.
         * ``order``: Model to fit: exact by default, or of order 1 or 2.
         * ``robust``: Gives readings that stand out less weight (Huber).
         * ``folds``: Checks the prediction: leaves out every measurement once, in this many parts.
@@ -678,6 +685,7 @@ class Verbs:
             "priors": priors,
             "type_b": type_b,
             "frame": frame,
+            "axis_poses": axis_poses,
             "order": order_of(order),
             "robust": robust,
             "folds": folds,

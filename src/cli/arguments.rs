@@ -17,6 +17,8 @@ use std::path::PathBuf;
 pub(super) mod help {
     pub(in crate::cli) const AT: &str = "A pose, such as X=100,C=90, mm and deg";
     pub(in crate::cli) const AXIS: &str = "An axis, by its name";
+    pub(in crate::cli) const AXIS_POSES: &str =
+        "Poses of the axes from a CSV file: header of axis names, one pose a line, mm and deg";
     pub(in crate::cli) const OUT: &str = "Write the result here: a file, of `compile` and `record` a folder";
     pub(in crate::cli) const PLANE: &str = "A plane of two axes, such as XY";
     pub(in crate::cli) const RADIUS: &str = "Radius of a circle, mm (above 0)";

@@ -25,7 +25,8 @@ mod words;
 
 pub(crate) use data::lever;
 pub use data::{
-    DistanceEnd, Measurement, MeasurementSet, Reading, ReadingKind, Repeats, import, read_measurements, repeats,
+    DistanceEnd, Measurement, MeasurementSet, Reading, ReadingContext, ReadingKind, Repeats, import, read_measurements,
+    repeats,
 };
 pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{

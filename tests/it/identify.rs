@@ -10,8 +10,8 @@ use super::oracle::yaml;
 use abbe::diagnostic::{Diagnostics, Place as InFile};
 use abbe::evaluate::{Frame, Order, evaluate};
 use abbe::identify::{
-    FileNotes, Fit, Measurement, Model, Parameter, Reading, Solution, fit, fitted_file, held_out, parameters,
-    read_measurements, solve as weigh,
+    FileNotes, Fit, Measurement, Model, Parameter, Reading, ReadingContext, Solution, fit, fitted_file, held_out,
+    parameters, read_measurements, solve as weigh,
 };
 use abbe::lower::{ErrorSite, Exact, Source, actual_point, position_jacobian, values};
 use abbe::machine::{Approach, Direction, Machine, machine_file};
@@ -364,7 +364,7 @@ fn the_ur5_robot_has_rank_27() {
     let parameters = wanted(&robot, &["location", "tool"]);
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/ur5/extract.csv");
     let mut diagnostics = Diagnostics::default();
-    let data = read_measurements(&[folder], &robot, Frame::Workpiece, &Disk, &mut diagnostics).rows;
+    let data = read_measurements(&[folder], &robot, &ReadingContext::default(), &Disk, &mut diagnostics).rows;
     let (found, solution) = solve(&robot, &parameters, &data);
     assert!(found.settled, "{} steps", found.steps);
     assert_eq!((solution.rank, parameters.len(), data.len()), (27, 39, 60));

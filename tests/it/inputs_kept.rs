@@ -35,7 +35,7 @@ const STATES: [&str; 2] = ["--merge", "--state"];
 
 const MACHINE: &[&str] = &["machine", "base", "table"];
 
-const VERBS: [Verb; 16] = [
+const VERBS: [Verb; 17] = [
     Verb {
         name: "show",
         arguments: &["show", "machine.END"],
@@ -82,6 +82,22 @@ const VERBS: [Verb; 16] = [
         arguments: &["identify", "machine.END", "--data", "data.END", "--fit", "EXX:poly1"],
         inputs: &["machine", "base", "table", "data"],
         outputs: &["--out", "--pictures"],
+    },
+    Verb {
+        name: "identify with points",
+        arguments: &[
+            "identify",
+            "machine.END",
+            "--data",
+            "points.END",
+            "--axis-poses",
+            "where.END",
+            "--fit",
+            "EXX:poly1",
+            "--accept-undetermined",
+        ],
+        inputs: &["machine", "base", "table", "points", "where"],
+        outputs: &["--out"],
     },
     Verb {
         name: "import",
@@ -154,6 +170,12 @@ const VERBS: [Verb; 16] = [
         inputs: MACHINE,
         outputs: &["--svg"],
     },
+    Verb {
+        name: "instrument with a sequence",
+        arguments: &["instrument", "turning.END", "r-test", "--points", "5"],
+        inputs: &["turning"],
+        outputs: &["--sequence"],
+    },
 ];
 
 impl Verb {
@@ -170,12 +192,6 @@ const ENDINGS: [&str; 3] = ["yaml", "svg", "png"];
 /// Writes every input of every verb with this ending.
 fn inputs(folder: &Folder, ending: &str) {
     let axes = ["X", "Y", "Z"].map(|axis| format!("  {axis}: {{ travel: [0, 400], origin: [0, 0, 0] }}\n")).concat();
-    Verb {
-        name: "instrument with a sequence",
-        arguments: &["instrument", "turning.END", "r-test", "--points", "5"],
-        inputs: &["turning"],
-        outputs: &["--sequence"],
-    },
     let base = format!("abbe: 1\nmachine: m\nchain: w b X Y Z t\naxes:\n{axes}volume: {{ step: 200 mm }}\n");
     let write = |name: &str, text: &str| drop(folder.write(&format!("{name}.{ending}"), text));
     write("base", &base);
@@ -188,6 +204,14 @@ fn inputs(folder: &Folder, ending: &str) {
         "data",
         "X [mm],Y [mm],dx [um],dy [um],dz [um]\n0,0,0,0,0\n100,50,1,0,0\n200,300,3,0,0\n300,90,3,0,0\n400,200,2,0,0\n",
     );
+    write(
+        "turning",
+        &base
+            .replace("b X Y Z t", "C' b X Y Z t")
+            .replace("volume", "  C: { travel: continuous, origin: [200, 200, 0] }\nvolume"),
+    );
+    write("points", "point;X;Y;Z\nP1;0;0;0\nP2;200;0;0\nP3;400;10;0\nP4;200;100;0\nP5;300;100;50\nP6;50;20;90\n");
+    write("where", "point,X,Y,Z\nP1,0,0,0\nP2,200,0,0\nP3,400,10,0\nP4,200,100,0\nP5,300,100,50\nP6,50,20,90\n");
     write("circle", "angle [deg],ccw [um]\n0,1\n90,2\n180,1\n270,2\n");
     write("runs", "Kanal 0;Kanal 1\n0;0\n100;2\n200;4\n");
     write(
@@ -203,12 +227,6 @@ fn inputs(folder: &Folder, ending: &str) {
             as_found: machine.{ending}\ndata: [data.{ending}]\ninstruments: [{{ name: I, serial: S, certificate: C, \
             calibrated: 2026-01-01, uncertainty: 1 um }}]\n"
         ),
-    );
-    write(
-        "turning",
-        &base
-            .replace("b X Y Z t", "C' b X Y Z t")
-            .replace("volume", "  C: { travel: continuous, origin: [200, 200, 0] }\nvolume"),
     );
     let own = folder.path("templates/own");
     std::fs::create_dir_all(&own).unwrap();

@@ -104,6 +104,7 @@ mod targets;
 mod theorems;
 mod tidy;
 mod tool_poses;
+mod tracker;
 mod uncertainty;
 mod vectors;
 mod weighing;

@@ -8,8 +8,7 @@ use super::oracle::program::Folder;
 use super::oracle::random::Random;
 use super::oracle::rigid::Frame as OracleFrame;
 use abbe::diagnostic::Diagnostics;
-use abbe::evaluate::Frame;
-use abbe::identify::{Fit, MeasurementSet, Model, Parameter, Solution, fit, read_measurements};
+use abbe::identify::{Fit, MeasurementSet, Model, Parameter, ReadingContext, Solution, fit, read_measurements};
 use abbe::machine::Machine;
 use abbe::syntax::Disk;
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -40,7 +39,7 @@ fn file(folder: &Folder, name: &str, head: &str, rows: impl Iterator<Item = Stri
 
 fn read(machine: &Machine, files: &[std::path::PathBuf]) -> MeasurementSet {
     let mut diagnostics = Diagnostics::default();
-    let data = read_measurements(files, machine, Frame::Workpiece, &Disk, &mut diagnostics);
+    let data = read_measurements(files, machine, &ReadingContext::default(), &Disk, &mut diagnostics);
     assert!(diagnostics.iter().next().is_none(), "{:?}", diagnostics.iter().next());
     data
 }

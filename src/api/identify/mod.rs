@@ -26,8 +26,9 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
 use crate::identify::{
     DistanceEnd, FileNotes, Fit, Known, Measurement, MeasurementSet, Misfit, Model, Parameter, Prediction, Randomness,
-    Reading, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, held_out, in_datum, invariances,
-    known, misfit, overruled, parameters, randomness, read_measurements, repeats, slope_bounds, solve, type_b, unused,
+    Reading, ReadingContext, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, held_out, in_datum,
+    invariances, known, misfit, overruled, parameters, randomness, read_measurements, repeats, slope_bounds, solve,
+    type_b, unused,
 };
 use crate::machine::{Machine, Pose};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
@@ -58,6 +59,8 @@ pub struct IdentifyOptions {
     pub type_b: Vec<String>,
     /// Frame in which the deviations were measured.
     pub frame: Frame,
+    /// The poses of points that a laser tracker's export has by name: a table with a column for each axis, and `point`.
+    pub axis_poses: Option<PathBuf>,
     /// Model to fit: exact by default, or of order 1 or 2.
     pub order: Option<Order>,
     /// Gives readings that stand out less weight (Huber).
@@ -126,8 +129,8 @@ impl Problem {
         call.extend(remarks::left_out(file, &data.leave_out(&own)));
         let mut known: Vec<Known> = Vec::new();
         for (j, place) in data.nuisances.iter().enumerate() {
-            let (unknown, value) = (own.len() + j, place.start_mm);
-            known.extend(place.known_mm.map(|sigma| Known { unknown, value, sigma }));
+            let (unknown, value) = (own.len() + j, place.start);
+            known.extend(place.known.map(|sigma| Known { unknown, value, sigma }));
         }
         let unknowns: Vec<Parameter> = own.into_iter().chain(data.nuisances.into_iter().map(Parameter::from)).collect();
         for prior in priors(call, file, &request, &options.priors, &unknowns)? {
@@ -223,7 +226,8 @@ fn measurements(
     let overlay = Overlay { text: texts, files: call.run.files };
     let recording = Recording { files: &overlay, hashes: RefCell::default() };
     let paths = options.paths();
-    let data = read_measurements(&paths, file, options.frame, &recording, &mut call.diagnostics);
+    let context = ReadingContext { frame: options.frame, axis_poses: options.axis_poses.clone() };
+    let data = read_measurements(&paths, file, &context, &recording, &mut call.diagnostics);
     call.checked()?;
     let hashes = recording.hashes.into_inner();
     refuse_copies(call, &paths, &hashes)?;

@@ -18,8 +18,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "X=100,C=90", allow_hyphen_values = true, help = help::AT,
         long_help = "A pose, mm and deg; axes left out are at 0. May be repeated")]
     at: Vec<String>,
-    /// Poses of the axes from a CSV file: header of axis names, one pose a line, mm and deg.
-    #[arg(long, value_name = "FILE", alias = "poses")]
+    #[arg(long, value_name = "FILE", alias = "poses", help = help::AXIS_POSES)]
     axis_poses: Option<PathBuf>,
     #[command(flatten)]
     view: ViewArgs,

@@ -20,6 +20,10 @@ pub(crate) struct Args {
     /// lines, single errors (docs/identification.md).
     #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "plan")]
     data: Vec<PathBuf>,
+    #[arg(long, value_name = "FILE", help = help::AXIS_POSES, conflicts_with = "plan",
+        long_help = "Poses at which the points of a laser tracker's export were measured: a column for each axis, and \
+                     `point`, or a row for each point in their order")]
+    axis_poses: Option<PathBuf>,
     /// Parameters to fit: `location`, `tool`, `workpiece`, `spindle`, `linear`, error names, `EXX:poly3` (default: the
     /// section `identify` of the machine file).
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
@@ -88,6 +92,7 @@ impl Args {
             priors: self.prior.clone(),
             type_b: self.type_b.clone(),
             frame: self.frame.frame(),
+            axis_poses: self.axis_poses.clone(),
             order: Some(self.order.order.unwrap_or(Order::Exact)),
             robust: self.robust,
             folds: self.folds.map(usize::from),

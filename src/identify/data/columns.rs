@@ -31,6 +31,10 @@ pub(super) enum Content {
     Length(LengthKind),
     /// Deviation along the line of the run: `along`.
     Along,
+    /// Coordinate of the functional point in the instrument's own frame: `tracker.x`.
+    Tracker(usize),
+    /// The name of a point.
+    Point,
     /// A component error, measured in this direction.
     Error(Source, Option<Approach>),
     Station,
@@ -82,6 +86,7 @@ pub(super) enum RowForm {
     Ball,
     Distance,
     Along,
+    Position,
     Error,
 }
 
@@ -94,6 +99,7 @@ impl Content {
             Self::Ball => Some(RowForm::Ball),
             Self::Length(_) => Some(RowForm::Distance),
             Self::Along => Some(RowForm::Along),
+            Self::Tracker(_) => Some(RowForm::Position),
             Self::Error(..) => Some(RowForm::Error),
             _ => None,
         }
@@ -114,7 +120,7 @@ enum TitleUnit {
 }
 
 /// Titles, besides those of axes and errors.
-const TITLES: [(&str, TitleUnit, Content); 25] = [
+const TITLES: [(&str, TitleUnit, Content); 29] = [
     ("dx", TitleUnit::Length, Content::Deviation(0)),
     ("dy", TitleUnit::Length, Content::Deviation(1)),
     ("dz", TitleUnit::Length, Content::Deviation(2)),
@@ -126,6 +132,10 @@ const TITLES: [(&str, TitleUnit, Content); 25] = [
     ("dl", TitleUnit::Length, Content::Length(LengthKind::FromNominal)),
     ("displacement", TitleUnit::Length, Content::Length(LengthKind::Displacement)),
     ("along", TitleUnit::Length, Content::Along),
+    ("tracker.x", TitleUnit::Length, Content::Tracker(0)),
+    ("tracker.y", TitleUnit::Length, Content::Tracker(1)),
+    ("tracker.z", TitleUnit::Length, Content::Tracker(2)),
+    ("point", TitleUnit::Missing, Content::Point),
     ("station", TitleUnit::Missing, Content::Station),
     ("station.x", TitleUnit::Length, Content::StationAt(0)),
     ("station.y", TitleUnit::Length, Content::StationAt(1)),
@@ -148,16 +158,7 @@ pub(super) fn columns(
     header: &str,
     separator: char,
 ) -> Result<(Vec<Column>, RowForm), HeaderFailure> {
-    let mut columns: Vec<Column> = Vec::new();
-    let mut cells = sheet::cells(header, separator);
-    sheet::drop_empty(&mut cells, 0);
-    for cell in cells {
-        let column = column(machine, &cell)?;
-        if columns.iter().any(|known| known.content.excludes(column.content)) {
-            return Err(HeaderFailure::Repeated(cell));
-        }
-        columns.push(column);
-    }
+    let columns = listed(machine, header, separator)?;
     let contents: Vec<Content> = columns.iter().map(|column| column.content).collect();
     let mut forms = contents.iter().filter_map(|content| content.form());
     let form = forms.next().ok_or(HeaderFailure::NoReadings)?;
@@ -168,6 +169,35 @@ pub(super) fn columns(
     check_weights(&contents, form)?;
     check_positions(machine, &contents)?;
     Ok((columns, form))
+}
+
+/// Returns the columns of a table of poses, which may have empty columns for deviations.
+pub(super) fn pose_columns(machine: &Machine, header: &str, separator: char) -> Result<Vec<Column>, HeaderFailure> {
+    let columns = listed(machine, header, separator)?;
+    let is_axis = |column: &Column| matches!(column.content, Content::Axis(_));
+    let is_reading = |column: &Column| {
+        column.content.form().is_some_and(|form| form != RowForm::Deviation && form != RowForm::Relative)
+    };
+    match (columns.iter().any(is_reading), columns.iter().any(is_axis)) {
+        (true, _) => Err(HeaderFailure::PosesWithReadings),
+        (_, false) => Err(HeaderFailure::NoPoses),
+        (false, true) => Ok(columns),
+    }
+}
+
+/// Returns the columns of a header, no content twice.
+fn listed(machine: &Machine, header: &str, separator: char) -> Result<Vec<Column>, HeaderFailure> {
+    let mut columns: Vec<Column> = Vec::new();
+    let mut cells = sheet::cells(header, separator);
+    sheet::drop_empty(&mut cells, 0);
+    for cell in cells {
+        let column = column(machine, &cell)?;
+        if columns.iter().any(|known| known.content.excludes(column.content)) {
+            return Err(HeaderFailure::Repeated(cell));
+        }
+        columns.push(column);
+    }
+    Ok(columns)
 }
 
 /// A component error is nothing without the position of its own axis.
@@ -212,6 +242,9 @@ fn check_ends(contents: &[Content], form: RowForm) -> Result<(), HeaderFailure> 
     let balls = contents.iter().filter(|c| matches!(c, Content::BallAt(_))).count();
     if ![0, 3].contains(&places) || ![0, 3].contains(&balls) {
         return Err(HeaderFailure::PartOfStation);
+    }
+    if form == RowForm::Position && contents.iter().filter(|c| matches!(c, Content::Tracker(_))).count() < 3 {
+        return Err(HeaderFailure::PartOfPosition);
     }
     let known = |fixture| contents.contains(&Content::PlaceUncertainty(fixture));
     if (known(Fixture::Station) && places == 0) || (form != RowForm::Ball && (balls > 0 || known(Fixture::Ball))) {

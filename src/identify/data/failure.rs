@@ -22,6 +22,10 @@ pub(super) enum HeaderFailure {
     NoOtherEnd,
     TwoOtherEnds,
     PartOfStation,
+    PartOfPosition,
+    /// A table of poses without a column of an axis.
+    NoPoses,
+    PosesWithReadings,
     /// The uncertainty of a place that is not given.
     NoPlace,
     NoStation,
@@ -85,6 +89,11 @@ impl fmt::Display for HeaderFailure {
             Self::PartOfStation => {
                 write!(f, "give all three of `station.x`, `.y`, `.z` (or `ball.x`, `.y`, `.z`), or none")
             }
+            Self::PartOfPosition => {
+                write!(f, "give all three of `tracker.x [mm]`, `tracker.y [mm]`, `tracker.z [mm]`")
+            }
+            Self::PosesWithReadings => write!(f, "a table of poses has no readings"),
+            Self::NoPoses => write!(f, "a table of poses has a column for each axis that moves"),
             Self::NoPlace => {
                 write!(f, "`station.u` needs `station.x`, `station.y`, `station.z`; `ball.x` and `ball.u` need `ball`")
             }

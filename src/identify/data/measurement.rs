@@ -57,6 +57,15 @@ pub enum Reading {
         /// Index of the unknown constant, if there is one.
         zero: Option<usize>,
     },
+    /// Place of the functional point as an instrument with a frame of its own sees it: a laser tracker.
+    Position {
+        /// The place in the workpiece frame by the best fit of the nominal points, minus the nominal one.
+        value: Vector3<f64>,
+        /// The point about which the instrument's frame may turn beside that fit.
+        about: Vector3<f64>,
+        /// First of six unknowns: where the frame of the readings is beside that fit, and by how much it is turned.
+        frame: usize,
+    },
     /// Deviation along a straight line, less an unknown constant: a laser interferometer.
     Along {
         /// Actual minus nominal.
@@ -91,6 +100,8 @@ pub enum ReadingKind {
     Deviation,
     /// The same relative to the first reading.
     Relative,
+    /// Places in the instrument's frame.
+    Position,
     /// Distances.
     Length,
     /// Along a line.
@@ -112,6 +123,7 @@ impl ReadingKind {
         match self {
             Self::Deviation => "deviations",
             Self::Relative => "relative deviations",
+            Self::Position => "positions",
             Self::Length => "lengths",
             Self::Line => "lines",
             Self::Error => "single errors",
@@ -130,6 +142,7 @@ impl Measurement {
     pub fn seen(&self) -> [bool; 3] {
         match &self.reading {
             Reading::Deviation { values, .. } => values.map(|value| value.is_some()),
+            Reading::Position { .. } => [true; 3],
             _ => [true, false, false],
         }
     }
@@ -138,6 +151,7 @@ impl Measurement {
     pub fn values(&self) -> Vector3<f64> {
         match &self.reading {
             Reading::Deviation { values, .. } => Vector3::from(values.map(|value| value.unwrap_or(0.0))),
+            Reading::Position { value, .. } => *value,
             Reading::Distance { value, .. } | Reading::Along { value, .. } | Reading::Error { value, .. } => {
                 Vector3::new(*value, 0.0, 0.0)
             }
@@ -154,6 +168,7 @@ impl Measurement {
         match &self.reading {
             Reading::Deviation { zero: [None, None, None], .. } => ReadingKind::Deviation,
             Reading::Deviation { .. } => ReadingKind::Relative,
+            Reading::Position { .. } => ReadingKind::Position,
             Reading::Distance { .. } => ReadingKind::Length,
             Reading::Along { .. } => ReadingKind::Line,
             Reading::Error { source, .. } if source.direction.is_rotation() => ReadingKind::Angle,
@@ -164,15 +179,17 @@ impl Measurement {
 
 const LETTERS: [&str; 3] = ["x", "y", "z"];
 
-/// An unknown length of an instrument or a set-up: no error of the machine, but fitted with them.
+/// An unknown length or angle of an instrument or a set-up: no error of the machine, but fitted with them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InstrumentUnknown {
-    /// `station.x`, `zero 2`, `ball.z`: unique among the files read together.
+    /// `station.x`, `zero 2`, `tracker.A`: unique among the files read together.
     pub name: String,
-    /// Value at the start of the fit (mm).
-    pub start_mm: f64,
-    /// Standard uncertainty (mm) with which it is known to have this value.
-    pub known_mm: Option<f64>,
+    /// True if it is an angle.
+    pub is_angle: bool,
+    /// Value at the start of the fit (mm, of an angle rad).
+    pub start: f64,
+    /// Standard uncertainty (mm or rad) with which it is known to have this value.
+    pub known: Option<f64>,
 }
 
 /// Measurements of all files, and the unknowns of instruments and set-ups: places of stations, dead paths, first
@@ -188,7 +205,7 @@ pub struct MeasurementSet {
 impl MeasurementSet {
     /// Adds an unknown of `mm` to begin with; gives its index.
     pub(crate) fn unknown(&mut self, name: String, start: f64) -> usize {
-        self.nuisances.push(InstrumentUnknown { name, start_mm: start, known_mm: None });
+        self.nuisances.push(InstrumentUnknown { name, is_angle: false, start, known: None });
         self.nuisances.len() - 1
     }
 
@@ -203,12 +220,23 @@ impl MeasurementSet {
 
     /// States that three unknowns from this index on are known to be as they start, with a standard uncertainty (mm).
     pub(crate) fn know_point(&mut self, first: usize, sigma: Option<f64>) {
-        self.nuisances[first..first + 3].iter_mut().for_each(|unknown| unknown.known_mm = sigma);
+        self.nuisances[first..first + 3].iter_mut().for_each(|unknown| unknown.known = sigma);
     }
 
     /// Adds an unknown for each component that was read, 0 to begin with; gives their indices.
     pub(crate) fn unknown_components(&mut self, name: &str, read: [bool; 3]) -> [Option<usize>; 3] {
         std::array::from_fn(|k| read[k].then(|| self.unknown(format!("{name}.{}", LETTERS[k]), 0.0)))
+    }
+
+    /// Adds six unknowns, 0 to begin with: a displacement `.x`, `.y`, `.z` and a rotation `.A`, `.B`, `.C`; gives the
+    /// index of the first.
+    pub(crate) fn unknown_frame(&mut self, name: &str) -> usize {
+        let first = self.unknown_point(name, Vector3::zeros());
+        for letter in ["A", "B", "C"] {
+            let name = format!("{name}.{letter}");
+            self.nuisances.push(InstrumentUnknown { name, is_angle: true, start: 0.0, known: None });
+        }
+        first
     }
 
     /// Sizes of the lists, to go back to.

@@ -1,23 +1,26 @@
 //! From a file of measurements to rows: cells to numbers, then what needs the other rows of a run.
 
-use super::columns::{Column, Content, LengthKind, Quantity, RowForm, columns};
+use super::columns::{Column, Content, LengthKind, Quantity, RowForm, columns, pose_columns};
 use super::failure::RowFailure;
 use super::measurement::{DistanceEnd, Measurement, MeasurementSet, Reading, lever};
 use super::station::{self, StationFailure};
+use super::tracker::{self, InstrumentFrame, PointColumns, PointFailure, TrackedPoint};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use crate::evaluate::Frame;
 use crate::lower::{NominalPose, Source};
 use crate::machine::{Approach, Direction, Machine, Pose};
 use crate::syntax::Files;
 use crate::syntax::sheet::{self, Decimals, Line, read_sheet};
-use crate::units::FARTHEST;
+use crate::units::{FARTHEST, counted};
 use nalgebra::Vector3;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Mistakes after which the rest of a file is of the same kind.
 const MISTAKES: usize = 5;
 /// Least weight; the greatest is its inverse.
 const MIN_WEIGHT: f64 = 1e-15;
+/// Maximum number of names that a warning lists.
+const LISTED: usize = 5;
 /// Least distance (mm) that has a direction.
 const MIN_LENGTH_MM: f64 = 1.0;
 
@@ -37,6 +40,9 @@ struct Draft {
     /// Standard uncertainty of the place (mm).
     known: Option<f64>,
     ball: String,
+    /// Place in the instrument's frame.
+    tracker: [Option<f64>; 3],
+    point: String,
 }
 
 impl Draft {
@@ -52,7 +58,7 @@ impl Draft {
 }
 
 /// Reads files of measurements of one machine, and collects rows and unknowns.
-pub struct Reader<'a> {
+struct Reader<'a> {
     machine: &'a Machine,
     machines: Vec<Machine>,
     frame: Frame,
@@ -60,33 +66,71 @@ pub struct Reader<'a> {
     file: String,
     form: RowForm,
     data: MeasurementSet,
+    /// Poses of points.
+    poses: Option<PointPoses>,
+    /// True if a file has points by name.
+    has_points: bool,
 }
 
-/// Reads files of measurements, deviations in `frame`; whatever is wrong with one is reported, and it adds nothing.
+/// Poses at which points were measured, in the order of their table.
+struct PointPoses {
+    drafts: Vec<Draft>,
+    /// True if the table names the points.
+    has_names: bool,
+}
+
+/// What readings say of their frame and poses beside their own columns.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReadingContext {
+    /// Frame of deviations.
+    pub frame: Frame,
+    /// The table of the poses at which points of a tracker were measured.
+    pub axis_poses: Option<PathBuf>,
+}
+
+/// Reads files of measurements; whatever is wrong with one is reported, and it adds nothing.
 pub fn read_measurements(
     paths: &[impl AsRef<Path>],
     machine: &Machine,
-    frame: Frame,
+    context: &ReadingContext,
     files: &dyn Files,
     diagnostics: &mut Diagnostics,
 ) -> MeasurementSet {
     let with = |name: &str| machine.with_tool(name).unwrap_or_else(|| machine.clone());
     let machines = machine.tools().iter().map(|tool| with(&tool.name)).collect();
-    let (data, file) = (MeasurementSet::default(), String::new());
-    let mut reader = Reader { machine, machines, frame, file, form: RowForm::Deviation, data };
+    let mut reader = Reader {
+        machine,
+        machines,
+        frame: context.frame,
+        file: String::new(),
+        form: RowForm::Position,
+        data: MeasurementSet::default(),
+        poses: None,
+        has_points: false,
+    };
+    if let Some(path) = &context.axis_poses {
+        let Some(poses) = reader.read_poses(path, files, diagnostics) else { return reader.data };
+        reader.poses = Some(poses);
+    }
     for path in paths {
         let stem = path.as_ref().file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
         reader.file = if paths.len() > 1 { format!("{}/", shown(&stem)) } else { String::new() };
         reader.read(path.as_ref(), files, diagnostics);
+    }
+    if reader.poses.is_some() && !reader.has_points && !diagnostics.refused() {
+        let message = "no file of measurements has points by name, whose poses are given".to_owned();
+        diagnostics.push(Diagnostic::new(codes::E0501, message).help(POINTS));
     }
     reader.data
 }
 
 /// Columns of a file.
 const COLUMNS: &str = "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, \
- or another kind \
-    of reading: `rel.dx [um]`, `ball`, `length [mm]`, `displacement [mm]`, `dl [um]`, `along [um]`, `EXX [um]`; \
-    optionally `tool`, `run`, `approach`, `weight` or `u [um]`";
+    or another kind of reading: `rel.dx [um]`, `ball`, `tracker.x [mm]`, `length [mm]`, `displacement [mm]`, \
+    `dl [um]`, `along [um]`, `EXX [um]`; optionally `tool`, `run`, `approach`, `weight` or `u [um]`";
+/// Points of a tracker.
+const POINTS: &str = "an export of points has columns such as `point`, `X [mm]`, `Y [mm]`, `Z [mm]`; `--axis-poses \
+    FILE` has their poses: a column for each axis, and `point`, or a row for each point in their order";
 /// Rows of a file.
 const ROWS: &str =
     "correct the row, or leave it out; of several readings in a row those that were not taken stay empty";
@@ -121,7 +165,10 @@ impl Reader<'_> {
         let (columns, form) = match columns(self.machine, &header.text, separator) {
             Ok(found) => found,
             Err(failure) => {
-                diagnostics.push(refusal(codes::E0501, failure.to_string(), Some(header.place.clone())));
+                match tracker::recognise(&lines) {
+                    Some(points) => self.read_points(&points, &lines, diagnostics),
+                    None => diagnostics.push(refusal(codes::E0501, failure.to_string(), Some(header.place.clone()))),
+                }
                 return;
             }
         };
@@ -131,12 +178,84 @@ impl Reader<'_> {
             diagnostics.push(refusal(codes::E0501, message, Some(header.place.clone())));
         }
         if let Some(drafts) = self.drafts(&columns, body, separator, diagnostics) {
-            let before = self.data.extent();
-            if let Err(refused) = self.rows(drafts) {
-                diagnostics.push(*refused);
-                self.data.truncate(before);
+            self.add(drafts, diagnostics);
+        }
+    }
+
+    /// Takes the rows of a file, all or none.
+    fn add(&mut self, drafts: Vec<Draft>, diagnostics: &mut Diagnostics) {
+        let before = self.data.extent();
+        if let Err(refused) = self.rows(drafts) {
+            diagnostics.push(*refused);
+            self.data.truncate(before);
+        }
+    }
+
+    /// Reads the poses of points: a table as for readings, which has none.
+    fn read_poses(&self, path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<PointPoses> {
+        let sheet = read_sheet(path, files, diagnostics)?;
+        let lines = sheet.lines();
+        let Some((header, body)) = lines.split_first().filter(|(_, body)| !body.is_empty()) else {
+            diagnostics.push(refusal(codes::E0501, "the table of poses is empty".to_owned(), Some(sheet.start())));
+            return None;
+        };
+        let separator = sheet::separator(&header.text);
+        let mut refuse = |message: String, place: &Place| {
+            diagnostics.push(Diagnostic::new(codes::E0501, message).at(Some(place.clone()), "").help(POINTS));
+        };
+        let columns = match pose_columns(self.machine, &header.text, separator) {
+            Ok(columns) => columns,
+            Err(failure) => {
+                refuse(failure.to_string(), &header.place);
+                return None;
+            }
+        };
+        let drafts = self.drafts(&columns, body, separator, diagnostics)?;
+        let has_names = columns.iter().any(|column| column.content == Content::Point);
+        let mut names = std::collections::BTreeSet::new();
+        for draft in &drafts {
+            let mut refuse = |message: String| {
+                let place = Some(draft.row.place.clone());
+                diagnostics.push(Diagnostic::new(codes::E0501, message).at(place, "").help(POINTS));
+            };
+            if draft.row.readings() > 0 || !draft.errors.is_empty() {
+                refuse("a table of poses has no readings".to_owned());
+                return None;
+            }
+            if has_names && !names.insert(&draft.point) {
+                refuse(format!("the point `{}` has two poses", shown(&draft.point)));
+                return None;
             }
         }
+        Some(PointPoses { drafts, has_names })
+    }
+
+    /// Takes the points of a tracker.
+    fn read_points(&mut self, columns: &PointColumns, lines: &[Line], diagnostics: &mut Diagnostics) {
+        let first = lines.first().map(|line| line.place.clone());
+        let mut refuse = |message: String, place: Option<Place>| {
+            diagnostics.push(Diagnostic::new(codes::E0501, message).at(place, "").help(POINTS));
+        };
+        let Some(poses) = &self.poses else {
+            return refuse("these are points by name, without the poses at which they were measured".to_owned(), first);
+        };
+        let points = match columns.points(lines) {
+            Ok(points) => points,
+            Err(failure) => return refuse(failure.to_string(), failure.place()),
+        };
+        let drafts = match poses.of(points) {
+            Ok((drafts, unknown)) => {
+                let (columns, points) = (&columns.left_out, &unknown);
+                for (names, what, code) in [(columns, "column", codes::W0511), (points, "point", codes::W0504)] {
+                    left_out(names, what, code, &first).into_iter().for_each(|one| diagnostics.push(one));
+                }
+                drafts
+            }
+            Err(failure) => return refuse(failure.to_string(), first),
+        };
+        self.has_points = true;
+        self.form = RowForm::Position;
+        self.add(drafts, diagnostics);
     }
 
     fn drafts(
@@ -177,6 +296,8 @@ impl Reader<'_> {
             at: [None; 3],
             known: None,
             ball: String::new(),
+            tracker: [None; 3],
+            point: String::new(),
         }
     }
 
@@ -213,6 +334,8 @@ impl Reader<'_> {
                     draft.errors.push((source, approach.unwrap_or_default(), near(scaled()?, cell)?));
                 }
                 Content::Ball => draft.ball = cell.clone(),
+                Content::Tracker(k) => draft.tracker[k] = Some(near(scaled()?, cell)?),
+                Content::Point => draft.point = cell.clone(),
                 Content::Length(kind @ LengthKind::Whole) => {
                     let length = positive(number(cell)?, cell, "length")? * factor;
                     draft.length = Some((kind, near(length, cell)?));
@@ -259,6 +382,7 @@ impl Reader<'_> {
             RowForm::Relative => self.relative(drafts),
             RowForm::Ball => self.balls(drafts)?,
             RowForm::Along => self.lines(drafts)?,
+            RowForm::Position => self.positions(drafts)?,
             RowForm::Distance if drafts.iter().any(|draft| draft.to.is_some()) => self.pairs(drafts)?,
             RowForm::Distance => self.stations(drafts)?,
         }
@@ -310,6 +434,28 @@ impl Reader<'_> {
                 let off = first - self.nominal(&draft.row, &draft.row.pose);
                 let values = [Some(off.x), Some(off.y), Some(off.z)];
                 draft.row.reading = Reading::Deviation { values, frame: Frame::Workpiece, zero };
+                self.data.rows.push(draft.row);
+            }
+        }
+        Ok(())
+    }
+
+    /// Places in the frame of an instrument: where that is and how it is turned are six unknowns of the run.
+    fn positions(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
+        for (run, drafts) in runs(drafts, |_| String::new()) {
+            let nominal: Vec<Vector3<f64>> = drafts.iter().map(|d| self.nominal(&d.row, &d.row.pose)).collect();
+            let read = |draft: &Draft| Vector3::from(draft.tracker.map(Option::unwrap_or_default));
+            let measured: Vec<Vector3<f64>> = drafts.iter().map(read).collect();
+            let name = format!("{}tracker{run}", self.file);
+            let fitted = InstrumentFrame::fitted(&nominal, &measured).map_err(|failure| {
+                let place = drafts.first().map(|draft| draft.row.place.clone());
+                let message = format!("{name}: {failure}");
+                Box::new(Diagnostic::new(codes::E0501, message).at(place, "").help(failure.help()))
+            })?;
+            let frame = self.data.unknown_frame(&name);
+            for ((mut draft, nominal), measured) in drafts.into_iter().zip(nominal).zip(measured) {
+                let value = fitted.in_workpiece(&measured) - nominal;
+                draft.row.reading = Reading::Position { value, about: fitted.about, frame };
                 self.data.rows.push(draft.row);
             }
         }
@@ -429,6 +575,47 @@ impl Reader<'_> {
         let value = if kind == LengthKind::FromNominal { nominal + value } else { value };
         self.data.rows.push(Measurement { reading: Reading::Distance { value, from, zero }, ..draft.row });
     }
+}
+
+impl PointPoses {
+    /// Returns the rows of points, and the names of those that have no pose.
+    fn of(&self, points: Vec<TrackedPoint>) -> Result<(Vec<Draft>, Vec<String>), PointFailure> {
+        if !self.has_names {
+            if self.drafts.len() != points.len() {
+                return Err(PointFailure::Count(points.len(), self.drafts.len()));
+            }
+            let rows = self.drafts.iter().zip(points).map(|(draft, point)| draft.measured(point));
+            return Ok((rows.collect(), Vec::new()));
+        }
+        let by_name: std::collections::BTreeMap<&str, &Draft> =
+            self.drafts.iter().map(|draft| (draft.point.as_str(), draft)).collect();
+        let (mut rows, mut unknown): (Vec<Draft>, Vec<String>) = (Vec::new(), Vec::new());
+        for point in points {
+            match by_name.get(point.name.as_str()) {
+                Some(draft) => rows.push(draft.measured(point)),
+                None => unknown.push(point.name),
+            }
+        }
+        if rows.is_empty() { Err(PointFailure::NoPose) } else { Ok((rows, unknown)) }
+    }
+}
+
+impl Draft {
+    /// The row of a point that was measured at this pose.
+    fn measured(&self, point: TrackedPoint) -> Self {
+        let mut draft = self.clone();
+        draft.tracker = <[f64; 3]>::from(point.at).map(Some);
+        draft.row.place = point.place;
+        draft
+    }
+}
+
+/// A warning of columns or points that are not used.
+fn left_out(names: &[String], what: &str, code: codes::Code, place: &Option<Place>) -> Option<Diagnostic> {
+    let list: Vec<String> = names.iter().take(LISTED).map(|name| format!("`{}`", shown(name))).collect();
+    let more = if names.len() > LISTED { " ..." } else { "" };
+    let message = format!("{} left out: {}{more}", counted(names.len(), what), list.join(", "));
+    (!names.is_empty()).then(|| Diagnostic::new(code, message).at(place.clone(), "").help(POINTS))
 }
 
 /// Rows of each run (and of what else tells them apart), in the order of their first rows; the name is empty or

@@ -36,7 +36,11 @@ type One = (usize, f64, f64);
 fn groups(data: &[Measurement], kind: ReadingKind) -> Vec<Vec<One>> {
     let mut groups: BTreeMap<(Vec<u64>, usize, Option<usize>), Vec<One>> = BTreeMap::new();
     for (row, m) in data.iter().enumerate().filter(|(_, m)| m.kind() == kind) {
-        let Reading::Deviation { values, zero, .. } = &m.reading else { continue };
+        let (values, zero) = match &m.reading {
+            Reading::Deviation { values, zero, .. } => (*values, *zero),
+            Reading::Position { value, frame, .. } => (<[f64; 3]>::from(*value).map(Some), [Some(*frame); 3]),
+            _ => continue,
+        };
         // -0 and 0 are the same position.
         let pose = m.pose.iter().map(|q| (q + 0.0).to_bits());
         let key: Vec<u64> = pose.chain([m.tool as u64, m.approach as u64]).collect();
@@ -65,7 +69,10 @@ fn apart(group: &[One]) -> (One, One, f64) {
 
 /// Repeatability at poses that were measured more than once, deviations and relative ones each for themselves.
 pub fn repeats(data: &[Measurement]) -> Vec<Repeats> {
-    [ReadingKind::Deviation, ReadingKind::Relative].into_iter().filter_map(|kind| repeats_of(data, kind)).collect()
+    [ReadingKind::Deviation, ReadingKind::Relative, ReadingKind::Position]
+        .into_iter()
+        .filter_map(|kind| repeats_of(data, kind))
+        .collect()
 }
 
 fn repeats_of(data: &[Measurement], of: ReadingKind) -> Option<Repeats> {

@@ -1,6 +1,6 @@
 //! Readings as functions of the actual geometry: the one place that knows the kinds of reading.
 
-use crate::algebra::Algebra;
+use crate::algebra::{Algebra, exp_hat, hat, left_jacobian};
 use crate::evaluate::Frame;
 use crate::identify::data::{DistanceEnd, Measurement, Reading, lever};
 use crate::lower::{NominalPose, Source};
@@ -65,6 +65,20 @@ pub(super) fn observe<S: Algebra>(
                 value: turned(&rotation, &deviation).zip_map(&Vector3::from(*zero), |x, zero| x - constant(&zero)),
                 slope: Slope::Rotation(rotation),
                 by_unknown: (0..3).filter_map(|k| Some((zero[k]?, -Vector3::ith(k, 1.0)))).collect(),
+            }
+        }
+        Reading::Position { about, frame, .. } => {
+            let nominal = NominalPose::in_part(machine, &m.pose).pose.translation;
+            let [displacement, turn] = [0, 3].map(|k| Vector3::from_fn(|i, _| unknowns[frame + k + i]));
+            let turn: [f64; 3] = turn.into();
+            let rotation = exp_hat(&turn);
+            let arm = turned(&rotation, &minus(&at(Subject::Point(&m.pose)), about));
+            let by_turn = -hat(&arm.clone().map(|x| x.real() + x.nilpotent_sum()).into()) * left_jacobian(&turn);
+            let by = |k: usize| if k < 3 { Vector3::ith(k, 1.0) } else { by_turn.column(k - 3).into_owned() };
+            Observation {
+                value: minus(&arm, &(nominal - about - displacement)),
+                slope: Slope::Rotation(rotation),
+                by_unknown: (0..6).map(|k| (frame + k, by(k))).collect(),
             }
         }
         Reading::Distance { from, zero, .. } => {

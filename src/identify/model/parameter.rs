@@ -2,7 +2,7 @@
 
 use crate::identify::data::{InstrumentUnknown, MeasurementSet, Reading, lever};
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, AxisKind, Curve, ErrorId, Knots, Machine, sin_cos_degrees};
+use crate::machine::{Approach, AxisKind, Curve, Direction, ErrorId, Knots, Machine, sin_cos_degrees};
 
 /// A function of the programmed position of an axis (mm or deg).
 #[derive(Debug, Clone, PartialEq)]
@@ -140,9 +140,10 @@ impl Parameter {
 }
 
 impl From<InstrumentUnknown> for Parameter {
-    /// Returns the parameter of an unknown length (mm) that is no error of the machine.
-    fn from(InstrumentUnknown { name, start_mm: start, .. }: InstrumentUnknown) -> Self {
-        Self { name, unit: "mm".to_owned(), factor: 1.0, terms: Vec::new(), start, size: 1.0 }
+    /// Returns the parameter of an unknown length (mm) or angle that is no error of the machine.
+    fn from(InstrumentUnknown { name, is_angle, start, .. }: InstrumentUnknown) -> Self {
+        let (unit, factor, size) = if is_angle { ("urad", 1e6, lever(Direction::A)) } else { ("mm", 1.0, 1.0) };
+        Self { name, unit: unit.to_owned(), factor, terms: Vec::new(), start, size }
     }
 }
 

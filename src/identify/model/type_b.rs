@@ -90,7 +90,7 @@ fn channels(m: &Measurement) -> impl Iterator<Item = Channel> {
     let (frame, source) = match &m.reading {
         Reading::Deviation { frame, .. } => (Some(*frame), None),
         Reading::Error { source, .. } => (None, Some(*source)),
-        Reading::Distance { .. } | Reading::Along { .. } => (None, None),
+        Reading::Position { .. } | Reading::Distance { .. } | Reading::Along { .. } => (None, None),
     };
     let read = m.seen().into_iter().enumerate().filter(move |(_, seen)| *seen && kind != ReadingKind::Angle);
     read.map(move |(component, _)| Channel { kind, component, frame, source })
@@ -104,6 +104,7 @@ fn scaled(model: &Model<'_>, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
             let nominal = nominal();
             rotation_to(*frame, &nominal) * nominal.pose.translation
         }
+        Reading::Position { .. } => nominal().pose.translation,
         Reading::Distance { zero, .. } => {
             let constant = zero.map_or(0.0, |zero| theta[model.own() + zero]);
             Vector3::new(model.predicted(m, theta).x + constant, 0.0, 0.0)

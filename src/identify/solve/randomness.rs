@@ -25,12 +25,13 @@ pub struct Randomness {
 }
 
 impl Randomness {
-    /// `dx`, `rel.dz`, `lengths` ...
+    /// `dx`, `rel.dz`, `tracker.x`, `lengths` ...
     pub fn name(&self) -> String {
         let component = ["dx", "dy", "dz"][self.component.min(2)];
         match self.kind {
             ReadingKind::Deviation => component.to_owned(),
             ReadingKind::Relative => format!("rel.{component}"),
+            ReadingKind::Position => format!("tracker.{}", &component[1..]),
             kind => kind.word().to_owned(),
         }
     }

@@ -35,6 +35,7 @@ pub use options::{FileContents, RunApproach, StraightnessLine};
 pub use request::ImportRequest;
 pub use sample::{Import, ReferenceLine, Sample, UnusedColumn};
 
+use super::tracker;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::syntax::Files;
 use crate::syntax::sheet::{Line, read_sheet};
@@ -81,5 +82,13 @@ fn read(lines: &[Line], path: &Path, wanted: &ImportRequest) -> Result<Import, B
     }
     let turned = if wanted.columns.is_none() { transposed::turned(lines) } else { None };
     let lines = turned.as_deref().unwrap_or(lines);
-    header::find(lines, wanted).and_then(|header| gather::gather(lines, &header, wanted))
+    let found = header::find(lines, wanted).and_then(|header| gather::gather(lines, &header, wanted));
+    found.map_err(|refused| if tracker::recognise(lines).is_some() { points(*refused) } else { refused })
+}
+
+/// Points of a tracker are no readings of one error.
+fn points(refused: Diagnostic) -> Box<Diagnostic> {
+    let help = "points by name are places of the functional point, and no error of one axis: `abbe identify MACHINE \
+                --data FILE --axis-poses POSES` fits errors to them";
+    Box::new(refused.help(help))
 }
