@@ -30,9 +30,10 @@ fn kind(column: &str) -> Kind {
             |errors| head_head(errors).replace("direction: [0, 1, 1], ", ""),
             &["EX0C", "EY0C", "EA0C", "EB0C", "EX0B", "EZ0B", "EA0B", "EC0B", "EA0S", "EB0S"],
         ),
-        "head (B) and table (C)" => {
-            (head_table, &["EX0C", "EY0C", "EA0C", "EB0C", "EX0B", "EZ0B", "EA0B", "EC0B", "EA0S", "EB0S"])
-        }
+        "head (B) and table (C)" => (
+            |errors| head_table(errors).replace("sense: direct, ", ""),
+            &["EX0C", "EY0C", "EA0C", "EB0C", "EX0B", "EZ0B", "EA0B", "EC0B", "EA0S", "EB0S"],
+        ),
         "table B" => (
             |errors| without_c(&table_table(errors)).replace("w C' A' Y'", "w B' Y'").replace("  A: {", "  B: {"),
             &["EX0B", "EZ0B", "EA0B", "EC0B", "EA0S", "EB0S"],
