@@ -87,7 +87,7 @@ fn table() -> [Verb; 22] {
         }),
         Verb::new("locate", |request, options: &LocateOptions, run| {
             let (outcome, result) =
-                Outcome::of(request, abbe::locate(request.machine()?, request.path(0)?, options, run)?);
+                Outcome::of(request, abbe::locate(request.machine()?, Some(request.path(0)?), options, run)?);
             Ok(outcome.text("machine.yaml", result.machine_file))
         }),
         Verb::new("record", |request, options: &RecordOptions, run| {

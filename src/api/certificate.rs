@@ -92,7 +92,8 @@ impl CertificateReport {
             .programming
             .iter()
             .map(|way| {
-                json!({"tool_direction": if way.vectors { "vector" } else { "rotary axes" }, "longer_mm": way.longer_mm,
+                json!({"tool_direction": if way.vectors { "vector" } else { "rotary axes" }, "tool": way.tool,
+                    "longer_mm": way.longer_mm,
                     "uncompensated": summary(&way.uncompensated), "compensated": summary(&way.compensated)})
             })
             .collect();

@@ -35,7 +35,7 @@ pub use super::import::{
     ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, ReferenceMaterial, StraightnessReference,
 };
 pub use super::instrument::{InstrumentResult, Readings};
-pub use super::locate::{LocateResult, LocatedError};
+pub use super::locate::{AxisLine, LocateResult, LocatedAxis, LocatedError};
 pub use super::machine_file::InputFile;
 pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
 pub use super::map_bounds::{MapFromBounds, WorstBoundedPose};

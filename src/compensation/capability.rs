@@ -56,6 +56,10 @@ pub struct KinematicsMechanism {
     /// The kinds of machines that the controller has a transformation for; only of kinematic parameters.
     #[serde(default)]
     pub machines: Vec<ParameterRules>,
+    /// Largest component of an offset that the controller takes, mm; none where no limit is known. Only of kinematic
+    /// parameters.
+    #[serde(default)]
+    pub max_offset_mm: Option<f64>,
     /// Decimals of constants; numbers of a full model are written exactly. Of kinematic parameters those of positions
     /// are for offsets (mm), those of corrections for components of directions.
     pub increment: Increment,

@@ -15,7 +15,7 @@ use crate::oracle::matrix::{
 };
 use crate::oracle::program::Folder;
 use crate::support::config::sample;
-use crate::support::{Run, abbe, compile, config, left, names, number, p95_bracket, verify};
+use crate::support::{PARAMETER_TARGETS, Run, abbe, compile, config, left, names, number, p95_bracket, verify};
 
 const ACCEPT: [&str; 3] = ["--accept-unverified", "--poses", "300"];
 
@@ -158,6 +158,33 @@ impl Control {
         (minus(plus(tip, sample.rigid.gauge), sample.rigid.workpiece_origin), turn(&walk, tool))
     }
 
+    /// A swivel data record, as the commissioning manual has its vectors: adapter or machine reference over the axes and
+    /// back; the vector of an axis that moves the workpiece is reversed.
+    fn swivel_data(kind: &str, numbers: &BTreeMap<String, f64>) -> Self {
+        let of = |first: usize| vector(numbers, |k| format!("$TC_CARR{}[1]", first + k));
+        let (second, third, first_axis, second_axis) = (of(4), of(15), of(7), of(10));
+        let closed = |sum: V3| assert!(norm(sum) < 1e-9, "the chain is open");
+        let (table, head) = match kind {
+            "table-table" => {
+                closed(plus(plus(second, third), of(18)));
+                let carries = Line { axis: "C", direction: negative(second_axis), point: plus(second, third) };
+                (vec![carries, Line { axis: "A", direction: negative(first_axis), point: second }], vec![])
+            }
+            "head-head" => {
+                closed(plus(plus(third, second), of(1)));
+                let ram = Line { axis: "C", direction: first_axis, point: plus(third, second) };
+                (vec![], vec![ram, Line { axis: "B", direction: second_axis, point: third }])
+            }
+            _ => {
+                closed(plus(of(1), second));
+                closed(plus(third, of(18)));
+                let table = Line { axis: "C", direction: negative(second_axis), point: third };
+                (vec![table], vec![Line { axis: "B", direction: first_axis, point: second }])
+            }
+        };
+        Self { table, head, tool: [0.0, 0.0, 1.0] }
+    }
+
     /// The command for a tip with the rotary axes as they are in the pose.
     pub fn inverse(&self, sample: &Sample, pose: &Pose, tip: V3) -> Pose {
         let point = minus(plus(tip, sample.rigid.workpiece_origin), sample.rigid.gauge);
@@ -228,8 +255,81 @@ fn traori_knows_the_real_machine() {
     }
 }
 
-/// Location errors of carried bodies move the zero pose too. The lines are those of the motion all the same; the tip at
-/// the zero pose is the datum, which is set on the machine.
+/// The spindle is straight: a swivel data record has no direction of the tool.
+#[test]
+fn swivel_data_know_the_real_machine() {
+    for (kind, letter, text) in [
+        ("table-table", 'P', table_table(OF_TABLES)),
+        ("head-head", 'T', head_head(OF_HEADS)),
+        ("head-table", 'M', head_table(OF_HEADS)),
+    ] {
+        let folder = Folder::new();
+        let machine = folder.write("machine.yaml", &text);
+        let out = folder.path("out");
+        // Documented and inferred: no word of the user's is asked for.
+        let json = compile(&machine, "sinumerik-tcarr", &out, &["--poses", "300"]).json();
+        let file = out.join("TCARR.MPF");
+        let written = std::fs::read_to_string(&file).unwrap();
+        let kind_of = format!("$TC_CARR23[1]=\"{letter}\"");
+        assert!(written.contains(&kind_of), "{written}");
+        let only_numbers: String =
+            written.lines().filter(|line| !line.starts_with(&kind_of)).map(|line| format!("{line}\n")).collect();
+        let control = Control::swivel_data(kind, &numbers(&folder.write("numbers", &only_numbers)));
+        let sample = sample(&machine);
+        for sample in [&sample, &longer(&sample)] {
+            let (position, axis) = apart(&control, sample);
+            // As of TRAORI.
+            assert!(position < 8e-6 && axis < 4e-9, "{kind}: {position:e} mm, {axis:e} rad");
+        }
+        assert!(json["errors"].as_object().unwrap().values().all(|error| error["handled"] == "fully"), "{json}");
+        // A record of the control's own has more lines; they place nothing, or they are 0.
+        let more = "CHANDATA(1)\n$TC_CARR21[1]=A\n$TC_CARR24[1]=0\n$TC_CARR34[1]=\"TABLE\"\n$TC_CARR41[1]=0\n";
+        std::fs::write(&file, format!("{more}{written}")).unwrap();
+        assert_eq!(verify(&machine, &out, &["--poses", "300"]).json()["compensated"], json["compensated"]);
+        for (line, says) in [
+            ("$TC_CARR24[1]=5\n", "no parameter of this machine"),
+            ("$TC_CARR41[1]=0.01\n", "no parameter of this machine"),
+            ("$TC_CARR23[1]=\"X\"\n", "this machine has"),
+            ("$TC_CARR4[2]=0\n", "no parameter of this machine"),
+        ] {
+            std::fs::write(&file, format!("{line}{written}")).unwrap();
+            let _ = verify(&machine, &out, &["--poses", "20"]).refused("E0704").says(says);
+        }
+        std::fs::write(&file, written.replace(&kind_of, "")).unwrap();
+        let _ = verify(&machine, &out, &["--poses", "20"]).refused("E0704").says("is missing");
+    }
+}
+
+/// Parameters hold for every tool of the file that stands in the spindle as the one in use does.
+#[test]
+fn every_tool_of_the_file_is_certified() {
+    let folder = Folder::new();
+    let tools = "tools:\n  short: { gauge: [10, 20, 30], length: 120 mm }\n  long: { gauge: [10, 20, 30], length: 310 mm }\n  \
+                 elsewhere: { gauge: [10, 20, 70], length: 90 mm }\n";
+    let single = table_table(&with_spindle(OF_TABLES));
+    let text = single.replace("tool: { gauge: [10, 20, 30], length: 120 mm }\n", tools);
+    assert_ne!(text, single);
+    let (machine, out, json) = compiled(&folder, &text, "fanuc-5axis");
+    let ways: Vec<(&str, f64, &str)> = json["programming"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|way| {
+            let word = |key: &str| way[key].as_str().unwrap();
+            (word("tool"), number(way, "/longer_mm"), word("tool_direction"))
+        })
+        .collect();
+    let both = |tool, longer| [(tool, longer, "rotary axes"), (tool, longer, "vector")];
+    assert_eq!(ways, [both("short", 0.0), both("long", 0.0), both("short", 100.0)].concat());
+    // What is left of the long tool is what a file with that tool alone has.
+    let (_, _, alone) = compiled(&folder, &single.replace("length: 120 mm", "length: 310 mm"), "fanuc-5axis");
+    assert_eq!(json["programming"][2]["compensated"], alone["programming"][0]["compensated"]);
+    let shown = Run::of(abbe().arg("verify").arg(&machine).arg(&out).args(["--poses", "20"]));
+    assert!(shown.out.contains("| long ") && shown.out.contains("| short, 100 mm longer "), "{}", shown.out);
+}
+
+/// Location errors of carried bodies move the zero pose too. The lines are those of the motion all the same, in the
+/// directions of the linear axes; the place of the workpiece at the zero pose is the datum, which is set on the machine.
 #[test]
 fn lines_are_those_of_the_motion_in_any_convention() {
     let folder = Folder::new();
@@ -245,13 +345,19 @@ fn lines_are_those_of_the_motion_in_any_convention() {
     let mut carried = plain.clone();
     (carried.rigid.conventions.carried_body, carried.rigid.conventions.body) = (true, true);
     carried.rigid.walk.iter_mut().filter(|axis| axis.workpiece).for_each(|axis| axis.direct = Some(axis.rotary));
-    let distance = |pose: &Pose| minus(carried.holds(pose, Travel::Mean)[0].tip, control.forward(&carried, pose).0);
-    let start = distance(&vec![0.0; 5]);
-    assert!(norm(start) > 1e-3, "the body is carried: {start:?}");
-    for mut pose in left::poses(&carried, 5, 50) {
-        carried.rigid.walk.iter().zip(&mut pose).filter(|(axis, _)| !axis.rotary).for_each(|(_, q)| *q = 0.0);
-        assert!(norm(minus(distance(&pose), start)) < 8e-6, "{:?} at {pose:?}", distance(&pose));
+    // The table is carried: at the zero pose the workpiece is displaced and turned against the machine, and stays so.
+    let [real, nominal] = carried.holds(&vec![0.0; 5], Travel::Mean);
+    assert!(norm(minus(real.tip, nominal.tip)) > 1e-3);
+    for pose in left::poses(&carried, 5, 50) {
+        let from_zero = turn(&real.rotation, minus(control.forward(&carried, &pose).0, nominal.tip));
+        let apart = minus(carried.holds(&pose, Travel::Mean)[0].tip, plus(real.tip, from_zero));
+        assert!(norm(apart) < 8e-6, "{apart:?} at {pose:?}");
     }
+    // Errors of linear axes displace carried bodies too, and are no business of the parameters.
+    let squared = text.replace("errors:\n", "errors:\n  EC0Y: 80 urad\n  EB0Z: 50 urad\n");
+    let other = Folder::new();
+    let (_, with, _) = compiled(&other, &squared, "sinumerik-traori");
+    assert_eq!(numbers(&with.join("TRAORI.INI")), numbers(&out.join("TRAORI.INI")));
 }
 
 /// Numbers by hand: the nominal offsets from the gauge point plus the location errors, rounded.
@@ -353,7 +459,7 @@ fn offsets_alone_leave_what_geometry_says() {
 
 #[test]
 fn parameters_do_not_know_the_tool() {
-    for target in ["sinumerik-traori", "sinumerik-chain", "fanuc-5axis", "heidenhain-kinematics", "haas-mrzp"] {
+    for target in PARAMETER_TARGETS.into_iter().filter(|target| !target.starts_with("linuxcnc")) {
         let text = table_table(&with_spindle(OF_TABLES));
         let files = [text.clone(), text.replace("length: 120 mm", "offset: [3, -2, -260]")].map(|text| {
             let folder = Folder::new();
@@ -405,6 +511,7 @@ fn sign_tests_as_printed() {
         ("sinumerik-traori", "TRAORI.INI", &[("JOINT_OFFSET_1[0]", -0.1), ("PART_OFFSET_1[0]", 0.1)][..]),
         ("fanuc-5axis", "TCP.PRM", &[("N19703", -0.1)][..]),
         ("heidenhain-kinematics", "kinematics.txt", &[("Trans.2.X", -0.1)][..]),
+        ("sinumerik-tcarr", "TCARR.MPF", &[("TC_CARR15[1]", -0.1), ("TC_CARR18[1]", 0.1)][..]),
     ] {
         near(moved(&text, target, file, changes, &at_zero), [0.0; 3]);
         near(moved(&text, target, file, changes, &half), [-0.2, 0.0, 0.0]);
@@ -414,6 +521,7 @@ fn sign_tests_as_printed() {
     // The end of JOINT_OFFSET is at (250, 225, -380); the tip 100 mm above it is at Z = -280, gauge 30, tool 120.
     let above = [("C", 180.0), ("X", 240.0), ("Y", 205.0), ("Z", -190.0)];
     near(moved(&text, "sinumerik-traori", "TRAORI.INI", &[("AXIS2_1[0]", 0.001)], &above), [-0.2, 0.0, 0.0]);
+    near(moved(&text, "sinumerik-tcarr", "TCARR.MPF", &[("TC_CARR10[1]", 0.001)], &above), [-0.2, 0.0, 0.0]);
     let head = head_table("")
         .replace("B: { travel: [-100 deg, 100 deg]", "B: { direction: [0, 0, 1], travel: [-200 deg, 200 deg]");
     near(moved(&head, "fanuc-5axis", "TCP.PRM", &[("N19709", 0.1)], &[("B", 180.0)]), [-0.2, 0.0, 0.0]);
@@ -518,6 +626,26 @@ fn other_machines_and_memory_are_refused() {
     let head = folder.write("head.yaml", &head_head(OF_HEADS));
     let _ = compile(&head, "haas-mrzp", &out, &ACCEPT).refused("E0751").says("two rotary axes that carry the tool");
     assert!(!out.exists());
+}
+
+/// The manifest says what the controller takes: a limit below the machine's coordinates refuses them, read or written.
+#[test]
+fn numbers_beyond_the_controllers_are_refused() {
+    let folder = Folder::new();
+    let (machine, out, _) = compiled(&folder, &table_table(OF_TABLES), "fanuc-5axis");
+    let own = folder.path("targets/fanuc-5axis");
+    std::fs::create_dir_all(&own).unwrap();
+    for entry in std::fs::read_dir("templates/fanuc-5axis").unwrap().map(Result::unwrap) {
+        let text = std::fs::read_to_string(entry.path()).unwrap();
+        std::fs::write(own.join(entry.file_name()), text.replace("max_offset_mm: 999999.999", "max_offset_mm: 300"))
+            .unwrap();
+    }
+    let templates = ["--templates", folder.path("targets").to_str().unwrap()].map(str::to_owned);
+    let templates = templates.each_ref().map(String::as_str);
+    // 19702 is -379.983.
+    let again = compile(&machine, "fanuc-5axis", &folder.path("again"), &[&ACCEPT[..], &templates].concat());
+    again.refused("E0751").says("`19702` is -379.983 mm, above the controller's limit of 300 mm");
+    let _ = verify(&machine, &out, &[&["--poses", "20"][..], &templates].concat()).refused("E0704").says("`19702`");
 }
 
 #[test]

@@ -128,6 +128,85 @@ fn lines_by_hand() {
     assert!((u.as_f64().unwrap() - 3.0).abs() < 1e-9, "{u}");
 }
 
+/// Largest difference of three numbers from others.
+fn triple(found: &Value, wanted: [f64; 3]) -> f64 {
+    (0..3).map(|k| (found[k].as_f64().unwrap() - wanted[k]).abs()).fold(0.0, f64::max)
+}
+
+/// The lines of the machine file are those by hand, in the table that is read: a nominal machine finds the errors in it.
+#[test]
+fn lines_that_a_calibration_should_find() {
+    let folder = Folder::new();
+    let errors = OF_TABLES
+        .replace("EX0C: 26 um", "EX0C: { value: 26 um, uncertainty: 4 um }")
+        .replace("EY0C: -9 um", "EY0C: { value: -9 um, uncertainty: 3 um }")
+        .replace("EA0C: -62 urad", "EA0C: { value: -62 urad, uncertainty: 10 urad }");
+    let machine = folder.write("machine.yaml", &table_table(&errors));
+    let run = |more: &[&str]| Run::of(abbe().args(["locate", "--quiet"]).args(more).arg(&machine));
+    let json = run(&["--format", "json"]).json();
+    assert!(json["errors"] == serde_json::json!([]) && json["target"].is_null(), "{json}");
+    let axes = json["lines"].as_array().unwrap();
+    for (axis, name, point, direction, u) in [
+        (&axes[0], "C", [250.026, 224.991, -380.0], [44e-6, 62e-6, 1.0], [Some(4.0), Some(10.0)]),
+        (&axes[1], "A", [250.0, 224.992, -349.983], [1.0, -40e-6, -54e-6], [None, None]),
+    ] {
+        assert!(axis["axis"] == name && axis["found"].is_null(), "{axis}");
+        // The foot of the perpendicular: a shift of 26 um on a lean of 76 urad. Directions to second order.
+        for (key, wanted, within) in [("point_mm", point, 2e-6), ("direction", direction, 5e-9)] {
+            assert!(triple(&axis["in_file"][key], wanted) < within, "{axis}");
+        }
+        let stated = ["uncertainty_um", "uncertainty_urad"].map(|key| axis[key].as_f64());
+        let same = stated.iter().zip(u).all(|(a, b)| a.zip(b).map_or(*a == b, |(a, b)| (a - b).abs() < 1e-9));
+        assert!(same, "{axis}");
+    }
+    let table = folder.write("lines.csv", &run(&["--format", "csv"]).out);
+    let nominal = folder.write("nominal.yaml", &table_table("  EX0C: 0 um\n"));
+    let found = locate(&nominal, &table, &[]).json();
+    near(&figures(&found, "found"), &stated(OF_TABLES), 1e-5);
+    for (key, within) in [("point_mm", 1e-9), ("direction", 1e-12)] {
+        let written = [0, 1, 2].map(|k| json["lines"][0]["in_file"][key][k].as_f64().unwrap());
+        assert!(triple(&found["lines"][0]["found"][key], written) < within, "{found}");
+    }
+    assert!(run(&[]).out.contains("coordinates of `origin`"));
+    let out = folder.path("out.yaml").display().to_string();
+    assert_eq!(run(&["--out", &out]).code, Some(2));
+    assert_eq!(run(&["--installed", &out]).code, Some(2));
+}
+
+/// What CYCLE996 leaves in a swivel data record, before and after.
+#[test]
+fn a_swivel_data_record_tells_what_the_cycle_found() {
+    let folder = Folder::new();
+    let record = |name: &str, a: [f64; 3], c: [f64; 3], v: &str| {
+        let out = folder.path(name);
+        std::fs::create_dir_all(&out).unwrap();
+        let back: Vec<f64> = (0..3).map(|k| -a[k] - c[k]).collect();
+        let mut lines = vec!["$TC_CARR23[1]=\"P\"".to_owned(), "$TC_CARR21[1]=A".to_owned()];
+        for (first, vector) in [(4, &a[..]), (15, &c[..]), (18, &back[..])] {
+            lines.extend(vector.iter().enumerate().map(|(k, x)| format!("$TC_CARR{}[1]={x:.4}", first + k)));
+        }
+        lines.push(v.to_owned());
+        std::fs::write(out.join("TCARR.MPF"), lines.join("\n") + "\nM17\n").unwrap();
+        out
+    };
+    // V1 and V2 of a table are reversed: C leans by +20 urad to +X, so EB0C = 20 urad and V2 has -20e-6.
+    let v = |lean: &str| {
+        format!(
+            "$TC_CARR7[1]=-1\n$TC_CARR8[1]=0\n$TC_CARR9[1]=0\n$TC_CARR10[1]={lean}\n$TC_CARR11[1]=0\n$TC_CARR12[1]=-1"
+        )
+    };
+    let before = record("before", [240.1, 205.2, -380.3], [0.0, 0.0, -30.0], &v("0"));
+    let after = record("after", [240.1, 205.205, -380.3], [0.012, -0.005, -30.0], &v("-0.00002"));
+    let machine = folder.write("machine.yaml", &table_table("  EX0C: 0 um\n"));
+    let json = locate(&machine, &after, &["--installed", before.to_str().unwrap()]).json();
+    let found = figures(&json, "found");
+    let wanted = [("EX0C", 12.0), ("EY0C", 0.0), ("EA0C", 0.0), ("EB0C", 20.0)];
+    let of_a = [("EY0A", 5.0), ("EZ0A", 0.0), ("EB0A", 0.0), ("EC0A", 0.0)];
+    let all: BTreeMap<String, f64> = wanted.into_iter().chain(of_a).map(|(name, x)| (name.to_owned(), x)).collect();
+    near(&found, &all, 1e-3);
+    assert_eq!(json["target"], "sinumerik-tcarr");
+}
+
 #[test]
 fn shifts_count_from_the_nominal_axis() {
     let folder = Folder::new();

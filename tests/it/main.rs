@@ -71,6 +71,7 @@ mod options;
 mod oracle;
 mod paper_2015;
 mod papers_way;
+mod parameter_pages;
 mod parametrisation;
 mod part_rotation;
 mod plan;

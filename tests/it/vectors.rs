@@ -14,7 +14,7 @@ use crate::support::compile;
 use crate::support::controllers::Files;
 
 /// Tests with a target's vectors: of the file's text, and of the corrections.
-const VECTORS: [(&str, &str, &str); 26] = [
+const VECTORS: [(&str, &str, &str); 27] = [
     ("linuxcnc", "compile_linuxcnc", "compile_linuxcnc, tests/live"),
     ("linuxcnc-kins", "linuxcnc_kins/mod", "tests/live"),
     ("linuxcnc-matrixkins", "linuxcnc_constants", "linuxcnc_constants"),
@@ -23,6 +23,7 @@ const VECTORS: [(&str, &str, &str); 26] = [
     ("linuxcnc-5axiskins", "kinematic_parameters", "kinematic_parameters"),
     ("sinumerik-traori", "kinematic_parameters", "kinematic_parameters"),
     ("sinumerik-chain", "kinematic_chain", "kinematic_chain"),
+    ("sinumerik-tcarr", "kinematic_parameters", "kinematic_parameters"),
     ("heidenhain-kinematics", "kinematic_parameters", "kinematic_parameters"),
     ("fanuc-5axis", "kinematic_parameters", "kinematic_parameters"),
     ("haas-mrzp", "kinematic_parameters", "kinematic_parameters"),

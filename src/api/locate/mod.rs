@@ -1,4 +1,5 @@
-//! `locate`: location errors from the lines of the rotary axes that a control's own calibration, or a probe, found.
+//! `locate`: location errors from the lines of the rotary axes that a control's own calibration, or a probe, found,
+//! and the lines that it should find.
 
 mod lines;
 
@@ -8,11 +9,12 @@ use super::compensation::options::CompensationOptions;
 use super::import::columns_left_out;
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
-use crate::controller::{Parameters, Transformation};
+use crate::controller::{Parameters, RotaryLine, Transformation};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{ErrorFamily, ErrorId, ErrorTerm, Machine, machine_file};
 use crate::syntax::sheet::read_sheet;
 use lines::{FoundLine, found_lines};
+use nalgebra::Vector3;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -35,11 +37,37 @@ pub struct LocateResult {
     pub machine: String,
     /// The controller whose parameters were read; none of a table.
     pub target: Option<String>,
-    /// The errors, axis by axis.
+    /// The errors, axis by axis; none if nothing was found.
     pub errors: Vec<LocatedError>,
+    /// The rotary axes in the order of the walk.
+    pub lines: Vec<LocatedAxis>,
     /// The machine with the errors found, as a machine file.
     #[serde(skip)]
     pub machine_file: String,
+}
+
+/// A rotary axis as a line.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LocatedAxis {
+    /// Name of the axis.
+    pub axis: String,
+    /// The line that was found; none if nothing was.
+    pub found: Option<AxisLine>,
+    /// The line where the machine file displaces it.
+    pub in_file: AxisLine,
+    /// The largest expanded uncertainty (k = 2) of its shifts in the machine file.
+    pub uncertainty_um: Option<f64>,
+    /// The largest expanded uncertainty (k = 2) of its tilts in the machine file.
+    pub uncertainty_urad: Option<f64>,
+}
+
+/// A line in machine directions, all axes at 0.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct AxisLine {
+    /// The point next to the nominal origin of the axis, in the coordinates of the machine file.
+    pub point_mm: [f64; 3],
+    /// The unit vector about which a positive command turns the tool right-handed relative to the workpiece.
+    pub direction: [f64; 3],
 }
 
 /// A location error.
@@ -67,34 +95,42 @@ pub struct LocatedError {
 /// An error found (mm, rad), with its expanded uncertainty.
 type Found = (ErrorId, f64, Option<f64>);
 
+/// The lines that were found, the errors that they tell, and the controller whose parameters they were.
+struct Finding {
+    target: Option<String>,
+    placed: Option<Transformation>,
+    errors: Vec<Found>,
+}
+
 /// Returns the location errors of the rotary axes, and of the spindle, that a control's own calibration or a probe
 /// found, beside those of the machine file: from a folder with kinematic parameters of a target, or from a table of
-/// lines.
+/// lines. Without a path the result has the lines of the machine file alone: what a calibration should find.
 ///
 /// Fails for a machine that has no kinematic parameters, for files that cannot be read, and for lines to which no
 /// location errors lead.
 pub fn locate(
     file: &MachineFile,
-    path: impl AsRef<Path>,
+    path: Option<&Path>,
     options: &LocateOptions,
     run: Run<'_>,
 ) -> Result<Answer<LocateResult>, Diagnostics> {
-    let path = path.as_ref();
     Call::answer(run, file.sources(), |call| {
-        let is_folder = !call.run.files.entries(path).is_empty();
-        let (target, found) = if is_folder {
-            from_parameters(call, file, path, options)?
-        } else {
-            if options.target.is_some() || options.installed.is_some() {
-                return call.usage("`--target` and `--installed` are for a folder with kinematic parameters");
-            }
-            (None, from_table(call, file, path)?)
+        let is_folder = path.is_some_and(|path| !call.run.files.entries(path).is_empty());
+        if !is_folder && (options.target.is_some() || options.installed.is_some()) {
+            return call.usage("`--target` and `--installed` are for a folder with kinematic parameters");
+        }
+        let finding = match path {
+            Some(path) if is_folder => from_parameters(call, file, path, options)?,
+            Some(path) => from_table(call, file, path)?,
+            None => Finding { target: None, placed: None, errors: Vec::new() },
         };
+        let lines = LocatedAxis::all(file, finding.placed.as_ref()).or_else(|refusal| call.refuse(refusal))?;
         Ok(LocateResult {
             machine: file.name().to_owned(),
-            target,
-            errors: found.iter().map(|found| LocatedError::of(file, found)).collect(),
-            machine_file: with_errors(file, path, &found),
+            target: finding.target,
+            errors: finding.errors.iter().map(|found| LocatedError::of(file, found)).collect(),
+            lines,
+            machine_file: with_errors(file, path, &finding.errors),
         })
     })
 }
@@ -105,7 +141,7 @@ fn from_parameters(
     file: &MachineFile,
     path: &Path,
     options: &LocateOptions,
-) -> Result<(Option<String>, Vec<Found>), Refused> {
+) -> Result<Finding, Refused> {
     let how = CompensationOptions { templates: options.templates.clone(), ..CompensationOptions::default() };
     let set = found_set::found_set(call, file, path, options.target.as_deref(), &how)?;
     let name = &set.target.manifest.target;
@@ -116,8 +152,8 @@ fn from_parameters(
     let request = ModuleRequest { before, ..ModuleRequest::plain(true) };
     let (module, _) = module_set::found(call, file, &set.target, path, request, &set.files)?;
     let Some(parameters) = module.parameters() else { return Err(Refused) };
-    let found = told(file, parameters).or_else(|refusal| call.refuse(refusal))?;
-    Ok((Some(name.clone()), found))
+    let errors = told(file, parameters).or_else(|refusal| call.refuse(refusal))?;
+    Ok(Finding { target: Some(name.clone()), placed: Some(parameters.transformation().clone()), errors })
 }
 
 fn told(machine: &Machine, parameters: &Parameters) -> Result<Vec<Found>, Diagnostic> {
@@ -131,7 +167,7 @@ fn told(machine: &Machine, parameters: &Parameters) -> Result<Vec<Found>, Diagno
 }
 
 /// The errors that a table of lines tells.
-fn from_table(call: &mut Call<'_>, file: &MachineFile, path: &Path) -> Result<Vec<Found>, Refused> {
+fn from_table(call: &mut Call<'_>, file: &MachineFile, path: &Path) -> Result<Finding, Refused> {
     let Some(sheet) = read_sheet(path, call.run.files, &mut call.diagnostics) else { return Err(Refused) };
     let nominal = Transformation::nominal(file).or_else(|refusal| call.refuse(refusal))?;
     let (lines, left_out) = found_lines(&sheet, file, &nominal).or_else(|refusal| call.refuse(refusal))?;
@@ -153,7 +189,43 @@ fn from_table(call: &mut Call<'_>, file: &MachineFile, path: &Path) -> Result<Ve
         let help = "a point may lie anywhere along its axis: state those across it";
         return call.refuse(Diagnostic::new(codes::E0519, message).help(help));
     }
-    Ok(found)
+    Ok(Finding { target: None, placed: Some(placed), errors: found })
+}
+
+impl LocatedAxis {
+    /// The rotary axes of a machine file, and where they were found.
+    fn all(file: &MachineFile, placed: Option<&Transformation>) -> Result<Vec<Self>, Diagnostic> {
+        let (nominal, actual) = (Transformation::nominal(file)?, Transformation::actual(file)?);
+        let gauge = Vector3::from(file.tool().gauge);
+        let lines = |of: &Transformation| of.table.iter().chain(&of.head).cloned().collect::<Vec<_>>();
+        let found = placed.map(lines);
+        let all = lines(&nominal).into_iter().zip(lines(&actual)).enumerate();
+        let axis = |(i, (nominal, actual)): (usize, (RotaryLine, RotaryLine))| Self {
+            axis: file.axes()[nominal.axis].name.to_string(),
+            found: found.as_ref().and_then(|lines| lines.get(i)).map(|line| AxisLine::of(line, &nominal, gauge)),
+            in_file: AxisLine::of(&actual, &nominal, gauge),
+            uncertainty_um: largest(file, nominal.axis, false),
+            uncertainty_urad: largest(file, nominal.axis, true),
+        };
+        Ok(all.map(axis).collect())
+    }
+}
+
+/// The largest uncertainty (um, urad) that the file states of the shifts or tilts of an axis.
+fn largest(file: &MachineFile, axis: usize, tilts: bool) -> Option<f64> {
+    let parts = file.to_parts();
+    let own = |id: &ErrorId| {
+        id.axis == file.axes()[axis].name && id.family == ErrorFamily::Location && id.direction.is_rotation() == tilts
+    };
+    let all = parts.uncertainty.iter().filter(|(id, _)| own(id));
+    all.map(|(id, u)| u * id.direction.micro().0).max_by(f64::total_cmp)
+}
+
+impl AxisLine {
+    fn of(line: &RotaryLine, nominal: &RotaryLine, gauge: Vector3<f64>) -> Self {
+        let along = line.direction * line.direction.dot(&(nominal.point - line.point));
+        Self { point_mm: (line.point + along + gauge).into(), direction: line.direction.into() }
+    }
 }
 
 impl FoundLine {
@@ -190,7 +262,7 @@ impl LocatedError {
 }
 
 /// The machine with the errors that were found in place of its own.
-fn with_errors(file: &MachineFile, source: &Path, found: &[Found]) -> String {
+fn with_errors(file: &MachineFile, source: Option<&Path>, found: &[Found]) -> String {
     let mut parts = file.to_parts();
     for (id, value, uncertainty) in found {
         let axis = file.axis_index(id.axis.as_str()).unwrap_or(file.axes().len());
@@ -208,7 +280,7 @@ fn with_errors(file: &MachineFile, source: &Path, found: &[Found]) -> String {
         parts.geometry.follow(&axis.name, file.axis_errors(i), &parts.errors[i]);
     }
     let names: Vec<String> = found.iter().map(|(id, ..)| id.to_string()).collect();
-    let source = source.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let source = source.and_then(Path::file_name).unwrap_or_default().to_string_lossy();
     let entry = ("rotary axes located".to_owned(), format!("{} from {source}", names.join(" ")));
     machine_file(&parts, &[entry])
 }

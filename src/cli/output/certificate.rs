@@ -133,8 +133,12 @@ impl CertificateView<'_> {
         let _ = table.set_header(["programmed", "tool", "position um, max", "95 %", "tool axis urad, max", "95 %"]);
         for way in ways {
             let programmed = if way.vectors { "tool vectors" } else { "rotary axes" };
-            let tool =
-                if way.longer_mm > 0.0 { format!("{} mm longer", way.longer_mm) } else { "of the file".to_owned() };
+            let tool = match (way.tool.as_str(), way.longer_mm > 0.0) {
+                ("", true) => format!("{} mm longer", way.longer_mm),
+                ("", false) => "of the file".to_owned(),
+                (name, true) => format!("{name}, {} mm longer", way.longer_mm),
+                (name, false) => name.to_owned(),
+            };
             let (position, axis) = (way.compensated.all.position_um, way.compensated.tool_axis);
             let cells = [position.max, position.p95, axis.max, axis.p95].map(|x| significant(x, 4));
             let _ = table.add_row([programmed.to_owned(), tool].into_iter().chain(cells));

@@ -5,7 +5,7 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
-use abbe::results::{LocateResult, LocatedError};
+use abbe::results::{LocateResult, LocatedAxis, LocatedError};
 use abbe::text::significant;
 use abbe::{LocateOptions, locate};
 use serde_json::json;
@@ -15,8 +15,9 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    /// A table of lines, or a folder with kinematic parameters of a controller.
-    found: PathBuf,
+    /// A table of lines, or a folder with kinematic parameters of a controller; without it the lines of the machine
+    /// file are printed, which a calibration should find.
+    found: Option<PathBuf>,
     #[arg(long, value_name = "NAME", help = help::TARGET,
         long_help = "The controller of the parameters [default: the one that their files name]")]
     target: Option<String>,
@@ -25,7 +26,7 @@ pub(crate) struct Args {
     templates: Option<PathBuf>,
     #[command(flatten)]
     installed: InstalledArg,
-    #[arg(long, value_name = "PATH", help = help::OUT,
+    #[arg(long, value_name = "PATH", requires = "found", help = help::OUT,
         long_help = "Write the machine with the errors found to this file")]
     out: Option<PathBuf>,
 }
@@ -35,7 +36,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
     let (target, templates) = (args.target.clone(), args.templates.clone());
     let options = LocateOptions { target, templates, installed: args.installed.installed.clone() };
-    let answer = locate(&file, &args.found, &options, session.run());
+    let answer = locate(&file, args.found.as_deref(), &options, session.run());
     let result = session.take(answer)?;
     if let Some(out) = &args.out {
         let text = result.machine_file.as_bytes();
@@ -43,6 +44,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     match session.format() {
         Format::Json => session.print_json(json!(result)),
+        Format::Csv if args.found.is_none() => session.print(&table_of_lines(&result)),
         Format::Csv => session.print(&csv(&result)),
         Format::Text => session.print(&text(&result)),
     }
@@ -67,6 +69,43 @@ fn cells(error: &LocatedError, number: fn(f64) -> String, none: &str) -> [String
 }
 
 fn text(result: &LocateResult) -> String {
+    let lines = format!("Rotary axes, all axes at 0, coordinates of `origin`:\n{}\n", lines(result));
+    if result.lines.iter().all(|line| line.found.is_none()) {
+        return format!("{}\n{lines}", result.machine);
+    }
+    format!("{}{lines}", errors(result))
+}
+
+fn lines(result: &LocateResult) -> comfy_table::Table {
+    let mut rows = table(&["axis", "", "x mm", "y mm", "z mm", "i", "j", "k"]);
+    for axis in &result.lines {
+        for (of, line) in [("found", axis.found), ("in file", Some(axis.in_file))] {
+            let Some(line) = line else { continue };
+            let fixed = |x: &f64, decimals: i32| {
+                let scale = libm::pow(10.0, f64::from(decimals));
+                (libm::round(x * scale) / scale + 0.0).to_string()
+            };
+            let point = line.point_mm.iter().map(|x| fixed(x, 4));
+            let direction = line.direction.iter().map(|x| fixed(x, 7));
+            let _ = rows.add_row([axis.axis.clone(), of.to_owned()].into_iter().chain(point).chain(direction));
+        }
+    }
+    rows
+}
+
+/// The lines of the machine file in the layout of the table that is read.
+fn table_of_lines(result: &LocateResult) -> String {
+    let row = |axis: &LocatedAxis| {
+        let numbers = axis.in_file.point_mm.iter().chain(&axis.in_file.direction).map(f64::to_string);
+        let maybe = [axis.uncertainty_um, axis.uncertainty_urad].map(|u| u.map_or_else(String::new, |u| u.to_string()));
+        let cells: Vec<String> = [axis.axis.clone()].into_iter().chain(numbers).chain(maybe).collect();
+        cells.join(",") + "\n"
+    };
+    let titles = "axis,x [mm],y [mm],z [mm],i,j,k,u [um],u angle [urad]\n".to_owned();
+    titles + &result.lines.iter().map(row).collect::<String>()
+}
+
+fn errors(result: &LocateResult) -> String {
     let mut rows = table(&TITLES);
     for error in &result.errors {
         let _ = rows.add_row(cells(error, |x| significant(libm::round(x * 1e6) / 1e6 + 0.0, 4), "-"));

@@ -38,6 +38,8 @@ pub struct Certificate {
 pub struct ProgrammingFigures {
     /// True if blocks program the direction of the tool by a vector, false if by the positions of the rotary axes.
     pub vectors: bool,
+    /// Name of the tool in the machine file, empty for the only one.
+    pub tool: String,
     /// Length by which the tool is longer than that of the machine file, mm.
     pub longer_mm: f64,
     /// Figures without the parameters.

@@ -12,7 +12,7 @@ use crate::controller::kinematics::{KinematicsModule, ModuleField, Parameters};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::replay::Replay;
 use crate::evaluate::{Bare, Field, Order};
-use crate::machine::{Approach, ErrorId, Machine, Pose};
+use crate::machine::{Approach, ErrorId, Machine, Pose, Tool};
 use rayon::prelude::*;
 
 /// Length by which the second tool of a certificate of kinematic parameters is longer, mm.
@@ -68,24 +68,31 @@ pub(in crate::controller) fn judge_module(
     }
 }
 
-/// Figures of a transformation for both ways to program the direction of the tool, and for a longer tool: parameters
-/// are right for every tool.
+/// Figures of a transformation for both ways to program the direction of the tool, for the tools of the file that stand
+/// in the spindle as the one in use does, and for one that is longer: parameters are right for every tool.
 fn programming(
     machine: &Machine,
     (own, set): (&Parameters, ModuleSet),
     poses: &[Pose],
     approach: Approach,
 ) -> Vec<ProgrammingFigures> {
-    let longer = machine.with_longer_tool(LONGER_TOOL_MM);
-    let ways = [(machine, 0.0), (&longer, LONGER_TOOL_MM)].into_iter().flat_map(|of| [(of, false), (of, true)]);
-    ways.map(|((machine, longer_mm), vectors)| {
+    let in_use = machine.tool();
+    let alike =
+        |tool: &&Tool| tool.name != in_use.name && (tool.gauge, tool.direction) == (in_use.gauge, in_use.direction);
+    let others = machine.tools().iter().filter(alike).filter_map(|tool| machine.with_tool(&tool.name));
+    let mut tools = vec![(machine.clone(), 0.0)];
+    tools.extend(others.map(|machine| (machine, 0.0)));
+    tools.push((machine.with_longer_tool(LONGER_TOOL_MM), LONGER_TOOL_MM));
+    let ways: Vec<_> = tools.iter().flat_map(|of| [(of, false), (of, true)]).collect();
+    let judged = ways.into_par_iter().map(|((machine, longer_mm), vectors)| {
         let module = KinematicsModule::KinematicParameters(own.clone().programmed(vectors));
         let driven = set.tables.beside(machine, &module);
         let bare = Bare { machine, order: Order::Exact };
         let [uncompensated, compensated] = [&bare as &dyn Field, &driven].map(|field| figures(field, poses, approach));
-        ProgrammingFigures { vectors, longer_mm, uncompensated, compensated }
-    })
-    .collect()
+        let tool = machine.tool().name.clone();
+        ProgrammingFigures { vectors, tool, longer_mm: *longer_mm, uncompensated, compensated }
+    });
+    judged.collect()
 }
 
 fn judge_single(

@@ -16,6 +16,7 @@ use nalgebra::Vector3;
 pub struct Parameters {
     rules: ParameterRules,
     increment: Increment,
+    max_offset_mm: Option<f64>,
     /// The numbers, in the order of the file: mm, and components of unit vectors.
     values: Vec<f64>,
     /// The numbers with which the errors of the machine file were measured: the nominal machine's, or those found in a
@@ -54,6 +55,7 @@ impl Parameters {
         let before = rules.numbers(&nominal);
         let empty = Self {
             increment: mechanism.increment,
+            max_offset_mm: mechanism.max_offset_mm,
             values: before.clone(),
             before,
             transformation: nominal.clone(),
@@ -61,7 +63,13 @@ impl Parameters {
             rules,
             vectors,
         };
-        Ok(empty.moved_to(&actual))
+        let moved = empty.moved_to(&actual);
+        match moved.beyond(&moved.values) {
+            Some(why) => {
+                Err(Diagnostic::new(codes::E0751, why).help("the controller takes no such number: move the zero"))
+            }
+            None => Ok(moved),
+        }
     }
 
     /// The same numbers for a machine that was measured with these in force: old plus what the errors change.
@@ -128,8 +136,18 @@ impl Parameters {
         stored.iter().zip(&offsets).map(|(number, offset)| number / step(self.increment, *offset).0).collect()
     }
 
+    /// Returns which offset is beyond what the controller takes, if one is.
+    fn beyond(&self, values: &[f64]) -> Option<String> {
+        let (limit, offsets) = (self.max_offset_mm?, self.rules.offsets());
+        let far = (0..values.len()).find(|i| offsets[*i] && values[*i].abs() > limit)?;
+        Some(format!("`{}` is {} mm, above the controller's limit of {limit} mm", self.names()[far], values[far]))
+    }
+
     /// Returns the reason why the controller would not do with these numbers what they are for, if there is one.
     pub fn fault(&self, values: &[f64]) -> Option<String> {
+        if let Some(why) = self.beyond(values) {
+            return Some(why);
+        }
         let effective = self.effective(values);
         let placed = self.rules.placed(&self.nominal, &effective);
         let directions = placed.table.iter().chain(&placed.head).map(|line| line.direction).chain([placed.tool]);

@@ -3,13 +3,14 @@
 //!
 //! A line is taken from the motion itself: from the displacement of the tool relative to the workpiece when one axis
 //! turns by 90 deg and all others stand at 0. So every convention of location errors gives the line that is there.
+//! Errors of linear axes have no part in it.
 
 use super::transformation::{RotaryLine, Transformation};
 use crate::algebra::Htm;
 use crate::compensation::RotaryPlacement;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::lower::{Chain, Exact, values};
-use crate::machine::{Approach, AxisKind, ErrorFamily, Location, Machine, MovedLine};
+use crate::machine::{Approach, AxisKind, ErrorFamily, ErrorId, Location, Machine, MovedLine};
 use nalgebra::Vector3;
 
 /// Largest difference of a direction from a machine axis, or of an offset in mm, that counts as none.
@@ -63,27 +64,38 @@ impl Transformation {
         Ok(Self { placement, linear, table, head, tool: Vector3::from(machine.tool().direction) })
     }
 
-    /// Returns the lines that the location errors displace, counted from where the gauge point then is. Refusal: E0751.
+    /// Returns the lines that the location errors of rotary axes and spindle displace, in the directions of the linear
+    /// axes and counted from where the gauge point then is. Refusal: E0751.
     pub fn actual(machine: &Machine) -> Result<Self, Diagnostic> {
         let mut lines = Self::nominal(machine)?;
-        let located = machine.filtered(|id| id.family == ErrorFamily::Location);
-        let at = |axis: Option<usize>| {
-            let pose: Vec<f64> = (0..machine.axes().len()).map(|i| if Some(i) == axis { 90.0 } else { 0.0 }).collect();
-            Chain::<f64>::actual(&located, &pose, &values(&located, &pose, Approach::Mean), &Exact).t_wt()
+        let among = |id: &ErrorId, of: &[RotaryLine]| {
+            of.iter().any(|line| id.family == ErrorFamily::Location && machine.axes()[line.axis].name == id.axis)
         };
-        let zero = at(None);
-        let back = zero.inverse().unwrap_or_else(Htm::identity);
-        let (gauge, nominal_gauge) = (zero.apply(&machine.tool().gauge), Vector3::from(machine.tool().gauge));
+        let spindle = |id: &ErrorId| machine.chain().spindle() == Some(&id.axis);
+        let of_table = machine.filtered(|id| among(id, &lines.table));
+        let located = machine.filtered(|id| among(id, &lines.table) || among(id, &lines.head) || spindle(id));
+        let zero = turned(&located, None);
+        // Errors that displace bodies turn the workpiece against the linear axes.
+        let workpiece = turned(&of_table, None);
+        let [back, from_workpiece] = [&zero, &workpiece].map(|of| of.inverse().unwrap_or_else(Htm::identity));
+        let of_tool = from_workpiece.compose(&zero);
+        let (gauge, nominal_gauge) = (of_tool.apply(&machine.tool().gauge), Vector3::from(machine.tool().gauge));
         for line in lines.table.iter_mut().chain(&mut lines.head) {
-            let quarter = at(Some(line.axis)).compose(&back);
-            let (direction, foot) = axis_of_quarter_turn(&quarter);
+            let quarter = turned(&located, Some(line.axis)).compose(&back);
+            let (direction, foot) = axis_of_quarter_turn(&from_workpiece.compose(&quarter).compose(&workpiece));
             let near = line.point + nominal_gauge - foot;
             line.point = foot + direction * direction.dot(&near) - gauge;
             line.direction = direction;
         }
-        lines.tool = (zero.linear * lines.tool).normalize();
+        lines.tool = (of_tool.linear * lines.tool).normalize();
         Ok(lines)
     }
+}
+
+/// Returns the place of the tool with one axis at 90 deg and all others at 0.
+fn turned(machine: &Machine, axis: Option<usize>) -> Htm<f64> {
+    let pose: Vec<f64> = (0..machine.axes().len()).map(|i| if Some(i) == axis { 90.0 } else { 0.0 }).collect();
+    Chain::<f64>::actual(machine, &pose, &values(machine, &pose, Approach::Mean), &Exact).t_wt()
 }
 
 /// Smallest difference of direction cosines or mm that counts as a displacement of a line.

@@ -7,7 +7,7 @@ use std::fmt::{Display, Formatter};
 use std::path::Path;
 
 /// Targets in the binary.
-pub const NAMES: [&str; 26] = [
+pub const NAMES: [&str; 27] = [
     "linuxcnc",
     "linuxcnc-kins",
     "linuxcnc-matrixkins",
@@ -20,6 +20,7 @@ pub const NAMES: [&str; 26] = [
     "sinumerik-enc",
     "sinumerik-traori",
     "sinumerik-chain",
+    "sinumerik-tcarr",
     "heidenhain-com",
     "heidenhain-kinematics",
     "fanuc-pitch",
@@ -37,7 +38,7 @@ pub const NAMES: [&str; 26] = [
 ];
 
 /// Files in the binary, as in `templates/`.
-const EMBEDDED: [(&str, &str); 70] = [
+const EMBEDDED: [(&str, &str); 72] = [
     ("linuxcnc/compensation.inc.j2", include_str!("../../../templates/linuxcnc/compensation.inc.j2")),
     ("linuxcnc/table.j2", include_str!("../../../templates/linuxcnc/table.j2")),
     ("linuxcnc/target.yaml", include_str!("../../../templates/linuxcnc/target.yaml")),
@@ -65,6 +66,8 @@ const EMBEDDED: [(&str, &str); 70] = [
     ("sinumerik-chain/chain.j2", include_str!("../../../templates/sinumerik-chain/chain.j2")),
     ("sinumerik-chain/target.yaml", include_str!("../../../templates/sinumerik-chain/target.yaml")),
     ("sinumerik-traori/target.yaml", include_str!("../../../templates/sinumerik-traori/target.yaml")),
+    ("sinumerik-tcarr/tcarr.j2", include_str!("../../../templates/sinumerik-tcarr/tcarr.j2")),
+    ("sinumerik-tcarr/target.yaml", include_str!("../../../templates/sinumerik-tcarr/target.yaml")),
     ("heidenhain-kinematics/list.j2", include_str!("../../../templates/heidenhain-kinematics/list.j2")),
     ("heidenhain-kinematics/target.yaml", include_str!("../../../templates/heidenhain-kinematics/target.yaml")),
     ("fanuc-5axis/parameters.j2", include_str!("../../../templates/fanuc-5axis/parameters.j2")),

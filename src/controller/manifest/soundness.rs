@@ -149,6 +149,9 @@ impl KinematicsMechanism {
         if let Some(fault) = self.machines.iter().find_map(ParameterRules::fault) {
             return Some(fault);
         }
+        if self.max_offset_mm.is_some_and(|limit| !parameters || !limit.is_finite() || limit <= 0.0) {
+            return Some("max_offset_mm: a length above 0, of kinematic_parameters".to_owned());
+        }
         let wanted = self.carries.constants();
         let plain = |name: &String| {
             !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_'))

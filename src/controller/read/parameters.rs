@@ -24,12 +24,14 @@ impl<'a> ParameterLines<'a> {
     pub fn read(&self, names: &[&str], text: &str) -> Result<Vec<f64>, Fault> {
         let mut found: Vec<Option<f64>> = vec![None; names.len()];
         for (line, bare) in self.bare(text) {
-            if self.is_structure(bare) || self.others.iter().any(|other| lines::fits(other, bare)) {
+            let parameter = self.parameter(bare);
+            let known = parameter.as_ref().and_then(|(name, _)| names.iter().position(|known| known == name));
+            let other = self.is_structure(bare) || self.others.iter().any(|other| lines::fits(other, bare));
+            if known.is_none() && other {
                 continue;
             }
             let strange = || Fault::new(line, "the controller would not understand this line");
-            let (name, value) = self.parameter(bare).ok_or_else(strange)?;
-            let known = names.iter().position(|known| *known == name);
+            let (name, value) = parameter.ok_or_else(strange)?;
             let slot = known.ok_or_else(|| Fault::new(line, format!("`{name}` is no parameter of this machine")))?;
             let number = units::number(&value).map_err(|why| Fault::new(line, why.to_string()))?;
             if number.abs() > MAX_NUMBER {

@@ -160,12 +160,13 @@ fn quantiles_by_hand() {
 }
 
 /// Targets of kinematic parameters: `kinematic_parameters` has their tests.
-pub const PARAMETER_TARGETS: [&str; 8] = [
+pub const PARAMETER_TARGETS: [&str; 9] = [
     "linuxcnc-5axiskins",
     "linuxcnc-maxkins",
     "linuxcnc-trt",
     "sinumerik-traori",
     "sinumerik-chain",
+    "sinumerik-tcarr",
     "heidenhain-kinematics",
     "fanuc-5axis",
     "haas-mrzp",
