@@ -111,8 +111,8 @@ fn refusal(code: codes::Code, message: String, place: Option<Place>) -> Diagnost
 impl Reader<'_> {
     fn read(&mut self, path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) {
         let Some(sheet) = read_sheet(path, files, diagnostics) else { return };
-        let lines = sheet.lines();
-        let Some((header, body)) = lines.split_first() else {
+        let mut lines = sheet.each_line().peekable();
+        let Some(header) = lines.next() else {
             let name = shown(&path.display().to_string());
             diagnostics.push(refusal(codes::E0501, format!("the file `{name}` is empty"), None));
             return;
@@ -126,29 +126,33 @@ impl Reader<'_> {
             }
         };
         self.form = form;
-        if body.is_empty() {
+        if lines.peek().is_none() {
             let message = "the file has a header and no measurements".to_owned();
             diagnostics.push(refusal(codes::E0501, message, Some(header.place.clone())));
         }
-        if let Some(drafts) = self.drafts(&columns, body, separator, diagnostics) {
-            let before = self.data.extent();
-            if let Err(refused) = self.rows(drafts) {
-                diagnostics.push(*refused);
-                self.data.truncate(before);
-            }
+        let before = self.data.extent();
+        let added = self
+            .body(&columns, lines, separator, diagnostics)
+            .is_some_and(|drafts| self.rows(drafts).map_err(|refused| diagnostics.push(*refused)).is_ok());
+        if !added {
+            self.data.truncate(before);
         }
     }
 
-    fn drafts(
-        &self,
+    /// Reads the rows of a file. Those that stand for themselves are added at once: there may be millions. Returns
+    /// those that wait for the others of their run; `None` after a mistake.
+    fn body(
+        &mut self,
         columns: &[Column],
-        body: &[Line],
+        lines: impl Iterator<Item = Line>,
         separator: char,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Draft>> {
         let (mut drafts, mut mistakes, mut decimals) = (Vec::new(), 0, Decimals::default());
-        for line in body {
-            match self.draft(columns, line, separator, &mut decimals) {
+        for line in lines {
+            match self.draft(columns, &line, separator, &mut decimals) {
+                Ok(draft) if self.form == RowForm::Deviation => self.data.rows.push(draft.row),
+                Ok(draft) if self.form == RowForm::Error => self.errors(draft),
                 Ok(draft) => drafts.push(draft),
                 Err(failure) if mistakes < MISTAKES => {
                     mistakes += 1;
@@ -254,8 +258,7 @@ impl Reader<'_> {
 
     fn rows(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
         match self.form {
-            RowForm::Deviation => self.data.rows.extend(drafts.into_iter().map(|draft| draft.row)),
-            RowForm::Error => self.errors(drafts),
+            RowForm::Deviation | RowForm::Error => {}
             RowForm::Relative => self.relative(drafts),
             RowForm::Ball => self.balls(drafts)?,
             RowForm::Along => self.lines(drafts)?,
@@ -265,15 +268,13 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn errors(&mut self, drafts: Vec<Draft>) {
-        for draft in drafts {
-            for (source, approach, value) in draft.errors {
-                let approach = if approach == Approach::Mean { draft.row.approach } else { approach };
-                let reading = Reading::Error { value: value * lever(source.direction), source };
-                let own = if source.direction.is_rotation() { draft.angles } else { None };
-                let weight = own.unwrap_or(draft.row.weight);
-                self.data.rows.push(Measurement { reading, approach, weight, ..draft.row.clone() });
-            }
+    fn errors(&mut self, draft: Draft) {
+        for (source, approach, value) in draft.errors {
+            let approach = if approach == Approach::Mean { draft.row.approach } else { approach };
+            let reading = Reading::Error { value: value * lever(source.direction), source };
+            let own = if source.direction.is_rotation() { draft.angles } else { None };
+            let weight = own.unwrap_or(draft.row.weight);
+            self.data.rows.push(Measurement { reading, approach, weight, ..draft.row.clone() });
         }
     }
 
