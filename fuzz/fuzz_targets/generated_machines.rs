@@ -2,6 +2,6 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("generated_machines"),
+    init: abbe_fuzz::seeds::begin("generated_machines"),
     |bytes: &[u8]| abbe_fuzz::targets::generated_machines(bytes)
 );

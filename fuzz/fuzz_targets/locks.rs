@@ -2,6 +2,6 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("locks"),
+    init: abbe_fuzz::seeds::begin("locks"),
     |bytes: &[u8]| abbe_fuzz::targets::locks(bytes)
 );

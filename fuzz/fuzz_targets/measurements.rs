@@ -2,6 +2,6 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("measurements"),
+    init: abbe_fuzz::seeds::begin("measurements"),
     |bytes: &[u8]| abbe_fuzz::targets::measurements(bytes)
 );

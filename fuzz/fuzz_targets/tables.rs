@@ -2,6 +2,6 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("tables"),
+    init: abbe_fuzz::seeds::begin("tables"),
     |bytes: &[u8]| abbe_fuzz::targets::tables(bytes)
 );

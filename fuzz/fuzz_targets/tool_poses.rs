@@ -2,6 +2,6 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("tool_poses"),
+    init: abbe_fuzz::seeds::begin("tool_poses"),
     |bytes: &[u8]| abbe_fuzz::targets::tool_poses(bytes)
 );

@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 /// Machines with few knots: every execution reads a set of theirs back.
-const MACHINES: [(&str, &str); 2] = [
+const MACHINES: [(&str, &str); 3] = [
     (
         "turning",
         "abbe: 1\nmachine: turning\nchain: w C' b X Y Z t\naxes:\n  X: { travel: [0, 100], origin: [0, 0, 0] }\n  \
@@ -32,6 +32,12 @@ const MACHINES: [(&str, &str); 2] = [
          EXX: { points: [[0, 0 um], [50, 3 um], [100, 1 um]] }\n  EAY: { points: [[0, 0 urad], [80, 9 urad]] }\n  \
          EZZ: { forward: { points: [[-50, 2 um], [0, 0 um]] }, reverse: { points: [[-50, 4 um], [0, 1 um]] } }\n\
          volume: { step: 50 mm }\n",
+    ),
+    (
+        "short",
+        "abbe: 1\nmachine: short\nchain: w X' b Y t\naxes:\n  X: { travel: [0, 100], origin: [0, 0, 0] }\n  \
+         Y: { travel: [0, 80], origin: [0, 0, 0] }\nerrors:\n  EXX: { points: [[0, 0 um], [50, 3 um], [100, 1 um]] }\n\
+         volume: { step: 100 mm }\n",
     ),
 ];
 
@@ -79,9 +85,11 @@ fn templates_in(target: &str, folder: &Path) -> MemoryFiles {
     files(&format!("templates/{target}"), "j2").into_iter().fold(MemoryFiles::new(), template)
 }
 
-/// Writes the seeds of a target into the folder that the environment variable `SEEDS` names, and ends the process. Does
-/// nothing without it.
-pub fn write_if_asked(target: &str) {
+/// Prepares the process for a target. Writes its seeds into the folder that the environment variable `SEEDS` names, and
+/// ends the process, if there is such a variable.
+pub fn begin(target: &str) {
+    // What runs in parallel runs here, and hands nothing over. In vain if there is a pool already.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     let Some(folder) = std::env::var_os("SEEDS").map(PathBuf::from) else { return };
     let written = std::fs::create_dir_all(&folder).and_then(|()| {
         let mut numbered = seeds(target).into_iter().enumerate();
@@ -190,7 +198,7 @@ fn manifests() -> Vec<Vec<u8>> {
 }
 
 fn lock(target: &str) -> Option<Vec<u8>> {
-    let set = abbe::compile(machine(""), &compile_options(target), Run::default()).ok()?;
+    let set = abbe::compile(machine("short"), &compile_options(target), Run::default()).ok()?;
     Some(set.lock.to_text().into_bytes())
 }
 
