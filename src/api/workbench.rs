@@ -231,6 +231,33 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
     }
 
     #[test]
+    fn counts_beyond_what_is_held_are_refused() {
+        let bounded = MACHINE.replace("EB0Z: 5 urad", "EB0Z: { tolerance: 5 urad }");
+        for count in [json!(0), json!(10_000_000), json!(u64::MAX)] {
+            let questions = json!([
+                {"map": {"samples": count, "poses": {"random": 3}}},
+                {"map": {"poses": {"random": if count == json!(10_000_000) { json!(u64::MAX) } else { count.clone() }}}},
+                {"budget": {"samples": count}},
+                {"budget": {"poses": count}},
+                {"sources": {"poses": count}},
+                {"reach": {"directions": count}},
+                {"compare": {"first": "m.yaml", "options": {"poses": count}}},
+                {"compare": {"first": "m.yaml", "options": {"samples": count}}},
+                {"compare": {"first": "m.yaml", "options": {"max_samples": count}}},
+                {"instrument": {"points": count}},
+            ]);
+            for (answer, question) in ask(&bounded, questions.clone())["answers"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .zip(questions.as_array().unwrap())
+            {
+                assert_eq!(answer["refused"], true, "{question}: {answer}");
+            }
+        }
+    }
+
+    #[test]
     fn a_refused_machine_has_places_and_no_answers() {
         let found = ask(&MACHINE.replace("20 urad", "20 furlongs"), json!(["check"]));
         assert_eq!(found["answers"], json!([]));
