@@ -11,9 +11,11 @@ use crate::oracle::program::Folder;
 use crate::support::{Entry, abbe, tree, verify};
 
 /// Calls that change files or open them for that, with the errors that each is given.
-const CALLS: [(&str, &[&str]); 14] = [
+const CALLS: [(&str, &[&str]); 15] = [
     ("open", &["EIO", "ENOSPC", "EACCES", "EMFILE"]),
     ("openat", &["EIO", "ENOSPC", "EACCES", "EMFILE"]),
+    // A second handle of a file that is written.
+    ("fcntl", &["EMFILE"]),
     ("write", &["EIO", "ENOSPC"]),
     ("pwrite64", &["EIO", "ENOSPC"]),
     ("fsync", &["EIO", "ENOSPC"]),
