@@ -126,13 +126,13 @@ pub fn compile_options(target: &str) -> CompileOptions {
     }
 }
 
-/// The nodes of the tables that a target takes are finite and rise, and its own files are accepted.
-pub fn compiled(file: &MachineFile, options: &CompileOptions, files: &dyn Files) {
+/// The nodes of the tables that a target takes are finite and rise, and its own files are accepted. True if there are any.
+pub fn compiled(file: &MachineFile, options: &CompileOptions, files: &dyn Files) -> bool {
     let run = Run::with(files);
     if NAMES.contains(&options.target.as_str()) {
         nodes(file, &options.target);
     }
-    let Some(set) = answered(abbe::compile(file, options, run)) else { return };
+    let Some(set) = answered(abbe::compile(file, options, run)) else { return false };
     let (folder, compensation) = (Path::new("out"), options.compensation.clone());
     let stored = stored(folder, &set.files, &set.lock.to_text());
     let verify = VerifyOptions { compensation, poses: options.poses, ..VerifyOptions::default() };
@@ -145,6 +145,7 @@ pub fn compiled(file: &MachineFile, options: &CompileOptions, files: &dyn Files)
     let (written, found) = (figures(&set.certificate), figures(&found));
     assert!(written.iter().chain(&found).all(|x| x.is_finite()), "{written:?} {found:?}");
     assert_eq!(written, found, "the certificates of compile and verify");
+    true
 }
 
 fn nodes(file: &MachineFile, name: &str) {
