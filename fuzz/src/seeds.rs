@@ -41,6 +41,23 @@ const MACHINES: [(&str, &str); 3] = [
     ),
 ];
 
+/// Readings of each kind, of the machine `linear`.
+const READINGS: [&str; 5] = [
+    "X [mm],Y [mm],Z [mm],dx [um],dy [um],dz [um]\n0,0,0,0,1,0\n50,40,-10,3,1,0\n100,80,-20,1,0,2\n20,10,-50,1,2,3\n",
+    "X,EXX [um],EYX [um]\n0,0,1\n25,1,1\n50,3,0\n75,2,1\n100,1,2\n",
+    "X,Y,Z,rel.dx [um],rel.dy [um],run\n0,0,0,0,0,1\n50,0,0,2,1,1\n100,40,0,3,1,1\n0,80,0,0,2,2\n90,10,0,1,2,2\n",
+    "X,along [um],run\n0,0,1\n40,2,1\n100,1,1\n0,0,2\n60,3,2\n100,2,2\n",
+    "X,Y,Z,to.X,to.Y,to.Z,dl [um]\n0,0,0,100,80,0,3\n0,80,0,100,0,0,1\n0,0,-50,100,0,0,2\n0,0,0,0,80,-50,1\n50,0,0,50,80,0,1\n",
+];
+
+/// Tool poses and poses of axes, of the machine `turning`.
+const POSES: [&str; 4] = [
+    "X,Y,Z\n10,20,-10\n-20,5,-30\n",
+    "X,Y,Z,I,J,K,feature\n10,20,-70,0,0,1,a\n20,10,-80,0,0,1,b\n",
+    "UNITS/MM\nGOTO/10,20,-70,0,0,1\nRAPID\nGODLTA/1,2,3\n",
+    "X, C\n50,90\n100,180\n",
+];
+
 /// Maximum size of a seed: larger ones slow every mutation down.
 const MAX_BYTES: usize = 24_000;
 
@@ -113,7 +130,8 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
         "locks" => NAMES.iter().filter_map(|name| lock(name)).collect(),
         "machine_files" => machine_files(),
         "manifests" => manifests(),
-        "measurements" | "tool_poses" => measured(),
+        "measurements" => own(&READINGS).chain(measured()).collect(),
+        "tool_poses" => own(&POSES).chain(measured()).collect(),
         "readers" => MACHINES.iter().flat_map(|(machine, _)| NAMES.map(|name| reader(machine, name))).collect(),
         "tables" => [files("configs/errors", "csv"), files("tests/diagnostics", "csv")]
             .concat()
@@ -124,6 +142,10 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
     };
     seeds.retain(|seed| !seed.is_empty() && seed.len() <= MAX_BYTES);
     seeds
+}
+
+fn own<'a>(texts: &'a [&str]) -> impl Iterator<Item = Vec<u8>> + 'a {
+    texts.iter().map(|text| text.as_bytes().to_vec())
 }
 
 fn read(path: &Path) -> Vec<u8> {

@@ -1,9 +1,9 @@
 //! Tables to files, through the target's minijinja templates.
 //!
 //! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows neither `-0` nor a
-//! locale. A file with a number that is not finite is refused, whether it came so or the template made it. Templates run
-//! with fuel and cannot read files. Fuel bounds their steps, not the cost of a step: a program that renders templates of
-//! others bounds their time and memory itself, as `abbe` does.
+//! locale. A file with a number that is not finite is refused, whether it came so or the template made it. Templates
+//! run with fuel and cannot read files. Fuel bounds their steps, not the cost of a step: a program that renders
+//! templates of others bounds their time and memory itself, as `abbe` does.
 
 use super::context::TableWords;
 use super::number::{NOT_FINITE, fixed};
