@@ -1,7 +1,8 @@
 //! See `abbe_fuzz::targets`.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("generated_machines"),
-    |bytes: &[u8]| abbe_fuzz::targets::generated_machines(bytes)
-);
+use abbe_fuzz::{seeds::begin, targets::generated_machines};
+
+libfuzzer_sys::fuzz_target!(init: begin("generated_machines", generated_machines), |bytes: &[u8]| {
+    let _ = generated_machines(bytes);
+});

@@ -1,7 +1,8 @@
 //! See `abbe_fuzz::targets`.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("imports"),
-    |bytes: &[u8]| abbe_fuzz::targets::imports(bytes)
-);
+use abbe_fuzz::{seeds::begin, targets::imports};
+
+libfuzzer_sys::fuzz_target!(init: begin("imports", imports), |bytes: &[u8]| {
+    let _ = imports(bytes);
+});

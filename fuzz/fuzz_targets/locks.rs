@@ -1,7 +1,8 @@
 //! See `abbe_fuzz::targets`.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("locks"),
-    |bytes: &[u8]| abbe_fuzz::targets::locks(bytes)
-);
+use abbe_fuzz::{seeds::begin, targets::locks};
+
+libfuzzer_sys::fuzz_target!(init: begin("locks", locks), |bytes: &[u8]| {
+    let _ = locks(bytes);
+});

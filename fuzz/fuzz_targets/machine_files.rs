@@ -1,7 +1,8 @@
 //! See `abbe_fuzz::targets`.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("machine_files"),
-    |bytes: &[u8]| abbe_fuzz::targets::machine_files(bytes)
-);
+use abbe_fuzz::{seeds::begin, targets::machine_files};
+
+libfuzzer_sys::fuzz_target!(init: begin("machine_files", machine_files), |bytes: &[u8]| {
+    let _ = machine_files(bytes);
+});

@@ -1,7 +1,8 @@
 //! See `abbe_fuzz::targets`.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("manifests"),
-    |bytes: &[u8]| abbe_fuzz::targets::manifests(bytes)
-);
+use abbe_fuzz::{seeds::begin, targets::manifests};
+
+libfuzzer_sys::fuzz_target!(init: begin("manifests", manifests), |bytes: &[u8]| {
+    let _ = manifests(bytes);
+});

@@ -1,7 +1,8 @@
 //! See `abbe_fuzz::targets`.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("measurements"),
-    |bytes: &[u8]| abbe_fuzz::targets::measurements(bytes)
-);
+use abbe_fuzz::{seeds::begin, targets::measurements};
+
+libfuzzer_sys::fuzz_target!(init: begin("measurements", measurements), |bytes: &[u8]| {
+    let _ = measurements(bytes);
+});

@@ -1,7 +1,8 @@
 //! See `abbe_fuzz::targets`.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("tables"),
-    |bytes: &[u8]| abbe_fuzz::targets::tables(bytes)
-);
+use abbe_fuzz::{seeds::begin, targets::tables};
+
+libfuzzer_sys::fuzz_target!(init: begin("tables", tables), |bytes: &[u8]| {
+    let _ = tables(bytes);
+});

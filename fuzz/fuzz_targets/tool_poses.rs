@@ -1,7 +1,8 @@
 //! See `abbe_fuzz::targets`.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(
-    init: abbe_fuzz::seeds::write_if_asked("tool_poses"),
-    |bytes: &[u8]| abbe_fuzz::targets::tool_poses(bytes)
-);
+use abbe_fuzz::{seeds::begin, targets::tool_poses};
+
+libfuzzer_sys::fuzz_target!(init: begin("tool_poses", tool_poses), |bytes: &[u8]| {
+    let _ = tool_poses(bytes);
+});

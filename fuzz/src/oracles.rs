@@ -13,10 +13,10 @@ use std::path::Path;
 pub const MAX_NODES: usize = 400;
 
 /// Poses of a certificate.
-pub const CERTIFIED_POSES: usize = 3;
+pub const CERTIFIED_POSES: usize = 1;
 
-/// Poses at which a machine is evaluated.
-const POSES: usize = 5;
+/// Random poses at which a machine is evaluated, beside two corners of its volume.
+const POSES: usize = 2;
 
 /// Deviation of the compiled evaluator from the general algebra, as a fraction of the largest deviation.
 const FRACTION: f64 = 1e-9;
@@ -49,16 +49,23 @@ fn shown(diagnostics: &Diagnostics) -> String {
     render(diagnostics, Rendering { color: false })
 }
 
-/// The model of a machine is finite and that of the general algebra, for every order and side.
-pub fn machine(file: &MachineFile) {
+/// The model of a machine is finite and that of the general algebra, for every order, from a side and at poses that the
+/// turn of the input chooses.
+pub fn machine(file: &MachineFile, turn: u64) {
     let _ = abbe::summary(file);
-    let random = Random::of(file, POSES, 1);
+    let random = Random::of(file, POSES, turn);
     let poses: Vec<Vec<f64>> = (0..POSES).map(|index| random.get(index)).chain(corners(file)).collect();
-    for order in [Order::Exact, Order::Degree(1), Order::Degree(2)] {
-        for approach in [Approach::Mean, Approach::Forward, Approach::Reverse] {
-            model(file, order, approach, &poses);
-        }
+    let sides = [Approach::Mean, Approach::Forward, Approach::Reverse];
+    for (order, k) in [Order::Exact, Order::Degree(1), Order::Degree(2)].into_iter().zip(turn % 3..) {
+        model(file, order, sides[k as usize % sides.len()], &poses);
     }
+}
+
+/// A number that hangs on all bytes of an input (FNV-1a): by it an input takes its turn at checks of which each takes as
+/// long as many others.
+pub fn turn(bytes: &[u8]) -> u64 {
+    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, step) >> 16
 }
 
 /// The two opposite corners of the volume.
@@ -100,8 +107,8 @@ fn size(machine: &Machine, at: &[Evaluation]) -> f64 {
 
 /// A map of few poses is finite.
 pub fn map(file: &MachineFile, run: Run) {
-    let poses = abbe::options::MapPoses::Random(8);
-    let options = abbe::MapOptions { poses, samples: 4, ..abbe::MapOptions::default() };
+    let poses = abbe::options::MapPoses::Random(2);
+    let options = abbe::MapOptions { poses, samples: 2, ..abbe::MapOptions::default() };
     if let Some(map) = answered(abbe::map(file, &options, run)) {
         let summary = [map.position_um.max, map.position_um.rms, map.position_um.p95];
         assert!(summary.iter().all(|x| x.is_finite()), "{summary:?}");
@@ -119,13 +126,13 @@ pub fn compile_options(target: &str) -> CompileOptions {
     }
 }
 
-/// The nodes of the tables that a target takes are finite and rise, and its own files are accepted.
-pub fn compiled(file: &MachineFile, options: &CompileOptions, files: &dyn Files) {
+/// The nodes of the tables that a target takes are finite and rise, and its own files are accepted. True if there are any.
+pub fn compiled(file: &MachineFile, options: &CompileOptions, files: &dyn Files) -> bool {
     let run = Run::with(files);
     if NAMES.contains(&options.target.as_str()) {
         nodes(file, &options.target);
     }
-    let Some(set) = answered(abbe::compile(file, options, run)) else { return };
+    let Some(set) = answered(abbe::compile(file, options, run)) else { return false };
     let (folder, compensation) = (Path::new("out"), options.compensation.clone());
     let stored = stored(folder, &set.files, &set.lock.to_text());
     let verify = VerifyOptions { compensation, poses: options.poses, ..VerifyOptions::default() };
@@ -138,6 +145,7 @@ pub fn compiled(file: &MachineFile, options: &CompileOptions, files: &dyn Files)
     let (written, found) = (figures(&set.certificate), figures(&found));
     assert!(written.iter().chain(&found).all(|x| x.is_finite()), "{written:?} {found:?}");
     assert_eq!(written, found, "the certificates of compile and verify");
+    true
 }
 
 fn nodes(file: &MachineFile, name: &str) {

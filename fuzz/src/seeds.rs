@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 /// Machines with few knots: every execution reads a set of theirs back.
-const MACHINES: [(&str, &str); 2] = [
+const MACHINES: [(&str, &str); 3] = [
     (
         "turning",
         "abbe: 1\nmachine: turning\nchain: w C' b X Y Z t\naxes:\n  X: { travel: [0, 100], origin: [0, 0, 0] }\n  \
@@ -33,6 +33,29 @@ const MACHINES: [(&str, &str); 2] = [
          EZZ: { forward: { points: [[-50, 2 um], [0, 0 um]] }, reverse: { points: [[-50, 4 um], [0, 1 um]] } }\n\
          volume: { step: 50 mm }\n",
     ),
+    (
+        "short",
+        "abbe: 1\nmachine: short\nchain: w X' b Y t\naxes:\n  X: { travel: [0, 100], origin: [0, 0, 0] }\n  \
+         Y: { travel: [0, 80], origin: [0, 0, 0] }\nerrors:\n  EXX: { points: [[0, 0 um], [50, 3 um], [100, 1 um]] }\n\
+         volume: { step: 100 mm }\n",
+    ),
+];
+
+/// Readings of each kind, of the machine `linear`.
+const READINGS: [&str; 5] = [
+    "X [mm],Y [mm],Z [mm],dx [um],dy [um],dz [um]\n0,0,0,0,1,0\n50,40,-10,3,1,0\n100,80,-20,1,0,2\n20,10,-50,1,2,3\n",
+    "X,EXX [um],EYX [um]\n0,0,1\n25,1,1\n50,3,0\n75,2,1\n100,1,2\n",
+    "X,Y,Z,rel.dx [um],rel.dy [um],run\n0,0,0,0,0,1\n50,0,0,2,1,1\n100,40,0,3,1,1\n0,80,0,0,2,2\n90,10,0,1,2,2\n",
+    "X,along [um],run\n0,0,1\n40,2,1\n100,1,1\n0,0,2\n60,3,2\n100,2,2\n",
+    "X,Y,Z,to.X,to.Y,to.Z,dl [um]\n0,0,0,100,80,0,3\n0,80,0,100,0,0,1\n0,0,-50,100,0,0,2\n0,0,0,0,80,-50,1\n50,0,0,50,80,0,1\n",
+];
+
+/// Tool poses and poses of axes, of the machine `turning`.
+const POSES: [&str; 4] = [
+    "X,Y,Z\n10,20,-10\n-20,5,-30\n",
+    "X,Y,Z,I,J,K,feature\n10,20,-70,0,0,1,a\n20,10,-80,0,0,1,b\n",
+    "UNITS/MM\nGOTO/10,20,-70,0,0,1\nRAPID\nGODLTA/1,2,3\n",
+    "X, C\n50,90\n100,180\n",
 ];
 
 /// Maximum size of a seed: larger ones slow every mutation down.
@@ -79,12 +102,18 @@ fn templates_in(target: &str, folder: &Path) -> MemoryFiles {
     files(&format!("templates/{target}"), "j2").into_iter().fold(MemoryFiles::new(), template)
 }
 
-/// Writes the seeds of a target into the folder that the environment variable `SEEDS` names, and ends the process. Does
-/// nothing without it.
-pub fn write_if_asked(target: &str) {
+/// Prepares the process for a target. Writes its seeds into the folder that the environment variable `SEEDS` names, and
+/// ends the process, if there is such a variable. Fails if all of them are refused: mutations of them would get nowhere.
+pub fn begin(target: &str, accepts: fn(&[u8]) -> bool) {
+    // What runs in parallel runs here, and hands nothing over. In vain if there is a pool already.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     let Some(folder) = std::env::var_os("SEEDS").map(PathBuf::from) else { return };
+    let seeds = seeds(target);
+    let accepted = seeds.iter().filter(|seed| accepts(seed)).count();
+    assert!(accepted > 0, "none of {} seeds is accepted", seeds.len());
+    println!("{accepted} of {} seeds are accepted", seeds.len());
     let written = std::fs::create_dir_all(&folder).and_then(|()| {
-        let mut numbered = seeds(target).into_iter().enumerate();
+        let mut numbered = seeds.into_iter().enumerate();
         numbered.try_for_each(|(number, seed)| std::fs::write(folder.join(format!("{number:03}")), seed))
     });
     match written {
@@ -101,7 +130,8 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
         "locks" => NAMES.iter().filter_map(|name| lock(name)).collect(),
         "machine_files" => machine_files(),
         "manifests" => manifests(),
-        "measurements" | "tool_poses" => measured(),
+        "measurements" => own(&READINGS).chain(measured()).collect(),
+        "tool_poses" => own(&POSES).chain(measured()).collect(),
         "readers" => MACHINES.iter().flat_map(|(machine, _)| NAMES.map(|name| reader(machine, name))).collect(),
         "tables" => [files("configs/errors", "csv"), files("tests/diagnostics", "csv")]
             .concat()
@@ -112,6 +142,10 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
     };
     seeds.retain(|seed| !seed.is_empty() && seed.len() <= MAX_BYTES);
     seeds
+}
+
+fn own<'a>(texts: &'a [&str]) -> impl Iterator<Item = Vec<u8>> + 'a {
+    texts.iter().map(|text| text.as_bytes().to_vec())
 }
 
 fn read(path: &Path) -> Vec<u8> {
@@ -190,7 +224,7 @@ fn manifests() -> Vec<Vec<u8>> {
 }
 
 fn lock(target: &str) -> Option<Vec<u8>> {
-    let set = abbe::compile(machine(""), &compile_options(target), Run::default()).ok()?;
+    let set = abbe::compile(machine("short"), &compile_options(target), Run::default()).ok()?;
     Some(set.lock.to_text().into_bytes())
 }
 

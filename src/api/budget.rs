@@ -4,7 +4,7 @@ use super::budget_parts::{self, BudgetShard};
 use super::goal::{ToleranceGoal, goal};
 use super::machine_file::MachineFile;
 use super::poses::{axis_positions, check, pose_option};
-use super::run::{Answer, Call, Refused, Run};
+use super::run::{Answer, Call, Count, Refused, Run};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use super::tool_poses::{self, ReachedToolPoses};
 use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_of_drawn, budget_poses, known};
@@ -178,9 +178,7 @@ fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> 
 
 /// Refuses options that make no sense together, and returns the pose asked for.
 fn fitting(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<Option<Pose>, Refused> {
-    if options.samples < 2 {
-        return call.usage("a budget draws 2 machines at least");
-    }
+    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
     if options.poses > MAX_POSES {
         return call.usage(format!("a budget takes {MAX_POSES} random poses at most, all of which are held"));
     }

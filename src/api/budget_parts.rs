@@ -171,6 +171,9 @@ fn read(call: &Call<'_>, path: &Path, (fingerprint, bounds): (&str, usize)) -> R
             format!("`{name}` belongs to another budget: the machine file, an option or the program has changed");
         return Err(foreign(message));
     }
+    if part.first.checked_add(part.count()).is_none_or(|end| end > part.samples) {
+        return Err(foreign(format!("`{name}` is not a state file: it has more machines than the budget")));
+    }
     let all = || part.drawn.position.iter().chain(&part.drawn.rotation);
     if part.drawn.rotation.len() != part.count() || all().any(|sample| sample.parts.len() != bounds) {
         return Err(foreign(format!("`{name}` is not a state file: machines do not have {bounds} parts each")));

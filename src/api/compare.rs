@@ -6,7 +6,7 @@ use super::compiled_model::PoseDeviation;
 use super::machine_file::{MachineFile, sources_of};
 use super::order_of;
 use super::poses::check;
-use super::run::{Answer, Call, Refused, Run};
+use super::run::{Answer, Call, Count, Refused, Run};
 use super::tolerances::ToleranceOptions;
 use super::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
 use super::uncertainty::{ComparedBands, compared_bands};
@@ -187,6 +187,8 @@ fn side_by_side(
     options: &CompareOptions,
 ) -> Result<CompareResult, Refused> {
     let [first, _, ..] = files else { return call.usage("a comparison takes two machines at least") };
+    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+    options.max_samples.map_or(Ok(()), |limit| call.bounded(&[Count::MaxMachines(limit)]))?;
     let order = |machine: &Machine| order_of(machine, options.order);
     let bare: Vec<Bare<'_>> = files.iter().map(|file| Bare { machine: file, order: order(file) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();

@@ -6,7 +6,7 @@ use super::compensation::options::CompensationOptions;
 use super::compensation::table_set::{self, TableRequest};
 use super::compensation::verdict;
 use super::machine_file::{MachineFile, bounded_only};
-use super::run::{Answer, Call, Refused, Run};
+use super::run::{Answer, Call, Count, Refused, Run};
 use crate::controller::{
     Certificate, ControllerTarget, Depth, Effect, Hashed, Limits, Lock, NAMES, RenderedFile, TablesUnderTest, certify,
     certify_kinematics,
@@ -76,6 +76,7 @@ pub struct CompiledSet {
 /// not read back as the intended set, and if an option does not fit.
 pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Result<Answer<CompiledSet>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
+        call.bounded(&[Count::Poses(options.poses)])?;
         call.extend(bounded_only(file));
         let target = options.compensation.target(call, &options.target)?;
         refuse_unverified(call, &target, options.accept_unverified)?;

@@ -9,7 +9,7 @@ use super::compensation::verdict;
 use super::compensation::{folder::Folder, found_set};
 use super::compile::{CompileOptions, refuse_unverified};
 use super::machine_file::{MachineFile, bounded_only};
-use super::run::{Answer, Call, Refused, Run};
+use super::run::{Answer, Call, Count, Refused, Run};
 use super::verify::{VerifyOptions, warn_edited, warn_other_inputs, warn_other_tool};
 use crate::compensation::CorrectionTables;
 use crate::controller::{
@@ -70,6 +70,7 @@ pub fn compile_composed(
     run: Run,
 ) -> Result<Answer<ComposedSet>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
+        call.bounded(&[Count::Poses(options.poses)])?;
         call.extend(bounded_only(file));
         let how = &options.compensation;
         let targets = split(call, targets, how)?;

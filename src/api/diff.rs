@@ -3,7 +3,7 @@
 use super::compensation::effect::found_effect;
 use super::compensation::options::CompensationOptions;
 use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Run};
+use super::run::{Answer, Call, Count, Run};
 use crate::compensation::{Correction, Jacobian};
 use crate::controller::micro;
 use crate::diagnostic::Diagnostics;
@@ -73,6 +73,7 @@ pub fn diff(
     run: Run,
 ) -> Result<Answer<SetDifference>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
+        call.bounded(&[Count::Poses(options.poses)])?;
         let mut found = |folder: &Path| {
             call.about(&folder.display().to_string(), |call| found_effect(call, file, folder, &options.compensation))
         };

@@ -3,7 +3,7 @@
 use super::compare::nothing_in_common;
 use super::machine_file::{MachineFile, sources_of};
 use super::order_of;
-use super::run::{Answer, Call, Refused, Run};
+use super::run::{Answer, Call, Count, Refused, Run};
 use crate::analysis::{MachineResult, Work, compare as compared};
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Bare, Field, Order};
@@ -93,6 +93,7 @@ fn difference(
     options: &DiffMachinesOptions,
 ) -> Result<MachineDifference, Refused> {
     let [first, second] = files else { return call.usage("`diff` takes two machines") };
+    call.bounded(&[Count::Poses(options.poses)])?;
     let properties = first.differences(second);
     // These change no deviation, and a travel taken alone would change the work.
     let idle = |property: &MachineProperty| {

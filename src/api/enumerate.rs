@@ -1,7 +1,7 @@
 //! All arrangements of the axes on the two sides of the bed, ranked on the same work.
 
 use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Refused, Run};
+use super::run::{Answer, Call, Count, Refused, Run};
 use super::study::{self, StudyFile};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use super::tool_poses::{self, ReachedToolPoses};
@@ -363,9 +363,8 @@ fn fitting(call: &mut Call<'_>, machine: &Machine, options: &EnumerateOptions) -
     if !(0.0..=100.0).contains(&options.reach_percent) {
         return call.usage("`--reach` is a share in percent, 0 to 100");
     }
-    if options.samples < 2 {
-        return call.usage("a budget draws 2 machines at least");
-    }
+    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+    options.max_samples.map_or(Ok(()), |limit| call.bounded(&[Count::MaxMachines(limit)]))?;
     if options.max_samples.is_some_and(|limit| limit < options.samples) || options.first < 1 {
         return call.usage("`--max-samples` is not below `--samples`, and `--first` is 1 at least");
     }

@@ -2,7 +2,7 @@
 
 use super::machine_file::{MachineFile, bounded_only};
 use super::poses::{axes_text, axis_positions, check, pose_at};
-use super::run::{Answer, Call, Refused, Run};
+use super::run::{Answer, Call, Count, Refused, Run};
 use crate::analysis::Unreachable;
 use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
@@ -196,6 +196,7 @@ pub fn instrument(
 
 fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> Result<InstrumentResult, Refused> {
     call.extend(bounded_only(machine));
+    options.points.map_or(Ok(()), |points| call.bounded(&[Count::Points(points)]))?;
     let share = if options.instrument == Instrument::RTest { 0.75 } else { 0.5 };
     let usual = within(machine, share);
     let at = match &options.at {

@@ -10,7 +10,7 @@ use super::map_tables::{MapTable, Tables};
 use super::order_of;
 use super::plane_picture::{PlaneOptions, Subject};
 use super::poses::{AxisPositions, axis_positions};
-use super::run::{Answer, Call, Refused, Run};
+use super::run::{Answer, Call, Count, Refused, Run};
 use super::tolerances::ToleranceOptions;
 use super::tool_poses::{self, ReachedToolPoses};
 use super::uncertainty::field_bands;
@@ -270,8 +270,9 @@ fn volume(
     options: &MapOptions,
     tables: Vec<MapTable<'_>>,
 ) -> Result<MapResult, Refused> {
-    if options.samples < 2 {
-        return call.usage("a map draws 2 machines at least");
+    call.bounded(&[Count::Machines(options.samples)])?;
+    if let MapPoses::Random(0) | MapPoses::LowDiscrepancy(0) = options.poses {
+        return call.usage("a map takes 1 pose at least");
     }
     let settings = (&options.tolerances, options.samples, options.seed);
     if let Some(drawn) = DrawnBounds::of(call, machine, settings)? {

@@ -6,6 +6,7 @@ use crate::machine::{Axis, AxisKind, Machine, Pose};
 use crate::syntax::read_text;
 use crate::units;
 use indexmap::IndexMap;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Largest number of poses of a file.
@@ -183,14 +184,16 @@ fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<Pose, Diagno
 }
 
 /// Refuses poses where an error curve is not defined; warns about those beyond the travel.
-pub(crate) fn check(call: &mut Call<'_>, machine: &Machine, poses: &[Pose]) -> Result<(), Refused> {
+pub(crate) fn check<'p>(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    poses: impl IntoIterator<Item = &'p Pose>,
+) -> Result<(), Refused> {
+    let mut beyond: BTreeSet<&str> = BTreeSet::new();
     for pose in poses {
         known(machine, pose).or_else(|refusal| call.refuse(refusal))?;
+        beyond.extend(machine.beyond_travel(pose).map(|axis| axis.name.as_str()));
     }
-    let mut beyond: Vec<&str> =
-        poses.iter().flat_map(|pose| machine.beyond_travel(pose)).map(|axis| axis.name.as_str()).collect();
-    beyond.sort_unstable();
-    beyond.dedup();
     for name in beyond {
         call.warn(Diagnostic::new(codes::W0801, format!("poses beyond the travel of `{name}` were evaluated")));
     }

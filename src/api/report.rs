@@ -9,7 +9,7 @@ use super::features::{bounded_features, features};
 use super::finite;
 use super::machine_file::{MachineFile, sources_of};
 use super::order_of;
-use super::run::{Answer, Call, Refused, Run};
+use super::run::{Answer, Call, Count, Refused, Run};
 use super::tolerances::ToleranceOptions;
 use super::tool_poses;
 use super::uncertainty::field_bands;
@@ -102,9 +102,7 @@ pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> R
 }
 
 fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
-    if options.samples < 2 {
-        return call.usage("a budget draws 2 machines at least");
-    }
+    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
     let subjects: Vec<Subject<'_>> =
         files.iter().map(|file| Subject::one_of(call, files, (file, options))).collect::<Result<_, _>>()?;
     let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.given(options)).collect();

@@ -81,6 +81,19 @@ impl<T> Deref for Answer<T> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Refused;
 
+/// A count that a caller gives.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Count {
+    /// Poses that are held or drawn.
+    Poses(usize),
+    /// Machines that are drawn where errors are bounded.
+    Machines(usize),
+    /// The same until they are told apart.
+    MaxMachines(usize),
+    /// Readings of an instrument along a path.
+    Points(usize),
+}
+
 /// The state of a call.
 pub(crate) struct Call<'a> {
     pub run: Run<'a>,
@@ -164,6 +177,19 @@ impl<'a> Call<'a> {
     /// Refuses options that make no sense for this machine or together.
     pub fn usage<T>(&mut self, message: impl Into<String>) -> Result<T, Refused> {
         self.refuse(Diagnostic::new(codes::E0818, message))
+    }
+
+    /// Refuses counts beyond what the program takes: a caller may pass on any number.
+    pub fn bounded(&mut self, counts: &[Count]) -> Result<(), Refused> {
+        let counts = counts.iter().map(|count| match *count {
+            Count::Poses(count) => ("poses", count, 1..=1_000_000),
+            Count::Machines(count) => ("machines to draw", count, 2..=100_000),
+            Count::MaxMachines(count) => ("machines to draw at most", count, 2..=800_000),
+            Count::Points(count) => ("points", count, 3..=100_000),
+        });
+        let mut beyond = counts.into_iter().filter(|(_, count, range)| !range.contains(count));
+        let Some((what, count, range)) = beyond.next() else { return Ok(()) };
+        self.usage(format!("{count} {what}: {} to {} are taken", range.start(), range.end()))
     }
 
     /// Stops if anything so far refuses the input, or warns where warnings are denied.

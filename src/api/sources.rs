@@ -3,7 +3,7 @@
 use super::machine_file::{MachineFile, bounded_only};
 use super::order_of;
 use super::poses::{AxisPositions, axis_positions};
-use super::run::{Answer, Call, Refused, Run};
+use super::run::{Answer, Call, Count, Refused, Run};
 use crate::analysis::{ErrorStatistics, View, error_statistics, map, rest};
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{CompiledField, Frame, Order, Poses, Random, worst};
@@ -81,6 +81,7 @@ pub fn sources(
 
 fn found(call: &mut Call<'_>, machine: &Machine, options: &SourcesOptions) -> Result<ErrorSources, Refused> {
     let SourcesOptions { poses: count, seed, order, approach } = *options;
+    call.bounded(&[Count::Poses(count)])?;
     if count > SourcesOptions::MAX_POSES {
         return call.usage(format!("sources take {} poses at most", SourcesOptions::MAX_POSES));
     }

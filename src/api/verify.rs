@@ -9,7 +9,7 @@ use super::compensation::table_set::{self, FoundTables};
 use super::compensation::verdict;
 use super::compose;
 use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Refused, Run};
+use super::run::{Answer, Call, Count, Refused, Run};
 use crate::controller::{
     ControllerTarget, Depth, Effect, LOCK_NAME, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics,
     is_plain_name,
@@ -54,6 +54,7 @@ pub fn verify(
     run: Run,
 ) -> Result<Answer<CertificateReport>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
+        call.bounded(&[Count::Poses(options.poses)])?;
         if compose::is_composed(folder, call) {
             return compose::verify_composed(call, file, folder, options);
         }

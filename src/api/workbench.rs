@@ -231,6 +231,33 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
     }
 
     #[test]
+    fn counts_beyond_what_is_held_are_refused() {
+        let bounded = MACHINE.replace("EB0Z: 5 urad", "EB0Z: { tolerance: 5 urad }");
+        for count in [0, 10_000_000, u64::MAX] {
+            // A map of ten million poses is a fair one.
+            let poses = if count == 10_000_000 { u64::MAX } else { count };
+            let questions = json!([
+                {"map": {"samples": count, "poses": {"random": 3}}},
+                {"map": {"poses": {"random": poses}}},
+                {"budget": {"samples": count}},
+                {"budget": {"poses": count}},
+                {"sources": {"poses": count}},
+                {"reach": {"directions": count}},
+                {"compare": {"first": "m.yaml", "options": {"poses": count}}},
+                {"compare": {"first": "m.yaml", "options": {"samples": count}}},
+                {"compare": {"first": "m.yaml", "options": {"max_samples": count}}},
+                {"instrument": {"points": count}},
+            ]);
+            let found = ask(&bounded, questions.clone());
+            let answers = found["answers"].as_array().unwrap();
+            assert_eq!(answers.len(), 10);
+            for (answer, question) in answers.iter().zip(questions.as_array().unwrap()) {
+                assert_eq!(answer["refused"], true, "{question}: {answer}");
+            }
+        }
+    }
+
+    #[test]
     fn a_refused_machine_has_places_and_no_answers() {
         let found = ask(&MACHINE.replace("20 urad", "20 furlongs"), json!(["check"]));
         assert_eq!(found["answers"], json!([]));

@@ -31,7 +31,7 @@ const EXCHANGE_DEADLINE: Duration = Duration::from_secs(120);
 /// Maximum number of connections at a time.
 const MAX_CONNECTIONS: usize = 16;
 
-/// Time between two looks for a free place while all answers are being computed.
+/// Time between two looks for a free place while all answers are being computed, or no connection can be taken.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// Header with the token of a page.
@@ -126,7 +126,11 @@ async fn accept(listener: TcpListener, port: u16, site: Arc<dyn Site>) -> std::i
     let listener = tokio::net::TcpListener::from_std(listener)?;
     let mut open: Vec<Connection> = Vec::new();
     loop {
-        let Ok((stream, _)) = listener.accept().await else { continue };
+        let Ok((stream, _)) = listener.accept().await else {
+            // No descriptor is left, say: the connections that are open free some.
+            tokio::time::sleep(LOOK).await;
+            continue;
+        };
         while !has_place(&mut open) {
             tokio::time::sleep(LOOK).await;
         }

@@ -20,6 +20,7 @@ pub use shown::shown;
 pub use suggest::{did_you_mean, nearest};
 
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The effect of a diagnostic on the run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -119,17 +120,17 @@ impl std::error::Error for Reason {}
 
 /// The files read in this run: name as the user would write it, and text.
 #[derive(Debug, Default, Clone)]
-pub struct Sources(Vec<(String, String)>);
+pub struct Sources(Vec<(String, Arc<str>)>);
 
 impl Sources {
     /// Keeps a file's text for rendering.
-    pub fn add(&mut self, name: impl Into<String>, text: impl Into<String>) -> SourceId {
+    pub fn add(&mut self, name: impl Into<String>, text: impl Into<Arc<str>>) -> SourceId {
         self.0.push((name.into(), text.into()));
         SourceId(self.0.len() - 1)
     }
 
     /// Keeps a file unless it is there.
-    fn shared(&mut self, source: (String, String)) -> SourceId {
+    fn shared(&mut self, source: (String, Arc<str>)) -> SourceId {
         let known = self.0.iter().position(|known| *known == source);
         SourceId(known.unwrap_or_else(|| {
             self.0.push(source);
@@ -149,7 +150,7 @@ impl Sources {
 
     /// Name and text of every file, in the order read.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.0.iter().map(|(name, text)| (name.as_str(), text.as_str()))
+        self.0.iter().map(|(name, text)| (name.as_str(), &**text))
     }
 
     /// Returns the 1-based line and column (in characters) of a place's start.

@@ -4,6 +4,7 @@ use super::Disk;
 use super::files::{Files, ReadFailure};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, shown};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Reads a file as UTF-8 text without its byte order mark and keeps it among the sources.
 /// `named` is where another file names it.
@@ -12,11 +13,11 @@ pub fn read_text(
     named: Option<Place>,
     files: &dyn Files,
     diagnostics: &mut Diagnostics,
-) -> Option<(SourceId, String)> {
+) -> Option<(SourceId, Arc<str>)> {
     match files.read(path) {
         Ok(bytes) => {
             let text = decode(path, bytes, named, diagnostics)?;
-            Some(keep(path, text, diagnostics))
+            Some(keep(path, &text, diagnostics))
         }
         Err(failure) => {
             diagnostics.push(unreadable(path, &failure).at(named, ""));
@@ -26,9 +27,9 @@ pub fn read_text(
 }
 
 /// Keeps a text among the sources, without its byte order mark.
-pub(super) fn keep(path: &Path, text: String, diagnostics: &mut Diagnostics) -> (SourceId, String) {
-    let text = text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text);
-    (diagnostics.sources.add(shown(&path.display().to_string()), text.clone()), text)
+pub(super) fn keep(path: &Path, text: &str, diagnostics: &mut Diagnostics) -> (SourceId, Arc<str>) {
+    let text: Arc<str> = text.strip_prefix('\u{feff}').unwrap_or(text).into();
+    (diagnostics.sources.add(shown(&path.display().to_string()), Arc::clone(&text)), text)
 }
 
 /// Returns the refusal of a file that cannot be read.

@@ -7,6 +7,7 @@ use super::read::{keep, unreadable};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes, shown};
 use crate::units::{self, Failure};
 use std::path::Path;
+use std::sync::Arc;
 
 /// Size of the largest file of readings, in bytes: some four million of them. All of it is held in memory.
 const MAX_BYTES: u64 = 256 << 20;
@@ -15,7 +16,7 @@ const MAX_BYTES: u64 = 256 << 20;
 #[derive(Debug, Clone)]
 pub struct Sheet {
     source: SourceId,
-    text: String,
+    text: Arc<str>,
 }
 
 /// The words of spreadsheets for a failed formula; they are no comments.
@@ -41,29 +42,29 @@ pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics)
             return None;
         }
     };
-    let Some(text) = decoded(&bytes) else {
+    let Some(text) = decoded(bytes) else {
         let message = format!("`{}` is not text in UTF-8, UTF-16 or Windows-1252", shown(&path.display().to_string()));
         let help = "export it as text; for example: iconv -f IBM850 -t UTF-8 old > new";
         diagnostics.push(Diagnostic::new(codes::E0104, message).help(help));
         return None;
     };
-    let (source, text) = keep(path, text, diagnostics);
+    let (source, text) = keep(path, &text, diagnostics);
     Some(Sheet { source, text })
 }
 
 /// UTF-8, or UTF-16 with a byte order mark or with every other byte of its beginning zero, or else Windows-1252.
-fn decoded(bytes: &[u8]) -> Option<String> {
+fn decoded(bytes: Vec<u8>) -> Option<String> {
     let wide = |little: bool, bytes: &[u8]| {
         let pair = |p: &[u8]| if little { u16::from_le_bytes([p[0], p[1]]) } else { u16::from_be_bytes([p[0], p[1]]) };
         let units: Vec<u16> = bytes.chunks_exact(2).map(pair).collect();
         bytes.len().is_multiple_of(2).then(|| String::from_utf16(&units).ok()).flatten()
     };
-    match bytes {
+    match &bytes[..] {
         [0xff, 0xfe, rest @ ..] => wide(true, rest),
         [0xfe, 0xff, rest @ ..] => wide(false, rest),
-        [first, 0, ..] if *first != 0 => wide(true, bytes),
-        [0, first, ..] if *first != 0 => wide(false, bytes),
-        _ => String::from_utf8(bytes.to_vec()).ok().or_else(|| windows(bytes)),
+        [first, 0, ..] if *first != 0 => wide(true, &bytes),
+        [0, first, ..] if *first != 0 => wide(false, &bytes),
+        _ => String::from_utf8(bytes).or_else(|failure| windows(failure.as_bytes()).ok_or(())).ok(),
     }
 }
 
@@ -88,10 +89,15 @@ impl Sheet {
         Place { source: self.source, range: 0..0 }
     }
 
-    /// The lines that count.
+    /// The lines that count, all in memory.
     pub fn lines(&self) -> Vec<Line> {
+        self.each_line().collect()
+    }
+
+    /// The lines that count, one after the other.
+    pub fn each_line(&self) -> impl Iterator<Item = Line> {
         let mut start = 0;
-        let line = |(index, line): (usize, &str)| {
+        let line = move |(index, line): (usize, &str)| {
             let content = line.trim_end();
             let range = start..start + content.len();
             start += line.len();
@@ -104,7 +110,7 @@ impl Sheet {
                 text: content.to_owned(),
             })
         };
-        self.text.split_inclusive('\n').enumerate().filter_map(line).collect()
+        self.text.split_inclusive('\n').enumerate().filter_map(line)
     }
 }
 
@@ -216,11 +222,11 @@ mod tests {
         let wide: Vec<u8> = "a;µ\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
         let big: Vec<u8> = [0xfe, 0xff].into_iter().chain("a;µ\n".encode_utf16().flat_map(u16::to_be_bytes)).collect();
         for bytes in [wide.clone(), [&[0xff, 0xfe], wide.as_slice()].concat(), big, "a;µ\n".into()] {
-            assert_eq!(decoded(&bytes).as_deref(), Some("a;µ\n"));
+            assert_eq!(decoded(bytes).as_deref(), Some("a;µ\n"));
         }
-        assert_eq!(decoded(&[0xff, 0xfe, 0]), None);
-        assert_eq!(decoded(&[b'a', 0xb5, b'\n', 0x80]).as_deref(), Some("aµ\n€"));
-        assert_eq!((decoded(&[b'a', 0xb5, 1]), decoded(&[b'a', 0x81])), (None, None));
+        assert_eq!(decoded(vec![0xff, 0xfe, 0]), None);
+        assert_eq!(decoded(vec![b'a', 0xb5, b'\n', 0x80]).as_deref(), Some("aµ\n€"));
+        assert_eq!((decoded(vec![b'a', 0xb5, 1]), decoded(vec![b'a', 0x81])), (None, None));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! manual's sum of tables, both read from the files.
 
 use std::path::{Path, PathBuf};
+use std::process::Stdio;
 
 use crate::kinematic_parameters::{Control, OF_TABLES, numbers, table_table};
 use crate::oracle::curves::Travel;
@@ -10,7 +11,7 @@ use crate::oracle::matrix::norm;
 use crate::oracle::program::Folder;
 use crate::support::cec::CorrectionTables;
 use crate::support::config::sample;
-use crate::support::{Run, abbe, left, names, number, p95_bracket, verify};
+use crate::support::{Run, abbe, left, names, number, p95_bracket, tree, verify};
 
 const POSES: usize = 400;
 
@@ -58,6 +59,53 @@ fn sent<'a>(out: &Path, sample: &'a Sample) -> impl Fn(&Pose) -> Pose + 'a {
         }
         command
     }
+}
+
+/// A run that was killed in a subfolder, or while it replaced both: no verb takes the set for whole.
+#[test]
+fn a_half_replaced_part_is_refused_wherever_it_is_read() {
+    let folder = Folder::new();
+    let path = machine(&folder);
+    let _ = both(&folder, &["sinumerik-traori", "sinumerik-cec"]).json();
+    let out = folder.path("out");
+    for part in [".", "sinumerik-traori", "sinumerik-cec"] {
+        let list = out.join(part).join(".abbe-set.json");
+        std::fs::write(&list, "{}").unwrap();
+        verify(&path, &out, &["--poses", "3"]).refused("E0733");
+        Run::of(abbe().arg("diff").arg(&path).arg(&out).arg(&out)).refused("E0733");
+        if part == "sinumerik-traori" {
+            Run::of(abbe().arg("locate").arg(&path).arg(out.join(part))).refused("E0733");
+        }
+        std::fs::remove_file(list).unwrap();
+    }
+    assert_eq!(verify(&path, &out, &["--poses", "3"]).code, Some(0));
+}
+
+/// Two runs at the same time into one folder leave both parts of one of them.
+#[test]
+fn runs_at_the_same_time_leave_the_sets_of_one() {
+    let folder = Folder::new();
+    let first = std::fs::read_to_string(machine(&folder)).unwrap();
+    let files = [("a.yaml", first.clone()), ("b.yaml", first.replace("EX0C: 26 um", "EX0C: 7 um"))];
+    let paths = files.map(|(name, text)| folder.write(name, &text));
+    let run = |path: &Path, out: &str| {
+        let mut command = abbe();
+        command.args(["compile", "--accept-unverified", "--poses", "3", "--quiet"]).arg(path);
+        command.args(["--target", "sinumerik-traori", "--target", "sinumerik-cec", "--out"]).arg(folder.path(out));
+        command
+    };
+    for (path, out) in paths.iter().zip(["a", "b"]) {
+        assert_eq!(Run::of(&mut run(path, out)).code, Some(0));
+    }
+    let started: Vec<_> = (0..12).map(|i| run(&paths[i % 2], "out").stdout(Stdio::null()).spawn().unwrap()).collect();
+    for mut child in started {
+        assert!(child.wait().unwrap().success());
+    }
+    let files = |out: &str| {
+        let all = tree(&folder.path(out)).into_iter();
+        all.map(|(path, entry)| (path.strip_prefix(folder.path(out)).unwrap().to_owned(), entry)).collect::<Vec<_>>()
+    };
+    assert!(files("out") == files("a") || files("out") == files("b"));
 }
 
 /// Half a year later: the machine is measured with both in force. Parameters are added to parameters and tables to

@@ -22,7 +22,7 @@ fn machine(um: f64) -> String {
     )
 }
 
-const VERBS: [&[&str]; 7] = [
+const VERBS: [&[&str]; 14] = [
     &["compile", "m.yaml", "--target", "linuxcnc", "--poses", "200", "--out", "set"],
     &["compile", "m.yaml", "--target", "sinumerik-cec", "--poses", "200", "--accept-unverified", "--out", "cec"],
     &[
@@ -43,7 +43,19 @@ const VERBS: [&[&str]; 7] = [
     &["identify", "m.yaml", "--data", "r.csv", "--fit", "EXX:poly2", "--accept-undetermined", "--out", "f.yaml"],
     &["report", "m.yaml", "--poses", "60", "--out", "page.html"],
     &["equations", "m.yaml", "--order", "2"],
+    &["figures", "circle", "c.csv", "--svg", "c.svg"],
+    &["reach", "m.yaml", "--step", "60 mm", "--svg", "r.svg", "--vtk", "r.vts"],
+    &["instrument", "m.yaml", "ball-bar", "--svg", "i.svg"],
+    &["locate", "m.yaml", "lines.csv", "--out", "l.yaml"],
+    &["record", "r.yaml", "--out", "record"],
+    &["budget", "m.yaml", "--samples", "40", "--poses", "9", "--shard", "1/2", "--state", "part"],
+    &["enumerate", "m.yaml", "--samples", "3", "--max-samples", "6", "--poses", "5", "--state", "study"],
 ];
+
+const DESCRIPTION: &str = "record: 1\nid: R\ndates: { begin: 2026-11-02, end: 2026-11-02 }\ncountry: DE\nplace: other\n\
+    laboratory: { name: L, city: C }\ncustomer: { name: L, city: C }\npersons: [{ name: P }]\nmachine: { serial: S }\n\
+    as_found: m.yaml\ndata: [r.csv]\n\
+    instruments: [{ name: I, serial: S, certificate: C, calibrated: 2026-01-01, uncertainty: 1 um }]\n";
 
 #[test]
 fn threads_and_locales_change_no_byte() {
@@ -54,6 +66,9 @@ fn threads_and_locales_change_no_byte() {
         std::fs::create_dir(&at).unwrap();
         std::fs::write(at.join("m.yaml"), machine(5.0)).unwrap();
         std::fs::write(at.join("r.csv"), format!("X [mm],Y [mm],dx [um]\n{readings}")).unwrap();
+        std::fs::write(at.join("c.csv"), "angle [deg],ccw [um],cw [um]\n0,1,2\n90,2,3\n180,1,1\n270,2,0\n").unwrap();
+        std::fs::write(at.join("lines.csv"), "axis,dx [um],dy [um]\nC,4,-3\n").unwrap();
+        std::fs::write(at.join("r.yaml"), DESCRIPTION).unwrap();
         for (number, verb) in VERBS.iter().enumerate() {
             let mut run = abbe();
             run.args(*verb).args(["--jobs", jobs]).current_dir(&at).envs(variables.iter().copied());

@@ -2,6 +2,8 @@
 //! systems that have nothing left to give, numbers that are none, and the ordinary case half a year later.
 
 use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -87,6 +89,25 @@ fn axes_and_diagnostics_are_counted() {
     run.says("more");
 }
 
+/// A part of a budget that somebody else wrote: its hash of machine and options is right, its counts are not.
+#[test]
+fn parts_of_a_budget_have_no_more_machines_than_it() {
+    let folder = Folder::new();
+    let _ = folder.write("m.yaml", &format!("{SMALL}errors: {{ EXX: {{ tolerance: 9 um }} }}\n"));
+    let budget = ["budget", "m.yaml", "--samples", "9", "--poses", "3", "--quiet"];
+    let drawn = [&budget[..], &["--shard", "1/1", "--state", "part"]].concat();
+    assert_eq!(run(&folder, &drawn).code, Some(0));
+    let text = std::fs::read_to_string(folder.path("part")).unwrap();
+    assert!(text.contains("\"first\":0"), "{text}");
+    for first in ["1", "18446744073709551615", "18446744073709551616", "-1", "1e300", "null", "[[[["] {
+        let _ = folder.write("part", &text.replace("\"first\":0", &format!("\"first\":{first}")));
+        run(&folder, &drawn).refused("E0610");
+        run(&folder, &[&budget[..], &["--merge", "part"]].concat()).refused("E0610");
+    }
+    let _ = folder.write("part", &text.replacen("[{", "[{\"x\":1e999,", 1));
+    run(&folder, &drawn).refused("E0610");
+}
+
 /// Four files of 50 MB: 36 s and 1.26 GB once. They are refused by their size.
 #[test]
 fn sets_beyond_all_measure_are_refused_unread() {
@@ -115,6 +136,40 @@ fn without_threads_the_run_has_one() {
         let run = Run::of(shell.env("RAYON_NUM_THREADS", threads.to_string()).current_dir(folder.path("")));
         assert_eq!(run.json(), plain, "{kilobytes} kB, {threads} threads");
     }
+}
+
+/// A server that is given no descriptor for a connection waits for one, and does not turn on the spot.
+#[test]
+fn a_server_without_descriptors_waits_for_one() {
+    let folder = Folder::new();
+    let _ = folder.write("m.yaml", SMALL);
+    let script = "ulimit -n 20; exec \"$0\" workbench m.yaml";
+    let mut shell = Command::new("sh");
+    shell.args(["-c", script, env!("CARGO_BIN_EXE_abbe")]).current_dir(folder.path(""));
+    let mut server = shell.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    let mut line = String::new();
+    let _ = BufReader::new(server.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let port: u16 = line.split("127.0.0.1:").nth(1).unwrap().split('/').next().unwrap().parse().unwrap();
+    let open = || TcpStream::connect(("127.0.0.1", port)).unwrap();
+    let spent = || -> u64 {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", server.id())).unwrap();
+        let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
+        // Clock ticks of 10 ms, in user and system mode.
+        fields[11].parse::<u64>().unwrap() + fields[12].parse::<u64>().unwrap()
+    };
+    let idle: Vec<TcpStream> = (0..40).map(|_| open()).collect();
+    let before = spent();
+    std::thread::sleep(Duration::from_secs(1));
+    assert!(spent() - before < 50, "{} ticks in a second", spent() - before);
+    drop(idle);
+    let mut one = open();
+    one.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+    one.write_all(format!("GET / HTTP/1.1\r\nhost: 127.0.0.1:{port}\r\n\r\n").as_bytes()).unwrap();
+    let mut answer = Vec::new();
+    let _ = one.read_to_end(&mut answer);
+    let _ = server.kill();
+    let _ = server.wait();
+    assert!(answer.starts_with(b"HTTP/1.1 200"), "{:?}", String::from_utf8_lossy(&answer[..answer.len().min(80)]));
 }
 
 #[test]

@@ -35,7 +35,7 @@ const STATES: [&str; 2] = ["--merge", "--state"];
 
 const MACHINE: &[&str] = &["machine", "base", "table"];
 
-const VERBS: [Verb; 17] = [
+const VERBS: [Verb; 21] = [
     Verb {
         name: "show",
         arguments: &["show", "machine.END"],
@@ -142,6 +142,30 @@ const VERBS: [Verb; 17] = [
         outputs: &["--out"],
     },
     Verb {
+        name: "records in a line",
+        arguments: &["record", "--trend", "records/a", "records/b"],
+        inputs: &["records"],
+        outputs: &["--svg"],
+    },
+    Verb {
+        name: "locate",
+        arguments: &["locate", "turning.END", "lines.END"],
+        inputs: &["turning", "lines"],
+        outputs: &["--out"],
+    },
+    Verb {
+        name: "compile on top of a set",
+        arguments: &["compile", "machine.END", "--poses", "3", "--target", "grid-csv", "--installed", "installed"],
+        inputs: &["machine", "base", "table", "installed"],
+        outputs: &["--out"],
+    },
+    Verb {
+        name: "budget put together",
+        arguments: &["budget", "bounded.END", "--samples", "2", "--merge", "part.END"],
+        inputs: &["bounded", "base", "part"],
+        outputs: &["--pareto", "--waterfall"],
+    },
+    Verb {
         name: "report",
         arguments: &[
             "report",
@@ -180,9 +204,10 @@ const VERBS: [Verb; 17] = [
 
 impl Verb {
     fn reads(&self, path: &Path) -> bool {
-        let own = path.parent().unwrap().ends_with("own");
-        let stem = if own { "templates" } else { path.file_stem().unwrap().to_str().unwrap() };
-        self.inputs.contains(&stem)
+        let within =
+            |folder: &str| path.parent().is_some_and(|at| at.components().any(|part| part.as_os_str() == folder));
+        let folder = ["templates", "records", "installed"].into_iter().find(|folder| within(folder));
+        self.inputs.contains(&folder.unwrap_or_else(|| path.file_stem().unwrap().to_str().unwrap()))
     }
 }
 
@@ -191,6 +216,24 @@ const ENDINGS: [&str; 3] = ["yaml", "svg", "png"];
 
 /// Writes every input of every verb with this ending.
 fn inputs(folder: &Folder, ending: &str) {
+    sources(folder, ending);
+    // What other verbs write.
+    let machine = format!("machine.{ending}");
+    let made = |arguments: &[&str]| {
+        let run = Run::of(abbe().args(arguments).arg("--quiet").current_dir(folder.path("")));
+        assert_eq!(run.code, Some(0), "{arguments:?}: {}", run.err);
+    };
+    made(&["compile", &machine, "--poses", "3", "--target", "grid-csv", "--out", "installed"]);
+    let (bounded, part) = (format!("bounded.{ending}"), format!("part.{ending}"));
+    made(&["budget", &bounded, "--samples", "2", "--shard", "1/1", "--state", &part]);
+    let description = folder.path(&format!("record.{ending}"));
+    let text = std::fs::read_to_string(&description).unwrap();
+    made(&["record", description.to_str().unwrap(), "--out", "records/a"]);
+    std::fs::write(&description, text.replace("id: R\n", "id: S\n").replace("-11-02", "-11-20")).unwrap();
+    made(&["record", description.to_str().unwrap(), "--out", "records/b"]);
+}
+
+fn sources(folder: &Folder, ending: &str) {
     let axes = ["X", "Y", "Z"].map(|axis| format!("  {axis}: {{ travel: [0, 400], origin: [0, 0, 0] }}\n")).concat();
     let base = format!("abbe: 1\nmachine: m\nchain: w b X Y Z t\naxes:\n{axes}volume: {{ step: 200 mm }}\n");
     let write = |name: &str, text: &str| drop(folder.write(&format!("{name}.{ending}"), text));
@@ -200,6 +243,7 @@ fn inputs(folder: &Folder, ending: &str) {
     write("table", "X [mm],EXX [um]\n0,0\n200,5\n400,3\n");
     write("poses", "X,Y,Z\n100,200,300\n");
     write("cost", "power: 1\n");
+    write("lines", "axis,dx [um],dy [um]\nC,4,-3\n");
     write(
         "data",
         "X [mm],Y [mm],dx [um],dy [um],dz [um]\n0,0,0,0,0\n100,50,1,0,0\n200,300,3,0,0\n300,90,3,0,0\n400,200,2,0,0\n",

@@ -242,6 +242,14 @@ fn templates_that_take_all_memory_are_refused() {
     assert_eq!(run.code, Some(2));
 }
 
+/// Numbers that are not finite leave a template in no file, whoever made them.
+#[test]
+fn templates_write_no_number_that_is_not_finite() {
+    for text in ["{{ 1e308 * 10 }}", "{{ -1e308 * 10 }}", "{{ 1e308 * 10 - 1e308 * 10 }}"] {
+        greedy("all.txt", text).refused("E0542").says("a number of `all.txt` is not finite");
+    }
+}
+
 /// Nor does it bound the cost of one step: much in few steps. A file's name has no such steps.
 #[test]
 fn templates_that_take_all_day_are_refused() {

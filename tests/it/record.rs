@@ -530,3 +530,36 @@ fn the_schema_takes_the_certificate() {
         }
     }
 }
+
+/// Folders of somebody else's that call themselves records: with hashes that agree, and words that lead elsewhere.
+#[test]
+fn a_record_leads_nowhere_but_to_its_own_files() {
+    let (folder, description) = campaign("limits: [{ error: EC0Y, limit: 90 urad, alarm: 40 urad }]\n");
+    let first = folder.path("first");
+    record(&description, &first, &[]).json();
+    let second = later(&folder, "R-2", "2027-11-02", MACHINE, "");
+    let trend = || Run::of(abbe().args(["record", "--trend"]).args([&first, &second]));
+    assert_eq!(trend().code, Some(0));
+    let (path, sums) = (first.join("record.json"), first.join("SHA256SUMS"));
+    let (whole, list) = (read(&path), read(&sums));
+    let forged = [
+        ("\"as-found/found.yaml\"", "\"/etc/passwd\""),
+        ("\"as-found/found.yaml\"", "\"../../../../../../../../etc/passwd\""),
+        ("\"as-found/found.yaml\"", "\"as-found/../../machine/found.yaml\""),
+        ("\"EC0Y\"", "\"\\u001b[2J\""),
+        ("\"urad\"", "\"urad\\n1,2\""),
+        ("\"Mill <7> & \\\"Co\\\"\"", "\"\\u001b]0;title\\u0007\""),
+        ("\"record\": 1", "\"record\": 1e400"),
+        ("2026-11-02", "2026-13-02"),
+    ];
+    for (from, to) in forged {
+        assert!(whole.contains(from), "{from} in {whole}");
+        let text = whole.replace(from, to);
+        std::fs::write(&path, &text).unwrap();
+        std::fs::write(&sums, list.replace(&sha256(whole.as_bytes()), &sha256(text.as_bytes()))).unwrap();
+        assert_eq!(check(&first).code, Some(0), "the hashes agree");
+        let run = trend();
+        run.refused("E0821");
+        assert!(!run.err.contains("root:") && !run.err.contains('\u{1b}'), "{to}: {}", run.err);
+    }
+}

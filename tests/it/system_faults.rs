@@ -6,13 +6,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use crate::kinematic_parameters::table_table;
 use crate::oracle::program::Folder;
 use crate::support::{Entry, abbe, tree, verify};
 
 /// Calls that change files or open them for that, with the errors that each is given.
-const CALLS: [(&str, &[&str]); 14] = [
+const CALLS: [(&str, &[&str]); 15] = [
     ("open", &["EIO", "ENOSPC", "EACCES", "EMFILE"]),
     ("openat", &["EIO", "ENOSPC", "EACCES", "EMFILE"]),
+    // A second handle of a file that is written.
+    ("fcntl", &["EMFILE"]),
     ("write", &["EIO", "ENOSPC"]),
     ("pwrite64", &["EIO", "ENOSPC"]),
     ("fsync", &["EIO", "ENOSPC"]),
@@ -222,6 +225,39 @@ fn a_set_is_replaced_whole() {
         assert!(found_plain == job.old || found_plain == job.new, "{what}: {:?}", found.keys());
         assert!(code != Some(0) || found_plain == job.new, "{what}: success, and not the new set");
         assert!(code.is_none() || found_plain.len() == found.len(), "{what}: {:?}", found.keys());
+    });
+}
+
+/// The sets of two targets are one set: parameters of one run are never certified with the tables of another.
+#[test]
+#[ignore = "needs strace; tests/run installs it"]
+fn sets_of_two_targets_are_replaced_as_one() {
+    let folder = Folder::new();
+    let targets = ["--target", "sinumerik-traori", "--target", "sinumerik-cec"];
+    let arguments =
+        [&["compile", "m.yaml"][..], &targets, &["--accept-unverified", "--poses", "1", "--out", "out"]].concat();
+    let job = Job::new(&folder, &arguments, |at| {
+        let text = |um: f64| {
+            let errors = format!("  EX0C: {um} um\n  EXX: {{ points: [[0 mm, 0 um], [500 mm, {um} um]] }}\n");
+            table_table(&errors).replace("  X: { ", "  X: { origin: [0, 0, 0], ")
+                + "volume: { step: 500 mm, A: { step: 90 deg }, C: { step: 180 deg } }\n"
+        };
+        std::fs::write(at.join("m.yaml"), text(3.0)).unwrap();
+        let run = abbe().args(&arguments).current_dir(at).output().unwrap();
+        assert!(run.status.success(), "{}", self::text(&run.stderr));
+        std::fs::write(at.join("m.yaml"), text(7.0)).unwrap();
+    });
+    job.all(|what, run, at| {
+        let (found, code) = (files(at), run.status.code());
+        if found.keys().any(|path| path.ends_with(".abbe-set.json")) {
+            assert_ne!(code, Some(0), "{what}");
+            verify(&at.join("m.yaml"), &at.join("out"), &["--poses", "1"]).refused("E0733");
+            return;
+        }
+        let ours = |path: &&PathBuf| !path.to_str().unwrap().ends_with(".abbe-set");
+        let plain = |of: &Files| found.keys().filter(ours).all(|path| of.get(path) == found.get(path));
+        assert!(plain(&job.old) || plain(&job.new), "{what}: {:?}", found.keys());
+        assert!(code != Some(0) || found == job.new, "{what}: success, and not the new sets");
     });
 }
 

@@ -25,12 +25,12 @@ use crate::controller::sha256;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
 use crate::identify::{
-    DistanceEnd, FileNotes, Fit, Known, Measurement, MeasurementSet, Misfit, Model, Parameter, Prediction, Randomness,
-    Reading, ReadingContext, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, held_out, in_datum,
+    FileNotes, Fit, Known, Measurement, MeasurementSet, Misfit, Model, Parameter, Prediction, Randomness,
+    ReadingContext, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, held_out, in_datum,
     invariances, known, misfit, overruled, parameters, randomness, read_measurements, repeats, slope_bounds, solve,
     type_b, unused,
 };
-use crate::machine::{Machine, Pose};
+use crate::machine::Machine;
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
 use crate::units::counted;
 use std::cell::RefCell;
@@ -231,12 +231,7 @@ fn measurements(
     call.checked()?;
     let hashes = recording.hashes.into_inner();
     refuse_copies(call, &paths, &hashes)?;
-    let other = |m: &Measurement| match &m.reading {
-        Reading::Distance { from: DistanceEnd::Pose(to), .. } => Some(to.clone()),
-        _ => None,
-    };
-    let at: Vec<Pose> = data.rows.iter().flat_map(|m| std::iter::once(m.pose.clone()).chain(other(m))).collect();
-    poses::check(call, file, &at)?;
+    poses::check(call, file, data.rows.iter().flat_map(Measurement::poses))?;
     Ok((data, hashes))
 }
 

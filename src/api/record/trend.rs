@@ -6,6 +6,7 @@ use crate::api::compensation::folder::SET_LIMIT;
 use crate::api::diff_machines::{DiffMachinesOptions, MachineDifference, diff_machines};
 use crate::api::machine_file::{LoadOptions, MachineFile, load};
 use crate::api::run::{Answer, Call, Refused, Run};
+use crate::controller::is_plain_name;
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::report::record::{AlarmLimit, Dates, Day, ErrorRow, Line, MachineState, Plate, StateValue};
 use crate::report::{LinePanel, LinePicture, Picture};
@@ -24,7 +25,7 @@ struct StoredRecord {
     record: u32,
     id: Line,
     dates: Dates,
-    machine: String,
+    machine: Line,
     plate: Plate,
     as_found: MachineState,
     as_left: Option<MachineState>,
@@ -147,7 +148,7 @@ fn trend(call: &mut Call<'_>, folders: &[PathBuf], options: &RecordOptions) -> R
         adjusted: record.as_left.is_some(),
     };
     Ok(RecordTrend {
-        machine: newest.machine.clone(),
+        machine: newest.machine.to_string(),
         serial: newest.plate.serial.clone(),
         records: records.iter().map(of).collect(),
         errors: errors(&records),
@@ -159,12 +160,27 @@ fn stored(call: &mut Call<'_>, folder: &Path) -> Result<StoredRecord, Refused> {
     let _ = checked(call, folder)?;
     let bytes = call.run.files.read_at_most(&folder.join(JSON_NAME), SET_LIMIT).unwrap_or_default();
     match serde_json::from_slice::<StoredRecord>(&bytes) {
-        Ok(record) if record.record == 1 => Ok(StoredRecord { folder: folder.to_owned(), ..record }),
+        Ok(record) if record.record == 1 && record.is_its_own() => {
+            Ok(StoredRecord { folder: folder.to_owned(), ..record })
+        }
         _ => {
             let message =
                 format!("`{JSON_NAME}` of `{}` is no record of version 1", shown(&folder.display().to_string()));
             call.refuse(Diagnostic::new(codes::E0821, message).help("make the record again from its sources"))
         }
+    }
+}
+
+impl StoredRecord {
+    /// True if it leads to files of its folder only, and names errors as abbe writes them: the folder may be anybody's.
+    fn is_its_own(&self) -> bool {
+        let error = |(error, unit): (&String, &String)| {
+            error.bytes().all(|byte| byte.is_ascii_alphanumeric()) && ["um", "urad"].contains(&unit.as_str())
+        };
+        let rows = self.errors.iter().map(|row| (&row.error, &row.unit));
+        let states = || std::iter::once(&self.as_found).chain(&self.as_left);
+        rows.chain(self.alarms.iter().map(|alarm| (&alarm.error, &alarm.unit))).all(error)
+            && states().all(|state| state.file.split('/').all(is_plain_name))
     }
 }
 

@@ -58,8 +58,13 @@ pub(crate) struct Stale {
 }
 
 impl Replacement<'_> {
-    /// Replaces files and removes others; returns those that could not be removed. The folder is held.
-    pub(crate) fn carry_out(mut self, folder: &Path) -> Result<Vec<Stale>, Diagnostic> {
+    /// Replaces files and removes others; returns those that could not be removed. The folder is held. What is done
+    /// `between` decision and replacement is a part of it.
+    pub(crate) fn carry_out(
+        mut self,
+        folder: &Path,
+        between: impl FnOnce() -> Result<(), Diagnostic>,
+    ) -> Result<Vec<Stale>, Diagnostic> {
         let before = left_over(folder);
         // No number of the process: in a container that is always the same.
         let run = before.iter().map(|(run, _)| *run).max().unwrap_or(0).saturating_add(1);
@@ -68,6 +73,7 @@ impl Replacement<'_> {
         let staged = Staged::write(folder, &all, run)?;
         let files = all.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
         staged.decide(folder, &Decided { run, files })?;
+        between().map_err(|refusal| refusal.help(HALF))?;
         let stale = self.put_in_place(folder, run).map_err(half)?;
         let ours = before.iter().filter(|(_, path)| !(self.kept)(path));
         ours.for_each(|(_, path)| drop(fs::remove_file(path)));
@@ -97,9 +103,11 @@ impl Replacement<'_> {
 }
 
 fn half((name, failure): (String, std::io::Error)) -> Diagnostic {
-    Diagnostic::new(codes::E0810, format!("cannot replace `{name}`: {failure}"))
-        .help("the set in this folder is half replaced: load none of its files; the next `compile` into it mends it")
+    Diagnostic::new(codes::E0810, format!("cannot replace `{name}`: {failure}")).help(HALF)
 }
+
+const HALF: &str =
+    "the set in this folder is half replaced: load none of its files; the next `compile` into it mends it";
 
 /// Removes a file if its bytes are those of the old set; returns the file if it stays.
 fn remove(folder: &Path, old: &Hashed) -> Option<Stale> {

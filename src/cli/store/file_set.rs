@@ -9,10 +9,10 @@ use super::write;
 use crate::cli::Outcome;
 use crate::cli::output::session::Session;
 use abbe::results::ReadFailure;
-use abbe::sets::{Hashed, LOCK_NAME, Lock, RenderedFile, STALE_HELP, refuse_outside};
+use abbe::sets::{Hashed, LOCK_NAME, Lock, RenderedFile, STALE_HELP, is_plain_name, refuse_outside};
 use abbe::{Diagnostic, codes};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A set to be written, and what has to stay.
 pub(crate) struct NewSet<'a> {
@@ -27,8 +27,34 @@ pub(crate) struct NewSet<'a> {
 impl NewSet<'_> {
     /// Writes the set into a folder (made if it is not there), then its manifest. Returns warnings.
     pub(crate) fn write(&self, folder: &Path) -> Result<Vec<Diagnostic>, Diagnostic> {
+        self.prepared(folder)?.write(|| Ok(()))
+    }
+
+    /// Writes the sets of several targets into subfolders, and this one, the manifest above them: all are replaced as
+    /// one, and no other run writes there meanwhile. Returns warnings.
+    pub(crate) fn write_above(
+        &self,
+        folder: &Path,
+        parts: &[(&str, NewSet<'_>)],
+    ) -> Result<Vec<Diagnostic>, Diagnostic> {
+        let above = self.prepared(folder)?;
+        let prepared = parts.iter().map(|(name, part)| part.prepared(&folder.join(name)));
+        let prepared = prepared.collect::<Result<Vec<_>, _>>()?;
+        let mut warnings = Vec::new();
+        let own = above.write(|| {
+            for part in prepared {
+                warnings.extend(part.write(|| Ok(()))?);
+            }
+            Ok(())
+        })?;
+        warnings.extend(own);
+        Ok(warnings)
+    }
+
+    /// Refuses what may not be replaced, and holds the folder (made if it is not there).
+    fn prepared<'s>(&'s self, folder: &Path) -> Result<Prepared<'s>, Diagnostic> {
         write::make_folder(folder)?;
-        let _guard =
+        let guard =
             commit::exclusive(folder).map_err(|failure| write::unwritable_folder(folder, &failure.to_string()))?;
         let old = existing_lock(folder);
         refuse_odd_manifest(folder, old.is_some())?;
@@ -45,14 +71,8 @@ impl NewSet<'_> {
             write::refuse_input(&folder.join(&file.name), self.read)?;
             refuse_foreign(folder, file, &ours)?;
         }
-        let (removed, mut stale) = self.gone(folder, old.as_ref(), &ours);
-        let mut lock = self.lock.clone();
-        lock.stale = stale.iter().map(|stale| stale.file.clone()).collect();
-        let kept = |path: &Path| write::is_input(path, self.read);
-        let replacement = Replacement { files: self.files, lock, removed: &removed, kept: &kept };
-        stale.extend(replacement.carry_out(folder)?);
-        let mended = half_replaced.then(|| mended(folder));
-        Ok(mended.into_iter().chain(stale.iter().map(|stale| still_there(folder, stale))).collect())
+        let (removed, stale) = self.gone(folder, old.as_ref(), &ours);
+        Ok(Prepared { set: self, folder: folder.to_owned(), removed, stale, half_replaced, _guard: guard })
     }
 
     /// Returns the files of the old set that the new one does not have: those to be removed, and those that stay.
@@ -81,6 +101,32 @@ impl NewSet<'_> {
         // A file may be listed with the bytes of the old set and with those of a killed run.
         kept.retain(|kept| !removed.iter().any(|file| file.name == kept.file.name));
         (removed, kept)
+    }
+}
+
+/// A set that may take its place.
+struct Prepared<'s> {
+    set: &'s NewSet<'s>,
+    folder: PathBuf,
+    /// Files of the old set that go.
+    removed: Vec<Hashed>,
+    /// Files of the old set that stay.
+    stale: Vec<Stale>,
+    half_replaced: bool,
+    /// Holds the folder.
+    _guard: fs::File,
+}
+
+impl Prepared<'_> {
+    /// Replaces the old set, with other sets `between` decision and manifest. Returns warnings.
+    fn write(mut self, between: impl FnOnce() -> Result<(), Diagnostic>) -> Result<Vec<Diagnostic>, Diagnostic> {
+        let mut lock = self.set.lock.clone();
+        lock.stale = self.stale.iter().map(|stale| stale.file.clone()).collect();
+        let kept = |path: &Path| write::is_input(path, self.set.read);
+        let replacement = Replacement { files: self.set.files, lock, removed: &self.removed, kept: &kept };
+        self.stale.extend(replacement.carry_out(&self.folder, between)?);
+        let mended = self.half_replaced.then(|| mended(&self.folder));
+        Ok(mended.into_iter().chain(self.stale.iter().map(|stale| still_there(&self.folder, stale))).collect())
     }
 }
 
@@ -139,14 +185,17 @@ fn foreign(path: &Path, why: &str) -> Diagnostic {
         .help("move it away, or give another folder to --out; nothing was written")
 }
 
-/// Refuses a folder whose set a killed run has half replaced.
+/// Refuses a folder whose set, or a part of it in a subfolder, a killed run has half replaced.
 pub(crate) fn check(session: &mut Session, folder: &Path) -> Outcome {
     if let Some(root) = session.files.outside(folder) {
         let message =
             format!("`{}` is outside `{}`, to which --confined limits this run", folder.display(), root.display());
         return session.refuse(Diagnostic::new(codes::E0819, message).help("name a folder that holds every file"));
     }
-    match commit::check(folder, &mut session.diagnostics) {
+    let lock = existing_lock(folder);
+    let parts = lock.iter().flat_map(|lock| &lock.parts).filter(|part| is_plain_name(&part.name));
+    let mut folders = std::iter::once(folder.to_owned()).chain(parts.map(|part| folder.join(&part.name)));
+    match folders.try_for_each(|folder| commit::check(&folder, &mut session.diagnostics)) {
         Ok(()) => Ok(()),
         Err(refusal) => session.refuse(refusal),
     }

@@ -11,7 +11,7 @@ use crate::cli::store::write;
 use abbe::options::Limits;
 use abbe::sets::target_writes;
 use abbe::{CompileOptions, MachineFile};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
@@ -103,19 +103,9 @@ fn composed(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
     archived(session, args)?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
-    let part = |files, lock, folder: &Path| NewSet { files, lock, read: &session.files, writes: &writes }.write(folder);
-    let mut written = write::make_folder(&args.out).map(|()| Vec::new());
-    for one in &set.parts {
-        written = written.and_then(|mut all| {
-            all.extend(part(&one.files, &one.lock, &args.out.join(&one.folder))?);
-            Ok(all)
-        });
-    }
-    let written = written.and_then(|mut all| {
-        all.extend(part(&[], &set.lock, &args.out)?);
-        Ok(all)
-    });
-    match written {
+    let of = |files, lock| NewSet { files, lock, read: &session.files, writes: &writes };
+    let parts: Vec<_> = set.parts.iter().map(|one| (one.folder.as_str(), of(&one.files, &one.lock))).collect();
+    match of(&[], &set.lock).write_above(&args.out, &parts) {
         Ok(warnings) => warnings.into_iter().for_each(|warning| session.diagnostics.push(warning)),
         Err(refusal) => return session.refuse(refusal),
     }

@@ -3,7 +3,7 @@
 use crate::cli::arguments::{InstalledArg, help};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
-use crate::cli::store::write;
+use crate::cli::store::{file_set, write};
 use crate::cli::{Format, Outcome};
 use abbe::results::{LocateResult, LocatedAxis, LocatedError};
 use abbe::text::significant;
@@ -34,6 +34,11 @@ pub(crate) struct Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, None)?;
     write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
+    for folder in [Some(&args.found), args.installed.installed.as_ref()].into_iter().flatten() {
+        if folder.is_dir() {
+            file_set::check(session, folder)?;
+        }
+    }
     let (target, templates) = (args.target.clone(), args.templates.clone());
     let options = LocateOptions { target, templates, installed: args.installed.installed.clone() };
     let answer = locate(&file, args.found.as_deref(), &options, session.run());

@@ -1,4 +1,12 @@
-//! Numbers as templates see them.
+//! Numbers as templates see them. What is not finite is no digits but a mark, and no file with the mark is written.
+
+/// Stands for a number that is not finite: a control character, which no name of a machine or axis holds.
+pub const NOT_FINITE: char = '\u{1a}';
+
+/// The shortest decimal number that is read as the same double; never `-0`.
+pub fn exact(value: f64) -> String {
+    if value.is_finite() { format!("{:?}", value + 0.0) } else { NOT_FINITE.to_string() }
+}
 
 /// Formats a number with `decimals` decimals, never `-0`. Callers have rounded it already, so nothing is lost.
 pub fn fixed(value: f64, decimals: u8) -> String {
@@ -11,6 +19,10 @@ pub fn fixed(value: f64, decimals: u8) -> String {
 pub fn push_fixed(text: &mut String, value: f64, decimals: u8) {
     use std::fmt::Write;
     const EXACT: f64 = 9_007_199_254_740_992.0;
+    if !value.is_finite() {
+        text.push(NOT_FINITE);
+        return;
+    }
     let scaled = libm::round(value * libm::pow(10.0, f64::from(decimals)));
     // Writing to a String cannot fail.
     let _ = if scaled.abs() < EXACT {
@@ -28,7 +40,7 @@ pub fn push_fixed(text: &mut String, value: f64, decimals: u8) {
 
 #[cfg(test)]
 mod tests {
-    use super::fixed;
+    use super::{NOT_FINITE, exact, fixed};
 
     #[test]
     fn numbers_are_plain_decimals() {
@@ -45,5 +57,15 @@ mod tests {
         }
         assert_eq!(fixed(7.4, 0), "7");
         assert_eq!(fixed(1e17, 2), "100000000000000000.00");
+        assert_eq!((exact(-0.0), exact(0.1)), ("0.0".to_owned(), "0.1".to_owned()));
+    }
+
+    #[test]
+    fn what_is_not_finite_is_a_mark() {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!((fixed(value, 3), exact(value)), (NOT_FINITE.to_string(), NOT_FINITE.to_string()));
+        }
+        // Finite, though too large for its decimals.
+        assert_eq!(fixed(1e308, 6).len(), 309 + 7);
     }
 }

@@ -1,17 +1,18 @@
 //! Tables to files, through the target's minijinja templates.
 //!
-//! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows neither `-0` nor NaN nor
-//! a locale. Templates run with fuel and cannot read files. Fuel bounds their steps, not the cost of a step: a program
-//! that renders templates of others bounds their time and memory itself, as `abbe` does.
+//! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows neither `-0` nor a
+//! locale. A file with a number that is not finite is refused, whether it came so or the template made it. Templates
+//! run with fuel and cannot read files. Fuel bounds their steps, not the cost of a step: a program that renders
+//! templates of others bounds their time and memory itself, as `abbe` does.
 
 use super::context::TableWords;
-use super::number::fixed;
+use super::number::{NOT_FINITE, fixed};
 use crate::compensation::{CorrectionTable, CorrectionTables};
 use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileSpec, Per, assigned_letters, is_plain_name};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{AxisKind, Machine, Travel};
 use minijinja::syntax::SyntaxConfig;
-use minijinja::{Environment, UndefinedBehavior, Value, context};
+use minijinja::{Environment, UndefinedBehavior, Value, context, escape_formatter};
 use std::fmt::{Display, Formatter};
 use std::sync::Arc;
 
@@ -33,6 +34,8 @@ pub(crate) enum TemplateFailure {
     Name(String),
     /// The file of this name exceeds [`MAX_FILE_BYTES`].
     Size(String),
+    /// The file of this name would have a number that is not finite.
+    NotFinite(String),
 }
 
 impl Display for TemplateFailure {
@@ -44,6 +47,7 @@ impl Display for TemplateFailure {
             },
             Self::Name(name) => write!(f, "`{name}` is not a plain file name"),
             Self::Size(name) => write!(f, "`{name}` would have more than {} MB", MAX_FILE_BYTES >> 20),
+            Self::NotFinite(name) => write!(f, "a number of `{name}` is not finite"),
         }
     }
 }
@@ -54,16 +58,20 @@ impl From<minijinja::Error> for TemplateFailure {
     }
 }
 
-/// The text that a template has written so far, up to a limit.
+/// The text that a template has written so far, up to a limit and the first number that is not finite.
 #[derive(Default)]
-struct Bounded(Vec<u8>);
+struct Bounded {
+    text: Vec<u8>,
+    not_finite: bool,
+}
 
 impl std::io::Write for Bounded {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        if self.0.len() + bytes.len() > MAX_FILE_BYTES {
-            return Err(std::io::Error::other("too large"));
+        self.not_finite |= bytes.contains(&(NOT_FINITE as u8));
+        if self.not_finite || self.text.len() + bytes.len() > MAX_FILE_BYTES {
+            return Err(std::io::Error::other("refused"));
         }
-        self.0.extend_from_slice(bytes);
+        self.text.extend_from_slice(bytes);
         Ok(bytes.len())
     }
 
@@ -116,7 +124,7 @@ impl ControllerTarget {
         let files = || {
             let tables = writer.files(FileSpec::is_of_tables)?;
             let beside: Vec<String> = tables.iter().map(|file| file.name.clone()).collect();
-            let file = |(spec, template): (&FileSpec, &String)| {
+            let file = |(spec, template): (&FileSpec, &Arc<str>)| {
                 let context = context! {
                     machine => self.written_name(machine),
                     version => env!("CARGO_PKG_VERSION"),
@@ -135,8 +143,13 @@ impl ControllerTarget {
     }
 
     fn failed(&self, failure: &TemplateFailure) -> Diagnostic {
-        Diagnostic::new(codes::E0702, format!("target `{}`: {failure}", self.manifest.target))
-            .help("docs/adding-a-target.md states the variables and the limits of templates; nothing was written")
+        let message = format!("target `{}`: {failure}", self.manifest.target);
+        if matches!(failure, TemplateFailure::NotFinite(_)) {
+            let help = "look for a wrong unit or power of ten in the machine file; nothing was written";
+            return Diagnostic::new(codes::E0542, message).help(help);
+        }
+        let help = "docs/adding-a-target.md states the variables and the limits of templates; nothing was written";
+        Diagnostic::new(codes::E0702, message).help(help)
     }
 
     /// Names of the files that hold a table of their own for each axis, in the order of the joints:
@@ -156,6 +169,11 @@ fn environment() -> Environment<'static> {
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_fuel(Some(FUEL));
     environment.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
+    let mark = Value::from(NOT_FINITE.to_string());
+    environment.set_formatter(move |out, state, value| {
+        let finite = !value.is_number() || f64::try_from(value.clone()).is_ok_and(f64::is_finite);
+        escape_formatter(out, state, if finite { value } else { &mark })
+    });
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
     if let Ok(syntax) = syntax {
         environment.set_syntax(syntax);
@@ -204,7 +222,8 @@ fn rendered(
     let compiled = environment.template_from_str(template)?;
     let mut text = Bounded::default();
     match compiled.render_captured_to(context, &mut text) {
-        Ok(_) => Ok(RenderedFile { name, bytes: text.0 }),
+        Ok(_) => Ok(RenderedFile { name, bytes: text.text }),
+        Err(_) if text.not_finite => Err(TemplateFailure::NotFinite(name)),
         Err(failure) if failure.kind() == minijinja::ErrorKind::WriteFailure => Err(TemplateFailure::Size(name)),
         Err(failure) => Err(failure.into()),
     }

@@ -6,14 +6,9 @@ use super::data::{CurveData, Joint, Model, ModuleWords, WORLD};
 use super::parameters::WrittenParameter;
 use super::transformation::Transformation;
 use crate::compensation::KinematicsMechanism;
-use crate::controller::emit::fixed;
+use crate::controller::emit::{exact, fixed};
 use crate::machine::{Axis, AxisKind, Branch, Grid, Machine, Travel};
 use minijinja::{Value, context};
-
-/// The shortest decimal number that is read as the same double; never `-0`.
-fn exact(x: f64) -> String {
-    format!("{:?}", x + 0.0)
-}
 
 fn list(numbers: &[f64]) -> Vec<String> {
     numbers.iter().map(|x| exact(*x)).collect()

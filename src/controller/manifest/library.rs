@@ -5,6 +5,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::syntax::{Files, YamlFailure, from_yaml, read_text};
 use std::fmt::{Display, Formatter};
 use std::path::Path;
+use std::sync::{Arc, OnceLock};
 
 /// Targets in the binary.
 pub const NAMES: [&str; 27] = [
@@ -118,7 +119,7 @@ const EMBEDDED: [(&str, &str); 72] = [
 pub struct ControllerTarget {
     /// Its manifest.
     pub manifest: Manifest,
-    pub(crate) templates: Vec<String>,
+    pub(crate) templates: Vec<Arc<str>>,
 }
 
 impl ControllerTarget {
@@ -134,14 +135,21 @@ impl ControllerTarget {
         Self::from_folder(&folder.join(name), files, diagnostics)
     }
 
-    /// A target of the binary.
+    /// A target of the binary. Its manifest is read once: to recognise a set is to try all of them.
     pub fn embedded(name: &str) -> Option<Self> {
+        static READ: [OnceLock<Option<ControllerTarget>>; NAMES.len()] = [const { OnceLock::new() }; NAMES.len()];
+        let index = NAMES.iter().position(|known| *known == name)?;
+        READ[index].get_or_init(|| Self::parsed(name)).clone()
+    }
+
+    fn parsed(name: &str) -> Option<Self> {
         let text = |file: &str| {
             let path = format!("{name}/{file}");
-            EMBEDDED.iter().find(|(known, _)| *known == path).map(|(_, text)| (*text).to_owned())
+            EMBEDDED.iter().find(|(known, _)| *known == path).map(|(_, text)| *text)
         };
-        let manifest: Manifest = serde_yaml::from_str(&text("target.yaml")?).ok()?;
-        let templates = manifest.files.iter().map(|file| text(&file.template)).collect::<Option<Vec<_>>>()?;
+        let manifest: Manifest = serde_yaml::from_str(text("target.yaml")?).ok()?;
+        let template = |file: &str| text(file).map(Arc::from);
+        let templates = manifest.files.iter().map(|file| template(&file.template)).collect::<Option<Vec<_>>>()?;
         Some(Self { manifest, templates })
     }
 

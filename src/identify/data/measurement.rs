@@ -138,6 +138,15 @@ impl Measurement {
         Self { pose, tool: 0, approach: Approach::Mean, reading, weight: 1.0, known: false, run: None, place }
     }
 
+    /// The pose, and the other one of a distance between two.
+    pub fn poses(&self) -> impl Iterator<Item = &Pose> {
+        let other = match &self.reading {
+            Reading::Distance { from: DistanceEnd::Pose(to), .. } => Some(to),
+            _ => None,
+        };
+        std::iter::once(&self.pose).chain(other)
+    }
+
     /// Those of the (up to three) numbers of a residual that were read.
     pub fn seen(&self) -> [bool; 3] {
         match &self.reading {

@@ -155,8 +155,8 @@ fn refusal(code: codes::Code, message: String, place: Option<Place>) -> Diagnost
 impl Reader<'_> {
     fn read(&mut self, path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) {
         let Some(sheet) = read_sheet(path, files, diagnostics) else { return };
-        let lines = sheet.lines();
-        let Some((header, body)) = lines.split_first() else {
+        let mut lines = sheet.each_line().peekable();
+        let Some(header) = lines.next() else {
             let name = shown(&path.display().to_string());
             diagnostics.push(refusal(codes::E0501, format!("the file `{name}` is empty"), None));
             return;
@@ -165,6 +165,7 @@ impl Reader<'_> {
         let (columns, form) = match columns(self.machine, &header.text, separator) {
             Ok(found) => found,
             Err(failure) => {
+                let lines = sheet.lines();
                 match tracker::recognise(&lines) {
                     Some(points) => self.read_points(&points, &lines, diagnostics),
                     None => diagnostics.push(refusal(codes::E0501, failure.to_string(), Some(header.place.clone()))),
@@ -173,29 +174,30 @@ impl Reader<'_> {
             }
         };
         self.form = form;
-        if body.is_empty() {
+        if lines.peek().is_none() {
             let message = "the file has a header and no measurements".to_owned();
             diagnostics.push(refusal(codes::E0501, message, Some(header.place.clone())));
         }
-        if let Some(drafts) = self.drafts(&columns, body, separator, diagnostics) {
-            self.add(drafts, diagnostics);
-        }
+        let before = self.data.extent();
+        let drafts = self.body(&columns, lines, separator, diagnostics);
+        self.add(before, drafts, diagnostics);
     }
 
     /// Takes the rows of a file, all or none.
-    fn add(&mut self, drafts: Vec<Draft>, diagnostics: &mut Diagnostics) {
-        let before = self.data.extent();
-        if let Err(refused) = self.rows(drafts) {
-            diagnostics.push(*refused);
+    fn add(&mut self, before: (usize, usize), drafts: Option<Vec<Draft>>, diagnostics: &mut Diagnostics) {
+        let added =
+            drafts.is_some_and(|drafts| self.rows(drafts).map_err(|refused| diagnostics.push(*refused)).is_ok());
+        if !added {
             self.data.truncate(before);
         }
     }
 
     /// Reads the poses of points: a table as for readings, which has none.
-    fn read_poses(&self, path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<PointPoses> {
+    fn read_poses(&mut self, path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<PointPoses> {
         let sheet = read_sheet(path, files, diagnostics)?;
-        let lines = sheet.lines();
-        let Some((header, body)) = lines.split_first().filter(|(_, body)| !body.is_empty()) else {
+        let mut lines = sheet.each_line().peekable();
+        let header = lines.next().filter(|_| lines.peek().is_some());
+        let Some(header) = header else {
             diagnostics.push(refusal(codes::E0501, "the table of poses is empty".to_owned(), Some(sheet.start())));
             return None;
         };
@@ -210,7 +212,7 @@ impl Reader<'_> {
                 return None;
             }
         };
-        let drafts = self.drafts(&columns, body, separator, diagnostics)?;
+        let drafts = self.body(&columns, lines, separator, diagnostics)?;
         let has_names = columns.iter().any(|column| column.content == Content::Point);
         let mut names = std::collections::BTreeSet::new();
         for draft in &drafts {
@@ -255,19 +257,24 @@ impl Reader<'_> {
         };
         self.has_points = true;
         self.form = RowForm::Position;
-        self.add(drafts, diagnostics);
+        let before = self.data.extent();
+        self.add(before, Some(drafts), diagnostics);
     }
 
-    fn drafts(
-        &self,
+    /// Reads the rows of a file. Those that stand for themselves are added at once: there may be millions. Returns
+    /// those that wait for the others of their run; `None` after a mistake.
+    fn body(
+        &mut self,
         columns: &[Column],
-        body: &[Line],
+        lines: impl Iterator<Item = Line>,
         separator: char,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Draft>> {
         let (mut drafts, mut mistakes, mut decimals) = (Vec::new(), 0, Decimals::default());
-        for line in body {
-            match self.draft(columns, line, separator, &mut decimals) {
+        for line in lines {
+            match self.draft(columns, &line, separator, &mut decimals) {
+                Ok(draft) if self.form == RowForm::Deviation => self.data.rows.push(draft.row),
+                Ok(draft) if self.form == RowForm::Error => self.errors(draft),
                 Ok(draft) => drafts.push(draft),
                 Err(failure) if mistakes < MISTAKES => {
                     mistakes += 1;
@@ -377,8 +384,7 @@ impl Reader<'_> {
 
     fn rows(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
         match self.form {
-            RowForm::Deviation => self.data.rows.extend(drafts.into_iter().map(|draft| draft.row)),
-            RowForm::Error => self.errors(drafts),
+            RowForm::Deviation | RowForm::Error => {}
             RowForm::Relative => self.relative(drafts),
             RowForm::Ball => self.balls(drafts)?,
             RowForm::Along => self.lines(drafts)?,
@@ -389,15 +395,13 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn errors(&mut self, drafts: Vec<Draft>) {
-        for draft in drafts {
-            for (source, approach, value) in draft.errors {
-                let approach = if approach == Approach::Mean { draft.row.approach } else { approach };
-                let reading = Reading::Error { value: value * lever(source.direction), source };
-                let own = if source.direction.is_rotation() { draft.angles } else { None };
-                let weight = own.unwrap_or(draft.row.weight);
-                self.data.rows.push(Measurement { reading, approach, weight, ..draft.row.clone() });
-            }
+    fn errors(&mut self, draft: Draft) {
+        for (source, approach, value) in draft.errors {
+            let approach = if approach == Approach::Mean { draft.row.approach } else { approach };
+            let reading = Reading::Error { value: value * lever(source.direction), source };
+            let own = if source.direction.is_rotation() { draft.angles } else { None };
+            let weight = own.unwrap_or(draft.row.weight);
+            self.data.rows.push(Measurement { reading, approach, weight, ..draft.row.clone() });
         }
     }
 

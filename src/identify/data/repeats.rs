@@ -32,24 +32,35 @@ pub struct Repeats {
 /// A reading: its row, its value (mm) and the root of its weight.
 type One = (usize, f64, f64);
 
-/// Readings of one component (absolute, or of one run) in one pose, from one side, with one tool.
+/// Pose, tool and side of a row; -0 and 0 are the same position.
+fn key(m: &Measurement) -> impl Iterator<Item = u64> {
+    m.pose.iter().map(|q| (q + 0.0).to_bits()).chain([m.tool as u64, m.approach as u64])
+}
+
+/// Readings of one component (absolute, or of one run) in one pose, from one side, with one tool. There may be millions
+/// of rows: they are sorted, and a pose that was measured once takes no memory.
 fn groups(data: &[Measurement], kind: ReadingKind) -> Vec<Vec<One>> {
-    let mut groups: BTreeMap<(Vec<u64>, usize, Option<usize>), Vec<One>> = BTreeMap::new();
-    for (row, m) in data.iter().enumerate().filter(|(_, m)| m.kind() == kind) {
+    let mut rows: Vec<usize> = (0..data.len()).filter(|row| data[*row].kind() == kind).collect();
+    rows.sort_by(|a, b| key(&data[*a]).cmp(key(&data[*b])));
+    let poses = rows.chunk_by(|a, b| key(&data[*a]).eq(key(&data[*b])));
+    poses.filter(|rows| rows.len() > 1).flat_map(|rows| of_pose(data, rows)).filter(|group| group.len() > 1).collect()
+}
+
+/// The readings of rows in one pose.
+fn of_pose(data: &[Measurement], rows: &[usize]) -> impl Iterator<Item = Vec<One>> {
+    let mut groups: BTreeMap<(usize, Option<usize>), Vec<One>> = BTreeMap::new();
+    for (row, m) in rows.iter().map(|row| (*row, &data[*row])) {
         let (values, zero) = match &m.reading {
             Reading::Deviation { values, zero, .. } => (*values, *zero),
             Reading::Position { value, frame, .. } => (<[f64; 3]>::from(*value).map(Some), [Some(*frame); 3]),
             _ => continue,
         };
-        // -0 and 0 are the same position.
-        let pose = m.pose.iter().map(|q| (q + 0.0).to_bits());
-        let key: Vec<u64> = pose.chain([m.tool as u64, m.approach as u64]).collect();
         for k in 0..3 {
             let one = values[k].map(|value| (row, value, libm::sqrt(m.weight)));
-            one.into_iter().for_each(|one| groups.entry((key.clone(), k, zero[k])).or_default().push(one));
+            one.into_iter().for_each(|one| groups.entry((k, zero[k])).or_default().push(one));
         }
     }
-    groups.into_values().filter(|group| group.len() > 1).collect()
+    groups.into_values()
 }
 
 /// Weighted sum of squares about the mean (mm^2).

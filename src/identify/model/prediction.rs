@@ -16,6 +16,9 @@ use crate::machine::{Approach, LocationOrder, Machine};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
+/// Number of triangles that are there at a time.
+const TRIANGLES: usize = 16;
+
 /// Machine and unknowns: parameters of the machine first, then those of the instruments.
 #[derive(Clone)]
 pub struct Model<'a> {
@@ -285,9 +288,13 @@ impl<'a> Model<'a> {
             (self.progress)(data.len());
             sum
         };
-        let pieces: Vec<Triangle> = data.par_chunks(piece).zip(weights.par_chunks(piece)).map(one).collect();
         let mut whole = Triangle::new(self.parameters.len());
-        pieces.into_iter().for_each(|piece| whole.merge(piece));
+        // A triangle of many unknowns is large: few of them are there at a time.
+        let together = TRIANGLES * piece;
+        for (data, weights) in data.chunks(together).zip(weights.chunks(together)) {
+            let pieces: Vec<Triangle> = data.par_chunks(piece).zip(weights.par_chunks(piece)).map(one).collect();
+            pieces.into_iter().for_each(|piece| whole.merge(piece));
+        }
         whole.finish()
     }
 
