@@ -34,7 +34,7 @@ pub(crate) struct Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, None)?;
     write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
-    for folder in [Some(&args.found), args.installed.installed.as_ref()].into_iter().flatten() {
+    for folder in [args.found.as_ref(), args.installed.installed.as_ref()].into_iter().flatten() {
         if folder.is_dir() {
             file_set::check(session, folder)?;
         }
