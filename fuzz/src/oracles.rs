@@ -126,7 +126,8 @@ pub fn compile_options(target: &str) -> CompileOptions {
     }
 }
 
-/// The nodes of the tables that a target takes are finite and rise, and its own files are accepted. True if there are any.
+/// The nodes of the tables that a target takes are finite and rise, and its own files are accepted. True if there are
+/// any.
 pub fn compiled(file: &MachineFile, options: &CompileOptions, files: &dyn Files) -> bool {
     let run = Run::with(files);
     if NAMES.contains(&options.target.as_str()) {
