@@ -120,19 +120,44 @@ export class Stage {
   look(pose: Pose): void {
     if (!this.figure) return;
     const { up, back, right } = this.figure.layout;
-    const { center, radius } = this.figure.sphere(pose);
+    const corners = this.figure.corners(pose);
+    const { center, radius } = new three.Box3().setFromPoints(corners).getBoundingSphere(new three.Sphere());
     const from = new three.Vector3(...up).multiplyScalar(0.62).add(new three.Vector3(...back).multiplyScalar(-1.25));
     from.add(new three.Vector3(...right).multiplyScalar(0.95)).normalize();
-    const narrow = Math.min(this.camera.aspect, 1);
-    const distance = (radius * 0.9) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
+    this.resize();
     this.camera.up.set(...up);
-    this.camera.position.copy(center).addScaledVector(from, distance);
+    this.camera.position.copy(center).addScaledVector(from, 3 * radius);
+    this.controls.target.copy(center);
+    for (let i = 0; i < 4; i += 1) this.frame(corners);
+    const distance = this.camera.position.distanceTo(this.controls.target);
     this.camera.near = distance / 100;
     this.camera.far = distance * 10;
-    this.controls.target.copy(center);
-    this.resize();
+    this.camera.updateProjectionMatrix();
     this.controls.update();
     this.sun(center, radius);
+  }
+
+  /** Brings the camera so near that these points fill the picture, and to their middle. */
+  private frame(corners: three.Vector3[]): void {
+    const { camera, controls } = this;
+    camera.lookAt(controls.target);
+    camera.updateMatrixWorld(true);
+    const seen = corners.map((corner) => corner.clone().applyMatrix4(camera.matrixWorldInverse));
+    const tall = Math.tan((camera.fov * Math.PI) / 360);
+    const slopes = seen.map(({ x, y, z }) => [x / -z / tall / camera.aspect, y / -z / tall] as const);
+    const span = (k: 0 | 1) => {
+      const list = slopes.map((of) => of[k]);
+      return [Math.min(...list), Math.max(...list)] as const;
+    };
+    const [[left, right], [low, high]] = [span(0), span(1)];
+    const distance = camera.position.distanceTo(controls.target);
+    const aside = new three.Vector3(((left + right) / 2) * tall * camera.aspect, ((low + high) / 2) * tall, 0);
+    aside.multiplyScalar(distance).transformDirection(camera.matrixWorld);
+    const by = distance * Math.hypot(((left + right) / 2) * tall * camera.aspect, ((low + high) / 2) * tall);
+    const size = Math.max((right - left) / 2, (high - low) / 2) / 0.94;
+    const back = camera.position.clone().sub(controls.target).multiplyScalar(size);
+    controls.target.addScaledVector(aside, by);
+    camera.position.copy(controls.target).add(back);
   }
 
   theme(dark: boolean): void {
