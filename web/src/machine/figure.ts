@@ -75,6 +75,15 @@ export class Figure {
     return new three.Vector3(...toolInUse.tip_mm).applyMatrix4(body.matrixWorld).toArray();
   }
 
+  /** From the tip to the gauge point of the tool in use, in the workpiece frame. */
+  get reach(): Vec3 {
+    const { toolInUse, tool } = this.layout;
+    const body = this.bodies.get(tool[tool.length - 1]?.name ?? "bed") ?? this.root;
+    const there = this.workpiece.matrixWorld.clone().invert().multiply(body.matrixWorld);
+    const [tip, gauge] = [toolInUse.tip_mm, toolInUse.gauge_mm].map((v) => new three.Vector3(...v).applyMatrix4(there));
+    return gauge && tip ? (gauge.sub(tip).toArray() as Vec3) : [0, 0, 0];
+  }
+
   /** The point that an axis moves: the tip of the tool, or the workpiece origin for an axis that carries the part. */
   moved(axis: Axis): Vec3 {
     if (axis.side === "tool") return this.tip;
