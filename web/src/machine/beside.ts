@@ -3,7 +3,7 @@
 
 import { accepted, type Chain, type Pose } from "../evaluator/types";
 import type { Session } from "../session";
-import { place } from "../ui/address";
+import { move, place } from "../ui/address";
 import { byId, make } from "../ui/dom";
 import type { View } from "./deviation";
 import { Stage } from "./stage";
@@ -19,6 +19,7 @@ export class Beside {
   private first: string | null = null;
   private chain: Chain | null = null;
   private tool = "";
+  private known: { text: string; chain: Chain | null } | null = null;
 
   constructor(
     buttons: HTMLElement,
@@ -28,7 +29,10 @@ export class Beside {
   ) {
     buttons.append(this.choice);
     this.parent.append(this.label);
-    this.choice.addEventListener("change", () => void this.update());
+    this.choice.addEventListener("change", () => {
+      move({ beside: this.choice.value });
+      void this.update();
+    });
     this.list();
   }
 
@@ -59,7 +63,7 @@ export class Beside {
   }
 
   private list(): void {
-    const chosen = this.choice.value;
+    const chosen = place().beside;
     const all: [Kind, string, boolean][] = [
       ["", "Nothing beside", true],
       ["a", "Variant A beside", this.first !== null],
@@ -75,7 +79,7 @@ export class Beside {
     const kind = this.choice.value as Kind;
     if (kind === "" && this.parent.hidden) return;
     const text = kind === "a" ? (this.first ?? undefined) : undefined;
-    const chain = text === undefined ? this.chain : accepted<Chain>((await this.session.ask(["show"], {}, text))[0]);
+    const chain = text === undefined ? this.chain : await this.chainOf(text);
     const isOpen = kind !== "" && chain !== null && this.main !== null;
     const turns = this.parent.hidden === isOpen;
     this.parent.hidden = !isOpen;
@@ -89,6 +93,15 @@ export class Beside {
       this.shown = { stage, chain, ...(text === undefined ? { target: place().target } : { text }) };
     }
     this.changed();
+  }
+
+  /** The chain of a text; of the last one it is known. */
+  private async chainOf(text: string): Promise<Chain | null> {
+    if (this.known?.text !== text) {
+      const [answer] = await this.session.ask(["show"], {}, text);
+      this.known = { text, chain: accepted<Chain>(answer) };
+    }
+    return this.known.chain;
   }
 
   private opened(main: Stage): Stage {

@@ -13,6 +13,7 @@ import {
 } from "../evaluator/types";
 import { rounded } from "../review/number";
 import type { Session } from "../session";
+import { move, place } from "../ui/address";
 import { make } from "../ui/dom";
 import type { FieldNode } from "./marks";
 import type { Stage } from "./stage";
@@ -55,7 +56,10 @@ export class Deviation {
     private readonly beside: () => View | null,
   ) {
     buttons.append(this.field);
-    this.field.addEventListener("change", () => this.update());
+    this.field.addEventListener("change", () => {
+      move({ field: this.field.value });
+      this.update();
+    });
   }
 
   /** The machine is another one. */
@@ -79,7 +83,7 @@ export class Deviation {
     const slices = linear.length > 1 ? linear.map(({ name }) => [name, `Slice across ${name}`]) : [];
     const all = linear.length ? [["all", `Field, ${linear.map(() => NODES).join(" × ")} nodes`]] : [];
     const list = [["", "No field"], ...all, ...slices];
-    const chosen = this.field.value;
+    const chosen = place().field;
     this.field.replaceChildren(...list.map(([value, words]) => make("option", { value: value ?? "" }, words ?? "")));
     this.field.value = list.some(([value]) => value === chosen) ? chosen : "";
   }

@@ -57,9 +57,9 @@ export class Marks {
     this.dark = dark;
   }
 
-  /** Colours of the scale as CSS, from little to much. */
+  /** Colours of the scale as CSS, from little to much, as the marks bear them: mixed in linear light. */
   get colours(): string[] {
-    return this.dark ? SCALE_DARK : SCALE_LIGHT;
+    return Array.from({ length: 17 }, (_, i) => `#${this.colour(i / 16).getHexString()}`);
   }
 
   /** Draws the deviation from the nominal tip to the actual one, `times` as large. */
@@ -173,7 +173,7 @@ export class Marks {
   }
 
   private colour(share: number): three.Color {
-    const list = this.colours;
+    const list = this.dark ? SCALE_DARK : SCALE_LIGHT;
     const at = Math.min(Math.max(share, 0), 1) * (list.length - 1);
     const low = Math.min(Math.floor(at), list.length - 2);
     return new three.Color(list[low]).lerp(new three.Color(list[low + 1]), at - low);

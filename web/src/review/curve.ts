@@ -4,6 +4,7 @@
 import { Newest } from "../evaluator/newest";
 import { accepted, type Axis, type Chain, type Evaluated, type Pose, type Rows, type Vec3 } from "../evaluator/types";
 import { isSettled, type Session, type State } from "../session";
+import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
 import { rounded } from "./number";
@@ -38,7 +39,10 @@ export class AxisCurve {
   ) {
     this.asking = new Newest(failed);
     const words = "The deviation along one axis, the others as they are. Drag in the chart: the machine goes there.";
-    this.choice.addEventListener("change", () => this.update(true));
+    this.choice.addEventListener("change", () => {
+      move({ along: this.choice.value });
+      this.update(true);
+    });
     const files = [button("CSV", () => this.csv()), button("SVG", () => this.svg()), button("PNG", () => this.png())];
     parent.append(
       make("p", { class: "words" }, words),
@@ -58,7 +62,7 @@ export class AxisCurve {
     this.bounded = state.now.map?.from === "bounds";
     const names = chain.axes.map(({ name }) => name);
     if (names.join() !== this.chain?.axes.map(({ name }) => name).join()) {
-      const chosen = this.choice.value;
+      const chosen = place().along;
       this.choice.replaceChildren(...names.map((name) => make("option", {}, name)));
       this.choice.value = names.includes(chosen) ? chosen : (names[0] ?? "");
     }

@@ -9,6 +9,7 @@ import type { Tell } from "./answers";
 import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
+import { barChart } from "./chart";
 import { figure, rounded } from "./number";
 
 /** Colours of what stops a pose, told apart without red and green, and from the scale of deviations. */
@@ -149,7 +150,8 @@ export class Part {
     if (!list.length) return [];
     const most = Math.max(...list.map((of) => of.max_um ?? 0), 1e-9);
     const bars = list.map((of) => this.feature(of, most));
-    return [make("h2", {}, "Largest deviation of each feature"), make("ol", { class: "bars features" }, ...bars)];
+    const title = "Largest deviation of each feature";
+    return [make("h2", {}, title), make("ol", { class: "bars features" }, ...bars), chartFiles(title, list)];
   }
 
   private feature(of: Feature, most: number): HTMLElement {
@@ -194,6 +196,31 @@ function fits(rows: WorkRow[], stops: string[]): (Node | string)[] {
   const answer = make("strong", {}, missed ? "No" : "Yes");
   const counted = `: ${rows.length - missed} of ${rows.length} poses are reached`;
   return [answer, missed ? `${counted}; the rest is ${stops.map(words).join(", ")}.` : `${counted}.`];
+}
+
+/** The bars of the features as files. */
+function chartFiles(title: string, list: Feature[]): HTMLElement {
+  const causes = (of: Feature) => of.errors.map(({ error, um }) => `${error} ${rounded(um)} µm`).join(", ");
+  const chart = () =>
+    barChart(
+      title,
+      "with the errors that make it, first order",
+      list.map((of) => ({ name: of.feature, words: causes(of), um: of.max_um ?? 0 })),
+    );
+  const png = () => {
+    const { svg, width, height } = chart();
+    void download.png("features", svg, width, height);
+  };
+  const rows = list.map((of) => [of.feature, of.poses, of.unreached, of.max_um, of.line, causes(of)]);
+  const head = ["feature", "reached", "unreached", "max_um", "line", "errors"];
+  const csv = () => download.csv("features", [head, ...rows]);
+  return make(
+    "p",
+    {},
+    button("CSV", csv),
+    button("SVG", () => download.svg("features", chart().svg)),
+    button("PNG", png),
+  );
 }
 
 /** Length of the deviation, um; of a machine that is only bounded its 95 % value. */

@@ -19,6 +19,8 @@ export class Tighten {
   private readonly problem = make("p", { class: "words" });
   private readonly asking: Newest;
   private bounded = false;
+  /** The budget of which the answer is. */
+  private last = "";
 
   constructor(
     parent: HTMLElement,
@@ -39,7 +41,7 @@ export class Tighten {
     parent.append(make("p", { class: "words" }, words), row, this.problem, this.answer);
   }
 
-  /** The machine is another one: an answer of the one before would mislead. */
+  /** The bounds are others: an answer of those before would mislead. */
   show(state: State): void {
     this.bounded = state.now?.budget !== null && state.now !== null;
     const { bounded } = this;
@@ -48,6 +50,9 @@ export class Tighten {
       ? ""
       : "No error of this machine is bounded. Write bounds under tolerances, or take a class, as class: production.";
     if (!isSettled(state)) return;
+    const budget = JSON.stringify(state.now.budget);
+    if (budget === this.last) return;
+    this.last = budget;
     this.answer.replaceChildren();
     this.offer();
   }
