@@ -9,7 +9,7 @@ use super::map_bounds::{self, MapFromBounds};
 use super::map_tables::{MapTable, Tables};
 use super::order_of;
 use super::plane_picture::{PlaneOptions, Subject};
-use super::poses::{AxisPositions, axis_positions};
+use super::poses::{AxisPositions, axis_positions, poses};
 use super::run::{Answer, Call, Count, Refused, Run};
 use super::tolerances::ToleranceOptions;
 use super::tool_poses::{self, ReachedToolPoses};
@@ -22,7 +22,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{
     CompiledField, Deviation, Field, Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary, Tally, worst,
 };
-use crate::machine::{Approach, Machine};
+use crate::machine::{Approach, Machine, Pose};
 use crate::report::{Picture, Rows};
 use std::path::PathBuf;
 
@@ -74,7 +74,7 @@ impl Default for MapOptions {
 }
 
 /// Poses of a map; at most 1e9.
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MapPoses {
     /// The grid of the volume of the machine.
@@ -87,6 +87,9 @@ pub enum MapPoses {
     /// The poses for the tool poses of a file, workpiece frame: CSV with columns X, Y, Z (mm) and I, J, K or rotary
     /// axes (deg), or APT CL data.
     ToolPoses(PathBuf),
+    /// Poses as numbers, mm and deg, each as long as the machine has axes and in the order of the chain.
+    #[schemars(skip)]
+    Listed(Vec<Pose>),
 }
 
 impl MapPoses {
@@ -100,17 +103,24 @@ impl MapPoses {
         match self {
             Self::Grid => Some(Nodes::of(file).len()),
             Self::Random(count) | Self::LowDiscrepancy(count) => Some(*count),
+            Self::Listed(list) => Some(list.len()),
             Self::ToolPoses(_) => None,
         }
     }
 
-    pub(super) fn of(&self, machine: &Machine, seed: u64, reached: Option<&ReachedToolPoses>) -> Poses {
-        match self {
+    pub(super) fn of(
+        &self,
+        call: &mut Call<'_>,
+        (machine, seed): (&Machine, u64),
+        reached: Option<&ReachedToolPoses>,
+    ) -> Result<Poses, Refused> {
+        Ok(match self {
             Self::Grid => Poses::Nodes(Nodes::of(machine)),
             Self::Random(count) => Poses::Random(Random::of(machine, *count, seed)),
             Self::LowDiscrepancy(count) => Poses::Spread(Spread::of(machine, *count, seed)),
             Self::ToolPoses(_) => Poses::Listed(reached.map_or_else(Vec::new, |reached| reached.poses.clone())),
-        }
+            Self::Listed(list) => Poses::Listed(poses(call, machine, (&[], list, None))?),
+        })
     }
 }
 
@@ -290,7 +300,7 @@ fn volume(
     let bare = CompiledField::new(machine, order);
     let replayed = compensation.as_ref().map(|(target, effect)| effect.field(machine, target));
     let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| &**field);
-    let poses = options.poses.of(machine, options.seed, tool_poses.as_ref());
+    let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
     if poses.len() > MAX_SURVEYED {
         return call.refuse(too_many(poses.len()));
     }

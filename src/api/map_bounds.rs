@@ -50,7 +50,7 @@ pub(super) fn volume(
         MapPoses::ToolPoses(path) => tool_poses::asked(call, machine, Some(path))?,
         _ => None,
     };
-    let poses = options.poses.of(machine, options.seed, tool_poses.as_ref());
+    let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
     if poses.len() > MAX_POSES {
         return call.refuse(too_many(poses.len()));
     }

@@ -2,23 +2,25 @@
 
 use super::machine_file::{MachineFile, bounded_only};
 use super::order_of;
-use super::poses::{AxisPositions, axis_positions};
+use super::poses::{AxisPositions, axis_positions, poses};
 use super::run::{Answer, Call, Count, Refused, Run};
 use crate::analysis::{ErrorStatistics, View, error_statistics, map, rest};
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{CompiledField, Frame, Order, Poses, Random, worst};
-use crate::machine::{Approach, AxisKind, Direction, ErrorFamily, ErrorId, Machine};
+use crate::machine::{Approach, AxisKind, Direction, ErrorFamily, ErrorId, Machine, Pose};
 use crate::syntax::{component_words, location_words};
 use indexmap::IndexMap;
 
 /// Options of [`sources`].
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct SourcesOptions {
     /// Number of random poses over the volume, at most [`SourcesOptions::MAX_POSES`].
     pub poses: usize,
     /// Seed of the poses.
     pub seed: u64,
+    /// Pose of [`ErrorSource::at_um`], mm and deg, in the order of the chain; the worst of the poses by default.
+    pub at: Option<Pose>,
     /// Order of all errors together; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,
     /// Side of approach, where forward and reverse curves were given.
@@ -32,7 +34,7 @@ impl SourcesOptions {
 
 impl Default for SourcesOptions {
     fn default() -> Self {
-        Self { poses: 2000, seed: 1, order: None, approach: Approach::default() }
+        Self { poses: 2000, seed: 1, at: None, order: None, approach: Approach::default() }
     }
 }
 
@@ -45,8 +47,8 @@ pub struct ErrorSources {
     pub poses: usize,
     /// Seed of the poses.
     pub seed: u64,
-    /// The pose with the largest deviation by all errors together, mm and deg.
-    pub worst: AxisPositions,
+    /// The pose of [`ErrorSource::at_um`], mm and deg.
+    pub at: AxisPositions,
     /// The errors, largest 95 % position deviation first.
     pub errors: Vec<ErrorSource>,
 }
@@ -64,13 +66,14 @@ pub struct ErrorSource {
     pub max_um: f64,
     /// 95 % of the poses have a smaller rotation of the tool, urad.
     pub p95_urad: f64,
-    /// Its part along the deviation at the worst pose, um.
-    pub at_worst_um: f64,
+    /// Its part along the deviation at one pose, um: the parts of all errors are, to first order, its length.
+    pub at_um: f64,
 }
 
 /// Returns the effect of each error alone over random poses of the volume.
 ///
-/// Fails for more than [`SourcesOptions::MAX_POSES`] poses. Warns of a machine of which nothing is measured.
+/// Fails for more than [`SourcesOptions::MAX_POSES`] poses, and for a pose that does not fit the machine. Warns of a
+/// machine of which nothing is measured.
 pub fn sources(
     file: &MachineFile,
     options: &SourcesOptions,
@@ -80,24 +83,29 @@ pub fn sources(
 }
 
 fn found(call: &mut Call<'_>, machine: &Machine, options: &SourcesOptions) -> Result<ErrorSources, Refused> {
-    let SourcesOptions { poses: count, seed, order, approach } = *options;
+    let SourcesOptions { poses: count, seed, order, approach, .. } = *options;
     call.bounded(&[Count::Poses(count)])?;
     if count > SourcesOptions::MAX_POSES {
         return call.usage(format!("sources take {} poses at most", SourcesOptions::MAX_POSES));
     }
     call.extend(bounded_only(machine));
     let field = CompiledField::new(machine, order_of(machine, order));
-    let poses = Poses::Random(Random::of(machine, count, seed));
+    let volume = Poses::Random(Random::of(machine, count, seed));
     let view = View { approach, frame: Frame::Workpiece };
-    let all = call.stage(count, |advance| map(&field, &poses, view, advance));
-    let deviations = all.map(|map| map.deviations).unwrap_or_default();
-    let at = worst(&deviations, 1).first().map_or_else(|| rest(machine), |i| poses.get(*i));
-    let errors = error_statistics(&field, &poses, &at, approach);
+    let at = match &options.at {
+        Some(at) => poses(call, machine, (&[], std::slice::from_ref(at), None))?.swap_remove(0),
+        None => {
+            let all = call.stage(count, |advance| map(&field, &volume, view, advance));
+            let deviations = all.map(|map| map.deviations).unwrap_or_default();
+            worst(&deviations, 1).first().map_or_else(|| rest(machine), |i| volume.get(*i))
+        }
+    };
+    let errors = error_statistics(&field, &volume, &at, approach);
     Ok(ErrorSources {
         machine: machine.name().to_owned(),
         poses: count,
         seed,
-        worst: axis_positions(machine, &at),
+        at: axis_positions(machine, &at),
         errors: errors.into_iter().map(|of| source(machine, of)).collect(),
     })
 }
@@ -108,7 +116,7 @@ fn source(machine: &Machine, of: ErrorStatistics) -> ErrorSource {
         p95_um: of.position.p95,
         max_um: of.position.max,
         p95_urad: of.rotation.p95,
-        at_worst_um: of.along + 0.0,
+        at_um: of.along + 0.0,
         error: of.error,
     }
 }

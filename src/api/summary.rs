@@ -2,7 +2,8 @@
 
 use super::machine_file::{InputFile, MachineFile};
 use super::show::{Arm, arms};
-use crate::machine::{AxisKind, Branch, Conventions, ErrorTerm, Travel};
+use crate::machine::{AxisKind, Branch, Conventions, ErrorId, ErrorTerm, Travel};
+use indexmap::IndexMap;
 
 /// A machine in short, as `check` prints it.
 #[derive(Debug, Clone, serde::Serialize)]
@@ -82,6 +83,31 @@ pub fn summary(file: &MachineFile) -> MachineSummary {
         errors: counts(file),
         inputs: file.input_files().to_vec(),
     }
+}
+
+/// An error that is one number: a location error, or a bound.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct ErrorNumber {
+    /// Its value, or how far it is bounded to either side.
+    pub value: f64,
+    /// `um` or `urad`.
+    pub unit: &'static str,
+    /// True for a bound.
+    pub bound: bool,
+}
+
+/// Returns the errors that are one number, wherever the machine was read from, by name in the order of the chain.
+pub(super) fn error_numbers(file: &MachineFile) -> IndexMap<String, ErrorNumber> {
+    let number = |(error, term): (ErrorId, &ErrorTerm)| {
+        let (value, bound) = match term {
+            ErrorTerm::Constant(value) => (*value, false),
+            ErrorTerm::Tolerance(value) => (*value, true),
+            ErrorTerm::Component(_) => return None,
+        };
+        let (factor, unit) = error.direction.micro();
+        Some((error.to_string(), ErrorNumber { value: value * factor + 0.0, unit, bound }))
+    };
+    file.errors().filter_map(number).collect()
 }
 
 fn counts(file: &MachineFile) -> ErrorCounts {

@@ -15,7 +15,7 @@ use super::run::{Answer, Call, Run};
 use super::show::show;
 use super::sources::{SourcesOptions, all_words, sources};
 use super::starter::schema;
-use super::summary::summary;
+use super::summary::{error_numbers, summary};
 use super::targets::targets;
 use super::tool_poses::{RowTip, tips};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
@@ -59,6 +59,8 @@ pub enum Question {
     Eval(EvalOptions),
     /// The error over a volume.
     Map(MapOptions),
+    /// A map with its table, as `map --json` writes it: `{"map": {...}, "rows": {...}}`.
+    Rows(MapOptions),
     /// Each error alone over the volume.
     Sources(SourcesOptions),
     /// Tolerances to the volumetric error.
@@ -74,6 +76,8 @@ pub enum Question {
     Instrument(InstrumentOptions),
     /// The controllers, in short.
     Targets,
+    /// The errors that are one number, wherever it stands, by name.
+    Numbers,
     /// Words for each error of the axes and the spindle, by name.
     Words,
     /// The JSON Schema of machine files.
@@ -98,11 +102,13 @@ pub struct WorkOptions {
     pub tool_poses: PathBuf,
     /// Number of machines that are drawn where errors are only bounded.
     pub samples: usize,
+    /// Maps what the compensation of this target leaves, where errors are measured.
+    pub target: Option<String>,
 }
 
 impl Default for WorkOptions {
     fn default() -> Self {
-        Self { tool_poses: PathBuf::new(), samples: MapOptions::default().samples }
+        Self { tool_poses: PathBuf::new(), samples: MapOptions::default().samples, target: None }
     }
 }
 
@@ -146,6 +152,7 @@ impl Question {
             Self::Show => json!(show(machine)),
             Self::Eval(options) => document(eval(machine, options, run)),
             Self::Map(options) => document(map(machine, options, run)),
+            Self::Rows(options) => document(rows(machine, options, run)),
             Self::Sources(options) => document(sources(machine, options, run)),
             Self::Budget(options) => document(budget(machine, options, run)),
             Self::Reach(options) => document(reach(machine, options, run).map(with_reasons)),
@@ -156,6 +163,7 @@ impl Question {
             },
             Self::Instrument(options) => document(instrument(machine, options, run)),
             Self::Targets => json!(targets()),
+            Self::Numbers => json!(error_numbers(machine)),
             Self::Words => json!(all_words(machine)),
             Self::Schema => schema(),
         }
@@ -175,11 +183,26 @@ fn with_reasons(answer: Answer<ReachResult>) -> Answer<ReasonedReach> {
     Answer { value: ReasonedReach { reach: answer.value, reasons }, warnings: answer.warnings }
 }
 
+/// A map, row by row.
+#[derive(Serialize)]
+struct MapRows {
+    map: MapResult,
+    rows: Value,
+}
+
+fn rows(machine: &MachineFile, options: &MapOptions, run: Run<'_>) -> Result<Answer<MapRows>, Diagnostics> {
+    let mut bytes = Cursor::new(Vec::new());
+    let table = MapTable { name: "rows".to_owned(), form: RowFormat::Json, sink: Box::new(&mut bytes) };
+    let Answer { value: map, warnings } = map_tables(machine, options, vec![table], run)?;
+    let rows = serde_json::from_slice(bytes.get_ref()).unwrap_or_default();
+    Ok(Answer { value: MapRows { map, rows }, warnings })
+}
+
 /// A map at tool poses, row by row.
 #[derive(Serialize)]
 struct WorkRows {
-    map: MapResult,
-    rows: Value,
+    #[serde(flatten)]
+    found: MapRows,
     tips: Vec<RowTip>,
 }
 
@@ -187,12 +210,10 @@ fn work(machine: &MachineFile, options: &WorkOptions, run: Run<'_>) -> Result<An
     let path = &options.tool_poses;
     let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, path))?.value;
     let poses = MapPoses::ToolPoses(path.clone());
-    let options = MapOptions { poses, samples: options.samples, ..MapOptions::default() };
-    let mut bytes = Cursor::new(Vec::new());
-    let table = MapTable { name: "rows".to_owned(), form: RowFormat::Json, sink: Box::new(&mut bytes) };
-    let Answer { value: map, warnings } = map_tables(machine, &options, vec![table], run)?;
-    let rows = serde_json::from_slice(bytes.get_ref()).unwrap_or_default();
-    Ok(Answer { value: WorkRows { map, rows, tips }, warnings })
+    let WorkOptions { samples, target, .. } = options.clone();
+    let options = MapOptions { poses, samples, target, ..MapOptions::default() };
+    let Answer { value: found, warnings } = rows(machine, &options, run)?;
+    Ok(Answer { value: WorkRows { found, tips }, warnings })
 }
 
 fn document<T: Serialize>(answer: Result<Answer<T>, Diagnostics>) -> Value {
@@ -303,6 +324,26 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
     }
 
     #[test]
+    fn listed_poses_have_rows_and_parts_of_each_error() {
+        let at = json!([100.0, 200.0, 300.0]);
+        let questions = json!([
+            {"rows": {"poses": {"listed": [at, [0.0, 0.0, 0.0]]}}}, {"sources": {"poses": 10, "at": at}}, "numbers",
+            {"rows": {"poses": {"listed": [[1.0]]}}},
+        ]);
+        let found = ask(MACHINE, questions);
+        let [rows, sources, numbers, wrong] = [0, 1, 2, 3].map(|i| &found["answers"][i]);
+        let um: Vec<f64> = serde_json::from_value(rows["rows"]["poses"][0]["deviation_um"].clone()).unwrap();
+        // Y is 200 mm x 20 urad off in X, the tip at 300 mm of a Z that leans 5 urad.
+        assert!((um[0] - -2.5).abs() < 1e-3 && um[1].abs() < 1e-3, "{um:?}");
+        assert_eq!(rows["map"]["poses"], 2);
+        let parts: f64 = sources["errors"].as_array().unwrap().iter().map(|e| e["at_um"].as_f64().unwrap()).sum();
+        assert!((parts - 2.5).abs() < 1e-3 && sources["at"]["Z"] == 300.0, "{sources}");
+        let number = |error: &str| numbers[error]["value"].as_f64().unwrap();
+        assert!((number("EC0Y") - 20.0).abs() < 1e-9 && (number("EB0Z") - 5.0).abs() < 1e-9, "{numbers}");
+        assert_eq!(wrong["refused"], true);
+    }
+
+    #[test]
     fn every_error_of_the_chain_has_words() {
         const EYX: &str = "Straightness error of X in Y: across its direction, at its position.";
         let found = ask(MACHINE, json!(["words", "schema", {"reach": {"step_mm": 100.0}}]));
@@ -317,7 +358,7 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
         let found = ask(MACHINE, json!([{"sources": {"poses": 300}}, {"map": {"poses": {"random": 300}}}]));
         let [sources, map] = [&found["answers"][0], &found["answers"][1]];
         assert_eq!(sources["errors"][0]["words"], "Orientation of Y about Z: its squareness to X.");
-        let sum: f64 = sources["errors"].as_array().unwrap().iter().map(|e| e["at_worst_um"].as_f64().unwrap()).sum();
+        let sum: f64 = sources["errors"].as_array().unwrap().iter().map(|e| e["at_um"].as_f64().unwrap()).sum();
         let max = map["position_um"]["max"].as_f64().unwrap();
         assert!((sum - max).abs() < 1e-3 * max, "{sum} {max}");
     }

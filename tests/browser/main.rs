@@ -10,6 +10,7 @@
 #[path = "../it/support/checks.rs"]
 mod checks;
 mod driver;
+mod meeting;
 mod page;
 mod pictures;
 mod review;
@@ -19,7 +20,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 24] = [
+const CHECKS: [checks::Check; 30] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -41,6 +42,12 @@ const CHECKS: [checks::Check; 24] = [
     ("what a control repairs and a test reads are the command line's", review::control),
     ("keys and names of errors are completed", review::completion),
     ("charts are downloaded as CSV, SVG and PNG", review::downloads),
+    ("the eight questions of a review are answered on one screen", meeting::questions),
+    ("a curve is read under the pointer, and a drag along it moves the machine", meeting::curve),
+    ("64 tries in the field read out the node that is seen, 64 beside it none", meeting::picks),
+    ("two pictures are looked at together, on one scale", meeting::beside),
+    ("a value of the base becomes an entry of the open file", meeting::overrides),
+    ("nothing is cut at 390 px, panel by panel", meeting::narrow),
     ("only the page of the workbench may ask and save", workbench::tokens),
     ("screenshots of the workbench", workbench::screenshots),
     ("screenshots: light, dark, print, projector, mobile, comparison", pictures::screenshots),

@@ -319,6 +319,11 @@ pub fn bounds() {
     assert!(bench.figure("p95") > 0.0);
     let words = bench.browser.run("return document.getElementById('verdict').textContent;");
     assert!(words.as_str().unwrap().contains("Nothing of this machine is measured"), "{words}");
+    // What the bounds lead to at the zero pose, whose tip is the workpiece origin.
+    let tip = bench.file.with_file_name("tip.csv");
+    std::fs::write(&tip, "X, Y, Z\n0, 0, 0\n").unwrap();
+    let map = bench.command("map", &["--tool-poses", tip.to_str().unwrap(), "--samples", "300"]);
+    assert_eq!(Some(bench.figure("here")), map["position_um"]["max"].as_f64(), "{map}");
     let name = bench.browser.run("return document.getElementById('name').textContent;");
     assert_eq!(name, "<b>Bounded</b> & <script>alert(1)</script>");
     bench.quiet();

@@ -13,10 +13,13 @@ import { Program } from "./evaluator/program";
 import { accepted, type Axis, type Diagnostic, type Evaluator, type Pose, type Store } from "./evaluator/types";
 import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
+import { Beside } from "./machine/beside";
 import { Deviation } from "./machine/deviation";
 import { Stage } from "./machine/stage";
 import { Acceptance } from "./review/acceptance";
+import { Answers } from "./review/answers";
 import { Control } from "./review/control";
+import { AxisCurve } from "./review/curve";
 import { Pareto } from "./review/pareto";
 import { Part } from "./review/part";
 import { ReachLine } from "./review/reach";
@@ -57,14 +60,20 @@ class Workbench {
   private readonly verdict = new Verdict(byId("verdict"));
   private readonly statistics = new StatisticsTable(byId("statistics"), byId("poses"), (pose) => this.sliders.go(pose));
   private readonly panels = {
+    answers: make("div"),
     errors: make("div"),
+    curve: make("div"),
     tighten: make("div"),
     variants: make("div"),
     part: make("div"),
     control: make("div"),
     acceptance: make("div"),
   };
-  private readonly pareto = new Pareto(this.panels.errors, (error) => this.find(error));
+  private readonly answers = new Answers(this.panels.answers, (panel) => this.tabs.choose(panel));
+  private readonly tabs: Tabs;
+  private readonly pareto: Pareto;
+  private readonly curve: AxisCurve;
+  private readonly beside: Beside;
   private readonly cards = new Cards();
   private readonly reach: ReachLine;
   private readonly tighten: Tighten;
@@ -95,16 +104,25 @@ class Workbench {
       explain: (name) => this.cards.of(name),
     });
     this.whatif = new WhatIf(byId("whatif"), this.editor);
-    this.deviation = new Deviation(byId("legend"), byId("poses"), this.stage, this.session);
+    this.beside = new Beside(byId("poses"), this.stage, this.session, () => this.deviation.update());
+    this.deviation = new Deviation(byId("legend"), byId("poses"), this.stage, this.session, () => this.beside.view);
     const failed = (failure: unknown) => this.complain(String(failure));
     this.reach = new ReachLine(byId("reach"), this.session, failed);
-    this.tighten = new Tighten(this.panels.tighten, this.session, this.editor);
-    this.variants = new Variants(this.panels.variants, this.session, this.editor, () => this.part.work, failed);
-    this.part = new Part(this.panels.part, this.session, this.stage, (pose) => this.sliders.go(pose), failed);
-    this.control = new Control(this.panels.control, this.session, failed);
-    this.acceptance = new Acceptance(this.panels.acceptance, this.session, failed);
-    new Tabs(byId("review"), "Review", [
+    const { session, panels, editor } = this;
+    const { tell } = this.answers;
+    const move = (axis: Axis, position: number, rests: boolean) => this.sliders.drag(axis, position, rests);
+    this.pareto = new Pareto(panels.errors, (error) => this.find(error), session, tell, failed);
+    this.curve = new AxisCurve(panels.curve, session, move, failed);
+    this.tighten = new Tighten(panels.tighten, session, editor, tell, failed);
+    const kept = (first: string) => this.beside.take(first);
+    this.variants = new Variants(panels.variants, session, editor, () => this.part.work, kept, tell, failed);
+    this.part = new Part(panels.part, session, this.stage, (pose) => this.sliders.go(pose), tell, failed);
+    this.control = new Control(panels.control, session, () => this.beside.take(null), tell, failed);
+    this.acceptance = new Acceptance(panels.acceptance, session, tell, failed);
+    this.tabs = new Tabs(byId("review"), "Review", [
+      { name: "answers", label: "Review", panel: panels.answers },
       { name: "errors", label: "Errors", panel: this.panels.errors },
+      { name: "curve", label: "Curve", panel: panels.curve, opened: () => this.curve.update(false) },
       { name: "tighten", label: "Tighten", panel: this.panels.tighten },
       { name: "variants", label: "Variants", panel: this.panels.variants },
       { name: "part", label: "Part", panel: this.panels.part },
@@ -115,7 +133,7 @@ class Workbench {
     if (stage) byId("poses").append(button("PNG", () => download.canvas("machine", stage.canvas), PICTURE));
     this.keep = button(store.verb, () => void this.save(), { class: "primary", id: "save" });
     byId("actions").append(...this.examples(), this.undo, this.redo, this.keep);
-    followTheme((dark) => this.stage?.theme(dark));
+    followTheme((dark) => [this.stage, this.beside].forEach((of) => of?.theme(dark)));
     window.addEventListener("beforeunload", (event) => {
       if (this.isChanged && store.verb === "Save") event.preventDefault();
     });
@@ -182,12 +200,15 @@ class Workbench {
       this.sliders.show(chain);
       this.tools.show(chain.tools.map((tool) => tool.name));
       this.cards.follow(chain, state.now.words);
+      this.whatif.know(state.now.numbers);
       this.stage?.show(chain, this.tools.chosen, this.sliders.pose);
       this.deviation.follow(chain, this.sliders.pose, state.now.map?.from === "bounds");
+      this.beside.follow(chain, this.tools.chosen);
     }
     this.verdict.show(state);
     this.statistics.show(state);
     this.pareto.show(state);
+    this.curve.show(state);
     this.reach.show(state, this.tools.chosen);
     this.tighten.show(state);
     this.variants.show(state);
@@ -207,7 +228,10 @@ class Workbench {
 
   private moved(pose: Pose, rests: boolean): void {
     this.stage?.move(pose);
+    this.beside.move(pose);
     this.deviation.moved(pose, rests);
+    this.curve.moved(pose, rests);
+    this.pareto.moved(pose, rests);
   }
 
   /** Diagnostics below the editor; each leads to its place. */

@@ -4,9 +4,8 @@ import {
   accepted,
   type Chain,
   type Diagnostic,
-  type Evaluated,
+  type ErrorNumber,
   type Evaluator,
-  type Pose,
   type Question,
   type Request,
   type Sources,
@@ -18,6 +17,8 @@ export interface Findings {
   chain: Chain;
   /** The errors of its axes, in words by name. */
   words: Record<string, string>;
+  /** Errors that are one number, in this file or in one that it reads. */
+  numbers: Record<string, ErrorNumber>;
   map: VolumeMap | null;
   sources: Sources | null;
   budget: Budget | null;
@@ -108,9 +109,9 @@ export class Session {
     void this.work();
   }
 
-  /** Asks about the text as it is now; `more` are further files by name. */
-  async ask(questions: Question[], more: Record<string, string> = {}): Promise<unknown[]> {
-    const request = this.request(this.text, questions);
+  /** Asks about the text as it is now, or about another one; `more` are further files by name. */
+  async ask(questions: Question[], more: Record<string, string> = {}, text = this.text): Promise<unknown[]> {
+    const request = this.request(text, questions);
     return (await this.evaluator.ask({ ...request, texts: { ...more, ...request.texts } })).answers;
   }
 
@@ -122,13 +123,6 @@ export class Session {
   /** Name of a file in the folder of the machine. */
   beside(name: string): string {
     return this.machine.replace(/[^/\\]*$/, "") + name;
-  }
-
-  /** Deviations at poses, in the order of the axes of the chain. */
-  async deviations(chain: Chain, poses: Pose[]): Promise<Evaluated | null> {
-    const rows = poses.map((pose) => chain.axes.map((axis) => pose[axis.name] ?? 0));
-    const [answer] = await this.ask([{ eval: { poses: rows } }]);
-    return accepted<Evaluated>(answer);
   }
 
   private request(text: string, questions: Question[]): Request {
@@ -174,6 +168,7 @@ export class Session {
     const questions: Question[] = [
       "show",
       "words",
+      "numbers",
       { map: { poses: { random: poses }, worst: 5, samples } },
       { sources: { poses } },
       { budget: { samples } },
@@ -181,12 +176,13 @@ export class Session {
     const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
     const chain = accepted<Chain>(answers[0]);
     if (!chain) return { diagnostics, findings: null };
-    const [words, map, sources, budget] = [
+    const [words, numbers, map, sources, budget] = [
       accepted<Record<string, string>>(answers[1]) ?? {},
-      accepted<VolumeMap>(answers[2]),
-      accepted<Sources>(answers[3]),
-      accepted<Budget>(answers[4]),
+      accepted<Record<string, ErrorNumber>>(answers[2]) ?? {},
+      accepted<VolumeMap>(answers[3]),
+      accepted<Sources>(answers[4]),
+      accepted<Budget>(answers[5]),
     ];
-    return { diagnostics, findings: { chain, words, map, sources, budget } };
+    return { diagnostics, findings: { chain, words, numbers, map, sources, budget } };
   }
 }

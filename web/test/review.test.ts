@@ -8,6 +8,8 @@ import { keysAbove, keysAt } from "../src/editor/complete";
 import { toleranceEdits } from "../src/editor/tolerances";
 import type { Comparison } from "../src/evaluator/types";
 import { letters, parsed } from "../src/explain/name";
+import { inherited, override } from "../src/editor/override";
+import { ticks } from "../src/review/lines";
 import { judgement } from "../src/review/variants";
 import { csv } from "../src/ui/download";
 import { compared, quantity } from "../src/ui/table";
@@ -106,6 +108,40 @@ test("a difference within the uncertainty is none", () => {
   assert.match(judgement(of(2, [-1, 5])), /^Worse than A by 2\.00 µm .*within the uncertainty/);
   assert.match(judgement(of(2, null)), /state no uncertainty/);
   assert.equal(judgement(of(0, null)), "Equal.");
+});
+
+test("what a base gives becomes an entry, and what stands in the file does not", () => {
+  const known = {
+    EC0Y: { value: 21.000000000000004, unit: "urad", bound: false },
+    EXX: { value: 4, unit: "um", bound: true },
+    EB0Z: { value: -22, unit: "urad", bound: false },
+  } as const;
+  const text = "abbe: 1\nextends: base.yaml\nerrors:\n  EB0Z: 3 urad  # shimmed\n";
+  const state = stateOf(text);
+  const found = inherited(state, known);
+  assert.deepEqual(
+    found.map(({ error, section, text }) => [error, section, text]),
+    [
+      ["EC0Y", "errors", "21 urad"],
+      ["EXX", "tolerances", "4 um"],
+    ],
+  );
+  const [first, second] = found;
+  assert.ok(first && second);
+  const once = state.update({ changes: override(state, first) }).state;
+  assert.equal(once.doc.toString(), text.replace("errors:\n", "errors:\n  EC0Y: 21 urad\n"));
+  const twice = once.update({ changes: override(once, second) }).state;
+  assert.ok(twice.doc.toString().endsWith("# shimmed\ntolerances:\n  EXX: 4 um\n"));
+  assert.deepEqual(inherited(stateOf("abbe: 1\nerrors: { EB0Z: 3 urad }\n"), known), []);
+});
+
+test("ticks are round and within the ends", () => {
+  assert.deepEqual(ticks(-400, 0, 5), [-400, -300, -200, -100, 0]);
+  assert.deepEqual(ticks(0, 47.3, 5), [0, 10, 20, 30, 40]);
+  assert.deepEqual(
+    ticks(-1.2, 2.9, 4),
+    [-0, 2].map((x) => x + 0),
+  );
 });
 
 test("text from a file is no formula in a table", () => {

@@ -1,6 +1,8 @@
 /** What if: a slider for the number at the cursor, and for every error and tolerance of the file. */
 
 import type { Editor } from "./editor";
+import type { ErrorNumber } from "../evaluator/types";
+import { inherited, type Inherited, override } from "./override";
 import { type FileNumber, numberAt, numbers, range } from "./numbers";
 import { make } from "../ui/dom";
 import { nameOf } from "./names";
@@ -19,6 +21,9 @@ export class WhatIf {
   private held = false;
   private listed: FileNumber[] = [];
   private doc: Text = Text.empty;
+  /** Numbers that another file gives. */
+  private elsewhere: Inherited[] = [];
+  private known: Record<string, ErrorNumber> = {};
 
   constructor(
     parent: HTMLElement,
@@ -48,12 +53,28 @@ export class WhatIf {
     return numbers(this.editor.view.state).find((number) => nameOf(number) === key);
   }
 
+  /** The machine has these errors, wherever they stand. */
+  know(known: Record<string, ErrorNumber>): void {
+    if (JSON.stringify(known) === JSON.stringify(this.known)) return;
+    this.known = known;
+    this.list();
+    if (this.chosen) this.choice.value = nameOf(this.chosen);
+  }
+
   private list(): void {
     const all = numbers(this.editor.view.state);
+    this.elsewhere = inherited(this.editor.view.state, this.known);
     this.listed = LISTED.flatMap((section) => all.filter((number) => number.path[0] === section));
     this.choice.replaceChildren(
       ...this.listed.map((number) => make("option", { value: nameOf(number) }, nameOf(number))),
+      ...(this.elsewhere.length ? [this.group()] : []),
     );
+  }
+
+  /** Numbers of other files: the one that is chosen becomes an entry of this file. */
+  private group(): HTMLElement {
+    const entry = ({ error, text }: Inherited) => make("option", { value: `override ${error}` }, `${error}: ${text}`);
+    return make("optgroup", { label: "Given elsewhere: write into this file" }, ...this.elsewhere.map(entry));
   }
 
   private take(number: FileNumber | null): void {
@@ -78,7 +99,10 @@ export class WhatIf {
   }
 
   private choose(): void {
-    const number = numbers(this.editor.view.state).find((of) => nameOf(of) === this.choice.value);
+    const from = this.elsewhere.find(({ error }) => this.choice.value === `override ${error}`);
+    if (from) this.editor.change(override(this.editor.view.state, from));
+    const wanted = from ? `${from.section} › ${from.error}` : this.choice.value;
+    const number = numbers(this.editor.view.state).find((of) => nameOf(of) === wanted);
     if (!number) return;
     this.chosen = number;
     this.editor.view.dispatch({ selection: { anchor: number.from }, scrollIntoView: true });

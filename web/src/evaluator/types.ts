@@ -7,14 +7,16 @@ export type Question =
   | "check"
   | "show"
   | { map: { poses: { random: number }; worst?: number; samples?: number; target?: string } }
-  | { sources: { poses: number } }
+  | { rows: { poses: { listed: number[][] }; samples?: number; target?: string } }
+  | { sources: { poses: number; at?: number[] } }
   | { budget: { poses?: number; samples?: number; goal_mm?: number } }
   | { eval: { poses: number[][] } }
   | { reach: { step_mm?: number } }
-  | { work: { tool_poses: string; samples?: number } }
+  | { work: { tool_poses: string; samples?: number; target?: string } }
   | { compare: { first: string; options: { poses?: number; tool_poses?: string } } }
   | { instrument: { instrument: "ball_bar" | "r_test" | "diagonals" } }
   | "targets"
+  | "numbers"
   | "words"
   | "schema";
 
@@ -128,11 +130,12 @@ export interface Source {
   p95_um: number;
   max_um: number;
   p95_urad: number;
-  at_worst_um: number;
+  /** Its part along the deviation at `at` of the answer. */
+  at_um: number;
 }
 
 export interface Sources {
-  worst: Pose;
+  at: Pose;
   errors: Source[];
 }
 
@@ -242,6 +245,20 @@ export interface Work {
   };
   rows: { poses: WorkRow[] };
   tips: { line: number; tip_mm: Vec3 }[];
+}
+
+/** An error that is one number, wherever it stands. */
+export interface ErrorNumber {
+  value: number;
+  unit: "um" | "urad";
+  bound: boolean;
+}
+
+/** Deviations at listed poses; of a machine that is only bounded what its bounds lead to. */
+export interface Rows {
+  rows: {
+    poses: { axes: Pose; deviation_um?: Vec3; rotation_urad?: Vec3; position_um?: { rss: number; p95: number } }[];
+  };
 }
 
 /** Narrows an answer: `null` where the question was refused. */

@@ -27,6 +27,8 @@ class Builder {
   private readonly s: number;
   /** Height of the floor along `up`. */
   private floor = 0;
+  /** Where the part stands. */
+  private place: { body: string; at: Vec3; normal: Vec3 } | null = null;
 
   constructor(private readonly of: Layout) {
     this.s = of.size;
@@ -51,6 +53,18 @@ class Builder {
       this.floor = Math.min(this.floor, this.height(this.of.chain.workpiece_origin_mm) - 4 * this.s);
     if (this.of.kind === "lathe") this.headstock(bottom);
     this.toolSide();
+    this.part();
+  }
+
+  /** Largest extent of what is drawn of these bodies along a direction. */
+  private extent(direction: Vec3, bodies: string[]): number {
+    const ends = bodies.flatMap((body) => this.shapes.get(body) ?? []).map((shape) => farthest(shape, direction));
+    return Math.max(-Infinity, ...ends);
+  }
+
+  /** The bed and what carries the part. */
+  private get below(): string[] {
+    return ["bed", ...this.of.workpiece.map((axis) => axis.name)];
   }
 
   /** What holds the spindle of a lathe, down to the floor. */
@@ -75,7 +89,7 @@ class Builder {
     const first = list[0];
     const normal = first?.kind === "rotary" ? this.normalOf(first) : up;
     const joint: Joint = { at: chain.workpiece_origin_mm, out: scaled(normal, -1) };
-    this.part(first?.name ?? "bed", joint, normal);
+    this.place = { body: first?.name ?? "bed", at: joint.at, normal };
     list.forEach((axis, i) => {
       const parent = list[i + 1]?.name ?? "bed";
       const carries = i === 0;
@@ -99,15 +113,35 @@ class Builder {
     return dot(direction, wanted) < 0 ? scaled(direction, -1) : direction;
   }
 
-  private part(body: string, joint: Joint, normal: Vec3): void {
+  /** A block that stands for the part, as high as the tool leaves room; none where it leaves none. */
+  private part(): void {
+    if (!this.place) return;
+    const { body, at, normal } = this.place;
     const half = Math.min(this.of.table * 0.5, 1.1 * this.s);
-    const centre = along(joint.at, normal, half * 0.5);
     if (this.of.kind === "lathe") {
-      this.put(body, bar("part", along(joint.at, normal, -0.2 * this.s), along(joint.at, normal, 0), half * 0.7));
+      this.put(body, bar("part", along(at, normal, 0.02 * this.s), at, half * 0.7));
       return;
     }
     const side = unit(across(this.of.right, normal));
-    this.put(body, box("part", centre, side, normal, [half * 1.5, half * 1.5, half]));
+    const width = half * 1.5;
+    const height = Math.min(half, this.room(at, normal, side, width / 2) - 0.04 * this.s);
+    if (height < 0.04 * this.s) return;
+    this.put(body, box("part", along(at, normal, height / 2), side, normal, [width, width, height]));
+  }
+
+  /** Height up to the first of the tool's bodies above a square place. */
+  private room(at: Vec3, normal: Vec3, side: Vec3, half: number): number {
+    const directions = [side, cross(normal, side)];
+    const own = this.of.tool.map((axis) => axis.name);
+    const bodies = own.length ? own : ["bed"];
+    const shapes = bodies.flatMap((body) => this.shapes.get(body) ?? []);
+    const above = shapes.filter((shape) =>
+      directions.every((direction) => {
+        const middle = dot(at, direction);
+        return farthest(shape, direction) > middle - half && -farthest(shape, scaled(direction, -1)) < middle + half;
+      }),
+    );
+    return Math.min(Infinity, ...above.map((shape) => -farthest(shape, scaled(normal, -1)) - dot(at, normal)));
   }
 
   /** A round table on its housing, or the spindle of a lathe in its headstock. */
@@ -169,7 +203,7 @@ class Builder {
       );
       this.put(
         axis.name,
-        bar("guide", along(line, a, way * (width + 1.0 * s)), along(line, a, way * (width + 1.1 * s)), 0.34 * s),
+        bar("guide", along(line, a, way * (width + 1.025 * s)), along(line, a, way * (width + 1.1 * s)), 0.34 * s),
       );
     }
     this.put(
@@ -184,23 +218,22 @@ class Builder {
     joint.out = scaled(of.up, -1);
   }
 
-  /** A body that turns about an inclined line: a round housing along that line. */
+  /** A body that turns about an inclined line: it and what carries it meet in a plane across that line, below all of
+   * the body. */
   private wedge(axis: Axis, parent: string, joint: Joint): void {
-    const { s, of } = this;
+    const { of } = this;
     const a = this.towards(axis.direction, joint.out);
-    const centre = along(joint.at, joint.out, 0.9 * s);
-    this.put(
-      axis.name,
-      bar("rotary", joint.at, centre, of.table * 0.8, of.table * 0.6),
-      ball("rotary", centre, of.table * 0.6),
-    );
-    const end = along(centre, a, of.table * 0.75);
-    this.put(
-      parent,
-      bar("axis", along(centre, a, of.table * 0.3), end, of.table * 0.72),
-      ball("axis", end, of.table * 0.72),
-    );
-    joint.at = along(end, of.up, -of.table * 0.9);
+    const inner = of.workpiece.slice(of.workpiece.indexOf(axis)).map((other) => other.name);
+    const pivot = foot(joint.at, axis.origin_mm, a);
+    const radius = of.table * 0.6;
+    const below = (this.height(pivot) - this.height(joint.at) + radius) / Math.max(-dot(a, of.up), 0.3);
+    const clear = this.extent(a, inner) + 0.1 * this.s - dot(pivot, a);
+    const plane = along(pivot, a, Math.max(clear, below + radius));
+    const [before, behind] = [along(plane, a, -radius), along(plane, a, radius)];
+    this.put(axis.name, bar("rotary", joint.at, before, radius * 0.5, radius * 0.6), ball("rotary", before, radius));
+    this.put(axis.name, bar("rotary", along(plane, a, -0.25 * radius), plane, radius));
+    this.put(parent, bar("axis", plane, along(plane, a, 0.4 * radius), radius * 1.1), ball("axis", behind, radius));
+    joint.at = along(behind, of.up, -radius);
     joint.out = scaled(of.up, -1);
   }
 
@@ -258,16 +291,26 @@ class Builder {
     const size = (direction: Vec3) =>
       Math.max(...flat.map((axis) => Math.abs(dot(axis.direction, direction)) * stroke(axis)), 4 * s);
     const centre = flat.reduce((at, axis) => along(at, axis.direction, middle(axis)), this.of.toolInUse.tip_mm);
-    const top = along(centre, of.up, this.height(joint.at) - this.height(centre));
+    const top = along(centre, of.up, this.tableHeight(joint.at) - this.height(centre));
     this.put(
       "bed",
       box("bed", along(top, of.up, -0.45 * s), of.right, of.up, [
         size(of.right) + 2 * s,
-        size(of.back) + 2 * s,
+        size(of.back) + 0.8 * s,
         0.9 * s,
       ]),
     );
     joint.at = top;
+  }
+
+  /** Height of a fixed table: that of the workpiece, or below the lowest tip where the tool stands below that. */
+  private tableHeight(workpiece: Vec3): number {
+    const { tool, toolInUse, up } = this.of;
+    const tip = this.height(toolInUse.tip_mm);
+    if (tip >= this.height(workpiece)) return this.height(workpiece);
+    const rise = (axis: Axis) => Math.min(...axis.travel.map((q) => q * dot(axis.direction, up)));
+    const lowest = tool.filter((axis) => axis.kind === "linear").reduce((sum, axis) => sum + rise(axis), tip);
+    return Math.min(lowest, tip) - 0.6 * this.s;
   }
 
   // The tool and what carries it.
@@ -285,9 +328,29 @@ class Builder {
       bar("spindle", gauge, along(gauge, d, 0.28 * size), 0.26 * size, 0.4 * size),
     );
     const joint: Joint = { at: along(gauge, d, 1.5 * size), out: d };
-    this.put(body, bar("spindle", along(gauge, d, 0.28 * size), joint.at, 0.42 * size));
+    const inclined = list[0]?.kind === "rotary" && !isAcross(list[0].direction, d) && !isParallel(list[0].direction, d);
+    if (!inclined) {
+      const end = along(gauge, d, this.spindleLength(list[0]));
+      this.put(body, bar("spindle", along(gauge, d, 0.28 * size), end, this.spindleRadius()));
+    }
     list.forEach((axis, i) => this.toolBody(axis, list, i, joint));
     this.standing(list, joint);
+  }
+
+  /** A spindle in a fork ends behind its pivot. */
+  private spindleLength(first: Axis | undefined): number {
+    const { gauge_mm: gauge, direction: d } = this.of.toolInUse;
+    if (first?.kind !== "rotary" || !isAcross(first.direction, d)) return 1.5 * this.s;
+    const pivot = dot(minus(foot(gauge, first.origin_mm, first.direction), gauge), d);
+    return Math.min(Math.max(pivot, 0) + 0.5 * this.s, 1.5 * this.s);
+  }
+
+  /** A horizontal spindle passes above the table. */
+  private spindleRadius(): number {
+    const { toolInUse, up, chain } = this.of;
+    const above = this.height(toolInUse.gauge_mm) - this.height(chain.workpiece_origin_mm);
+    const isLow = isAcross(toolInUse.direction, up) && this.of.kind === "horizontal" && above > 0;
+    return Math.min(0.42 * this.s, isLow ? 0.9 * above : Infinity);
   }
 
   private toolBody(axis: Axis, list: Axis[], i: number, joint: Joint): void {
@@ -300,8 +363,9 @@ class Builder {
       this.put(axis.name, bar("rotary", joint.at, neck, 0.7 * s));
       this.put(parent, bar("axis", neck, end, 0.82 * s));
       joint.at = end;
-    } else if (isAcross(axis.direction, joint.out)) this.fork(axis, parent, joint);
-    else this.nutator(axis, parent, joint);
+    } else if (!isAcross(axis.direction, joint.out)) this.nutator(axis, list[i + 1], joint);
+    else if (i === 0) this.fork(axis, parent, joint);
+    else this.bearing(axis, parent, joint);
   }
 
   /** Two arms hold a head that swivels between them. */
@@ -329,22 +393,44 @@ class Builder {
     joint.at = along(bridge, joint.out, 0.25 * s);
   }
 
-  /** A head that turns about an inclined line. */
-  private nutator(axis: Axis, parent: string, joint: Joint): void {
-    const { s } = this;
-    const { gauge_mm: gauge, direction: d } = this.of.toolInUse;
-    const pivot = foot(gauge, axis.origin_mm, axis.direction);
-    const a = this.towards(axis.direction, this.of.back);
-    this.put(
-      axis.name,
-      beam("rotary", along(gauge, d, 0.9 * s), pivot, this.of.right, 0.9 * s, 0.9 * s),
-      bar("rotary", along(pivot, a, -0.5 * s), along(pivot, a, 0.45 * s), 0.75 * s),
-    );
-    const end = along(pivot, a, 1.2 * s);
-    this.put(parent, bar("axis", along(pivot, a, 0.45 * s), end, 0.78 * s));
-    joint.at = along(end, this.of.up, 0.6 * s);
-    this.put(parent, beam("axis", along(end, this.of.up, -0.5 * s), joint.at, this.of.right, 1.4 * s, 1.2 * s));
-    joint.out = this.of.up;
+  /** A head that turns about an inclined line: it and what carries it meet in a plane across that line. */
+  private nutator(axis: Axis, next: Axis | undefined, joint: Joint): void {
+    const { s, of } = this;
+    const parent = next?.name ?? "bed";
+    const { gauge_mm: gauge, direction: d } = of.toolInUse;
+    const a = this.towards(axis.direction, d);
+    const pivot = crossing(axis.origin_mm, a, gauge, d);
+    const lean = norm(cross(a, d)) / dot(a, d);
+    const length = dot(minus(pivot, gauge), d) - 0.28 * s;
+    const radius = Math.min(0.42 * s, (0.9 * length) / lean);
+    if (radius > 0.05 * s) {
+      const foot = along(gauge, d, 0.28 * s);
+      this.put(axis.name, bar("spindle", foot, along(foot, d, length - radius * lean), radius));
+    }
+    const disc = 0.75 * s;
+    this.put(axis.name, bar("rotary", along(pivot, a, -0.45 * s), pivot, disc * 0.8, disc));
+    const centre = along(pivot, a, disc);
+    this.put(parent, bar("axis", pivot, along(pivot, a, 0.4 * disc), disc), ball("axis", centre, disc));
+    joint.at = centre;
+    joint.out = of.up;
+    if (next?.kind === "rotary" && isAcross(next.direction, of.up)) return;
+    joint.at = along(centre, of.up, 1.5 * s);
+    this.put(parent, bar("axis", centre, joint.at, 0.6 * s));
+  }
+
+  /** A head on one side of what carries it: both meet in a plane across the line, behind all of the head. */
+  private bearing(axis: Axis, parent: string, joint: Joint): void {
+    const { s, of } = this;
+    const a = this.towards(axis.direction, isAcross(axis.direction, of.back) ? of.right : of.back);
+    const inner = of.tool.slice(of.tool.indexOf(axis)).map((other) => other.name);
+    const start = foot(joint.at, axis.origin_mm, a);
+    const plane = along(start, a, this.extent(a, inner) - dot(start, a));
+    this.put(axis.name, bar("rotary", start, plane, 0.75 * s));
+    const end = along(plane, a, 0.5 * s);
+    this.put(parent, bar("axis", plane, end, 0.82 * s));
+    joint.at = along(along(plane, a, 0.7 * s), of.up, 1.5 * s);
+    this.put(parent, beam("axis", along(joint.at, of.up, -2.1 * s), joint.at, a, 1.4 * s, 1.3 * s));
+    joint.out = of.up;
   }
 
   /** A carriage on a beam, a column or a ram. */
@@ -364,12 +450,31 @@ class Builder {
     const block: Vec3 = [1.6 * s, 1.6 * s, 1.0 * s];
     this.put(axis.name, box("axis", along(centre, normal, isRam ? 0.4 * s : 0), a, normal, block));
     const near = along(centre, normal, (isRam ? 0.9 : 0.5) * s);
-    const face = along(near, normal, this.throat(near, normal, list, i));
+    const face = along(
+      near,
+      normal,
+      Math.max(this.throat(near, normal, list, i), this.headDepth(near, normal, list, i)),
+    );
     if (face[0] !== near[0] || face[1] !== near[1] || face[2] !== near[2])
       this.put(axis.name, beam("axis", near, face, a, 1.4 * s, 1.2 * s));
     this.guides(parent, face, axis, normal, 1.6 * s);
-    joint.at = along(along(face, a, middle(axis)), normal, 0.95 * s);
+    joint.at = along(along(face, a, middle(axis)), normal, this.behind(axis, list, i));
     joint.out = normal;
+  }
+
+  /** Way from the face of a carriage to the axis of the next one: behind its rails, and where the next beam lies along
+   * them also beside that. */
+  private behind(axis: Axis, list: Axis[], i: number): number {
+    const next = list[i + 1];
+    const beside = next?.kind === "linear" && Math.abs(dot(this.normal(next, list[i + 2]), axis.direction)) > 0.7;
+    return (beside && !this.isGantry(list, i + 1) ? 1.76 : 0.96) * this.s;
+  }
+
+  /** How far a head reaches behind the face of the carriage that bears it. */
+  private headDepth(face: Vec3, normal: Vec3, list: Axis[], i: number): number {
+    if (list[i - 1]?.kind !== "rotary" || !isAcross(normal, this.of.up)) return 0;
+    const inner = list.slice(0, i + 1).map((axis) => axis.name);
+    return Math.max(0, this.extent(normal, inner) - dot(face, normal));
   }
 
   /** What is missing between a carriage and a column that stands on the floor, so that the table passes before it. */
@@ -386,7 +491,9 @@ class Builder {
           return sign * Math.max(0, ...ends.map((end) => sign * end));
         });
     const total = (list: number[]) => list.reduce((sum, x) => sum + x, 0);
-    const table = dot(of.chain.workpiece_origin_mm, normal) + 1.3 * of.table + total(shifts(of.workpiece, 1));
+    const moved = dot(of.chain.workpiece_origin_mm, normal) + 1.3 * of.table + total(shifts(of.workpiece, 1));
+    // The foot of the column stands before its rails.
+    const table = Math.max(moved, this.extent(normal, this.below) + (next ? 0.35 * this.s : 0));
     return Math.max(0, table - total(shifts(list.slice(i + 1), -1)) - dot(face, normal));
   }
 
@@ -432,7 +539,7 @@ class Builder {
         box("guide", along(along(shift, side, way * 0.55 * s), normal, 0.07 * s), a, normal, [run, 0.2 * s, 0.14 * s]),
       );
     const material: Material = parent === "bed" ? "bed" : "axis";
-    this.put(parent, box(material, along(shift, normal, 0.55 * s), a, normal, [run, 1.7 * s, 0.82 * s]));
+    this.put(parent, box(material, along(shift, normal, 0.55 * s), a, normal, [run, 1.6 * s, 0.82 * s]));
   }
 
   /** Direction from a carriage to its beam: horizontal, across its motion, and if it can be across the next one's. */
@@ -461,21 +568,21 @@ class Builder {
   private foot(axis: Axis, parent: string, joint: Joint): void {
     const { s, of } = this;
     const a = axis.direction;
-    const low = along(this.atFloor(joint.at), of.up, (parent === "bed" ? 0.75 : 1.5) * s);
+    const low = along(this.atFloor(joint.at), of.up, (parent === "bed" ? 0.8 : 1.5) * s);
     if (this.height(joint.at) - this.height(low) > 0.5 * s)
       this.put(
         axis.name,
         beam(
           "axis",
-          along(joint.at, joint.out, -0.45 * s),
-          along(low, joint.out, -0.45 * s),
+          along(joint.at, joint.out, -0.07 * s),
+          along(low, joint.out, -0.07 * s),
           of.right,
-          1.9 * s,
+          1.6 * s,
           1.5 * s,
         ),
       );
     this.put(axis.name, box("axis", along(low, of.up, -0.2 * s), a, of.up, [2.6 * s, 2.4 * s, 0.4 * s]));
-    const shift = along(along(low, a, middle(axis)), of.up, -0.5 * s);
+    const shift = along(along(low, a, middle(axis)), of.up, -0.55 * s);
     this.put(
       parent,
       box(parent === "bed" ? "bed" : "axis", shift, a, of.up, [stroke(axis) + 2.6 * s, 2.0 * s, 0.3 * s]),
@@ -496,20 +603,43 @@ class Builder {
     if (this.isGantry(list, list.length - 1)) return;
     if (this.height(joint.at) - this.floor < 1.2 * s && last) return this.plinth(joint);
     const isBeam = last?.kind === "linear" && !isUpright(of, last);
-    const ends = isBeam
-      ? [-1, 1].map((way) => along(joint.at, last.direction, (way * (stroke(last) + 1.6 * s)) / 2))
-      : [joint.at];
+    const half = isBeam ? this.halfBeam(last, joint) : 0;
+    const ends = isBeam ? [-1, 1].map((way) => along(joint.at, last.direction, way * half)) : [joint.at];
+    if (half > (stroke(last as Axis) + 1.6 * s) / 2)
+      this.put(
+        "bed",
+        box("bed", along(joint.at, joint.out, -0.41 * s), last?.direction ?? of.right, joint.out, [
+          2 * half,
+          1.6 * s,
+          0.82 * s,
+        ]),
+      );
     for (const end of ends) {
-      const top = along(along(end, joint.out, isBeam ? -0.4 * s : 0.1 * s), of.up, isBeam ? 0.85 * s : 0);
+      const top = along(along(end, joint.out, isBeam ? -0.35 * s : 0.1 * s), of.up, isBeam ? 0.85 * s : 0);
       this.put("bed", beam("bed", top, this.atFloor(top), of.right, 1.4 * s, 1.2 * s));
     }
     const foot = this.atFloor(joint.at);
-    const width = isBeam ? stroke(last) + 3 * s : 3 * s;
+    const width = isBeam ? 2 * half + 1.4 * s : 3 * s;
     this.put(
       "bed",
       box("bed", along(foot, of.up, 0.25 * s), isBeam ? last.direction : of.right, of.up, [width, 2.2 * s, 0.5 * s]),
     );
     this.tie(foot);
+  }
+
+  /** Half the way between the posts of a beam: the carriage and the table pass between them. */
+  private halfBeam(axis: Axis, joint: Joint): number {
+    const { s, of } = this;
+    const moving = of.chain.axes.flatMap(({ name }) => this.shapes.get(name) ?? []);
+    const [front, rear] = [dot(joint.at, joint.out) - 0.95 * s, dot(joint.at, joint.out) + 0.25 * s];
+    const beside = moving.filter(
+      (shape) => farthest(shape, joint.out) > front + 1e-6 * s && -farthest(shape, scaled(joint.out, -1)) < rear,
+    );
+    const middle = dot(joint.at, axis.direction);
+    const sides = [-1, 1].flatMap((way) =>
+      beside.map((shape) => farthest(shape, scaled(axis.direction, way)) - way * middle + 0.75 * s),
+    );
+    return Math.max((stroke(axis) + 1.6 * s) / 2, ...sides);
   }
 
   private plinth(joint: Joint): void {
@@ -539,35 +669,50 @@ class Builder {
 
   // A robot.
 
+  /** Each joint is two housings that meet in a plane across its line: one of the link before, one of the next. */
   robot(): void {
-    const { tool, toolInUse, s } = { ...this.of, s: this.s };
-    const points = tool.map((axis) => axis.origin_mm);
-    const first = tool[0];
-    if (first)
-      this.put(
-        "bed",
-        bar(
-          "bed",
-          along(points[0] ?? [0, 0, 0], first.direction, -0.3 * s),
-          along(points[0] ?? [0, 0, 0], first.direction, 0.15 * s),
-          0.75 * s,
-        ),
-      );
+    const { tool, toolInUse } = this.of;
+    const { s } = this;
+    const ends = [...tool.map((axis) => axis.origin_mm), toolInUse.gauge_mm];
+    const way = (i: number) => norm(minus(ends[i + 1] as Vec3, ends[i] as Vec3)) || Infinity;
+    const radii = tool.map((_, i) =>
+      Math.min((0.52 - 0.05 * i) * s, 0.45 * way(i), 0.45 * (i ? way(i - 1) : Infinity)),
+    );
+    const lines = tool.map((axis, i) => {
+      const [at, next] = [ends[i], ends[i + 1]] as [Vec3, Vec3];
+      return dot(axis.direction, minus(next, at)) < 0 ? scaled(axis.direction, -1) : axis.direction;
+    });
     tool.forEach((axis, i) => {
-      const at = points[i] ?? axis.origin_mm;
-      const next = points[i + 1] ?? toolInUse.gauge_mm;
-      const radius = (0.52 - 0.05 * i) * s;
-      this.put(
-        axis.name,
-        bar("rotary", along(at, axis.direction, -radius), along(at, axis.direction, radius), radius),
-        bar("axis", at, next, radius * 0.72),
-        ball("axis", next, radius * 0.72),
-      );
+      const [at, next, line] = [ends[i], ends[i + 1], lines[i]] as [Vec3, Vec3, Vec3];
+      const [radius, thin] = [radii[i] ?? s, radii[i + 1] ?? 0];
+      const parent = tool[i - 1]?.name ?? "bed";
+      this.put(parent, bar(i ? "axis" : "bed", along(at, line, -radius), at, i ? radius : 1.4 * radius, radius));
+      this.put(axis.name, bar("rotary", at, along(at, line, radius), radius));
+      const beside = lines[i + 1] ? scaled(lines[i + 1] as Vec3, -0.55 * thin) : ([0, 0, 0] as Vec3);
+      const from = along(along(at, line, 0.55 * radius), across(beside, line), 1);
+      const to = along(next, beside, 1);
+      const wide = 0.42 * Math.min(radius, thin || radius);
+      this.put(axis.name, bar("axis", from, to, wide));
     });
     const body = tool[tool.length - 1]?.name ?? "bed";
     this.put(body, bar("tool", toolInUse.gauge_mm, toolInUse.tip_mm, 0.12 * s));
     this.floor = this.height(this.of.chain.workpiece_origin_mm);
   }
+}
+
+/** How far a shape reaches along a direction. */
+function farthest({ geometry }: Shape, direction: Vec3): number {
+  const at = geometry.getAttribute("position");
+  let most = -Infinity;
+  for (let i = 0; i < at.count; i += 1) most = Math.max(most, dot([at.getX(i), at.getY(i), at.getZ(i)], direction));
+  return most;
+}
+
+/** The point of a line that comes nearest to another one. */
+function crossing(origin: Vec3, a: Vec3, other: Vec3, b: Vec3): Vec3 {
+  const between = minus(other, origin);
+  const k = dot(a, b);
+  return along(origin, a, (dot(between, a) - k * dot(between, b)) / Math.max(1 - k * k, 1e-9));
 }
 
 const scaledSum = (a: Vec3, b: Vec3): Vec3 => [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2];

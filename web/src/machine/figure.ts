@@ -42,17 +42,22 @@ export class Figure {
     this.root.updateMatrixWorld(true);
   }
 
-  /** The sphere around everything, wherever the linear axes stand; the machine stays at the pose. */
-  sphere(pose: Pose): three.Sphere {
-    const all = new three.Box3();
+  /** The corners of everything at the pose, and with the linear axes at their ends; the machine stays at the pose. */
+  corners(pose: Pose): three.Vector3[] {
     const linear = this.layout.chain.axes.filter((axis) => axis.kind === "linear");
-    for (const end of [0, 1] as const) {
-      const there = Object.fromEntries(linear.map((axis) => [axis.name, axis.travel[end]]));
-      this.move({ ...pose, ...there });
-      all.expandByObject(this.root);
-    }
-    this.move(pose);
-    return all.expandByObject(this.root).getBoundingSphere(new three.Sphere());
+    const end = (k: 0 | 1) => Object.fromEntries(linear.map((axis) => [axis.name, axis.travel[k]]));
+    return [{ ...pose, ...end(0) }, { ...pose, ...end(1) }, pose].flatMap((there) => {
+      this.move(there);
+      return this.boxes().flatMap(cornersOf);
+    });
+  }
+
+  private boxes(): three.Box3[] {
+    const list: three.Box3[] = [];
+    this.root.traverse((object) => {
+      if (object instanceof three.Mesh) list.push(new three.Box3().setFromObject(object));
+    });
+    return list;
   }
 
   /** The line of an axis at the present pose, in the machine's coordinates. */
@@ -68,6 +73,15 @@ export class Figure {
     const { toolInUse, tool } = this.layout;
     const body = this.bodies.get(tool[tool.length - 1]?.name ?? "bed") ?? this.root;
     return new three.Vector3(...toolInUse.tip_mm).applyMatrix4(body.matrixWorld).toArray();
+  }
+
+  /** From the tip to the gauge point of the tool in use, in the workpiece frame. */
+  get reach(): Vec3 {
+    const { toolInUse, tool } = this.layout;
+    const body = this.bodies.get(tool[tool.length - 1]?.name ?? "bed") ?? this.root;
+    const there = this.workpiece.matrixWorld.clone().invert().multiply(body.matrixWorld);
+    const [tip, gauge] = [toolInUse.tip_mm, toolInUse.gauge_mm].map((v) => new three.Vector3(...v).applyMatrix4(there));
+    return gauge && tip ? (gauge.sub(tip).toArray() as Vec3) : [0, 0, 0];
   }
 
   /** The point that an axis moves: the tip of the tool, or the workpiece origin for an axis that carries the part. */
@@ -143,4 +157,9 @@ export class Figure {
     line.computeLineDistances();
     this.bodies.get(axis.name)?.parent?.add(line);
   }
+}
+
+function cornersOf({ min, max }: three.Box3): three.Vector3[] {
+  const both = [min, max];
+  return both.flatMap(({ x }) => both.flatMap(({ y }) => both.map(({ z }) => new three.Vector3(x, y, z))));
 }

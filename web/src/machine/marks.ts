@@ -5,10 +5,11 @@ import type { Vec3 } from "../evaluator/types";
 import { rounded } from "../review/number";
 import type { Told } from "./pick";
 
-/** A node of a field: nominal position in the workpiece frame, mm, and length of the deviation, um. */
+/** A node of a field: nominal position in the workpiece frame, mm, and length of the deviation, um. What is only
+ * bounded has no direction. */
 export interface FieldNode {
   nominal: Vec3;
-  deviation_um: Vec3;
+  deviation_um: Vec3 | null;
   length_um: number;
 }
 
@@ -33,35 +34,41 @@ export class Marks {
     new three.SphereGeometry(1, 20, 14),
     new three.MeshBasicMaterial({ color: 0xc2185b, depthTest: false, transparent: true, opacity: 0.85 }),
   );
+  private readonly tool = new three.Mesh(
+    new three.CylinderGeometry(1, 0.8, 1, 20).translate(0, 0.5, 0),
+    new three.MeshBasicMaterial({ color: 0xc2185b, transparent: true, opacity: 0.45 }),
+  );
   private field: three.Object3D | null = null;
   private readonly work = new three.Group();
   private dark = false;
 
   constructor() {
-    this.arrow.visible = this.ghost.visible = false;
+    this.arrow.visible = this.ghost.visible = this.tool.visible = false;
     this.arrow.renderOrder = this.ghost.renderOrder = 10;
     for (const part of [this.arrow.line, this.arrow.cone]) {
       const material = part.material as three.Material;
       material.depthTest = false;
       material.transparent = true;
     }
-    this.group.add(this.arrow, this.ghost, this.work);
+    this.group.add(this.arrow, this.ghost, this.tool, this.work);
   }
 
   theme(dark: boolean): void {
     this.dark = dark;
   }
 
-  /** Colours of the scale as CSS, from little to much. */
+  /** Colours of the scale as CSS, from little to much, as the marks bear them: mixed in linear light. */
   get colours(): string[] {
-    return this.dark ? SCALE_DARK : SCALE_LIGHT;
+    return Array.from({ length: 17 }, (_, i) => `#${this.colour(i / 16).getHexString()}`);
   }
 
   /** Draws the deviation from the nominal tip to the actual one, `times` as large. */
-  deviation(nominal: Vec3 | null, deviation_mm: Vec3, times: number, size: number): void {
-    this.arrow.visible = this.ghost.visible = nominal !== null;
-    if (!nominal) return;
-    const by = new three.Vector3(...deviation_mm).multiplyScalar(times);
+  deviation(here: FieldNode | null, times: number, size: number): void {
+    const isSeen = here?.deviation_um != null && here.length_um > 0;
+    this.arrow.visible = this.ghost.visible = isSeen;
+    if (!here?.deviation_um || !isSeen) return void (this.tool.visible = false);
+    const { nominal } = here;
+    const by = new three.Vector3(...here.deviation_um).multiplyScalar(1e-3 * times);
     const length = Math.max(by.length(), 1e-9);
     this.arrow.position.set(...nominal);
     this.arrow.setDirection(by.clone().normalize());
@@ -70,11 +77,29 @@ export class Marks {
     this.ghost.scale.setScalar(0.07 * size);
   }
 
-  /** Draws a field as arrows, coloured on a scale that ends at `most`; nothing for an empty one. */
+  /** Draws the actual tool: from its tip along the nominal axis `reach`, mm, shifted and tilted `times` as much. */
+  actual(here: FieldNode | null, rotation_rad: Vec3 | null, reach: Vec3, times: number): void {
+    const length = Math.hypot(...reach);
+    this.tool.visible = this.arrow.visible && rotation_rad !== null && length > 1e-6;
+    if (!here?.deviation_um || !rotation_rad || !this.tool.visible) return;
+    const turn = new three.Vector3(...rotation_rad).multiplyScalar(times);
+    const angle = turn.length();
+    const axis = new three.Vector3(...reach).divideScalar(length);
+    this.tool.quaternion.setFromUnitVectors(new three.Vector3(0, 1, 0), axis);
+    if (angle > 0)
+      this.tool.quaternion.premultiply(new three.Quaternion().setFromAxisAngle(turn.divideScalar(angle), angle));
+    this.tool.position.set(...here.nominal).addScaledVector(new three.Vector3(...here.deviation_um), 1e-3 * times);
+    const radius = Math.max(0.07 * length, 0.5);
+    this.tool.scale.set(radius, length, radius);
+  }
+
+  /** Draws a field as arrows, or as balls where it has no direction, coloured on a scale that ends at `most`; nothing for an empty one. */
   show(nodes: FieldNode[], times: number, most: number, size: number): void {
     this.clear();
     if (!nodes.length) return;
-    const shape = new three.ConeGeometry(0.16 * size, 1, 10).translate(0, 0.5, 0);
+    const shape = nodes[0]?.deviation_um
+      ? new three.ConeGeometry(0.22 * size, 1, 12).translate(0, 0.5, 0)
+      : new three.SphereGeometry(0.24 * size, 14, 10);
     const mesh = new three.InstancedMesh(shape, new three.MeshBasicMaterial(), nodes.length);
     nodes.forEach((node, i) => {
       mesh.setMatrixAt(i, this.placed(node, times));
@@ -93,16 +118,9 @@ export class Marks {
     }
     if (!points.length) return;
     const places = points.map(({ tip }) => new three.Vector3(...tip));
-    const line = new three.LineBasicMaterial({
-      color: this.dark ? 0xdfe6ec : 0x2b3640,
-      transparent: true,
-      opacity: 0.6,
-    });
-    this.work.add(new three.Line(new three.BufferGeometry().setFromPoints(places), line));
+    this.outline(points, places, most, 0.35 * size);
     const reached = points.filter(({ um }) => um !== null);
     const stopped = points.filter(({ um }) => um === null);
-    const colour = ({ um, stopped }: WorkPoint) =>
-      um === null ? new three.Color(stopped) : this.colour(um / (most || 1));
     for (const [list, shape] of [
       [reached, new three.SphereGeometry(size, 14, 10)],
       [stopped, new three.OctahedronGeometry(1.4 * size)],
@@ -110,12 +128,34 @@ export class Marks {
       const mesh = new three.InstancedMesh(shape, new three.MeshBasicMaterial(), list.length);
       list.forEach((point, i) => {
         mesh.setMatrixAt(i, new three.Matrix4().makeTranslation(...point.tip));
-        mesh.setColorAt(i, colour(point));
+        mesh.setColorAt(i, this.colourOf(point, most));
       });
       const told: Told = { words: (i) => list[i]?.words ?? "", click: (i) => list[i]?.click?.() };
       mesh.userData["told"] = told;
       this.work.add(mesh);
     }
+  }
+
+  private colourOf({ um, stopped }: WorkPoint, most: number): three.Color {
+    return um === null ? new three.Color(stopped) : this.colour(um / (most || 1));
+  }
+
+  /** The outline of a part: rods from pose to pose in the mean of the colours of both. */
+  private outline(points: WorkPoint[], places: three.Vector3[], most: number, radius: number): void {
+    const shape = new three.CylinderGeometry(radius, radius, 1, 8).translate(0, 0.5, 0);
+    const mesh = new three.InstancedMesh(shape, new three.MeshBasicMaterial(), Math.max(points.length - 1, 0));
+    for (let i = 0; i + 1 < points.length; i += 1) {
+      const [from, to] = [places[i], places[i + 1]] as [three.Vector3, three.Vector3];
+      const way = to.clone().sub(from);
+      const length = Math.max(way.length(), 1e-6);
+      const turn = new three.Quaternion().setFromUnitVectors(new three.Vector3(0, 1, 0), way.divideScalar(length));
+      mesh.setMatrixAt(i, new three.Matrix4().compose(from, turn, new three.Vector3(1, length, 1)));
+      const [a, b] = [points[i], points[i + 1]] as [WorkPoint, WorkPoint];
+      mesh.setColorAt(i, this.colourOf(a, most).lerp(this.colourOf(b, most), 0.5));
+    }
+    const worse = (i: number) => [points[i], points[i + 1]].sort((a, b) => (b?.um ?? -1) - (a?.um ?? -1))[0];
+    mesh.userData["told"] = { words: (i) => worse(i)?.words ?? "", click: (i) => worse(i)?.click?.() } satisfies Told;
+    this.work.add(mesh);
   }
 
   clear(): void {
@@ -125,6 +165,7 @@ export class Marks {
   }
 
   private placed(node: FieldNode, times: number): three.Matrix4 {
+    if (!node.deviation_um) return new three.Matrix4().makeTranslation(...node.nominal);
     const by = new three.Vector3(...node.deviation_um).multiplyScalar(1e-3 * times);
     const length = Math.max(by.length(), 1e-6);
     const turn = new three.Quaternion().setFromUnitVectors(new three.Vector3(0, 1, 0), by.clone().normalize());
@@ -132,7 +173,7 @@ export class Marks {
   }
 
   private colour(share: number): three.Color {
-    const list = this.colours;
+    const list = this.dark ? SCALE_DARK : SCALE_LIGHT;
     const at = Math.min(Math.max(share, 0), 1) * (list.length - 1);
     const low = Math.min(Math.floor(at), list.length - 2);
     return new three.Color(list[low]).lerp(new three.Color(list[low + 1]), at - low);
@@ -142,6 +183,7 @@ export class Marks {
 /** Length of the deviation at a node, with its parts. */
 function nodeWords(node: FieldNode | undefined): string {
   if (!node) return "";
+  if (!node.deviation_um) return `95 %: ${rounded(node.length_um)} µm`;
   const parts = node.deviation_um.map((um, i) => `${"XYZ"[i]} ${rounded(um)}`).join(", ");
   return `${rounded(node.length_um)} µm (${parts})`;
 }

@@ -4,9 +4,10 @@ import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Axis, Chain, Pose, Vec3 } from "../evaluator/types";
 import { Drag, type Grip } from "./drag";
+import { Arms } from "./arms";
 import { Figure, type Materials } from "./figure";
 import { Guide } from "./guide";
-import { Marks, type WorkPoint } from "./marks";
+import { type FieldNode, Marks, type WorkPoint } from "./marks";
 import { hides, Pick } from "./pick";
 import type { Material } from "./shapes";
 
@@ -34,6 +35,7 @@ const DARK: Record<Material, number> = {
 export class Stage {
   readonly marks = new Marks();
   private readonly guide = new Guide();
+  private readonly arms = new Arms();
   private readonly scene = new three.Scene();
   private readonly camera = new three.PerspectiveCamera(32, 1, 1, 1e6);
   private readonly renderer: three.WebGLRenderer;
@@ -42,7 +44,7 @@ export class Stage {
   private figure: Figure | null = null;
   private shown = "";
   private pending = 0;
-  private pose: Pose = {};
+  pose: Pose = {};
   /** Name of the axis at hand. */
   private chosen = "";
 
@@ -58,7 +60,7 @@ export class Stage {
     canvas.setAttribute("role", "img");
     parent.append(canvas);
     new Drag(canvas, this.camera, { grips: (ray) => this.grips(ray), moved: dragged });
-    this.scene.add(this.guide.group);
+    this.scene.add(this.guide.group, this.arms.group);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.listenToKeyEvents(canvas);
     this.controls.addEventListener("change", () => this.draw());
@@ -69,8 +71,9 @@ export class Stage {
     this.theme(false);
   }
 
-  /** Shows a machine. The camera stays where it is while the chain keeps its shape. */
-  show(chain: Chain, tool: string, pose: Pose): void {
+  /** Shows a machine. The camera stays where it is while the chain keeps its shape, or is where that of another picture
+   * is. */
+  show(chain: Chain, tool: string, pose: Pose, as: Stage | null = null): void {
     const figure = new Figure(chain, tool, this.materials);
     this.figure?.dispose();
     this.figure?.root.removeFromParent();
@@ -79,7 +82,11 @@ export class Stage {
     this.scene.add(figure.root);
     this.move(pose);
     const shape = chain.chain + chain.machine;
-    if (shape !== this.shown) this.look(pose);
+    if (as) {
+      this.sun(figure.corners(pose));
+      this.resize();
+      this.lookAs(as);
+    } else if (shape !== this.shown) this.look(pose);
     this.shown = shape;
     this.renderer.domElement.setAttribute("aria-label", `The machine ${chain.machine}, ${chain.chain}`);
     this.draw();
@@ -88,6 +95,7 @@ export class Stage {
   move(pose: Pose): void {
     this.pose = pose;
     this.figure?.move(pose);
+    if (this.figure) this.arms.show(this.figure);
     this.point(this.chosen);
   }
 
@@ -120,19 +128,44 @@ export class Stage {
   look(pose: Pose): void {
     if (!this.figure) return;
     const { up, back, right } = this.figure.layout;
-    const { center, radius } = this.figure.sphere(pose);
+    const corners = this.figure.corners(pose);
+    const { center, radius } = new three.Box3().setFromPoints(corners).getBoundingSphere(new three.Sphere());
     const from = new three.Vector3(...up).multiplyScalar(0.62).add(new three.Vector3(...back).multiplyScalar(-1.25));
     from.add(new three.Vector3(...right).multiplyScalar(0.95)).normalize();
-    const narrow = Math.min(this.camera.aspect, 1);
-    const distance = (radius * 0.9) / Math.sin((this.camera.fov * Math.PI) / 360) / narrow;
+    this.resize();
     this.camera.up.set(...up);
-    this.camera.position.copy(center).addScaledVector(from, distance);
+    this.camera.position.copy(center).addScaledVector(from, 3 * radius);
+    this.controls.target.copy(center);
+    for (let i = 0; i < 4; i += 1) this.frame(corners);
+    const distance = this.camera.position.distanceTo(this.controls.target);
     this.camera.near = distance / 100;
     this.camera.far = distance * 10;
-    this.controls.target.copy(center);
-    this.resize();
+    this.camera.updateProjectionMatrix();
     this.controls.update();
-    this.sun(center, radius);
+    this.sun(corners);
+  }
+
+  /** Brings the camera so near that these points fill the picture, and to their middle. */
+  private frame(corners: three.Vector3[]): void {
+    const { camera, controls } = this;
+    camera.lookAt(controls.target);
+    camera.updateMatrixWorld(true);
+    const seen = corners.map((corner) => corner.clone().applyMatrix4(camera.matrixWorldInverse));
+    const tall = Math.tan((camera.fov * Math.PI) / 360);
+    const slopes = seen.map(({ x, y, z }) => [x / -z / tall / camera.aspect, y / -z / tall] as const);
+    const span = (k: 0 | 1) => {
+      const list = slopes.map((of) => of[k]);
+      return [Math.min(...list), Math.max(...list)] as const;
+    };
+    const [[left, right], [low, high]] = [span(0), span(1)];
+    const distance = camera.position.distanceTo(controls.target);
+    const aside = new three.Vector3(((left + right) / 2) * tall * camera.aspect, ((low + high) / 2) * tall, 0);
+    aside.multiplyScalar(distance).transformDirection(camera.matrixWorld);
+    const by = distance * Math.hypot(((left + right) / 2) * tall * camera.aspect, ((low + high) / 2) * tall);
+    const size = Math.max((right - left) / 2, (high - low) / 2) / 0.94;
+    const back = camera.position.clone().sub(controls.target).multiplyScalar(size);
+    controls.target.addScaledVector(aside, by);
+    camera.position.copy(controls.target).add(back);
   }
 
   theme(dark: boolean): void {
@@ -154,9 +187,33 @@ export class Stage {
   }
 
   /** The deviation at the present pose, in the workpiece frame. */
-  deviation(nominal: Vec3 | null, deviation_mm: Vec3, times: number): void {
+  deviation(here: FieldNode | null, rotation_rad: Vec3 | null, times: number): void {
     const size = this.figure?.layout.size ?? 100;
-    this.marks.deviation(nominal, deviation_mm, times, size);
+    this.marks.deviation(here, times, size);
+    this.marks.actual(here, rotation_rad, this.figure?.reach ?? [0, 0, 0], times);
+    this.draw();
+  }
+
+  /** Looks from where another picture does, from now on; and that one from where this one does. */
+  together(other: Stage): void {
+    for (const [one, two] of [
+      [this, other],
+      [other, this],
+    ] as const)
+      one.controls.addEventListener("change", () => two.lookAs(one));
+    other.lookAs(this);
+  }
+
+  private lookAs(other: Stage): void {
+    if (this.camera.position.equals(other.camera.position) && this.controls.target.equals(other.controls.target))
+      return;
+    this.camera.position.copy(other.camera.position);
+    this.camera.up.copy(other.camera.up);
+    this.camera.near = other.camera.near;
+    this.camera.far = other.camera.far;
+    this.camera.updateProjectionMatrix();
+    this.controls.target.copy(other.controls.target);
+    this.camera.lookAt(this.controls.target);
     this.draw();
   }
 
@@ -189,7 +246,8 @@ export class Stage {
     this.scene.add(this.sky, this.lamp, this.lamp.target);
   }
 
-  private sun(center: three.Vector3, radius: number): void {
+  private sun(corners: three.Vector3[]): void {
+    const { center, radius } = new three.Box3().setFromPoints(corners).getBoundingSphere(new three.Sphere());
     const { up, back, right } = this.figure?.layout ?? { up: [0, 0, 1], back: [0, 1, 0], right: [1, 0, 0] };
     this.sky.position.set(...(up as Vec3));
     this.lamp.target.position.copy(center);

@@ -3,8 +3,9 @@
 import { Newest } from "../evaluator/newest";
 import { accepted, type BallBar, type Diagonals, type Refusal, type RTest, type Vec3 } from "../evaluator/types";
 import { isSettled, type Session, type State } from "../session";
+import type { Tell } from "./answers";
 import { make } from "../ui/dom";
-import { asCsv, row } from "../ui/table";
+import { asCsv, folding, row, table } from "../ui/table";
 import { figure } from "./number";
 
 export class Acceptance {
@@ -14,6 +15,7 @@ export class Acceptance {
   constructor(
     parent: HTMLElement,
     private readonly session: Session,
+    private readonly tell: Tell,
     failed: (failure: unknown) => void,
   ) {
     this.asking = new Newest(failed);
@@ -25,6 +27,7 @@ export class Acceptance {
     if (!isSettled(state)) return;
     if (state.now.map?.from === "bounds" || !state.now.sources?.errors.length) {
       const words = "Nothing of this machine is measured: what a test reads depends on the errors that it will have.";
+      this.tell("test");
       return this.body.replaceChildren(make("p", { class: "words" }, words));
     }
     void this.asking.do(async () => {
@@ -33,30 +36,48 @@ export class Acceptance {
       }));
       const [bar, turn, lines] = await this.session.ask(tests);
       if (bar === undefined) return;
+      this.tell("test", ...readings(accepted<BallBar>(bar), accepted<Diagonals>(lines)));
       const sections = [
-        ...section("Ball bar, ISO 230-4", "bidirectional circular deviation", bar, circles),
-        ...section("R-test", "range of the ball's reading along X, Y, Z", turn, turns),
-        ...section("Laser along body diagonals, ISO 230-6", "systematic deviation and reversal", lines, diagonals),
+        section("Ball bar, ISO 230-4", "bidirectional circular deviation", bar, circles),
+        section("R-test", "range of the ball's reading along X, Y, Z", turn, turns),
+        section("Laser along body diagonals, ISO 230-6", "systematic deviation and reversal", lines, diagonals),
       ];
-      const tables = sections.filter((of) => of instanceof HTMLTableElement);
+      const tables = sections.flatMap((of) => [...of.querySelectorAll("table")]);
       this.body.replaceChildren(...sections, make("p", {}, asCsv("acceptance", ...tables)));
     });
   }
 }
 
+/** The largest readings: one line. */
+function readings(bar: BallBar | null, lines: Diagonals | null): (Node | string)[] {
+  const planes = [...(bar?.planes ?? [])].sort((a, b) => b.bidirectional_um - a.bidirectional_um);
+  const diagonals = [...(lines?.diagonals ?? [])].sort((a, b) => b.e_d_um - a.e_d_um);
+  const words: (Node | string)[] = [];
+  if (planes[0]) words.push(`Ball bar ${planes[0].plane} `, figure("answer-bar", planes[0].bidirectional_um, "µm"));
+  if (diagonals[0]) {
+    words.push(words.length ? ", diagonal " : "Diagonal ", signs(diagonals[0].name), " ");
+    words.push(figure("answer-diagonal", diagonals[0].e_d_um, "µm"));
+  }
+  return words.length ? words : ["None of these tests fits this machine: see Test."];
+}
+
+const signs = (name: string) => name.replaceAll("p", "+").replaceAll("n", "−");
+
 type Row = [string, Node[]];
 
 /** A test with its readings, or with the reason why this machine has none. */
-function section<T>(title: string, words: string, answer: unknown, rows: (of: T) => Row[]): HTMLElement[] {
+function section<T>(title: string, words: string, answer: unknown, rows: (of: T) => Row[]): HTMLElement {
   const found = accepted<T>(answer);
-  const head = make("h2", {}, title);
   if (!found) {
     const reasons = ((answer as Refusal | undefined)?.diagnostics ?? []).map(({ message }) => message);
-    return [head, make("p", { class: "words" }, reasons.join(" "))];
+    return folding(title, make("p", { class: "words" }, reasons.join(" ")));
   }
-  const caption = make("caption", { class: "words" }, words);
-  const body = make("tbody", {}, ...rows(found).map(([name, cells]) => row(name, ...cells)));
-  return [head, make("table", { class: "list" }, caption, body)];
+  const list = rows(found).map(([name, cells]) => row(name, ...cells));
+  const columns = Math.max(0, ...list.map((of) => of.cells.length - 1));
+  const heads = ["", ...Array.from({ length: columns }, (_, i) => (columns === 3 ? ("XYZ"[i] ?? "") : ""))];
+  const made = columns === 3 ? table(heads, list) : make("table", { class: "list" }, make("tbody", {}, ...list));
+  made.prepend(make("caption", { class: "words" }, words));
+  return folding(title, made);
 }
 
 function circles({ planes, radius_mm }: BallBar): Row[] {
@@ -76,7 +97,7 @@ function turns({ axes }: RTest): Row[] {
 
 function diagonals({ diagonals: list }: Diagonals): Row[] {
   return list.map(({ name, e_d_um, b_d_um }) => [
-    name.replaceAll("p", "+").replaceAll("n", "−"),
+    signs(name),
     [figure(`e-d-${name}`, e_d_um, "µm"), make("span", {}, "reversal ", figure(`b-d-${name}`, b_d_um, "µm"))],
   ]);
 }

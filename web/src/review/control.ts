@@ -3,6 +3,7 @@
 import { Newest } from "../evaluator/newest";
 import { accepted, type Refusal, type Summary, type Target } from "../evaluator/types";
 import { FULL, isSettled, type Session, type State } from "../session";
+import type { Tell } from "./answers";
 import { move, place } from "../ui/address";
 import { make } from "../ui/dom";
 import { asCsv, row, table } from "../ui/table";
@@ -23,11 +24,15 @@ export class Control {
   constructor(
     parent: HTMLElement,
     private readonly session: Session,
+    /** Hears that another control is chosen. */
+    private readonly chosen: () => void,
+    private readonly tell: Tell,
     failed: (failure: unknown) => void,
   ) {
     this.asking = new Newest(failed);
     this.select.addEventListener("change", () => {
       move({ target: this.select.value });
+      this.chosen();
       this.update();
     });
     parent.append(make("p", {}, make("label", { for: "target" }, "Control "), this.select), this.body);
@@ -38,6 +43,7 @@ export class Control {
     if (!isSettled(state)) return;
     if (state.now.map?.from === "bounds" || !state.now.sources?.errors.length) {
       this.select.disabled = true;
+      this.tell("repair", "Nothing of this machine is measured.");
       this.body.replaceChildren(
         make("p", { class: "words" }, "Nothing of this machine is measured: there is nothing to correct yet."),
       );
@@ -52,13 +58,19 @@ export class Control {
       await this.list();
       const name = this.select.value;
       const target = this.targets.find((of) => of.target === name);
-      if (!target) return this.body.replaceChildren();
+      if (!target) return this.nothing();
       const question = { map: { poses: { random: FULL.poses }, target: name } };
       const [answer] = await this.session.ask([question]);
       if (answer === undefined) return;
       const found = accepted<Compensated>(answer);
       this.body.replaceChildren(...(found ? shown(found, target) : refused(answer as Refusal)));
+      this.tell("repair", ...(found ? repaired(found, target) : refused(answer as Refusal)));
     });
+  }
+
+  private nothing(): void {
+    this.body.replaceChildren();
+    this.tell("repair");
   }
 
   private async list(): Promise<void> {
@@ -68,6 +80,11 @@ export class Control {
     this.select.append(...this.targets.map(({ target, title }) => make("option", { value: target }, title)));
     this.select.value = place().target;
   }
+}
+
+function repaired({ position_um, uncompensated }: Compensated, target: Target): (Node | string)[] {
+  const [before, after] = [uncompensated.position_um.p95, position_um.p95];
+  return [figure("answer-before", before, "µm"), " → ", figure("answer-after", after, "µm"), ` with ${target.title}`];
 }
 
 function shown({ position_um, rotation_urad, uncompensated }: Compensated, target: Target): HTMLElement[] {

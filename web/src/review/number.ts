@@ -14,6 +14,7 @@ export function pair(now: number, kept: number | null | undefined): Figure {
 
 /** Rounds to what a drawing would show: three to four digits, a real minus. */
 export function rounded(value: number): string {
+  if (value === 0) return "0";
   const size = Math.abs(value);
   const digits = size >= 100 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3;
   return value.toFixed(digits).replace("-", "−");

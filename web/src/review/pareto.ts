@@ -1,15 +1,19 @@
 /** Which errors dominate: bars, largest first, in plain words. A bar leads to the line of its error in the file. */
 
-import type { Findings, State } from "../session";
+import { Newest } from "../evaluator/newest";
+import { accepted, type Pose, type Sources } from "../evaluator/types";
+import { type Findings, isSettled, type Session, type State } from "../session";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
 import { barChart } from "./chart";
-import { difference, figure, pair } from "./number";
+import type { Tell } from "./answers";
+import { difference, figure, pair, rounded } from "./number";
 
 /** A bar of the chart. */
 export interface Bar {
   error: string;
   words: string;
+  /** Its length; a part along the deviation may shorten it. */
   um: number;
   /** Half the interval of the value, um; 0 where none is known. */
   sigma: number;
@@ -32,19 +36,56 @@ export function bars(of: Findings): Bar[] {
 export class Pareto {
   private whole = false;
   private last: State | null = null;
+  /** True if the bars are those at the present pose. */
+  private here = false;
+  private pose: Pose = {};
+  private there: Bar[] = [];
+  private readonly asking: Newest;
 
   /** `find` leads to an error in the file. */
   constructor(
     private readonly parent: HTMLElement,
     private readonly find: (error: string) => void,
-  ) {}
+    private readonly session: Session,
+    private readonly tell: Tell,
+    failed: (failure: unknown) => void,
+  ) {
+    this.asking = new Newest(failed);
+  }
 
   show(state: State): void {
     this.last = state;
-    const list = state.now ? bars(state.now) : [];
+    this.tell("dominates", ...(state.now ? dominates(state.now) : []));
+    this.drawn(state);
+    if (isSettled(state)) this.update();
+  }
+
+  moved(pose: Pose, rests: boolean): void {
+    this.pose = { ...pose };
+    if (rests) this.update();
+  }
+
+  /** Asks for the parts at the present pose where they are shown. */
+  private update(): void {
+    const { now } = this.last ?? {};
+    if (!this.here || !now?.sources?.errors.length) return;
+    const at = now.chain.axes.map(({ name }) => this.pose[name] ?? 0);
+    void this.asking.do(async () => {
+      const [answer] = await this.session.ask([{ sources: { poses: 1, at } }]);
+      const found = accepted<Sources>(answer);
+      if (!found) return;
+      this.there = found.errors.map(({ error, words, at_um }) => ({ error, words, um: at_um, sigma: 0 }));
+      this.there.sort((a, b) => Math.abs(b.um) - Math.abs(a.um));
+      if (this.last) this.drawn(this.last);
+    });
+  }
+
+  private drawn(state: State): void {
+    const isHere = this.here && this.there.length > 0 && state.now?.sources?.errors.length;
+    const list = isHere ? this.there : state.now ? bars(state.now) : [];
     if (!state.now || !list.length) return this.parent.replaceChildren();
-    const kept = new Map((state.kept ? bars(state.kept) : []).map((bar) => [bar.error, bar.um]));
-    const most = Math.max(...list.map((bar) => bar.um), ...kept.values(), 1e-9);
+    const kept = new Map((state.kept && !isHere ? bars(state.kept) : []).map((bar) => [bar.error, bar.um]));
+    const most = Math.max(...list.map((bar) => Math.abs(bar.um)), ...kept.values(), 1e-9);
     const shown = this.whole ? list : list.slice(0, FEW);
     const measured = state.now.sources?.errors.length;
     const more =
@@ -53,10 +94,13 @@ export class Pareto {
         : [];
     this.parent.classList.toggle("stale", state.stale);
     const head = measured ? "What dominates" : "What to tighten";
-    const words = measured
-      ? "Each error alone: 95 % of the poses deviate less."
-      : "By how much the 95 % value hangs on each tolerance.";
+    const words = isHere
+      ? "Part of each error along the deviation at the present pose; the parts add up to it."
+      : measured
+        ? "Each error alone: 95 % of the poses deviate less."
+        : "By how much the 95 % value hangs on each tolerance.";
     this.parent.replaceChildren(
+      ...(measured ? [this.choice()] : []),
       make("p", { class: "words" }, words),
       make("ol", { class: "bars" }, ...shown.map((bar) => this.bar(bar, kept.get(bar.error) ?? null, most))),
       make("p", {}, ...more, ...downloads(`${state.now.chain.machine}: ${head.toLowerCase()}`, words, list)),
@@ -65,14 +109,33 @@ export class Pareto {
 
   private toggle(): void {
     this.whole = !this.whole;
-    if (this.last) this.show(this.last);
+    if (this.last) this.drawn(this.last);
+  }
+
+  /** Over the volume, or where the machine stands. */
+  private choice(): HTMLElement {
+    const one = (words: string, here: boolean, id: string) =>
+      button(words, () => this.choose(here), { id, "aria-pressed": String(this.here === here) });
+    return make(
+      "p",
+      { class: "choice" },
+      one("Over the volume", false, "all-poses"),
+      one("At this pose", true, "here"),
+    );
+  }
+
+  private choose(here: boolean): void {
+    this.here = here;
+    if (this.last) this.drawn(this.last);
+    this.update();
   }
 
   private bar(bar: Bar, kept: number | null, most: number): HTMLElement {
     const fill = make("span", { class: "fill" });
-    fill.style.width = `${(100 * bar.um) / most}%`;
+    fill.style.width = `${(100 * Math.abs(bar.um)) / most}%`;
+    fill.classList.toggle("less", bar.um < 0);
     const before = make("span", { class: "before" });
-    before.style.left = `${(100 * (kept ?? bar.um)) / most}%`;
+    before.style.left = `${(100 * (kept ?? Math.abs(bar.um))) / most}%`;
     before.hidden = kept === null || Math.abs(kept - bar.um) < most * 2e-3;
     const name = button(bar.error, () => this.find(bar.error), {
       class: "error-name",
@@ -96,13 +159,30 @@ export class Pareto {
   }
 }
 
+/** The largest error over the volume, and the one that counts most at the worst pose. */
+function dominates({ sources, map, budget }: Findings): (Node | string)[] {
+  const [first] = sources?.errors ?? [];
+  const named = (error: string) => make("strong", { "data-error": error, tabindex: "0" }, error);
+  if (!first) {
+    const [most] = budget?.tighten ?? [];
+    if (!most) return [];
+    return [named(most.error), ": the 95 % value hangs on it by ", figure("answer-first", most.um_of_p95, "µm")];
+  }
+  const parts = [...(sources?.errors ?? [])].sort((a, b) => Math.abs(b.at_um) - Math.abs(a.at_um));
+  const [there] = parts;
+  const all = [named(first.error), ` ${first.words.replace(/\.$/, "")}: `, figure("answer-first", first.p95_um, "µm")];
+  if (!there) return all;
+  const of = map ? ` of ${rounded(map.position_um.max)} µm` : "";
+  return [...all, "; at the worst pose ", named(there.error), " ", figure("answer-worst", there.at_um, "µm"), `${of}.`];
+}
+
 /** The chart as a file. */
 function downloads(title: string, note: string, list: Bar[]): (Node | string)[] {
   const chart = () =>
     barChart(
       title,
       note,
-      list.map(({ error, words, um }) => ({ name: error, words, um })),
+      list.map(({ error, words, um }) => ({ name: error, words, um: Math.abs(um) })),
     );
   const rows = list.map(({ error, words, um }) => [error, words, um]);
   const png = () => {

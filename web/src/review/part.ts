@@ -5,14 +5,17 @@ import { accepted, type Pose, type Refusal, type Work, type WorkRow } from "../e
 import type { WorkPoint } from "../machine/marks";
 import type { Stage } from "../machine/stage";
 import { isSettled, type Session, type State } from "../session";
+import type { Tell } from "./answers";
 import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
-import { row, table } from "../ui/table";
+import { barChart } from "./chart";
 import { figure, rounded } from "./number";
 
 /** Colours of what stops a pose, told apart without red and green, and from the scale of deviations. */
 const STOPPED = ["#0077bb", "#33bbee", "#009988", "#666666", "#7755cc", "#aa7700"];
+
+type Feature = NonNullable<Work["map"]["features"]>[number];
 
 /** Rows that are listed. */
 const FEW = 6;
@@ -29,6 +32,7 @@ export class Part {
     private readonly session: Session,
     private readonly stage: Stage | null,
     private readonly go: (pose: Pose) => void,
+    private readonly tell: Tell,
     failed: (failure: unknown) => void,
   ) {
     this.asking = new Newest(failed);
@@ -89,6 +93,7 @@ export class Part {
 
   private nothing(reasons: string[]): void {
     this.stage?.path([], 1);
+    this.tell("fits");
     this.body.replaceChildren(...reasons.map((reason) => make("p", { class: "refused" }, reason)));
   }
 
@@ -99,6 +104,7 @@ export class Part {
     const colours = new Map(stops.map((of, i) => [of, STOPPED[i % STOPPED.length] ?? "#666666"]));
     const most = reached[0] ? deviation(reached[0]) : 0;
     this.stage?.path(points(work, colours, this.go), most);
+    this.tell("fits", ...fits(rows, stops));
     const csv = () => download.csv("part", [["line", "feature", "um", "stopped_by"], ...rows.map(line)]);
     const name = path.replace(/^.*[/\\]/, "");
     this.body.replaceChildren(
@@ -138,16 +144,44 @@ export class Part {
     return make("ul", { class: "inline" }, colouring, ...[...colours].map(entry));
   }
 
+  /** Per feature the largest deviation with the errors that make it; a bar leads there. */
   private features(work: Work): HTMLElement[] {
-    const list = work.map.features ?? [];
+    const list = [...(work.map.features ?? [])].sort((a, b) => (b.max_um ?? -1) - (a.max_um ?? -1));
     if (!list.length) return [];
-    const feature = (of: (typeof list)[number]) =>
-      row(
-        of.axes ? button(of.feature || "no feature", () => of.axes && this.go(of.axes)) : of.feature,
-        of.max_um === null ? "not reached" : figure(`feature-${of.feature}`, of.max_um, "µm"),
-        of.errors.map(({ error }) => make("span", { "data-error": error, tabindex: "0" }, `${error} `)),
-      );
-    return [table(["Feature", "largest", "by"], list.map(feature))];
+    const most = Math.max(...list.map((of) => of.max_um ?? 0), 1e-9);
+    const bars = list.map((of) => this.feature(of, most));
+    const title = "Largest deviation of each feature";
+    return [make("h2", {}, title), make("ol", { class: "bars features" }, ...bars), chartFiles(title, list)];
+  }
+
+  private feature(of: Feature, most: number): HTMLElement {
+    const name = of.feature || "no feature";
+    const fill = make("span", { class: "fill" });
+    fill.style.width = `${(100 * (of.max_um ?? 0)) / most}%`;
+    const causes = of.errors
+      .slice(0, 3)
+      .flatMap(({ error, um }) => [
+        make("span", { "data-error": error, tabindex: "0" }, error),
+        ` ${rounded(um)} µm, `,
+      ]);
+    if (of.unreached) causes.push(`${of.unreached} of ${of.poses + of.unreached} poses out of reach, `);
+    const last = causes.pop();
+    if (last !== undefined) causes.push(String(last).replace(/, $/, ""));
+    const value = of.max_um === null ? "not reached" : figure(`feature-${of.feature}`, of.max_um, "µm");
+    const track = make("span", { class: "track" }, fill);
+    const words = make("span", { class: "what" }, ...causes);
+    const axes = of.axes;
+    const head = axes ? button(name, () => this.go(axes), { class: "link" }) : name;
+    const line = make(
+      "li",
+      { "data-feature": of.feature },
+      head,
+      words,
+      make("span", { class: "value" }, value),
+      track,
+    );
+    if (axes) track.addEventListener("click", () => this.go(axes));
+    return line;
   }
 
   private row(row: WorkRow): HTMLElement {
@@ -155,6 +189,38 @@ export class Part {
     const see = button(label, () => row.axes && this.go(row.axes), { class: "link" });
     return make("li", {}, see, " ", figure(`line-${row.line}`, deviation(row), "µm"));
   }
+}
+
+function fits(rows: WorkRow[], stops: string[]): (Node | string)[] {
+  const missed = rows.filter((row) => !row.axes).length;
+  const answer = make("strong", {}, missed ? "No" : "Yes");
+  const counted = `: ${rows.length - missed} of ${rows.length} poses are reached`;
+  return [answer, missed ? `${counted}; the rest is ${stops.map(words).join(", ")}.` : `${counted}.`];
+}
+
+/** The bars of the features as files. */
+function chartFiles(title: string, list: Feature[]): HTMLElement {
+  const causes = (of: Feature) => of.errors.map(({ error, um }) => `${error} ${rounded(um)} µm`).join(", ");
+  const chart = () =>
+    barChart(
+      title,
+      "with the errors that make it, first order",
+      list.map((of) => ({ name: of.feature, words: causes(of), um: of.max_um ?? 0 })),
+    );
+  const png = () => {
+    const { svg, width, height } = chart();
+    void download.png("features", svg, width, height);
+  };
+  const rows = list.map((of) => [of.feature, of.poses, of.unreached, of.max_um, of.line, causes(of)]);
+  const head = ["feature", "reached", "unreached", "max_um", "line", "errors"];
+  const csv = () => download.csv("features", [head, ...rows]);
+  return make(
+    "p",
+    {},
+    button("CSV", csv),
+    button("SVG", () => download.svg("features", chart().svg)),
+    button("PNG", png),
+  );
 }
 
 /** Length of the deviation, um; of a machine that is only bounded its 95 % value. */

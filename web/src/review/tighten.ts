@@ -2,8 +2,10 @@
 
 import type { Editor } from "../editor/editor";
 import { toleranceEdits } from "../editor/tolerances";
+import { Newest } from "../evaluator/newest";
 import { accepted, type Refusal, type ToleranceGoal } from "../evaluator/types";
 import { isSettled, type Session, type State } from "../session";
+import type { Tell } from "./answers";
 import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
@@ -12,41 +14,74 @@ import { figure, rounded } from "./number";
 
 export class Tighten {
   private readonly input = make("input", { type: "number", min: "0", step: "any", id: "goal", value: place().goal });
-  private readonly find = button("Find tolerances", () => void this.ask(), { class: "primary", id: "find-tolerances" });
+  private readonly find = button("Find tolerances", () => this.ask(), { class: "primary", id: "find-tolerances" });
   private readonly answer = make("div", { "aria-live": "polite" });
   private readonly problem = make("p", { class: "words" });
+  private readonly asking: Newest;
+  private bounded = false;
+  /** The budget of which the answer is. */
+  private last = "";
 
   constructor(
     parent: HTMLElement,
     private readonly session: Session,
     private readonly editor: Editor,
+    private readonly tell: Tell,
+    failed: (failure: unknown) => void,
   ) {
-    this.input.addEventListener("input", () => move({ goal: this.input.value }));
-    this.input.addEventListener("keydown", ({ key }) => key === "Enter" && void this.ask());
+    this.asking = new Newest(failed);
+    this.input.addEventListener("input", () => {
+      move({ goal: this.input.value });
+      this.offer();
+    });
+    this.input.addEventListener("keydown", ({ key }) => key === "Enter" && this.ask());
     const label = make("label", { for: "goal" }, "Goal of the 95 % value ");
     const row = make("p", {}, label, this.input, " µm ", this.find);
     const words = "The cheapest tolerances for a goal; a tolerance costs the more the finer it is (budget --goal).";
     parent.append(make("p", { class: "words" }, words), row, this.problem, this.answer);
   }
 
-  /** The machine is another one: an answer of the one before would mislead. */
+  /** The bounds are others: an answer of those before would mislead. */
   show(state: State): void {
-    const bounded = state.now?.budget !== null && state.now !== null;
+    this.bounded = state.now?.budget !== null && state.now !== null;
+    const { bounded } = this;
     this.find.disabled = !bounded;
     this.problem.textContent = bounded
       ? ""
       : "No error of this machine is bounded. Write bounds under tolerances, or take a class, as class: production.";
-    if (isSettled(state)) this.answer.replaceChildren();
+    if (!isSettled(state)) return;
+    const budget = JSON.stringify(state.now.budget);
+    if (budget === this.last) return;
+    this.last = budget;
+    this.answer.replaceChildren();
+    this.offer();
   }
 
-  private async ask(): Promise<void> {
+  /** In the review: the search takes seconds, and waits for a hand. */
+  private offer(): void {
+    const goal = Number(this.input.value);
+    if (!this.bounded) this.tell("tighten", "No error of this machine is bounded.");
+    else if (!(goal > 0)) this.tell("tighten");
+    else
+      this.tell(
+        "tighten",
+        button(`Find tolerances for ${rounded(goal)} µm`, () => this.ask(), { class: "link" }),
+      );
+  }
+
+  private ask(): void {
+    if (this.bounded && Number(this.input.value) > 0) void this.asking.do(() => this.found());
+  }
+
+  private async found(): Promise<void> {
     const goal_mm = Number(this.input.value) * 1e-3;
     this.find.disabled = true;
     this.answer.textContent = "Machines are drawn …";
     const [answer] = await this.session.ask([{ budget: { goal_mm } }]).catch(() => [null]);
-    this.find.disabled = false;
+    this.find.disabled = !this.bounded;
     const goal = accepted<{ goal: ToleranceGoal }>(answer)?.goal;
     this.answer.replaceChildren(...(goal ? this.shown(goal) : refusal(answer as Refusal | null)));
+    this.tell("tighten", ...(goal ? tightened(goal) : ["The goal is not reached: see Tighten."]));
   }
 
   private shown(goal: ToleranceGoal): HTMLElement[] {
@@ -81,6 +116,15 @@ export class Tighten {
   private write(goal: ToleranceGoal): void {
     this.editor.change(toleranceEdits(this.editor.view.state, goal.tolerances));
   }
+}
+
+/** The errors whose bounds become finer, those that change most first, and the cost. */
+function tightened(goal: ToleranceGoal): (Node | string)[] {
+  const finer = goal.tolerances.filter((of) => of.new < of.old).sort((a, b) => a.new / a.old - b.new / b.old);
+  const names = finer.slice(0, 3).map((of) => `${of.error} to ${rounded(of.new)} ${of.unit.replace("u", "µ")}`);
+  const more = finer.length > 3 ? ` and ${finer.length - 3} more` : "";
+  const cost = `cost ${rounded(goal.cost.before)} → ${rounded(goal.cost.after)}`;
+  return finer.length ? [`${names.join(", ")}${more}; ${cost}.`] : [`Nothing: the goal is met; ${cost}.`];
 }
 
 const listed = (goal: ToleranceGoal) => goal.tolerances.map((of) => [of.error, of.unit, of.old, of.new, of.um_of_p95]);

@@ -4,6 +4,7 @@ import type { Editor } from "../editor/editor";
 import { Newest } from "../evaluator/newest";
 import { accepted, type Comparison, type Refusal } from "../evaluator/types";
 import { isSettled, type Session, type State } from "../session";
+import type { Tell } from "./answers";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
 import { row, table } from "../ui/table";
@@ -30,6 +31,9 @@ export class Variants {
     private readonly editor: Editor,
     /** The tool poses of the part, if one is named. */
     private readonly work: () => { path: string; more: Record<string, string> } | null,
+    /** Hears of the text of A. */
+    private readonly kept: (first: string) => void,
+    private readonly tell: Tell,
     failed: (failure: unknown) => void,
   ) {
     this.asking = new Newest(failed);
@@ -48,6 +52,7 @@ export class Variants {
 
   private keep(): void {
     this.first = this.editor.text;
+    this.kept(this.first);
     this.back.disabled = false;
     this.compare();
   }
@@ -55,6 +60,13 @@ export class Variants {
   private restore(): void {
     if (this.first === null) return;
     this.editor.change({ from: 0, to: this.editor.view.state.doc.length, insert: this.first });
+  }
+
+  private answer(of: Comparison, onPart: boolean): void {
+    const { which, by, sure } = verdictOf(of);
+    this.tell("better", make("strong", {}, which), onPart ? "" : " (on the volume: no part is named)");
+    this.tell("by", ...by);
+    this.tell("sure", sure);
   }
 
   private compare(): void {
@@ -65,7 +77,10 @@ export class Variants {
       const texts = { ...work?.more, [name]: this.first ?? "" };
       const [answer] = await this.session.ask([{ compare: { first: name, options } }], texts);
       const found = accepted<Comparison>(answer);
-      if (answer !== undefined) this.body.replaceChildren(...(found ? shown(found) : refused(answer as Refusal)));
+      if (answer === undefined) return;
+      this.body.replaceChildren(...(found ? shown(found) : refused(answer as Refusal)));
+      if (found) this.answer(found, work !== null);
+      else for (const of of ["better", "by", "sure"] as const) this.tell(of);
     });
   }
 }
@@ -98,10 +113,47 @@ function shown(of: Comparison): HTMLElement[] {
   ];
 }
 
+/** What drawn machines say, where the errors of a machine are only bounded. */
+function drawnOf({ machines, budgets }: Comparison) {
+  if (!machines.some(({ from }) => from === "bounds")) return undefined;
+  return budgets?.versus_first_p95_um.find(({ verdict }) => verdict !== "first");
+}
+
+/** The three answers of a comparison: which is better, by how much, and whether that is more than what is known of it. */
+export interface Judgement {
+  which: string;
+  by: (Node | string)[];
+  sure: string;
+}
+
+export function verdictOf(of: Comparison): Judgement {
+  const drawn = drawnOf(of);
+  if (drawn) {
+    const { value, low, high } = drawn.minus_first;
+    const band = low === null || high === null ? "" : ` (${rounded(low)} to ${rounded(high)})`;
+    const by = [figure("answer-by", value, "µm"), `${band} in the 95 % value of drawn machines`];
+    if (drawn.verdict === "equal") return { which: "Equal", by: ["Nothing"], sure: "Equal in every drawn machine." };
+    if (drawn.verdict === "not_told_apart")
+      return { which: "Not told apart", by, sure: "No: they are not told apart." };
+    const which = drawn.verdict === "better" ? "The present state" : "Variant A";
+    return { which, by, sure: "Yes: more than the drawn machines differ." };
+  }
+  const [, b] = of.machines;
+  const by = b?.minus_first?.position_um.p95;
+  if (by === undefined) return { which: "Not comparable", by: ["Of only one nothing is measured"], sure: "–" };
+  if (by === 0) return { which: "Equal", by: ["Nothing"], sure: "Equal." };
+  const words = [figure("answer-by", by, "µm"), " in the 95 % value, now − A"];
+  const which = by < 0 ? "The present state" : "Variant A";
+  if (!b?.uncertainty) return { which, by: words, sure: "Not known: the files state no uncertainty." };
+  const [low, high] = b.uncertainty.minus_first.position_um.p95;
+  const band = `${rounded(low)} to ${rounded(high)} µm`;
+  return { which, by: words, sure: b.uncertainty.told_apart ? `Yes: ${band}.` : `No: ${band}.` };
+}
+
 /** Which is better, and whether that is more than what is known of the two. */
 export function judgement(of: Comparison): string {
   const [, b] = of.machines;
-  const drawn = of.budgets?.versus_first_p95_um.find(({ verdict }) => verdict !== "first");
+  const drawn = drawnOf(of);
   if (drawn) {
     const { value, low, high } = drawn.minus_first;
     const band = low === null || high === null ? "" : ` (${rounded(low)} to ${rounded(high)})`;

@@ -67,7 +67,7 @@ export class Verdict {
         " ",
         difference(pair(now.value, kept?.value), "µm"),
       ),
-      make("p", { class: "words" }, now.words + (state.effort.draft ? ` Draft: ${state.effort.poses} poses.` : "")),
+      make("p", { class: "words" }, now.words + draft(state)),
       band,
       this.limit(now),
     );
@@ -104,6 +104,12 @@ export class Verdict {
     judge();
     return make("p", { class: "limit" }, make("label", { for: "limit" }, "Limit"), input, " µm ", answer);
   }
+}
+
+/** What is only a draft says so: its figures are of fewer poses and machines. */
+function draft({ effort, now }: State): string {
+  if (!effort.draft) return "";
+  return now?.map?.from === "bounds" ? ` Draft: ${effort.samples} drawn machines.` : ` Draft: ${effort.poses} poses.`;
 }
 
 /** A limit within the band decides nothing. */

@@ -17,6 +17,12 @@ export interface Place {
   target: string;
   /** Goal of the 95 % value, um. */
   goal: string;
+  /** Field around the pose: `all`, or the axis across which a slice lies. */
+  field: string;
+  /** Axis of the curve. */
+  along: string;
+  /** Picture beside the machine. */
+  beside: string;
 }
 
 export function place(): Place {
@@ -30,6 +36,9 @@ export function place(): Place {
     view: of("view"),
     work: of("work"),
     target: of("target"),
+    field: of("field"),
+    along: of("along"),
+    beside: of("beside"),
     goal: of("goal"),
   };
 }

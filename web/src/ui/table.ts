@@ -60,6 +60,11 @@ export function quantity(text: string): Cell {
   return match?.[1] === undefined ? text : Number(match[1].replace("−", "-"));
 }
 
+/** A section that folds, under a head. */
+export function folding(title: string, ...content: (Node | string)[]): HTMLDetailsElement {
+  return make("details", { open: "", class: "fold" }, make("summary", {}, title), ...content);
+}
+
 /** A button that downloads tables: a line for every figure, with its row, its column and its unit. */
 export function asCsv(name: string, ...of: HTMLTableElement[]): HTMLButtonElement {
   const lines = () => of.flatMap((table) => [...(table.tBodies[0]?.rows ?? [])].flatMap((row) => figures(table, row)));

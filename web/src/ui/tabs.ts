@@ -8,6 +8,8 @@ export interface Tab {
   name: string;
   label: string;
   panel: HTMLElement;
+  /** Hears that the panel is seen. */
+  opened?: () => void;
 }
 
 export class Tabs {
@@ -31,6 +33,7 @@ export class Tabs {
       tab.panel.hidden = !isOpen;
       this.buttons[i]?.setAttribute("aria-selected", String(isOpen));
       this.buttons[i]?.setAttribute("tabindex", isOpen ? "0" : "-1");
+      if (isOpen) tab.opened?.();
     });
   }
 
@@ -45,7 +48,7 @@ export class Tabs {
     });
   }
 
-  private choose(name: string): void {
+  choose(name: string): void {
     move({ view: name });
     this.open(name);
   }

@@ -1,0 +1,86 @@
+/** Castings: at the zero pose no body of any machine of `configs/` lies in another one. */
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { readdirSync } from "node:fs";
+import { test } from "node:test";
+import * as three from "three";
+import type { Chain, Vec3 } from "../src/evaluator/types";
+import { castings } from "../src/machine/castings";
+import { layout } from "../src/machine/layout";
+import { ball, bar, box } from "../src/machine/shapes";
+import { depth, solid } from "./overlap";
+
+const program = process.env["ABBE_PROGRAM"];
+const skip = program ? false : "ABBE_PROGRAM names the program";
+
+/** Share of the width of a casting: rounding of coordinates in single precision. */
+const ROUNDING = 1e-5;
+
+function machines(): string[] {
+  const files = readdirSync("../configs", { recursive: true, encoding: "utf8" });
+  return files.filter((file) => file.endsWith(".yaml")).sort();
+}
+
+function chainOf(machine: string): Chain {
+  const options = ["show", `../configs/${machine}`, "--format", "json", "--quiet"];
+  return JSON.parse(execFileSync(program ?? "", options, { encoding: "utf8", stdio: "pipe" })) as Chain;
+}
+
+/** Pairs of bodies that lie in each other, in widths of a casting. A longer tool than the first one is left out: at the
+ * zero pose of the file it may reach into the table, where the machine would collide. */
+function overlaps(chain: Chain, tool: string): string[] {
+  const of = layout(chain, tool);
+  assert.ok(of);
+  const isFirst = tool === chain.tools[0]?.name;
+  const bodies = [...castings(of)].map(([name, shapes]) => ({
+    name,
+    solids: shapes.filter((s) => isFirst || s.material !== "tool").map((s) => solid(s.geometry)),
+  }));
+  return bodies.flatMap((a, i) =>
+    bodies.slice(0, i).flatMap((b) => {
+      const most = Math.max(...a.solids.flatMap((p) => b.solids.map((q) => depth(p, q)))) / of.size;
+      return most > ROUNDING ? [`${a.name} in ${b.name} by ${most.toFixed(3)}`] : [];
+    }),
+  );
+}
+
+test("how deep bodies lie in each other, against closed forms", () => {
+  const cube = (x: number) => solid(box("axis", [x, 0, 0], [1, 0, 0], [0, 0, 1], [2, 2, 2]).geometry);
+  assert.ok(Math.abs(depth(cube(0), cube(1.7)) - 0.3) < 1e-6);
+  assert.equal(depth(cube(0), cube(2)), 0);
+  const edge = Math.SQRT1_2;
+  const turned = (x: number) => solid(box("axis", [x, 0, 0], [edge, edge, 0], [0, 0, 1], [2, 2, 2]).geometry);
+  assert.ok(Math.abs(depth(cube(0), turned(2.2)) - (1 + Math.SQRT2 - 2.2)) < 1e-6);
+  const crossed = (from: Vec3, to: Vec3) => solid(bar("axis", from, to, 1).geometry);
+  // A cylinder is drawn with 40 sides: its corners lie on the circle.
+  const by = depth(crossed([0, 0, -5], [0, 0, 5]), crossed([1.5, -5, 0], [1.5, 5, 0]));
+  assert.ok(by <= 0.5 + 1e-6 && by > 0.5 - 0.01, `${by}`);
+  const [a, b] = [ball("axis", [0, 0, 0], 1), ball("axis", [1.2, 1.6, 0], 1)].map((of) => solid(of.geometry));
+  assert.ok(a && b && depth(a, b) < 1e-6);
+});
+
+test("no bodies lie in each other at the zero pose, with any tool of any machine", { skip }, () => {
+  const all = machines();
+  assert.ok(all.length > 20, `${all.length} machines`);
+  for (const machine of all) {
+    const chain = chainOf(machine);
+    for (const { name } of chain.tools) assert.deepEqual(overlaps(chain, name), [], `${machine} ${name}`);
+  }
+});
+
+test("each axis has a body that shows", { skip }, () => {
+  for (const machine of machines()) {
+    const chain = chainOf(machine);
+    const of = layout(chain, "");
+    const shapes = of && castings(of);
+    for (const { name } of chain.axes) {
+      const size = new three.Box3();
+      for (const { geometry } of shapes?.get(name) ?? []) {
+        geometry.computeBoundingBox();
+        if (geometry.boundingBox) size.union(geometry.boundingBox);
+      }
+      assert.ok(size.getSize(new three.Vector3()).length() > 0.1 * (of?.size ?? Infinity), `${machine}: ${name}`);
+    }
+  }
+});
