@@ -76,7 +76,7 @@ pub enum Question {
     Targets,
     /// Words for each error of the axes and the spindle, by name.
     Words,
-    /// The JSON Schema of machine files.
+    /// The JSON Schema of machine files; null without the feature `schema`.
     Schema,
 }
 
@@ -157,7 +157,8 @@ impl Question {
             Self::Instrument(options) => document(instrument(machine, options, run)),
             Self::Targets => json!(targets()),
             Self::Words => json!(all_words(machine)),
-            Self::Schema => schema(),
+            Self::Schema if cfg!(feature = "schema") => schema(),
+            Self::Schema => Value::Null,
         }
     }
 }
