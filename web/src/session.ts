@@ -8,7 +8,9 @@ import {
   type Evaluator,
   type Pose,
   type Question,
+  DEFAULTS,
   type Request,
+  type Settings,
   type Sources,
   type VolumeMap,
 } from "./evaluator/types";
@@ -51,6 +53,9 @@ export interface Effort {
 export const DRAFT: Effort = { draft: true, poses: 300, samples: 100 };
 export const FULL: Effort = { draft: false, poses: 2000, samples: 1000 };
 
+/** Largest number of poses of `sources`. */
+const MOST_SOURCE_POSES = 10_000;
+
 /** The state that the page shows. */
 export interface State {
   effort: Effort;
@@ -65,6 +70,8 @@ export interface State {
 
 /** Keeps asking for the newest text: while an answer is awaited, only the last of the wishes is remembered. */
 export class Session {
+  /** Options of the figures. */
+  settings: Settings = DEFAULTS;
   machine = "";
   kept = "";
   private text = "";
@@ -73,6 +80,7 @@ export class Session {
   private now: Findings | null = null;
   private wish: Effort | null = null;
   private busy = false;
+  private effort = FULL;
 
   constructor(
     private readonly evaluator: Evaluator,
@@ -96,6 +104,12 @@ export class Session {
     this.keptFindings.clear();
   }
 
+  /** A file that the machine file names is another one. */
+  refresh(): void {
+    this.keptFindings.clear();
+    this.change(this.text, false);
+  }
+
   /** Takes another tool of the file; the first for an empty name. */
   take(tool: string): void {
     this.tool = tool;
@@ -104,7 +118,7 @@ export class Session {
 
   change(text: string, draft: boolean): void {
     this.text = text;
-    this.wish = draft ? DRAFT : FULL;
+    this.wish = draft ? DRAFT : this.full;
     void this.work();
   }
 
@@ -129,6 +143,12 @@ export class Session {
     const rows = poses.map((pose) => chain.axes.map((axis) => pose[axis.name] ?? 0));
     const [answer] = await this.ask([{ eval: { poses: rows } }]);
     return accepted<Evaluated>(answer);
+  }
+
+  private get full(): Effort {
+    const { poses, samples } = this.settings;
+    if (this.effort.poses !== poses || this.effort.samples !== samples) this.effort = { ...FULL, poses, samples };
+    return this.effort;
   }
 
   private request(text: string, questions: Question[]): Request {
@@ -171,22 +191,24 @@ export class Session {
     effort: Effort,
   ): Promise<{ diagnostics: Diagnostic[]; findings: Findings | null }> {
     const { poses, samples } = effort;
+    const { map, sources, budget } = this.settings;
     const questions: Question[] = [
       "show",
       "words",
-      { map: { poses: { random: poses }, worst: 5, samples } },
-      { sources: { poses } },
-      { budget: { samples } },
+      { map: { ...map, poses: { random: poses }, worst: 5, samples } },
+      { sources: { ...sources, poses: Math.min(poses, MOST_SOURCE_POSES) } },
+      { budget: { ...budget, samples } },
     ];
     const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
     const chain = accepted<Chain>(answers[0]);
     if (!chain) return { diagnostics, findings: null };
-    const [words, map, sources, budget] = [
-      accepted<Record<string, string>>(answers[1]) ?? {},
-      accepted<VolumeMap>(answers[2]),
-      accepted<Sources>(answers[3]),
-      accepted<Budget>(answers[4]),
-    ];
-    return { diagnostics, findings: { chain, words, map, sources, budget } };
+    const findings = {
+      chain,
+      words: accepted<Record<string, string>>(answers[1]) ?? {},
+      map: accepted<VolumeMap>(answers[2]),
+      sources: accepted<Sources>(answers[3]),
+      budget: accepted<Budget>(answers[4]),
+    };
+    return { diagnostics, findings };
   }
 }

@@ -31,6 +31,8 @@ pub struct MachineInput<'a> {
     pub budget: Option<BudgetReport<'a>>,
     /// What the bounds of errors without a value add to the measured ones; null where they add nothing.
     pub bounds_add: &'a Value,
+    /// What each error is, in words by its name.
+    pub words: &'a Value,
     /// Warnings, each as a line.
     pub warnings: &'a [String],
 }
