@@ -84,8 +84,8 @@ impl Default for Report {
 }
 
 impl Report {
-    /// Returns the page. With the library as WebAssembly it answers what-ifs by itself, without it only shows; of several
-    /// variants it holds the first, and the others while it stays small enough for mail.
+    /// Returns the page. With the library as WebAssembly it answers what-ifs by itself, without it only shows; of
+    /// several variants it holds the first, and the others while it stays small enough for mail.
     ///
     /// Fails if a number has no JSON.
     pub fn page(&self, engines: &[EngineFile]) -> Result<RenderedPage, Diagnostic> {

@@ -1,7 +1,7 @@
 //! Vectors of two doubles of WebAssembly with relaxed SIMD.
 //!
-//! Its multiply-add has one rounding or two, as the processor below has it. [`fuses`] asks which; with two roundings the
-//! width is not taken, so that every number keeps its bits.
+//! Its multiply-add has one rounding or two, as the processor below has it. [`fuses`] asks which; with two roundings
+//! the width is not taken, so that every number keeps its bits.
 
 use super::simd::{Lanes, MAX_LANES};
 use std::arch::wasm32::*;
