@@ -14,7 +14,7 @@ function onePage(mode: string): Plugin {
         const style = take(bundle, ".css");
         const page = readFileSync("page.html", "utf8");
         const licences = notices([...this.getModuleIds()]);
-        const source = fill(page, { policy: policy(mode, script), style, script, licences, ...start(mode) });
+        const source = fill(page, { style, script, licences, ...content(mode, script) });
         this.emitFile({ type: "asset", fileName: mode === "program" ? "workbench.html" : "index.html", source });
       },
     },
@@ -44,23 +44,24 @@ function notice(folder: string): string {
   return `${name} ${version}\n\n${readFileSync(`${folder}/${licence}`, "utf8").trim()}`;
 }
 
-/** The program fills in its own nonce and start; the page of the playground has fixed ones. */
-function start(mode: string): { nonce: string; start: string } {
-  return mode === "program"
-    ? { nonce: "@NONCE@", start: "@START@" }
-    : { nonce: "playground", start: '{"evaluator":"playground"}' };
+/** What the program fills in; the page of the playground has fixed content. */
+function content(mode: string, script: string): Record<string, string> {
+  if (mode === "program")
+    return { policy: "@POLICY@", nonce: "@NONCE@", appendices: "@APPENDICES@", start: "@START@", tail: "@TAIL@" };
+  const start = '{"evaluator":"playground"}';
+  return { policy: policy(script), nonce: "playground", appendices: "", start, tail: "" };
 }
 
-function policy(mode: string, script: string): string {
+function policy(script: string): string {
   const hash = createHash("sha256").update(script).digest("base64");
-  const scripts = `script-src 'sha256-${hash}'` + (mode === "program" ? "" : " 'wasm-unsafe-eval'; worker-src blob:");
-  const style = `style-src 'nonce-${start(mode).nonce}'`;
-  return `default-src 'none'; ${scripts}; ${style}; connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'`;
+  const scripts = `script-src 'sha256-${hash}' 'wasm-unsafe-eval'; worker-src blob:`;
+  return `default-src 'none'; ${scripts}; style-src 'nonce-playground'; connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'`;
 }
 
 function fill(page: string, parts: Record<string, string>): string {
   const script = parts["script"] ?? "";
-  if (/<\/script|<!--|@NONCE@|@START@/i.test(script)) throw new Error("the script cannot stand in a page");
+  if (/<\/script|<!--|@(POLICY|NONCE|APPENDICES|START|TAIL)@/i.test(script))
+    throw new Error("the script cannot stand in a page");
   return page.replace(/\{\{(\w+)\}\}/g, (_, name: string) => parts[name] ?? "");
 }
 

@@ -15,7 +15,7 @@ use std::path::Path;
 /// Poses of a sample: they stay in the cache, so that kernels are measured and not the memory.
 const POSES: usize = 1 << 12;
 const ORDERS: [Order; 3] = [Order::Degree(1), Order::Degree(2), Order::Exact];
-const WIDTHS: [Width; 5] = Width::ALL;
+const WIDTHS: [Width; 6] = Width::ALL;
 
 fn main() {
     divan::main();

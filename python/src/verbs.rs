@@ -5,7 +5,7 @@ use crate::interrupt::run_owned;
 use crate::machine::NativeMachine;
 use crate::outcome::{NativeOutcome, Outcome};
 use crate::request::{Request, TextsAndDisk};
-use abbe::options::{Delivery, MapTable, Starter, StudyFile, TableForm};
+use abbe::options::{MapTable, Starter, StudyFile, TableForm};
 use abbe::sets::LOCK_NAME;
 use abbe::{
     Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompileOptions, ConvertOptions, Diagnostic, Diagnostics,
@@ -217,7 +217,7 @@ fn compile(request: &Request, options: &CompileOptions, run: Run<'_>) -> Found {
 
 fn report(request: &Request, options: &ReportOptions, run: Run<'_>) -> Found {
     let answer = abbe::report(&request.machine_files(), options, run)?;
-    let page = answer.value.page(Delivery::Alone, None).map_err(Diagnostics::from)?.text;
+    let page = answer.value.page(&[]).map_err(Diagnostics::from)?.text;
     let bytes = Answer { value: json!({"bytes": page.len()}), warnings: answer.warnings };
     Ok(Outcome::of(request, bytes).0.text("report.html", page))
 }

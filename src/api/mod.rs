@@ -37,6 +37,7 @@ mod import;
 mod instrument;
 mod locate;
 mod machine_file;
+mod mailed;
 mod map;
 mod map_bounds;
 mod map_tables;

@@ -20,5 +20,5 @@ pub use crate::compensation::{Fit, Goal, Stored};
 pub use crate::controller::Limits;
 pub use crate::evaluate::{Frame, Order};
 pub use crate::machine::Approach;
-pub use crate::report::page::Delivery;
+pub use crate::report::page::{BenchPage, EngineFile};
 pub use crate::report::{RowFormat as TableForm, Sink};

@@ -8,8 +8,10 @@ use super::compensation::options::CompensationOptions;
 use super::features::{bounded_features, features};
 use super::finite;
 use super::machine_file::{MachineFile, sources_of};
+use super::mailed;
 use super::order_of;
 use super::run::{Answer, Call, Count, Refused, Run};
+use super::sources::all_words;
 use super::tolerances::ToleranceOptions;
 use super::tool_poses;
 use super::uncertainty::field_bands;
@@ -19,7 +21,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Bare, Frame, Order, Poses, worst};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::page::{
-    ComparisonData, Delivery, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
+    ComparisonData, EngineFile, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
     TargetResult, colours,
 };
 use serde_json::{Value, json};
@@ -65,28 +67,37 @@ impl Default for ReportOptions {
     }
 }
 
-/// Content of a page: numbers and pictures. The default shows no machine.
+/// Content of a page: what its workbench starts with, and numbers and pictures of its appendices. The default shows no
+/// machine.
 #[derive(Debug, Clone)]
 pub struct Report {
     data: PageData,
     pictures: Vec<Pictures>,
+    start: Value,
 }
 
 impl Default for Report {
     fn default() -> Self {
         let abbe = env!("CARGO_PKG_VERSION");
         let data = PageData { abbe, machines: Vec::new(), comparison: None, colours: colours() };
-        Self { data, pictures: Vec::new() }
+        Self { data, pictures: Vec::new(), start: Value::Null }
     }
 }
 
 impl Report {
-    /// Returns the page, with the problem of the present files if there is one.
+    /// Returns the page. With the library as WebAssembly it answers what-ifs by itself, without it only shows; of
+    /// several variants it holds the first, and the others while it stays small enough for mail.
     ///
     /// Fails if a number has no JSON.
-    pub fn page(&self, delivery: Delivery, problem: Option<&str>) -> Result<RenderedPage, Diagnostic> {
-        let page = Page { data: &self.data, pictures: &self.pictures, served: delivery, problem };
+    pub fn page(&self, engines: &[EngineFile]) -> Result<RenderedPage, Diagnostic> {
+        let page = Page { data: &self.data, pictures: &self.pictures, start: &self.start, engines };
         page.html().map_err(|why| Diagnostic::new(codes::E0632, format!("the page cannot be rendered: {why}")))
+    }
+
+    /// What the workbench of the page starts with.
+    #[cfg(test)]
+    pub(super) fn start(&self) -> &Value {
+        &self.start
     }
 }
 
@@ -113,6 +124,7 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
     });
     let Ok(drawn) = drawn else { return call.usage(format!("a report takes {MAX_POSES} poses at most")) };
     (report.data.machines, report.pictures) = drawn.into_iter().unzip();
+    report.start = mailed::start(call, files, options);
     Ok(report)
 }
 
@@ -146,6 +158,8 @@ struct Subject<'a> {
     file: &'a MachineFile,
     written: Vec<TargetResult>,
     warnings: Vec<String>,
+    /// What each error is, in words by its name.
+    words: Value,
     instruments: Instruments,
     budget: Option<BudgetResult>,
     /// What bounds add to the measured errors; null where they add nothing.
@@ -188,7 +202,8 @@ impl<'a> Subject<'a> {
         let warnings = found.map(Diagnostic::to_string).collect();
         let instruments = if bounded.is_some() { Instruments::none(file) } else { Instruments::new(file) };
         let budget = own_budget(call, file, options)?;
-        Ok(Self { file, written, warnings, instruments, budget, bounds_add, work })
+        let words = json!(all_words(file));
+        Ok(Self { file, written, warnings, words, instruments, budget, bounds_add, work })
     }
 
     fn given(&self, options: &ReportOptions) -> MachineInput<'_> {
@@ -201,6 +216,7 @@ impl<'a> Subject<'a> {
             work: self.work.as_ref().map(|(poses, work)| (poses.as_slice(), work)),
             written: &self.written,
             warnings: &self.warnings,
+            words: &self.words,
             instruments: &self.instruments,
             budget: self.budget.as_ref().map(BudgetResult::report),
             bounds_add: &self.bounds_add,

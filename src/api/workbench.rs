@@ -80,7 +80,7 @@ pub enum Question {
     Numbers,
     /// Words for each error of the axes and the spindle, by name.
     Words,
-    /// The JSON Schema of machine files.
+    /// The JSON Schema of machine files; null without the feature `schema`.
     Schema,
 }
 
@@ -165,7 +165,8 @@ impl Question {
             Self::Targets => json!(targets()),
             Self::Numbers => json!(error_numbers(machine)),
             Self::Words => json!(all_words(machine)),
-            Self::Schema => schema(),
+            Self::Schema if cfg!(feature = "schema") => schema(),
+            Self::Schema => Value::Null,
         }
     }
 }

@@ -14,7 +14,6 @@ mod store;
 mod threads;
 mod tolerances;
 mod verbs;
-mod watch;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use output::session::Session;

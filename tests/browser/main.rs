@@ -1,5 +1,5 @@
 //! The pages in a real Chromium, driven over WebDriver: they load without the network and without complaint, show the
-//! numbers of the program, and their controls, keys, `--watch` and saving do as labelled.
+//! numbers of the program, and their controls, keys, following and saving do as labelled.
 //!
 //! Without Chromium every check is left out and named; with `ABBE_REQUIRE_BROWSER=1` (as in `tests/run`) that
 //! is a failure. Screenshots are kept in `target/debug/screenshots/`.
@@ -10,6 +10,7 @@
 #[path = "../it/support/checks.rs"]
 mod checks;
 mod driver;
+mod mailed;
 mod meeting;
 mod page;
 mod pictures;
@@ -20,14 +21,16 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 30] = [
+const CHECKS: [checks::Check; 32] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
     ("the keyboard alone reaches and turns the picture", page::keyboard),
     ("controls and pictures have names", page::names),
     ("text from the machine file is text", page::hostile),
-    ("a saved machine file refreshes the page, a broken one leaves the last good one", watch::refreshes),
+    ("a report without an engine shows its figures and changes nothing", mailed::read_only),
+    ("screenshots of a report", mailed::screenshots),
+    ("the workbench follows the files on the disk, and writes over nothing", watch::refreshes),
     ("the workbench shows the numbers of the command line, before and after edits", workbench::numbers),
     ("what is typed, dragged and undone reaches the file only when it is saved", workbench::edits),
     ("the workbench moves an axis across the bed by keys and by dragging", workbench::chain),
@@ -53,8 +56,17 @@ const CHECKS: [checks::Check; 30] = [
     ("screenshots: light, dark, print, projector, mobile, comparison", pictures::screenshots),
 ];
 
+/// Checks that need the engines, too.
+const ENGINE_CHECKS: [checks::Check; 2] = [
+    ("a report with its engine answers 50 edits as the command line does", mailed::edits),
+    ("an engine that answers otherwise is not used", mailed::refused),
+];
+
 fn main() -> ExitCode {
-    checks::run(&CHECKS, driver::available, "ABBE_REQUIRE_BROWSER", 1)
+    const REQUIRED: &str = "ABBE_REQUIRE_BROWSER";
+    let pages = checks::run(&CHECKS, driver::available, REQUIRED, 1);
+    let engines = checks::run(&ENGINE_CHECKS, || driver::available().and_then(|()| mailed::available()), REQUIRED, 1);
+    if pages == ExitCode::SUCCESS { engines } else { pages }
 }
 
 /// A folder of its own, removed at the end.

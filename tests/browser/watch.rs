@@ -34,15 +34,11 @@ pub fn wait(browser: &Browser, script: &str) {
 pub fn refreshes() {
     let folder = Folder::new("watch");
     let file = folder.0.join("m.yaml");
-    std::fs::write(&file, MACHINE).unwrap();
-    let mut child = abbe()
-        .arg("report")
-        .arg(&file)
-        .args(["--watch", "--poses", "100"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let base = folder.0.join("base.yaml");
+    std::fs::write(&file, format!("{MACHINE}extends: base.yaml\n")).unwrap();
+    std::fs::write(&base, "provenance: { source: one }\n").unwrap();
+    let mut child =
+        abbe().arg("report").arg(&file).arg("--watch").stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
     let mut line = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
     let _serving = Serving(child);
@@ -50,26 +46,34 @@ pub fn refreshes() {
     assert!(address.starts_with("http://127.0.0.1:"), "{line}");
     let browser = Browser::new(1200, 800);
     browser.open(address);
-    let _ = browser.run("document.querySelector('[data-look=Z]').click(); window.mine = true;");
-    let turned = browser.run("return camera.pitch;");
-    std::fs::write(&file, MACHINE.replace("Watched", "Changed").replace("20 urad", "40 urad")).unwrap();
-    wait(&browser, "return document.querySelector('h1').textContent === 'Changed';");
-    // Not loaded anew: the reader's changes are still there.
+    let settled = "document.body.dataset.state === 'full' && !document.body.dataset.busy";
+    wait(&browser, &format!("return {settled};"));
+    let _ = browser.run("window.mine = true;");
+    let figure = || browser.run("return document.querySelector('[data-at=p95]').dataset.value;");
+    let first = figure();
+    let changed = MACHINE.replace("Watched", "Changed").replace("20 urad", "40 urad");
+    std::fs::write(&file, format!("{changed}extends: base.yaml\n")).unwrap();
+    let named = |name: &str| format!("return document.getElementById('name').textContent === '{name}' && {settled};");
+    wait(&browser, &named("Changed"));
+    // Not loaded anew, and the file is as kept: no difference is shown.
     assert_eq!(browser.run("return window.mine;"), true);
-    assert_eq!(browser.run("return camera.pitch;"), turned);
-    let before = browser.run("return document.querySelector('.tile b').textContent;");
+    let twice = figure();
+    assert_ne!(twice, first);
+    // A file that is extended is followed too.
+    std::fs::write(&base, "errors: { EXX: { polynomial: [0 um, 50 um/m] } }\n").unwrap();
+    wait(&browser, &format!("return document.querySelector('[data-at=p95]').dataset.value !== {twice} && {settled};"));
+    let more = figure();
     std::fs::write(&file, MACHINE.replace("20 urad", "20 furlongs")).unwrap();
-    wait(&browser, "return !document.getElementById('problem').hidden;");
-    let problem = browser.run("return document.querySelector('#problem pre').textContent;");
-    assert!(
-        problem.as_str().unwrap().contains("furlongs") && problem.as_str().unwrap().contains("m.yaml"),
-        "{problem}"
-    );
-    assert_eq!(browser.run("return document.querySelector('.tile b').textContent;"), before);
+    wait(&browser, "return document.querySelector('#diagnostics .refusal') !== null;");
+    assert_eq!(figure(), more);
     std::fs::write(&file, MACHINE).unwrap();
-    wait(
-        &browser,
-        "return document.getElementById('problem').hidden && document.querySelector('h1').textContent === 'Watched';",
-    );
+    wait(&browser, &named("Watched"));
+    assert_eq!(figure(), first);
+    // What is changed in the page is not written over.
+    let _ = browser.run("document.querySelector('.cm-content').focus();");
+    browser.press(&["#"]);
+    std::fs::write(&file, changed).unwrap();
+    wait(&browser, "return document.getElementById('problem').textContent.includes('has changed');");
+    assert_eq!(browser.run("return document.querySelector('.cm-line').textContent;"), "#abbe: 1");
     assert!(browser.complaints().is_empty(), "{:?}", browser.complaints());
 }

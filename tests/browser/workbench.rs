@@ -19,7 +19,7 @@ pub struct Bench {
     pub browser: Browser,
     pub file: PathBuf,
     address: String,
-    _serving: Serving,
+    _serving: Option<Serving>,
     _folder: Folder,
 }
 
@@ -43,7 +43,20 @@ impl Bench {
         assert!(address.starts_with("http://127.0.0.1:"), "{line}");
         let browser = Browser::new(width, height);
         browser.open(&address);
-        let bench = Self { browser, file, address, _serving: Serving(child), _folder: folder };
+        let bench = Self { browser, file, address, _serving: Some(Serving(child)), _folder: folder };
+        bench.settled();
+        bench
+    }
+
+    /// Opens the page of a report, with a copy of its machine file for the command line.
+    pub fn mailed(name: &str, page: &Path, machine: &str) -> Self {
+        let folder = Folder::new(name);
+        let file = folder.0.join("m.yaml");
+        let _ = std::fs::copy(Path::new("configs").join(machine), &file).unwrap();
+        copy(Path::new("configs/errors"), &folder.0.join("errors"));
+        let browser = Browser::new(1400, 900);
+        browser.open_file(page);
+        let bench = Self { browser, file, address: String::new(), _serving: None, _folder: folder };
         bench.settled();
         bench
     }
@@ -89,7 +102,12 @@ impl Bench {
 
     /// The same with further options of the command line.
     pub fn agrees_with(&self, more: &[&str]) {
-        let map = self.command("map", &[&["--random", "2000"], more].concat());
+        self.agrees_at(2000, more);
+    }
+
+    /// The same at another number of poses.
+    pub fn agrees_at(&self, poses: usize, more: &[&str]) {
+        let map = self.command("map", &[&["--random", &poses.to_string()], more].concat());
         let pairs = [("p95", "p95"), ("max", "max"), ("rms", "rms"), ("mean", "mean")];
         for (at, name) in pairs {
             assert_eq!(Some(self.figure(at)), map["position_um"][name].as_f64(), "{at}");
@@ -192,9 +210,9 @@ pub fn edits() {
     assert_eq!(bench.save(), original);
     assert_eq!(bench.figure("p95"), figure);
     // Somebody else writes the file: the page does not write over it.
-    std::fs::write(&bench.file, format!("{original}# by hand\n")).unwrap();
     bench.at_error("EY0C");
     bench.types("1");
+    std::fs::write(&bench.file, format!("{original}# by hand\n")).unwrap();
     bench.click("save");
     wait(&bench.browser, "return document.getElementById('problem').textContent.includes('has changed');");
     assert_eq!(bench.on_disk(), format!("{original}# by hand\n"));

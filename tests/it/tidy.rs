@@ -201,6 +201,8 @@ const UNSAFE: &str = "src/evaluate/compiled/lanes.rs";
 #[test]
 fn unsafe_code_is_in_one_file_with_its_reasons() {
     let word = |line: &str| {
+        // A keyword of content security policies.
+        let line = line.replace("wasm-unsafe-eval", "");
         line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == "unsafe" || w == "unsafe_code")
     };
     let mut wrong = Vec::new();

@@ -10,6 +10,7 @@ import { numbers } from "./editor/numbers";
 import { WhatIf } from "./editor/whatif";
 import { Playground } from "./evaluator/playground";
 import { Program } from "./evaluator/program";
+import { Report, type ReportStart } from "./evaluator/report";
 import { accepted, type Axis, type Diagnostic, type Evaluator, type Pose, type Store } from "./evaluator/types";
 import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
@@ -35,6 +36,9 @@ import { download } from "./ui/download";
 import { Tabs } from "./ui/tabs";
 import { followTheme } from "./ui/theme";
 import { ToolChoice } from "./ui/tools";
+
+/** Time between two looks at the file on the disk, ms. */
+const LOOK = 400;
 
 const PICTURE = { title: "Download the picture as PNG" };
 
@@ -96,7 +100,7 @@ class Workbench {
       (message) => this.complain(message),
       working,
     );
-    this.editor = new Editor(byId("editor"), this.nonce, {
+    this.editor = new Editor(byId("editor"), this.nonce, store.isReadOnly, {
       changed: (draft) => this.changed(draft),
       cursor: () => this.whatif?.follow(),
       save: () => void this.save(),
@@ -132,7 +136,9 @@ class Workbench {
     const { stage } = this;
     if (stage) byId("poses").append(button("PNG", () => download.canvas("machine", stage.canvas), PICTURE));
     this.keep = button(store.verb, () => void this.save(), { class: "primary", id: "save" });
-    byId("actions").append(...this.examples(), this.undo, this.redo, this.keep);
+    byId("actions").append(...this.choice(), ...(store.isReadOnly ? [] : [this.undo, this.redo, this.keep]));
+    if (store.isReadOnly) document.body.dataset["readOnly"] = "yes";
+    if (store instanceof Report) this.report(store);
     followTheme((dark) => [this.stage, this.beside].forEach((of) => of?.theme(dark)));
     window.addEventListener("beforeunload", (event) => {
       if (this.isChanged && store.verb === "Save") event.preventDefault();
@@ -146,6 +152,40 @@ class Workbench {
     this.session.open(machine, text);
     this.whatif.follow();
     this.buttons();
+  }
+
+  /** A report begins with the options that it was written with. */
+  private report(report: Report): void {
+    this.session.settings = report.settings;
+    if (!this.tools.chosen) this.tools.chosen = report.tool;
+    byId("note").textContent = report.note;
+    const below = button("Report ↓", () => byId("report").scrollIntoView(), {
+      title: "Report for print, and appendices",
+    });
+    byId("actions").append(below);
+  }
+
+  /** Takes over what others write into the file while nothing is changed here, and looks again. */
+  async follow(): Promise<void> {
+    let seen = 0;
+    for (;;) {
+      await new Promise((resolve) => setTimeout(resolve, LOOK));
+      const found = await this.store.follow?.().catch(() => null);
+      if (!found) continue;
+      if (found.text !== null && found.text !== this.session.kept) this.takeOver(found.text);
+      if (found.changes !== seen) this.session.refresh();
+      seen = found.changes;
+    }
+  }
+
+  private takeOver(text: string): void {
+    if (this.isChanged && this.editor.text !== text)
+      return this.complain(
+        "The file on the disk has changed since the page read it; what is changed here is not saved.",
+      );
+    this.session.keep(text);
+    if (this.editor.text !== text) this.editor.change(difference(this.editor.text, text));
+    else this.changed(false);
   }
 
   private take(tool: string): void {
@@ -264,23 +304,31 @@ class Workbench {
     if (section >= 0) this.editor.reveal(section);
   }
 
-  private examples(): HTMLElement[] {
-    if (!(this.store instanceof Playground)) return [];
-    const store = this.store;
-    const choice = make(
-      "select",
-      { "aria-label": "Example", id: "example" },
-      ...store.examples.machines.map((name) => make("option", {}, name)),
-    );
-    choice.value = store.chosen;
+  /** The choice among several machine files. */
+  private choice(): HTMLElement[] {
+    const { store } = this;
+    if (!store.choices || store.choices.length < 2) return [];
+    const names = store.choices.map((name) => make("option", {}, name));
+    const choice = make("select", { "aria-label": "Machine file", id: "example" }, ...names);
+    choice.value = store.chosen ?? "";
     choice.addEventListener("change", () => {
       store.chosen = choice.value;
       move({ example: choice.value, pose: "", tool: "" });
-      this.tools.chosen = "";
+      this.tools.chosen = store instanceof Report ? store.tool : "";
       void this.open();
     });
     return [choice];
   }
+}
+
+/** Returns the edit that makes one text another: what is the same at both ends stays. */
+function difference(before: string, after: string): Change {
+  const most = Math.min(before.length, after.length);
+  let from = 0;
+  while (from < most && before[from] === after[from]) from += 1;
+  let same = 0;
+  while (same < most - from && before.at(-1 - same) === after.at(-1 - same)) same += 1;
+  return { from, to: before.length - same, insert: after.slice(from, after.length - same) };
 }
 
 /** While figures are computed a line below the head is coloured. */
@@ -299,11 +347,23 @@ function standing(dragged: (axis: Axis, position: number, rests: boolean) => voi
   }
 }
 
-async function start(): Promise<void> {
+type Face = Evaluator & Store;
+
+async function face(): Promise<Face> {
   const given = JSON.parse(byId("start").textContent ?? "{}") as { evaluator: string; token?: string };
-  const face =
-    import.meta.env.MODE === "program" ? new Program(given.token ?? "") : await Playground.load(place().example);
-  await new Workbench(face, face).open();
+  if (given.evaluator === "program") return new Program(given.token ?? "");
+  if (given.evaluator === "playground") return Playground.load(place().example);
+  const { place: at, ...report } = given as unknown as ReportStart;
+  // The first look: the work and the control that the report was written with.
+  if (!location.hash) move({ work: at.work ?? "", target: at.target ?? "" });
+  return new Report({ place: at, ...report }, place().example, (note) => (byId("note").textContent = note));
+}
+
+async function start(): Promise<void> {
+  const found = await face();
+  const workbench = new Workbench(found, found);
+  await workbench.open();
+  if (found.follow) await workbench.follow();
 }
 
 start().catch((failure: unknown) => {

@@ -7,7 +7,9 @@ import {
   type ErrorNumber,
   type Evaluator,
   type Question,
+  DEFAULTS,
   type Request,
+  type Settings,
   type Sources,
   type VolumeMap,
 } from "./evaluator/types";
@@ -52,6 +54,9 @@ export interface Effort {
 export const DRAFT: Effort = { draft: true, poses: 300, samples: 100 };
 export const FULL: Effort = { draft: false, poses: 2000, samples: 1000 };
 
+/** Largest number of poses of `sources`. */
+const MOST_SOURCE_POSES = 10_000;
+
 /** The state that the page shows. */
 export interface State {
   effort: Effort;
@@ -66,6 +71,8 @@ export interface State {
 
 /** Keeps asking for the newest text: while an answer is awaited, only the last of the wishes is remembered. */
 export class Session {
+  /** Options of the figures. */
+  settings: Settings = DEFAULTS;
   machine = "";
   kept = "";
   private text = "";
@@ -74,6 +81,7 @@ export class Session {
   private now: Findings | null = null;
   private wish: Effort | null = null;
   private busy = false;
+  private effort = FULL;
 
   constructor(
     private readonly evaluator: Evaluator,
@@ -97,6 +105,12 @@ export class Session {
     this.keptFindings.clear();
   }
 
+  /** A file that the machine file names is another one. */
+  refresh(): void {
+    this.keptFindings.clear();
+    this.change(this.text, false);
+  }
+
   /** Takes another tool of the file; the first for an empty name. */
   take(tool: string): void {
     this.tool = tool;
@@ -105,7 +119,7 @@ export class Session {
 
   change(text: string, draft: boolean): void {
     this.text = text;
-    this.wish = draft ? DRAFT : FULL;
+    this.wish = draft ? DRAFT : this.full;
     void this.work();
   }
 
@@ -123,6 +137,12 @@ export class Session {
   /** Name of a file in the folder of the machine. */
   beside(name: string): string {
     return this.machine.replace(/[^/\\]*$/, "") + name;
+  }
+
+  private get full(): Effort {
+    const { poses, samples } = this.settings;
+    if (this.effort.poses !== poses || this.effort.samples !== samples) this.effort = { ...FULL, poses, samples };
+    return this.effort;
   }
 
   private request(text: string, questions: Question[]): Request {
@@ -165,24 +185,26 @@ export class Session {
     effort: Effort,
   ): Promise<{ diagnostics: Diagnostic[]; findings: Findings | null }> {
     const { poses, samples } = effort;
+    const { map, sources, budget } = this.settings;
     const questions: Question[] = [
       "show",
       "words",
       "numbers",
-      { map: { poses: { random: poses }, worst: 5, samples } },
-      { sources: { poses } },
-      { budget: { samples } },
+      { map: { ...map, poses: { random: poses }, worst: 5, samples } },
+      { sources: { ...sources, poses: Math.min(poses, MOST_SOURCE_POSES) } },
+      { budget: { ...budget, samples } },
     ];
     const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
     const chain = accepted<Chain>(answers[0]);
     if (!chain) return { diagnostics, findings: null };
-    const [words, numbers, map, sources, budget] = [
-      accepted<Record<string, string>>(answers[1]) ?? {},
-      accepted<Record<string, ErrorNumber>>(answers[2]) ?? {},
-      accepted<VolumeMap>(answers[3]),
-      accepted<Sources>(answers[4]),
-      accepted<Budget>(answers[5]),
-    ];
-    return { diagnostics, findings: { chain, words, numbers, map, sources, budget } };
+    const findings = {
+      chain,
+      words: accepted<Record<string, string>>(answers[1]) ?? {},
+      numbers: accepted<Record<string, ErrorNumber>>(answers[2]) ?? {},
+      map: accepted<VolumeMap>(answers[3]),
+      sources: accepted<Sources>(answers[4]),
+      budget: accepted<Budget>(answers[5]),
+    };
+    return { diagnostics, findings };
   }
 }

@@ -8,6 +8,7 @@ use super::{module_set, verdict};
 use crate::api::compose;
 use crate::api::run::{Call, Refused};
 use crate::controller::{Certificate, ControllerTarget, Depth, Effect, TablesUnderTest, certify, certify_kinematics};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
 use std::path::Path;
 
@@ -46,6 +47,10 @@ pub(crate) fn named_effect(
     options: &CompensationOptions,
     depth: Depth,
 ) -> Result<(ControllerTarget, Effect, Certificate), Refused> {
+    if !cfg!(feature = "controllers") {
+        let refusal = Diagnostic::new(codes::E0701, "this build of the library has no controllers");
+        return call.refuse(refusal.help("ask the program: abbe map MACHINE --target NAME, or abbe workbench MACHINE"));
+    }
     let names: Vec<String> = name.split('+').map(str::to_owned).collect();
     if names.len() > 1 {
         return compose::composed_effect(call, machine, &names, options, depth);

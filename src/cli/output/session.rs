@@ -39,11 +39,6 @@ impl Session {
         Self { global, bar, diagnostics, files, document, unfit, output_lost }
     }
 
-    /// A session with the same options that has found nothing yet.
-    pub(crate) fn fresh(&self) -> Self {
-        Self::new(self.global.clone())
-    }
-
     /// Returns the folder of `--confined` if there is none of its name.
     pub(crate) fn missing_root(&self) -> Option<String> {
         self.global.confined.as_ref().filter(|root| !root.is_dir()).map(|root| root.display().to_string())
@@ -161,12 +156,6 @@ impl Session {
     pub(crate) fn usage<T>(&self, message: &str) -> Result<T, Exit> {
         let _ = writeln!(std::io::stderr().lock(), "abbe: {message}\nTry `abbe --help`.");
         let _ = self.unfit.replace(Some(Diagnostic::new(codes::E0818, message)));
-        Err(Exit::Usage)
-    }
-
-    /// Takes over why the command line of another session makes no sense.
-    pub(crate) fn unfit_as<T>(&self, other: &Self) -> Result<T, Exit> {
-        let _ = self.unfit.replace(other.unfit.take());
         Err(Exit::Usage)
     }
 

@@ -64,6 +64,11 @@ impl Recorded {
         }
     }
 
+    /// Takes over what another one has read.
+    pub(crate) fn absorb(&self, other: Self) {
+        self.seen.borrow_mut().extend(other.seen.into_inner());
+    }
+
     /// The files that were read.
     pub fn paths(&self) -> Vec<PathBuf> {
         self.seen.borrow().iter().filter(|(_, (_, state))| state.is_some()).map(|(path, _)| path.clone()).collect()

@@ -2,6 +2,7 @@
 
 pub(super) mod archive;
 pub(super) mod commit;
+pub(crate) mod engine;
 pub(super) mod file_set;
 pub(crate) mod files;
 pub(crate) mod limited;

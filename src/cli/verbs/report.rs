@@ -3,11 +3,12 @@
 use crate::cli::arguments::{DirectionArg, OrderArg, SamplesArg, ToolPosesArg, help};
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
+use crate::cli::store::engine;
 use crate::cli::store::write::{refuse_outputs, write_whole};
 use crate::cli::tolerances::ToleranceArgs;
-use crate::cli::{Exit, Format, Outcome, watch};
-use abbe::options::Delivery;
-use abbe::results::{RenderedPage, Report};
+use crate::cli::verbs::workbench;
+use crate::cli::{Exit, Format, Outcome};
+use abbe::results::Report;
 use abbe::{ReportOptions, report};
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -26,8 +27,8 @@ pub(crate) struct Args {
         long_help = "A controller whose compensation and certificate are to be shown; may be given several times. \
             Kinematic parameters and tables for what they leave, step by step: A+B")]
     pub target: Vec<String>,
-    /// Serve the page on 127.0.0.1 and refresh it whenever the machine file, or a file it names, is saved.
-    #[arg(long)]
+    /// Open the workbench instead, which follows the machine file and the files that it names.
+    #[arg(long, conflicts_with = "out")]
     pub watch: bool,
     /// Port on 127.0.0.1 (0 to 65535) [default: any that is free].
     #[arg(long, requires = "watch", default_value_t = 0, hide_default_value = true)]
@@ -62,28 +63,43 @@ impl Args {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if args.watch {
-        return watch::run(session, args);
+        let [machine] = &args.machines[..] else {
+            return session.usage("the workbench holds one machine: give one file with --watch");
+        };
+        if args.options() != ReportOptions::default() || args.options.tool.name().is_some() {
+            return session.usage("with --watch the page has the options: only --port goes with it");
+        }
+        return workbench::open(session, machine, args.port);
     }
     refuse_outputs(&args.out, &session.files).or_else(|d| session.refuse(d))?;
     let report = compute(session, args)?;
-    let page = report.page(Delivery::Alone, None).or_else(|d| session.refuse(d))?;
-    write(session, args, &page)?;
+    let page = report.page(&engine::installed()).or_else(|d| session.refuse(d))?;
     let (out, bytes) = (args.out.as_deref().unwrap_or(Path::new("")), page.text.len());
+    write_whole(out, page.text.as_bytes(), &session.files).or_else(|d| session.refuse(d))?;
     match session.format() {
-        Format::Json => session.print_json(json!({"page": out.display().to_string(), "bytes": bytes})),
-        _ => session.print(&format!("{}: {} kB, self-contained", out.display(), bytes.div_ceil(1000))),
+        Format::Json => {
+            session.print_json(json!({"page": out.display().to_string(), "bytes": bytes, "engines": page.variants}));
+        }
+        _ => session.print(&format!(
+            "{}: {} kB, self-contained{}",
+            out.display(),
+            bytes.div_ceil(1000),
+            answers(&page.variants)
+        )),
     }
     Ok(())
 }
 
-/// Writes the page where it was asked for.
-pub(crate) fn write(session: &mut Session, args: &Args, page: &RenderedPage) -> Outcome {
-    let Some(out) = &args.out else { return Ok(()) };
-    write_whole(out, page.text.as_bytes(), &session.files).or_else(|d| session.refuse(d))
+/// Words for what the page can do without the program.
+fn answers(variants: &[String]) -> String {
+    match variants {
+        [] => "; it shows this state only, for this program was not packaged with WebAssembly".to_owned(),
+        _ => format!("; it answers what-ifs by itself (WebAssembly: {})", variants.join(", ")),
+    }
 }
 
 /// Reads the machines and computes the content of the page.
-pub(crate) fn compute(session: &mut Session, args: &Args) -> Result<Report, Exit> {
+fn compute(session: &mut Session, args: &Args) -> Result<Report, Exit> {
     let mut machines = Vec::new();
     for path in &args.machines {
         let tool = args.options.tool.name();

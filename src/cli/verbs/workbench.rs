@@ -8,6 +8,7 @@ use crate::cli::output::session::Session;
 use crate::cli::serve::{HTML, PageRequest, PageResponse, Site, serve};
 use crate::cli::store::files::Recorded;
 use crate::cli::store::write::replace_whole;
+use abbe::options::BenchPage;
 use abbe::{Diagnostic, Files, Run, codes, workbench};
 use hyper::{Method, StatusCode};
 use serde::Deserialize;
@@ -26,24 +27,29 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    if session.files.read(&args.machine).is_err() {
+    open(session, &args.machine, args.port)
+}
+
+/// Serves the workbench of a machine until the program is ended.
+pub(super) fn open(session: &mut Session, machine: &Path, port: u16) -> Outcome {
+    if session.files.read(machine).is_err() {
         // The refusal names the reason.
-        session.load(&args.machine, None)?;
+        session.load(machine, None)?;
     }
     let unserved = |message: String| Diagnostic::new(codes::E0631, message);
-    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, args.port)).or_else(|failure| {
-        let message = format!("127.0.0.1 port {} cannot be opened: {failure}", args.port);
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).or_else(|failure| {
+        let message = format!("127.0.0.1 port {port} cannot be opened: {failure}");
         session.refuse(unserved(message).help("leave `--port` out: any free port is taken then"))
     })?;
-    let port = listener.local_addr().map_or(args.port, |address| address.port());
+    let port = listener.local_addr().map_or(port, |address| address.port());
     let bench = token().and_then(|token| {
-        let bench = Bench::new(&args.machine, session.confined(), token);
+        let bench = Bench::new(machine, session.confined(), token);
         serve(listener, port, Arc::new(bench))
     });
     bench.or_else(|failure| session.refuse(unserved(format!("the page cannot be served: {failure}"))))?;
     session.print(&format!(
         "http://127.0.0.1:{port}/ is the workbench of {}; the file changes when you save it there. Ctrl-C ends it.",
-        args.machine.display()
+        machine.display()
     ));
     loop {
         std::thread::park();
@@ -57,11 +63,6 @@ fn token() -> std::io::Result<String> {
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// The page, built from `web/` ([docs/workbench.md]); its placeholders stand outside style and script.
-const PAGE: &str = include_str!("../../report/page/workbench.html");
-const NONCE: &str = "@NONCE@";
-const START: &str = "@START@";
-
 /// A machine file on the workbench.
 struct Bench {
     machine: PathBuf,
@@ -71,6 +72,16 @@ struct Bench {
     page: String,
     /// Held while the file is compared and replaced.
     saving: Mutex<()>,
+    /// What answers were computed from.
+    inputs: Mutex<Inputs>,
+}
+
+/// The files that were read for answers since the last change of one of them.
+#[derive(Default)]
+struct Inputs {
+    read: Recorded,
+    /// Number of changes so far.
+    changes: u64,
 }
 
 /// What the page sends to save the file.
@@ -85,12 +96,9 @@ struct SaveRequest {
 impl Site for Bench {
     fn respond(&self, request: &PageRequest) -> PageResponse {
         match (&request.method, request.path.as_str()) {
-            (&Method::GET, "/") => PageResponse {
-                status: StatusCode::OK,
-                media: HTML,
-                tag: None,
-                body: self.page.clone().into_bytes().into(),
-            },
+            (&Method::GET, "/") => {
+                PageResponse { status: StatusCode::OK, media: HTML, body: self.page.clone().into_bytes().into() }
+            }
             (&Method::GET, _) => PageResponse::empty(StatusCode::NOT_FOUND),
             (&Method::POST, _) if request.token.as_deref() != Some(self.token.as_str()) => {
                 PageResponse::empty(StatusCode::FORBIDDEN)
@@ -103,17 +111,18 @@ impl Site for Bench {
 
 impl Bench {
     fn new(machine: &Path, root: Option<&Path>, token: String) -> Self {
+        // Hexadecimal, and JSON without markup.
         let start = json!({"evaluator": "program", "token": token}).to_string();
-        // Both are hexadecimal or JSON without markup.
-        let page = PAGE.replace(NONCE, &token).replace(START, &start);
+        let page = BenchPage { start: &start, nonce: &token, is_served: true, ..BenchPage::default() }.html();
         let (machine, root) = (machine.to_owned(), root.map(Path::to_owned));
-        Self { machine, root, token, page, saving: Mutex::default() }
+        Self { machine, root, token, page, saving: Mutex::default(), inputs: Mutex::default() }
     }
 
     fn post(&self, path: &str, body: &str) -> PageResponse {
         match path {
             "/open" => self.open(),
-            "/ask" => answer(StatusCode::OK, &workbench(body, Run::with(&self.files()))),
+            "/ask" => self.ask(body),
+            "/follow" => self.follow(),
             "/save" => match serde_json::from_str(body) {
                 Ok(request) => self.save(&request),
                 Err(_) => PageResponse::empty(StatusCode::BAD_REQUEST),
@@ -129,6 +138,22 @@ impl Bench {
     /// Returns the text of the file as it is now.
     fn text(&self) -> Option<String> {
         String::from_utf8(self.files().read(&self.machine).ok()?).ok()
+    }
+
+    fn ask(&self, body: &str) -> PageResponse {
+        let files = self.files();
+        let found = answer(StatusCode::OK, &workbench(body, Run::with(&files)));
+        self.inputs.lock().unwrap_or_else(PoisonError::into_inner).read.absorb(files);
+        found
+    }
+
+    /// Returns the text of the file as it is now, and how often a file that answers were computed from has changed.
+    fn follow(&self) -> PageResponse {
+        let mut inputs = self.inputs.lock().unwrap_or_else(PoisonError::into_inner);
+        if inputs.read.changed() {
+            *inputs = Inputs { read: self.files(), changes: inputs.changes + 1 };
+        }
+        answer(StatusCode::OK, &json!({"text": self.text(), "changes": inputs.changes}))
     }
 
     fn open(&self) -> PageResponse {
@@ -152,7 +177,7 @@ impl Bench {
 }
 
 fn answer(status: StatusCode, value: &Value) -> PageResponse {
-    PageResponse { status, media: "application/json", tag: None, body: value.to_string().into_bytes().into() }
+    PageResponse { status, media: "application/json", body: value.to_string().into_bytes().into() }
 }
 
 fn failed(status: StatusCode, message: &str) -> PageResponse {
@@ -166,7 +191,7 @@ mod tests {
     fn ask(bench: &Bench, method: Method, path: &str, token: Option<&str>, body: &Value) -> (u16, Value) {
         let body = body.to_string().into_bytes().into();
         let (path, token) = (path.to_owned(), token.map(str::to_owned));
-        let response = bench.respond(&PageRequest { method, path, known_tag: None, token, body });
+        let response = bench.respond(&PageRequest { method, path, token, body });
         (response.status.as_u16(), serde_json::from_slice(&response.body).unwrap_or(Value::Null))
     }
 
@@ -178,7 +203,7 @@ mod tests {
         std::fs::write(&file, "abbe: 1\n").unwrap();
         let bench = Bench::new(&file, None, "secret".to_owned());
         let save = |before: &str, text: &str| json!({"before": before, "text": text});
-        for path in ["/open", "/ask", "/save"] {
+        for path in ["/open", "/ask", "/follow", "/save"] {
             for token in [None, Some(""), Some("guess")] {
                 assert_eq!(ask(&bench, Method::POST, path, token, &save("abbe: 1\n", "x")).0, 403, "{path}");
             }
@@ -197,10 +222,27 @@ mod tests {
     }
 
     #[test]
-    fn the_page_has_each_placeholder_and_its_script_has_none() {
-        assert_eq!(PAGE.matches(START).count(), 1);
-        let script = PAGE.split("<script>").nth(1).unwrap();
-        assert!(!script.contains(NONCE) && !script.contains(START));
-        assert!(PAGE.split("<style").nth(1).unwrap().starts_with(" nonce=\"@NONCE@\">"));
+    fn a_change_of_a_file_that_was_read_is_counted_once() {
+        let folder = std::env::temp_dir().join(format!("abbe-follow-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (file, base) = (folder.join("m.yaml"), folder.join("base.yaml"));
+        let text = "abbe: 1\nextends: base.yaml\n";
+        std::fs::write(&file, text).unwrap();
+        std::fs::write(&base, "machine: One\n").unwrap();
+        let bench = Bench::new(&file, None, "secret".to_owned());
+        let post = |path: &str, body: &Value| ask(&bench, Method::POST, path, Some("secret"), body).1;
+        let request = json!({"machine": &file, "texts": {file.to_str().unwrap(): text}, "questions": ["check"]});
+        let _ = post("/ask", &request);
+        let state = |text: &str, changes: u64| json!({"text": text, "changes": changes});
+        assert_eq!(post("/follow", &Value::Null), state(text, 0));
+        std::fs::write(&base, "machine: Two\n").unwrap();
+        for _ in 0..2 {
+            assert_eq!(post("/follow", &Value::Null), state(text, 1));
+        }
+        let _ = post("/ask", &request);
+        std::fs::write(&base, "machine: Three\n").unwrap();
+        std::fs::write(&file, "abbe: 1\n").unwrap();
+        assert_eq!(post("/follow", &Value::Null), state("abbe: 1\n", 2));
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -74,6 +74,8 @@ pub fn run<K: Kernel>(width: Width, kernel: K) {
         Width::Avx2 if width.is_supported() => unsafe { x86::avx2(kernel) },
         #[cfg(target_arch = "aarch64")]
         Width::Neon => kernel.run::<arm::F64x2>(),
+        #[cfg(all(target_arch = "wasm32", target_feature = "relaxed-simd"))]
+        Width::Relaxed if width.is_supported() => kernel.run::<super::wasm::F64x2>(),
         #[cfg(target_arch = "x86_64")]
         // SAFETY: the processor has the feature.
         Width::Fused if width.is_supported() => unsafe { x86::fused(kernel) },

@@ -10,8 +10,8 @@
 //!
 //! A run (`model`, `pass`) is a walk from the tool to the workpiece with a pose in every lane of a vector:
 //!
-//! 4. `simd` defines the operations of kernels on vectors (`vector`: three of them), `lanes` and `scalar` implement it
-//!    for every `width`, and `trigonometry` adds sines and cosines;
+//! 4. `simd` defines the operations of kernels on vectors (`vector`: three of them), `lanes`, `scalar` and `wasm`
+//!    implement it for every `width`, and `trigonometry` adds sines and cosines;
 //! 5. `lookup` computes for a chunk of poses the quantities that do not depend on the walk, such as positions in
 //!    tables;
 //! 6. `grid`, `grid_lines`, `affine`: on a tensor grid the outer joints are multiplied once per line;
@@ -50,6 +50,8 @@ mod steps;
 mod trigonometry;
 mod twist;
 mod vector;
+#[cfg(all(target_arch = "wasm32", target_feature = "relaxed-simd"))]
+mod wasm;
 pub(super) mod width;
 
 pub use batch::{Batch, Columns, Output, PoseColumns};

@@ -9,6 +9,8 @@ pub enum Width {
     Fused,
     /// Two doubles (aarch64).
     Neon,
+    /// Two doubles (WebAssembly with relaxed SIMD, on a processor that fuses).
+    Relaxed,
     /// Four doubles (x86).
     Avx2,
     /// Eight doubles (x86).
@@ -17,13 +19,13 @@ pub enum Width {
 
 impl Width {
     /// All widths, narrowest first.
-    pub const ALL: [Self; 5] = [Self::Scalar, Self::Fused, Self::Neon, Self::Avx2, Self::Avx512];
+    pub const ALL: [Self; 6] = [Self::Scalar, Self::Fused, Self::Neon, Self::Relaxed, Self::Avx2, Self::Avx512];
 
     /// Returns the number of doubles of a vector.
     pub fn lanes(self) -> usize {
         match self {
             Self::Scalar | Self::Fused => 1,
-            Self::Neon => 2,
+            Self::Neon | Self::Relaxed => 2,
             Self::Avx2 => 4,
             Self::Avx512 => 8,
         }
@@ -34,6 +36,10 @@ impl Width {
         match self {
             Self::Scalar => true,
             Self::Neon => cfg!(target_arch = "aarch64"),
+            #[cfg(all(target_arch = "wasm32", target_feature = "relaxed-simd"))]
+            Self::Relaxed => super::wasm::fuses(),
+            #[cfg(not(all(target_arch = "wasm32", target_feature = "relaxed-simd")))]
+            Self::Relaxed => false,
             #[cfg(target_arch = "x86_64")]
             Self::Fused => std::arch::is_x86_feature_detected!("fma"),
             #[cfg(target_arch = "x86_64")]

@@ -47,6 +47,8 @@ pub struct MachineData {
     conventions: Value,
     provenance: Vec<(String, String)>,
     warnings: Vec<String>,
+    /// What each error is, in words by its name.
+    words: Value,
     locations: Vec<Value>,
     statistics: Value,
     /// What the bounds lead to, where nothing is measured: then the statistics are of the 95 % value. Null otherwise.
@@ -160,6 +162,7 @@ impl MachineData {
             conventions: json!(machine.conventions()),
             provenance: machine.provenance().entries.clone(),
             warnings: given.warnings.to_vec(),
+            words: given.words.clone(),
             locations: locations(machine, given.bounded().as_ref()),
             statistics: Value::Null,
             bounds: Value::Null,

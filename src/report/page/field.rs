@@ -77,8 +77,8 @@ struct LayerAt {
     worst_at: Value,
 }
 
-/// Approximate limit of the numbers in all layers together, for a small page.
-const MAX_NUMBERS: usize = 340_000;
+/// Approximate limit of the numbers in all layers together: with both engines the page is sent by mail.
+const MAX_NUMBERS: usize = 160_000;
 
 /// Numbers of nodes of a grid axis, from the largest to the smallest. Odd, so that there is a middle.
 const NODES: [usize; 5] = [11, 9, 7, 5, 3];

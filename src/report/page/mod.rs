@@ -1,14 +1,15 @@
-//! The report: one self-contained HTML page for a design review.
+//! The report: the page of the workbench in one file, with a report for print and appendices below it.
 //!
-//! 1. [`PageData`] is everything the page shows, computed here: machine, statistics, sources of error, curves,
+//! 1. [`PageData`] is everything the appendices show, computed here: machine, statistics, sources of error, curves,
 //!    the field of the 3D view, certificates, comparison;
 //! 2. pictures are drawn as SVG by this module's neighbours;
-//! 3. [`Page::html`] renders `page.html.j2` with them, escaped, and embeds the data as one JSON object, from
-//!    which the page's scripts read every number they show.
+//! 3. [`Page::html`] renders `appendices.html.j2` with them, escaped, and embeds the data as one JSON object, from
+//!    which the scripts read every number they show;
+//! 4. [`BenchPage`] puts this below the workbench, with what the workbench starts with and perhaps its engine.
 //!
-//! Style and scripts are files beside this one. The page loads nothing and a content security policy forbids
-//! it to: only the style and the script with the hashes given there run.
+//! The page loads nothing and a content security policy forbids it to: scripts run by their hash, styles by a nonce.
 
+mod bench;
 mod comparison;
 mod data;
 mod drawn;
@@ -17,12 +18,13 @@ mod given;
 mod instruments;
 mod render;
 
+pub(super) use bench::source_hash;
+pub use bench::{BenchPage, EngineFile};
 pub use comparison::ComparisonData;
 pub use data::{MachineData, PageData};
 pub use given::{MachineInput, TargetResult};
 pub use instruments::Instruments;
-pub(super) use render::style_hash;
-pub use render::{Delivery, Page, Pictures, RenderedPage};
+pub use render::{Page, PageFailure, Pictures, RenderedPage};
 
 use super::pictures::rising;
 

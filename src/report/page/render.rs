@@ -1,29 +1,19 @@
-//! Template, data and pictures to one HTML text.
+//! Template, data and pictures to the appendices of a report.
 
+use super::bench::{BenchPage, EngineFile};
 use super::data::PageData;
+use crate::controller::sha256;
 use crate::report::pictures::escaped;
 use crate::units::significant;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD as BASE64;
 use minijinja::value::{Kwargs, Serde as ViaSerde};
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value, context};
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 use std::fmt;
 
-const TEMPLATE: &str = include_str!("page.html.j2");
-const STYLE: &str = include_str!("style.css");
+const TEMPLATE: &str = include_str!("appendices.html.j2");
+const STYLE: &str = include_str!("appendices.css");
 const VIEW: &str = include_str!("view.js");
-const SCRIPT: &str = include_str!("page.js");
-
-/// Delivery of the page.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Delivery {
-    /// A file: it may reach nothing.
-    Alone,
-    /// Served by `report --watch`: it may ask its own server for a newer page.
-    Watched,
-}
+const SCRIPT: &str = include_str!("appendices.js");
 
 /// A machine's pictures, as SVG text.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -45,35 +35,48 @@ pub struct Pictures {
 /// Content to be rendered.
 #[derive(Debug, Clone)]
 pub struct Page<'a> {
-    /// All numbers.
+    /// All numbers of the appendices.
     pub data: &'a PageData,
     /// The same for each machine.
     pub pictures: &'a [Pictures],
-    /// Delivery to the reader.
-    pub served: Delivery,
-    /// Diagnostics of the machine file as it is now, if the page shows an earlier state.
-    pub problem: Option<&'a str>,
+    /// What the workbench starts with.
+    pub start: &'a serde_json::Value,
+    /// The library as WebAssembly; none for a page that only shows.
+    pub engines: &'a [EngineFile],
 }
 
 impl Page<'_> {
     /// Returns the page; fails if the data cannot be written as JSON or the template does not render.
     pub fn html(&self) -> Result<RenderedPage, PageFailure> {
         let json = embedded(self.data).map_err(PageFailure::Data)?;
-        self.render(&json).map_err(PageFailure::Template)
+        let start = embedded(self.start).map_err(PageFailure::Data)?;
+        // Another one for other content; it only tells the page's style from that of its text, which is escaped.
+        let nonce = sha256(format!("{json}{start}").as_bytes());
+        let appendices = self.appendices(&json, &nonce).map_err(PageFailure::Template)?;
+        let script = format!("{VIEW}{SCRIPT}");
+        let (start, nonce, appendices, script) = (&start, &nonce, &appendices, &script);
+        let page = BenchPage { start, nonce, is_served: false, engines: self.engines, appendices, script };
+        let engines = &self.engines[..page.fitting()];
+        let variants = engines.iter().map(|engine| engine.variant.clone()).collect();
+        Ok(RenderedPage { text: BenchPage { engines, ..page }.html(), variants })
     }
 
-    fn render(&self, json: &str) -> Result<RenderedPage, minijinja::Error> {
-        let script = format!("{VIEW}{SCRIPT}");
-        let mark = hash(&format!("{json}{}", self.problem.unwrap_or_default()));
-        let watched = (self.served == Delivery::Watched).then_some(&mark);
-        let environment = environment()?;
+    fn appendices(&self, json: &str, nonce: &str) -> Result<String, minijinja::Error> {
         let page = context! {
             data => Value::from(ViaSerde(self.data)), pictures => Value::from(ViaSerde(self.pictures)), json,
-            style => STYLE, policy => policy(&script, self.served), script, watched, problem => self.problem,
+            style => STYLE, nonce,
         };
-        let text = environment.get_template("page.html")?.render(page)?;
-        Ok(RenderedPage { text, mark })
+        environment()?.get_template("appendices.html")?.render(page)
     }
+}
+
+/// A rendered page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RenderedPage {
+    /// All of it.
+    pub text: String,
+    /// Variants of the engine in it.
+    pub variants: Vec<String>,
 }
 
 /// Reason why a page cannot be rendered.
@@ -96,39 +99,9 @@ impl fmt::Display for PageFailure {
 
 impl std::error::Error for PageFailure {}
 
-/// A rendered page.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RenderedPage {
-    /// All of it.
-    pub text: String,
-    /// Another one for other content: an entity tag.
-    pub mark: String,
-}
-
-fn hash(text: &str) -> String {
-    BASE64.encode(Sha256::digest(text.as_bytes()))
-}
-
-/// Returns the source of a style or script in a content security policy.
-pub(in crate::report) fn style_hash(text: &str) -> String {
-    format!("'sha256-{}'", hash(text))
-}
-
-/// Returns the policy: nothing may be loaded, only our own style and script run.
-fn policy(script: &str, served: Delivery) -> String {
-    let own = style_hash;
-    let connect = if served == Delivery::Watched { "'self'" } else { "'none'" };
-    format!(
-        "default-src 'none'; script-src {}; style-src {}; connect-src {connect}; img-src data:; base-uri 'none'; \
-         form-action 'none'",
-        own(script),
-        own(STYLE)
-    )
-}
-
 /// Returns JSON that is safe in a `script` element: no `<` can end it or open a comment, no line separator of
 /// JavaScript is in it.
-fn embedded(data: &impl Serialize) -> serde_json::Result<String> {
+pub(super) fn embedded(data: &impl Serialize) -> serde_json::Result<String> {
     let json = serde_json::to_string(data)?;
     Ok(json
         .replace('<', "\\u003c")
@@ -145,7 +118,7 @@ fn environment() -> Result<Environment<'static>, minijinja::Error> {
     let syntax = minijinja::syntax::SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
     environment.add_function("number", number);
-    environment.add_template("page.html", TEMPLATE)?;
+    environment.add_template("appendices.html", TEMPLATE)?;
     Ok(environment)
 }
 

@@ -8,7 +8,7 @@ pub use data::{
     TwoLetters,
 };
 
-use super::page::style_hash;
+use super::page::source_hash;
 use super::pictures::axis_curves;
 use crate::machine::Machine;
 use crate::units::significant;
@@ -53,7 +53,7 @@ pub fn record_page(data: &RecordData, pictures: &RecordPictures) -> Result<Strin
     environment.add_template("record.html", TEMPLATE)?;
     let page = context! {
         r => Value::from(ViaSerde(data)), pictures => Value::from(ViaSerde(pictures)), style => STYLE,
-        policy => format!("default-src 'none'; style-src {}; base-uri 'none'; form-action 'none'", style_hash(STYLE)),
+        policy => format!("default-src 'none'; style-src {}; base-uri 'none'; form-action 'none'", source_hash(STYLE)),
         unverified => crate::standards::NOT_VERIFIED,
     };
     environment.get_template("record.html")?.render(page)

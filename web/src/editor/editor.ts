@@ -73,6 +73,7 @@ export class Editor {
   constructor(
     parent: HTMLElement,
     nonce: string,
+    private readonly isReadOnly: boolean,
     private readonly listener: Listener,
   ) {
     this.view = new EditorView({ parent, state: this.state("", nonce) });
@@ -147,6 +148,9 @@ export class Editor {
       doc,
       extensions: [
         EditorView.cspNonce.of(nonce),
+        EditorState.readOnly.of(this.isReadOnly),
+        // Also what the page's own controls would write.
+        EditorState.changeFilter.of(() => !this.isReadOnly),
         EditorView.contentAttributes.of({ "aria-label": "Machine file", tabindex: "0" }),
         lineNumbers(),
         lintGutter(),

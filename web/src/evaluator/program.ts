@@ -4,6 +4,7 @@ import type { Evaluator, OpenFile, Reply, Request, Store } from "./types";
 
 export class Program implements Evaluator, Store {
   readonly verb = "Save";
+  readonly isReadOnly = false;
 
   constructor(private readonly token: string) {}
 
@@ -13,6 +14,10 @@ export class Program implements Evaluator, Store {
 
   open(): Promise<OpenFile> {
     return this.post<OpenFile>("open", {});
+  }
+
+  follow(): Promise<{ text: string | null; changes: number }> {
+    return this.post("follow", {});
   }
 
   async save(text: string, before: string): Promise<void> {

@@ -6,10 +6,10 @@ export type Vec3 = [number, number, number];
 export type Question =
   | "check"
   | "show"
-  | { map: { poses: { random: number }; worst?: number; samples?: number; target?: string } }
+  | { map: { poses: { random: number }; worst?: number; samples?: number; target?: string } & Options }
   | { rows: { poses: { listed: number[][] }; samples?: number; target?: string } }
-  | { sources: { poses: number; at?: number[] } }
-  | { budget: { poses?: number; samples?: number; goal_mm?: number } }
+  | { sources: { poses: number; at?: number[] } & Options }
+  | { budget: { poses?: number; samples?: number; goal_mm?: number } & Options }
   | { eval: { poses: number[][] } }
   | { reach: { step_mm?: number } }
   | { work: { tool_poses: string; samples?: number; target?: string } }
@@ -61,10 +61,32 @@ export interface Evaluator {
   ask(request: Request): Promise<Reply>;
 }
 
+/** Further options of a verb. */
+type Options = Record<string, unknown>;
+
+/** Options of the figures that are shown first. */
+export interface Settings {
+  poses: number;
+  samples: number;
+  map: Options;
+  sources: Options;
+  budget: Options;
+}
+
+/** The defaults of the verbs. */
+export const DEFAULTS: Settings = { poses: 2000, samples: 1000, map: {}, sources: {}, budget: {} };
+
 /** Keeps the file that is open. */
 export interface Store {
   /** Name of the button that keeps the text. */
   readonly verb: string;
+  /** True if the text cannot be changed. */
+  readonly isReadOnly: boolean;
+  /** Names of the machine files that can be opened, where there are several, and the one that is. */
+  readonly choices?: string[];
+  chosen?: string;
+  /** Returns what the file holds now, and a number that is another one after a change of a file that it names. */
+  follow?(): Promise<{ text: string | null; changes: number }>;
   open(): Promise<OpenFile>;
   /** Keeps `text`; rejects if the kept text is no longer `before`. */
   save(text: string, before: string): Promise<void>;

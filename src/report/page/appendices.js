@@ -1,11 +1,20 @@
 
-/* The page around the views: controls, keys, theme, printing, and the newer page of `report --watch`. */
+/* The report around its views: controls, keys, links, printing. */
 
-let data = JSON.parse(document.getElementById("data").textContent);
+const root = shadow(document.getElementById("report"));
+const data = JSON.parse(document.getElementById("data").textContent);
 let views = [];
 
+/** The root of the report, whose style is its own; browsers of before 2024 leave the template to the script. */
+function shadow(host) {
+  if (host.shadowRoot) return host.shadowRoot;
+  const made = host.attachShadow({ mode: "open" });
+  made.append(host.querySelector("template").content);
+  return made;
+}
+
 function start() {
-  views = [...document.querySelectorAll(".field")].map((section) => connect(section));
+  views = [...root.querySelectorAll(".field")].map((section) => connect(section));
   redraw();
 }
 
@@ -121,7 +130,7 @@ function listen(view, set) {
     const box = canvas.getBoundingClientRect(), node = view.nearest(e.clientX - box.left, e.clientY - box.top);
     if (node !== null && node !== view.choice.node) set("node", node);
   });
-  canvas.addEventListener("wheel", (e) => { if (e.ctrlKey || document.activeElement === canvas) { e.preventDefault(); zoom(Math.exp(-e.deltaY * 0.001)); } }, { passive: false });
+  canvas.addEventListener("wheel", (e) => { if (e.ctrlKey || root.activeElement === canvas) { e.preventDefault(); zoom(Math.exp(-e.deltaY * 0.001)); } }, { passive: false });
   const slice = (by) => {
     if (view.choice.part === "surface") return;
     const last = view.counts[Number(view.choice.part)] - 1;
@@ -143,63 +152,19 @@ function listen(view, set) {
   });
 }
 
-/** What a reader has chosen outlives a page of `--watch`, as far as the new machine still has it. */
-function keep(old) {
-  views.forEach((view, i) => {
-    const before = old[i];
-    if (!before) return;
-    const c = { ...view.choice, ...before };
-    if (!view.field.layers.some((layer) => layer.id === c.layer)) c.layer = view.choice.layer;
-    if (c.station >= view.field.stations.length) c.station = 0;
-    if (c.part !== "surface" && !view.field.grid[Number(c.part)]) c.part = "surface";
-    if (c.node !== null && c.node >= view.nominal().length / 3) c.node = null;
-    view.choice = c;
-    const section = document.querySelectorAll(".field")[i];
-    for (const name of ["station", "part", "exaggeration"]) { const input = section.querySelector(`[data-set="${name}"]`); if (input) input.value = c[name]; }
-    for (const name of ["colour", "arrows", "fixed"]) section.querySelector(`[data-set="${name}"]`).checked = c[name];
-    view.show();
-  });
-}
+/** Links lead within the report: the page's address belongs to the workbench. */
+root.addEventListener("click", (e) => {
+  const link = e.target.closest('a[href^="#"]');
+  if (!link) return;
+  e.preventDefault();
+  root.getElementById(link.getAttribute("href").slice(1)).scrollIntoView();
+});
 
-/** Takes a newer page's content over without losing the reader's place. */
-function take(text) {
-  const page = new DOMParser().parseFromString(text, "text/html");
-  const old = views.map((view) => view.choice);
-  for (const part of ["#problem", "main", "nav", "footer"]) document.querySelector(part).replaceWith(document.adoptNode(page.querySelector(part)));
-  document.getElementById("data").textContent = page.getElementById("data").textContent;
-  document.title = page.title;
-  data = JSON.parse(document.getElementById("data").textContent);
-  start();
-  keep(old);
-}
-
-/** Asks its own server for a newer page, several times a second. */
-async function watch() {
-  let mark = `"${document.body.dataset.watched}"`;
-  for (;;) {
-    try {
-      const answer = await fetch(location.pathname, { headers: { "If-None-Match": mark }, cache: "no-store" });
-      if (answer.status === 200) {
-        take(await answer.text());
-        mark = answer.headers.get("ETag");
-      }
-      document.body.toggleAttribute("data-lost", false);
-    } catch {
-      document.body.toggleAttribute("data-lost", true);
-    }
-    await new Promise((resolve) => setTimeout(resolve, 250));
-  }
-}
-
-/** Colours as chosen; for paper always light ones. */
-const theme = document.getElementById("theme");
-theme.addEventListener("change", () => { document.documentElement.dataset.theme = theme.value; redraw(); });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
-document.getElementById("print").addEventListener("click", () => window.print());
+root.getElementById("print").addEventListener("click", () => window.print());
 matchMedia("print").addEventListener("change", redraw);
 window.addEventListener("beforeprint", redraw);
 window.addEventListener("afterprint", redraw);
 window.addEventListener("resize", redraw);
 
 start();
-if (document.body.hasAttribute("data-watched")) watch();

@@ -1,0 +1,160 @@
+//! `abbe report`: the page in one file, read only and with its engine.
+
+use crate::driver::Browser;
+use crate::watch::wait;
+use crate::workbench::Bench;
+use crate::{Folder, abbe, kept, report};
+use std::path::{Path, PathBuf};
+
+/// Folder in which `web/engine/build` leaves the engines.
+fn engines() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("target/engine")
+}
+
+/// Checks that the engines are there.
+pub fn available() -> Result<(), String> {
+    let missing = ["plain", "relaxed"].map(|variant| engines().join(format!("engine-{variant}.wasm.gz")));
+    match missing.iter().find(|file| !file.exists()) {
+        Some(file) => Err(format!("there is no {}: run web/engine/build", file.display())),
+        None => Ok(()),
+    }
+}
+
+/// Lays the program out as a package does, and writes a report with it.
+fn packaged(folder: &Folder, variants: &[&str], arguments: &[&str]) -> PathBuf {
+    for name in ["bin", "share/abbe"] {
+        std::fs::create_dir_all(folder.0.join(name)).unwrap();
+    }
+    let program = folder.0.join("bin/abbe");
+    let _ = std::fs::copy(abbe().get_program(), &program).unwrap();
+    for name in variants.iter().map(|variant| format!("engine-{variant}.wasm.gz")) {
+        let _ = std::fs::copy(engines().join(&name), folder.0.join("share/abbe").join(&name)).unwrap();
+    }
+    let page = folder.0.join("page.html");
+    let output = std::process::Command::new(program)
+        .current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("configs"))
+        .args([&["report"], arguments, &["--quiet", "--out"]].concat())
+        .arg(&page)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    page
+}
+
+fn note(browser: &Browser) -> String {
+    browser.run("return document.getElementById('note').textContent;").as_str().unwrap().to_owned()
+}
+
+/// Opens every panel and returns their text.
+fn panels(bench: &Bench, names: &[&str]) -> String {
+    let mut text = String::new();
+    for name in names {
+        bench.click(&format!("tab-{name}"));
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        text +=
+            bench.browser.run(&format!("return document.getElementById('panel-{name}').innerText;")).as_str().unwrap();
+    }
+    text
+}
+
+/// Without an engine every figure is there that the page leads to, and nothing can be changed.
+pub fn read_only() {
+    let folder = Folder::new("mailed");
+    let work = folder.0.join("work.csv");
+    std::fs::write(&work, "X,Y,Z,I,J,K,feature\n0,0,20,0,0,1,top\n40,10,20,0,0,1,top\n10,0,20,0,0.5,0.8660254,side\n")
+        .unwrap();
+    let arguments = ["trunnion.yaml", "--target", "grid-csv", "--tool-poses", work.to_str().unwrap()];
+    let page = report(&folder.0, "page.html", &arguments);
+    let bench = Bench::mailed("mailed-only", &page, "trunnion.yaml");
+    bench.agrees_at(300, &[]);
+    assert!(note(&bench.browser).contains("read only"), "{}", note(&bench.browser));
+    let text = panels(&bench, &["errors", "part", "control", "acceptance"]);
+    assert!(!text.contains("holds no answer"), "{text}");
+    for words in ["3 of 3", "corrected", "bidirectional circular deviation"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    let worst = bench.command("map", &["--random", "300"])["position_um"]["max"].as_f64().unwrap();
+    bench.click("worst");
+    wait(
+        &bench.browser,
+        &format!(
+            "const at = document.querySelector('[data-at=here]'); return at && Math.abs(at.dataset.value - {worst}) < 1e-9;"
+        ),
+    );
+    bench.at_error("EY0C");
+    bench.types("77");
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    bench.agrees_at(300, &[]);
+    assert!(
+        !bench.browser.run("return document.querySelector('.cm-content').innerText;").as_str().unwrap().contains("77")
+    );
+    assert_eq!(bench.browser.run("return document.getElementById('save');"), serde_json::Value::Null);
+    bench.quiet();
+}
+
+/// With an engine the page answers by itself what the command line answers, on 50 random edits.
+pub fn edits() {
+    let folder = Folder::new("mailed-engine");
+    let page = packaged(&folder, &["plain", "relaxed"], &["trunnion.yaml", "--poses", "200"]);
+    let size = std::fs::metadata(&page).unwrap().len();
+    println!("  the page has {size} bytes");
+    assert!(size < 5_000_000, "{size} bytes");
+    let bench = Bench::mailed("mailed-edits", &page, "trunnion.yaml");
+    let paint =
+        "return performance.getEntriesByType('paint').map((of) => `${of.name} ${Math.round(of.startTime)} ms`);";
+    println!("  {}", bench.browser.run(paint));
+    let mut text = bench.on_disk();
+    let mut state = 7_u64;
+    let mut next = |below: u64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) % below
+    };
+    let names = ["EA0Z", "EB0Z", "EC0Y", "EX0A", "EY0C", "EB0A", "EC0A", "EA0C", "EB0C"];
+    let names: Vec<&str> = names.into_iter().filter(|name| text.contains(&format!("  {name}: "))).collect();
+    assert!(names.len() > 4, "{names:?}");
+    for _ in 0..50 {
+        let error = names[usize::try_from(next(names.len() as u64)).unwrap()];
+        let (before, rest) = text.split_once(&format!("  {error}: ")).unwrap();
+        let (digits, after) = rest.split_once(" u").unwrap();
+        let value = format!("{}.{}", next(60), next(10));
+        bench.at_error(error);
+        bench.browser.press(&vec!["\u{e017}"; digits.len()]);
+        bench.types(&value);
+        text = format!("{before}  {error}: {value} u{after}");
+        std::fs::write(&bench.file, &text).unwrap();
+        bench.settled();
+        bench.agrees_at(200, &[]);
+    }
+    assert!(note(&bench.browser).ends_with("relaxed SIMD"), "{}", note(&bench.browser));
+    bench.click("save");
+    bench.quiet();
+}
+
+/// An engine that answers otherwise, or does not run, is not used, and the page says so.
+pub fn refused() {
+    let folder = Folder::new("mailed-refused");
+    let page = packaged(&folder, &["plain"], &["trunnion.yaml", "--poses", "100"]);
+    let text = std::fs::read_to_string(&page).unwrap();
+    // A component of the deviation at the zero pose, as the program computed it.
+    const KNOWN: &str = "\"eval\":{\"poses\":";
+    let (before, after) = text.split_once(KNOWN).unwrap();
+    let (head, deviation) = after.split_once("\"deviation\":[").unwrap();
+    let (_, others) = deviation.split_once(',').unwrap();
+    std::fs::write(&page, format!("{before}{KNOWN}{head}\"deviation\":[1.0,{others}")).unwrap();
+    let bench = Bench::mailed("mailed-refused", &page, "trunnion.yaml");
+    bench.at_error("EY0C");
+    bench.types("1");
+    wait(&bench.browser, "return document.getElementById('note').textContent.includes('answers otherwise');");
+    wait(&bench.browser, "return !document.getElementById('problem').hidden;");
+}
+
+/// The report on paper: a page for the machine, then appendices.
+pub fn screenshots() {
+    let folder = Folder::new("mailed-screens");
+    let page = report(&folder.0, "page.html", &["trunnion.yaml", "--target", "linuxcnc"]);
+    let bench = Bench::mailed("mailed-shot", &page, "trunnion.yaml");
+    bench.browser.screenshot(&kept().join("mailed.png"), false);
+    bench.browser.screenshot(&kept().join("mailed-whole.png"), true);
+    let wide = bench.browser.run("return document.documentElement.scrollWidth <= innerWidth;");
+    assert_eq!(wide, true, "the page is cut");
+}

@@ -1,0 +1,49 @@
+/** The library in a worker, with files in memory. */
+
+import type { FromWorker, ToWorker } from "./worker";
+import type { Evaluator, Reply, Request } from "./types";
+import EngineWorker from "./worker?worker&inline";
+
+type Waiting = { resolve: (reply: Reply) => void; reject: (failure: Error) => void };
+
+export class Hosted implements Evaluator {
+  private readonly waiting = new Map<number, Waiting>();
+  private worker: Worker;
+  private last = 0;
+
+  constructor(
+    private readonly module: WebAssembly.Module,
+    private readonly files: Record<string, string>,
+  ) {
+    this.worker = this.started();
+  }
+
+  ask(request: Request): Promise<Reply> {
+    const id = ++this.last;
+    this.send({ id, request: JSON.stringify(request) });
+    return new Promise((resolve, reject) => this.waiting.set(id, { resolve, reject }));
+  }
+
+  private send(message: ToWorker): void {
+    this.worker.postMessage(message);
+  }
+
+  private started(): Worker {
+    const worker = new EngineWorker();
+    worker.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
+    worker.postMessage({ module: this.module, files: Object.entries(this.files) } satisfies ToWorker);
+    return worker;
+  }
+
+  private receive(message: FromWorker): void {
+    const waiting = this.waiting.get(message.id);
+    this.waiting.delete(message.id);
+    if ("reply" in message) return waiting?.resolve(JSON.parse(message.reply) as Reply);
+    waiting?.reject(new Error(`the engine stopped (${message.failure}); it was started anew`));
+    // A trap leaves the engine's memory as it was in the middle of a call.
+    this.worker.terminate();
+    this.waiting.forEach((other) => other.reject(new Error("the engine was started anew")));
+    this.waiting.clear();
+    this.worker = this.started();
+  }
+}

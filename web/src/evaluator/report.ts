@@ -1,0 +1,160 @@
+/**
+ * A report in one file: its machines with the answers that the program gave when it wrote the page. What is asked
+ * beyond these is answered by the engine in the page, if it has one.
+ */
+
+import { Hosted } from "./hosted";
+import type { Evaluated, Evaluator, OpenFile, Question, Reply, Request, Settings, Store } from "./types";
+import { type Variant, variants } from "./variants";
+import { save as download } from "../ui/download";
+
+/** A machine of the report. */
+interface ReportMachine {
+  machine: string;
+  tool: string | null;
+  text: string;
+  known: { question: Question; answer: unknown }[];
+  eval: { poses: number[][]; answer: Evaluated | undefined };
+}
+
+/** What the program put into the page. */
+export interface ReportStart {
+  abbe: string;
+  settings: Settings;
+  files: Record<string, string>;
+  machines: ReportMachine[];
+  place: { work: string | null; target: string | null };
+}
+
+/** Why a question has no answer. */
+const NONE = "This page holds no answer to that, and no engine to compute it: open the file with `abbe workbench`.";
+
+export class Report implements Evaluator, Store {
+  readonly verb = "Download";
+  readonly isReadOnly: boolean;
+  readonly choices: string[];
+  /** Says whether the page answers by itself. */
+  note: string;
+  private engine: Promise<Hosted | null> | null = null;
+
+  constructor(
+    private readonly start: ReportStart,
+    public chosen: string,
+    private readonly told: (note: string) => void,
+  ) {
+    this.choices = start.machines.map(({ machine }) => machine);
+    if (!this.choices.includes(chosen)) this.chosen = this.choices[0] ?? "";
+    this.isReadOnly = !/'wasm-unsafe-eval'/.test(policy());
+    this.note = this.isReadOnly
+      ? `State as written by abbe ${start.abbe}, read only: no engine in the page`
+      : "Answers what-ifs by itself";
+  }
+
+  get settings(): Settings {
+    return this.start.settings;
+  }
+
+  /** Name of the tool that the report is about; empty for the first. */
+  get tool(): string {
+    return this.machine?.tool ?? "";
+  }
+
+  open(): Promise<OpenFile> {
+    return Promise.resolve({ machine: this.chosen, text: this.machine?.text ?? "" });
+  }
+
+  save(text: string): Promise<void> {
+    download(this.chosen.split(/[/\\]/).pop() ?? "machine.yaml", new Blob([text], { type: "application/yaml" }));
+    return Promise.resolve();
+  }
+
+  async ask(request: Request): Promise<Reply> {
+    const known = this.known(request);
+    if (known && known.every((answer) => answer !== undefined)) return { diagnostics: [], answers: known };
+    this.engine ??= this.load();
+    const engine = await this.engine;
+    if (engine) return engine.ask(request);
+    if (!known) throw new Error(NONE);
+    return { diagnostics: [], answers: known.map((answer) => answer ?? refusal()) };
+  }
+
+  private get machine(): ReportMachine | undefined {
+    return this.start.machines.find(({ machine }) => machine === this.chosen);
+  }
+
+  /** Answers that the page holds, `undefined` for others; none at all if the request is about another text. */
+  private known(request: Request): unknown[] | null {
+    const machine = this.start.machines.find((of) => of.machine === request.machine);
+    const own = { ...this.start.files, [request.machine]: machine?.text };
+    const isOwn = Object.entries(request.texts).every(([name, text]) => own[name] === text);
+    if (!machine || !isOwn || (request.tool ?? machine.tool) !== machine.tool) return null;
+    return request.questions.map((question) => answer(machine, question));
+  }
+
+  /** Unpacks the engine and compares its answers with those of the program. */
+  private async load(): Promise<Hosted | null> {
+    if (this.isReadOnly) return null;
+    for (const variant of variants()) {
+      const packed = document.getElementById(`engine-${variant}`)?.textContent;
+      const engine = packed ? await this.started(packed).catch(() => null) : null;
+      if (engine) return this.tell(variant, engine);
+    }
+    this.told("The engine in the page does not run here, or answers otherwise than the program");
+    return null;
+  }
+
+  private tell(variant: Variant, engine: Hosted): Hosted {
+    const how = variant === "relaxed" ? "relaxed SIMD" : "plain WebAssembly";
+    this.told(`${this.note}: abbe ${this.start.abbe}, ${how}`);
+    return engine;
+  }
+
+  private async started(packed: string): Promise<Hosted | null> {
+    const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    const module = await WebAssembly.compile(await new Response(stream).arrayBuffer());
+    const engine = new Hosted(module, this.start.files);
+    return (await this.agrees(engine)) ? engine : null;
+  }
+
+  /** Compares the deviations at the poses that the program computed, character by character. */
+  private async agrees(engine: Hosted): Promise<boolean> {
+    const [machine] = this.start.machines;
+    if (!machine?.eval.answer) return true;
+    const { machine: name, tool, eval: known } = machine;
+    const questions: Question[] = [{ eval: { poses: known.poses } }];
+    const reply = await engine.ask({ machine: name, texts: {}, questions, ...(tool === null ? {} : { tool }) });
+    const poses = (of: unknown) => JSON.stringify((of as Evaluated | undefined)?.poses);
+    return poses(reply.answers[0]) === poses(known.answer);
+  }
+}
+
+/** The content security policy of the page: it says whether there is an engine before the engine is read. */
+function policy(): string {
+  return document.querySelector("meta[http-equiv='Content-Security-Policy']")?.getAttribute("content") ?? "";
+}
+
+function answer(machine: ReportMachine, question: Question): unknown {
+  if (typeof question === "object" && "eval" in question) return evaluated(machine, question.eval.poses);
+  const key = canonical(question);
+  return machine.known.find((of) => canonical(of.question) === key)?.answer;
+}
+
+function evaluated({ eval: { poses, answer: known } }: ReportMachine, asked: number[][]): unknown {
+  const keys = poses.map((pose) => JSON.stringify(pose));
+  const found = asked.map((pose) => known?.poses?.[keys.indexOf(JSON.stringify(pose))]);
+  return found.every((pose) => pose) ? { ...known, poses: found } : undefined;
+}
+
+/** JSON with sorted keys. */
+function canonical(value: unknown): string {
+  return JSON.stringify(value, (_, of: unknown) =>
+    of && typeof of === "object" && !Array.isArray(of)
+      ? Object.fromEntries(Object.entries(of).sort(([a], [b]) => (a < b ? -1 : 1)))
+      : of,
+  );
+}
+
+function refusal(): unknown {
+  return { refused: true, diagnostics: [{ code: "", severity: "refusal", message: NONE, help: null, places: [] }] };
+}
