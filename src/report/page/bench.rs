@@ -121,7 +121,8 @@ mod tests {
     fn webassembly_runs_only_in_a_page_with_an_engine() {
         let page = |engines| BenchPage { engines, nonce: "n", ..BenchPage::default() }.html();
         let engine = EngineFile { variant: "plain".to_owned(), gzip: vec![1, 2, 3] };
-        assert!(!page(&[]).contains("'wasm-unsafe-eval'"));
+        let policy = |engines| BenchPage { engines, nonce: "n", ..BenchPage::default() }.policy();
+        assert!(!policy(&[]).contains("wasm") && page(&[]).contains(&policy(&[])));
         let with = page(std::slice::from_ref(&engine));
         assert!(with.contains("'wasm-unsafe-eval'; worker-src blob:") && with.contains("id=\"engine-plain\">AQID<"));
         assert!(with.contains("connect-src 'none'"));
