@@ -170,9 +170,12 @@ class Workbench {
     let seen = 0;
     for (;;) {
       await new Promise((resolve) => setTimeout(resolve, LOOK));
+      const before = this.session.kept;
       const found = await this.store.follow?.().catch(() => null);
       if (!found) continue;
-      if (found.text !== null && found.text !== this.session.kept) this.takeOver(found.text);
+      // An answer from before the file was saved here says nothing of it.
+      const isNews = found.text !== before && this.session.kept === before;
+      if (found.text !== null && isNews) this.takeOver(found.text);
       if (found.changes !== seen) this.session.refresh();
       seen = found.changes;
     }
