@@ -31,6 +31,33 @@ fn repository(folder: &Path) -> String {
     git(folder, &["rev-parse", "HEAD"])
 }
 
+/// `Cargo.toml` has the version. What repeats it agrees, behind these words.
+#[test]
+fn the_version_is_one_number() {
+    let version = env!("CARGO_PKG_VERSION");
+    for (file, words) in [
+        ("python/Cargo.toml", "\nversion = \""),
+        ("docs/repository.md", "rev: v"),
+        ("docs/repository.md", "--tag v"),
+        ("docs/adding-a-target.md", "written by abbe "),
+        ("docs/cluster.md", "abbe-dask:"),
+        ("docs/formats.md", "\"abbe\": \""),
+    ] {
+        let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
+        let digits = |rest: &str| rest.chars().take_while(|c| c.is_ascii_digit() || *c == '.').collect::<String>();
+        let found: Vec<String> = text.split(words).skip(1).map(digits).filter(|found| found.contains('.')).collect();
+        assert!(!found.is_empty(), "{file} has no version behind {words:?}");
+        assert!(found.iter().all(|found| found.trim_end_matches('.') == version), "{file} has {found:?}");
+    }
+    let changes = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("CHANGELOG.md")).unwrap();
+    let first = changes.lines().find_map(|line| line.strip_prefix("## ")).unwrap();
+    assert_eq!(first.split_whitespace().next(), Some(version), "the first section of CHANGELOG.md");
+    for own in ["fuzz/Cargo.toml", "web/engine/Cargo.toml"] {
+        let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(own)).unwrap();
+        assert!(!text.contains("\nversion ="), "{own} is not released and needs no version");
+    }
+}
+
 #[test]
 fn a_checkout_has_its_commit_and_whether_it_was_modified() {
     let folder = Folder::new();
