@@ -86,6 +86,7 @@ fn questions(options: &ReportOptions, settings: &Value) -> Vec<Value> {
     let mut questions = vec![
         json!("show"),
         json!("words"),
+        json!("numbers"),
         of("map", json!({"poses": {"random": poses}, "worst": worst, "samples": samples})),
         of("sources", json!({"poses": poses.min(SourcesOptions::MAX_POSES)})),
         of("budget", json!({"samples": samples})),
@@ -133,7 +134,7 @@ mod tests {
         let start = report.value.start();
         let known = start["machines"][0]["known"].as_array().unwrap();
         assert!(
-            known.len() == 11
+            known.len() == 12
                 && known.iter().all(|of| of["answer"]["refused"].is_null() || of["question"]["budget"].is_object())
         );
         let map = &known.iter().find(|of| of["question"]["map"].is_object()).unwrap();

@@ -545,8 +545,11 @@ fn the_report_shows_the_bounds_and_no_zeros() {
         let truth = effects(&pose).iter().map(|effect| length(effect[0]).powi(2)).sum::<f64>().sqrt() * 1e3;
         assert!((number(&nodes[node]) - truth).abs() < 1.0, "{} {truth}", nodes[node]);
     }
+    // What the workbench starts with has answers of `eval` and `instrument`, with their warnings.
+    let (head, start) = page.split_once("id=\"start\">").unwrap();
+    let report = head.to_owned() + start.split_once("</script>").unwrap().1;
     for words in ["gives no component errors", "gives no error a value", "count as 0"] {
-        assert!(!page.contains(words), "{words}");
+        assert!(!report.contains(words), "{words}");
     }
     assert!(page.contains("From bounds, nothing is measured") && page.contains("No component error is measured"));
     // The class bounds every location error that the chain needs.

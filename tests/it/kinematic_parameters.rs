@@ -321,11 +321,11 @@ fn every_tool_of_the_file_is_certified() {
         .collect();
     let both = |tool, longer| [(tool, longer, "rotary axes"), (tool, longer, "vector")];
     assert_eq!(ways, [both("short", 0.0), both("long", 0.0), both("short", 100.0)].concat());
+    let shown = Run::of(abbe().arg("verify").arg(&machine).arg(&out).args(["--poses", "20"]));
+    assert!(shown.out.contains("| long ") && shown.out.contains("| short, 100 mm longer "), "{}", shown.out);
     // What is left of the long tool is what a file with that tool alone has.
     let (_, _, alone) = compiled(&folder, &single.replace("length: 120 mm", "length: 310 mm"), "fanuc-5axis");
     assert_eq!(json["programming"][2]["compensated"], alone["programming"][0]["compensated"]);
-    let shown = Run::of(abbe().arg("verify").arg(&machine).arg(&out).args(["--poses", "20"]));
-    assert!(shown.out.contains("| long ") && shown.out.contains("| short, 100 mm longer "), "{}", shown.out);
 }
 
 /// Location errors of carried bodies move the zero pose too. The lines are those of the motion all the same, in the
@@ -633,19 +633,25 @@ fn other_machines_and_memory_are_refused() {
 fn numbers_beyond_the_controllers_are_refused() {
     let folder = Folder::new();
     let (machine, out, _) = compiled(&folder, &table_table(OF_TABLES), "fanuc-5axis");
-    let own = folder.path("targets/fanuc-5axis");
+    let own = folder.path("targets/narrow");
     std::fs::create_dir_all(&own).unwrap();
     for entry in std::fs::read_dir("templates/fanuc-5axis").unwrap().map(Result::unwrap) {
         let text = std::fs::read_to_string(entry.path()).unwrap();
-        std::fs::write(own.join(entry.file_name()), text.replace("max_offset_mm: 999999.999", "max_offset_mm: 300"))
-            .unwrap();
+        let narrow = text
+            .replace("target: fanuc-5axis", "target: narrow")
+            .replace("max_offset_mm: 999999.999", "max_offset_mm: 300");
+        std::fs::write(own.join(entry.file_name()), narrow).unwrap();
     }
     let templates = ["--templates", folder.path("targets").to_str().unwrap()].map(str::to_owned);
     let templates = templates.each_ref().map(String::as_str);
     // 19702 is -379.983.
-    let again = compile(&machine, "fanuc-5axis", &folder.path("again"), &[&ACCEPT[..], &templates].concat());
+    let again = compile(&machine, "narrow", &folder.path("again"), &[&ACCEPT[..], &templates].concat());
     again.refused("E0751").says("`19702` is -379.983 mm, above the controller's limit of 300 mm");
-    let _ = verify(&machine, &out, &[&["--poses", "20"][..], &templates].concat()).refused("E0704").says("`19702`");
+    let file = out.join("TCP.PRM");
+    let written = std::fs::read_to_string(&file).unwrap();
+    assert_eq!(written.matches("-379.983").count(), 1, "{written}");
+    std::fs::write(&file, written.replace("-379.983", "-1379983.0")).unwrap();
+    let _ = verify(&machine, &out, &["--poses", "20"]).refused("E0704").says("`19702`");
 }
 
 #[test]
