@@ -137,7 +137,7 @@ def test_report_and_texts(tmp_path: Path) -> None:
     machine = abbe.load(VMC)
     found = machine.report(poses=100)
     found.save(tmp_path / "report.html")
-    assert (tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    assert (tmp_path / "report.html").read_text(encoding="utf-8").startswith("<!doctype html>")
     assert "documentclass" in machine.equations(order=1).latex
     converted = machine.convert("carried_body")
     assert "location: carried_body" in converted.machine_file

@@ -80,9 +80,9 @@ fn programming(
     let alike =
         |tool: &&Tool| tool.name != in_use.name && (tool.gauge, tool.direction) == (in_use.gauge, in_use.direction);
     let others = machine.tools().iter().filter(alike).filter_map(|tool| machine.with_tool(&tool.name));
-    let mut tools = vec![(machine.clone(), 0.0)];
-    tools.extend(others.map(|machine| (machine, 0.0)));
-    tools.push((machine.with_longer_tool(LONGER_TOOL_MM), LONGER_TOOL_MM));
+    let of_file = std::iter::once(machine.clone()).chain(others).map(|machine| (machine, 0.0));
+    let longer = (machine.with_longer_tool(LONGER_TOOL_MM), LONGER_TOOL_MM);
+    let tools: Vec<_> = of_file.chain([longer]).collect();
     let ways: Vec<_> = tools.iter().flat_map(|of| [(of, false), (of, true)]).collect();
     let judged = ways.into_par_iter().map(|((machine, longer_mm), vectors)| {
         let module = KinematicsModule::KinematicParameters(own.clone().programmed(vectors));
