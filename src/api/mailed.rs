@@ -1,4 +1,4 @@
-//! What the workbench of a report starts with: the files, the questions that the page asks, and their answers.
+//! Collects the start of a report's workbench: the files, the questions that the page asks, and their answers.
 //!
 //! The page looks a question up here by its content; what is not here it asks its engine, if it has one.
 
@@ -72,7 +72,7 @@ fn asked(file: &MachineFile, options: &ReportOptions, settings: &Value, files: &
         "eval": {"poses": poses, "answer": deviations}})
 }
 
-/// What the page asks when it is opened, and what its panels ask.
+/// Returns the questions of the page when it is opened, and those of its panels.
 fn questions(options: &ReportOptions, settings: &Value) -> Vec<Value> {
     let of = |key: &str, own: Value| {
         let mut all = settings[key].clone();

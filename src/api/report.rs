@@ -9,6 +9,7 @@ use super::features::{bounded_features, features};
 use super::finite;
 use super::machine_file::{MachineFile, sources_of};
 use super::mailed;
+use super::map::MapOptions;
 use super::order_of;
 use super::run::{Answer, Call, Count, Refused, Run};
 use super::sources::all_words;
@@ -94,7 +95,7 @@ impl Report {
         page.html().map_err(|why| Diagnostic::new(codes::E0632, format!("the page cannot be rendered: {why}")))
     }
 
-    /// What the workbench of the page starts with.
+    /// Returns the start of the page's workbench.
     #[cfg(test)]
     pub(super) fn start(&self) -> &Value {
         &self.start
@@ -128,9 +129,6 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
     Ok(report)
 }
 
-/// Number of the worst poses at which intervals are followed, as `map` does by default.
-const WORST: usize = 5;
-
 /// Content of the page for a machine.
 fn drawn(
     number: usize,
@@ -146,7 +144,8 @@ fn drawn(
     }
     let (bare, poses) = (Bare { machine: given.machine, order: given.order }, given.sample());
     let map = map(&bare, &poses, view, advance)?;
-    let besides = worst(&map.deviations, WORST);
+    // As `map` does by default.
+    let besides = worst(&map.deviations, MapOptions::default().worst);
     let intervals = field_bands(&bare, &poses, (map.statistics, &besides), given.approach, given.poses.1);
     let data = MachineData::new(number, given, &map).with_uncertainty(given, json!(intervals));
     let pictures = Pictures::new(given, &data);
@@ -158,7 +157,7 @@ struct Subject<'a> {
     file: &'a MachineFile,
     written: Vec<TargetResult>,
     warnings: Vec<String>,
-    /// What each error is, in words by its name.
+    /// Each error in words, by its name.
     words: Value,
     instruments: Instruments,
     budget: Option<BudgetResult>,

@@ -72,7 +72,7 @@ struct Bench {
     page: String,
     /// Held while the file is compared and replaced.
     saving: Mutex<()>,
-    /// What answers were computed from.
+    /// Sources of the answers.
     inputs: Mutex<Inputs>,
 }
 

@@ -79,7 +79,7 @@ struct PointPoses {
     has_names: bool,
 }
 
-/// What readings say of their frame and poses beside their own columns.
+/// Frame and poses of readings, which their own columns do not state.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadingContext {
     /// Frame of deviations.

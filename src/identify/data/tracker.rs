@@ -45,7 +45,7 @@ pub(super) struct PointColumns {
     name: usize,
     groups: Vec<usize>,
     coordinates: [usize; 3],
-    /// Of the coordinates, to mm.
+    /// Factor of the coordinates, to mm.
     factors: [f64; 3],
     /// Number of cells; `None` without a header.
     width: Option<usize>,
@@ -187,7 +187,7 @@ impl PointColumns {
 /// The frame of an instrument in the workpiece frame: the best fit of the nominal points to the measured ones.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct InstrumentFrame {
-    /// From the workpiece frame to that of the instrument.
+    /// Rotation from the workpiece frame to that of the instrument.
     rotation: Matrix3<f64>,
     /// Mean of the nominal points, workpiece frame.
     pub about: Vector3<f64>,

@@ -33,7 +33,7 @@ pub struct MachineInput<'a> {
     pub bounds_add: &'a Value,
     /// Uncertainties that all readings of its fit shared (type B), in words.
     pub type_b: &'a [String],
-    /// What each error is, in words by its name.
+    /// Each error in words, by its name.
     pub words: &'a Value,
     /// Warnings, each as a line.
     pub warnings: &'a [String],
