@@ -94,7 +94,8 @@ impl CertificateReport {
             .map(|way| {
                 json!({"tool_direction": if way.vectors { "vector" } else { "rotary axes" }, "tool": way.tool,
                     "longer_mm": way.longer_mm,
-                    "uncompensated": summary(&way.uncompensated), "compensated": summary(&way.compensated)})
+                    "uncompensated": summary(&way.uncompensated), "compensated": summary(&way.compensated),
+                    "at_poles": way.at_poles, "away_from_poles": way.away_from_poles.as_ref().map(&summary)})
             })
             .collect();
         if let (false, Some(contract)) = (programming.is_empty(), contract.as_object_mut()) {

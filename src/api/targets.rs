@@ -25,6 +25,8 @@ pub struct TargetSummary {
     pub syntax: TargetCertainty,
     /// Certainty of the sign.
     pub sign: TargetCertainty,
+    /// The frame of kinematic parameters, and its certainty; `None` of tables.
+    pub frame: Option<TargetCertainty>,
 }
 
 /// Certainty of a fact, with its source.
@@ -68,6 +70,7 @@ impl TargetSummary {
             sign_test: m.sign_test.trim().to_owned(),
             syntax: TargetCertainty::of(&m.certainty.syntax),
             sign: TargetCertainty::of(&m.certainty.sign),
+            frame: m.certainty.frame.as_ref().map(TargetCertainty::of),
         }
     }
 
@@ -78,6 +81,9 @@ impl TargetSummary {
         text.push_str(&format!("  limits: {}\n", self.limits));
         text.push_str(&format!("  syntax: {} ({})\n", self.syntax.level, self.syntax.source));
         text.push_str(&format!("  sign: {} ({})\n", self.sign.level, self.sign.source));
+        if let Some(frame) = &self.frame {
+            text.push_str(&format!("  frame: {} ({})\n", frame.level, frame.source));
+        }
         text.push_str(&format!("  sign test: {}\n", self.sign_test));
         text
     }

@@ -244,8 +244,10 @@ fn traori_knows_the_real_machine() {
             assert!(number(way, "/compensated/position_um/max") < 0.01, "{kind}: {way}");
             let (before, after) =
                 (number(way, "/uncompensated/tool_axis_urad/p95"), number(way, "/compensated/tool_axis_urad/p95"));
+            let with = if way["away_from_poles"].is_null() { "compensated" } else { "away_from_poles" };
+            let most = number(way, &format!("/{with}/tool_axis_urad/max"));
             match way["tool_direction"].as_str() {
-                Some("vector") => assert!(before > 30.0 && after < 0.01, "{kind}: {way}"),
+                Some("vector") => assert!(before > 30.0 && most < 0.01, "{kind}: {way}"),
                 _ => assert!((before - after).abs() < 1e-6, "{kind}: {way}"),
             }
         }
@@ -253,6 +255,37 @@ fn traori_knows_the_real_machine() {
         let again = verify(&machine, &out, &["--poses", "300"]).json();
         assert_eq!(again["programming"], json["programming"]);
     }
+}
+
+/// A tilt t of the line of C about Y tilts the tool by t (1 - cos C) about Y of the table A, for which C has to turn by
+/// t (1 - cos C) / tan(A). It stays where that is more than 5 deg.
+#[test]
+fn poles_are_counted_and_judged_apart() {
+    let folder = Folder::new();
+    let text = table_table("  EB0C: 1000 urad\n").replace("[-120 deg, 30 deg]", "[-10 deg, 10 deg]");
+    let machine = folder.write("machine.yaml", &text);
+    let out = folder.path("out");
+    let json = compile(&machine, "sinumerik-chain", &out, &["--accept-unverified", "--poses", "2000"]).json();
+    let zone = |c: f64| (1e-3 * (1.0 - c.to_radians().cos()) / 5_f64.to_radians().tan()).atan().to_degrees() / 10.0;
+    let share = (0..360).map(|c| zone(f64::from(c))).sum::<f64>() / 360.0;
+    for way in json["programming"].as_array().unwrap() {
+        if way["tool_direction"] != "vector" {
+            assert!(way["at_poles"] == 0 && way["away_from_poles"].is_null(), "{way}");
+            continue;
+        }
+        // Four standard deviations of a random sample.
+        let expected = 2000.0 * share;
+        assert!((number(way, "/at_poles") - expected).abs() < 4.0 * (expected * (1.0 - share)).sqrt(), "{way}");
+        assert!((1900.0..2001.0).contains(&number(way, "/compensated/tool_axis_urad/max")), "{way}");
+        assert!(number(way, "/away_from_poles/tool_axis_urad/max") < 0.01, "{way}");
+    }
+    let shown = Run::of(abbe().arg("verify").arg(&machine).arg(&out).args(["--poses", "500"]));
+    let said =
+        ["|   away from poles | of the file ", " of 500 poses are at a pole: the tool stands along a rotary axis"];
+    assert!(said.iter().all(|said| shown.out.contains(said)), "{}", shown.out);
+    let close = table_table("  EB0C: 2 urad\n").replace("[-120 deg, 30 deg]", "[5 deg, 10 deg]");
+    let (_, _, json) = compiled(&folder, &close, "sinumerik-chain");
+    assert!(json["programming"].as_array().unwrap().iter().all(|way| way["at_poles"] == 0), "{json}");
 }
 
 /// The spindle is straight: a swivel data record has no direction of the tool.

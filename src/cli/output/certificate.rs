@@ -139,11 +139,31 @@ impl CertificateView<'_> {
                 (name, true) => format!("{name}, {} mm longer", way.longer_mm),
                 (name, false) => name.to_owned(),
             };
-            let (position, axis) = (way.compensated.all.position_um, way.compensated.tool_axis);
-            let cells = [position.max, position.p95, axis.max, axis.p95].map(|x| significant(x, 4));
-            let _ = table.add_row([programmed.to_owned(), tool].into_iter().chain(cells));
+            let _ = table.add_row(
+                [programmed.to_owned(), tool.clone()]
+                    .into_iter()
+                    .chain(cells(&way.compensated.all.position_um, &way.compensated.tool_axis)),
+            );
+            if let Some(away) = &way.away_from_poles {
+                let _ = table.add_row(
+                    ["  away from poles".to_owned(), tool]
+                        .into_iter()
+                        .chain(cells(&away.all.position_um, &away.tool_axis)),
+                );
+            }
         }
-        format!("Compensated, by what a block programs for the direction of the tool:\n{table}\n")
+        format!("Compensated, by what a block programs for the direction of the tool:\n{table}\n{}", self.poles())
+    }
+
+    /// Returns what the controller is taken to do at a pole, if any pose is at one.
+    fn poles(&self) -> String {
+        match self.report.certificate.programming.iter().map(|way| way.at_poles).max() {
+            None | Some(0) => String::new(),
+            Some(most) => format!(
+                "Up to {most} of {} poses are at a pole: the tool stands along a rotary axis, which the certificate keeps where it is programmed.\n",
+                self.report.certificate.poses
+            ),
+        }
     }
 
     /// Returns the errors that are not compensated fully: a list of forty others helps nobody.
@@ -266,4 +286,9 @@ fn word(degree: CompensationDegree) -> &'static str {
         CompensationDegree::Partly => "partly",
         CompensationDegree::No => "no",
     }
+}
+
+/// Position (um) and tool axis (urad), the largest and 95 % of each.
+fn cells(position: &Summary, axis: &Summary) -> [String; 4] {
+    [position.max, position.p95, axis.max, axis.p95].map(|x| significant(x, 4))
 }

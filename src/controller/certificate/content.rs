@@ -46,4 +46,8 @@ pub struct ProgrammingFigures {
     pub uncompensated: Figures,
     /// Figures with them.
     pub compensated: Figures,
+    /// The number of poses at a pole, where the controller keeps an axis.
+    pub at_poles: usize,
+    /// Figures with them without those poses; `None` if there are none, or no others.
+    pub away_from_poles: Option<Figures>,
 }

@@ -89,8 +89,19 @@ fn programming(
         let driven = set.tables.beside(machine, &module);
         let bare = Bare { machine, order: Order::Exact };
         let [uncompensated, compensated] = [&bare as &dyn Field, &driven].map(|field| figures(field, poses, approach));
+        let away: Vec<Pose> = poses.iter().filter(|pose| !driven.at_pole(pose)).cloned().collect();
+        let at_poles = poses.len() - away.len();
+        let away_from_poles = (at_poles > 0 && !away.is_empty()).then(|| figures(&driven, &away, approach));
         let tool = machine.tool().name.clone();
-        ProgrammingFigures { vectors, tool, longer_mm: *longer_mm, uncompensated, compensated }
+        ProgrammingFigures {
+            vectors,
+            tool,
+            longer_mm: *longer_mm,
+            uncompensated,
+            compensated,
+            at_poles,
+            away_from_poles,
+        }
     });
     judged.collect()
 }

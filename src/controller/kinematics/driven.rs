@@ -45,6 +45,13 @@ impl<'a> ModuleField<'a> {
         }
     }
 
+    /// True where the controller keeps a rotary axis at a pole, so that the tool lacks the programmed direction.
+    pub fn at_pole(&self, pose: &[f64]) -> bool {
+        self.carried.parameters().is_some_and(|parameters| {
+            parameters.transformation().at_pole(&programmed(self.machine, parameters.vectors, pose))
+        })
+    }
+
     /// Returns the commands of the motors, approached from one side; `None` if the module stops.
     fn sent(&self, pose: &[f64], approach: Approach) -> Option<Vec<f64>> {
         let command = self.command(pose)?;

@@ -88,6 +88,17 @@ impl Transformation {
         command
     }
 
+    /// True where an axis is kept because a tool direction needs a large turn of it or has no solution.
+    pub fn at_pole(&self, program: &ProgrammedTool) -> bool {
+        let lines: Vec<&RotaryLine> = self.table.iter().chain(&self.head).collect();
+        match (&program.vector, &lines[..]) {
+            (Some(vector), [outer, inner]) => {
+                self.two(outer, inner, vector, [program.axes[outer.axis], program.axes[inner.axis]]).is_none()
+            }
+            _ => false,
+        }
+    }
+
     /// The tip from the gauge point, rotary axes at 0: a tool stands along the controller's tool axis.
     fn tip(&self, program: &ProgrammedTool) -> Vector3<f64> {
         self.tilted(&program.tool, &program.nominal_axis)
@@ -108,16 +119,35 @@ impl Transformation {
             [only] => command[only.axis] = near(only.angle(&self.tool, vector), command[only.axis]),
             [outer, inner] => {
                 let programmed = [command[outer.axis], command[inner.axis]];
-                let [first, second] = self.two(outer, inner, vector, programmed);
+                let solution = self.two(outer, inner, vector, programmed);
+                let [first, second] = solution.unwrap_or_else(|| self.inner_alone(outer, inner, vector, programmed));
                 (command[outer.axis], command[inner.axis]) = (first, second);
             }
             _ => {}
         }
     }
 
-    /// Angles of two axes, deg. The direction between the two turns is on the cone of the outer axis through the
+    /// Angles (deg) with the outer axis where it is programmed, and the inner one as near to the vector as it comes.
+    fn inner_alone(
+        &self,
+        outer: &RotaryLine,
+        inner: &RotaryLine,
+        vector: &Vector3<f64>,
+        programmed: [f64; 2],
+    ) -> [f64; 2] {
+        let seen = outer.rotation(-programmed[0]) * vector;
+        [programmed[0], near(inner.angle(&self.tool, &seen), programmed[1])]
+    }
+
+    /// Angles of two axes, deg; `None` at a pole. The direction between the two turns is on the cone of the outer axis through the
     /// programmed vector and on that of the inner axis through the tool.
-    fn two(&self, outer: &RotaryLine, inner: &RotaryLine, vector: &Vector3<f64>, programmed: [f64; 2]) -> [f64; 2] {
+    fn two(
+        &self,
+        outer: &RotaryLine,
+        inner: &RotaryLine,
+        vector: &Vector3<f64>,
+        programmed: [f64; 2],
+    ) -> Option<[f64; 2]> {
         let (u, w) = (outer.direction, inner.direction);
         let cross = u.cross(&w);
         let cosine = u.dot(&w);
@@ -135,13 +165,7 @@ impl Transformation {
         let far = |angles: &[f64; 2]| (0..2).map(|i| (angles[i] - programmed[i]).abs()).fold(0.0, f64::max);
         let root = libm::sqrt(rest.max(0.0));
         let best = [solution(root), solution(-root)].into_iter().min_by(|a, b| far(a).total_cmp(&far(b)));
-        match best.filter(|angles| rest >= 0.0 && far(angles) <= MAX_TURN) {
-            Some(angles) => angles,
-            None => {
-                let seen = outer.rotation(-programmed[0]) * vector;
-                [programmed[0], near(inner.angle(&self.tool, &seen), programmed[1])]
-            }
-        }
+        best.filter(|angles| rest >= 0.0 && far(angles) <= MAX_TURN)
     }
 }
 

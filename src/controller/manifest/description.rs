@@ -43,6 +43,9 @@ pub struct CertaintyOf {
     pub syntax: Certainty,
     /// The certainty of the sign.
     pub sign: Certainty,
+    /// The frame in which numbers stand, with its certainty; stated by every target of kinematic parameters.
+    #[serde(default)]
+    pub frame: Option<Certainty>,
 }
 
 /// The certainty of a fact, and its source.
@@ -339,7 +342,8 @@ pub enum Index {
 impl Manifest {
     /// True if it rests on memory alone.
     pub fn unverified(&self) -> bool {
-        [&self.certainty.syntax, &self.certainty.sign].into_iter().any(|c| c.level == Level::Memory)
+        let stated = [&self.certainty.syntax, &self.certainty.sign].into_iter().chain(&self.certainty.frame);
+        stated.into_iter().any(|c| c.level == Level::Memory)
     }
 
     /// A line for the head of a file.

@@ -15,6 +15,7 @@ impl Manifest {
                 return decimals_fault(kinematics.increment)
                     .or_else(|| kinematics.fault())
                     .or_else(|| self.unfit_files(kinematics))
+                    .or_else(|| self.without_frame(kinematics))
                     .or_else(|| self.table_fault());
             }
             Some(_) => {
@@ -31,6 +32,14 @@ impl Manifest {
             None => {}
         }
         self.table_fault()
+    }
+
+    /// Parameters count from somewhere in some directions.
+    fn without_frame(&self, kinematics: &KinematicsMechanism) -> Option<String> {
+        let parameters = kinematics.carries == ModuleContent::KinematicParameters;
+        (parameters && self.certainty.frame.is_none()).then(|| {
+            "certainty: frame: kinematic parameters say from where and in which directions they count".to_owned()
+        })
     }
 
     fn table_fault(&self) -> Option<String> {

@@ -318,6 +318,7 @@ fn certificate(machine: &Machine, written: &TargetResult) -> Value {
         "target": manifest.target, "title": manifest.title, "expresses": manifest.expresses, "cannot": manifest.cannot,
         "syntax": {"level": manifest.certainty.syntax.level.word(), "source": manifest.certainty.syntax.source},
         "sign": {"level": manifest.certainty.sign.level.word(), "source": manifest.certainty.sign.source},
+        "frame": manifest.certainty.frame.as_ref().map(|c| json!({"level": c.level.word(), "source": c.source})),
         "poses": certificate.poses, "direction": certificate.approach,
         "uncompensated": figures(&certificate.uncompensated), "compensated": figures(&certificate.compensated),
         "errors": errors.iter().map(error).collect::<Vec<_>>(),
