@@ -661,7 +661,8 @@ fn other_machines_and_memory_are_refused() {
     assert!(!out.exists());
 }
 
-/// The manifest says what the controller takes: a limit below the machine's coordinates refuses them, read or written.
+/// The manifest says what the controller takes: a limit below the machine's coordinates refuses them, read or written;
+/// without a frame it says nothing.
 #[test]
 fn numbers_beyond_the_controllers_are_refused() {
     let folder = Folder::new();
@@ -680,6 +681,12 @@ fn numbers_beyond_the_controllers_are_refused() {
     // 19702 is -379.983.
     let again = compile(&machine, "narrow", &folder.path("again"), &[&ACCEPT[..], &templates].concat());
     again.refused("E0751").says("`19702` is -379.983 mm, above the controller's limit of 300 mm");
+    let manifest = std::fs::read_to_string(own.join("target.yaml")).unwrap();
+    let frameless: String =
+        manifest.lines().filter(|line| !line.contains("  frame: ")).map(|l| format!("{l}\n")).collect();
+    std::fs::write(own.join("target.yaml"), frameless).unwrap();
+    let again = compile(&machine, "narrow", &folder.path("again"), &[&ACCEPT[..], &templates].concat());
+    let _ = again.says("from where and in which directions they count");
     let file = out.join("TCP.PRM");
     let written = std::fs::read_to_string(&file).unwrap();
     assert_eq!(written.matches("-379.983").count(), 1, "{written}");

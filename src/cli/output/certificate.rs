@@ -160,7 +160,8 @@ impl CertificateView<'_> {
         match self.report.certificate.programming.iter().map(|way| way.at_poles).max() {
             None | Some(0) => String::new(),
             Some(most) => format!(
-                "Up to {most} of {} poses are at a pole: the tool stands along a rotary axis, which the certificate keeps where it is programmed.\n",
+                "{most} of {} poses are at a pole: the tool stands along a rotary axis, which the certificate keeps \
+                 where it is programmed.\n",
                 self.report.certificate.poses
             ),
         }

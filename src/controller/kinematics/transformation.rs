@@ -93,7 +93,7 @@ impl Transformation {
         let lines: Vec<&RotaryLine> = self.table.iter().chain(&self.head).collect();
         match (&program.vector, &lines[..]) {
             (Some(vector), [outer, inner]) => {
-                self.two(outer, inner, vector, [program.axes[outer.axis], program.axes[inner.axis]]).is_none()
+                self.two([outer, inner], vector, [program.axes[outer.axis], program.axes[inner.axis]]).is_none()
             }
             _ => false,
         }
@@ -119,8 +119,8 @@ impl Transformation {
             [only] => command[only.axis] = near(only.angle(&self.tool, vector), command[only.axis]),
             [outer, inner] => {
                 let programmed = [command[outer.axis], command[inner.axis]];
-                let solution = self.two(outer, inner, vector, programmed);
-                let [first, second] = solution.unwrap_or_else(|| self.inner_alone(outer, inner, vector, programmed));
+                let solution = self.two([outer, inner], vector, programmed);
+                let [first, second] = solution.unwrap_or_else(|| self.inner_alone([outer, inner], vector, programmed));
                 (command[outer.axis], command[inner.axis]) = (first, second);
             }
             _ => {}
@@ -128,26 +128,14 @@ impl Transformation {
     }
 
     /// Angles (deg) with the outer axis where it is programmed, and the inner one as near to the vector as it comes.
-    fn inner_alone(
-        &self,
-        outer: &RotaryLine,
-        inner: &RotaryLine,
-        vector: &Vector3<f64>,
-        programmed: [f64; 2],
-    ) -> [f64; 2] {
+    fn inner_alone(&self, [outer, inner]: [&RotaryLine; 2], vector: &Vector3<f64>, programmed: [f64; 2]) -> [f64; 2] {
         let seen = outer.rotation(-programmed[0]) * vector;
         [programmed[0], near(inner.angle(&self.tool, &seen), programmed[1])]
     }
 
     /// Angles of two axes, deg; `None` at a pole. The direction between the two turns is on the cone of the outer axis through the
     /// programmed vector and on that of the inner axis through the tool.
-    fn two(
-        &self,
-        outer: &RotaryLine,
-        inner: &RotaryLine,
-        vector: &Vector3<f64>,
-        programmed: [f64; 2],
-    ) -> Option<[f64; 2]> {
+    fn two(&self, [outer, inner]: [&RotaryLine; 2], vector: &Vector3<f64>, programmed: [f64; 2]) -> Option<[f64; 2]> {
         let (u, w) = (outer.direction, inner.direction);
         let cross = u.cross(&w);
         let cosine = u.dot(&w);
