@@ -1,14 +1,14 @@
 //! A single-axis measurement as an instrument exports it, to a table of error curves.
 
-use super::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayBoth, ReadAtTarget, contributors, printed};
+use super::positioning::{AccuracyUncertainties, DrawnRuns, MeasuredTarget, OneWayBoth, contributors, drawn_runs};
 use super::run::{Answer, Call, Refused, Run};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::identify::import::{self, Import, ImportRequest, ReferenceLine, Sample};
 use crate::machine::ErrorId;
-use crate::report::{Picture, RunCurves, RunPanel, RunPicture};
+use crate::report::{Picture, RunPanel};
 use crate::standards::{self, AccuracyFigures, Contributor, Thermal};
 use crate::syntax::ColumnDirection;
-use crate::units::{counted, significant};
+use crate::units::counted;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -215,34 +215,17 @@ impl ImportResult {
     /// Returns a picture of the runs: every reading, and for each direction the mean with its band of 2 s.
     pub fn picture(&self) -> Picture {
         let panels: Vec<RunPanel> = self.errors.iter().map(ImportedError::panel).collect();
-        let title = format!("Axis {}", self.axis);
         let subtitle = format!("{} of {}", counted(self.readings, "reading"), counted(self.errors.len(), "error"));
-        let rotary = self.errors.iter().any(|error| error.slope_unit.ends_with("/deg"));
-        let position = format!("{} in {}", self.axis, if rotary { "degrees" } else { "mm" });
-        RunPicture { title: &title, subtitle: &subtitle, position: &position, panels: &panels }.picture()
+        let slope_unit = self.errors.first().map(|error| error.slope_unit.as_str());
+        drawn_runs(&self.axis, &subtitle, slope_unit, &panels)
     }
 }
 
 impl ImportedError {
     fn panel(&self) -> RunPanel {
-        let figure = |name: &str, value: Option<f64>| {
-            value.map(|value| format!(", {name} {}", significant(value, 3))).unwrap_or_default()
-        };
-        let (e, b) = (figure("E", Some(self.systematic)), figure("B", self.reversal));
-        let (r, a) = (figure("R", self.repeatability), figure("A", self.accuracy));
-        let read = |of: fn(&MeasuredTarget) -> Option<ReadAtTarget>, way: Option<bool>| RunCurves {
-            means: self
-                .at_targets
-                .iter()
-                .filter_map(|target| of(target).map(|at| (target.position, at.mean, at.s.map(|s| 2.0 * s))))
-                .collect(),
-            readings: self.readings.iter().filter(|(.., from)| *from == way).map(|(x, y, _)| (*x, *y)).collect(),
-        };
-        RunPanel {
-            title: format!("{}{e}{b}{r}{a} {}", self.error, printed(self.unit)),
-            unit: printed(self.unit),
-            ways: [read(|t| t.forward, Some(true)), read(|t| t.reverse, Some(false)), read(|t| t.unknown, None)],
-        }
+        let figures = [Some(self.systematic), self.reversal, self.repeatability, self.accuracy];
+        let (error, unit, targets, readings) = (&self.error, self.unit, &self.at_targets, &self.readings);
+        DrawnRuns { error, unit, figures, targets, readings }.panel()
     }
 }
 

@@ -1,9 +1,10 @@
 //! Figures of positioning after ISO 230-2 beyond those of the table: by direction, by target, with their uncertainty.
 
 use crate::identify::import::Import;
+use crate::report::{Picture, RunCurves, RunPanel, RunPicture};
 use crate::standards::{self, AccuracyFigures, AccuracyUncertainty, Contributor, OneWayFigures, Repeated, contributor};
-use crate::units::Dimension;
-use serde::Serialize;
+use crate::units::{Dimension, significant};
+use serde::{Deserialize, Serialize};
 
 /// Figures of one direction of approach, in the unit of the error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -44,7 +45,7 @@ impl OneWayBoth {
 }
 
 /// Readings of one direction at a target, in the unit of the error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ReadAtTarget {
     /// Their mean.
     pub mean: f64,
@@ -55,7 +56,7 @@ pub struct ReadAtTarget {
 }
 
 /// A target with its readings.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredTarget {
     /// Position, mm or deg.
     pub position: f64,
@@ -88,6 +89,48 @@ impl MeasuredTarget {
         };
         figures.targets.iter().map(one).collect()
     }
+}
+
+/// The runs of one error, as they are drawn.
+pub(super) struct DrawnRuns<'a> {
+    /// Name of the error.
+    pub error: &'a str,
+    /// Unit of its values.
+    pub unit: &'a str,
+    /// E, B, R and A.
+    pub figures: [Option<f64>; 4],
+    /// The targets.
+    pub targets: &'a [MeasuredTarget],
+    /// Every reading: position, value, and whether it came from below.
+    pub readings: &'a [(f64, f64, Option<bool>)],
+}
+
+impl DrawnRuns<'_> {
+    /// The means with their bands of 2 s, and the readings.
+    pub fn panel(&self) -> RunPanel {
+        let figure = |(name, value): (&str, &Option<f64>)| value.map(|x| format!(", {name} {}", significant(x, 3)));
+        let figures: String = ["E", "B", "R", "A"].into_iter().zip(&self.figures).filter_map(figure).collect();
+        let read = |of: fn(&MeasuredTarget) -> Option<ReadAtTarget>, way: Option<bool>| RunCurves {
+            means: self
+                .targets
+                .iter()
+                .filter_map(|target| of(target).map(|at| (target.position, at.mean, at.s.map(|s| 2.0 * s))))
+                .collect(),
+            readings: self.readings.iter().filter(|(.., from)| *from == way).map(|(x, y, _)| (*x, *y)).collect(),
+        };
+        RunPanel {
+            title: format!("{}{figures} {}", self.error, printed(self.unit)),
+            unit: printed(self.unit),
+            ways: [read(|t| t.forward, Some(true)), read(|t| t.reverse, Some(false)), read(|t| t.unknown, None)],
+        }
+    }
+}
+
+/// Draws the runs of errors of an axis, whose slopes are in `slope_unit`.
+pub(super) fn drawn_runs(axis: &str, subtitle: &str, slope_unit: Option<&str>, panels: &[RunPanel]) -> Picture {
+    let rotary = slope_unit.is_some_and(|unit| unit.ends_with("/deg"));
+    let position = format!("{axis} in {}", if rotary { "degrees" } else { "mm" });
+    RunPicture { title: &format!("Axis {axis}"), subtitle, position: &position, panels }.picture()
 }
 
 /// Expanded uncertainties, k = 2, in the unit of the error, after ISO 230-2 annex A: not verified against its text.

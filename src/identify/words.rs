@@ -9,6 +9,8 @@ const NAMED: f64 = 0.02;
 /// Parameters below this share of the largest in a direction that changes nothing are not named: amounts are printed to
 /// three digits, so that their rounding changes the readings by more than what is left out.
 const PRINTED: f64 = 2e-4;
+/// Knots off a straight line by less than this share of the ends are on it: amounts are printed to three digits.
+const STRAIGHT: f64 = 5e-3;
 /// Parameters below this share of what a direction does to the readings are not named.
 const HEARD: f64 = 0.1;
 
@@ -103,20 +105,33 @@ pub(super) fn inseparable(direction: &Direction, parameters: &[Parameter], most:
     }
 }
 
-/// Amounts of neighbouring knots of a curve as one: the same throughout, or from one to another. `None` of so few
-/// that they
-/// may as well be listed.
+/// Amounts of neighbouring knots of a curve as one: the same throughout, or along a straight line from one to another.
+/// `None` of others, and of so few that they may as well be listed.
 fn shape(knots: &[(usize, f64)], amount: &impl Fn(&(usize, f64)) -> f64, parameters: &[Parameter]) -> Option<String> {
     let ([(i, _), .., (j, _)], true) = (knots, knots.len() > 2) else { return None };
     let (curve, from) = parameters[*i].curve();
     let (from, to, unit) = (from?, parameters[*j].curve().1?, &parameters[*i].unit);
     let (first, last) = (amount(&knots[0]), amount(&knots[knots.len() - 1]));
     let all = parameters.iter().filter(|p| p.curve().0 == curve).count() == knots.len();
-    let even = knots.iter().all(|k| (amount(k) - first).abs() <= 0.01 * first.abs());
-    if all && even {
+    let ends = (position(from)?, position(to)?);
+    let largest = first.abs().max(last.abs());
+    let on_line = |k: &(usize, f64)| {
+        let at = parameters[k.0].curve().1.and_then(position)?;
+        let line = first + (last - first) * (at - ends.0) / (ends.1 - ends.0);
+        Some((amount(k) - line).abs() <= STRAIGHT * largest)
+    };
+    if !knots.iter().all(|k| on_line(k) == Some(true)) {
+        return None;
+    }
+    if all && (last - first).abs() <= STRAIGHT * largest {
         return Some(format!("{curve} {} {unit} throughout", signed(first)));
     }
     Some(format!("{curve} {} {unit} at {from} to {} {unit} at {to}", signed(first), signed(last)))
+}
+
+/// The position of a knot, `b@125mm` or `125mm`.
+fn position(knot: &str) -> Option<f64> {
+    knot.trim_start_matches("b@").trim_end_matches(char::is_alphabetic).parse().ok()
 }
 
 fn signed(value: f64) -> String {

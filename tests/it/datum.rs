@@ -3,8 +3,12 @@
 use super::fits::{identify, said};
 use super::identify::{FIVE, deviation, five_poses, json, normal};
 use super::language::read;
+use super::measurements::{actual, brought_to};
+use super::oracle::machines::Sample;
 use super::oracle::program::Folder;
 use super::oracle::random::Random;
+use super::oracle::yaml;
+use super::priors::five_axes;
 use abbe::machine::Machine;
 use nalgebra::{DMatrix, DVector, Vector3};
 use serde_json::Value;
@@ -29,12 +33,12 @@ fn grid() -> Vec<Vec<f64>> {
     all.collect()
 }
 
-/// Displacements from four stations, for three tools: a turn about the line of two tool points is not seen.
-fn multilateration(truth: &Machine, random: &mut Random) -> String {
+/// Displacements from four stations, for some tools: a turn about the line of two tool points is not seen.
+fn multilateration(truth: &Machine, tools: &[&str], random: &mut Random) -> String {
     let stations = [[-200.0, -150.0, -500.0], [700.0, -200.0, -100.0], [-100.0, 600.0, 200.0], [600.0, 500.0, -600.0]];
     let mut text = "X,Y,Z,tool,station,run,displacement [mm]\n".to_owned();
     for (s, station) in stations.iter().enumerate() {
-        for tool in ["short", "long", "side"] {
+        for tool in tools {
             let machine = truth.with_tool(tool).unwrap();
             for pose in grid() {
                 let nominal = abbe::lower::NominalPose::at(&machine, &pose).pose.translation;
@@ -89,7 +93,7 @@ fn a_complete_multilateration_reaches_full_rank_without_fixed_terms() {
     let truth = machine_of(&[("machine.yaml", &format!("{THREE}{TRUTH}"))]);
     let folder = Folder::new();
     let machine = folder.write("machine.yaml", THREE);
-    let data = folder.write("tracer.csv", &multilateration(&truth, &mut Random::new(331)));
+    let data = folder.write("tracer.csv", &multilateration(&truth, &["short", "long", "side"], &mut Random::new(331)));
     let out = folder.path("fitted.yaml");
     for form in ["poly2", "bspline2"] {
         let fit = curves(form);
@@ -173,20 +177,33 @@ fn what_turns_with_a_rotary_axis_is_its_location() {
     let machine = folder.write("machine.yaml", FIVE);
     let poses = five_poses(&mut Random::new(332), 120);
     let data = folder.write("data.csv", &deviations(&truth, &poses, "C,A,Y,X,Z", 0.0));
-    let out = folder.path("fitted.yaml");
-    let fit = "EX0C,EY0C,EA0C,EB0C,EXC:fourier2,EYC:fourier2,EAC:fourier2,EBC:fourier2,workpiece";
-    let output = identify(&machine, &data, &["--fit", fit, "--out", out.to_str().unwrap(), "--format", "json"]);
-    assert!(output.status.success(), "{}", said(&output));
-    let report = json(&output);
-    assert_eq!(report["rank"], report["unknowns"], "{}", report["null_space"]);
-    let fitted = machine_of(&[("machine.yaml", &std::fs::read_to_string(&out).unwrap())]);
-    assert!(apart(&fitted, &truth, &poses) < 1e-5, "{}", apart(&fitted, &truth, &poses));
+    // Splines come near to sine and cosine only, and orders 0 to 2 near to themselves.
+    for (form, near) in [("fourier2", 1e-5), ("bspline8", 2e-4), ("spline12", 2e-4)] {
+        let out = folder.path(&format!("{form}.yaml"));
+        let fit = format!("EX0C,EY0C,EA0C,EB0C,EXC:{form},EYC:{form},EAC:{form},EBC:{form},workpiece");
+        let output = identify(&machine, &data, &["--fit", &fit, "--out", out.to_str().unwrap(), "--format", "json"]);
+        assert!(output.status.success(), "{form}: {}", said(&output));
+        let report = json(&output);
+        assert_eq!(report["rank"], report["unknowns"], "{form}: {}", report["null_space"]);
+        let fitted = machine_of(&[("machine.yaml", &std::fs::read_to_string(&out).unwrap())]);
+        assert!(apart(&fitted, &truth, &poses) < near, "{form}: {}", apart(&fitted, &truth, &poses));
+        turns_with_nothing(&fitted, form);
+    }
+}
+
+/// A table whose radial errors and tilts have no mean, and no part that goes round with it or against it but one.
+fn turns_with_nothing(fitted: &Machine, form: &str) {
     // Over the turn: no mean, and nothing that goes round with the table or against it but one of the two.
     let values = |i: usize| fitted.component_values(0, f64::from(i as u32), abbe::machine::Approach::Mean);
     for first in [0, 3] {
         let scale = if first == 0 { 1e3 } else { 1e6 };
         let mean = |k: usize| (0..360).map(|i| values(i)[k] * scale).sum::<f64>() / 360.0;
-        assert!(mean(first).abs() < 1e-3 && mean(first + 1).abs() < 1e-3, "{} {}", mean(first), mean(first + 1));
+        assert!(
+            mean(first).abs() < 2e-3 && mean(first + 1).abs() < 2e-3,
+            "{form}: {} {}",
+            mean(first),
+            mean(first + 1)
+        );
         let round = |sense: f64| {
             let at = |i: usize| {
                 let (sine, cosine) = (i as f64).to_radians().sin_cos();
@@ -196,6 +213,88 @@ fn what_turns_with_a_rotary_axis_is_its_location() {
             let sum = (0..360).map(at).fold((0.0, 0.0), |s, v| (s.0 + v.0 / 360.0, s.1 + v.1 / 360.0));
             sum.0.hypot(sum.1)
         };
-        assert!(round(1.0).min(round(-1.0)) < 1e-3, "{first}: {} {}", round(1.0), round(-1.0));
+        assert!(round(1.0).min(round(-1.0)) < 2e-3, "{form} {first}: {} {}", round(1.0), round(-1.0));
     }
+}
+
+/// The point of a tool along Z does not feel turns about Z: they stay at their start, and no form is made of them.
+#[test]
+fn turns_that_no_reading_sees_stay_where_they_were() {
+    let truth = machine_of(&[("machine.yaml", &format!("{THREE}{TRUTH}"))]);
+    let folder = Folder::new();
+    let machine = folder.write("machine.yaml", THREE);
+    let data = folder.write("tracer.csv", &multilateration(&truth, &["short"], &mut Random::new(333)));
+    let report = json(&identify(&machine, &data, &["--fit", &curves("poly2"), "--format", "json"]));
+    for name in ["ECY", "ECZ"] {
+        let (low, high) = curve(&report, name);
+        assert!(low > -100.0 && high < 100.0, "{name}: {low} {high}");
+    }
+    let unseen = report["parameters"].as_array().unwrap().iter().filter(|p| {
+        let name = p["name"].as_str().unwrap();
+        name.starts_with("ECY:") || name.starts_with("ECZ:")
+    });
+    assert!(unseen.clone().count() == 6 && unseen.clone().all(|p| p["sigma"].is_null()), "{report}");
+    assert!(report["prediction"]["largest_um"].as_f64().unwrap() < 0.5, "{}", report["prediction"]);
+}
+
+/// A probe finds three balls of unknown place: turned as a whole, machine and balls read the same. The commands differ
+/// from nominal ones by the machine's errors, which must not make a rank of that.
+#[test]
+fn a_machine_that_turns_as_a_whole_has_no_rank() {
+    let blank = five_axes();
+    let mut truth = blank.clone();
+    truth.rigid.walk[1].location[1] = 0.04;
+    truth.rigid.walk[0].location[3] = 60e-6;
+    truth.rigid.tool_setup = [0.02, -0.01, 0.03];
+    let balls = [[60.0, 20.0, 100.0], [-70.0, 50.0, 130.0], [10.0, -80.0, 160.0]].map(Vector3::from);
+    let mut random = Random::new(334);
+    let mut text = "C,A,Y,X,Z,ball\n".to_owned();
+    // Derivatives about the nominal machine at nominal poses, by differences of the rigid model.
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    for (b, place) in balls.iter().enumerate() {
+        for i in 0..14 {
+            let start = vec![30.0 * f64::from(i % 12), 5.0 - 10.0 * f64::from(i % 4), 225.0, 250.0, -100.0];
+            let nominal = brought_to(&blank, &start, place);
+            rows.extend(rows_of(&blank, &nominal, b));
+            let mut found = brought_to(&truth, &start, place);
+            (2..5).for_each(|k| found[k] += 1e-3 * normal(&mut random));
+            let cells: Vec<String> = found.iter().map(f64::to_string).collect();
+            text += &format!("{},b{b}\n", cells.join(","));
+        }
+    }
+    let jacobian = DMatrix::from_fn(rows.len(), rows[0].len(), |i, j| rows[i][j]);
+    let expected = jacobian.rank(1e-4);
+    let folder = Folder::new();
+    yaml::write(&blank, &folder);
+    let data = folder.write("balls.csv", &text);
+    let report = json(&identify(&folder.path("machine.yaml"), &data, &["--fit", "tool,location", "--format", "json"]));
+    assert_eq!(report["rank_first_order"], expected, "{}", report["rank"]);
+    assert_eq!(report["invariances"].as_array().map(Vec::len), Some(6), "{}", report["invariances"]);
+    let tilt = report["parameters"].as_array().unwrap().iter().find(|p| p["name"] == "EA0C").unwrap();
+    assert!(tilt["sigma"].is_null(), "{tilt}");
+}
+
+/// Effect of all location errors, of the tool and of three balls on the point beside ball `b`.
+fn rows_of(blank: &Sample, pose: &[f64], b: usize) -> Vec<Vec<f64>> {
+    let moved = |change: &dyn Fn(&mut Sample, f64)| {
+        let at = |by: f64| {
+            let mut machine = blank.clone();
+            change(&mut machine, by);
+            actual(&machine, pose)
+        };
+        (at(1e-3) - at(-1e-3)) / 2e-3
+    };
+    let mut columns: Vec<Vector3<f64>> = Vec::new();
+    for axis in 0..blank.rigid.walk.len() {
+        for k in 0..6 {
+            // Displacements: a rotation counts over 300 mm.
+            let unit = if k < 3 { 1.0 } else { 1.0 / 300.0 };
+            columns.push(moved(&|machine, by| machine.rigid.walk[axis].location[k] += by * unit));
+        }
+    }
+    (0..3).for_each(|k| columns.push(moved(&|machine, by| machine.rigid.tool_setup[k] += by)));
+    for ball in 0..3 {
+        (0..3).for_each(|k| columns.push(if ball == b { -Vector3::ith(k, 1.0) } else { Vector3::zeros() }));
+    }
+    (0..3).map(|i| columns.iter().map(|column| column[i]).collect()).collect()
 }

@@ -563,3 +563,34 @@ fn a_record_leads_nowhere_but_to_its_own_files() {
         assert!(!run.err.contains("root:") && !run.err.contains('\u{1b}'), "{to}: {}", run.err);
     }
 }
+
+/// The runs are drawn as `import --svg` draws them, from its document alone.
+#[test]
+fn the_page_draws_the_runs_of_import() {
+    let runs = "X [mm],1+ [um],1- [um],2+ [um],2- [um],3+ [um],3- [um]\n0,0,2,0.5,2.5,-0.4,2.2\n200,3,5,3.5,4,2.2,5.5\n400,-6,-4,-7,-3,-6.5,-4.4\n";
+    let (folder, description) = campaign("");
+    folder.write("raw/x laser.csv", runs);
+    let [raw, svg] = [folder.path("raw/x laser.csv"), folder.path("runs.svg")];
+    let arguments = ["import", raw.to_str().unwrap(), "--error", "EXX", "--format", "json"];
+    let imported = Run::of(abbe().args(arguments).args(["--svg", svg.to_str().unwrap()]));
+    folder.write("figures.json", &imported.out);
+    let out = folder.path("made");
+    let made = record(&description, &out, &[]);
+    assert_eq!(made.code, Some(0), "{}", made.err);
+    let (page, picture) = (read(&out.join("record.html")), read(&svg));
+    assert!(page.contains("<h3>Runs, figures.json</h3>"), "{page}");
+    // Means and bands of two directions: six lines. Readings are within the bands, so that the scale is the same.
+    let lines: Vec<&str> = picture.split("<path ").skip(1).map(|rest| rest.split("/>").next().unwrap()).collect();
+    let drawn = lines.iter().filter(|line| line.contains('L') && page.contains(*line)).count();
+    assert!(drawn >= 6, "{drawn} of {lines:?}");
+    // A document that cannot be drawn is a document like any other.
+    for odd in [r#""axis": "X""#, r#""axis": "X", "at_targets": 3"#, r#""axis": 1"#] {
+        let (folder, description) = campaign("");
+        let target = r#"{"position": 1e300, "forward": null, "reverse": null, "unknown": null, "B": null}"#;
+        let error = format!(r#"{{"error": "EXX", "unit": "um", "A": 1, "at_targets": [{target}, {target}]}}"#);
+        folder.write("figures.json", &format!(r#"{{{odd}, "errors": [{error}]}}"#));
+        let out = folder.path("made");
+        assert_eq!(record(&description, &out, &[]).code, Some(0), "{odd}");
+        assert!(!read(&out.join("record.html")).contains("<h3>Runs"), "{odd}");
+    }
+}

@@ -106,6 +106,16 @@ fn a_line_that_is_left_is_warned_of() {
         assert!(with(error, 55.0, "identify: { datum: { squareness: in straightness } }\n").is_empty());
         assert_eq!(with(error, 55.0, "identify: { datum: { squareness: in location } }\n").len(), 1);
     }
+    // A curve through zero at both ends has a line of least squares, and none through its ends.
+    let cubic: Vec<String> = (0..=40)
+        .map(|i| {
+            let t = f64::from(i) / 20.0 - 1.0;
+            format!("[{} mm, {} um]", 12.5 * f64::from(i), 40.0 * (t * t * t - t))
+        })
+        .collect();
+    let bent = |more: &str| checked(&format!("errors:\n  EZX: {{ points: [{}] }}\n{more}", cubic.join(", ")));
+    assert!(bent("").len() == 1 && bent("identify: { datum: { line: end-points } }\n").is_empty());
+    assert_eq!(with("EYX", 55.0, "identify: { datum: { line: end-points } }\n").len(), 1);
     // Squareness given too: counted twice, wherever the file holds it.
     let both = "  EC0Y: 12 urad\nidentify: { datum: { squareness: in straightness } }\n";
     assert_eq!(with("EYX", 55.0, both).len(), 1);

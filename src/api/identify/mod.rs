@@ -313,18 +313,19 @@ fn solved(
         return call.refuse(refusal);
     }
     let fit = solve(&model, data, options.robust);
-    let solution = Solution::of(&fit, &problem.unknowns).compared(&model, data, &fit);
+    let solution = Solution::of(&fit, &problem.unknowns).compared(&model, data, &fit, &found.moving);
     let misfit = misfit(&model, data, &fit, &solution);
     let common = common(&model, data, (&fit, &solution), &problem.type_b);
     let solution = solution.sharing(misfit.as_ref().map(|misfit| &misfit.covariance), common);
-    let theta = solution.theta();
     let forms = misfit.as_ref().map_or(&[][..], |misfit| &misfit.forms);
-    let prediction = Prediction::of(&model, data, (&fit, &solution), forms);
     let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
     let (solution, datum) = match in_datum(&model, data, &fit, &solution, &conditions) {
         Some((solution, moved)) => (solution, Some(FittedDatum::of(conditions.entry, &moved))),
         None => (solution, None),
     };
+    // In the datum: products of what a datum takes out are no deviation.
+    let prediction = Prediction::of(&model, data, (&fit, &solution), forms);
+    let theta = solution.theta();
     let fitted = Fitted {
         machine: file,
         unknowns: &problem.unknowns,

@@ -28,6 +28,10 @@ pub(super) fn entries(
         let hash = problem.hashes.get(path).map_or("", String::as_str);
         entries.push((if k > 0 { format!("from.{}", k + 1) } else { "from".to_owned() }, hashed(path, hash)));
     }
+    if let Some(path) = &options.axis_poses {
+        let hash = problem.hashes.get(path).map_or("", String::as_str);
+        entries.push(("axis-poses".to_owned(), hashed(path, hash)));
+    }
     entries.push(("how".to_owned(), how(options, problem).chars().take(ENTRY).collect()));
     entries.push(("fit".to_owned(), super::result::in_short(fitted)));
     let known = |key: &str| file.provenance().entries.iter().any(|(known, _)| known == key);

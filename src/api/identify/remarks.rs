@@ -197,6 +197,16 @@ pub(super) fn shrinking(stretches: &[(String, Vec<String>)]) -> Option<Diagnosti
     Some(Diagnostic::new(codes::E0514, message).help(help))
 }
 
+/// A direction that changes no reading but the deviation, in words.
+pub(super) fn of_readings(words: &str) -> String {
+    let rest = [" changes nothing", " change nothing"].iter().find_map(|end| Some((words.strip_suffix(end)?, *end)));
+    match rest {
+        Some((rest, " change nothing")) => format!("{rest} change no reading, but that"),
+        Some((rest, _)) => format!("{rest} changes no reading, but that"),
+        None => format!("{words}, but on that"),
+    }
+}
+
 /// The data do not hold the deviation that the fitted machine predicts over its volume.
 pub(super) fn unheld(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     if limits::held(fitted) {
@@ -206,8 +216,7 @@ pub(super) fn unheld(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let at = axes_text(fitted.machine, pose);
     let message = match spread {
         Spread::Free(words) => {
-            let words = words.trim_end_matches(" change nothing").trim_end_matches(" changes nothing");
-            format!("the data leave the deviation at {at} free: {words} change no reading, but that")
+            format!("the data leave the deviation at {at} free: {}", of_readings(words))
         }
         Spread::Known(size) => format!(
             "the data do not hold the deviation at {at}: its standard uncertainty is {} um, and the largest deviation \

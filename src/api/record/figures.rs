@@ -1,10 +1,17 @@
 //! The figures in JSON documents of `import` and `figures`, by name, with their uncertainty: what a record prints.
 
+use crate::api::positioning::{DrawnRuns, MeasuredTarget, drawn_runs};
+use crate::report::RunPanel;
 use crate::report::record::{Line, RecordedFigure};
 use serde_json::Value;
 
 /// Maximum number of figures of a document that a record prints.
 const MAX_FIGURES: usize = 500;
+/// Maximum number of errors and of targets of which a record draws the runs.
+const MAX_PANELS: usize = 24;
+const MAX_TARGETS: usize = 10_000;
+/// Largest position and value of runs that are drawn.
+const MAX_DRAWN: f64 = 1e9;
 /// Units of figures.
 const UNITS: [&str; 3] = ["um", "urad", "um/m"];
 /// Coverage factor of an expanded uncertainty.
@@ -71,6 +78,31 @@ pub(super) fn figures_in(document: &Value) -> Vec<RecordedFigure> {
     };
     figures.truncate(MAX_FIGURES);
     figures
+}
+
+/// Draws the runs of a document of `import`: means and bands of 2 s. `None` of documents without runs.
+pub(super) fn runs_in(document: &Value) -> Option<String> {
+    let errors = document["errors"].as_array().filter(|_| document["test"].is_null())?;
+    let axis = Line::try_from(document["axis"].as_str()?.to_owned()).ok()?;
+    let panels: Vec<RunPanel> = errors.iter().filter_map(panel).take(MAX_PANELS).collect();
+    let slope_unit = errors.first().and_then(|error| error["slope_unit"].as_str());
+    let subtitle = "means and bands of 2 s of the runs";
+    (!panels.is_empty()).then(|| drawn_runs(axis.as_str(), subtitle, slope_unit, &panels).svg())
+}
+
+/// The runs of one error, if they can be drawn: a document may be written by hand.
+fn panel(of: &Value) -> Option<RunPanel> {
+    let error = Line::try_from(of["error"].as_str()?.to_owned()).ok()?;
+    let unit = of["unit"].as_str().filter(|unit| UNITS[..2].contains(unit))?;
+    let targets: Vec<MeasuredTarget> = serde_json::from_value(of["at_targets"].clone()).ok()?;
+    let drawn = |target: &MeasuredTarget| {
+        let read = [target.forward, target.reverse, target.unknown].into_iter().flatten();
+        let values = read.flat_map(|at| [at.mean, at.s.unwrap_or(0.0)]);
+        values.chain([target.position]).all(|x| x.abs() <= MAX_DRAWN)
+    };
+    let figures = ["E", "B", "R", "A"].map(|key| of[key].as_f64());
+    let runs = DrawnRuns { error: error.as_str(), unit, figures, targets: &targets, readings: &[] };
+    ((2..=MAX_TARGETS).contains(&targets.len()) && targets.iter().all(drawn)).then(|| runs.panel())
 }
 
 /// A figure, if it is one: a document may be written by hand.

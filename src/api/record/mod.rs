@@ -26,11 +26,12 @@ use super::verify::{VerifyOptions, verify};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::report::dcc::certificate;
 use crate::report::record::{
-    Instrument, LimitDecision, Line, RecordData, RecordedFigures, RecordedSet, record_page, record_pictures,
+    Instrument, LimitDecision, Line, RecordData, RecordPictures, RecordedFigures, RecordedSet, record_page,
+    record_pictures,
 };
 use decisions::{Figures, decisions, document};
 use description::{Description, SetEntry, StateName, unfit};
-use figures::figures_in;
+use figures::{figures_in, runs_in};
 use files::RecordFiles;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -170,19 +171,26 @@ fn made(call: &mut Call<'_>, path: &Path, options: &RecordOptions) -> Result<Rec
         data,
         figures: copies,
     };
-    written(call, data, &states, files)
+    let runs = figures.iter().filter_map(|of| Some((format!("Runs, {}", of.source), runs_in(&of.document)?)));
+    let mut pictures = record_pictures(&states.found, states.left.as_deref());
+    pictures.extend(runs);
+    written(call, data, &pictures, files)
 }
 
 /// Writes the documents.
-fn written(call: &mut Call<'_>, data: RecordData, states: &States, mut files: RecordFiles) -> Result<Record, Refused> {
+fn written(
+    call: &mut Call<'_>,
+    data: RecordData,
+    pictures: &RecordPictures,
+    mut files: RecordFiles,
+) -> Result<Record, Refused> {
     call.extend(super::finite::refusal(&data));
     call.checked()?;
-    let pictures = record_pictures(&states.found, states.left.as_deref());
     let failed = |what: &str, why: String| {
         Diagnostic::new(codes::E0702, format!("the template of {what} failed: {why}"))
             .help("report this: it is a fault")
     };
-    let page = record_page(&data, &pictures).or_else(|why| call.refuse(failed("record.html", why.to_string())))?;
+    let page = record_page(&data, pictures).or_else(|why| call.refuse(failed("record.html", why.to_string())))?;
     let xml = match certificate(&data) {
         Ok(xml) => xml,
         Err(why) => return call.refuse(failed("certificate.xml", why.to_string())),

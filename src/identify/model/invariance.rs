@@ -33,6 +33,8 @@ pub struct Invariances {
     pub stretches: Vec<(String, Vec<String>)>,
     /// Rigid motions of the whole machine, in words: `along X`, `about X`.
     pub motions: Vec<String>,
+    /// The unknowns that make them, as displacements.
+    pub moving: Vec<DVector<f64>>,
 }
 
 /// Finds the invariances of a model with these data, at its start.
@@ -41,7 +43,8 @@ pub fn invariances(model: &Model<'_>, data: &[Measurement]) -> Invariances {
     let volume = Volume::of(model, data, &theta);
     let held = Held::of(model, data, &theta, &volume);
     let stretches = if same_points(model, data) { held.stretches(model, &volume) } else { Vec::new() };
-    Invariances { stretches, motions: held.motions(&volume) }
+    let (motions, moving) = held.motions(&volume);
+    Invariances { stretches, motions, moving }
 }
 
 /// True if some readings only say that points are the same.
@@ -145,19 +148,19 @@ impl Held {
         Self { system, unknowns: self.unknowns, sizes: self.sizes.clone(), felt: self.felt.clone() }
     }
 
-    /// Rigid motions of the whole machine.
-    fn motions(&self, volume: &Volume) -> Vec<String> {
+    /// Rigid motions of the whole machine, in words, and the unknowns that make them.
+    fn motions(&self, volume: &Volume) -> (Vec<String>, Vec<DVector<f64>>) {
         let motions = volume.motions();
         // Translations are no unknowns of their own here.
         let system = self.system.columns(0, self.unknowns).into_owned();
         let bare = Self { system, unknowns: self.unknowns, sizes: self.sizes.clone(), felt: self.felt.clone() };
         let lengths = DVector::from_fn(6, |k, _| motions.column(k).norm());
         // Orthonormal, motions of unit length.
-        let found: Vec<DVector<f64>> =
-            bare.unnoticed(&motions).into_iter().map(|(mix, _)| mix.component_mul(&lengths)).collect();
+        let (found, moving): (Vec<DVector<f64>>, Vec<DVector<f64>>) =
+            bare.unnoticed(&motions).into_iter().map(|(mix, made)| (mix.component_mul(&lengths), made)).unzip();
         let free = |k: &usize| found.iter().map(|mix| mix[*k] * mix[*k]).sum::<f64>() > 1.0 - LEFT;
         let words = ["along X", "along Y", "along Z", "about X", "about Y", "about Z"];
-        (0..6).filter(free).map(|k| words[k].to_owned()).collect()
+        ((0..6).filter(free).map(|k| words[k].to_owned()).collect(), moving)
     }
 }
 

@@ -15,6 +15,8 @@ use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
 /// Combinations whose effect on the volume is below this share of the largest only move the workpiece frame.
 const RIGID: f64 = 1e-8;
+/// What turns with a rotary axis moves the workpiece frame if all but this share of it does.
+const NEAR: f64 = 2e-2;
 /// A condition that the others leave less of than this share is theirs.
 const DEPENDENT: f64 = 1e-5;
 /// Rounds in which the exact model follows.
@@ -74,17 +76,21 @@ pub fn in_datum(
     let shift = free.shift(&chosen);
     let map = free.map(&fit.reduced.r, &chosen, &shift);
     let (theta, moved) = free.carried(model, data, fit, &solution.theta(), &chosen, &map);
-    Some((solution.clone().moved(&map, &theta, (fit, parameters)), moved))
+    Some((solution.clone().moved((&map, &theta), (fit, parameters), free.near), moved))
 }
 
 /// Combinations of the machine's errors that only move the workpiece frame.
 struct Gauge {
     /// True if an unknown is an error of the machine: neither set-up nor instrument.
     errors: Vec<bool>,
+    /// Set-ups and instruments, which follow the errors.
+    followers: Vec<usize>,
     /// Displacement that a unit of each unknown makes.
     sizes: DVector<f64>,
     /// Columns: combinations (of displacements).
     basis: DMatrix<f64>,
+    /// True if some of them move it but for a small share.
+    near: bool,
 }
 
 impl Gauge {
@@ -100,19 +106,36 @@ impl Gauge {
             _ => false,
         };
         let errors: Vec<bool> = (0..parameters.len()).map(error).collect();
+        // Nor does such a curve follow the others.
+        let follows = |j: &usize| match parameters[*j].terms.first().map(|t| t.source.place) {
+            Some(ErrorSite::Tool | ErrorSite::Workpiece) | None => true,
+            Some(ErrorSite::Location(_) | ErrorSite::Component(_)) => false,
+        };
+        let followers: Vec<usize> = (0..errors.len()).filter(follows).collect();
         let own: Vec<usize> = (0..errors.len()).filter(|j| errors[*j]).collect();
         let jacobian =
             DMatrix::from_fn(volume.jacobian.nrows(), own.len(), |i, k| volume.jacobian[(i, own[k])] / sizes[own[k]]);
         let mut triangle = Triangle::new(own.len());
         volume.deformation(&jacobian).row_iter().for_each(|row| triangle.push(row.iter().copied(), 0.0));
         let svd = Svd::new(&triangle.finish().r);
-        let null = svd.null_space(svd.rank(RIGID));
-        if null.ncols() == 0 {
+        let mut null: Vec<DVector<f64>> =
+            svd.null_space(svd.rank(RIGID)).column_iter().map(|column| column.into_owned()).collect();
+        let turning = Turning { model, volume: &volume, own: &own, jacobian: &jacobian };
+        let exact = null.len();
+        for turning in turning.all() {
+            let (rest, length) = (beside(turning.clone(), &null), turning.norm());
+            if rest.norm() > NEAR * length {
+                null.push(rest.normalize());
+            }
+        }
+        if null.is_empty() {
             return None;
         }
-        let mut basis = DMatrix::zeros(errors.len(), null.ncols());
-        own.iter().enumerate().for_each(|(k, j)| basis.row_mut(*j).copy_from(&null.row(k)));
-        Some(Self { errors, sizes, basis })
+        let mut basis = DMatrix::zeros(errors.len(), null.len());
+        for (column, direction) in null.iter().enumerate() {
+            own.iter().zip(direction.iter()).for_each(|(j, x)| basis[(*j, column)] = *x);
+        }
+        Some(Self { errors, followers, sizes, basis, near: null.len() > exact })
     }
 
     /// Those of the conditions (rows, by displacements) that hold what the ones before leave free.
@@ -144,7 +167,7 @@ impl Gauge {
         let count = self.errors.len();
         let unit = |m: &DMatrix<f64>| DMatrix::from_fn(count, count, |i, j| m[(i, j)] * self.sizes[j] / self.sizes[i]);
         let moved = unit(&(shift * conditions));
-        let others: Vec<usize> = (0..count).filter(|j| !self.errors[*j]).collect();
+        let others = &self.followers;
         let columns = DMatrix::from_fn(r.nrows(), others.len(), |i, k| r[(i, others[k])] / self.sizes[others[k]]);
         let svd = Svd::new(&columns);
         let rank = svd.rank(RANK);
@@ -205,7 +228,7 @@ impl Gauge {
 
     /// Fits set-ups and instruments to the readings again, the errors held.
     fn follow(&self, model: &Model<'_>, data: &[Measurement], fit: &Fit, theta: &mut [f64]) {
-        let others: Vec<usize> = (0..theta.len()).filter(|j| !self.errors[*j]).collect();
+        let others = &self.followers;
         if others.is_empty() {
             return;
         }
@@ -218,6 +241,52 @@ impl Gauge {
             let step = svd.solve(&reduced.right, svd.rank(RANK));
             others.iter().enumerate().for_each(|(k, j)| theta[*j] += step[k] / self.sizes[*j]);
         }
+    }
+}
+
+/// What turns with rotary axes, in bases that only come near to sine and cosine (splines): it moves the workpiece frame
+/// but for a small share, which the readings can hardly tell from noise.
+struct Turning<'a> {
+    model: &'a Model<'a>,
+    volume: &'a Volume,
+    /// The machine's errors among the unknowns.
+    own: &'a [usize],
+    /// Their effect on the volume, by displacements.
+    jacobian: &'a DMatrix<f64>,
+}
+
+impl Turning<'_> {
+    /// Combinations of the machine's errors, by displacements.
+    fn all(&self) -> Vec<DVector<f64>> {
+        let parameters = self.model.parameters();
+        let place = |k: usize| parameters[self.own[k]].terms.first().map(|t| t.source.place);
+        let located: Vec<usize> =
+            (0..self.own.len()).filter(|k| matches!(place(*k), Some(ErrorSite::Location(_)))).collect();
+        let columns = DMatrix::from_fn(self.jacobian.nrows(), located.len(), |i, k| self.jacobian[(i, located[k])]);
+        let locations = self.volume.deformation(&columns);
+        let svd = Svd::new(&locations);
+        let rank = svd.rank(RANK);
+        let complete = |curve: DVector<f64>| {
+            let effect = self.jacobian * &curve;
+            let left =
+                self.volume.deformation(&DMatrix::from_columns(std::slice::from_ref(&effect))).column(0).into_owned();
+            let others = svd.solve(&-&left, rank);
+            let mut whole = curve;
+            located.iter().zip(others.iter()).for_each(|(k, x)| whole[*k] += x);
+            (effect.norm() > 0.0 && (left + &locations * others).norm() < NEAR * effect.norm()).then_some(whole)
+        };
+        self.curves().into_iter().filter_map(complete).collect()
+    }
+
+    /// Radial errors and tilts that turn with each rotary axis or against it, as well as the curves hold them.
+    fn curves(&self) -> Vec<DVector<f64>> {
+        let axes = self.model.machines()[0].axes().iter().enumerate().filter(|(_, axis)| axis.kind == AxisKind::Rotary);
+        let of_axis = |(index, axis)| {
+            let conditions = AxisConditions { model: self.model, index, axis };
+            [false, true].into_iter().flat_map(|turns| conditions.turned(turns)).collect::<Vec<_>>()
+        };
+        let own = |all: DVector<f64>| DVector::from_fn(self.own.len(), |k, _| all[self.own[k]]);
+        axes.flat_map(of_axis).map(own).collect()
     }
 }
 
@@ -278,9 +347,7 @@ struct AxisConditions<'a> {
 impl AxisConditions<'_> {
     fn rows(&self, entry: DatumEntry) -> Vec<DVector<f64>> {
         let along = Vector3::from(self.axis.direction).normalize();
-        let least = (0..3).fold(0, |l, k| if along[k].abs() < along[l].abs() { k } else { l });
-        let first = Vector3::ith(least, 1.0).cross(&along).normalize();
-        let across = [first, along.cross(&first)];
+        let across = self.across();
         let at_zero = self.zero(entry.zero);
         let value =
             |direction: &Vector3<f64>, turns: bool| at_zero.map(|q| self.weighted(direction, turns, &[q], |_| 1.0));
@@ -292,6 +359,38 @@ impl AxisConditions<'_> {
         let own = [value(&along, false), value(&along, true)].into_iter().flatten();
         let turning = [false, true].into_iter().flat_map(|turns| self.turning(&across, turns));
         if entry.line == DatumLine::Free { own.collect() } else { own.chain(turning).collect() }
+    }
+
+    /// Two directions across the axis.
+    fn across(&self) -> [Vector3<f64>; 2] {
+        let along = Vector3::from(self.axis.direction).normalize();
+        let least = (0..3).fold(0, |l, k| if along[k].abs() < along[l].abs() { k } else { l });
+        let first = Vector3::ith(least, 1.0).cross(&along).normalize();
+        [first, along.cross(&first)]
+    }
+
+    /// Curves of radial errors, or of tilts, nearest to vectors across the axis that turn with it or against it: by
+    /// displacements.
+    fn turned(&self, turns: bool) -> Vec<DVector<f64>> {
+        let (sites, [first, second]) = (self.sites(), self.across());
+        let rows: Vec<DVector<f64>> = sites
+            .iter()
+            .flat_map(|q| (0..3).map(|k| self.weighted(&Vector3::ith(k, 1.0), turns, &[*q], |_| 1.0)))
+            .collect();
+        let width = self.model.parameters().len();
+        let matrix = DMatrix::from_fn(rows.len(), width, |i, j| rows[i][j]);
+        let svd = Svd::new(&matrix);
+        let rank = svd.rank(RANK);
+        let nearest = |sense: f64, phase: f64| {
+            let vector = |i: usize| {
+                let (sine, cosine) = libm::sincos((sites[i / 3] + phase).to_radians());
+                (first * cosine + second * (sense * sine))[i % 3]
+            };
+            let wanted = DVector::from_fn(rows.len(), |i, _| vector(i));
+            let curve = svd.solve(&wanted, rank);
+            ((&matrix * &curve - &wanted).norm() < NEAR * wanted.norm()).then_some(curve)
+        };
+        [(1.0, 0.0), (1.0, 90.0), (-1.0, 0.0), (-1.0, 90.0)].into_iter().filter_map(|(s, p)| nearest(s, p)).collect()
     }
 
     /// The position of the zero.

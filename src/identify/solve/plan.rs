@@ -5,7 +5,7 @@ use super::solution::Solution;
 use crate::diagnostic::{Place, SourceId};
 use crate::evaluate::{Frame, random_poses};
 use crate::identify::data::{Measurement, Reading};
-use crate::identify::model::Model;
+use crate::identify::model::{Model, invariances};
 use nalgebra::{DMatrix, Matrix3};
 
 /// Random poses to choose from, for each tool.
@@ -85,5 +85,6 @@ fn expected(model: &Model<'_>, poses: &[Measurement], theta: &[f64], noise: f64)
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let rest = Solution::of(&fit, model.parameters()).freedom.max(1);
     fit.squares = noise * noise * rest as f64;
-    Solution::of(&fit, model.parameters()).compared(model, poses, &fit)
+    let motions = invariances(model, poses).moving;
+    Solution::of(&fit, model.parameters()).compared(model, poses, &fit, &motions)
 }

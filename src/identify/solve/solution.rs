@@ -2,7 +2,7 @@
 
 use super::fit::Fit;
 use super::student;
-use crate::algebra::linear::{ReducedSystem, Svd};
+use crate::algebra::linear::{ReducedSystem, Svd, beside};
 use crate::evaluate::Order;
 use crate::identify::data::Measurement;
 use crate::identify::model::{Model, Parameter};
@@ -24,6 +24,8 @@ const FIXED: f64 = 1e-2;
 const TOLD: f64 = 1e-6;
 /// Rounds in which the scatter of the readings and what is known before them are weighed against each other.
 const ROUNDS: usize = 4;
+/// A motion of the whole machine of which free directions leave more than this share is free beside them.
+const ADDED: f64 = 0.1;
 /// Least scatter (mm) beside which values are known: less is rounding.
 pub(super) const MIN_SIGMA: f64 = 1e-9;
 /// A parameter with more than this squared share in the null space has no value of its own.
@@ -116,17 +118,25 @@ pub struct Solution {
     shared: SharedCovariance,
     /// Directions that change nothing, reduced, in displacements.
     null: Vec<DVector<f64>>,
+    /// Directions (columns, by displacements) that the model to first order leaves free, if the exact one does not.
+    products: Option<DMatrix<f64>>,
 }
 
 impl Solution {
     /// Examines a fit.
     pub fn of(fit: &Fit, parameters: &[Parameter]) -> Self {
+        Self::without(fit, parameters, None)
+    }
+
+    /// Examines a fit, directions (columns, by displacements) left out that only products of errors show, if there are.
+    fn without(fit: &Fit, parameters: &[Parameter], products: Option<&DMatrix<f64>>) -> Self {
         let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
         let norms = fit.reduced.column_norms();
         let (reduced, redundant) = informed(fit, &sizes);
+        let reduced = products.map_or_else(|| reduced.clone(), |products| beyond(&reduced, &sizes, products));
         let scale = scale(&reduced, &sizes);
         let unit = reduced.scaled(&scale);
-        let rank = unit.rank(RANK);
+        let rank = products.map_or_else(|| unit.rank(RANK), |products| parameters.len() - products.ncols());
         // In full rank no direction has to be told from the others, and one decomposition will do.
         let full = rank == parameters.len();
         let sized = if full { None } else { Some(reduced.scaled(&sizes)) };
@@ -184,6 +194,7 @@ impl Solution {
             freedoms,
             hidden,
             null,
+            products: products.cloned(),
         }
     }
 
@@ -250,30 +261,26 @@ impl Solution {
         scatter + DMatrix::from_fn(self.units.len(), self.units.len(), shared)
     }
 
-    /// Counts the rank of the model to first order at the same place, by which the exact one is no larger than what the
-    /// readings show of the errors themselves.
-    pub fn compared(self, model: &Model<'_>, data: &[Measurement], fit: &Fit) -> Self {
+    /// Counts the rank of the model to first order at the same place, in which `motions` of the whole machine that no
+    /// reading notices are free. Directions that only products of errors show are known to no use, and what
+    /// they hardly touch would be as uncertain as they are: they count as free.
+    pub fn compared(self, model: &Model<'_>, data: &[Measurement], fit: &Fit, motions: &[DVector<f64>]) -> Self {
         let parameters = model.parameters();
         let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
         let first = model.clone().to_order(Order::Degree(1)).triangle(data, &fit.weights, &fit.theta);
         let first = with_known(&first, &fit.known, self.sigma);
         let rank = first.scaled(&scale(&first, &sizes)).rank(RANK);
-        let compared = Self { rank_first_order: rank.min(self.rank), ..self };
-        if compared.rank_first_order == compared.rank { compared } else { compared.without_products(fit, parameters) }
-    }
-
-    /// Takes directions that only products of errors show for free: they are known to no use, and what they hardly
-    /// touch would be as uncertain as they are.
-    fn without_products(mut self, fit: &Fit, parameters: &[Parameter]) -> Self {
-        let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
-        let seen = informed(fit, &sizes).0.scaled(&sizes);
-        self.root = seen.root_covariance(self.rank_first_order);
-        self.hidden = seen.null_space(self.rank_first_order);
-        self.null = echelon(&self.hidden);
-        self.units = sizes;
-        self.estimate(fit);
-        self.describe(parameters);
-        self
+        let free = with_motions(&first.scaled(&sizes).null_space(rank), motions);
+        if parameters.len() - free.ncols() >= self.rank {
+            return self;
+        }
+        let less = Self::without(fit, parameters, Some(&free));
+        let (rank, freedom, singular_values) = (self.rank, self.freedom, self.singular_values);
+        let mut estimates = less.estimates.clone();
+        estimates.iter_mut().zip(&self.estimates).for_each(|(estimate, before)| estimate.value = before.value);
+        let mut less = Self { estimates, rank, freedom, singular_values, sigma: self.sigma, ..less };
+        less.estimate(fit);
+        less
     }
 
     /// Draws the uncertainties of the parameters from their covariance.
@@ -315,14 +322,22 @@ impl Solution {
     }
 
     /// The same in another datum: values `theta`, of which those of a fit are linear functions (`map`), and directions
-    /// that become fixed by it.
-    pub(super) fn moved(mut self, map: &DMatrix<f64>, theta: &[f64], (fit, parameters): (&Fit, &[Parameter])) -> Self {
+    /// that become fixed by it; with `near` among them such that readings notice a little of.
+    pub(super) fn moved(
+        mut self,
+        (map, theta): (&DMatrix<f64>, &[f64]),
+        (fit, parameters): (&Fit, &[Parameter]),
+        near: bool,
+    ) -> Self {
         let count = theta.len();
         // What only products of errors show is as good as unknown: a datum may fix it.
         let units = DVector::from_iterator(count, parameters.iter().map(|p| p.size));
-        let seen = informed(fit, &units).0.scaled(&units);
-        self.hidden = seen.null_space(self.rank_first_order);
-        self.root = seen.root_covariance(self.rank_first_order);
+        let reduced = informed(fit, &units).0;
+        let reduced = self.products.as_ref().map_or_else(|| reduced.clone(), |of| beyond(&reduced, &units, of));
+        let rank = self.rank_first_order;
+        let seen = reduced.scaled(&units);
+        self.hidden = seen.null_space(rank);
+        self.root = seen.root_covariance(rank);
         self.units = units.clone();
         self.shared = self.shared.mapped(map);
         let map = DMatrix::from_fn(count, count, |i, j| map[(i, j)] * units[i] / units[j]);
@@ -338,7 +353,28 @@ impl Solution {
         self.estimates.iter_mut().zip(theta).for_each(|(estimate, value)| estimate.value = *value);
         self.estimate(fit);
         self.describe(parameters);
+        if near {
+            self.drown(&reduced, &map, (rank, parameters));
+        }
         self
+    }
+
+    /// Names what the noise drowns of the parameters in a datum, of which those of the fit are linear functions (`map`,
+    /// by displacements).
+    fn drown(&mut self, reduced: &ReducedSystem, map: &DMatrix<f64>, (rank, parameters): (usize, &[Parameter])) {
+        let sizes = &self.units;
+        let (scale, count) = (scale(reduced, sizes), sizes.len());
+        let sized = DMatrix::from_fn(reduced.r.nrows(), count, |i, j| reduced.r[(i, j)] / sizes[j]) * map;
+        let r = DMatrix::from_fn(sized.nrows(), count, |i, j| sized[(i, j)] * sizes[j]);
+        let unit = ReducedSystem { r, ..reduced.clone() }.scaled(&scale);
+        let rank = unit.rank(RANK).min(rank);
+        self.well_determined = heard(&unit, rank, reduced.rows);
+        self.condition = if rank > 0 { unit.values[0] / unit.values[rank - 1] } else { f64::INFINITY };
+        let along = |k: usize| {
+            map * unit.v.column(k).component_mul(sizes).component_div(&scale) * (self.sigma / unit.values[k])
+        };
+        let spreads: Vec<DVector<f64>> = (self.well_determined..rank).map(along).collect();
+        self.drowned = drowned(&spreads, &scale.component_div(sizes), &self.null, parameters);
     }
 
     /// Columns of a factor of the joint covariance of the first `count` parameters, in their units: independent parts,
@@ -407,6 +443,26 @@ fn with_known(reduced: &ReducedSystem, known: &DMatrix<f64>, sigma: f64) -> Redu
         return reduced.clone();
     }
     reduced.with_rows(&(known * sigma.max(MIN_SIGMA)), &DVector::zeros(known.nrows()))
+}
+
+/// The linear problem, blind to these directions (orthonormal columns, by displacements).
+fn beyond(reduced: &ReducedSystem, sizes: &DVector<f64>, directions: &DMatrix<f64>) -> ReducedSystem {
+    let (rows, count) = reduced.r.shape();
+    let sized = DMatrix::from_fn(rows, count, |i, j| reduced.r[(i, j)] / sizes[j]);
+    let blind = &sized - (&sized * directions) * directions.transpose();
+    ReducedSystem { r: DMatrix::from_fn(rows, count, |i, j| blind[(i, j)] * sizes[j]), ..reduced.clone() }
+}
+
+/// Orthonormal directions and what motions add to them.
+fn with_motions(free: &DMatrix<f64>, motions: &[DVector<f64>]) -> DMatrix<f64> {
+    let mut all: Vec<DVector<f64>> = free.column_iter().map(|column| column.into_owned()).collect();
+    for motion in motions {
+        let rest = beside(motion.clone(), &all);
+        if rest.norm() > ADDED * motion.norm() {
+            all.push(rest.normalize());
+        }
+    }
+    DMatrix::from_fn(free.nrows(), all.len(), |i, j| all[j][i])
 }
 
 /// The linear problem with what is known before the data, and how many readings the data have to spare then (Helmert):

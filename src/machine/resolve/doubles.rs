@@ -9,7 +9,7 @@ use crate::machine::{
     Approach, Axis, AxisKind, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, JointConvention, LocationAction,
     MachineParts, MotionSide, Travel, sin_cos_degrees,
 };
-use crate::syntax::SquarenessSite;
+use crate::syntax::{DatumEntry, DatumLine, SquarenessSite};
 use crate::units;
 use nalgebra::Vector3;
 
@@ -140,6 +140,8 @@ impl Doubles<'_> {
         };
         let line = fit(&|t| t);
         let at_home = line + 2.0 * fit(&|t| t * t - third) * t(0.0_f64.clamp(min, max));
+        let ends = 0.5 * (self.value(direction, max) - self.value(direction, min));
+        let (line, at_home) = if datum(context).line == DatumLine::EndPoints { (ends, ends) } else { (line, at_home) };
         let v0 = mean(samples.iter().map(|s| s.1));
         let peak = samples.iter().fold(0.0, |m: f64, s| m.max((s.1 - v0).abs()));
         let amount = common(line, at_home);
@@ -205,7 +207,7 @@ impl Doubles<'_> {
         let large = found.amount > LARGE * noise;
         // NaN compares as false and stays quiet.
         let counts = found.amount > noise && found.amount > MIN_FRACTION * found.peak;
-        let in_straightness = found.slope.is_some() && squareness_in_straightness(context);
+        let in_straightness = found.slope.is_some() && datum(context).squareness == SquarenessSite::Straightness;
         let steep = found.slope.is_some_and(|slope| slope.abs() > STEEP);
         if !counts || (rivals.is_empty() && (in_straightness || !(large || steep))) {
             return;
@@ -244,7 +246,8 @@ impl Doubles<'_> {
         );
         format!(
             "take the line off (`abbe import` does): it shows how the instrument stood. If its reference was an \
-             artefact of the machine, {value}, or say `identify: {{ datum: {{ squareness: in straightness }} }}`"
+             artefact of the machine, {value}, or say `identify: {{ datum: {{ squareness: in straightness }} }}`. A \
+             line through the end points is another: `datum: {{ line: end-points }}`"
         )
     }
 }
@@ -257,10 +260,9 @@ fn turning(convention: &JointConvention) -> f64 {
     }
 }
 
-/// True if the file holds squareness in the slopes of straightness.
-fn squareness_in_straightness(context: &Context<'_>) -> bool {
-    let datum = context.document.identify.as_ref().and_then(|identify| identify.datum);
-    datum.is_some_and(|datum| datum.squareness == SquarenessSite::Straightness)
+/// The datum of the file.
+fn datum(context: &Context<'_>) -> DatumEntry {
+    context.document.identify.as_ref().and_then(|identify| identify.datum).unwrap_or_default()
 }
 
 /// The smaller of two numbers of the same sign.
