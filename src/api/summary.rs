@@ -5,7 +5,7 @@ use super::show::{Arm, arms};
 use crate::machine::{AxisKind, Branch, Conventions, ErrorTerm, Travel};
 
 /// A machine in short, as `check` prints it.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct MachineSummary {
     /// Name of the machine.
     pub machine: String,
@@ -24,7 +24,7 @@ pub struct MachineSummary {
 }
 
 /// An axis in short.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct AxisSummary {
     /// Name of the axis.
     pub name: String,
@@ -47,7 +47,7 @@ pub struct AxisSummary {
 }
 
 /// Counts of the errors of a machine.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct ErrorCounts {
     /// Location errors with a value.
     pub location: usize,

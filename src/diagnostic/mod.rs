@@ -22,7 +22,7 @@ pub use suggest::{did_you_mean, nearest};
 use std::ops::Range;
 
 /// The effect of a diagnostic on the run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
     /// The run goes on.

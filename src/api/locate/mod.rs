@@ -29,7 +29,7 @@ pub struct LocateOptions {
 }
 
 /// Location errors that were found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct LocateResult {
     /// Name of the machine.
     pub machine: String,
@@ -43,7 +43,7 @@ pub struct LocateResult {
 }
 
 /// A location error.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct LocatedError {
     /// Its name.
     pub name: String,
