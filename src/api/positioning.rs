@@ -7,7 +7,7 @@ use crate::units::{Dimension, significant};
 use serde::{Deserialize, Serialize};
 
 /// Figures of one direction of approach, in the unit of the error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct OneWayAccuracy {
     /// Systematic deviation E of the direction.
     #[serde(rename = "E")]
@@ -29,7 +29,7 @@ impl OneWayAccuracy {
 }
 
 /// Figures of both directions of approach; none of a direction that was not measured.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct OneWayBoth {
     /// Approached with rising position.
     pub forward: Option<OneWayAccuracy>,
@@ -45,7 +45,7 @@ impl OneWayBoth {
 }
 
 /// Readings of one direction at a target, in the unit of the error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct ReadAtTarget {
     /// Their mean.
     pub mean: f64,
@@ -56,7 +56,7 @@ pub struct ReadAtTarget {
 }
 
 /// A target with its readings.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct MeasuredTarget {
     /// Position, mm or deg.
     pub position: f64,
@@ -134,7 +134,7 @@ pub(super) fn drawn_runs(axis: &str, subtitle: &str, slope_unit: Option<&str>, p
 }
 
 /// Expanded uncertainties, k = 2, in the unit of the error, after ISO 230-2 annex A: not verified against its text.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct AccuracyUncertainties {
     /// Uncertainty of E, of one direction and of both.
     #[serde(rename = "E")]
