@@ -2,7 +2,7 @@
 //!
 //! The page looks a question up here by its content; what is not here it asks its engine, if it has one.
 
-use super::machine_file::{Overlay, sources_of};
+use super::machine_file::{Overlay, bounded_only, sources_of};
 use super::report::ReportOptions;
 use super::run::{Call, Run};
 use super::sources::SourcesOptions;
@@ -14,6 +14,9 @@ use serde_json::{Map, Value, json};
 
 /// Maximum number of poses whose deviations the page knows by itself.
 const MAX_POSES: usize = 200;
+
+/// Number of machines that the page draws for what bounds lead to at a pose.
+const POSE_SAMPLES: usize = 300;
 
 /// Returns the content of the element `start` of a page with these machines.
 pub(super) fn start(call: &Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Value {
@@ -66,10 +69,12 @@ fn asked(file: &MachineFile, options: &ReportOptions, settings: &Value, files: &
     let answers = ask(&questions);
     let poses = poses(file, &answers);
     let deviations = ask(&[json!({"eval": {"poses": poses}})]).pop();
+    let rows = json!({"rows": {"poses": {"listed": poses}, "samples": POSE_SAMPLES}});
+    let rows = bounded_only(file).and_then(|_| ask(&[rows]).pop());
     let text = file.sources().iter().next().map_or("", |(_, text)| text);
     let known: Vec<Value> = questions.iter().zip(&answers).map(|(q, a)| json!({"question": q, "answer": a})).collect();
     json!({"machine": file.path(), "tool": tool, "text": text, "known": known,
-        "eval": {"poses": poses, "answer": deviations}})
+        "eval": {"poses": poses, "answer": deviations, "samples": POSE_SAMPLES, "rows": rows}})
 }
 
 /// Returns the questions of the page when it is opened, and those of its panels.

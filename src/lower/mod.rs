@@ -20,4 +20,7 @@ pub use generators::{DeclaredAlgebra, NamedSource, WeilLift, named_sources, unit
 pub use joint::{JointElements, Position, error_motion, invert_if, joint};
 pub use source::{ErrorLift, ErrorSite, ErrorValues, Exact, OrderN, Source, values};
 pub use tangent::{actual_point, point, position_jacobian};
-pub use twist::{Quantity, Sensitivity, SideWeights, Twist, TwistMap, sensitivities, sensitivities_to, twists};
+pub use twist::{
+    JointError, NominalJoints, Quantity, Sensitivity, SideWeights, Twist, TwistMap, sensitivities, sensitivities_to,
+    twists,
+};

@@ -46,24 +46,62 @@ pub struct SideWeights {
 
 /// The maps of all axes at a pose (mm, deg) on the walk, then of the spindle.
 pub fn twists(machine: &Machine, pose: &[f64], quantity: Quantity) -> Vec<Twist> {
-    let axes = machine.axes();
-    let mut after = vec![Vector3::from(machine.tool().tip)];
-    for (axis, q) in axes.iter().zip(pose).rev() {
-        let point = after[after.len() - 1];
-        after.push(moved(axis, *q, &point));
+    let map = |side: &JointSide| side.map(quantity);
+    JointSide::of_all(machine, pose)
+        .iter()
+        .map(|[outer, inner]| Twist { outer: map(outer), inner: map(inner) })
+        .collect()
+}
+
+/// A side of a joint at a pose: the nominal rotation up to it, and the arm to the functional point.
+#[derive(Debug, Clone, Copy)]
+struct JointSide {
+    rotation: Matrix3<f64>,
+    arm: Vector3<f64>,
+}
+
+impl JointSide {
+    /// Returns the outer and the inner side of all axes at a pose (mm, deg) on the walk, then of the spindle.
+    fn of_all(machine: &Machine, pose: &[f64]) -> Vec<[Self; 2]> {
+        let axes = machine.axes();
+        let turns: Vec<Matrix3<f64>> = axes.iter().zip(pose).map(|(axis, q)| turned(axis, *q)).collect();
+        let tip = Vector3::from(machine.tool().tip);
+        let mut after = vec![tip];
+        for ((axis, q), turn) in axes.iter().zip(pose).zip(&turns).rev() {
+            let point = after[after.len() - 1];
+            after.push(moved(axis, *q, turn, &point));
+        }
+        after.reverse();
+        let mut rotation = Matrix3::identity();
+        let mut all = Vec::with_capacity(axes.len() + 1);
+        for (i, (axis, turn)) in axes.iter().zip(&turns).enumerate() {
+            let origin = Vector3::from(axis.origin);
+            let outer = Self { rotation, arm: after[i] - origin };
+            rotation *= turn;
+            all.push([outer, Self { rotation, arm: after[i + 1] - origin }]);
+        }
+        all.push([Self { rotation, arm: tip - Vector3::from(machine.tool().gauge) }; 2]);
+        all
     }
-    after.reverse();
-    let mut rotation = Matrix3::identity();
-    let mut all = Vec::with_capacity(axes.len() + 1);
-    for (i, (axis, q)) in axes.iter().zip(pose).enumerate() {
-        let origin = Vector3::from(axis.origin);
-        let outer = map(&rotation, &(after[i] - origin), quantity);
-        rotation *= turned(axis, *q);
-        all.push(Twist { outer, inner: map(&rotation, &(after[i + 1] - origin), quantity) });
+
+    /// Returns a column of the map: `R e_k` for a translation and `R (e_k x r)` for a rotation; of the orientation,
+    /// `R e_k` for a rotation.
+    fn column(&self, letter: usize, quantity: Quantity) -> Vector3<f64> {
+        let k = letter % 3;
+        let (next, last) = ((k + 1) % 3, (k + 2) % 3);
+        match (quantity, letter >= 3) {
+            (Quantity::Position, true) => {
+                self.rotation.column(last) * self.arm[next] - self.rotation.column(next) * self.arm[last]
+            }
+            (Quantity::Rotation, false) => Vector3::zeros(),
+            _ => self.rotation.column(k).into_owned(),
+        }
     }
-    let spindle = map(&rotation, &(Vector3::from(machine.tool().tip) - Vector3::from(machine.tool().gauge)), quantity);
-    all.push(Twist { outer: spindle, inner: spindle });
-    all
+
+    fn map(&self, quantity: Quantity) -> TwistMap {
+        let columns: [Vector3<f64>; 6] = std::array::from_fn(|letter| self.column(letter, quantity));
+        std::array::from_fn(|i| columns.map(|column| column[i]))
+    }
 }
 
 fn turned(axis: &Axis, q: f64) -> Matrix3<f64> {
@@ -77,30 +115,14 @@ fn turned(axis: &Axis, q: f64) -> Matrix3<f64> {
 }
 
 /// Applies the nominal motion to a point.
-fn moved(axis: &Axis, q: f64, point: &Vector3<f64>) -> Vector3<f64> {
+fn moved(axis: &Axis, q: f64, turn: &Matrix3<f64>, point: &Vector3<f64>) -> Vector3<f64> {
     match axis.kind {
         AxisKind::Linear => point + Vector3::from(axis.direction) * (axis.sign() * q),
         AxisKind::Rotary => {
             let origin = Vector3::from(axis.origin);
-            origin + turned(axis, q) * (point - origin)
+            origin + turn * (point - origin)
         }
     }
-}
-
-/// Columns `R e_k` for translations and `R (e_k x r)` for rotations; of the orientation, `R e_k` for rotations.
-fn map(r: &Matrix3<f64>, arm: &Vector3<f64>, quantity: Quantity) -> TwistMap {
-    let mut map = [[0.0; 6]; 3];
-    for k in 0..3 {
-        let column = r.column(k);
-        let lever = r * Vector3::ith(k, 1.0).cross(arm);
-        for (i, row) in map.iter_mut().enumerate() {
-            (row[k], row[k + 3]) = match quantity {
-                Quantity::Position => (column[i], lever[i]),
-                Quantity::Rotation => (0.0, column[i]),
-            };
-        }
-    }
-    map
 }
 
 impl SideWeights {
@@ -129,11 +151,55 @@ impl SideWeights {
 
     /// Returns the map of an error with these weights.
     pub fn map(self, twist: &Twist) -> TwistMap {
-        std::array::from_fn(|i| std::array::from_fn(|k| self.entry(twist, i, k)))
+        let entry = |i: usize, k: usize| self.outer * twist.outer[i][k] + self.inner * twist.inner[i][k];
+        std::array::from_fn(|i| std::array::from_fn(|k| entry(i, k)))
+    }
+}
+
+/// A machine at a pose: what first-order effects of its errors hang on.
+#[derive(Debug, Clone)]
+pub struct NominalJoints(Vec<[JointSide; 2]>);
+
+impl NominalJoints {
+    /// Returns the joints of a machine at a pose (mm, deg).
+    pub fn at(machine: &Machine, pose: &[f64]) -> Self {
+        Self(JointSide::of_all(machine, pose))
+    }
+}
+
+/// An error of a joint, looked up once for many poses.
+#[derive(Debug, Clone, Copy)]
+pub struct JointError {
+    joint: usize,
+    letter: usize,
+    weights: SideWeights,
+}
+
+impl JointError {
+    /// Returns an error of an axis or the spindle of the chain.
+    pub fn new(machine: &Machine, error: &ErrorId) -> Self {
+        let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
+        let weights = match (machine.axes().get(joint), error.family) {
+            (Some(axis), ErrorFamily::Location) => SideWeights::location(axis, machine.conventions()),
+            (Some(axis), ErrorFamily::Component) => SideWeights::component(axis, machine.conventions()),
+            (None, _) => SideWeights::SPINDLE,
+        };
+        Self { joint, letter: error.direction.index(), weights }
     }
 
-    fn entry(self, twist: &Twist, i: usize, k: usize) -> f64 {
-        self.outer * twist.outer[i][k] + self.inner * twist.inner[i][k]
+    /// Returns the position of its axis at a pose; 0 for the spindle.
+    pub fn position(&self, pose: &[f64]) -> f64 {
+        pose.get(self.joint).copied().unwrap_or_default()
+    }
+
+    /// Returns the effect of one unit of it (per mm or rad), unturned workpiece frame.
+    pub fn effect(&self, joints: &NominalJoints, quantity: Quantity) -> Vector3<f64> {
+        let [outer, inner] = &joints.0[self.joint];
+        let of = |side: &JointSide, weight: f64| match weight {
+            0.0 => Vector3::zeros(),
+            _ => side.column(self.letter, quantity) * weight,
+        };
+        of(outer, self.weights.outer) + of(inner, self.weights.inner)
     }
 }
 
@@ -156,17 +222,11 @@ pub fn sensitivities(machine: &Machine, pose: &[f64], wanted: impl Fn(&ErrorId) 
 
 /// Returns the sensitivities to any errors of the chain's axes and spindle, given in the machine file or not.
 pub fn sensitivities_to(machine: &Machine, pose: &[f64], errors: &[ErrorId]) -> Vec<Sensitivity> {
-    let [position, rotation] = [Quantity::Position, Quantity::Rotation].map(|q| twists(machine, pose, q));
-    let one = |error: &ErrorId| {
-        let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
-        let weights = match (machine.axes().get(joint), error.family) {
-            (Some(axis), ErrorFamily::Location) => SideWeights::location(axis, machine.conventions()),
-            (Some(axis), ErrorFamily::Component) => SideWeights::component(axis, machine.conventions()),
-            (None, _) => SideWeights::SPINDLE,
-        };
-        let column =
-            |twists: &[Twist]| Vector3::from_fn(|i, _| weights.entry(&twists[joint], i, error.direction.index()));
-        Sensitivity { error: error.clone(), deviation: column(&position), rotation: column(&rotation) }
+    let joints = NominalJoints::at(machine, pose);
+    let one = |id: &ErrorId| {
+        let error = JointError::new(machine, id);
+        let [deviation, rotation] = [Quantity::Position, Quantity::Rotation].map(|of| error.effect(&joints, of));
+        Sensitivity { error: id.clone(), deviation, rotation }
     };
     errors.iter().map(one).collect()
 }

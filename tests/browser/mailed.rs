@@ -2,7 +2,7 @@
 
 use crate::driver::Browser;
 use crate::watch::wait;
-use crate::workbench::Bench;
+use crate::workbench::{BOUNDED, Bench};
 use crate::{Folder, abbe, kept, report};
 use std::path::{Path, PathBuf};
 
@@ -89,6 +89,31 @@ pub fn read_only() {
         !bench.browser.run("return document.querySelector('.cm-content').innerText;").as_str().unwrap().contains("77")
     );
     assert_eq!(bench.browser.run("return document.getElementById('save');"), serde_json::Value::Null);
+    bench.quiet();
+}
+
+/// Without an engine a machine that is only bounded has its values at the poses that the page leads to; elsewhere the
+/// page says that it has none.
+pub fn bounded() {
+    let folder = Folder::new("mailed-bounded");
+    let [machine, work] = ["m.yaml", "zero.csv"].map(|name| folder.0.join(name));
+    std::fs::write(&machine, BOUNDED).unwrap();
+    std::fs::write(&work, "X,Y,Z\n0,0,0\n").unwrap();
+    let page = report(&folder.0, "page.html", &[machine.to_str().unwrap()]);
+    let bench = Bench::mailed("mailed-bounds", &page, "trunnion.yaml");
+    std::fs::write(&bench.file, BOUNDED).unwrap();
+    let zero = bench.command("map", &["--tool-poses", work.to_str().unwrap(), "--samples", "300"]);
+    let here = "return document.querySelector('[data-at=here]')?.dataset.value ?? '';";
+    bench.click("zero");
+    let expected = zero["position_um"]["max"].as_f64().unwrap();
+    wait(&bench.browser, &format!("return Math.abs((() => {{ {here} }})() - {expected}) < 1e-9;"));
+    let slide = "const axis = document.querySelector('#axes input'); axis.value = '123'; \
+        for (const kind of ['input', 'change']) axis.dispatchEvent(new Event(kind));";
+    let _ = bench.browser.run(slide);
+    let says = "document.getElementById('legend').textContent.includes('No value at this pose.')";
+    wait(&bench.browser, &format!("return {says} && document.querySelector('[data-at=here]') === null;"));
+    bench.click("worst");
+    wait(&bench.browser, &format!("return !{says} && document.querySelector('[data-at=here]') !== null;"));
     bench.quiet();
 }
 

@@ -21,7 +21,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 32] = [
+const CHECKS: [checks::Check; 33] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -29,6 +29,7 @@ const CHECKS: [checks::Check; 32] = [
     ("controls and pictures have names", page::names),
     ("text from the machine file is text", page::hostile),
     ("a report without an engine shows its figures and changes nothing", mailed::read_only),
+    ("a report of bounds says where it has no value", mailed::bounded),
     ("screenshots of a report", mailed::screenshots),
     ("the workbench follows the files on the disk, and writes over nothing", watch::refreshes),
     ("the workbench shows the numbers of the command line, before and after edits", workbench::numbers),

@@ -264,12 +264,19 @@ pub fn downloads() {
     std::fs::create_dir_all(&folder).unwrap();
     let allow = json!({"behavior": "allow", "downloadPath": folder});
     let _ = bench.browser.devtools("Browser.setDownloadBehavior", &allow);
-    for (label, name) in [("CSV", "errors.csv"), ("SVG", "errors.svg"), ("PNG", "errors.png")] {
+    bench.click("tab-acceptance");
+    wait(&bench.browser, "return document.querySelector('#panel-acceptance .files') !== null;");
+    const ERRORS: &str = "error,words,um\nEY0C,Position of the line of C in Y.,17.9";
+    const TEST: &str = "row,column,value,unit\n\"XY, 100 mm\",";
+    let panels = [("errors", ERRORS, "EY0C"), ("acceptance", TEST, "Ball")];
+    let files = panels.iter().flat_map(|panel| ["CSV", "SVG", "PNG"].map(|label| (panel, label)));
+    for ((panel, csv, word), label) in files {
         let find = format!(
-            "[...document.querySelectorAll('#panel-errors button')].find((b) => b.textContent === '{label}').click();"
+            "[...document.querySelectorAll('#panel-{panel} button')].find((b) => b.textContent === '{label}').click();"
         );
         let _ = bench.browser.run(&find);
-        let file = folder.join(name);
+        let name = format!("{panel}.{}", label.to_lowercase());
+        let file = folder.join(&name);
         for _ in 0..100 {
             if file.exists() {
                 break;
@@ -277,12 +284,14 @@ pub fn downloads() {
             std::thread::sleep(std::time::Duration::from_millis(50));
         }
         let bytes = std::fs::read(&file).unwrap();
-        let begins: &[u8] = match label {
-            "CSV" => b"error,words,um\nEY0C,Position of the line of C in Y.,17.9",
+        let begins = match label {
+            "CSV" => csv.as_bytes(),
             "SVG" => b"<svg xmlns=",
             _ => b"\x89PNG",
         };
-        assert!(bytes.starts_with(begins), "{name}: {}", String::from_utf8_lossy(&bytes[..bytes.len().min(80)]));
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(bytes.starts_with(begins), "{name}: {}", &text[..text.len().min(80)]);
+        assert!(label != "SVG" || text.contains(word), "{name} names {word}");
     }
     bench.quiet();
 }

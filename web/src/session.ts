@@ -51,8 +51,11 @@ export interface Effort {
   samples: number;
 }
 
-export const DRAFT: Effort = { draft: true, poses: 300, samples: 100 };
 export const FULL: Effort = { draft: false, poses: 2000, samples: 1000 };
+
+/** Of errors that are measured; what bounds lead to takes every drawn machine at every pose. */
+const DRAFT: Effort = { draft: true, poses: 2000, samples: 100 };
+const BOUNDED_DRAFT: Effort = { ...DRAFT, poses: 300 };
 
 /** Largest number of poses of `sources`. */
 const MOST_SOURCE_POSES = 10_000;
@@ -77,11 +80,11 @@ export class Session {
   kept = "";
   private text = "";
   private tool = "";
-  private readonly keptFindings = new Map<Effort, Findings | null>();
+  /** By effort. */
+  private readonly keptFindings = new Map<string, Findings | null>();
   private now: Findings | null = null;
   private wish: Effort | null = null;
   private busy = false;
-  private effort = FULL;
 
   constructor(
     private readonly evaluator: Evaluator,
@@ -119,7 +122,7 @@ export class Session {
 
   change(text: string, draft: boolean): void {
     this.text = text;
-    this.wish = draft ? DRAFT : this.full;
+    this.wish = this.effort(draft);
     void this.work();
   }
 
@@ -139,10 +142,11 @@ export class Session {
     return this.machine.replace(/[^/\\]*$/, "") + name;
   }
 
-  private get full(): Effort {
+  private effort(draft: boolean): Effort {
     const { poses, samples } = this.settings;
-    if (this.effort.poses !== poses || this.effort.samples !== samples) this.effort = { ...FULL, poses, samples };
-    return this.effort;
+    if (!draft) return { ...FULL, poses, samples };
+    const few = this.now?.map?.from === "bounds" ? BOUNDED_DRAFT : DRAFT;
+    return { draft, poses: Math.min(few.poses, poses), samples: Math.min(few.samples, samples) };
   }
 
   private request(text: string, questions: Question[]): Request {
@@ -173,37 +177,38 @@ export class Session {
   }
 
   private async ofKept(effort: Effort): Promise<Findings | null> {
-    const known = this.keptFindings.get(effort);
+    const key = JSON.stringify(effort);
+    const known = this.keptFindings.get(key);
     if (known !== undefined) return known;
     const { findings } = await this.findings(this.kept, effort);
-    this.keptFindings.set(effort, findings);
+    this.keptFindings.set(key, findings);
     return findings;
   }
 
   private async findings(
     text: string,
-    effort: Effort,
+    { draft, poses, samples }: Effort,
   ): Promise<{ diagnostics: Diagnostic[]; findings: Findings | null }> {
-    const { poses, samples } = effort;
     const { map, sources, budget } = this.settings;
+    // A slider changes no name.
+    const names = draft ? this.now : null;
     const questions: Question[] = [
       "show",
-      "words",
-      "numbers",
       { map: { ...map, poses: { random: poses }, worst: 5, samples } },
-      { sources: { ...sources, poses: Math.min(poses, MOST_SOURCE_POSES) } },
       { budget: { ...budget, samples } },
+      { sources: { ...sources, poses: Math.min(poses, MOST_SOURCE_POSES) } },
+      ...(names ? [] : (["words", "numbers"] as const)),
     ];
     const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
     const chain = accepted<Chain>(answers[0]);
     if (!chain) return { diagnostics, findings: null };
     const findings = {
       chain,
-      words: accepted<Record<string, string>>(answers[1]) ?? {},
-      numbers: accepted<Record<string, ErrorNumber>>(answers[2]) ?? {},
-      map: accepted<VolumeMap>(answers[3]),
-      sources: accepted<Sources>(answers[4]),
-      budget: accepted<Budget>(answers[5]),
+      map: accepted<VolumeMap>(answers[1]),
+      budget: accepted<Budget>(answers[2]),
+      sources: accepted<Sources>(answers[3]),
+      words: names?.words ?? accepted<Record<string, string>>(answers[4]) ?? {},
+      numbers: names?.numbers ?? accepted<Record<string, ErrorNumber>>(answers[5]) ?? {},
     };
     return { diagnostics, findings };
   }

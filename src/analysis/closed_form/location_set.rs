@@ -6,7 +6,7 @@
 //! spindle's own EC0S, is not.
 
 use crate::evaluate::{Poses, Random};
-use crate::lower::{NominalPose, sensitivities_to};
+use crate::lower::{JointError, NominalJoints, NominalPose, Quantity};
 use crate::machine::{Axis, AxisKind, AxisName, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine};
 use nalgebra::{DMatrix, Vector3};
 
@@ -149,8 +149,8 @@ fn nearest(axis: &Axis) -> usize {
 }
 
 /// The letters of a candidate that are not zero, with its index.
-fn letters_of((index, of): (usize, &Displacement)) -> Vec<(usize, f64, ErrorId)> {
-    let id = |direction| ErrorId { axis: of.axis.clone(), family: of.family, direction };
+fn letters_of(machine: &Machine, (index, of): (usize, &Displacement)) -> Vec<(usize, f64, JointError)> {
+    let id = |direction| JointError::new(machine, &ErrorId { axis: of.axis.clone(), family: of.family, direction });
     let parts = Direction::ALL.into_iter().zip(of.letters).filter(|(_, factor)| *factor != 0.0);
     parts.map(|(direction, factor)| (index, factor, id(direction))).collect()
 }
@@ -165,8 +165,8 @@ struct Columns {
 impl Columns {
     fn new(machine: &Machine, candidates: &[Displacement]) -> Self {
         let mut columns = vec![Vec::new(); candidates.len()];
-        let letters: Vec<(usize, f64, ErrorId)> = candidates.iter().enumerate().flat_map(letters_of).collect();
-        let ids: Vec<ErrorId> = letters.iter().map(|(.., id)| id.clone()).collect();
+        let letters: Vec<(usize, f64, JointError)> =
+            candidates.iter().enumerate().flat_map(|candidate| letters_of(machine, candidate)).collect();
         let mut setup = vec![Vec::new(); 6];
         let intervals = machine.axes().iter().map(|axis| axis.travel.interval()).collect();
         for pose in Poses::Random(Random::new(intervals, POSES, 0)).iter() {
@@ -178,9 +178,10 @@ impl Columns {
                 column.extend(d.iter().chain((d + w.cross(&along)).iter()));
             };
             let mut effects = vec![(Vector3::zeros(), Vector3::zeros()); candidates.len()];
-            for (s, (i, factor, _)) in sensitivities_to(machine, &pose, &ids).iter().zip(&letters) {
-                effects[*i].0 += s.deviation * *factor;
-                effects[*i].1 += s.rotation * *factor;
+            let joints = NominalJoints::at(machine, &pose);
+            for (i, factor, error) in &letters {
+                effects[*i].0 += error.effect(&joints, Quantity::Position) * *factor;
+                effects[*i].1 += error.effect(&joints, Quantity::Rotation) * *factor;
             }
             columns.iter_mut().zip(effects).for_each(|(column, (d, w))| push(column, d, w));
             for i in 0..3 {

@@ -1,8 +1,8 @@
 //! Deviations by each error alone over a volume, to first order.
 
-use crate::evaluate::{Deviation, Field, Poses, Summary, error_by_error};
-use crate::machine::{Approach, ErrorId, ErrorTerm, Machine};
-use nalgebra::Vector3;
+use crate::evaluate::{Field, Poses, Summary};
+use crate::lower::{JointError, NominalJoints, Quantity};
+use crate::machine::{Approach, ErrorId, ErrorTerm, Pose};
 use rayon::prelude::*;
 
 /// Statistics of the deviations by one error alone.
@@ -23,28 +23,33 @@ pub struct ErrorStatistics {
 /// is the pose (mm, deg) of [`ErrorStatistics::along`].
 pub fn error_statistics(field: &dyn Field, poses: &Poses, worst: &[f64], approach: Approach) -> Vec<ErrorStatistics> {
     let machine = field.machine();
-    let rows: Vec<Vec<Deviation>> = (0..poses.len())
-        .into_par_iter()
-        .map(|i| error_by_error(machine, &poses.get(i), approach).into_iter().map(|(_, d)| d).collect())
-        .collect();
-    let all = field.deviation(worst, approach).position.try_normalize(0.0).unwrap_or_default();
-    let at_worst = error_by_error(machine, worst, approach);
-    let column = |k: usize, pick: fn(&Deviation) -> Vector3<f64>| -> Summary {
-        Summary::of(&rows.iter().map(|row| pick(&row[k])).collect::<Vec<_>>())
+    let visit = |pose: Pose| (NominalJoints::at(machine, &pose), pose);
+    // What hangs on the geometry alone is computed once a pose, for all errors.
+    let visits: Vec<Visit> = (0..poses.len()).into_par_iter().map(|i| visit(poses.get(i))).collect();
+    let worst = visit(worst.to_vec());
+    let all = field.deviation(&worst.1, approach).position.try_normalize(0.0).unwrap_or_default();
+    let valued: Vec<(ErrorId, &ErrorTerm)> =
+        machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).collect();
+    let source = |(id, term): &(ErrorId, &ErrorTerm)| {
+        let error = JointError::new(machine, id);
+        let value = |pose: &Pose| term.value(error.position(pose), approach);
+        let values: Vec<f64> = visits.iter().map(|(_, pose)| value(pose)).collect();
+        let summary = |quantity, unit: f64| {
+            let effect = |((joints, _), value): (&Visit, &f64)| error.effect(joints, quantity) * *value * unit;
+            Summary::of(&visits.iter().zip(&values).map(effect).collect::<Vec<_>>())
+        };
+        let along = error.effect(&worst.0, Quantity::Position) * value(&worst.1);
+        ErrorStatistics {
+            error: id.clone(),
+            position: summary(Quantity::Position, 1e3),
+            rotation: summary(Quantity::Rotation, 1e6),
+            along: along.dot(&all) * 1e3,
+        }
     };
-    let source = |k: usize| ErrorStatistics {
-        error: at_worst[k].0.clone(),
-        position: column(k, |d| d.position * 1e3),
-        rotation: column(k, |d| d.rotation * 1e6),
-        along: at_worst[k].1.position.dot(&all) * 1e3,
-    };
-    let mut sources: Vec<ErrorStatistics> = known(machine).into_iter().map(source).collect();
+    let mut sources: Vec<ErrorStatistics> = valued.par_iter().map(source).collect();
     sources.sort_by(|a, b| b.position.p95.total_cmp(&a.position.p95));
     sources
 }
 
-/// Returns the indices in [`Machine::errors`] of those that have a value: tolerances have none.
-fn known(machine: &Machine) -> Vec<usize> {
-    let valued = |(_, (_, term)): &(usize, (ErrorId, &ErrorTerm))| !matches!(term, ErrorTerm::Tolerance(_));
-    machine.errors().enumerate().filter(valued).map(|(k, _)| k).collect()
-}
+/// A pose (mm, deg) with the joints there.
+type Visit = (NominalJoints, Pose);

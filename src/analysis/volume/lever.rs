@@ -2,7 +2,7 @@
 
 use crate::analysis::design::budget::{Bound, bounds};
 use crate::evaluate::{Poses, Random};
-use crate::lower::sensitivities_to;
+use crate::lower::{JointError, NominalJoints, Quantity};
 use crate::machine::{Approach, AxisName, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, Pose};
 use nalgebra::Vector3;
 
@@ -23,11 +23,12 @@ const MAX_CORNER_AXES: usize = 10;
 
 /// Returns the lever arms of all axes, in their order.
 pub fn levers(machine: &Machine) -> Vec<Lever> {
+    let arms = Arms::new(machine);
     let zero = vec![0.0; machine.axes().len()];
     let mut levers: Vec<Lever> =
-        arms(machine, &zero).into_iter().map(|at_zero| Lever { at_zero, longest: at_zero }).collect();
+        arms.at(machine, &zero).into_iter().map(|at_zero| Lever { at_zero, longest: at_zero }).collect();
     for pose in corners(machine).into_iter().chain(Poses::Random(Random::of(machine, RANDOM_POSES, 0)).iter()) {
-        for (lever, arm) in levers.iter_mut().zip(arms(machine, &pose)) {
+        for (lever, arm) in levers.iter_mut().zip(arms.at(machine, &pose)) {
             lever.longest = lever.longest.max(arm);
         }
     }
@@ -39,8 +40,10 @@ pub fn levers(machine: &Machine) -> Vec<Lever> {
 /// `None` for a machine without errors.
 pub fn arm_shares(machine: &Machine) -> Option<Vec<f64>> {
     let terms: Vec<(ErrorId, &ErrorTerm)> = machine.errors().collect();
-    let ids: Vec<ErrorId> = terms.iter().map(|(id, _)| id.clone()).collect();
+    let errors: Vec<JointError> = terms.iter().map(|(id, _)| JointError::new(machine, id)).collect();
     let framed: Vec<Bound> = bounds(machine, None).into_iter().filter(|bound| !bound.by_letter).collect();
+    let letters = |bound: &Bound| bound.letter_ids().map(|id| JointError::new(machine, &id));
+    let framed: Vec<(&Bound, [JointError; 3])> = framed.iter().map(|bound| (bound, letters(bound))).collect();
     let mut squares = vec![0.0; machine.axes().len()];
     let mut total = 0.0;
     let mut count = |id: &ErrorId, square: f64| {
@@ -51,36 +54,42 @@ pub fn arm_shares(machine: &Machine) -> Option<Vec<f64>> {
         }
     };
     for pose in Poses::Random(Random::of(machine, RANDOM_POSES, 0)).iter() {
-        for (s, (id, term)) in sensitivities_to(machine, &pose, &ids).iter().zip(&terms) {
-            let position = machine.axis_index(id.axis.as_str()).map_or(0.0, |axis| pose[axis]);
+        let joints = NominalJoints::at(machine, &pose);
+        let effect = |error: &JointError| error.effect(&joints, Quantity::Position);
+        for (error, (id, term)) in errors.iter().zip(&terms) {
             let size = match term {
                 ErrorTerm::Tolerance(bound) => *bound,
-                term => term.value(position, Approach::Mean),
+                term => term.value(error.position(&pose), Approach::Mean),
             };
-            count(id, s.deviation.norm_squared() * size * size);
+            count(id, effect(error).norm_squared() * size * size);
         }
-        for bound in &framed {
-            let of_letters = sensitivities_to(machine, &pose, &bound.letter_ids());
-            let parts = of_letters.iter().zip(bound.direction).map(|(s, part)| s.deviation * part);
+        for (bound, letters) in &framed {
+            let parts = letters.iter().zip(bound.direction).map(|(error, part)| effect(error) * part);
             count(&bound.error, parts.sum::<Vector3<f64>>().norm_squared() * bound.tolerance * bound.tolerance);
         }
     }
     (total > 0.0).then(|| squares.into_iter().map(|square| square / total).collect())
 }
 
-/// Returns the arms at a pose, mm. With r the arm, unit rotations about three perpendicular directions displace by
-/// vectors whose squared lengths sum up to 2 r^2; so the arm is the same in every convention.
-fn arms(machine: &Machine, pose: &[f64]) -> Vec<f64> {
-    let tilts = |axis: &AxisName| -> Vec<ErrorId> {
-        let tilt = |d: &Direction| ErrorId { axis: axis.clone(), family: ErrorFamily::Component, direction: *d };
-        Direction::ALL[3..].iter().map(tilt).collect()
-    };
-    let ids: Vec<ErrorId> = machine.axes().iter().flat_map(|axis| tilts(&axis.name)).collect();
-    let sensitivities = sensitivities_to(machine, pose, &ids);
-    sensitivities
-        .chunks(3)
-        .map(|three| (three.iter().map(|s| s.deviation.norm_squared()).sum::<f64>() / 2.0).sqrt())
-        .collect()
+/// The angular component errors of every axis.
+struct Arms(Vec<[JointError; 3]>);
+
+impl Arms {
+    fn new(machine: &Machine) -> Self {
+        let tilts = |axis: &AxisName| {
+            let tilt = |direction| ErrorId { axis: axis.clone(), family: ErrorFamily::Component, direction };
+            [Direction::A, Direction::B, Direction::C].map(|direction| JointError::new(machine, &tilt(direction)))
+        };
+        Self(machine.axes().iter().map(|axis| tilts(&axis.name)).collect())
+    }
+
+    /// Returns the arms at a pose, mm. With r the arm, unit rotations about three perpendicular directions displace by
+    /// vectors whose squared lengths sum up to 2 r^2; so the arm is the same in every convention.
+    fn at(&self, machine: &Machine, pose: &[f64]) -> Vec<f64> {
+        let joints = NominalJoints::at(machine, pose);
+        let square = |error: &JointError| error.effect(&joints, Quantity::Position).norm_squared();
+        self.0.iter().map(|three| (three.iter().map(square).sum::<f64>() / 2.0).sqrt()).collect()
+    }
 }
 
 fn corners(machine: &Machine) -> Vec<Pose> {

@@ -93,7 +93,8 @@ impl Doubles<'_> {
     }
 
     fn value(&self, direction: Direction, position: f64) -> f64 {
-        self.parts.errors[self.index].component_values(position, Approach::Mean)[direction.index()]
+        let term = &self.parts.errors[self.index].component[direction.index()];
+        term.as_ref().map_or(0.0, |term| term.value(position, Approach::Mean))
     }
 
     /// (position, value) over the travel.

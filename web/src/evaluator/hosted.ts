@@ -1,4 +1,4 @@
-/** The library in a worker, with files in memory. */
+/** The library in workers, with files in memory: a second one starts when the first is busy, and shares the work. */
 
 import type { FromWorker, ToWorker } from "./worker";
 import type { Evaluator, Reply, Request } from "./types";
@@ -6,7 +6,33 @@ import EngineWorker from "./worker?worker&inline";
 
 type Waiting = { resolve: (reply: Reply) => void; reject: (failure: Error) => void };
 
+/** More of them would ask for more cores than a meeting's laptop has to spare. */
+const MOST_WORKERS = 2;
+
 export class Hosted implements Evaluator {
+  private readonly engines: HostedEngine[] = [];
+
+  constructor(
+    private readonly module: WebAssembly.Module,
+    private readonly files: Record<string, string>,
+  ) {}
+
+  ask(request: Request): Promise<Reply> {
+    return this.free().ask(request);
+  }
+
+  private free(): HostedEngine {
+    const [free] = [...this.engines].sort((a, b) => a.load - b.load);
+    const most = Math.min(MOST_WORKERS, navigator.hardwareConcurrency || 1);
+    if (free && (free.load === 0 || this.engines.length >= most)) return free;
+    const started = new HostedEngine(this.module, this.files);
+    this.engines.push(started);
+    return started;
+  }
+}
+
+/** An engine in a worker. */
+class HostedEngine {
   private readonly waiting = new Map<number, Waiting>();
   private worker: Worker;
   private last = 0;
@@ -16,6 +42,11 @@ export class Hosted implements Evaluator {
     private readonly files: Record<string, string>,
   ) {
     this.worker = this.started();
+  }
+
+  /** Number of requests without an answer. */
+  get load(): number {
+    return this.waiting.size;
   }
 
   ask(request: Request): Promise<Reply> {

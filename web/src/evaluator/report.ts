@@ -4,7 +4,7 @@
  */
 
 import { Hosted } from "./hosted";
-import type { Evaluated, Evaluator, OpenFile, Question, Reply, Request, Settings, Store } from "./types";
+import type { Evaluated, Evaluator, OpenFile, Question, Reply, Request, Rows, Settings, Store } from "./types";
 import { type Variant, variants } from "./variants";
 import { save as download } from "../ui/download";
 
@@ -14,7 +14,8 @@ interface ReportMachine {
   tool: string | null;
   text: string;
   known: { question: Question; answer: unknown }[];
-  eval: { poses: number[][]; answer: Evaluated | undefined };
+  /** At poses that the page leads to; `rows` of a machine that is only bounded, with this number of drawn machines. */
+  eval: { poses: number[][]; answer: Evaluated | undefined; samples: number; rows: Rows | null };
 }
 
 /** What the program put into the page. */
@@ -135,15 +136,25 @@ function policy(): string {
 }
 
 function answer(machine: ReportMachine, question: Question): unknown {
-  if (typeof question === "object" && "eval" in question) return evaluated(machine, question.eval.poses);
+  const { answer: known, rows, samples } = machine.eval;
+  if (typeof question === "object" && "eval" in question) {
+    const poses = chosen(machine, question.eval.poses, known?.poses);
+    return poses && { ...known, poses };
+  }
+  if (typeof question === "object" && "rows" in question) {
+    const { poses: of, target, ...more } = question.rows;
+    const poses = more.samples === samples && !target ? chosen(machine, of.listed, rows?.rows.poses) : undefined;
+    return poses && { rows: { poses } };
+  }
   const key = canonical(question);
   return machine.known.find((of) => canonical(of.question) === key)?.answer;
 }
 
-function evaluated({ eval: { poses, answer: known } }: ReportMachine, asked: number[][]): unknown {
+/** What is known at the poses that are asked for; `undefined` if any of them is another one. */
+function chosen<T>({ eval: { poses } }: ReportMachine, asked: number[][], known: T[] = []): T[] | undefined {
   const keys = poses.map((pose) => JSON.stringify(pose));
-  const found = asked.map((pose) => known?.poses?.[keys.indexOf(JSON.stringify(pose))]);
-  return found.every((pose) => pose) ? { ...known, poses: found } : undefined;
+  const found = asked.flatMap((pose) => known[keys.indexOf(JSON.stringify(pose))] ?? []);
+  return found.length === asked.length ? found : undefined;
 }
 
 /** JSON with sorted keys. */

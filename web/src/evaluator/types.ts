@@ -125,6 +125,22 @@ export interface Chain {
   workpiece_rotation_deg: Vec3;
 }
 
+/** What pictures and sliders hang on: the same for chains that differ by their errors only. */
+export function geometry(of: Chain): string {
+  const axis = ({ name, kind, side, sense, direction, origin_mm, travel, continuous }: Axis) => [
+    name,
+    kind,
+    side,
+    sense,
+    direction,
+    origin_mm,
+    travel,
+    continuous,
+  ];
+  const work = [of.workpiece_origin_mm, of.workpiece_rotation_deg];
+  return JSON.stringify([of.machine, of.chain, of.axes.map(axis), of.tools, work]);
+}
+
 export type Pose = Record<string, number>;
 
 export interface Summary {
@@ -287,4 +303,10 @@ export interface Rows {
 export function accepted<T>(answer: unknown): T | null {
   if (answer === undefined || answer === null) return null;
   return (answer as Partial<Refusal>).refused ? null : (answer as T);
+}
+
+/** Why a question was refused; empty for an answer. */
+export function refusals(answer: unknown): string[] {
+  const { refused, diagnostics = [] } = (answer ?? {}) as Partial<Refusal>;
+  return refused ? diagnostics.map(({ message }) => message) : [];
 }

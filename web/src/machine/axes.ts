@@ -1,6 +1,6 @@
 /** The pose: a slider for each axis, and the way to a pose as an animation. */
 
-import type { Axis, Chain, Pose } from "../evaluator/types";
+import { type Axis, type Chain, geometry, type Pose } from "../evaluator/types";
 import { button, make } from "../ui/dom";
 import { move, place } from "../ui/address";
 
@@ -10,6 +10,7 @@ const WAY = 1400;
 export class AxisSliders {
   pose: Pose = {};
   private axes: Axis[] = [];
+  private known = "";
   private inputs = new Map<string, HTMLInputElement>();
   private running = 0;
 
@@ -25,8 +26,9 @@ export class AxisSliders {
 
   /** Shows the axes of a machine; positions beyond a travel come to its end. */
   show(chain: Chain): void {
-    const same = JSON.stringify(chain.axes) === JSON.stringify(this.axes);
-    if (same) return;
+    const shown = geometry(chain);
+    if (shown === this.known) return;
+    this.known = shown;
     if (!this.axes.length) this.pose = parsed(place().pose);
     this.axes = chain.axes;
     this.pose = Object.fromEntries(this.axes.map((axis) => [axis.name, within(axis, this.pose[axis.name] ?? 0)]));

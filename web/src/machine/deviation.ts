@@ -8,6 +8,7 @@ import {
   type Evaluated,
   type Pose,
   type Question,
+  refusals,
   type Rows,
   type Vec3,
 } from "../evaluator/types";
@@ -45,7 +46,12 @@ export class Deviation {
   private pose: Pose = {};
   private bounded = false;
   private rests = true;
-  private readonly asking = new Newest(() => this.legend.replaceChildren());
+  /** Why the last question has no answer. */
+  private reason = "";
+  private readonly asking = new Newest((failure) => {
+    this.reason = failure instanceof Error ? failure.message : String(failure);
+    this.nothing();
+  });
 
   constructor(
     private readonly legend: HTMLElement,
@@ -120,7 +126,10 @@ export class Deviation {
     const answers = await this.session.ask([{ eval: { poses: rows } }, ...more], {}, text);
     const nominal = accepted<Evaluated>(answers[0]);
     const mapped = accepted<Rows>(answers[1])?.rows.poses;
-    if (!nominal || (more.length && !mapped)) return null;
+    if (!nominal || (more.length && !mapped)) {
+      this.reason = answers.flatMap(refusals).join(" ");
+      return null;
+    }
     const list = nominal.poses.map((pose, i) => node(pose, mapped?.[i]));
     // Of bounds it is no vector.
     const turned = this.bounded ? undefined : mapped?.[0]?.rotation_urad?.map((urad) => urad * 1e-6);
@@ -136,7 +145,7 @@ export class Deviation {
       view?.deviation(null, null, 1);
       view?.marks.clear();
     }
-    this.legend.replaceChildren();
+    this.legend.replaceChildren(...(this.reason ? [`No value at this pose. ${this.reason}`] : []));
   }
 
   private tell(seen: Seen[], times: number, most: number): void {

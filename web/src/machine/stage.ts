@@ -2,7 +2,7 @@
 
 import * as three from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import type { Axis, Chain, Pose, Vec3 } from "../evaluator/types";
+import { type Axis, type Chain, geometry, type Pose, type Vec3 } from "../evaluator/types";
 import { Drag, type Grip } from "./drag";
 import { Arms } from "./arms";
 import { Figure, type Materials } from "./figure";
@@ -43,6 +43,8 @@ export class Stage {
   private readonly materials = {} as Materials;
   private figure: Figure | null = null;
   private shown = "";
+  /** Geometry and tool of the figure. */
+  private known = "";
   private pending = 0;
   pose: Pose = {};
   /** Name of the axis at hand. */
@@ -74,6 +76,9 @@ export class Stage {
   /** Shows a machine. The camera stays where it is while the chain keeps its shape, or is where that of another picture
    * is. */
   show(chain: Chain, tool: string, pose: Pose, as: Stage | null = null): void {
+    const key = geometry(chain) + tool;
+    if (key === this.known && !as) return this.move(pose);
+    this.known = key;
     const figure = new Figure(chain, tool, this.materials);
     this.figure?.dispose();
     this.figure?.root.removeFromParent();

@@ -5,7 +5,7 @@ import { accepted, type BallBar, type Diagonals, type Refusal, type RTest, type 
 import { isSettled, type Session, type State } from "../session";
 import type { Tell } from "./answers";
 import { make } from "../ui/dom";
-import { asCsv, folding, row, table } from "../ui/table";
+import { folding, row, table, tableFiles } from "../ui/table";
 import { figure } from "./number";
 
 export class Acceptance {
@@ -30,6 +30,7 @@ export class Acceptance {
       this.tell("test");
       return this.body.replaceChildren(make("p", { class: "words" }, words));
     }
+    const { machine } = state.now.chain;
     void this.asking.do(async () => {
       const tests = (["ball_bar", "r_test", "diagonals"] as const).map((instrument) => ({
         instrument: { instrument },
@@ -43,7 +44,10 @@ export class Acceptance {
         section("Laser along body diagonals, ISO 230-6", "systematic deviation and reversal", lines, diagonals),
       ];
       const tables = sections.flatMap((of) => [...of.querySelectorAll("table")]);
-      this.body.replaceChildren(...sections, make("p", {}, asCsv("acceptance", ...tables)));
+      this.body.replaceChildren(
+        ...sections,
+        make("p", { class: "files" }, ...tableFiles("acceptance", `${machine}: acceptance test`, ...tables)),
+      );
     });
   }
 }

@@ -1,5 +1,6 @@
-/** Bars as a picture of their own, for documents: the whole numbers beside them, nothing from the page's style. */
+/** Bars and tables as pictures of their own, for documents: nothing from the page's style. */
 
+import type { Picture } from "../ui/files";
 import { rounded } from "./number";
 
 export interface ChartBar {
@@ -12,14 +13,9 @@ const [WIDTH, ROW, HEAD, LEFT, RIGHT] = [760, 26, 46, 330, 80];
 
 const INK = "#1f2933";
 
-/** Returns the SVG and its size. */
-export function barChart(
-  title: string,
-  note: string,
-  bars: ChartBar[],
-): { svg: string; width: number; height: number } {
+/** Bars under each other. */
+export function barChart(title: string, note: string, bars: ChartBar[]): Picture {
   const most = Math.max(...bars.map((bar) => bar.um), 1e-9);
-  const height = HEAD + ROW * bars.length + 12;
   const lines = bars.flatMap((bar, i) => {
     const y = HEAD + ROW * i;
     const length = ((WIDTH - LEFT - RIGHT) * bar.um) / most;
@@ -30,13 +26,44 @@ export function barChart(
       text(LEFT + length + 6, y + 17, `${rounded(bar.um)} µm`, ""),
     ];
   });
+  return picture(title, note, HEAD + ROW * bars.length + 12, lines);
+}
+
+/** A table by its texts; the first rows are heads. */
+export interface PictureTable {
+  caption: string;
+  heads: number;
+  rows: string[][];
+}
+
+/** Tables under each other. */
+export function tablePicture(title: string, tables: PictureTable[]): Picture {
+  let y = HEAD + 8;
+  const lines = tables.flatMap(({ caption, heads, rows }) => {
+    const columns = Math.max(...rows.map((row) => row.length), 2);
+    const right = (k: number) => WIDTH - RIGHT - ((columns - 1 - k) * (WIDTH - LEFT - RIGHT)) / (columns - 1);
+    const cell = (content: string, k: number, style: string) =>
+      k === 0 ? text(12, y, content, style) : text(right(k), y, content, `${style} text-anchor="end"`);
+    const head = caption ? [text(12, y, caption, 'font-size="11" font-style="italic"')] : [];
+    y += caption ? ROW : 0;
+    const cells = rows.flatMap((row, i) => {
+      const drawn = row.map((content, k) => cell(content, k, i < heads ? 'font-weight="bold"' : ""));
+      y += ROW;
+      return drawn;
+    });
+    y += ROW / 2;
+    return [...head, ...cells];
+  });
+  return picture(title, "", y, lines);
+}
+
+function picture(title: string, note: string, height: number, lines: string[]): Picture {
   const head = [text(12, 20, title, 'font-size="16" font-weight="bold"'), text(12, 37, note, 'font-size="11"')];
   const size = `width="${WIDTH}" height="${height}"`;
   const frame = `xmlns="http://www.w3.org/2000/svg" ${size} viewBox="0 0 ${WIDTH} ${height}"`;
   const font = 'font-family="DejaVu Sans, Helvetica, Arial, sans-serif" font-size="13"';
   const content = [`<rect ${size} fill="#ffffff"/>`, ...head, ...lines].join("");
-  const svg = `<svg ${frame} ${font}>${content}</svg>`;
-  return { svg, width: WIDTH, height };
+  return { svg: `<svg ${frame} ${font}>${content}</svg>`, width: WIDTH, height };
 }
 
 const cut = (words: string) => (words.length > 44 ? `${words.slice(0, 43).trimEnd()}…` : words);

@@ -6,7 +6,7 @@ import { FULL, isSettled, type Session, type State } from "../session";
 import type { Tell } from "./answers";
 import { move, place } from "../ui/address";
 import { make } from "../ui/dom";
-import { asCsv, row, table } from "../ui/table";
+import { row, table, tableFiles } from "../ui/table";
 import { figure } from "./number";
 
 interface Compensated {
@@ -98,7 +98,12 @@ function shown({ position_um, rotation_urad, uncompensated }: Compensated, targe
   const list = table(["Figure", "as it is", "corrected"], rows);
   const cannot = make("ul", { class: "words" }, ...target.cannot.map((line) => make("li", {}, line)));
   const corrects = make("p", { class: "words" }, `Corrects ${target.expresses}. It cannot correct:`);
-  return [list, make("p", {}, asCsv(`control-${target.target}`, list)), corrects, cannot];
+  return [
+    list,
+    make("p", { class: "files" }, ...tableFiles(`control-${target.target}`, target.title, list)),
+    corrects,
+    cannot,
+  ];
 }
 
 function refused(answer: Refusal): HTMLElement[] {

@@ -4,7 +4,7 @@ import { Newest } from "../evaluator/newest";
 import { accepted, type Pose, type Sources } from "../evaluator/types";
 import { type Findings, isSettled, type Session, type State } from "../session";
 import { button, make } from "../ui/dom";
-import { download } from "../ui/download";
+import { fileButtons } from "../ui/files";
 import { barChart } from "./chart";
 import type { Tell } from "./answers";
 import { difference, figure, pair, rounded } from "./number";
@@ -103,7 +103,12 @@ export class Pareto {
       ...(measured ? [this.choice()] : []),
       make("p", { class: "words" }, words),
       make("ol", { class: "bars" }, ...shown.map((bar) => this.bar(bar, kept.get(bar.error) ?? null, most))),
-      make("p", {}, ...more, ...downloads(`${state.now.chain.machine}: ${head.toLowerCase()}`, words, list)),
+      make(
+        "p",
+        { class: "files" },
+        ...more,
+        ...downloads(`${state.now.chain.machine}: ${head.toLowerCase()}`, words, list),
+      ),
     );
   }
 
@@ -177,22 +182,9 @@ function dominates({ sources, map, budget }: Findings): (Node | string)[] {
 }
 
 /** The chart as a file. */
-function downloads(title: string, note: string, list: Bar[]): (Node | string)[] {
-  const chart = () =>
-    barChart(
-      title,
-      note,
-      list.map(({ error, words, um }) => ({ name: error, words, um: Math.abs(um) })),
-    );
+function downloads(title: string, note: string, list: Bar[]): HTMLElement[] {
+  const bars = list.map(({ error, words, um }) => ({ name: error, words, um: Math.abs(um) }));
   const rows = list.map(({ error, words, um }) => [error, words, um]);
-  const png = () => {
-    const { svg, width, height } = chart();
-    void download.png("errors", svg, width, height);
-  };
-  const files: [string, () => void][] = [
-    ["CSV", () => download.csv("errors", [["error", "words", "um"], ...rows])],
-    ["SVG", () => download.svg("errors", chart().svg)],
-    ["PNG", png],
-  ];
-  return files.flatMap(([label, save]) => [" ", button(label, save, { title: `Download as ${label}` })]);
+  const chart = () => barChart(title, note, bars);
+  return fileButtons("errors", () => [["error", "words", "um"], ...rows], chart);
 }

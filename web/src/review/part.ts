@@ -9,6 +9,7 @@ import type { Tell } from "./answers";
 import { move, place } from "../ui/address";
 import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
+import { fileButtons } from "../ui/files";
 import { barChart } from "./chart";
 import { figure, rounded } from "./number";
 
@@ -207,20 +208,9 @@ function chartFiles(title: string, list: Feature[]): HTMLElement {
       "with the errors that make it, first order",
       list.map((of) => ({ name: of.feature, words: causes(of), um: of.max_um ?? 0 })),
     );
-  const png = () => {
-    const { svg, width, height } = chart();
-    void download.png("features", svg, width, height);
-  };
   const rows = list.map((of) => [of.feature, of.poses, of.unreached, of.max_um, of.line, causes(of)]);
   const head = ["feature", "reached", "unreached", "max_um", "line", "errors"];
-  const csv = () => download.csv("features", [head, ...rows]);
-  return make(
-    "p",
-    {},
-    button("CSV", csv),
-    button("SVG", () => download.svg("features", chart().svg)),
-    button("PNG", png),
-  );
+  return make("p", { class: "files" }, ...fileButtons("features", () => [head, ...rows], chart));
 }
 
 /** Length of the deviation, um; of a machine that is only bounded its 95 % value. */

@@ -106,7 +106,7 @@ export class Verdict {
   }
 }
 
-/** What is only a draft says so: its figures are of fewer poses and machines. */
+/** What is only a draft says so. */
 function draft({ effort, now }: State): string {
   if (!effort.draft) return "";
   return now?.map?.from === "bounds" ? ` Draft: ${effort.samples} drawn machines.` : ` Draft: ${effort.poses} poses.`;

@@ -1,7 +1,9 @@
 /** Tables: heads that stay in sight and sort the rows, and the table as CSV with the whole figures. */
 
 import { button, make } from "./dom";
-import { type Cell, download } from "./download";
+import type { Cell } from "./download";
+import { fileButtons } from "./files";
+import { type PictureTable, tablePicture } from "../review/chart";
 
 /** A row: its head and its cells. */
 export function row(head: Node | string, ...cells: (Node | string | (Node | string)[])[]): HTMLTableRowElement {
@@ -65,11 +67,22 @@ export function folding(title: string, ...content: (Node | string)[]): HTMLDetai
   return make("details", { open: "", class: "fold" }, make("summary", {}, title), ...content);
 }
 
-/** A button that downloads tables: a line for every figure, with its row, its column and its unit. */
-export function asCsv(name: string, ...of: HTMLTableElement[]): HTMLButtonElement {
+/** Buttons that download tables: a line for every figure, with its row, its column and its unit; and a picture. */
+export function tableFiles(name: string, title: string, ...of: HTMLTableElement[]): HTMLElement[] {
   const lines = () => of.flatMap((table) => [...(table.tBodies[0]?.rows ?? [])].flatMap((row) => figures(table, row)));
-  const save = () => download.csv(name, [["row", "column", "value", "unit"], ...lines()]);
-  return button("CSV", save, { title: `Download the figures as ${name}.csv` });
+  return fileButtons(
+    name,
+    () => [["row", "column", "value", "unit"], ...lines()],
+    () => tablePicture(title, of.map(words)),
+  );
+}
+
+/** What a table says, under the title of its section. */
+function words(of: HTMLTableElement): PictureTable {
+  const rows = [...of.rows].map((row) => [...row.cells].map(text));
+  const titles = [of.closest("details")?.querySelector("summary"), of.caption];
+  const caption = titles.flatMap((title) => (title ? [text(title)] : [])).join(": ");
+  return { caption, heads: of.tHead?.rows.length ?? 0, rows };
 }
 
 function figures(table: HTMLTableElement, row: HTMLTableRowElement): Cell[][] {
