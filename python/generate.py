@@ -1,7 +1,7 @@
-"""Writes abbe/_verbs.py from the options of the façade; --check tells whether it is up to date.
+"""Writes abbe/_verbs.py and abbe/_fields from the façade; --check tells whether they are up to date.
 
-The native module gives the JSON Schema and the default of the options of every verb. Only what is no option stands
-here: what a verb takes besides, and a sentence.
+The native module gives the JSON Schema of options and result of every verb, and the defaults of the options. Only what
+is neither stands here: what a verb takes besides, and a sentence.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
-OUT = Path(__file__).parent / "abbe" / "_verbs.py"
+PACKAGE = Path(__file__).parent / "abbe"
 WIDTH = 120
 
 
@@ -36,7 +36,7 @@ VERBS = {
     "enumerate": Verb("EnumerateResult", "Ranks all arrangements of the axes on the same work."),
     "instrument": Verb("InstrumentResult", "Returns the readings of an instrument.", first=("instrument",)),
     "identify": Verb("IdentifyResult", "Fits errors to measurements."),
-    "fit_monomials": Verb("Result", "Fits monomials of order 2, component by component, as the papers do."),
+    "fit_monomials": Verb("MonomialResult", "Fits monomials of order 2, component by component, as the papers do."),
     "plan": Verb("PlanResult", "Returns poses worth measuring, and the uncertainty that the parameters will have."),
     "locate": Verb(
         "LocateResult",
@@ -47,17 +47,34 @@ VERBS = {
     "verify": Verb(
         "CertificateResult", "Replays the files in a folder, and certifies the residual.", words=("folder",)
     ),
-    "diff_sets": Verb("DiffResult", "Returns what two sets of files differ in.", words=("old", "new")),
+    "diff_sets": Verb("SetDiffResult", "Returns what two sets of files differ in.", words=("old", "new")),
     "diff": Verb("DiffResult", "Returns what two machines differ in, and what each difference does."),
     "report": Verb("ReportResult", "Returns one self-contained page of HTML for a design review."),
     "import_readings": Verb(
         "ImportResult", "Makes a table of error curves of a measurement as an instrument exports it.", words=("path",)
     ),
-    "figures": Verb("Result", "Returns figures of the ISO 230 series from the readings of a test.", words=("path",)),
+    "figures": Verb(
+        "FiguresResult", "Returns figures of the ISO 230 series from the readings of a test.", words=("path",)
+    ),
     "record": Verb("RecordResult", "Makes the record of a calibration from its description.", words=("description",)),
     "record_trend": Verb(
         "TrendResult", "Puts records of one machine in a line: every error over the dates.", words=("*folders",)
     ),
+}
+
+#: Verbs whose result has the fields of another verb's.
+SAME_FIELDS = {"compile": "verify"}
+
+#: Results without options of their own.
+PLAIN = {"classify": "ClassifyFields", "check_record": "CheckRecordFields"}
+
+#: Names that a field cannot have as an attribute, of all results and of some.
+NO_ATTRIBUTES = {"keys", "values", "items", "get"}
+OF_RESULTS = {
+    "MapFields": {"rows", "grid"},
+    "BudgetFields": {"state"},
+    "EnumerateFields": {"state"},
+    "TrendFields": {"records"},
 }
 
 #: Verbs without a machine: functions.
@@ -80,6 +97,7 @@ HEAD = '''"""The verbs as methods. python/generate.py writes this file from the 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from os import PathLike
 from typing import Any, Literal, TypedDict, Union
 
 from . import _abbe
@@ -226,8 +244,13 @@ def method(name: str, found: dict[str, Any], types: Types) -> str:
     takes += ["rows: bool = False"] if name == "map" else []
     takes += [*parameters.values(), "threads: int | None = None"]
     indent = "" if free else "    "
+    if name == "compile":
+        takes = [one.replace("target: Text", "target: Text | Sequence[Text]", 1) for one in takes]
+        values["target"] = "targets[0]"
     lines = [f"def {name}(", *(f"    {one}," for one in takes), f") -> {verb.result}:"]
     text = [verb.about, ""]
+    if name == "compile":
+        text += ["``target`` may be two: one of kinematic parameters, and one of tables for what they leave.", ""]
     if name == "map":
         text += ["``rows`` keeps every pose with its deviation, for ``rows``, ``to_pandas`` and ``to_xarray``.", ""]
     text += ["Options, each with the default of the façade where it is ``None``:", ""]
@@ -246,7 +269,6 @@ def method(name: str, found: dict[str, Any], types: Types) -> str:
     body += [f'{inner}"""']
     if "data" in options:
         body += [f"{inner}paths, texts = files_and_texts(data)"]
-        values["texts"] = "texts"
     body += [
         f"{inner}options: dict[str, Any] = {{",
         *(f'{inner}    "{key}": {value},' for key, value in values.items()),
@@ -257,11 +279,160 @@ def method(name: str, found: dict[str, Any], types: Types) -> str:
     )
     machines = machines if name in OTHERS else "[]" if free else "[self._native]"
     words = f", words=[{', '.join(verb.words)}]" if verb.words else ""
+    if name == "compile":
+        body.insert(
+            -len(values) - 2, f"{inner}targets = [target] if isinstance(target, (str, PathLike)) else [*target]"
+        )
+        words = ", words=targets"
+    if "data" in options:
+        words = ", texts=texts"
     rows = ", rows=rows" if name == "map" else ""
     run = f'call("{name}", {machines}, options{words}{rows}, threads=threads)'
-    again = ", self._picture_again(options, threads)" if name == "map" else ""
+    again = {
+        "map": ", self._picture_again(options, threads)",
+        "identify": ", self._fit_picture_again(options, texts, threads)",
+    }.get(name, "")
     body += [f"{inner}found = {run}", f"{inner}return {verb.result}(found{again})"]
     return "\n".join([*(indent + line for line in lines), *body])
+
+
+FIELDS_HEAD = '''"""Fields of results by type. python/generate.py writes this file from the results of the façade."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Union
+
+from .._record import Named, Record
+'''
+
+#: Modules of fields by the verbs whose results they hold; what several need stands in the first of these.
+FIELD_MODULES = {
+    "deviations": ("eval", "map", "reach", "compare"),
+    "machines": ("show", "check", "classify", "convert", "diff", "equations"),
+    "designs": ("budget", "enumerate", "report"),
+    "measurements": ("instrument", "identify", "fit_monomials", "plan", "locate", "import_readings", "figures"),
+    "sets": ("compile", "verify", "diff_sets", "targets", "record", "record_trend", "check_record"),
+}
+
+
+class Fields:
+    """Classes for the schemas of results, those that others need first, and the module of each."""
+
+    def __init__(self, definitions: dict[str, Any], roots: dict[str, str]) -> None:
+        self.definitions, self.roots = definitions, roots
+        self.classes: dict[str, str] = {}
+        self.modules: dict[str, str] = {}
+        self.used: dict[str, set[str]] = {module: set() for module in FIELD_MODULES}
+        self.module = ""
+
+    def of(self, schema: Any) -> str:
+        """Returns the type of a schema."""
+        if not isinstance(schema, dict):
+            return "Any"
+        if "$ref" in schema:
+            return self.named(str(schema["$ref"]).rsplit("/", 1)[1])
+        for key in ("anyOf", "oneOf"):
+            if key in schema:
+                return self.union([self.of(one) for one in schema[key]])
+        if "const" in schema:
+            return f"Literal[{json.dumps(schema['const'])}]"
+        if "enum" in schema:
+            return f"Literal[{', '.join(json.dumps(word) for word in schema['enum'])}]"
+        kind = schema.get("type")
+        if isinstance(kind, list):
+            return self.union([self.of({**schema, "type": one}) for one in kind])
+        if kind == "array":
+            inner = self.union([self.of(one) for one in schema.get("prefixItems") or [schema.get("items", True)]])
+            return f"list[{annotation(inner)}]"
+        if kind == "object" and "additionalProperties" in schema:
+            return f"Named[{annotation(self.of(schema['additionalProperties']))}]"
+        plain = {"string": "str", "integer": "int", "number": "float", "boolean": "bool", "null": "None"}
+        return plain.get(str(kind), "Any")
+
+    def union(self, kinds: list[str]) -> str:
+        words = [kind[len("Literal[") : -1] for kind in kinds if kind.startswith("Literal[")]
+        others = [kind for kind in dict.fromkeys(kinds) if not kind.startswith("Literal[")]
+        return " | ".join(([f"Literal[{', '.join(words)}]"] if words else []) + others)
+
+    def named(self, name: str) -> str:
+        """Returns the type of a definition; the class of an object is written once."""
+        schema = self.definitions[name]
+        variants = [self.resolved(one) for one in schema.get("anyOf", schema.get("oneOf", []))]
+        if variants and all("properties" in one for one in variants):
+            schema = merged(schema, variants)
+        if "properties" not in schema:
+            return self.of(schema)
+        written = self.roots.get(name, name)
+        if written not in self.classes:
+            self.classes[written] = ""
+            text = self.source(written, schema)
+            # Those that it needs come before it.
+            del self.classes[written]
+            self.classes[written] = text
+            self.modules[written] = self.module
+        self.used[self.module].add(written)
+        return written
+
+    def resolved(self, schema: dict[str, Any]) -> dict[str, Any]:
+        """Returns a schema without its reference; the tag of a variant stands beside that."""
+        if "$ref" not in schema:
+            return schema
+        found: dict[str, Any] = self.definitions[schema["$ref"].rsplit("/", 1)[1]]
+        if "properties" not in schema:
+            return found
+        properties = {**schema["properties"], **found["properties"]}
+        return {**found, "properties": properties, "required": [*schema["required"], *found.get("required", [])]}
+
+    def source(self, name: str, schema: dict[str, Any]) -> str:
+        taken = NO_ATTRIBUTES | OF_RESULTS.get(name, set())
+        required, lines = set(schema.get("required", [])), []
+        for field, one in schema["properties"].items():
+            kind = self.of(one)
+            if field not in required and "None" not in split(kind):
+                kind += " | None"
+            if field.isidentifier() and not keyword.iskeyword(field) and field not in taken:
+                about = json.dumps(prose(described(one)), ensure_ascii=False)
+                lines.append(f"    {field}: Annotated[{annotation(kind)}, {about}]")
+        about = prose(schema.get("description", "")) or f"Fields of {name}."
+        return "\n".join([f"class {name}(Record):", f'    """{about}"""', "", *lines])
+
+    def text(self, module: str) -> str:
+        """Returns the text of a module."""
+        classes = {name: text for name, text in self.classes.items() if self.modules[name] == module}
+        used = sorted(name for name in self.used[module] if self.modules[name] != module)
+        others = {name: [one for one in used if self.modules[one] == name] for name in FIELD_MODULES}
+        imports = [f"from .{name} import {', '.join(names)}" for name, names in others.items() if names]
+        return "\n".join([FIELDS_HEAD.rstrip(), *imports, "", "", "\n\n\n".join(classes.values()), ""])
+
+
+def merged(schema: dict[str, Any], variants: list[dict[str, Any]]) -> dict[str, Any]:
+    """Returns one object for several: what not all of them require is optional."""
+    properties: dict[str, Any] = {}
+    for one in variants:
+        for field, of in one["properties"].items():
+            known = properties.setdefault(field, of)
+            if "const" in of and known != of:
+                properties[field] = {"enum": [*known.get("enum", [known.get("const")]), of["const"]]}
+    required = set.intersection(*(set(one.get("required", [])) for one in variants))
+    return {"description": schema.get("description", ""), "properties": properties, "required": sorted(required)}
+
+
+def fields_sources(found: dict[str, Any]) -> dict[str, str]:
+    """Returns the texts of the modules of fields by their names."""
+    results, roots = found["results"], {}
+    names = {verb: of.result.removesuffix("Result") + "Fields" for verb, of in VERBS.items()} | PLAIN
+    for verb, name in names.items():
+        if verb not in SAME_FIELDS:
+            roots[str(results[verb]["$ref"]).rsplit("/", 1)[1]] = name
+    if set(results) != {verb for verbs in FIELD_MODULES.values() for verb in verbs}:
+        raise SystemExit("FIELD_MODULES does not name every result once")
+    fields = Fields(found["definitions"], roots)
+    for module, verbs in FIELD_MODULES.items():
+        fields.module = module
+        for verb in verbs:
+            if verb not in SAME_FIELDS:
+                fields.of(results[verb])
+    return {f"_fields/{module}.py": fields.text(module) for module in FIELD_MODULES}
 
 
 def native() -> Any:
@@ -278,9 +449,8 @@ def native() -> Any:
     raise SystemExit("the native module is not built: maturin develop")
 
 
-def source() -> str:
-    """Returns the text of the module."""
-    verbs = json.loads(native().verbs())
+def verbs_source(verbs: dict[str, Any]) -> str:
+    """Returns the text of the module of verbs."""
     if set(verbs) != set(VERBS):
         raise SystemExit(f"verbs without an entry here, or the other way round: {set(verbs) ^ set(VERBS)}")
     types = Types()
@@ -296,6 +466,11 @@ def source() -> str:
         "    def _picture_again(self, options: Mapping[str, Any], threads: int | None) -> Callable[[], Any]:",
         "        raise NotImplementedError",
         "",
+        "    def _fit_picture_again(",
+        "        self, options: Mapping[str, Any], texts: list[tuple[str, str]], threads: int | None",
+        "    ) -> Callable[[], Any]:",
+        "        raise NotImplementedError",
+        "",
     ]
     named = "\n\n".join(types.named.values())
     return (
@@ -304,13 +479,15 @@ def source() -> str:
 
 
 def main() -> None:
-    """Writes the module, or compares it."""
-    text = source()
-    if sys.argv[1:] == ["--check"]:
-        if OUT.read_text(encoding="utf-8") != text:
-            raise SystemExit(f"{OUT.name} is not what the façade has: run python/generate.py")
-    else:
-        OUT.write_text(text, encoding="utf-8")
+    """Writes the modules, or compares them."""
+    module = native()
+    texts = {"_verbs.py": verbs_source(json.loads(module.verbs())), **fields_sources(json.loads(module.results()))}
+    for name, text in texts.items():
+        out = PACKAGE / name
+        if sys.argv[1:] != ["--check"]:
+            out.write_text(text, encoding="utf-8")
+        elif not out.exists() or out.read_text(encoding="utf-8") != text:
+            raise SystemExit(f"{name} is not what the façade has: run python/generate.py")
 
 
 if __name__ == "__main__":

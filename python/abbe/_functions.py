@@ -6,7 +6,8 @@ import json
 from typing import Any, Literal
 
 from ._calls import Text, call
-from ._results import Record, Result
+from ._fields import TargetSummary
+from ._results import CheckRecordResult, ClassifyResult
 from ._verbs import figures, import_readings, record, record_trend
 
 __all__ = [
@@ -34,14 +35,14 @@ def check(*paths: Text) -> list[dict[str, Any]]:
     return entries
 
 
-def classify(path: Text, *, tolerance: float = 1e-9) -> Result:
+def classify(path: Text, *, tolerance: float = 1e-9) -> ClassifyResult:
     """Returns motion and errors of a 4x4 matrix over the dual numbers: a YAML file as ``abbe classify`` reads it."""
-    return Result(call("classify", [], {"tolerance": tolerance}, words=[path]))
+    return ClassifyResult(call("classify", [], {"tolerance": tolerance}, words=[path]))
 
 
-def check_record(folder: Text) -> Result:
+def check_record(folder: Text) -> CheckRecordResult:
     """Compares every file of a record with its hash; refuses a record in which one differs or is missing."""
-    return Result(call("check_record", [], {}, words=[folder]))
+    return CheckRecordResult(call("check_record", [], {}, words=[folder]))
 
 
 def explain(what: str) -> str:
@@ -49,9 +50,9 @@ def explain(what: str) -> str:
     return str(json.loads(call("explain", [], {}, words=[what]).json())["text"])
 
 
-def targets() -> list[Record]:
+def targets() -> list[TargetSummary]:
     """Returns the controllers, their mechanisms, and how sure their facts are."""
-    return [Record(target) for target in json.loads(call("targets", [], {}).json())["targets"]]
+    return [TargetSummary(target) for target in json.loads(call("targets", [], {}).json())["targets"]]
 
 
 def schema() -> dict[str, Any]:

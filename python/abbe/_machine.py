@@ -14,7 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from . import _abbe
 from ._calls import Text, json_of, order_of, threads_of
 from ._diagnostics import DiagnosticError, warn
-from ._results import BudgetResult, Record, html_table, inline
+from ._fields import ChainAxis, ChainResult, ChainTool, Conventions, MachineSummary
+from ._record import Record
+from ._results import BudgetResult, html_table, inline
 from ._verbs import Verbs
 
 if TYPE_CHECKING:
@@ -42,6 +44,20 @@ class Deviations(NamedTuple):
         columns = {f"d{letter} [um]": self.position[:, k] * 1e3 for k, letter in enumerate("xyz")}
         columns.update({f"w{letter} [urad]": self.rotation[:, k] * 1e6 for k, letter in enumerate("xyz")})
         return pandas.DataFrame(columns)
+
+
+class ErrorTerm(Record):
+    """An error of a machine.
+
+    ``kind`` is location, component or tolerance. ``value`` is in ``unit``, the bound for a tolerance; a component error
+    has no single value: its ``value`` is ``None``.
+    """
+
+    __slots__ = ()
+
+    kind: Literal["location", "component", "tolerance"]
+    value: Any
+    unit: Literal["mm", "rad"]
 
 
 class Machine(Verbs):
@@ -102,30 +118,29 @@ class Machine(Verbs):
         return {name: np.array(positions) for name, positions in nodes}
 
     @cached_property
-    def geometry(self) -> Record:
+    def geometry(self) -> ChainResult:
         """The kinematic chain in numbers, as ``abbe show --format json`` prints it."""
-        return Record(json.loads(self._native.show()))
+        return ChainResult(json.loads(self._native.show()))
 
     @cached_property
-    def summary(self) -> Record:
+    def summary(self) -> MachineSummary:
         """The machine in short, as ``abbe check --format json`` prints it."""
-        return Record(json.loads(self._native.summary()))
+        return MachineSummary(json.loads(self._native.summary()))
 
     @property
     def chain(self) -> str:
         """The chain from workpiece to tool, such as ``w C' A' Y' b X Z t``."""
-        return str(self.geometry["chain"])
+        return self.geometry.chain
 
     @property
-    def axes(self) -> dict[str, Record]:
+    def axes(self) -> dict[str, ChainAxis]:
         """The axes by name: direction, origin (mm), travel (mm or deg), lever arms (mm)."""
-        return {axis["name"]: axis for axis in self.geometry["axes"]}
+        return {axis.name: axis for axis in self.geometry.axes}
 
     @property
-    def tools(self) -> list[Record]:
+    def tools(self) -> list[ChainTool]:
         """The tools, in machine coordinates at the zero pose."""
-        tools: list[Record] = self.geometry["tools"]
-        return tools
+        return self.geometry.tools
 
     @property
     def tool(self) -> str:
@@ -133,18 +148,14 @@ class Machine(Verbs):
         return self._native.tool()
 
     @property
-    def conventions(self) -> Record:
+    def conventions(self) -> Conventions:
         """The conventions in force."""
-        conventions: Record = self.geometry["conventions"]
-        return conventions
+        return self.geometry.conventions
 
     @cached_property
-    def errors(self) -> dict[str, Record]:
-        """The errors by name: ``kind`` is location, component or tolerance, ``value`` is in ``unit``, mm or rad.
-
-        A component error has no single value: its ``value`` is ``None``.
-        """
-        return {name: Record(error) for name, error in json.loads(self._native.errors()).items()}
+    def errors(self) -> dict[str, ErrorTerm]:
+        """The errors by name, mm and rad."""
+        return {name: ErrorTerm(error) for name, error in json.loads(self._native.errors()).items()}
 
     def with_tool(self, name: str) -> Machine:
         """Returns the machine with another of its tools."""
@@ -228,12 +239,24 @@ class Machine(Verbs):
         return self.budget(goal_mm=goal_mm, **options)
 
     def _picture_again(self, options: Mapping[str, Any], threads: int | None) -> Callable[[], Any]:
-        """Returns a call that draws a map; the picture hangs on a plane, and not on the poses."""
+        # The picture hangs on a plane, and not on the poses.
+        asked = {**options, "poses": {"random": 1}, "worst": 0, "picture": options.get("picture") or {}}
+        return self._again("map", asked, [], threads)
+
+    def _fit_picture_again(
+        self, options: Mapping[str, Any], texts: list[tuple[str, str]], threads: int | None
+    ) -> Callable[[], Any]:
+        asked = {**options, "pictures": True, "folds": None, "machine_file": False}
+        return self._again("identify", asked, texts, threads)
+
+    def _again(
+        self, verb: str, options: Mapping[str, Any], texts: list[tuple[str, str]], threads: int | None
+    ) -> Callable[[], Any]:
+        """Returns a call that computes a verb for its pictures; it returns none where there is nothing to draw."""
 
         def again() -> Any:
-            asked = {**options, "poses": {"random": 1}, "worst": 0, "picture": options.get("picture") or {}}
             try:
-                return _abbe.run("map", [self._native], [], json_of(asked), [], False, threads_of(threads))
+                return _abbe.run(verb, [self._native], [], json_of(options), texts, False, threads_of(threads))
             except DiagnosticError:
                 return None
 

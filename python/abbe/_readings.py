@@ -7,7 +7,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from . import _abbe
 from ._calls import Text
 
 
@@ -32,15 +34,19 @@ def csv_of(columns: Any) -> str:
     names = [str(name) for name in columns]
     if any("," in name or "\n" in name for name in names):
         raise ValueError("the name of a column has a comma or a line break")
-    cells = [cells_of(columns[name]) for name in columns]
+    cells = [_cells(columns[name]) for name in columns]
     if len({len(column) for column in cells}) > 1:
         raise ValueError("the columns of measurements are not of one length")
-    return "\n".join([",".join(names), *map(",".join, zip(*cells, strict=True))]) + "\n"
+    return _abbe.csv(names, cells)
 
 
-def cells_of(column: Any) -> list[str]:
-    """Returns the cells of a column; a value that is missing is an empty cell."""
+def _cells(column: Any) -> NDArray[np.float64] | list[str]:
+    """Returns numbers, or the cells of a column of text; a value that is missing is an empty cell."""
     values = np.asarray(column)
     if values.dtype.kind in "fiu":
-        return ["" if value != value else repr(value) for value in values.tolist()]
-    return ["" if value is None or value != value else str(value) for value in values.tolist()]
+        # A copy too where the memory is not aligned, as of arrays that Dask has sent.
+        return np.require(values, dtype=np.float64, requirements=["C", "A"])
+    cells = ["" if value is None or value != value else str(value) for value in values.tolist()]
+    if any(character in cell for cell in cells for character in ",\r\n"):
+        raise ValueError("a cell of measurements has a comma or a line break")
+    return cells

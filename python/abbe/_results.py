@@ -5,70 +5,20 @@ from __future__ import annotations
 import html
 import io
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _abbe
+from . import _abbe, _fields
+from ._record import Record
 
 if TYPE_CHECKING:
     import pandas
     import pyarrow
     import xarray
-
-
-class Record(Mapping[str, Any]):
-    """An object of a result: its keys are attributes too."""
-
-    __slots__ = ("_value",)
-
-    def __init__(self, value: dict[str, Any]) -> None:
-        self._value = value
-
-    def __getitem__(self, key: str) -> Any:
-        return wrapped(self._value[key])
-
-    def __getattr__(self, name: str) -> Any:
-        if not name.startswith("_") and name in self._value:
-            return wrapped(self._value[name])
-        raise AttributeError(f"no field `{name}`: there are {', '.join(self._value)}")
-
-    def __getstate__(self) -> dict[str, Any]:
-        return self._value
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self._value = state
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._value)
-
-    def __len__(self) -> int:
-        return len(self._value)
-
-    def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._value]
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Record) and self._value == other._value
-
-    def __repr__(self) -> str:
-        return f"Record({self._value!r})"
-
-    def to_dict(self) -> dict[str, Any]:
-        """Returns the object as plain Python values."""
-        return self._value
-
-
-def wrapped(value: Any) -> Any:
-    """Returns JSON objects as records, also in lists."""
-    if isinstance(value, dict):
-        return Record(value)
-    if isinstance(value, list):
-        return [wrapped(item) for item in value]
-    return value
 
 
 class Result(Record):
@@ -82,6 +32,8 @@ class Result(Record):
 
     #: The field that :meth:`to_pandas` and :meth:`to_arrow` make a table of.
     _table: str | None = None
+    #: The columns of the table that notebooks show.
+    _shown: tuple[str, ...] = ()
 
     def __init__(self, found: _abbe.NativeOutcome) -> None:
         super().__init__(json.loads(found.json()))
@@ -129,19 +81,31 @@ class Result(Record):
     def _repr_html_(self) -> str | None:
         facts = [(key, value) for key, value in self._value.items() if isinstance(value, (str, int, float, bool))]
         picture = self._repr_svg_()
-        return html_table(facts) + ("" if picture is None else inline(picture))
+        rows = [[row.get(column) for column in self._shown] for row in self.records()] if self._shown else []
+        table = html_rows(self._shown, rows) if rows else ""
+        return html_table(facts) + table + ("" if picture is None else inline(picture))
+
+
+#: Rows of a table that notebooks show; ``to_pandas`` has all.
+_ROWS = 40
+
+
+def _cell(value: Any) -> str:
+    return html.escape("" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value))
 
 
 def html_table(rows: list[tuple[str, Any]]) -> str:
     """Returns facts as a table."""
-
-    def cell(value: Any) -> str:
-        return html.escape(f"{value:.6g}" if isinstance(value, float) else str(value))
-
-    lines = (
-        f"<tr><th style='text-align:left'>{html.escape(key)}</th><td>{cell(value)}</td></tr>" for key, value in rows
-    )
+    lines = (f"<tr><th style='text-align:left'>{_cell(key)}</th><td>{_cell(value)}</td></tr>" for key, value in rows)
     return f"<table>{''.join(lines)}</table>"
+
+
+def html_rows(heads: tuple[str, ...], rows: list[list[Any]]) -> str:
+    """Returns the first rows of a table."""
+    lines = ["".join(f"<td>{_cell(value)}</td>" for value in row) for row in rows[:_ROWS]]
+    lines += [f"<td colspan='{len(heads)}'>and {len(rows) - _ROWS} more</td>"] if len(rows) > _ROWS else []
+    head = "".join(f"<th>{_cell(name)}</th>" for name in heads)
+    return f"<table><tr>{head}</tr>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
 
 
 def inline(svg: str) -> str:
@@ -163,27 +127,49 @@ def _flat(value: dict[str, Any], lead: str = "") -> Iterator[tuple[str, Any]]:
             yield lead + key, inner
 
 
-class EvalResult(Result):
+class EvalResult(_fields.EvalFields, Result):
     """Deviations at poses, mm and rad. The table has a row for each pose."""
 
     __slots__ = ()
     _table = "poses"
 
 
-class MapResult(Result):
+class DrawnLater(Result):
+    """A result whose pictures are drawn when a notebook asks for them."""
+
+    __slots__ = ("_again",)
+
+    def __init__(self, found: _abbe.NativeOutcome, again: Callable[[], Any] | None = None) -> None:
+        super().__init__(found)
+        self._again = again
+
+    def __setstate__(self, state: Any) -> None:
+        super().__setstate__(state)
+        self._again = None
+
+    def _repr_svg_(self) -> str | None:
+        picture = super()._repr_svg_()
+        if picture is None and self._again is not None:
+            found, self._again = self._again(), None
+            if found is not None:
+                self._texts.update({name: text for name, text in found.texts() if name.endswith(".svg")})
+            picture = super()._repr_svg_()
+        return picture
+
+
+class MapResult(_fields.MapFields, DrawnLater):
     """The error over a volume: statistics in um and urad.
 
     The table has a row for each pose, if ``rows=True`` asked for them, and one for each of the worst poses otherwise.
     """
 
-    __slots__ = ("_again", "_rows")
+    __slots__ = ("_rows",)
     _table = "worst"
 
-    def __init__(self, found: _abbe.NativeOutcome, again: Any = None) -> None:
-        super().__init__(found)
+    def __init__(self, found: _abbe.NativeOutcome, again: Callable[[], Any] | None = None) -> None:
+        super().__init__(found, again)
         rows = found.rows()
         self._rows = None if rows is None else np.load(io.BytesIO(rows.tobytes()))
-        self._again = again
 
     def __getstate__(self) -> Any:
         return super().__getstate__(), self._rows
@@ -191,7 +177,6 @@ class MapResult(Result):
     def __setstate__(self, state: Any) -> None:
         inner, self._rows = state
         super().__setstate__(inner)
-        self._again = None
 
     @property
     def rows(self) -> NDArray[np.void]:
@@ -252,36 +237,27 @@ class MapResult(Result):
         facts = {key: value for key, value in self._value.items() if isinstance(value, (str, int, float))}
         return xarray.Dataset(variables, coordinates, facts)
 
-    def _repr_svg_(self) -> str | None:
-        picture = super()._repr_svg_()
-        if picture is None and self._again is not None:
-            found = self._again()
-            if found is not None:
-                self._texts.update({name: text for name, text in found.texts() if name.endswith(".svg")})
-            picture = super()._repr_svg_()
-        return picture
-
 
 def _name_and_unit(column: str) -> tuple[str, str]:
     name, _, unit = column.partition(" [")
     return name, unit.rstrip("]")
 
 
-class ReachResult(Result):
+class ReachResult(_fields.ReachFields, Result):
     """The share of tips and directions of the tool that the machine takes."""
 
     __slots__ = ()
     _table = "lacks"
 
 
-class CompareResult(Result):
+class CompareResult(_fields.CompareFields, Result):
     """Machines side by side on the same tool poses. The table has a row for each machine."""
 
     __slots__ = ()
     _table = "machines"
 
 
-class BudgetResult(Result):
+class BudgetResult(_fields.BudgetFields, Result):
     """From tolerances to the volumetric error, um and urad. The table has a row for each bounded error."""
 
     __slots__ = ()
@@ -295,7 +271,7 @@ class BudgetResult(Result):
         return self._texts["state"]
 
 
-class EnumerateResult(Result):
+class EnumerateResult(_fields.EnumerateFields, Result):
     """Arrangements of the axes in order. The table has a row for each arrangement."""
 
     __slots__ = ()
@@ -307,17 +283,18 @@ class EnumerateResult(Result):
         return self._texts["state"]
 
 
-class InstrumentResult(Result):
+class InstrumentResult(_fields.InstrumentFields, Result):
     """Readings of an instrument."""
 
     __slots__ = ()
 
 
-class IdentifyResult(Result):
+class IdentifyResult(_fields.IdentifyFields, DrawnLater):
     """Errors from measurements. The table has a row for each fitted parameter."""
 
     __slots__ = ()
     _table = "parameters"
+    _shown = ("name", "value", "sigma", "unit")
 
     @property
     def machine_file(self) -> str:
@@ -327,7 +304,7 @@ class IdentifyResult(Result):
         return self._texts["machine.yaml"]
 
 
-class PlanResult(Result):
+class PlanResult(_fields.PlanFields, Result):
     """Poses worth measuring, in the order of their worth. The table has a row for each pose."""
 
     __slots__ = ()
@@ -339,7 +316,7 @@ class PlanResult(Result):
         return self._texts["plan.csv"]
 
 
-class ImportResult(Result):
+class ImportResult(_fields.ImportFields, Result):
     """A measurement as an instrument exports it. The table has a row for each error."""
 
     __slots__ = ()
@@ -351,7 +328,7 @@ class ImportResult(Result):
         return self._texts["table.csv"]
 
 
-class EquationsResult(Result):
+class EquationsResult(_fields.EquationsFields, Result):
     """Closed forms."""
 
     __slots__ = ()
@@ -367,7 +344,7 @@ class EquationsResult(Result):
         return self._texts["equations.tex"]
 
 
-class ConvertResult(Result):
+class ConvertResult(_fields.ConvertFields, Result):
     """The same machine under other conventions. The table has a row for each error that changed."""
 
     __slots__ = ()
@@ -379,7 +356,7 @@ class ConvertResult(Result):
         return self._texts["machine.yaml"]
 
 
-class CertificateResult(Result):
+class CertificateResult(_fields.CertificateFields, Result):
     """The residual after a controller has applied its files, um and urad."""
 
     __slots__ = ()
@@ -413,21 +390,21 @@ class CompileResult(CertificateResult, Folder):
     __slots__ = ()
 
 
-class RecordResult(Folder):
+class RecordResult(_fields.RecordFields, Folder):
     """The record of a calibration. The table has a row for each decision."""
 
     __slots__ = ()
     _table = "decisions"
 
 
-class TrendResult(Result):
+class TrendResult(_fields.TrendFields, Result):
     """Records of one machine in a line. The table has a row for each error."""
 
     __slots__ = ()
     _table = "errors"
 
 
-class LocateResult(Result):
+class LocateResult(_fields.LocateFields, Result):
     """Location errors as a control's own calibration found them. The table has a row for each error."""
 
     __slots__ = ()
@@ -439,14 +416,45 @@ class LocateResult(Result):
         return self._texts["machine.yaml"]
 
 
-class DiffResult(Result):
-    """What two machines, or two sets of files, differ in. The table has a row for each difference."""
+class DiffResult(_fields.DiffFields, Result):
+    """What two machines differ in. The table has a row for each difference."""
 
     __slots__ = ()
     _table = "differences"
 
 
-class ReportResult(Result):
+class SetDiffResult(_fields.SetDiffFields, Result):
+    """What the files in two folders add to commands, second less first."""
+
+    __slots__ = ()
+
+
+class MonomialResult(_fields.MonomialFields, Result):
+    """Monomials of order 2, fitted component by component. The table has a row for each component."""
+
+    __slots__ = ()
+    _table = "components"
+
+
+class FiguresResult(_fields.FiguresFields, Result):
+    """Figures of the ISO 230 series."""
+
+    __slots__ = ()
+
+
+class ClassifyResult(_fields.ClassifyFields, Result):
+    """Motion and errors of a matrix over the dual numbers."""
+
+    __slots__ = ()
+
+
+class CheckRecordResult(_fields.CheckRecordFields, Result):
+    """A record whose files are all as its hashes state."""
+
+    __slots__ = ()
+
+
+class ReportResult(_fields.ReportFields, Result):
     """One self-contained page of HTML."""
 
     __slots__ = ()

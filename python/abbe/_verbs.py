@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from os import PathLike
 from typing import Any, Literal, TypedDict, Union
 
 from . import _abbe
@@ -18,16 +19,18 @@ from ._results import (
     EnumerateResult,
     EquationsResult,
     EvalResult,
+    FiguresResult,
     IdentifyResult,
     ImportResult,
     InstrumentResult,
     LocateResult,
     MapResult,
+    MonomialResult,
     PlanResult,
     ReachResult,
     RecordResult,
     ReportResult,
-    Result,
+    SetDiffResult,
     TrendResult,
 )
 
@@ -168,6 +171,11 @@ class Verbs:
     _native: _abbe.NativeMachine
 
     def _picture_again(self, options: Mapping[str, Any], threads: int | None) -> Callable[[], Any]:
+        raise NotImplementedError
+
+    def _fit_picture_again(
+        self, options: Mapping[str, Any], texts: list[tuple[str, str]], threads: int | None
+    ) -> Callable[[], Any]:
         raise NotImplementedError
 
     def eval(
@@ -629,10 +637,9 @@ class Verbs:
             "machine_file": machine_file,
             "accept_undetermined": accept_undetermined,
             "pictures": pictures,
-            "texts": texts,
         }
-        found = call("identify", [self._native], options, threads=threads)
-        return IdentifyResult(found)
+        found = call("identify", [self._native], options, texts=texts, threads=threads)
+        return IdentifyResult(found, self._fit_picture_again(options, texts, threads))
 
     def fit_monomials(
         self,
@@ -651,7 +658,7 @@ class Verbs:
         accept_undetermined: bool = False,
         pictures: bool = False,
         threads: int | None = None,
-    ) -> Result:
+    ) -> MonomialResult:
         """Fits monomials of order 2, component by component, as the papers do.
 
         Options, each with the default of the façade where it is ``None``:
@@ -692,10 +699,9 @@ class Verbs:
             "machine_file": machine_file,
             "accept_undetermined": accept_undetermined,
             "pictures": pictures,
-            "texts": texts,
         }
-        found = call("fit_monomials", [self._native], options, threads=threads)
-        return Result(found)
+        found = call("fit_monomials", [self._native], options, texts=texts, threads=threads)
+        return MonomialResult(found)
 
     def plan(
         self,
@@ -759,7 +765,7 @@ class Verbs:
 
     def compile(
         self,
-        target: Text = "",
+        target: Text | Sequence[Text] = "",
         *,
         compensation: CompensationOptions | None = None,
         poses: int = 2000,
@@ -772,6 +778,8 @@ class Verbs:
         threads: int | None = None,
     ) -> CompileResult:
         """Compiles the files of a controller, with their certificate.
+
+        ``target`` may be two: one of kinematic parameters, and one of tables for what they leave.
 
         Options, each with the default of the façade where it is ``None``:
 
@@ -786,8 +794,9 @@ class Verbs:
         * ``lattice``: Names of the axes that span a lattice; all if empty. The others are at 0 in its nodes.
         * ``max_nodes``: Maximum number of lattice nodes.
         """
+        targets = [target] if isinstance(target, (str, PathLike)) else [*target]
         options: dict[str, Any] = {
-            "target": target,
+            "target": targets[0],
             "compensation": compensation,
             "poses": poses,
             "seed": seed,
@@ -797,7 +806,7 @@ class Verbs:
             "lattice": lattice,
             "max_nodes": max_nodes,
         }
-        found = call("compile", [self._native], options, threads=threads)
+        found = call("compile", [self._native], options, words=targets, threads=threads)
         return CompileResult(found)
 
     def verify(
@@ -841,7 +850,7 @@ class Verbs:
         poses: int = 2000,
         seed: int = 1,
         threads: int | None = None,
-    ) -> DiffResult:
+    ) -> SetDiffResult:
         """Returns what two sets of files differ in.
 
         Options, each with the default of the façade where it is ``None``:
@@ -856,7 +865,7 @@ class Verbs:
             "seed": seed,
         }
         found = call("diff_sets", [self._native], options, words=[old, new], threads=threads)
-        return DiffResult(found)
+        return SetDiffResult(found)
 
     def diff(
         self,
@@ -1002,7 +1011,7 @@ def figures(
     feed: float | None = None,
     distance_mm: float | None = None,
     threads: int | None = None,
-) -> Result:
+) -> FiguresResult:
     """Returns figures of the ISO 230 series from the readings of a test.
 
     Options, each with the default of the façade where it is ``None``:
@@ -1022,7 +1031,7 @@ def figures(
         "distance_mm": distance_mm,
     }
     found = call("figures", [], options, words=[path], threads=threads)
-    return Result(found)
+    return FiguresResult(found)
 
 
 def record(

@@ -10,6 +10,7 @@ mod interrupt;
 mod machine;
 mod outcome;
 mod pools;
+mod readings;
 mod request;
 mod verbs;
 
@@ -24,6 +25,8 @@ fn _abbe(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(machine::load, module)?)?;
     module.add_function(wrap_pyfunction!(verbs::run, module)?)?;
     module.add_function(wrap_pyfunction!(verbs::verbs, module)?)?;
+    module.add_function(wrap_pyfunction!(verbs::results, module)?)?;
     module.add_function(wrap_pyfunction!(machine::length_mm, module)?)?;
+    module.add_function(wrap_pyfunction!(readings::csv, module)?)?;
     Ok(())
 }

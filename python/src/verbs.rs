@@ -6,6 +6,12 @@ use crate::machine::NativeMachine;
 use crate::outcome::{NativeOutcome, Outcome};
 use crate::request::{Request, TextsAndDisk};
 use abbe::options::{MapTable, Starter, StudyFile, TableForm};
+use abbe::results::{
+    BudgetResult, CertificateReport, ChainResult, Classification, CompareResult, CompiledSet, ComposedPart,
+    ConvertResult, EquationsResult, EvalResult, IdentifyResult, ImportResult, InstrumentResult, LocateResult,
+    MachineDifference, MachineSummary, MapResult, MeasurementPlan, MonomialFit, RankedArrangements, ReachResult,
+    Record as CalibrationRecord, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures,
+};
 use abbe::sets::LOCK_NAME;
 use abbe::{
     Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompileOptions, ConvertOptions, Diagnostic, Diagnostics,
@@ -15,7 +21,8 @@ use abbe::{
 };
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
-use schemars::{JsonSchema, schema_for};
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema, SchemaGenerator, schema_for};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -31,13 +38,19 @@ type Job<O> = fn(&Request, &O, Run<'_>) -> Found;
 struct Verb {
     name: &'static str,
     schema: fn() -> Value,
+    result: fn(&mut SchemaGenerator) -> Schema,
     run: Box<Dispatch>,
 }
 
 impl Verb {
-    fn new<O: DeserializeOwned + Default + Serialize + JsonSchema + 'static>(name: &'static str, job: Job<O>) -> Self {
+    fn new<O, R>(name: &'static str, job: Job<O>) -> Self
+    where
+        O: DeserializeOwned + Default + Serialize + JsonSchema + 'static,
+        R: JsonSchema,
+    {
         let schema = || json!({"schema": schema_for!(O), "default": O::default()});
-        Self { name, schema, run: Box::new(move |request, run| job(request, &request.options()?, run)) }
+        let run = Box::new(move |request: &Request, run: Run<'_>| job(request, &request.options()?, run));
+        Self { name, schema, result: SchemaGenerator::subschema_for::<R>, run }
     }
 }
 
@@ -50,68 +63,69 @@ const STATE: &str = "state";
 /// Returns all verbs.
 fn table() -> [Verb; 22] {
     [
-        Verb::new("eval", |request, options: &EvalOptions, run| {
+        Verb::new::<EvalOptions, EvalResult>("eval", |request, options, run| {
             Ok(Outcome::of(request, abbe::eval(request.machine()?, options, run)?).0)
         }),
-        Verb::new("equations", equations),
-        Verb::new("convert", convert),
-        Verb::new("map", map),
-        Verb::new("reach", |request, options: &ReachOptions, run| {
+        Verb::new::<EquationsOptions, EquationsResult>("equations", equations),
+        Verb::new::<ConvertOptions, ConvertResult>("convert", convert),
+        Verb::new::<MapOptions, MapResult>("map", map),
+        Verb::new::<ReachOptions, ReachResult>("reach", |request, options, run| {
             let (outcome, result) = Outcome::of(request, abbe::reach(request.machine()?, options, run)?);
             Ok(outcome.text("reach.svg", result.picture().svg()))
         }),
-        Verb::new("compare", |request, options: &CompareOptions, run| {
+        Verb::new::<CompareOptions, CompareResult>("compare", |request, options, run| {
             Ok(Outcome::of(request, abbe::compare(&request.machine_files(), options, run)?).0)
         }),
-        Verb::new("budget", budget),
-        Verb::new("enumerate", enumerate),
-        Verb::new("instrument", |request, options: &InstrumentOptions, run| {
+        Verb::new::<BudgetOptions, BudgetResult>("budget", budget),
+        Verb::new::<EnumerateOptions, RankedArrangements>("enumerate", enumerate),
+        Verb::new::<InstrumentOptions, InstrumentResult>("instrument", |request, options, run| {
             let (outcome, result) = Outcome::of(request, abbe::instrument(request.machine()?, options, run)?);
             Ok(outcome.text("readings.svg", result.picture().svg()))
         }),
-        Verb::new("identify", identify),
-        Verb::new("fit_monomials", |request, options: &IdentifyOptions, run| {
-            Ok(Outcome::of(request, abbe::fit_monomials(request.machine()?, options, run)?).0)
+        Verb::new::<IdentifyOptions, IdentifyResult>("identify", identify),
+        Verb::new::<IdentifyOptions, MonomialFit>("fit_monomials", |request, options, run| {
+            let options = with_texts(request, options);
+            Ok(Outcome::of(request, abbe::fit_monomials(request.machine()?, &options, run)?).0)
         }),
-        Verb::new("plan", |request, options: &PlanOptions, run| {
+        Verb::new::<PlanOptions, MeasurementPlan>("plan", |request, options, run| {
             let (outcome, plan) = Outcome::of(request, abbe::plan_measurements(request.machine()?, options, run)?);
             Ok(outcome.text("plan.csv", plan.csv))
         }),
-        Verb::new("import_readings", |request, options: &ImportOptions, run| {
+        Verb::new::<ImportOptions, ImportResult>("import_readings", |request, options, run| {
             let (outcome, result) = Outcome::of(request, abbe::import(request.path(0)?, options, run)?);
             Ok(outcome.text("table.csv", result.table))
         }),
-        Verb::new("figures", |request, options: &FiguresOptions, run| {
+        Verb::new::<FiguresOptions, TestFigures>("figures", |request, options, run| {
             let (outcome, result) = Outcome::of(request, abbe::figures(request.path(0)?, options, run)?);
             Ok(outcome.text("figures.svg", result.picture().svg()))
         }),
-        Verb::new("locate", |request, options: &LocateOptions, run| {
+        Verb::new::<LocateOptions, LocateResult>("locate", |request, options, run| {
             let (outcome, result) =
                 Outcome::of(request, abbe::locate(request.machine()?, Some(request.path(0)?), options, run)?);
             Ok(outcome.text("machine.yaml", result.machine_file))
         }),
-        Verb::new("record", |request, options: &RecordOptions, run| {
+        Verb::new::<RecordOptions, CalibrationRecord>("record", |request, options, run| {
             let (outcome, record) = Outcome::of(request, abbe::record(request.path(0)?, options, run)?);
             Ok(Outcome { files: record.files, ..outcome })
         }),
-        Verb::new("record_trend", |request, options: &RecordOptions, run| {
+        Verb::new::<RecordOptions, RecordTrend>("record_trend", |request, options, run| {
             let folders: Vec<PathBuf> = request.words.iter().map(PathBuf::from).collect();
             let (outcome, trend) = Outcome::of(request, abbe::record_trend(&folders, options, run)?);
             Ok(outcome.text("trend.svg", trend.picture().svg()))
         }),
-        Verb::new("compile", compile),
-        Verb::new("verify", |request, options: &VerifyOptions, run| {
+        Verb::new::<CompileOptions, CompiledSet>("compile", compile),
+        Verb::new::<VerifyOptions, CertificateReport>("verify", |request, options, run| {
             let answer = abbe::verify(request.machine()?, request.path(0)?, options, run)?;
             Ok(Outcome::of(request, answer).0)
         }),
-        Verb::new("diff_sets", |request, options: &DiffOptions, run| {
+        Verb::new::<DiffOptions, SetDifference>("diff_sets", |request, options, run| {
             let answer = abbe::diff(request.machine()?, request.path(0)?, request.path(1)?, options, run)?;
             Ok(Outcome::of(request, answer).0)
         }),
-        Verb::new("diff", |request, options: &DiffMachinesOptions, run| {
+        Verb::new::<DiffMachinesOptions, MachineDifference>("diff", |request, options, run| {
             Ok(Outcome::of(request, abbe::diff_machines(&request.machine_files(), options, run)?).0)
         }),
-        Verb::new("report", report),
+        Verb::new::<ReportOptions, PageSize>("report", report),
     ]
 }
 
@@ -201,14 +215,33 @@ fn enumerate(request: &Request, options: &EnumerateOptions, run: Run<'_>) -> Fou
     Ok(outcome.text(STATE, state.0.into_inner().unwrap_or_else(PoisonError::into_inner)))
 }
 
+/// Measurements from memory come beside the options: JSON would hold them twice.
+fn with_texts(request: &Request, options: &IdentifyOptions) -> IdentifyOptions {
+    IdentifyOptions { texts: request.texts.clone(), ..options.clone() }
+}
+
 fn identify(request: &Request, options: &IdentifyOptions, run: Run<'_>) -> Found {
-    let (mut outcome, result) = Outcome::of(request, abbe::identify(request.machine()?, options, run)?);
+    let options = with_texts(request, options);
+    let (mut outcome, result) = Outcome::of(request, abbe::identify(request.machine()?, &options, run)?);
     outcome.texts.extend(result.machine_file.map(|text| ("machine.yaml".to_owned(), text)));
     outcome.texts.extend(result.pictures.into_iter().map(|picture| (picture.name, picture.svg)));
     Ok(outcome)
 }
 
+/// Compiles for the targets that the words name; a part of a set for several is a folder.
 fn compile(request: &Request, options: &CompileOptions, run: Run<'_>) -> Found {
+    if request.words.len() > 1 {
+        let answer = abbe::compile_composed(request.machine()?, &request.words, options, run)?;
+        let (outcome, set) = Outcome::of(request, answer);
+        let below = |part: ComposedPart| {
+            let name = move |name: &str| format!("{}/{name}", part.folder);
+            let lock = (name(LOCK_NAME), part.lock.to_text().into_bytes());
+            part.files.into_iter().map(|file| (name(&file.name), file.bytes)).chain([lock]).collect::<Vec<_>>()
+        };
+        let lock = (LOCK_NAME.to_owned(), set.lock.to_text().into_bytes());
+        let files = set.parts.into_iter().flat_map(below).chain([lock]).collect();
+        return Ok(Outcome { files, ..outcome });
+    }
     let (outcome, set) = Outcome::of(request, abbe::compile(request.machine()?, options, run)?);
     let lock = (LOCK_NAME.to_owned(), set.lock.to_text().into_bytes());
     let files = set.files.into_iter().map(|file| (file.name, file.bytes)).chain([lock]).collect();
@@ -218,8 +251,15 @@ fn compile(request: &Request, options: &CompileOptions, run: Run<'_>) -> Found {
 fn report(request: &Request, options: &ReportOptions, run: Run<'_>) -> Found {
     let answer = abbe::report(&request.machine_files(), options, run)?;
     let page = answer.value.page(&[]).map_err(Diagnostics::from)?.text;
-    let bytes = Answer { value: json!({"bytes": page.len()}), warnings: answer.warnings };
-    Ok(Outcome::of(request, bytes).0.text("report.html", page))
+    let size = Answer { value: PageSize { bytes: page.len() }, warnings: answer.warnings };
+    Ok(Outcome::of(request, size).0.text("report.html", page))
+}
+
+/// Size of a page.
+#[derive(Debug, Serialize, JsonSchema)]
+struct PageSize {
+    /// Number of its bytes.
+    bytes: usize,
 }
 
 /// Runs a verb. `options` is a JSON object, `words` are paths or names, `texts` are files by name that come before
@@ -255,4 +295,22 @@ pub fn run(
 pub fn verbs() -> String {
     let entry = |verb: Verb| (verb.name.to_owned(), (verb.schema)());
     Value::Object(table().into_iter().map(entry).collect()).to_string()
+}
+
+/// Returns the JSON Schema of the result of every verb by its name, with the definitions that they refer to.
+#[pyfunction]
+pub fn results() -> String {
+    let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
+    let mut found: serde_json::Map<String, Value> =
+        table().iter().map(|verb| (verb.name.to_owned(), (verb.result)(&mut generator).to_value())).collect();
+    for (name, result) in [
+        ("show", SchemaGenerator::subschema_for::<ChainResult> as fn(&mut SchemaGenerator) -> Schema),
+        ("check", SchemaGenerator::subschema_for::<MachineSummary>),
+        ("classify", SchemaGenerator::subschema_for::<Classification>),
+        ("check_record", SchemaGenerator::subschema_for::<RecordCheck>),
+        ("targets", SchemaGenerator::subschema_for::<TargetSummary>),
+    ] {
+        let _ = found.insert(name.to_owned(), result(&mut generator).to_value());
+    }
+    json!({"results": found, "definitions": generator.take_definitions(true)}).to_string()
 }

@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+import typed
+
+import abbe
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 CONFIGS = REPOSITORY / "configs"
@@ -30,3 +33,19 @@ def program() -> Program:
         return json.loads(done.stdout)
 
     return run
+
+
+@pytest.fixture(autouse=True, scope="session")
+def results_are_typed() -> Iterator[None]:
+    """Checks every result of every test against its declared types."""
+    made = abbe.Result.__init__
+
+    def checked(self: abbe.Result, found: Any) -> None:
+        made(self, found)
+        # A part of a study has no ranking yet.
+        if "walks_done" not in self and "drawn" not in self:
+            typed.check_result(self)
+
+    abbe.Result.__init__ = checked  # type: ignore[method-assign]
+    yield
+    abbe.Result.__init__ = made  # type: ignore[method-assign]

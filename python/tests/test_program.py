@@ -88,7 +88,7 @@ def test_budget_and_goal(program: Any, bounded: Path) -> None:
     assert found.to_dict() == program("budget", bounded, *asked)
     found = machine(bounded).goal("9 um", poses=20, samples=60)
     assert found.to_dict() == program("budget", bounded, "--poses", 20, "--samples", 60, "--goal", "9 um")
-    assert found.goal.goal_um == pytest.approx(9, rel=1e-15)
+    assert found.goal is not None and found.goal.goal_um == pytest.approx(9, rel=1e-15)
 
 
 def test_enumerate(program: Any, bounded: Path, tmp_path: Path) -> None:
@@ -218,6 +218,75 @@ def test_parts_of_a_budget_are_put_together(tmp_path: Path) -> None:
         print(study.budget(**options).state)
 
 
+def test_figures_of_a_spindle_and_of_heat(program: Any, tmp_path: Path) -> None:
+    spindle, heat = tmp_path / "spindle.csv", tmp_path / "heat.csv"
+    turns = [(at, math.cos(math.radians(at)), math.sin(math.radians(2 * at))) for at in range(0, 1440, 10)]
+    spindle.write_text("angle [deg],x [um],y [um]\n" + "".join(f"{at},{x:.6f},{y:.6f}\n" for at, x, y in turns))
+    heat.write_text(
+        "time [min],x [um],ambient [degC]\n" + "".join(f"{at},{at / 9:.3f},{20 + at / 99:.2f}\n" for at in range(90))
+    )
+    for test, file in (("rotation", spindle), ("drift", heat)):
+        assert abbe.figures(file, test=test).to_dict() == program("figures", test, file), test  # type: ignore[arg-type]
+
+
+def test_import(program: Any) -> None:
+    file = REPOSITORY / "docs" / "examples" / "shop-floor" / "x-laser.csv"
+    options: Any = {"error": "EXX", "axis": "X", "material": "22.4 degC x 11.5 um/m/K"}
+    found = abbe.import_readings(file, **options)
+    asked = ("--error", "EXX", "--axis", "X", "--material", "22.4 degC x 11.5 um/m/K")
+    assert found.to_dict() == program("import", file, *asked)
+    assert found.csv.startswith("X [mm], EXX+ [um], EXX- [um]\n")
+
+
+def test_fit_monomials(program: Any) -> None:
+    folder = REPOSITORY / "docs" / "examples" / "paper-2015"
+    found = machine(folder / "as-printed.yaml").fit_monomials(folder / "phantom.csv")
+    asked = ("--data", folder / "phantom.csv", "--method", "moore-penrose")
+    assert found.to_dict() == program("identify", folder / "as-printed.yaml", *asked)
+    assert len(found.to_pandas()) == 3
+
+
+def test_classify(program: Any, tmp_path: Path) -> None:
+    # Rz(90 deg) with the errors EX = 1e-3 mm and EC = 2e-5 rad before it, and a matrix that is none.
+    good, bad = tmp_path / "good.yaml", tmp_path / "bad.yaml"
+    good.write_text(
+        "real: [[0, -1, 0, 5], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+        "dual: [[-2e-5, 0, 0, 0.001], [0, -2e-5, 0, 1e-4], [0, 0, 0, 0], [0, 0, 0, 0]]\n"
+    )
+    bad.write_text(
+        "real: [[0, -1, 0, 5], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"
+        "dual: [[1, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]]\n"
+    )
+    found = abbe.classify(good)
+    assert found.to_dict() == program("classify", good)
+    assert found.errors_before is not None and found.errors_before.EC == pytest.approx(2e-5, rel=1e-12)
+    assert abbe.classify(bad).to_dict() == program("classify", bad)
+
+
+def test_report(program: Any, tmp_path: Path) -> None:
+    page = tmp_path / "report.html"
+    expected = program("report", VMC, "--poses", 100, "--out", page)
+    found = machine(VMC).report(poses=100)
+    # The page of the program is a file, and may have an engine; that of the package is in memory.
+    assert expected == {"page": str(page), "engines": [], **found.to_dict()}
+    assert found.page == page.read_text(encoding="utf-8")
+
+
+def test_compile_for_two_targets(program: Any, tmp_path: Path) -> None:
+    targets = ["sinumerik-traori", "sinumerik-cec"]
+    by_program, own = tmp_path / "program", tmp_path / "own"
+    asked = [word for target in targets for word in ("--target", target)]
+    expected = program("compile", TRUNNION, *asked, "--accept-unverified", "--out", by_program, "--poses", 100)
+    found = machine().compile(targets, poses=100, accept_unverified=True)
+    assert found.to_dict() == expected
+    assert found.steps is not None and found.steps[0].target == "sinumerik-traori"
+    found.save(own)
+    names = {path.relative_to(own) for path in own.rglob("*") if path.is_file()}
+    assert names == {path.relative_to(by_program) for path in by_program.rglob("*") if path.is_file()}
+    assert all((own / name).read_bytes() == (by_program / name).read_bytes() for name in names)
+    assert machine().verify(own, poses=100).to_dict() == program("verify", TRUNNION, own, "--poses", 100)
+
+
 def test_figures(program: Any, tmp_path: Path) -> None:
     file = tmp_path / "circle.csv"
     rows = [f"{at},{3 * math.cos(math.radians(2 * at)):.6f}" for at in range(0, 360, 5)]
@@ -225,5 +294,6 @@ def test_figures(program: Any, tmp_path: Path) -> None:
     found = abbe.figures(file, test="circle")
     assert found.to_dict() == program("figures", "circle", file)
     # Two times the amplitude of the ellipse.
+    assert found.circular_deviation_um is not None
     assert found.circular_deviation_um.counter_clockwise == pytest.approx(6.0, abs=1e-6)
     assert "figures.svg" in found.pictures

@@ -13,6 +13,7 @@ import pytest
 from conftest import CONFIGS, REPOSITORY
 
 import abbe
+from abbe._readings import csv_of
 
 TRUNNION = CONFIGS / "trunnion.yaml"
 VMC = CONFIGS / "vmc-cframe-754.yaml"
@@ -98,6 +99,12 @@ def test_pictures() -> None:
         assert ElementTree.fromstring(svg).tag.endswith("svg")
         assert "<table>" in page and "<svg" in page and "<?xml" not in page
     assert machine.curves_svg is not None
+    columns, fit = readings(abbe.load(VMC))
+    fitted = abbe.load(VMC).identify(columns, fit=fit)
+    assert not fitted.pictures
+    page = fitted._repr_html_() or ""
+    assert "<svg" in page and all(f"<td>{name}</td>" in page for name in fit)
+    assert fitted.pictures and pickle.loads(pickle.dumps(fitted)).pictures == fitted.pictures
     # A robot has no plane of two linear axes.
     assert abbe.load(CONFIGS / "robots" / "ur5.yaml").map(poses={"random": 20})._repr_svg_() is None
 
@@ -113,14 +120,19 @@ def test_records() -> None:
         _ = found.position
 
 
-def test_measurements_from_memory(program: Any, tmp_path: Path) -> None:
-    machine = abbe.load(VMC)
+def readings(machine: abbe.Machine) -> tuple[dict[str, Any], list[str]]:
+    """Vectors of a machine of three axes with noise, and the errors to fit."""
     generator = np.random.default_rng(4)
     poses = {name: generator.uniform(axis["travel"][0], axis["travel"][1], 60) for name, axis in machine.axes.items()}
-    readings = machine.deviations(poses).position * 1e3 + generator.normal(0, 0.2, (60, 3))
-    columns = {f"{name} [mm]": values for name, values in poses.items()}
-    columns.update({f"d{letter} [um]": readings[:, k] for k, letter in enumerate("xyz")})
-    fit = ["EC0Y", "EB0Z", "EA0Z"]
+    read = machine.deviations(poses).position * 1e3 + generator.normal(0, 0.2, (60, 3))
+    columns: dict[str, Any] = {f"{name} [mm]": values for name, values in poses.items()}
+    columns.update({f"d{letter} [um]": read[:, k] for k, letter in enumerate("xyz")})
+    return columns, ["EC0Y", "EB0Z", "EA0Z"]
+
+
+def test_measurements_from_memory(program: Any, tmp_path: Path) -> None:
+    machine = abbe.load(VMC)
+    columns, fit = readings(machine)
     found = machine.identify(columns, fit=fit, machine_file=True)
     file = tmp_path / "readings.csv"
     heads = ",".join(columns)
@@ -150,3 +162,32 @@ def test_npy_is_readable_by_itself() -> None:
     np.save(file, found.rows)
     file.seek(0)
     assert np.load(file).tobytes() == found.rows.tobytes()
+
+
+def test_cells_of_measurements() -> None:
+    """Numbers keep every bit, missing ones are empty, and text does not break the table."""
+    numbers = np.array([0.1, -0.0, 1e-300, 5e-324, 1.7976931348623157e308, 3.0, np.nan])
+    text = csv_of({"a": numbers, "b": np.arange(7), "c": ["x", None, "y", "", "z", "w", "v"]})
+    rows = [line.split(",") for line in text.splitlines()]
+    assert rows[0] == ["a", "b", "c"] and rows[-1] == ["", "6.0", "v"] and rows[2][2] == ""
+    assert np.array([float(row[0]) for row in rows[1:-1]]).tobytes() == numbers[:-1].tobytes()
+    for columns in ({"a": [1.0], "b": [1.0, 2.0]}, {"a,b": [1.0]}, {"a": ["1,2"]}, {"a": ["1\n2"]}):
+        with pytest.raises(ValueError, match=r"measurements|comma"):
+            csv_of(columns)
+
+
+def test_readings_need_no_alignment() -> None:
+    """Arrays that came over a network may start anywhere."""
+    aside = np.zeros(2 * 8 + 1, dtype=np.uint8)[1:].view(np.float64)
+    aside[:] = (1.5, 2.0)
+    assert not aside.flags.aligned and [float(cell) for cell in csv_of({"a": aside}).split()[1:]] == [1.5, 2.0]
+
+
+def test_types_of_results() -> None:
+    """Fields have classes of their own; one that may be absent is none."""
+    found = abbe.load(TRUNNION).map(poses={"random": 20}, worst=1)
+    assert type(found.position_um).__name__ == "Summary" and "ceil(0.95 n)" in found.position_um.field_docs()["p95"]
+    assert found.bounds is None and "bounds" not in found
+    assert isinstance(found.worst[0].axes, abbe.Named) and found.worst[0].axes["X"] == found.worst[0].axes.X
+    restored = pickle.loads(pickle.dumps(found))
+    assert restored.worst[0] == found.worst[0] and isinstance(restored.worst[0].axes, abbe.Named)

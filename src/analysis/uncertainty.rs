@@ -27,7 +27,7 @@ const STRAIGHT: f64 = 1.0 / 3.0;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// Intervals of the statistics of vectors at a level of confidence of 95 %: lower and upper end.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, schemars::JsonSchema)]
 pub struct SummaryBand {
     /// Interval of the largest length.
     pub max: [f64; 2],
@@ -40,7 +40,7 @@ pub struct SummaryBand {
 }
 
 /// Intervals of the statistics of deviations.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Bands {
     /// Number of independent parts of the uncertainty.
     pub parts: usize,

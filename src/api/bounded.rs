@@ -57,7 +57,7 @@ impl DrawnBounds {
 }
 
 /// What the bounds of a machine add to its measured errors: a budget of those errors that have no value.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct AddedByBounds {
     /// Number of these errors.
     pub errors: usize,
@@ -74,7 +74,7 @@ pub struct AddedByBounds {
 }
 
 /// A deviation that bounds add.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct AddedDeviation {
     /// Root of the sum of squares of the bounds' effects, at the pose where that is largest.
     pub rss: f64,

@@ -25,7 +25,7 @@ impl Default for ClassifyOptions {
 }
 
 /// A matrix over the dual numbers, classified.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(untagged)]
 pub enum Classification {
     /// A motion with six errors.
@@ -35,7 +35,7 @@ pub enum Classification {
 }
 
 /// A nominal motion N with six small errors, as E N and as N E.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct MotionWithErrors {
     admissible: bool,
     /// Rotation of N, row by row.
@@ -56,7 +56,7 @@ pub struct MotionWithErrors {
 }
 
 /// Six errors; displacements in mm, rotations in rad.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "UPPERCASE")]
 pub struct SixErrors {
     /// Displacement along X.
@@ -87,14 +87,14 @@ impl SixErrors {
 }
 
 /// A matrix that is no motion with small errors.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct NoMotion {
     admissible: bool,
     /// The reason.
     pub reason: String,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 struct Units {
     length: &'static str,
     angle: &'static str,

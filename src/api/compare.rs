@@ -63,7 +63,7 @@ impl Default for CompareOptions {
 }
 
 /// Machines side by side, over the tool poses that all of them reach.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct CompareResult {
     /// Effect of each error alone, largest first.
     pub contributions: Vec<ErrorContribution>,
@@ -88,7 +88,7 @@ pub struct CompareResult {
 }
 
 /// Effect of an error alone in each machine.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ErrorContribution {
     /// Name of the error.
     pub error: String,
@@ -99,7 +99,7 @@ pub struct ErrorContribution {
 }
 
 /// One machine of a comparison.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct ComparedMachine {
     /// Name of the machine.
     pub machine: String,
@@ -141,7 +141,7 @@ pub struct ComparedMachine {
 }
 
 /// What the bounds of a machine lead to on the tool poses, where nothing is measured.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct ComparedBounds {
     /// Its figures, with the machines drawn.
     #[serde(flatten)]

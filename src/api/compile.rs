@@ -56,7 +56,7 @@ impl Default for CompileOptions {
 }
 
 /// A set of files in memory, with its certificate.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct CompiledSet {
     /// The files, without the manifest.
     #[serde(skip)]

@@ -21,7 +21,7 @@ use crate::machine::Machine;
 use std::path::Path;
 
 /// A set of two targets in memory, with its certificate.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct ComposedSet {
     /// The parts, kinematic parameters first.
     #[serde(skip)]

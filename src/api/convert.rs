@@ -22,7 +22,7 @@ pub struct ConvertOptions {
 }
 
 /// A converted machine with its proof.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
 pub struct ConvertResult {
     /// The new conventions.
     pub conventions: Conventions,
@@ -46,7 +46,7 @@ pub struct ConvertResult {
 }
 
 /// An error with another value, or another curve.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ConvertedError {
     /// Name such as `EC0Y`, `EXX`, `workpiece.A`.
     pub name: String,
@@ -85,7 +85,7 @@ impl ConvertedError {
 }
 
 /// An error that no curve of the language holds exactly.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct MisfitSize {
     /// Name of the error.
     pub name: String,
@@ -94,7 +94,7 @@ pub struct MisfitSize {
 }
 
 /// The comparison of both machines by the exact model, from every direction of approach.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ConversionProof {
     /// Poses on a grid over the volume.
     pub grid_poses: usize,

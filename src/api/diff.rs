@@ -31,10 +31,11 @@ impl Default for DiffOptions {
 }
 
 /// Second set less the first.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct SetDifference {
     /// By axis, in the order of the chain.
     #[serde(serialize_with = "by_name")]
+    #[schemars(with = "indexmap::IndexMap<String, indexmap::IndexMap<String, f64>>")]
     pub axes: Vec<AxisDifference>,
     /// Displacement of the functional point, um.
     pub position_um: Summary,

@@ -34,7 +34,7 @@ impl Default for DiffMachinesOptions {
 }
 
 /// Two machines against each other.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct MachineDifference {
     /// Name of each machine.
     pub machines: [String; 2],
@@ -55,7 +55,7 @@ pub struct MachineDifference {
 }
 
 /// A property in which two machines differ.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct PropertyDifference {
     /// `chain`, `direction`, `origin`, `sense`, `travel`, `tool`, `workpiece`, `conventions`, `setup`, `class`,
     /// `tolerances` or `error`.

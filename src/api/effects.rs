@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 pub(super) const BOUND_POSES: usize = 64;
 
 /// Effect of an error, or of a pair of errors, at a pose; workpiece frame.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ErrorEffect {
     /// Name of the error; of a pair `A*B`.
     pub error: String,
@@ -27,7 +27,7 @@ pub struct ErrorEffect {
 }
 
 /// Bound of the terms that order 1 neglects: all interactions of second degree with one sign.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Neglected {
     /// Displacement of the functional point, mm.
     pub position_mm: f64,

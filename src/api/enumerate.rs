@@ -93,7 +93,7 @@ pub enum JudgedBy {
 }
 
 /// The arrangements, or how far the study has come.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 #[serde(untagged)]
 pub enum EnumerateResult {
     /// All walks are done.
@@ -103,7 +103,7 @@ pub enum EnumerateResult {
 }
 
 /// Progress of a study.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct StudyProgress {
     /// The file of the results; empty without.
     pub state: String,

@@ -41,7 +41,7 @@ pub struct EvalOptions {
 }
 
 /// Deviations at poses.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct EvalResult {
     /// Name of the machine.
     pub machine: String,
@@ -68,7 +68,7 @@ impl EvalResult {
 }
 
 /// Units of an [`EvalResult`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct EvalUnits {
     /// Unit of positions and deviations of points.
     pub position: &'static str,
@@ -83,7 +83,7 @@ pub struct EvalUnits {
 const UNITS: EvalUnits = EvalUnits { position: "mm", rotation: "rad", linear_axis: "mm", rotary_axis: "deg" };
 
 /// Deviation at one pose.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct PoseResult {
     /// The pose, mm and deg.
     pub axes: AxisPositions,

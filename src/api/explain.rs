@@ -6,7 +6,7 @@ use crate::machine::{CLASS_NAMES, Direction, ErrorId, classes, parse_error_name}
 use serde::Serialize;
 
 /// An explanation.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct Explanation {
     /// The code, error name, class or controller as it is written.
     pub topic: String,

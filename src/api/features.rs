@@ -13,7 +13,7 @@ use rayon::prelude::*;
 const DOMINATING: usize = 3;
 
 /// A feature of the work: rows of a file with the same label.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct FeatureResult {
     /// Its label; empty for rows without.
     pub feature: String,
@@ -34,7 +34,7 @@ pub struct FeatureResult {
 }
 
 /// An error in the deviation at a pose.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct DominatingError {
     /// Name of the error.
     pub error: String,

@@ -55,7 +55,7 @@ impl Default for FiguresOptions {
 }
 
 /// Figures of a test. Serialises as docs/formats.md describes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(tag = "test", rename_all = "snake_case")]
 pub enum TestFigures {
     /// A circle.
@@ -69,7 +69,7 @@ pub enum TestFigures {
 }
 
 /// A value with its standard uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct UncertainValue {
     /// The value.
     pub value: f64,
@@ -84,7 +84,7 @@ impl UncertainValue {
 }
 
 /// Figures of each sense of rotation.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct BothSenses<T> {
     /// With rising angle.
     pub counter_clockwise: Option<T>,
@@ -99,7 +99,7 @@ impl<T> BothSenses<T> {
 }
 
 /// Figures of a circle after ISO 230-4.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CircleTest {
     /// The plane.
     pub plane: CirclePlane,
@@ -128,7 +128,7 @@ pub struct CircleTest {
 }
 
 /// Causes of the deviations of a circle, each beside the others by least squares.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CauseTest {
     /// Angle between the directions of the plane minus 90 deg. Of one sense servo mismatch is in it.
     pub squareness_urad: UncertainValue,
@@ -160,7 +160,7 @@ impl CauseTest {
 }
 
 /// Figures of the error motions of an axis of rotation after ISO 230-7.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RotationTest {
     /// Number of readings.
     pub readings: usize,
@@ -171,7 +171,7 @@ pub struct RotationTest {
 }
 
 /// An error motion about the centre of least squares.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct MotionTest {
     /// Probe, or what was formed of probes.
     pub motion: String,
@@ -215,7 +215,7 @@ impl MotionTest {
 }
 
 /// Figures of thermal drift after ISO 230-3.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct DriftTest {
     /// Duration of the test.
     pub minutes: f64,
@@ -230,7 +230,7 @@ pub struct DriftTest {
 }
 
 /// The drift of one displacement or tilt.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct DriftOf {
     /// Probe or tilt.
     pub drift: String,
@@ -247,7 +247,7 @@ pub struct DriftOf {
 }
 
 /// The range of a temperature.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TemperatureRange {
     /// The sensor.
     pub sensor: String,
@@ -256,7 +256,7 @@ pub struct TemperatureRange {
 }
 
 /// Figures of diagonals after ISO 230-6.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct DiagonalsTest {
     /// Number of readings.
     pub readings: usize,
@@ -271,7 +271,7 @@ pub struct DiagonalsTest {
 }
 
 /// One diagonal, with the figures of ISO 230-2.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct DiagonalTest {
     /// Its name.
     pub diagonal: String,

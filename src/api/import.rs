@@ -54,7 +54,7 @@ pub struct ImportOptions {
 }
 
 /// A measurement with its figures after ISO 230-2.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ImportResult {
     /// Name of the axis.
     pub axis: String,
@@ -85,7 +85,7 @@ pub struct ImportResult {
 }
 
 /// Figures of one error over the axis, after ISO 230-2:2014; lengths in um, angles in urad.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ImportedError {
     /// Name of the error.
     pub error: String,
@@ -136,7 +136,7 @@ pub struct ImportedError {
 }
 
 /// The material of a machine at the time of a measurement.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ReferenceMaterial {
     /// Its temperature, deg C.
     pub temperature_deg_c: f64,
@@ -145,7 +145,7 @@ pub struct ReferenceMaterial {
 }
 
 /// The straight line in a straightness, before it was taken off.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct StraightnessReference {
     /// Its slope.
     pub slope_um_per_m: f64,
@@ -247,7 +247,7 @@ impl ImportedError {
 }
 
 /// A row that was not used.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct LeftOutRow {
     /// Its line.
     pub line: usize,
@@ -256,7 +256,7 @@ pub struct LeftOutRow {
 }
 
 /// A column that was not used.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct LeftOutColumn {
     /// Its title.
     pub column: String,
@@ -265,7 +265,7 @@ pub struct LeftOutColumn {
 }
 
 /// A channel of a six-degree instrument.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct ImportedChannel {
     /// Title of the column.
     pub column: String,

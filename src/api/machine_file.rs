@@ -24,7 +24,7 @@ pub struct MachineFile {
 }
 
 /// A file that a machine was read from.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct InputFile {
     /// Its path, as it was named.
     pub file: String,

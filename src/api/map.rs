@@ -125,7 +125,7 @@ impl MapPoses {
 }
 
 /// A map of deviations, actual minus nominal; of a machine of which nothing is measured, of what its bounds lead to.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct MapResult {
     /// Name of the machine.
     pub machine: String,
@@ -214,7 +214,7 @@ impl MapResult {
 }
 
 /// Statistics of a machine without compensation.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Uncompensated {
     /// Displacement of the functional point, um.
     pub position_um: Summary,
@@ -223,7 +223,7 @@ pub struct Uncompensated {
 }
 
 /// A pose with a large deviation.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct WorstPose {
     /// The pose, mm and deg.
     pub axes: AxisPositions,
@@ -235,7 +235,7 @@ pub struct WorstPose {
 }
 
 /// Displacement along a body diagonal.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct BodyDiagonal {
     /// Senses of the axes along it, such as `ppp`.
     pub name: String,

@@ -17,7 +17,7 @@ use crate::report::{BoundedFigures, Rows};
 use serde::Serialize;
 
 /// What the bounds of a machine lead to over a map.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
 pub struct MapFromBounds {
     /// Its figures, with the machines drawn.
     #[serde(flatten)]
@@ -27,7 +27,7 @@ pub struct MapFromBounds {
 }
 
 /// A pose with a large 95 % value.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
 pub struct WorstBoundedPose {
     /// The pose, mm and deg.
     pub axes: AxisPositions,

@@ -52,6 +52,8 @@ mod report;
 pub mod results;
 mod run;
 pub mod sets;
+#[allow(dead_code, reason = "only the schema of these structures is taken")]
+mod shapes;
 mod show;
 mod sources;
 mod starter;

@@ -6,7 +6,7 @@ use crate::units::Dimension;
 use serde::Serialize;
 
 /// Figures of one direction of approach, in the unit of the error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct OneWayAccuracy {
     /// Systematic deviation E of the direction.
     #[serde(rename = "E")]
@@ -28,7 +28,7 @@ impl OneWayAccuracy {
 }
 
 /// Figures of both directions of approach; none of a direction that was not measured.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct OneWayBoth {
     /// Approached with rising position.
     pub forward: Option<OneWayAccuracy>,
@@ -44,7 +44,7 @@ impl OneWayBoth {
 }
 
 /// Readings of one direction at a target, in the unit of the error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ReadAtTarget {
     /// Their mean.
     pub mean: f64,
@@ -55,7 +55,7 @@ pub struct ReadAtTarget {
 }
 
 /// A target with its readings.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct MeasuredTarget {
     /// Position, mm or deg.
     pub position: f64,
@@ -91,7 +91,7 @@ impl MeasuredTarget {
 }
 
 /// Expanded uncertainties, k = 2, in the unit of the error, after ISO 230-2 annex A: not verified against its text.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct AccuracyUncertainties {
     /// Uncertainty of E, of one direction and of both.
     #[serde(rename = "E")]

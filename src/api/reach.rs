@@ -36,7 +36,7 @@ impl ReachOptions {
 }
 
 /// Directions of the tool at every tip.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ReachDirections {
     /// `one`, `circle` (equal turns of an axis) or `hemisphere` (equal areas).
     pub kind: DirectionKind,
@@ -47,7 +47,7 @@ pub struct ReachDirections {
 }
 
 /// The reach of a machine.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct ReachResult {
     /// Name of the machine.
     pub machine: String,

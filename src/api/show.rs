@@ -7,7 +7,7 @@ use crate::report::{self, Picture};
 use crate::units::significant;
 
 /// The kinematic chain of a machine.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct ChainResult {
     /// Name of the machine.
     pub machine: String,
@@ -30,7 +30,7 @@ pub struct ChainResult {
 }
 
 /// An axis of a chain, in machine coordinates at the zero pose.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct ChainAxis {
     /// Name of the axis.
     pub name: String,
@@ -59,7 +59,7 @@ pub struct ChainAxis {
 }
 
 /// Geometry of an axis for the side on which it does not stand, the other axes staying where they are.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct OtherSide {
     /// The other branch.
     pub side: Branch,
@@ -74,7 +74,7 @@ pub struct OtherSide {
 }
 
 /// A lever arm, mm.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Arm {
     /// At the zero pose.
     pub at_zero: f64,
@@ -86,7 +86,7 @@ pub struct Arm {
 }
 
 /// A tool, in machine coordinates at the zero pose.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ChainTool {
     /// Name of the tool; may be empty.
     pub name: String,
@@ -102,7 +102,7 @@ pub struct ChainTool {
 }
 
 /// The location errors of a chain.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct LocationErrors {
     /// Those that the chain needs.
     pub set: Vec<LocationError>,
@@ -111,7 +111,7 @@ pub struct LocationErrors {
 }
 
 /// A location error that a chain needs.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct LocationError {
     /// Name of the error.
     pub error: ErrorId,

@@ -39,7 +39,7 @@ impl Default for SourcesOptions {
 }
 
 /// Each error that has a value, alone.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ErrorSources {
     /// Name of the machine.
     pub machine: String,
@@ -54,7 +54,7 @@ pub struct ErrorSources {
 }
 
 /// One error alone, first order.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ErrorSource {
     /// Name of the error.
     pub error: ErrorId,

@@ -6,7 +6,7 @@ use crate::machine::{AxisKind, Branch, Conventions, ErrorId, ErrorTerm, Travel};
 use indexmap::IndexMap;
 
 /// A machine in short, as `check` prints it.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct MachineSummary {
     /// Name of the machine.
     pub machine: String,
@@ -25,7 +25,7 @@ pub struct MachineSummary {
 }
 
 /// An axis in short.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct AxisSummary {
     /// Name of the axis.
     pub name: String,
@@ -48,7 +48,7 @@ pub struct AxisSummary {
 }
 
 /// Counts of the errors of a machine.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct ErrorCounts {
     /// Location errors with a value.
     pub location: usize,
@@ -86,7 +86,7 @@ pub fn summary(file: &MachineFile) -> MachineSummary {
 }
 
 /// An error that is one number: a location error, or a bound.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ErrorNumber {
     /// Its value, or how far it is bounded to either side.
     pub value: f64,

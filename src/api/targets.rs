@@ -5,7 +5,7 @@ use crate::controller::{Certainty, ControllerTarget, NAMES};
 use serde::Serialize;
 
 /// A controller in short.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct TargetSummary {
     /// Name for `compile`.
     pub target: String,
@@ -28,7 +28,7 @@ pub struct TargetSummary {
 }
 
 /// Certainty of a fact, with its source.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct TargetCertainty {
     /// Level in a word.
     pub level: &'static str,

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Expanded uncertainty (k = 2) of the deviation at a pose, component by component, to first order.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, schemars::JsonSchema)]
 pub struct PoseUncertainty {
     /// Uncertainty of the position of the functional point, mm.
     pub deviation: [f64; 3],
@@ -44,7 +44,7 @@ impl PoseUncertainty {
 }
 
 /// Intervals of the figures of a certificate.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CertificateBands {
     /// Without the files.
     pub uncompensated: Bands,
@@ -72,7 +72,7 @@ impl CertificateBands {
 }
 
 /// Intervals of the statistics of a machine beside another. Machines share the uncertainty that both files state.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ComparedBands {
     /// Those of the machine.
     #[serde(flatten)]

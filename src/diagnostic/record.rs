@@ -5,7 +5,7 @@ use serde::ser::{Serialize, SerializeStruct, Serializer};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A diagnostic with its places by name, line and column.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct DiagnosticRecord {
     /// Code such as `E0203`.
     pub code: Code,
@@ -20,7 +20,7 @@ pub struct DiagnosticRecord {
 }
 
 /// A place in a file. Lines and columns count from 1, columns in characters; the end is exclusive.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct PlaceRecord {
     /// Name of the file as the call named it.
     pub file: String,
@@ -37,7 +37,7 @@ pub struct PlaceRecord {
 }
 
 /// A diagnostic in the list `warnings` of a result.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct WarningRecord {
     /// Code such as `W0402`.
     pub code: Code,
@@ -48,7 +48,7 @@ pub struct WarningRecord {
 }
 
 /// Start of a place in a file, counted as in [`PlaceRecord`].
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct PlaceStart {
     /// Name of the file as the call named it.
     pub file: String,

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use serde::Serialize;
 
 /// Statistics of the deviations at many poses: the contract of `map` and of certificates.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Statistics {
     /// Number of poses.
     pub poses: usize,
@@ -16,7 +16,7 @@ pub struct Statistics {
 }
 
 /// Statistics of vectors: of their length, except for the range.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, schemars::JsonSchema)]
 pub struct Summary {
     /// Largest length.
     pub max: f64,
@@ -50,7 +50,7 @@ impl Statistics {
 }
 
 /// Statistics minus statistics.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Difference {
     /// Position deviations of the functional point, um.
     pub position_um: Summary,

@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, Vector3};
 pub type TwistMap = [[f64; 6]; 3];
 
 /// The quantity moved: the functional point (mm), or the orientation of the tool (rad).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
     /// The functional point.

@@ -3,7 +3,7 @@
 use super::{AxisName, Branch, ControllerAxis, Sense};
 
 /// The kind of motion of an axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum AxisKind {
     /// It moves along its direction; positions in mm.

@@ -74,7 +74,7 @@ pub enum Joints {
 }
 
 /// The conventions in force for a machine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct Conventions {
     /// The action of location errors.
     pub location: Location,

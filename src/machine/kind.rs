@@ -4,7 +4,7 @@ use super::{Axis, AxisKind, Direction, ErrorFamily, ErrorId};
 use serde::Serialize;
 
 /// The kind of an error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ErrorKind {
     /// A translation of a linear axis along itself.

@@ -58,7 +58,7 @@ pub struct Grid {
 }
 
 /// The origin of the numbers; free text.
-#[derive(Debug, Clone, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, schemars::JsonSchema)]
 pub struct Provenance {
     /// Key and value as written.
     pub entries: Vec<(String, String)>,

@@ -15,7 +15,7 @@ const TWO_SIDED: f64 = 1.96;
 const NEAR: f64 = 2.4;
 
 /// Sides on which a value is limited.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LimitSides {
     /// The value is at most the limit: figures that are never negative.
@@ -25,7 +25,7 @@ pub enum LimitSides {
 }
 
 /// A decision on conformity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Conformity {
     /// The limit is kept.

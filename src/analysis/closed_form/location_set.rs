@@ -29,7 +29,7 @@ pub struct LocationSet {
 }
 
 /// The state of a member of the set in the machine file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
     /// A value is given.

@@ -37,7 +37,7 @@ pub struct MachineResult {
 }
 
 /// Number of unreachable tool poses, by reason.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct UnreachableCount {
     /// Their total number.
     pub total: usize,

@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 const STILL: f64 = 1e-9;
 
 /// The kind of a set of directions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum DirectionKind {
     /// The tool axis at rest: the machine does not turn it.

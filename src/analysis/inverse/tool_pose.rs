@@ -56,7 +56,7 @@ pub fn attitude(tool: &Vector3<f64>, direction: &Vector3<f64>, spin_rad: f64) ->
 }
 
 /// The reason why a machine cannot take a tool pose.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Unreachable {
     /// Its rotary axes cannot point the tool there.

@@ -7,7 +7,7 @@ use crate::machine::{Approach, AxisName, Direction, ErrorFamily, ErrorId, ErrorT
 use nalgebra::Vector3;
 
 /// Distance of the functional point from the point about which an axis's angular errors rotate, mm.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Lever {
     /// At the zero pose.
     pub at_zero: f64,

@@ -12,7 +12,7 @@ use serde::Serialize;
 const SITES: usize = 101;
 
 /// The datum of the fitted errors.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FittedDatum {
     /// Reference line, zero and place of the squareness.
     #[serde(flatten)]
@@ -26,7 +26,7 @@ pub struct FittedDatum {
 }
 
 /// A fitted error over the travel of its axis.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FittedError {
     /// ISO name.
     pub error: String,

@@ -11,7 +11,7 @@ use serde::Serialize;
 const MAX_FACTORS: usize = 24;
 
 /// Coefficients of monomials of the errors, which give no machine.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct MonomialFit {
     /// `moore-penrose`.
     pub method: &'static str,
@@ -25,7 +25,7 @@ pub struct MonomialFit {
 }
 
 /// One component of the deviation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct MonomialComponent {
     /// `dx`, `dy` or `dz`.
     pub component: &'static str,
@@ -42,7 +42,7 @@ pub struct MonomialComponent {
 }
 
 /// Root mean square of readings, um.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Rms {
     /// As measured.
     pub before: f64,
@@ -51,7 +51,7 @@ pub struct Rms {
 }
 
 /// The coefficient of a monomial.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct MonomialCoefficient {
     /// Name such as `EX0C` or `EA0C*EB0C`.
     pub monomial: String,

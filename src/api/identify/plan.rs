@@ -34,7 +34,7 @@ impl Default for PlanOptions {
 }
 
 /// Poses, and what is expected of their measurement.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct MeasurementPlan {
     /// The poses in the order of their worth.
     pub poses: Vec<PlannedPose>,
@@ -65,7 +65,7 @@ pub struct MeasurementPlan {
 }
 
 /// A pose to measure.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PlannedPose {
     /// Positions by axis, mm and deg, to two decimals.
     pub axes: IndexMap<String, f64>,
@@ -74,7 +74,7 @@ pub struct PlannedPose {
 }
 
 /// A parameter with its expected uncertainty.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ExpectedParameter {
     /// Name such as `EX0C`.
     pub name: String,

@@ -14,7 +14,7 @@ use crate::units::significant;
 use serde::Serialize;
 
 /// A parameter with its value.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FittedParameter {
     /// Name such as `EX0C`.
     pub name: String,
@@ -53,7 +53,7 @@ impl FittedParameter {
 }
 
 /// A value that was known before the data.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct KnownValue {
     /// Name of the unknown.
     pub name: String,
@@ -78,7 +78,7 @@ impl KnownValue {
 }
 
 /// A standard uncertainty that all readings share (type B).
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SharedUncertainty {
     /// Its name.
     pub name: String,
@@ -99,7 +99,7 @@ impl SharedUncertainty {
 }
 
 /// The form of the axes that the fitted curves leave.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct LackOfFit {
     /// Probability that there is any, with odds of one to three before the data.
     pub probability: f64,
@@ -108,7 +108,7 @@ pub struct LackOfFit {
 }
 
 /// The form of an axis beside its fitted curves.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FormOfAxis {
     /// The axis.
     pub axis: String,
@@ -134,7 +134,7 @@ impl LackOfFit {
 }
 
 /// Root mean square of the readings, um.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RmsBeforeAfter {
     /// Against the machine file as it was.
     pub before: f64,
@@ -145,7 +145,7 @@ pub struct RmsBeforeAfter {
 }
 
 /// Scatter of one kind of reading.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ScatterOfKind {
     /// Kind of reading, or `uncertainties given`.
     pub of: String,
@@ -157,7 +157,7 @@ pub struct ScatterOfKind {
 }
 
 /// Scatter of readings of one kind in poses that were measured again.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RepeatedReadings {
     /// Kind of reading.
     pub of: String,
@@ -168,7 +168,7 @@ pub struct RepeatedReadings {
 }
 
 /// Deviations by the order of the errors that make them, root mean square over the readings, um.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct OrderShares {
     /// First order.
     pub first: f64,
@@ -183,7 +183,7 @@ pub struct OrderShares {
 }
 
 /// Residual of one kind of reading.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct KindResidual {
     /// Kind of reading.
     pub kind: String,
@@ -197,7 +197,7 @@ pub struct KindResidual {
 }
 
 /// Tests of residuals for randomness; the probabilities hold if the residuals are noise.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ResidualTest {
     /// Readings tested.
     pub of: String,
@@ -219,7 +219,7 @@ impl ResidualTest {
 }
 
 /// A reading that stands out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct OutlierPlace {
     /// File and line.
     pub place: String,
@@ -230,7 +230,7 @@ pub struct OutlierPlace {
 }
 
 /// The uncertainty of the deviation over the volume, after the best rigid motion of the workpiece frame.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PredictedUncertainty {
     /// The largest standard uncertainty, um, along the direction in which it is largest; none if the data leave the
     /// deviation free, or nothing scatters.
@@ -270,7 +270,7 @@ impl PredictedUncertainty {
 }
 
 /// A fit.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
 pub struct IdentifyResult {
     /// Number of readings.
     pub rows: usize,

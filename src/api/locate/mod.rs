@@ -31,7 +31,7 @@ pub struct LocateOptions {
 }
 
 /// Location errors that were found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct LocateResult {
     /// Name of the machine.
     pub machine: String,
@@ -47,7 +47,7 @@ pub struct LocateResult {
 }
 
 /// A rotary axis as a line.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct LocatedAxis {
     /// Name of the axis.
     pub axis: String,
@@ -62,7 +62,7 @@ pub struct LocatedAxis {
 }
 
 /// A line in machine directions, all axes at 0.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct AxisLine {
     /// The point next to the nominal origin of the axis, in the coordinates of the machine file.
     pub point_mm: [f64; 3],
@@ -71,7 +71,7 @@ pub struct AxisLine {
 }
 
 /// A location error.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct LocatedError {
     /// Its name.
     pub name: String,

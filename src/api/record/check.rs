@@ -20,7 +20,7 @@ const MOST: usize = 20_000;
 const DEPTH: usize = 16;
 
 /// A record that is as it was written.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct RecordCheck {
     /// The folder.
     pub folder: String,

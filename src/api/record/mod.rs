@@ -62,7 +62,7 @@ impl Default for RecordOptions {
 }
 
 /// A record in memory.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct Record {
     /// Its files: name within the folder, `/` between folders, and bytes.
     #[serde(skip)]

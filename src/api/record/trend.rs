@@ -36,7 +36,7 @@ struct StoredRecord {
 }
 
 /// A record of the line.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct TrendRecord {
     /// Unique name.
     pub id: Line,
@@ -49,7 +49,7 @@ pub struct TrendRecord {
 }
 
 /// State of an error against its alarm limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AlarmState {
     /// The newest value keeps the limit.
@@ -61,7 +61,7 @@ pub enum AlarmState {
 }
 
 /// An error in a state of a record.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TrendPoint {
     /// Unique name of the record.
     pub id: Line,
@@ -76,7 +76,7 @@ pub struct TrendPoint {
 }
 
 /// An error over the records.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ErrorTrend {
     /// Name of the error.
     pub error: String,
@@ -93,7 +93,7 @@ pub struct ErrorTrend {
 }
 
 /// What changed from a record to the next: the machine as it was left against the machine as it was found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TrendStep {
     /// The earlier record.
     pub from: Line,
@@ -104,7 +104,7 @@ pub struct TrendStep {
 }
 
 /// Records in a line.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RecordTrend {
     /// Name of the machine in the newest record.
     pub machine: String,

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// A tool pose that a machine does not reach.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct MissedToolPose {
     /// Line of the file, from 1.
     pub line: usize,
@@ -30,7 +30,7 @@ pub struct MissedToolPose {
 }
 
 /// An axis that would have to leave its travel.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct BeyondTravel {
     /// Name of the axis.
     pub axis: String,
@@ -41,7 +41,7 @@ pub struct BeyondTravel {
 }
 
 /// The travel that a work needs of an axis, and the travel that it has.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct NeededTravel {
     /// Name of the axis.
     pub axis: String,
@@ -112,7 +112,7 @@ impl DirectionGaps {
 }
 
 /// Tool poses that lack the same, with the largest amount.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Lack {
     /// The reason.
     pub why: Unreachable,

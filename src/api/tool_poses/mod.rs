@@ -77,7 +77,7 @@ pub(crate) struct ToolPoses {
 }
 
 /// Tool poses of a file that a machine reaches.
-#[derive(Debug, Clone, serde::Serialize)]
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct ReachedToolPoses {
     /// Name of the file.
     pub file: String,
@@ -115,7 +115,7 @@ impl ReachedToolPoses {
 }
 
 /// The place of a row of a file.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub(crate) struct RowTip {
     /// Line of the file, from 1.
     line: usize,

@@ -15,7 +15,7 @@ use crate::machine::{Approach, ErrorId, Machine, Pose};
 use rayon::prelude::*;
 
 /// Degree to which a target compensates one error.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum CompensationDegree {
     /// The residual is at most a twentieth of the error's effect, or 0.05 um.

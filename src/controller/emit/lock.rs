@@ -37,7 +37,7 @@ pub struct Lock {
 }
 
 /// A file and its hash.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct Hashed {
     /// Its name.
     pub name: String,

@@ -10,7 +10,7 @@ use std::fmt;
 const LONGEST: usize = 1000;
 
 /// A text of one line: not empty, without control characters, no blanks around it or doubled in it.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(try_from = "String")]
 pub struct Line(String);
 
@@ -53,7 +53,7 @@ impl fmt::Display for Line {
 }
 
 /// A day of the calendar, `2026-11-02`.
-#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(try_from = "String")]
 pub struct Day(String);
 
@@ -95,7 +95,7 @@ impl Day {
 }
 
 /// A code of letters: a country (ISO 3166-1) or a language (ISO 639-1).
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(try_from = "String")]
 pub struct TwoLetters(String);
 
@@ -124,7 +124,7 @@ impl TwoLetters {
 }
 
 /// The place of the calibration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Place {
     /// At the laboratory.
@@ -140,7 +140,7 @@ pub enum Place {
 }
 
 /// First and last day of the calibration, and the day of issue.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Dates {
     /// First day.
@@ -153,7 +153,7 @@ pub struct Dates {
 }
 
 /// A laboratory or a customer.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
     /// Name.
@@ -178,7 +178,7 @@ pub struct Contact {
 }
 
 /// A responsible person.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Person {
     /// Name.
@@ -189,7 +189,7 @@ pub struct Person {
 }
 
 /// The machine by its plate.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Plate {
     /// Serial number.
@@ -203,7 +203,7 @@ pub struct Plate {
 }
 
 /// An instrument and its certificate.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Instrument {
     /// Name.
@@ -231,7 +231,7 @@ pub struct Instrument {
 }
 
 /// A temperature during the calibration.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Temperature {
     /// Place of the sensor.
@@ -244,7 +244,7 @@ pub struct Temperature {
 }
 
 /// The machine file of a state.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct MachineState {
     /// The machine file within the record.
     pub file: String,
@@ -253,7 +253,7 @@ pub struct MachineState {
 }
 
 /// An error in one state of the machine.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct StateValue {
     /// The value of the largest size over the volume: of a bounded error its bound.
     pub value: f64,
@@ -264,7 +264,7 @@ pub struct StateValue {
 }
 
 /// An error as found and as left.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct ErrorRow {
     /// Name of the error.
     pub error: String,
@@ -277,7 +277,7 @@ pub struct ErrorRow {
 }
 
 /// Curve of a component error.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ErrorCurve {
     /// `found` or `left`.
     pub state: &'static str,
@@ -300,7 +300,7 @@ pub struct ErrorCurve {
 }
 
 /// A decision on a limit, ISO 14253-1.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct LimitDecision {
     /// Name of the limited value.
     pub name: String,
@@ -323,7 +323,7 @@ pub struct LimitDecision {
 }
 
 /// An alarm limit of an error.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AlarmLimit {
     /// Name of the error.
     pub error: String,
@@ -334,7 +334,7 @@ pub struct AlarmLimit {
 }
 
 /// A set of compensation files.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RecordedSet {
     /// Its folder within the record.
     pub folder: String,
@@ -353,7 +353,7 @@ pub struct RecordedSet {
 }
 
 /// A copied file.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct CopiedFile {
     /// Name as the description has it.
     pub source: String,
@@ -366,7 +366,7 @@ pub struct CopiedFile {
 }
 
 /// A figure of a standard, from a document of another verb.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RecordedFigure {
     /// Its name.
     pub figure: Line,
@@ -379,7 +379,7 @@ pub struct RecordedFigure {
 }
 
 /// A document of figures.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RecordedFigures {
     /// The file.
     #[serde(flatten)]
@@ -389,7 +389,7 @@ pub struct RecordedFigures {
 }
 
 /// Everything that a record shows.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RecordData {
     /// Version of the contract: 1.
     pub record: u32,

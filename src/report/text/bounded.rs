@@ -74,7 +74,7 @@ impl BoundedFigures {
 }
 
 /// Statistics of the RSS minus those of another machine; no ranges.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct RssDifference {
     /// Of the position, um.
     pub position_um: LengthDifference,
@@ -83,7 +83,7 @@ pub struct RssDifference {
 }
 
 /// Statistics of lengths minus those of others.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct LengthDifference {
     /// Of the largest.
     pub max: f64,

@@ -29,7 +29,7 @@ pub struct PairedTest {
 }
 
 /// The difference of two 95 % values with its interval; `None` where there are too few samples for an end.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct PairedDifference {
     /// Of the samples.
     pub value: f64,
@@ -40,7 +40,7 @@ pub struct PairedDifference {
 }
 
 /// A machine or arrangement against the first, on the machines drawn of both.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 pub struct VersusFirst {
     /// What is known of the two.
     pub verdict: Verdict,
@@ -50,7 +50,7 @@ pub struct VersusFirst {
 }
 
 /// What is known of a machine or arrangement and the first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// It is the first.

@@ -4,7 +4,7 @@
 const TAIL: f64 = 0.025;
 
 /// A percentile of the population the samples come from.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Percentile {
     /// The percentile, in percent.
     pub percent: usize,

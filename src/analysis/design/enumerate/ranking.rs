@@ -5,7 +5,7 @@ use crate::analysis::design::compare::UnreachableCount;
 use serde::{Deserialize, Serialize};
 
 /// The standing of an arrangement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
     /// It reaches tool poses and has a result.
@@ -17,7 +17,7 @@ pub enum Standing {
 }
 
 /// An arrangement and its result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Row {
     /// The chain as ISO prints it.
     pub chain: String,
@@ -39,7 +39,7 @@ pub struct Row {
 }
 
 /// The positions of an axis over a work.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct NeededRange {
     /// Name of the axis.
     pub axis: String,
@@ -50,7 +50,7 @@ pub struct NeededRange {
 }
 
 /// The position error of an arrangement over the tool poses it reaches, um.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Outcome {
     /// Value of the ranking: the 95 % value of the drawn machines, or the statistic of the errors given.
     pub um: f64,

@@ -55,7 +55,7 @@ impl Rounds {
 }
 
 /// A finished round.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 pub struct RoundCount {
     /// Number of machines of each arrangement after it.
     pub samples: usize,

@@ -1,0 +1,175 @@
+"""Fields of results by type. python/generate.py writes this file from the results of the façade."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Union
+
+from .._record import Named, Record
+from .deviations import DeviationBudget, ReachedToolPoses, UnreachableCount, VersusFirst
+
+
+class BoundedContribution(Record):
+    """Effect of an error at its bound."""
+
+    error: Annotated[str, "Name of the error."]
+    share: Annotated[float, "Share of the sum of squares, 0 to 1."]
+    um: Annotated[float, "Position deviation, um."]
+
+
+class Tightening(Record):
+    """A bounded error, and the effect of its tolerance."""
+
+    error: Annotated[str, "Name of the error."]
+    tolerance: Annotated[float, "Its tolerance, in ``unit``."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    direction: Annotated[list[float], "Its direction, machine frame."]
+    by_letter: Annotated[bool, "True if its name has the letter of a direction."]
+    of_class: Annotated[bool, "True if the class bounds it, false if the machine file does."]
+    um_per_unit: Annotated[float, "Derivative of the 95 % value by the tolerance, um by unit."]
+    sigma: Annotated[float, "Standard error of the derivative, um by unit."]
+    um_of_p95: Annotated[float, "Its part of the 95 % value, um."]
+    um_of_p95_sigma: Annotated[float, "Standard error of that part, um."]
+    at_worst_um: Annotated[Union[float, None], "Its effect where the RSS is largest, um."]
+    average_um: Annotated[Union[float, None], "Its effect averaged over the poses, um."]
+
+
+class Percentile(Record):
+    """A percentile of the population the samples come from."""
+
+    percent: Annotated[int, "The percentile, in percent."]
+    value: Annotated[float, "The ceil(percent n / 100)-th smallest sample."]
+    low: Annotated[Union[float, None], "Lower end of the interval that holds it with 95 % confidence; ``None`` with too few samples."]
+    high: Annotated[Union[float, None], "Upper end."]
+
+
+class GoalCost(Record):
+    """The cost of tolerances."""
+
+    power: Annotated[float, "Power of the tolerance in the cost."]
+    before: Annotated[float, "Of the old tolerances."]
+    after: Annotated[float, "Of the new tolerances."]
+    per_um: Annotated[float, "By um of the goal."]
+
+
+class GoalTolerance(Record):
+    """A tolerance for a goal."""
+
+    error: Annotated[str, "Name of the error."]
+    kind: Annotated[Literal["positioning", "straightness", "angular", "squareness", "position", "orientation", "radial", "axial", "tilt", "angular_positioning"], "The kind by which it is paid for."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    old: Annotated[float, "Before, in ``unit``."]
+    new: Annotated[float, "After, in ``unit``."]
+    binds: Annotated[Literal["goal", "finest", "coarsest"], "The limit that holds it."]
+    um_of_p95: Annotated[float, "Its part of the 95 % value, um."]
+    weight: Annotated[float, "Its weight in the cost."]
+    cost_before: Annotated[float, "Its cost before."]
+    cost_after: Annotated[float, "Its cost after."]
+
+
+class ToleranceGoal(Record):
+    """The cheapest tolerances for a goal."""
+
+    goal_um: Annotated[float, "The goal of the 95 % value, um."]
+    before_um: Annotated[Percentile, "The 95 % value with the old tolerances, um."]
+    proof_um: Annotated[Percentile, "The 95 % value with the new tolerances, of machines drawn anew, um."]
+    proof_samples: Annotated[int, "Number of machines of the proof."]
+    staying_um: Annotated[float, "The 95 % value of what no tolerance of the cost model changes, um."]
+    steps: Annotated[int, "Number of steps of the search."]
+    cost: Annotated[GoalCost, "The cost."]
+    tolerances: Annotated[list[GoalTolerance], "The tolerances."]
+
+
+class ContributionsAt(Record):
+    """Contributions at a pose."""
+
+    axes: Annotated[Named[float], "The pose, mm and deg."]
+    contributions: Annotated[list[BoundedContribution], "Effect of each error at its bound, largest first."]
+
+
+class BudgetFields(Record):
+    """A budget: to first order, in the workpiece frame."""
+
+    machine: Annotated[str, "Name of the machine."]
+    chain: Annotated[str, "The kinematic chain."]
+    class_source: Annotated[Union[str, None], "Source of the class."]
+    samples: Annotated[int, "Number of machines drawn."]
+    seed: Annotated[int, "Seed of poses and errors."]
+    distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
+    statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
+    frame: Annotated[str, "Frame of the vectors: the workpiece frame."]
+    order: Annotated[str, "Order of the errors: 1."]
+    left_out: Annotated[int, "Number of errors that have values and are left out."]
+    poses: Annotated[int, "Number of poses."]
+    position_um: Annotated[DeviationBudget, "The position deviation, um."]
+    rotation_urad: Annotated[DeviationBudget, "The rotation of the tool, urad."]
+    contributions: Annotated[list[BoundedContribution], "Effect of each error at its bound where the RSS is largest, largest first."]
+    contributions_on_average: Annotated[list[BoundedContribution], "The same, averaged over the poses."]
+    tighten: Annotated[list[Tightening], "The bounded errors; first the one whose tightening lowers the 95 % value most."]
+    tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches."]
+    goal: Annotated[Union[ToleranceGoal, None], "The cheapest tolerances for a goal."]
+    at: Annotated[Union[ContributionsAt, None], "Contributions at a pose that was named."]
+
+
+class RoundCount(Record):
+    """A finished round."""
+
+    samples: Annotated[int, "Number of machines of each arrangement after it."]
+    arrangements: Annotated[int, "Number of arrangements that took part."]
+
+
+class RoundsShape(Record):
+    """Rounds of a ranking."""
+
+    max_samples: Annotated[int, "Maximum number of machines drawn of an arrangement."]
+    first: Annotated[int, "Number of first ranks that were to be told apart."]
+    told_apart: Annotated[bool, "True if they are."]
+    done: Annotated[list[RoundCount], "The rounds done."]
+    drawn: Annotated[int, "Number of machines drawn."]
+    drawn_without_elimination: Annotated[int, "Their number if no arrangement were left out."]
+
+
+class ArrangementShape(Record):
+    """An arrangement of the axes."""
+
+    rank: Annotated[Union[int, None], "Its rank, from 1; of ranked arrangements only."]
+    chain: Annotated[str, "Its kinematic chain."]
+    on_table: Annotated[int, "Number of axes that carry the workpiece."]
+    reached: Annotated[int, "Number of tool poses that it reaches."]
+    unreachable: Annotated[UnreachableCount, "Number of tool poses that it does not reach, by reason."]
+    um: Annotated[Union[float, None], "Its figure, um; none where it is not judged."]
+    low: Annotated[Union[float, None], "Lower end of the confidence interval of the figure, um."]
+    high: Annotated[Union[float, None], "Upper end of the confidence interval of the figure, um."]
+    mean: Annotated[Union[float, None], "Mean of the machines drawn, um."]
+    minus_file: Annotated[Union[float, None], "Its figure minus that of the arrangement of the file, um."]
+    samples: Annotated[Union[int, None], "Number of machines drawn."]
+    versus_first: Annotated[Union[VersusFirst, None], "Its figure minus that of the best."]
+    travel: Annotated[Union[Named[list[float]], None], "Travel that the work needs by axis, mm: minimum and maximum."]
+    not_stated: Annotated[Union[list[str], None], "Geometry that the file does not state."]
+
+
+class EnumerateFields(Record):
+    """Arrangements in order."""
+
+    machine: Annotated[str, "Name of the machine."]
+    chain: Annotated[str, "Its kinematic chain as the file has it."]
+    by: Annotated[Literal["budget", "errors"], "Criterion of the arrangements."]
+    class_source: Annotated[Union[str, None], "Source of the class."]
+    errors: Annotated[int, "Number of errors that count."]
+    poses: Annotated[int, "Number of tool poses."]
+    samples: Annotated[Union[int, None], "Number of machines drawn of every arrangement."]
+    rounds: Annotated[Union[RoundsShape, None], "The rounds, where machines are drawn."]
+    seed: Annotated[int, "Seed of poses and errors."]
+    statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
+    reach: Annotated[float, "Fraction of the tool poses that a ranked arrangement reaches."]
+    arrangements: Annotated[int, "Number of arrangements."]
+    ranked: Annotated[list[ArrangementShape], "The arrangements, best first."]
+    reach_less: Annotated[list[ArrangementShape], "Arrangements that reach less."]
+    geometry_not_stated: Annotated[list[ArrangementShape], "Arrangements whose geometry the file does not state."]
+    cannot_turn_the_tool: Annotated[list[str], "Chains of arrangements that cannot turn the tool."]
+    tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches."]
+
+
+class ReportFields(Record):
+    """Size of a page."""
+
+    bytes: Annotated[int, "Number of its bytes."]

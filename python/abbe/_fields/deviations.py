@@ -1,0 +1,494 @@
+"""Fields of results by type. python/generate.py writes this file from the results of the façade."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Union
+
+from .._record import Named, Record
+
+
+class EvalUnits(Record):
+    """Units of an ``EvalResult``."""
+
+    position: Annotated[str, "Unit of positions and deviations of points."]
+    rotation: Annotated[str, "Unit of rotations."]
+    linear_axis: Annotated[str, "Unit of positions of linear axes."]
+    rotary_axis: Annotated[str, "Unit of positions of rotary axes."]
+
+
+class PoseUncertainty(Record):
+    """Expanded uncertainty (k = 2) of the deviation at a pose, component by component, to first order."""
+
+    deviation: Annotated[list[float], "Uncertainty of the position of the functional point, mm."]
+    rotation: Annotated[list[float], "Uncertainty of the orientation of the tool, rad."]
+
+
+class ErrorEffect(Record):
+    """Effect of an error, or of a pair of errors, at a pose; workpiece frame."""
+
+    error: Annotated[str, "Name of the error; of a pair ``A*B``."]
+    deviation: Annotated[list[float], "Displacement of the functional point when each error is 1 mm or 1 rad, mm."]
+    rotation: Annotated[list[float], "Rotation of the tool, rad."]
+    value: Annotated[float, "Product of the values of the errors at the pose, mm and rad."]
+
+
+class Neglected(Record):
+    """Bound of the terms that order 1 neglects: all interactions of second degree with one sign."""
+
+    position_mm: Annotated[float, "Displacement of the functional point, mm."]
+    rotation_rad: Annotated[float, "Rotation of the tool, rad."]
+
+
+class PoseResult(Record):
+    """Deviation at one pose."""
+
+    axes: Annotated[Named[float], "The pose, mm and deg."]
+    nominal: Annotated[list[float], "Nominal position of the functional point from the workpiece origin, mm."]
+    deviation: Annotated[list[float], "Actual minus nominal position of the functional point, mm."]
+    rotation: Annotated[list[float], "Actual minus nominal orientation of the tool, rad."]
+    e_ve: Annotated[list[list[float]], "``T_tool^-1 T_work``, actual minus nominal, row by row."]
+    uncertainty: Annotated[Union[PoseUncertainty, None], "Expanded uncertainty of the deviation, where the machine states that of its errors."]
+    sensitivity: Annotated[Union[list[ErrorEffect], None], "Effect of each error, with ``EvalOptions::sensitivity``."]
+    interactions: Annotated[Union[list[ErrorEffect], None], "Effect of pairs of errors, with ``EvalOptions::interactions``."]
+    order_1_neglects: Annotated[Union[Neglected, None], "Bound of the terms that order 1 neglects at this pose, with ``EvalOptions::interactions``."]
+    inverse: Annotated[Union[Named[float], None], "Motions of the axes that undo the errors, mm and deg, with ``EvalOptions::inverse``."]
+
+
+class EvalFields(Record):
+    """Deviations at poses."""
+
+    machine: Annotated[str, "Name of the machine."]
+    order: Annotated[str, "``exact``, a degree, or the algebra in words."]
+    frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors."]
+    direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
+    tool: Annotated[str, "Name of the tool; empty for a tool without a name."]
+    units: Annotated[EvalUnits, "Units of the numbers."]
+    poses: Annotated[list[PoseResult], "The poses in their order."]
+
+
+class LengthFigures(Record):
+    """Statistics of lengths."""
+
+    max: Annotated[float, "Largest."]
+    mean: Annotated[float, "Mean."]
+    rms: Annotated[float, "Root of the mean square."]
+    p95: Annotated[float, "The ceil(0.95 n)-th smallest."]
+
+
+class PercentileInterval(Record):
+    """A percentile of machines drawn with its confidence interval; none where there are too few machines for one."""
+
+    value: Annotated[float, "The percentile."]
+    low: Annotated[Union[float, None], "Lower end of its 95 % confidence interval."]
+    high: Annotated[Union[float, None], "Upper end of its 95 % confidence interval."]
+
+
+class DrawnMachineFigures(Record):
+    """Figures of machines drawn."""
+
+    mean: Annotated[float, "Mean."]
+    mean_sigma: Annotated[float, "Standard error of the mean."]
+    p95: Annotated[float, "Value that 95 % of the machines do not exceed."]
+    percentiles: Annotated[Named[PercentileInterval], "Percentiles by name, such as ``p95``."]
+
+
+class BoundedDeviationShape(Record):
+    """A deviation that bounds lead to over poses."""
+
+    rss: Annotated[LengthFigures, "Statistics over the poses of the root of the sum of squares."]
+    monte_carlo: Annotated[DrawnMachineFigures, "Largest deviation over the poses, of machines drawn."]
+
+
+class WorstBoundedPose(Record):
+    """A pose with a large 95 % value."""
+
+    axes: Annotated[Named[float], "The pose, mm and deg."]
+    rss_um: Annotated[float, "Root of the sum of squares of the bounds' effects on the functional point, um."]
+    p95_um: Annotated[float, "The position deviation that 95 % of the machines drawn do not exceed, um."]
+
+
+class MapFromBounds(Record):
+    """What the bounds of a machine lead to over a map."""
+
+    errors: Annotated[int, "Number of bounded errors."]
+    class_source: Annotated[Union[str, None], "Source of the class."]
+    samples: Annotated[int, "Number of machines drawn."]
+    seed: Annotated[int, "Seed of poses and errors."]
+    distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
+    statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
+    position_um: Annotated[BoundedDeviationShape, "The position deviation, um."]
+    rotation_urad: Annotated[BoundedDeviationShape, "The rotation of the tool, urad."]
+    worst: Annotated[list[WorstBoundedPose], "The worst poses, largest 95 % value of the position deviation first."]
+
+
+class AddedDeviation(Record):
+    """A deviation that bounds add."""
+
+    rss: Annotated[float, "Root of the sum of squares of the bounds' effects, at the pose where that is largest."]
+    p95: Annotated[float, "The largest deviation over the poses that 95 % of the machines drawn do not exceed."]
+
+
+class AddedByBounds(Record):
+    """What the bounds of a machine add to its measured errors: a budget of those errors that have no value."""
+
+    errors: Annotated[int, "Number of these errors."]
+    poses: Annotated[int, "Number of poses: those of the budget, or of the work."]
+    samples: Annotated[int, "Number of machines drawn."]
+    seed: Annotated[int, "Seed of poses and errors."]
+    position_um: Annotated[AddedDeviation, "Of the position deviation, um."]
+    rotation_urad: Annotated[AddedDeviation, "Of the orientation, urad."]
+
+
+class Summary(Record):
+    """Statistics of vectors: of their length, except for the range."""
+
+    max: Annotated[float, "Largest length."]
+    mean: Annotated[float, "Mean length."]
+    rms: Annotated[float, "Root of the mean of the squared length."]
+    p95: Annotated[float, "The ceil(0.95 n)-th smallest length."]
+    range: Annotated[list[float], "Maximum minus minimum of each component; ISO 230-1 builds V_XYZ of these."]
+
+
+class SummaryBand(Record):
+    """Intervals of the statistics of vectors at a level of confidence of 95 %: lower and upper end."""
+
+    max: Annotated[list[float], "Interval of the largest length."]
+    mean: Annotated[list[float], "Interval of the mean length."]
+    rms: Annotated[list[float], "Interval of the root of the mean of the squared length."]
+    p95: Annotated[list[float], "Interval of the 95 % value of the length."]
+
+
+class Bands(Record):
+    """Intervals of the statistics of deviations."""
+
+    parts: Annotated[int, "Number of independent parts of the uncertainty."]
+    poses: Annotated[int, "Number of poses at which they were followed."]
+    drawn: Annotated[bool, "True if the intervals were drawn, false if they are to first order (k = 2)."]
+    position_um: Annotated[SummaryBand, "Position deviations of the functional point, um."]
+    rotation_urad: Annotated[SummaryBand, "Rotations of the tool, urad."]
+
+
+class WorstPose(Record):
+    """A pose with a large deviation."""
+
+    axes: Annotated[Named[float], "The pose, mm and deg."]
+    deviation_um: Annotated[list[float], "Deviation of the functional point, um."]
+
+
+class BodyDiagonal(Record):
+    """Displacement along a body diagonal."""
+
+    name: Annotated[str, "Senses of the axes along it, such as ``ppp``."]
+    to: Annotated[Named[float], "The pose at its end, mm and deg."]
+    length_mm: Annotated[float, "Length, mm."]
+    range_um: Annotated[float, "Maximum minus minimum of the displacement, um."]
+    deviations_um: Annotated[list[float], "Displacement along the diagonal at equal intervals, um."]
+
+
+class UnreachableCount(Record):
+    """Number of unreachable tool poses, by reason."""
+
+    total: Annotated[int, "Their total number."]
+    direction: Annotated[int, "Number for which the rotary axes cannot point the tool in the direction."]
+    place: Annotated[int, "Number whose place the linear axes do not span."]
+    travel: Annotated[int, "Number for which an axis would leave its travel."]
+
+
+class BeyondTravel(Record):
+    """An axis that would have to leave its travel."""
+
+    axis: Annotated[str, "Name of the axis."]
+    by: Annotated[float, "Distance from the nearer end of its travel: negative below the lower end."]
+    unit: Annotated[str, "``mm`` or ``deg``."]
+
+
+class MissedToolPose(Record):
+    """A tool pose that a machine does not reach."""
+
+    line: Annotated[int, "Line of the file, from 1."]
+    feature: Annotated[Union[str, None], "Name of the feature to which it belongs."]
+    why: Annotated[Literal["direction", "place", "travel"], "The reason."]
+    beyond: Annotated[Union[list[BeyondTravel], None], "The axes that would leave their travel."]
+    off_deg: Annotated[Union[float, None], "Angle between the tool axis and the nearest direction in which the machine can hold its tool, deg."]
+    off_mm: Annotated[Union[float, None], "Distance of the place from those that the axes span, mm."]
+
+
+class NeededTravel(Record):
+    """The travel that a work needs of an axis, and the travel that it has."""
+
+    axis: Annotated[str, "Name of the axis."]
+    unit: Annotated[str, "``mm`` or ``deg``."]
+    needs: Annotated[list[float], "Smallest and largest position over the tool poses that are reached, or would be with longer travels."]
+    has: Annotated[Union[list[float], None], "Ends of the travel; none of a continuous axis."]
+    short: Annotated[list[float], "Length by which the travel is too short at its lower and its upper end."]
+
+
+class ReachedToolPoses(Record):
+    """Tool poses of a file that a machine reaches."""
+
+    file: Annotated[str, "Name of the file."]
+    asked: Annotated[int, "Number of tool poses in the file."]
+    reached: Annotated[int, "Number of tool poses that the machine reaches."]
+    unreachable: Annotated[UnreachableCount, "Number of the others, by reason."]
+    rows: Annotated[list[MissedToolPose], "The others, row by row."]
+    travel: Annotated[list[NeededTravel], "The travel that the tool poses need, axis by axis."]
+
+
+class DominatingError(Record):
+    """An error in the deviation at a pose."""
+
+    error: Annotated[str, "Name of the error."]
+    um: Annotated[float, "Its part along the deviation, first order, um."]
+
+
+class FeatureResult(Record):
+    """A feature of the work: rows of a file with the same label."""
+
+    feature: Annotated[str, "Its label; empty for rows without."]
+    poses: Annotated[int, "Number of its tool poses that are reached."]
+    unreached: Annotated[int, "Number of those that are not."]
+    max_um: Annotated[Union[float, None], "Largest deviation of the functional point, um; none without a pose."]
+    p95_um: Annotated[Union[float, None], "Deviation below which 95 % of its poses lie, um."]
+    line: Annotated[Union[int, None], "Line of the file with the largest deviation."]
+    axes: Annotated[Union[Named[float], None], "The pose there, mm and deg."]
+    errors: Annotated[list[DominatingError], "The errors with the largest parts in that deviation."]
+
+
+class Uncompensated(Record):
+    """Statistics of a machine without compensation."""
+
+    position_um: Annotated[Summary, "Displacement of the functional point, um."]
+    rotation_urad: Annotated[Summary, "Rotation of the tool, urad."]
+
+
+class MapFields(Record):
+    """A map of deviations, actual minus nominal; of a machine of which nothing is measured, of what its bounds lead to."""
+
+    machine: Annotated[str, "Name of the machine."]
+    order: Annotated[str, "``exact``, or a degree."]
+    frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors."]
+    direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
+    poses: Annotated[int, "Number of poses."]
+    bounds: Annotated[Union[MapFromBounds, None], "What the bounds lead to, where nothing is measured."]
+    bounds_add: Annotated[Union[AddedByBounds, None], "What bounds of errors without a value add to the measured ones."]
+    position_um: Annotated[Summary, "Statistics of the deviation of the functional point, um."]
+    rotation_urad: Annotated[Summary, "Statistics of the deviation of the orientation of the tool, urad."]
+    uncertainty: Annotated[Union[Bands, None], "Intervals of the statistics, where the machine file states uncertainties of errors."]
+    worst: Annotated[list[WorstPose], "The worst poses, largest deviation of the functional point first."]
+    diagonals: Annotated[list[BodyDiagonal], "The body diagonals of the volume."]
+    p95_relative_error: Annotated[Union[float, None], "Relative error of the 95 % values, for a map of more than ``MapPoses::MAX_HELD`` poses."]
+    tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file, with those that the machine reaches."]
+    features: Annotated[Union[list[FeatureResult], None], "The features of the file, where it names some: the largest deviation on each."]
+    target: Annotated[Union[str, None], "The target whose compensation is in the map."]
+    uncompensated: Annotated[Union[Uncompensated, None], "The same without compensation, for a map with."]
+
+
+class ReachDirections(Record):
+    """Directions of the tool at every tip."""
+
+    kind: Annotated[Literal["one", "circle", "hemisphere"], "``one``, ``circle`` (equal turns of an axis) or ``hemisphere`` (equal areas)."]
+    count: Annotated[int, "Number of directions."]
+    about: Annotated[list[float], "The tool axis at rest, from the tip to the holder, workpiece frame."]
+
+
+class Lack(Record):
+    """Tool poses that lack the same, with the largest amount."""
+
+    why: Annotated[Literal["direction", "place", "travel"], "The reason."]
+    axis: Annotated[Union[str, None], "Name of the axis that would leave its travel; none for the other reasons."]
+    end: Annotated[Union[float, None], "The end of its travel, mm or deg."]
+    above: Annotated[Union[bool, None], "True if it would have to go above that end, false below it."]
+    tool_poses: Annotated[int, "Number of tool poses; one that several axes stop counts for each of them."]
+    up_to: Annotated[Union[float, None], "Largest amount, in ``unit``; none where it is not known."]
+    unit: Annotated[Union[str, None], "``mm`` or ``deg``."]
+
+
+class ReachFields(Record):
+    """The reach of a machine."""
+
+    machine: Annotated[str, "Name of the machine."]
+    tool: Annotated[str, "Name of the tool; empty for a tool without a name."]
+    box_mm: Annotated[list[list[float]], "Ends of the box along x, y, z of the workpiece frame, mm."]
+    counts: Annotated[list[int], "Number of tips along x, y, z."]
+    tips: Annotated[int, "Number of tips."]
+    directions: Annotated[ReachDirections, "The directions at every tip."]
+    tool_poses: Annotated[int, "Number of tool poses: tips times directions."]
+    reached: Annotated[int, "Number of them that are reached."]
+    share: Annotated[float, "Their fraction."]
+    tips_in_all_directions: Annotated[int, "Number of tips that are reached in all directions."]
+    tips_in_any_direction: Annotated[int, "Number of tips that are reached in at least one."]
+    unreachable: Annotated[UnreachableCount, "Number of the tool poses out of reach, by reason."]
+    lacks: Annotated[list[Lack], "What they lack, the most frequent first."]
+
+
+class ErrorContribution(Record):
+    """Effect of an error alone in each machine."""
+
+    error: Annotated[str, "Name of the error."]
+    um: Annotated[list[Union[float, None]], "95 % position deviation with only this error, first order, um, by machine; none without a value."]
+    minus_first: Annotated[list[float], "The same minus that of the first machine."]
+
+
+class LengthDifference(Record):
+    """Statistics of lengths minus those of others."""
+
+    max: Annotated[float, "Of the largest."]
+    mean: Annotated[float, "Of the mean."]
+    rms: Annotated[float, "Of the root of the mean square."]
+    p95: Annotated[float, "Of the ceil(0.95 n)-th smallest."]
+
+
+class RssDifference(Record):
+    """Statistics of the RSS minus those of another machine; no ranges."""
+
+    position_um: Annotated[LengthDifference, "Of the position, um."]
+    rotation_urad: Annotated[LengthDifference, "Of the orientation, urad."]
+
+
+class ComparedBounds(Record):
+    """What the bounds of a machine lead to on the tool poses, where nothing is measured."""
+
+    errors: Annotated[int, "Number of bounded errors."]
+    class_source: Annotated[Union[str, None], "Source of the class."]
+    samples: Annotated[int, "Number of machines drawn."]
+    seed: Annotated[int, "Seed of poses and errors."]
+    distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
+    statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
+    position_um: Annotated[BoundedDeviationShape, "The position deviation, um."]
+    rotation_urad: Annotated[BoundedDeviationShape, "The rotation of the tool, urad."]
+    rss_minus_first: Annotated[Union[RssDifference, None], "The statistics of the RSS minus those of the first machine."]
+
+
+class Difference(Record):
+    """Statistics minus statistics."""
+
+    position_um: Annotated[Summary, "Position deviations of the functional point, um."]
+    rotation_urad: Annotated[Summary, "Rotations of the tool, urad."]
+
+
+class ComparedBands(Record):
+    """Intervals of the statistics of a machine beside another. Machines share the uncertainty that both files state."""
+
+    parts: Annotated[int, "Number of independent parts of the uncertainty."]
+    poses: Annotated[int, "Number of poses at which they were followed."]
+    drawn: Annotated[bool, "True if the intervals were drawn, false if they are to first order (k = 2)."]
+    position_um: Annotated[SummaryBand, "Position deviations of the functional point, um."]
+    rotation_urad: Annotated[SummaryBand, "Rotations of the tool, urad."]
+    minus_first: Annotated[Bands, "Those of its statistics minus the first machine's."]
+    told_apart: Annotated[bool, "True if the 95 % position deviation differs from the first machine's by more than the uncertainty."]
+
+
+class ComparedMachine(Record):
+    """One machine of a comparison."""
+
+    machine: Annotated[str, "Name of the machine."]
+    file: Annotated[str, "Name of its file."]
+    order: Annotated[str, "Order of its errors."]
+    unreachable: Annotated[UnreachableCount, "Number of tool poses that it does not reach, by reason."]
+    bounds: Annotated[Union[ComparedBounds, None], "What its bounds lead to, where nothing is measured."]
+    bounds_add: Annotated[Union[AddedByBounds, None], "What bounds of errors without a value add to the measured ones."]
+    position_um: Annotated[Summary, "Statistics of the deviation of the functional point, um."]
+    rotation_urad: Annotated[Summary, "Statistics of the deviation of the orientation of the tool, urad."]
+    minus_first: Annotated[Union[Difference, None], "The statistics minus those of the first machine: negative is better than the first. None where of only one of the two nothing is measured."]
+    uncertainty: Annotated[Union[ComparedBands, None], "Intervals of its statistics, and of these minus those of the first machine, where any of the files states uncertainties of errors."]
+    missed: Annotated[Union[list[MissedToolPose], None], "Rows of a file of tool poses that it does not reach."]
+    travel: Annotated[Union[list[NeededTravel], None], "The travel that the tool poses of a file need, axis by axis."]
+
+
+class DeviationBudget(Record):
+    """A deviation, as bounds lead to it."""
+
+    worst_case: Annotated[float, "Sum of the effects of all bounds, at the pose where it is largest."]
+    rss: Annotated[float, "Root of the sum of their squares, at the pose where it is largest."]
+    mean_of_both: Annotated[float, "Mean of both."]
+    worst_case_at: Annotated[Named[float], "Pose of the worst case, mm and deg."]
+    rss_at: Annotated[Named[float], "Pose of the largest RSS, mm and deg."]
+    monte_carlo: Annotated[DrawnMachineFigures, "Machines drawn between the bounds."]
+
+
+class DrawnDifference(Record):
+    """Figures of machines drawn minus those of others."""
+
+    mean: Annotated[float, "Of the mean."]
+    p95: Annotated[float, "Of the 95 % value."]
+
+
+class DeviationBudgetDifference(Record):
+    """Figures of a deviation minus those of another."""
+
+    worst_case: Annotated[float, "Of the worst case."]
+    rss: Annotated[float, "Of the RSS."]
+    mean_of_both: Annotated[float, "Of the mean of both."]
+    monte_carlo: Annotated[DrawnDifference, "Of machines drawn."]
+
+
+class BudgetDifference(Record):
+    """Figures of a budget minus those of another."""
+
+    position_um: Annotated[Union[DeviationBudgetDifference, None], "Of the position, um."]
+    rotation_urad: Annotated[Union[DeviationBudgetDifference, None], "Of the rotation, urad."]
+
+
+class ComparedBudget(Record):
+    """The budget of a machine beside others."""
+
+    errors: Annotated[int, "Number of bounded errors."]
+    class_source: Annotated[Union[str, None], "Source of the class."]
+    position_um: Annotated[DeviationBudget, "The position deviation, um."]
+    rotation_urad: Annotated[DeviationBudget, "The rotation of the tool, urad."]
+    minus_first: Annotated[BudgetDifference, "Minus the figures of the first machine."]
+
+
+class ComparedContribution(Record):
+    """An error in several budgets; none where a machine does not bound it."""
+
+    error: Annotated[str, "Name of the error."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    tolerance: Annotated[list[Union[float, None]], "Its tolerance, in ``unit``."]
+    um_of_p95: Annotated[list[Union[float, None]], "Its part of the 95 % value, um."]
+    um_of_p95_sigma: Annotated[list[Union[float, None]], "Standard error of that part, um."]
+    minus_first: Annotated[list[float], "That part minus that of the first machine, um."]
+    average_um: Annotated[list[Union[float, None]], "Its effect averaged over the poses, um."]
+
+
+class PairedDifference(Record):
+    """The difference of two 95 % values with its interval; ``None`` where there are too few samples for an end."""
+
+    value: Annotated[float, "Of the samples."]
+    low: Annotated[Union[float, None], "Lower end."]
+    high: Annotated[Union[float, None], "Upper end."]
+
+
+class VersusFirst(Record):
+    """A machine or arrangement against the first, on the machines drawn of both."""
+
+    verdict: Annotated[Literal["first", "equal", "not_told_apart", "worse", "better"], "What is known of the two."]
+    minus_first: Annotated[PairedDifference, "Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence."]
+
+
+class ComparedBudgets(Record):
+    """Budgets on the same work."""
+
+    machines: Annotated[list[ComparedBudget], "The budget of each machine."]
+    largest_um: Annotated[float, "Effect of the error that is first in ``contributions``, um."]
+    contributions: Annotated[list[ComparedContribution], "Error by error, largest first; a list has a value for each machine."]
+    class_source: Annotated[Union[str, None], "Source of the class."]
+    samples: Annotated[int, "Number of machines drawn."]
+    seed: Annotated[int, "Seed of poses and errors."]
+    distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
+    statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
+    max_samples: Annotated[int, "Number of machines that are drawn at most."]
+    versus_first_p95_um: Annotated[list[VersusFirst], "The 95 % value of each machine but the first, minus that of the first."]
+
+
+class CompareFields(Record):
+    """Machines side by side, over the tool poses that all of them reach."""
+
+    contributions: Annotated[list[ErrorContribution], "Effect of each error alone, largest first."]
+    asked: Annotated[int, "Number of tool poses asked for."]
+    poses: Annotated[int, "Number of tool poses that all machines reach."]
+    seed: Annotated[int, "Seed of the tool poses, and of the errors that are drawn."]
+    frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors: the workpiece frame."]
+    direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
+    machines: Annotated[list[ComparedMachine], "The machines in their order."]
+    budgets: Annotated[Union[ComparedBudgets, None], "Budgets on the same work, where every machine bounds errors."]

@@ -1,0 +1,587 @@
+"""Fields of results by type. python/generate.py writes this file from the results of the façade."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Union
+
+from .._record import Named, Record
+
+
+class BothSensesShape(Record):
+    """A figure by the sense of rotation."""
+
+    counter_clockwise: Annotated[float, "By rising angle."]
+    clockwise: Annotated[float, "By falling angle."]
+
+
+class ExtremesShape(Record):
+    """Largest and smallest reading by the sense of rotation."""
+
+    counter_clockwise: Annotated[list[float], "By rising angle."]
+    clockwise: Annotated[list[float], "By falling angle."]
+
+
+class CircleReadings(Record):
+    """A circle by both senses."""
+
+    plane: Annotated[str, "The plane, workpiece frame."]
+    circular_deviation_um: Annotated[BothSensesShape, "Circular deviation G, um."]
+    bidirectional_um: Annotated[float, "Bidirectional circular deviation G(b), um."]
+    mean_radial_um: Annotated[float, "Mean bidirectional radial deviation D, um."]
+    radial_max_min_um: Annotated[ExtremesShape, "Radial deviations F, um: largest and smallest."]
+    squareness_urad: Annotated[float, "Angle between the plane's directions minus 90 deg, urad."]
+    scale_mismatch_um_per_m: Annotated[float, "Scale of the first direction minus that of the second, um/m."]
+    angle_deg: Annotated[list[float], "Angles of the readings, deg."]
+    counter_clockwise_um: Annotated[list[float], "Length read minus radius, um."]
+    clockwise_um: Annotated[list[float], "Length read minus radius, um."]
+
+
+class TurnReading(Record):
+    """A reading of an R-test."""
+
+    position_deg: Annotated[float, "Position of the axis, deg."]
+    axes: Annotated[Named[float], "The pose, mm and deg."]
+    reading_um: Annotated[list[float], "Deviation minus that at the first position, um, machine frame."]
+
+
+class TurnReadings(Record):
+    """An R-test of an axis."""
+
+    axis: Annotated[str, "Name of the axis."]
+    range_um: Annotated[list[float], "Ranges along x, y, z, um."]
+    count: Annotated[int, "Number of readings."]
+    skipped: Annotated[int, "Number of positions that the other axes cannot follow."]
+    readings: Annotated[list[TurnReading], "The readings."]
+
+
+class DiagonalReadings(Record):
+    """A laser along a diagonal."""
+
+    name: Annotated[str, "Sense of each axis: p or n."]
+    axes: Annotated[list[str], "Names of the axes."]
+    e_d_um: Annotated[float, "Range of both runs E_d, um."]
+    b_d_um: Annotated[float, "Largest difference of both runs B_d, um."]
+    by_axis_um: Annotated[Union[list[float], None], "Sum of the changes by each axis on the forward run, um; with steps only."]
+    way_mm: Annotated[list[float], "Nominal displacement from the start, mm."]
+    there_um: Annotated[list[float], "Actual minus nominal on the forward run, um."]
+    back_um: Annotated[list[float], "Actual minus nominal on the return run, um."]
+
+
+class InstrumentFields(Record):
+    """Readings of an instrument; the fields of other instruments are absent."""
+
+    machine: Annotated[str, "Name of the machine."]
+    instrument: Annotated[str, "``ball_bar``, ``r_test``, ``diagonals`` or ``step_diagonals``."]
+    centre: Annotated[Union[Named[float], None], "Ball bar: centre of the circles, mm and deg."]
+    radius_mm: Annotated[Union[float, None], "Ball bar: its length, mm."]
+    planes: Annotated[Union[list[CircleReadings], None], "Ball bar: the circles."]
+    ball_at: Annotated[Union[Named[float], None], "R-test: pose at which the ball is, mm and deg."]
+    frame: Annotated[Union[Literal["workpiece", "machine", "tool"], None], "R-test: frame of the readings, the machine frame."]
+    axes: Annotated[Union[list[TurnReadings], None], "R-test: the axes."]
+    at: Annotated[Union[Named[float], None], "Diagonals: pose of the axes that stand, mm and deg."]
+    diagonals: Annotated[Union[list[DiagonalReadings], None], "Diagonals: the lines."]
+    e_um: Annotated[Union[float, None], "Diagonals: the largest E_d, um."]
+
+
+class FittedParameter(Record):
+    """A parameter with its value."""
+
+    name: Annotated[str, "Name such as ``EX0C``."]
+    value: Annotated[float, "Value, in ``unit``."]
+    sigma: Annotated[Union[float, None], "Combined standard uncertainty, in ``unit``; none if the data leave the value free or nothing scatters."]
+    type_a: Annotated[Union[float, None], "The part of it that the scatter of the readings makes, as if each were independent (type A)."]
+    lack_of_fit: Annotated[float, "The part of it that the form of the axes makes, which readings near each other share."]
+    type_b: Annotated[float, "The part of it that all readings share, as the user states it (type B)."]
+    unit: Annotated[str, "Unit of value and uncertainty."]
+    coverage_factor_95: Annotated[Union[float, None], "Standard uncertainties that a 95 % interval reaches to either side."]
+    valuation: Annotated[float, "Standard deviation of a reading over that of the parameter's effect on a usual reading; 0 if the value is free."]
+
+
+class KnownValue(Record):
+    """A value that was known before the data."""
+
+    name: Annotated[str, "Name of the unknown."]
+    value: Annotated[float, "Value, in ``unit``."]
+    sigma: Annotated[float, "Standard uncertainty, in ``unit``."]
+    unit: Annotated[str, "Unit of value and uncertainty."]
+
+
+class SharedUncertainty(Record):
+    """A standard uncertainty that all readings share (type B)."""
+
+    name: Annotated[str, "Its name."]
+    scale_um_per_m: Annotated[Union[float, None], "Scale of all lengths, um/m."]
+    offset_um: Annotated[Union[float, None], "Offset of every component, um."]
+
+
+class FormOfAxis(Record):
+    """The form of an axis beside its fitted curves."""
+
+    axis: Annotated[str, "The axis."]
+    size_um: Annotated[float, "Standard deviation of each displacement over the positions measured, um."]
+    length: Annotated[float, "Correlation length, in ``unit``."]
+    unit: Annotated[str, "mm or deg."]
+
+
+class LackOfFit(Record):
+    """The form of the axes that the fitted curves leave."""
+
+    probability: Annotated[float, "Probability that there is any, with odds of one to three before the data."]
+    forms: Annotated[list[FormOfAxis], "The axes with their forms, if one is likelier than none."]
+
+
+class RmsBeforeAfter(Record):
+    """Root mean square of the readings, um."""
+
+    before: Annotated[float, "Against the machine file as it was."]
+    after: Annotated[float, "Against the fitted machine."]
+    held_out: Annotated[Union[float, None], "Against fits without the readings that they predict, if asked for."]
+
+
+class ScatterOfKind(Record):
+    """Scatter of one kind of reading."""
+
+    of: Annotated[str, "Kind of reading, or ``uncertainties given``."]
+    sigma_um: Annotated[float, "Standard deviation of a reading of weight 1, um."]
+
+
+class RepeatedReadings(Record):
+    """Scatter of readings of one kind in poses that were measured again."""
+
+    of: Annotated[str, "Kind of reading."]
+    sigma_um: Annotated[float, "Standard deviation of a reading of weight 1, um."]
+    degrees_of_freedom: Annotated[int, "Degrees of freedom behind it."]
+
+
+class OrderShares(Record):
+    """Deviations by the order of the errors that make them, root mean square over the readings, um."""
+
+    first: Annotated[float, "First order."]
+    second: Annotated[float, "Second order."]
+    higher: Annotated[float, "All higher orders."]
+    left_by_first: Annotated[float, "Residual of the model of order 1."]
+    left_by_second: Annotated[float, "Residual of the model of order 2."]
+
+
+class KindResidual(Record):
+    """Residual of one kind of reading."""
+
+    kind: Annotated[str, "Kind of reading."]
+    rows: Annotated[int, "Number of readings."]
+    rms_um: Annotated[float, "Root mean square of their residuals, um."]
+
+
+class ResidualTest(Record):
+    """Tests of residuals for randomness; the probabilities hold if the residuals are noise."""
+
+    of: Annotated[str, "Readings tested."]
+    count: Annotated[int, "Number of residuals."]
+    normality: Annotated[float, "Probability of residuals so far from a normal distribution."]
+    runs: Annotated[float, "Probability of so few or so many runs of one sign."]
+    lag1: Annotated[float, "Correlation of a residual with the one before it."]
+
+
+class OutlierPlace(Record):
+    """A reading that stands out."""
+
+    place: Annotated[str, "File and line."]
+    residual_um: Annotated[float, "Its residual, um."]
+    deviations: Annotated[float, "The same in standard deviations."]
+
+
+class PredictedUncertainty(Record):
+    """The uncertainty of the deviation over the volume, after the best rigid motion of the workpiece frame."""
+
+    largest_um: Annotated[Union[float, None], "The largest standard uncertainty, um, along the direction in which it is largest; none if the data leave the deviation free, or nothing scatters."]
+    infinite: Annotated[bool, "True if the data leave it free somewhere: the uncertainty is infinite."]
+    combination: Annotated[Union[str, None], "A combination of parameters that changes the deviation and no reading, in words."]
+    at: Annotated[Named[float], "Pose at which it is largest, mm and deg."]
+    tool: Annotated[str, "The tool there."]
+    deviation_um: Annotated[float, "The largest deviation predicted, um."]
+    held: Annotated[bool, "True if the data hold the prediction, so that a machine file is written."]
+
+
+class FittedDatum(Record):
+    """The datum of the fitted errors."""
+
+    line: Annotated[Literal["least-squares", "end-points", "free"], "Reference straight line of the straightness errors of linear axes."]
+    zero: Annotated[Literal["start", "middle", "machine", "free"], "Position at which positioning and angular errors are zero."]
+    squareness: Annotated[Literal["in location", "in straightness"], "Place of the squareness of the axes."]
+    conditions: Annotated[int, "Number of conditions: each fixes a combination of errors that changes nothing but where the workpiece stands."]
+    translation_um: Annotated[list[float], "Translation of the whole that was taken out of the errors, um."]
+    rotation_urad: Annotated[list[float], "Rotation of the whole that was taken out, about the middle of the volume, urad."]
+
+
+class FittedError(Record):
+    """A fitted error over the travel of its axis."""
+
+    error: Annotated[str, "ISO name."]
+    smallest: Annotated[float, "Smallest value, in ``unit``."]
+    largest: Annotated[float, "Largest value, in ``unit``; that of a location error is its only one."]
+    sigma: Annotated[Union[float, None], "Largest standard uncertainty, in ``unit``; none if the data leave the error free somewhere."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+
+
+class IdentifyFields(Record):
+    """A fit."""
+
+    rows: Annotated[int, "Number of readings."]
+    points: Annotated[int, "Number of measurements."]
+    parameters: Annotated[list[FittedParameter], "The machine's parameters."]
+    instruments: Annotated[list[FittedParameter], "Unknowns of the instruments, such as places of stations."]
+    known: Annotated[list[KnownValue], "Values that were known before the data."]
+    type_b: Annotated[list[SharedUncertainty], "Standard uncertainties that all readings share."]
+    lack_of_fit: Annotated[Union[LackOfFit, None], "The form of the axes beside the fitted curves; none if the readings cannot show it: fewer than 20 to spare, or no axis at six positions."]
+    rank: Annotated[int, "Numerical rank of the problem."]
+    rank_first_order: Annotated[int, "The rank of the model to first order in the errors: what the readings show without products of errors."]
+    unknowns: Annotated[int, "Number of unknowns."]
+    well_determined: Annotated[int, "Number of independent combinations above the noise."]
+    null_space: Annotated[list[str], "Combinations without effect on the data, in words."]
+    drowned: Annotated[list[str], "Combinations below the noise, in words."]
+    condition: Annotated[float, "Ratio of the largest singular value to the smallest that counts."]
+    valuation: Annotated[float, "Least valuation of the machine's parameters that have a value."]
+    singular_values: Annotated[list[float], "Singular values of the column-scaled problem."]
+    rms_um: Annotated[RmsBeforeAfter, "Root mean square of the readings."]
+    sigma_um: Annotated[Union[float, None], "Standard deviation of a reading of weight 1, um; none where kinds scatter differently."]
+    degrees_of_freedom: Annotated[int, "Readings beyond the rank."]
+    scatter: Annotated[list[ScatterOfKind], "Scatter kind by kind, where kinds scatter differently."]
+    repeatability_um: Annotated[Union[float, None], "Scatter of repeated poses, um: that of the first kind."]
+    repeats: Annotated[list[RepeatedReadings], "Scatter of repeated poses, kind by kind."]
+    orders_um: Annotated[OrderShares, "Deviations by order."]
+    kinds: Annotated[list[KindResidual], "Residuals kind by kind."]
+    residual_tests: Annotated[list[ResidualTest], "Tests of the residuals."]
+    outliers: Annotated[list[OutlierPlace], "Readings that stand out, farthest first."]
+    prediction: Annotated[PredictedUncertainty, "Uncertainty of the fit's prediction over the volume."]
+    invariances: Annotated[list[str], "Rigid motions of the whole machine that no reading notices, such as ``along X``."]
+    datum: Annotated[Union[FittedDatum, None], "The datum of the errors, where curves are fitted."]
+    errors: Annotated[list[FittedError], "Every fitted error of an axis over its travel."]
+    steps: Annotated[int, "Steps of the fit."]
+    settled: Annotated[bool, "False if the fit was stopped before it had settled."]
+
+
+class Rms(Record):
+    """Root mean square of readings, um."""
+
+    before: Annotated[float, "As measured."]
+    after: Annotated[float, "After the fit."]
+
+
+class MonomialCoefficient(Record):
+    """The coefficient of a monomial."""
+
+    monomial: Annotated[str, "Name such as ``EX0C`` or ``EA0C*EB0C``."]
+    value: Annotated[float, "Value, in ``unit``."]
+    unit: Annotated[str, "Unit of the value."]
+    determined: Annotated[bool, "True if the data tell it from the others."]
+
+
+class MonomialComponent(Record):
+    """One component of the deviation."""
+
+    component: Annotated[str, "``dx``, ``dy`` or ``dz``."]
+    readings: Annotated[int, "Number of readings."]
+    columns: Annotated[int, "Number of monomials."]
+    rank: Annotated[int, "Rank of the problem."]
+    rms_um: Annotated[Rms, "Root mean square of the readings."]
+    coefficients: Annotated[list[MonomialCoefficient], "The coefficients."]
+
+
+class MonomialFields(Record):
+    """Coefficients of monomials of the errors, which give no machine."""
+
+    method: Annotated[str, "``moore-penrose``."]
+    order: Annotated[int, "Highest degree of the monomials."]
+    components: Annotated[list[MonomialComponent], "The components of the deviation."]
+
+
+class PlannedPose(Record):
+    """A pose to measure."""
+
+    axes: Annotated[Named[float], "Positions by axis, mm and deg, to two decimals."]
+    tool: Annotated[str, "Name of the tool."]
+
+
+class ExpectedParameter(Record):
+    """A parameter with its expected uncertainty."""
+
+    name: Annotated[str, "Name such as ``EX0C``."]
+    sigma: Annotated[Union[float, None], "Expected standard uncertainty, in ``unit``; none if the poses leave it free."]
+    unit: Annotated[str, "Unit of the uncertainty."]
+
+
+class PlanFields(Record):
+    """Poses, and what is expected of their measurement."""
+
+    poses: Annotated[list[PlannedPose], "The poses in the order of their worth."]
+    noise_um: Annotated[float, "Standard deviation of a reading, um."]
+    parameters: Annotated[list[ExpectedParameter], "The parameters."]
+    rank: Annotated[int, "Numerical rank of the problem."]
+    rank_first_order: Annotated[int, "The rank of the model to first order in the errors: what the readings show without products of errors."]
+    unknowns: Annotated[int, "Number of unknowns."]
+    well_determined: Annotated[int, "Number of independent combinations above the noise."]
+    null_space: Annotated[list[str], "Combinations without effect, in words."]
+    drowned: Annotated[list[str], "Combinations below the noise, in words."]
+    condition: Annotated[float, "Ratio of the largest singular value to the smallest that counts."]
+
+
+class LocatedError(Record):
+    """A location error."""
+
+    name: Annotated[str, "Its name."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    found: Annotated[float, "Value by the lines that were found."]
+    uncertainty: Annotated[Union[float, None], "Expanded uncertainty (k = 2) that the table states."]
+    in_file: Annotated[float, "Value in the machine file, 0 if it gives none."]
+    in_file_uncertainty: Annotated[Union[float, None], "Expanded uncertainty (k = 2) in the machine file."]
+    difference: Annotated[float, "Found minus in the file."]
+    agrees: Annotated[Union[bool, None], "True if the difference is within both uncertainties, as the root of the sum of their squares; none if neither is stated."]
+
+
+class AxisLine(Record):
+    """A line in machine directions, all axes at 0."""
+
+    point_mm: Annotated[list[float], "The point next to the nominal origin of the axis, in the coordinates of the machine file."]
+    direction: Annotated[list[float], "The unit vector about which a positive command turns the tool right-handed relative to the workpiece."]
+
+
+class LocatedAxis(Record):
+    """A rotary axis as a line."""
+
+    axis: Annotated[str, "Name of the axis."]
+    found: Annotated[Union[AxisLine, None], "The line that was found; none if nothing was."]
+    in_file: Annotated[AxisLine, "The line where the machine file displaces it."]
+    uncertainty_um: Annotated[Union[float, None], "The largest expanded uncertainty (k = 2) of its shifts in the machine file."]
+    uncertainty_urad: Annotated[Union[float, None], "The largest expanded uncertainty (k = 2) of its tilts in the machine file."]
+
+
+class LocateFields(Record):
+    """Location errors that were found."""
+
+    machine: Annotated[str, "Name of the machine."]
+    target: Annotated[Union[str, None], "The controller whose parameters were read; none of a table."]
+    errors: Annotated[list[LocatedError], "The errors, axis by axis; none if nothing was found."]
+    lines: Annotated[list[LocatedAxis], "The rotary axes in the order of the walk."]
+
+
+class StraightnessReference(Record):
+    """The straight line in a straightness, before it was taken off."""
+
+    slope_um_per_m: Annotated[float, "Its slope."]
+    rise_um: Annotated[float, "Its rise over the targets."]
+    length_mm: Annotated[float, "The distance between the outermost targets."]
+    taken_off: Annotated[bool, "True if it was taken off: all figures and the table are without it."]
+    squareness: Annotated[Union[str, None], "The squareness that it would be if the reference was an artefact of the machine."]
+    squareness_urad: Annotated[Union[float, None], "The value of that squareness in urad."]
+
+
+class OneWayAccuracy(Record):
+    """Figures of one direction of approach, in the unit of the error."""
+
+    E: Annotated[float, "Systematic deviation E of the direction."]
+    R: Annotated[Union[float, None], "Repeatability R of the direction; none without repeated runs."]
+    A: Annotated[Union[float, None], "Accuracy A of the direction; none without repeated runs."]
+
+
+class OneWayBoth(Record):
+    """Figures of both directions of approach; none of a direction that was not measured."""
+
+    forward: Annotated[Union[OneWayAccuracy, None], "Approached with rising position."]
+    reverse: Annotated[Union[OneWayAccuracy, None], "Approached with falling position."]
+
+
+class AccuracyUncertainties(Record):
+    """Expanded uncertainties, k = 2, in the unit of the error, after ISO 230-2 annex A: not verified against its text."""
+
+    E: Annotated[float, "Uncertainty of E, of one direction and of both."]
+    M: Annotated[float, "Uncertainty of M."]
+    B: Annotated[float, "Uncertainty of B."]
+    R: Annotated[float, "Uncertainty of R."]
+    A: Annotated[float, "Uncertainty of A."]
+
+
+class ReadAtTarget(Record):
+    """Readings of one direction at a target, in the unit of the error."""
+
+    mean: Annotated[float, "Their mean."]
+    s: Annotated[Union[float, None], "The estimate of the standard deviation; none of a single reading."]
+    runs: Annotated[int, "Their number."]
+
+
+class MeasuredTarget(Record):
+    """A target with its readings."""
+
+    position: Annotated[float, "Position, mm or deg."]
+    forward: Annotated[Union[ReadAtTarget, None], "Approached with rising position."]
+    reverse: Annotated[Union[ReadAtTarget, None], "Approached with falling position."]
+    unknown: Annotated[Union[ReadAtTarget, None], "Approached from a side that is not known."]
+    B: Annotated[Union[float, None], "Reversal: mean of the forward approach minus mean of the reverse one. Lost motion is below zero."]
+
+
+class ImportedError(Record):
+    """Figures of one error over the axis, after ISO 230-2:2014; lengths in um, angles in urad."""
+
+    error: Annotated[str, "Name of the error."]
+    unit: Annotated[str, "Unit of the figures."]
+    targets: Annotated[int, "Number of target positions."]
+    runs: Annotated[int, "Least number of runs of a target in a direction."]
+    bidirectional: Annotated[bool, "True if both directions were measured."]
+    E: Annotated[float, "Systematic deviation E."]
+    M: Annotated[float, "Mean deviation M."]
+    B: Annotated[Union[float, None], "Reversal B: the largest size of those of the targets; none without two directions."]
+    mean_B: Annotated[Union[float, None], "Mean of the reversals of the targets, with its sign."]
+    R: Annotated[Union[float, None], "Repeatability R; none without repeated runs."]
+    A: Annotated[Union[float, None], "Accuracy A; none without repeated runs."]
+    slope: Annotated[float, "Slope of the line of best fit, in ``slope_unit``."]
+    slope_unit: Annotated[str, "Unit of the slope, such as ``um/m``."]
+    line: Annotated[Union[StraightnessReference, None], "Line of the reference, of a straightness of a linear axis."]
+    one_way: Annotated[OneWayBoth, "Figures by direction."]
+    U: Annotated[Union[AccuracyUncertainties, None], "Expanded uncertainties, k = 2, where contributors are stated that count for this error."]
+    remarks: Annotated[list[str], "In sentences what ISO 230-2 wants of targets and runs; not verified against its text."]
+    at_targets: Annotated[list[MeasuredTarget], "The readings by target."]
+
+
+class ReferenceMaterial(Record):
+    """The material of a machine at the time of a measurement."""
+
+    temperature_deg_c: Annotated[float, "Its temperature, deg C."]
+    expansion_um_per_m_k: Annotated[float, "Its coefficient of expansion, um/(m K)."]
+
+
+class LeftOutRow(Record):
+    """A row that was not used."""
+
+    line: Annotated[int, "Its line."]
+    reason: Annotated[str, "The reason."]
+
+
+class LeftOutColumn(Record):
+    """A column that was not used."""
+
+    column: Annotated[str, "Its title."]
+    reason: Annotated[str, "The reason."]
+
+
+class ImportedChannel(Record):
+    """A channel of a six-degree instrument."""
+
+    column: Annotated[str, "Title of the column."]
+    error: Annotated[str, "The error that it shows."]
+    sign: Annotated[str, "``+`` or ``-``: the error is the column's value times this sign."]
+
+
+class ImportFields(Record):
+    """A measurement with its figures after ISO 230-2."""
+
+    axis: Annotated[str, "Name of the axis."]
+    form: Annotated[str, "Layout of the file, in words."]
+    directions_inferred: Annotated[bool, "True if directions were read off the order of the rows."]
+    errors: Annotated[list[ImportedError], "The errors with their figures."]
+    material: Annotated[Union[ReferenceMaterial, None], "The material whose expansion was taken off the positions."]
+    readings: Annotated[int, "Number of readings."]
+    left_out: Annotated[list[LeftOutRow], "Rows that were not used."]
+    columns_left_out: Annotated[list[LeftOutColumn], "Columns, blocks and runs that were not used."]
+    channels: Annotated[list[ImportedChannel], "The errors of the channels of a six-degree instrument."]
+    metadata: Annotated[list[list[str]], "Entries before the table."]
+
+
+class BothSenses(Record):
+    """Figures of each sense of rotation."""
+
+    counter_clockwise: Annotated[Union[float, None], "With rising angle."]
+    clockwise: Annotated[Union[float, None], "With falling angle."]
+
+
+class BothSenses2(Record):
+    """Figures of each sense of rotation."""
+
+    counter_clockwise: Annotated[Union[list[float], None], "With rising angle."]
+    clockwise: Annotated[Union[list[float], None], "With falling angle."]
+
+
+class UncertainValue(Record):
+    """A value with its standard uncertainty."""
+
+    value: Annotated[float, "The value."]
+    sigma: Annotated[Union[float, None], "Standard uncertainty by what the causes leave (type A); none without readings to spare."]
+
+
+class CauseTest(Record):
+    """Causes of the deviations of a circle, each beside the others by least squares."""
+
+    squareness_urad: Annotated[UncertainValue, "Angle between the directions of the plane minus 90 deg. Of one sense servo mismatch is in it."]
+    scale_mismatch_um_per_m: Annotated[UncertainValue, "Scale of the first direction minus scale of the second."]
+    reversal_um: Annotated[list[UncertainValue], "Reversal of both axes, as ISO 230-2 signs it: below zero is lost motion."]
+    servo_um: Annotated[Union[UncertainValue, None], "Servo mismatch as a radial amplitude: above zero the first axis lags more. None of one sense."]
+    servo_ms: Annotated[Union[UncertainValue, None], "The same as a difference of delays, with a feed."]
+    rest_um: Annotated[float, "Root mean square of what these causes leave."]
+
+
+class MotionTest(Record):
+    """An error motion about the centre of least squares."""
+
+    motion: Annotated[str, "Probe, or what was formed of probes."]
+    unit: Annotated[str, "Unit of the figures, ``um`` or ``urad``."]
+    places: Annotated[int, "Places of the turn."]
+    turns: Annotated[int, "Turns, at the place that has fewest."]
+    total: Annotated[float, "Total error motion."]
+    synchronous: Annotated[float, "Synchronous error motion; of an axial probe the residual one, without the fundamental."]
+    asynchronous: Annotated[Union[float, None], "Asynchronous error motion; none of one turn."]
+    once: Annotated[float, "Amplitude of what goes round once. Radial: how far the artefact stood off the axis. Axial: the fundamental, which is an error motion."]
+    synchronous_with_once: Annotated[float, "Synchronous error motion with what goes round once."]
+
+
+class DriftOf(Record):
+    """The drift of one displacement or tilt."""
+
+    drift: Annotated[str, "Probe or tilt."]
+    unit: Annotated[str, "Unit of the figures, ``um`` or ``urad``."]
+    range: Annotated[float, "Range over the test."]
+    first_hour: Annotated[float, "Range over the first 60 minutes."]
+    largest_in_an_hour: Annotated[float, "Largest range within 60 minutes."]
+    change: Annotated[float, "Last minus first."]
+
+
+class TemperatureRange(Record):
+    """The range of a temperature."""
+
+    sensor: Annotated[str, "The sensor."]
+    deg_c: Annotated[list[float], "Lowest and highest, deg C."]
+
+
+class DiagonalTest(Record):
+    """One diagonal, with the figures of ISO 230-2."""
+
+    diagonal: Annotated[str, "Its name."]
+    length_mm: Annotated[float, "Largest minus smallest target."]
+    targets: Annotated[int, "Number of targets."]
+    runs: Annotated[int, "Smallest number of runs that a target has in a direction."]
+    e_um: Annotated[float, "Systematic deviation E of both directions."]
+    b_um: Annotated[Union[float, None], "Largest reversal B, and the mean with its sign; none of one direction."]
+    mean_b_um: Annotated[Union[float, None], "Mean reversal: below zero is lost motion."]
+    m_um: Annotated[float, "Mean deviation M."]
+    r_um: Annotated[Union[float, None], "Repeatability R; none of single runs."]
+    a_um: Annotated[Union[float, None], "Accuracy A; none of single runs."]
+
+
+class FiguresFields(Record):
+    """Figures of a test. Serialises as docs/formats.md describes."""
+
+    test: Annotated[Literal["circle", "rotation", "drift", "diagonals"], ""]
+    plane: Annotated[Union[Literal["XY", "YZ", "ZX"], None], "The plane."]
+    radius_mm: Annotated[Union[float, None], "Nominal radius."]
+    arc_deg: Annotated[Union[float, None], "Arc on which there are readings."]
+    readings: Annotated[Union[int, None], "Number of readings."]
+    circular_deviation_um: Annotated[Union[BothSenses, None], "Circular deviation G about the centre of least squares."]
+    bidirectional_um: Annotated[Union[float, None], "Bidirectional circular deviation G(b)."]
+    mean_radial_um: Annotated[Union[float, None], "Mean bidirectional radial deviation D."]
+    radial_max_min_um: Annotated[Union[BothSenses2, None], "Radial deviations F about the nominal centre, largest and smallest."]
+    centre_um: Annotated[Union[list[float], None], "Centre of least squares from the nominal one: how the ball stood."]
+    causes: Annotated[Union[CauseTest, None], "The circle taken apart; none where the readings do not tell causes apart."]
+    note: Annotated[str, "The standard's text was not at hand."]
+    motions: Annotated[Union[list[MotionTest], None], "Error motions by probe, then in the rotating sensitive direction, then tilts."]
+    minutes: Annotated[Union[float, None], "Duration of the test."]
+    drifts: Annotated[Union[list[DriftOf], None], "Displacements by probe, then tilts."]
+    temperatures: Annotated[Union[list[TemperatureRange], None], "Ranges of the temperatures."]
+    e_d_um: Annotated[Union[float, None], "Diagonal systematic deviation of positioning E_d: the largest E of the diagonals."]
+    b_d_um: Annotated[Union[float, None], "Diagonal reversal B_d: the largest B of the diagonals; none of one direction."]
+    diagonals: Annotated[Union[list[DiagonalTest], None], "Each diagonal."]

@@ -1,0 +1,373 @@
+"""Fields of results by type. python/generate.py writes this file from the results of the façade."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Union
+
+from .._record import Named, Record
+from .deviations import Bands, Summary
+from .machines import DiffFields
+
+
+class CertifiedFigures(Record):
+    """Figures of a certificate."""
+
+    position_um: Annotated[Summary, "Deviation of the functional point, um."]
+    rotation_urad: Annotated[Summary, "Rotation of the tool, urad."]
+    tool_axis_urad: Annotated[Summary, "Tilt of the tool axis, urad."]
+
+
+class CertifiedError(Record):
+    """An error in a certificate."""
+
+    handled: Annotated[Literal["fully", "partly", "no"], "Degree to which the files correct it."]
+    left_um: Annotated[float, "95 % position deviation that the files leave of it alone, um."]
+    alone_um: Annotated[float, "The same without the files, um."]
+
+
+class AtReference(Record):
+    """What files add with all axes at 0, by axis, mm and deg."""
+
+    forward: Annotated[Named[float], "Approached forward."]
+    reverse: Annotated[Named[float], "Approached in reverse."]
+
+
+class RaisedShape(Record):
+    """A figure that files raise."""
+
+    direction: Annotated[Literal["mean", "forward", "reverse"], "The side of approach."]
+    figure: Annotated[str, "Name of the figure."]
+    before_um: Annotated[float, "Its value without the files, um."]
+    after_um: Annotated[float, "Its value with the files, um."]
+
+
+class ReferenceShift(Record):
+    """Displacement of the reference."""
+
+    shift_um: Annotated[Named[float], "Of the linear axes, um."]
+    shift_urad: Annotated[Named[float], "Of the rotary axes, urad."]
+    position_um: Annotated[Summary, "Position deviation with it, um."]
+    without_tables_um: Annotated[Summary, "Position deviation by it alone, um."]
+
+
+class ProgrammingShape(Record):
+    """Figures for one form of the tool direction."""
+
+    tool_direction: Annotated[str, "``vector`` or ``rotary axes``."]
+    tool: Annotated[str, "Name of the tool in the machine file, empty for the only one."]
+    longer_mm: Annotated[float, "Added to the length of the tool, mm."]
+    uncompensated: Annotated[CertifiedFigures, "Without the files."]
+    compensated: Annotated[CertifiedFigures, "With the files."]
+
+
+class StepShape(Record):
+    """Figures after a step of a composed set."""
+
+    target: Annotated[str, "Names of the targets so far."]
+    compensated: Annotated[CertifiedFigures, "With their files."]
+
+
+class CertificateBands(Record):
+    """Intervals of the figures of a certificate."""
+
+    uncompensated: Annotated[Bands, "Without the files."]
+    compensated: Annotated[Bands, "With them: what the uncertainty of the errors leaves, whatever the files correct."]
+
+
+class CertificateFields(Record):
+    """A machine after a controller has applied its files."""
+
+    target: Annotated[str, "Name of the target."]
+    files: Annotated[list[str], "Names of the files."]
+    poses: Annotated[int, "Number of poses."]
+    direction: Annotated[Literal["mean", "forward", "reverse"], "The side of approach that is worse."]
+    tool: Annotated[str, "Name of the tool; may be empty."]
+    uncompensated: Annotated[CertifiedFigures, "Without the files."]
+    compensated: Annotated[CertifiedFigures, "With the files."]
+    errors: Annotated[Named[CertifiedError], "The errors by name."]
+    single_error_poses: Annotated[int, "Number of poses for single errors."]
+    at_reference: Annotated[AtReference, "What the files add with all axes at 0."]
+    cannot: Annotated[list[str], "Errors that the controller cannot correct, in words."]
+    raised: Annotated[list[RaisedShape], "Figures that the files raise."]
+    reference_shift: Annotated[Union[ReferenceShift, None], "Displacement of the reference that the controller does not see; none for most."]
+    programming: Annotated[Union[list[ProgrammingShape], None], "Figures for each form of the tool direction, where the controller transforms."]
+    steps: Annotated[Union[list[StepShape], None], "Figures after each step of a composed set."]
+    uncertainty: Annotated[Union[CertificateBands, None], "Intervals of the figures, where the machine file states uncertainties of errors."]
+
+
+class SetDiffFields(Record):
+    """Second set less the first."""
+
+    axes: Annotated[Named[Named[float]], "By axis, in the order of the chain."]
+    position_um: Annotated[Summary, "Displacement of the functional point, um."]
+
+
+class TargetCertainty(Record):
+    """Certainty of a fact, with its source."""
+
+    level: Annotated[str, "Level in a word."]
+    source: Annotated[str, "The source."]
+
+
+class TargetSummary(Record):
+    """A controller in short."""
+
+    target: Annotated[str, "Name for ``compile``."]
+    title: Annotated[str, "The controller's own name."]
+    mechanism: Annotated[str, "Mechanisms of compensation, separated by spaces."]
+    expresses: Annotated[str, "Errors that it corrects, in words."]
+    cannot: Annotated[list[str], "Errors that it cannot correct, in words."]
+    limits: Annotated[str, "Limits of its tables, in words."]
+    sign_test: Annotated[str, "A test of the sign at the machine."]
+    syntax: Annotated[TargetCertainty, "Certainty of the syntax."]
+    sign: Annotated[TargetCertainty, "Certainty of the sign."]
+
+
+class Dates(Record):
+    """First and last day of the calibration, and the day of issue."""
+
+    begin: Annotated[str, "First day."]
+    end: Annotated[str, "Last day."]
+    issued: Annotated[Union[str, None], "Day of issue."]
+
+
+class Contact(Record):
+    """A laboratory or a customer."""
+
+    name: Annotated[str, "Name."]
+    code: Annotated[Union[str, None], "Code of the laboratory, such as that of its accreditation."]
+    email: Annotated[Union[str, None], "Electronic mail."]
+    street: Annotated[Union[str, None], "Street and number."]
+    post_code: Annotated[Union[str, None], "Post code."]
+    city: Annotated[str, "City."]
+    country: Annotated[Union[str, None], "Country, ISO 3166-1."]
+
+
+class Person(Record):
+    """A responsible person."""
+
+    name: Annotated[str, "Name."]
+    role: Annotated[Union[str, None], "Role, such as ``calibration engineer``."]
+
+
+class Plate(Record):
+    """The machine by its plate."""
+
+    serial: Annotated[str, "Serial number."]
+    manufacturer: Annotated[Union[str, None], "Manufacturer."]
+    model: Annotated[Union[str, None], "Model."]
+
+
+class Instrument(Record):
+    """An instrument and its certificate."""
+
+    name: Annotated[str, "Name."]
+    manufacturer: Annotated[Union[str, None], "Manufacturer."]
+    model: Annotated[Union[str, None], "Model."]
+    serial: Annotated[str, "Serial number."]
+    certificate: Annotated[str, "Number of its certificate."]
+    calibrated: Annotated[str, "Day of its calibration."]
+    due: Annotated[Union[str, None], "Day on which its certificate ends."]
+    uncertainty: Annotated[str, "Uncertainty in the words of its certificate."]
+    file: Annotated[Union[str, None], "The certificate as a file; in the record its copy."]
+
+
+class Temperature(Record):
+    """A temperature during the calibration."""
+
+    name: Annotated[str, "Place of the sensor."]
+    deg_c: Annotated[float, "Temperature, degC."]
+    expanded_uncertainty_k: Annotated[Union[float, None], "Expanded uncertainty (k = 2), K."]
+
+
+class Hashed(Record):
+    """A file and its hash."""
+
+    name: Annotated[str, "Its name."]
+    sha256: Annotated[str, "SHA-256 of its bytes, hexadecimal."]
+
+
+class MachineState(Record):
+    """The machine file of a state."""
+
+    file: Annotated[str, "The machine file within the record."]
+    inputs: Annotated[list[Hashed], "Every file that it is read from, within the record."]
+
+
+class StateValue(Record):
+    """An error in one state of the machine."""
+
+    value: Annotated[float, "The value of the largest size over the volume: of a bounded error its bound."]
+    bounded: Annotated[bool, "True if the error is only bounded."]
+    expanded_uncertainty: Annotated[Union[float, None], "Expanded uncertainty (k = 2), if the machine file states it."]
+
+
+class ErrorRow(Record):
+    """An error as found and as left."""
+
+    error: Annotated[str, "Name of the error."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    found: Annotated[Union[StateValue, None], "As found; ``null`` if the file does not give it."]
+    left: Annotated[Union[StateValue, None], "As left; ``null`` if the file does not give it."]
+
+
+class ErrorCurve(Record):
+    """Curve of a component error."""
+
+    state: Annotated[str, "``found`` or ``left``."]
+    error: Annotated[str, "Name of the error."]
+    axis: Annotated[str, "Name of the axis."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    position_unit: Annotated[str, "``mm`` or ``deg``."]
+    positions: Annotated[list[float], "Positions: those of the table, or 21 over the volume."]
+    forward: Annotated[list[float], "Values approached with rising position."]
+    reverse: Annotated[Union[list[float], None], "Values approached with falling position; ``null`` if they are the same."]
+    expanded_uncertainty: Annotated[Union[float, None], "Expanded uncertainty (k = 2) of the values, if the file states it."]
+
+
+class LimitDecision(Record):
+    """A decision on a limit, ISO 14253-1."""
+
+    name: Annotated[str, "Name of the limited value."]
+    of: Annotated[str, "``found``, ``left`` or the file of figures."]
+    value: Annotated[float, "The value."]
+    expanded_uncertainty: Annotated[Union[float, None], "Expanded uncertainty (k = 2)."]
+    limit: Annotated[float, "The limit."]
+    unit: Annotated[str, "Unit of the three, and of the guard."]
+    sides: Annotated[Literal["upper", "both"], "Sides of the limit."]
+    guard: Annotated[Union[float, None], "Distance from the limit within which nothing is proven."]
+    decision: Annotated[Literal["conform", "not_conform", "undecided"], "The decision."]
+
+
+class AlarmLimit(Record):
+    """An alarm limit of an error."""
+
+    error: Annotated[str, "Name of the error."]
+    limit: Annotated[float, "Limit of the absolute value, um or urad."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+
+
+class RecordedSet(Record):
+    """A set of compensation files."""
+
+    folder: Annotated[str, "Its folder within the record."]
+    installed: Annotated[bool, "True if it is in force as left, false if it was replaced."]
+    target: Annotated[str, "The controller."]
+    files: Annotated[list[Hashed], "Its files, within the record."]
+    verified_with: Annotated[Union[str, None], "The state of the machine by which it is verified: ``found`` or ``left``; ``null`` for a replaced set."]
+    verify: Annotated[Any, "Certificate of ``verify``; ``null`` for a replaced set."]
+    compile: Annotated[Any, "Certificate that ``compile`` printed, if the description names it."]
+
+
+class CopiedFile(Record):
+    """A copied file."""
+
+    source: Annotated[str, "Name as the description has it."]
+    file: Annotated[str, "Name within the record."]
+    bytes: Annotated[int, "Size in bytes."]
+    sha256: Annotated[str, "SHA-256 of its bytes, hexadecimal."]
+
+
+class RecordedFigure(Record):
+    """A figure of a standard, from a document of another verb."""
+
+    figure: Annotated[str, "Its name."]
+    value: Annotated[float, "Its value."]
+    expanded_uncertainty: Annotated[Union[float, None], "Its expanded uncertainty (k = 2), if the document states one."]
+    unit: Annotated[str, "Unit of both."]
+
+
+class RecordedFigures(Record):
+    """A document of figures."""
+
+    source: Annotated[str, "Name as the description has it."]
+    file: Annotated[str, "Name within the record."]
+    bytes: Annotated[int, "Size in bytes."]
+    sha256: Annotated[str, "SHA-256 of its bytes, hexadecimal."]
+
+
+class RecordFields(Record):
+    """A record in memory."""
+
+    record: Annotated[int, "Version of the contract: 1."]
+    abbe: Annotated[str, "Version of the program."]
+    id: Annotated[str, "Unique name of the record."]
+    dates: Annotated[Dates, "Days."]
+    language: Annotated[str, "Language of the texts."]
+    country: Annotated[str, "Country of the calibration."]
+    place: Annotated[Literal["laboratory", "customer", "laboratoryBranch", "customerBranch", "other"], "Place of the calibration."]
+    laboratory: Annotated[Contact, "The laboratory."]
+    customer: Annotated[Contact, "The customer."]
+    persons: Annotated[list[Person], "Responsible persons."]
+    machine: Annotated[str, "Name of the machine."]
+    chain: Annotated[str, "Its chain."]
+    plate: Annotated[Plate, "Its plate."]
+    instruments: Annotated[list[Instrument], "Instruments."]
+    temperatures: Annotated[list[Temperature], "Temperatures."]
+    standards: Annotated[list[str], "Standards."]
+    remarks: Annotated[list[str], "Remarks."]
+    as_found: Annotated[MachineState, "The machine as found."]
+    as_left: Annotated[Union[MachineState, None], "The machine as left; ``null`` if it was left as found."]
+    errors: Annotated[list[ErrorRow], "Every error."]
+    curves: Annotated[list[ErrorCurve], "Curves of component errors."]
+    decisions: Annotated[list[LimitDecision], "Decisions."]
+    alarms: Annotated[list[AlarmLimit], "Alarm limits for the trend."]
+    sets: Annotated[list[RecordedSet], "Sets of compensation files."]
+    data: Annotated[list[CopiedFile], "Raw data."]
+    figures: Annotated[list[RecordedFigures], "Figures: JSON documents of other verbs."]
+
+
+class TrendRecord(Record):
+    """A record of the line."""
+
+    id: Annotated[str, "Unique name."]
+    folder: Annotated[str, "The folder."]
+    dates: Annotated[Dates, "First and last day."]
+    adjusted: Annotated[bool, "True if the machine was left otherwise than found."]
+
+
+class TrendPoint(Record):
+    """An error in a state of a record."""
+
+    id: Annotated[str, "Unique name of the record."]
+    day: Annotated[str, "The first day for the state as found, the last day for the state as left."]
+    state: Annotated[str, "``found`` or ``left``."]
+    value: Annotated[float, "The value of the largest size over the volume."]
+    expanded_uncertainty: Annotated[Union[float, None], "Expanded uncertainty (k = 2), if the machine file states it."]
+
+
+class ErrorTrend(Record):
+    """An error over the records."""
+
+    error: Annotated[str, "Name of the error."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    alarm_limit: Annotated[Union[float, None], "Alarm limit of the absolute value: that of the newest record that states one."]
+    alarm: Annotated[Literal["below", "alarm", "none"], "State of the newest value."]
+    change: Annotated[Union[float, None], "Newest less oldest value; ``None`` for a single one."]
+    points: Annotated[list[TrendPoint], "The values, oldest first."]
+
+
+class TrendStep(Record):
+    """What changed from a record to the next: the machine as it was left against the machine as it was found."""
+
+    to: Annotated[str, "The later record."]
+    difference: Annotated[DiffFields, "The difference of the machines, as ``diff`` states it."]
+
+
+class TrendFields(Record):
+    """Records in a line."""
+
+    machine: Annotated[str, "Name of the machine in the newest record."]
+    serial: Annotated[str, "Its serial number."]
+    errors: Annotated[list[ErrorTrend], "Every error that a record gives a value."]
+    steps: Annotated[list[TrendStep], "What changed between neighbours."]
+
+
+class CheckRecordFields(Record):
+    """A record that is as it was written."""
+
+    folder: Annotated[str, "The folder."]
+    files: Annotated[int, "Number of files that are as the list states."]
+    replaced_sets: Annotated[int, "Number of sets that ``compile --record`` archived beside them, whole by their manifests."]
+    unlisted: Annotated[list[str], "Files that no list names."]
+    sha256: Annotated[str, "SHA-256 of the list itself: who notes it elsewhere notices a change of any file."]
