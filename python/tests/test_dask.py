@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -273,6 +274,22 @@ def test_a_worker_is_killed_in_a_budget(mortal: Client) -> None:
     assert not future.done()
     assert future.result().to_dict() == machine.budget(**options).to_dict()
     assert killed not in mortal.run(os.getpid).values()
+
+
+@pytest.mark.parametrize("workers", [1, 2, pytest.param(7, marks=pytest.mark.slow)])
+def test_a_worker_is_killed_in_a_ranking(workers: int) -> None:
+    machine = abbe.load(CONFIGS / "hmc-4ax.yaml")
+    options: dict[str, Any] = {"samples": 100, "poses": 80, "class_": "production", "first": 2}
+    expected = json.dumps(machine.enumerate(**options).to_dict())
+    settings: dict[str, Any] = {"processes": True, "threads_per_worker": 1, "dashboard_address": ":0"}
+    with LocalCluster(n_workers=workers, silence_logs=50, **settings) as cluster, Client(cluster) as client:
+        future = client.compute(abbe.dask.enumerate(machine, shards=24, **options))
+        while not any(client.has_what().values()) or not any(client.processing().values()):
+            time.sleep(0.01)
+        killed = kill_one(client)
+        assert not future.done()
+        assert json.dumps(future.result().to_dict()) == expected
+        assert killed not in client.run(os.getpid).values()
 
 
 def test_the_package_does_not_import_dask() -> None:
