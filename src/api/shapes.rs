@@ -483,6 +483,10 @@ struct ProgrammingShape {
     uncompensated: CertifiedFigures,
     /// With the files.
     compensated: CertifiedFigures,
+    /// The number of poses at which the controller keeps an axis at a pole.
+    at_poles: u64,
+    /// With the files at the other poses, where some are at a pole.
+    away_from_poles: Option<CertifiedFigures>,
 }
 
 /// Figures after a step of a composed set.

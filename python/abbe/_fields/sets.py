@@ -58,6 +58,8 @@ class ProgrammingShape(Record):
     longer_mm: Annotated[float, "Added to the length of the tool, mm."]
     uncompensated: Annotated[CertifiedFigures, "Without the files."]
     compensated: Annotated[CertifiedFigures, "With the files."]
+    at_poles: Annotated[int, "The number of poses at which the controller keeps an axis at a pole."]
+    away_from_poles: Annotated[Union[CertifiedFigures, None], "With the files at the other poses, where some are at a pole."]
 
 
 class StepShape(Record):
@@ -121,6 +123,7 @@ class TargetSummary(Record):
     sign_test: Annotated[str, "A test of the sign at the machine."]
     syntax: Annotated[TargetCertainty, "Certainty of the syntax."]
     sign: Annotated[TargetCertainty, "Certainty of the sign."]
+    frame: Annotated[Union[TargetCertainty, None], "The frame of kinematic parameters, and its certainty; ``None`` of tables."]
 
 
 class Dates(Record):
