@@ -133,8 +133,8 @@ impl Transformation {
         [programmed[0], near(inner.angle(&self.tool, &seen), programmed[1])]
     }
 
-    /// Angles of two axes, deg; `None` at a pole. The direction between the two turns is on the cone of the outer axis through the
-    /// programmed vector and on that of the inner axis through the tool.
+    /// Angles of two axes, deg; `None` at a pole. The direction between the two turns is on the cone of the outer axis
+    /// through the programmed vector and on that of the inner axis through the tool.
     fn two(&self, [outer, inner]: [&RotaryLine; 2], vector: &Vector3<f64>, programmed: [f64; 2]) -> Option<[f64; 2]> {
         let (u, w) = (outer.direction, inner.direction);
         let cross = u.cross(&w);
