@@ -80,10 +80,14 @@ pub(crate) fn deviations(field: &dyn Field, poses: &[Pose], approach: Approach) 
 }
 
 pub(crate) fn figures(field: &dyn Field, poses: &[Pose], approach: Approach) -> Figures {
-    let deviations = deviations(field, poses, approach);
-    let tilt = |(pose, d): (&Pose, &Deviation)| tool_axis_tilt(field.machine(), pose, &d.rotation) * 1e6;
-    let tilts: Vec<_> = poses.iter().zip(&deviations).map(tilt).collect();
-    Figures { all: Statistics::of(&deviations), tool_axis: Summary::of(&tilts) }
+    figures_of(field.machine(), poses, &deviations(field, poses, approach))
+}
+
+/// Returns the figures of deviations at poses.
+pub(crate) fn figures_of(machine: &Machine, poses: &[Pose], deviations: &[Deviation]) -> Figures {
+    let tilt = |(pose, d): (&Pose, &Deviation)| tool_axis_tilt(machine, pose, &d.rotation) * 1e6;
+    let tilts: Vec<_> = poses.iter().zip(deviations).map(tilt).collect();
+    Figures { all: Statistics::of(deviations), tool_axis: Summary::of(&tilts) }
 }
 
 /// Returns how many um are in a mm, or urad in a deg, and the name of the small unit.

@@ -3,7 +3,7 @@
 use super::Certificate;
 use super::content::ProgrammingFigures;
 use super::depth::{Depth, single_error_poses};
-use super::figures::{Judgement, figures, judge};
+use super::figures::{Judgement, deviations, figures, figures_of, judge};
 use super::sign_test::strongest_at;
 use super::single_error::{NominalAt, SingleErrorResidual, judge_one, nominal};
 use super::tables::TablesUnderTest;
@@ -11,7 +11,7 @@ use crate::compensation::CorrectionTables;
 use crate::controller::kinematics::{KinematicsModule, ModuleField, Parameters};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::replay::Replay;
-use crate::evaluate::{Bare, Field, Order};
+use crate::evaluate::{Bare, Order};
 use crate::machine::{Approach, ErrorId, Machine, Pose, Tool};
 use rayon::prelude::*;
 
@@ -88,10 +88,13 @@ fn programming(
         let module = KinematicsModule::KinematicParameters(own.clone().programmed(vectors));
         let driven = set.tables.beside(machine, &module);
         let bare = Bare { machine, order: Order::Exact };
-        let [uncompensated, compensated] = [&bare as &dyn Field, &driven].map(|field| figures(field, poses, approach));
-        let away: Vec<Pose> = poses.iter().filter(|pose| !driven.at_pole(pose)).cloned().collect();
+        let uncompensated = figures(&bare, poses, approach);
+        let found = deviations(&driven, poses, approach);
+        let compensated = figures_of(machine, poses, &found);
+        let (away, found): (Vec<Pose>, Vec<_>) =
+            poses.iter().cloned().zip(found).filter(|(pose, _)| !driven.at_pole(pose)).unzip();
         let at_poles = poses.len() - away.len();
-        let away_from_poles = (at_poles > 0 && !away.is_empty()).then(|| figures(&driven, &away, approach));
+        let away_from_poles = (at_poles > 0 && !away.is_empty()).then(|| figures_of(machine, &away, &found));
         let tool = machine.tool().name.clone();
         ProgrammingFigures {
             vectors,

@@ -88,10 +88,14 @@ impl Transformation {
         command
     }
 
+    /// The lines from the workpiece to the tool.
+    fn rotary(&self) -> Vec<&RotaryLine> {
+        self.table.iter().chain(&self.head).collect()
+    }
+
     /// True where an axis is kept because a tool direction needs a large turn of it or has no solution.
     pub fn at_pole(&self, program: &ProgrammedTool) -> bool {
-        let lines: Vec<&RotaryLine> = self.table.iter().chain(&self.head).collect();
-        match (&program.vector, &lines[..]) {
+        match (&program.vector, &self.rotary()[..]) {
             (Some(vector), [outer, inner]) => {
                 self.two([outer, inner], vector, [program.axes[outer.axis], program.axes[inner.axis]]).is_none()
             }
@@ -114,8 +118,7 @@ impl Transformation {
     /// Turns the rotary axes so that the tool axis has a direction in the workpiece, or comes as near as they let it,
     /// with the solution nearest to where they are programmed.
     fn turn(&self, vector: &Vector3<f64>, command: &mut [f64]) {
-        let lines: Vec<&RotaryLine> = self.table.iter().chain(&self.head).collect();
-        match lines[..] {
+        match self.rotary()[..] {
             [only] => command[only.axis] = near(only.angle(&self.tool, vector), command[only.axis]),
             [outer, inner] => {
                 let programmed = [command[outer.axis], command[inner.axis]];

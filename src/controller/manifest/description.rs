@@ -342,8 +342,8 @@ pub enum Index {
 impl Manifest {
     /// True if it rests on memory alone.
     pub fn unverified(&self) -> bool {
-        let stated = [&self.certainty.syntax, &self.certainty.sign].into_iter().chain(&self.certainty.frame);
-        stated.into_iter().any(|c| c.level == Level::Memory)
+        let mut stated = [&self.certainty.syntax, &self.certainty.sign].into_iter().chain(&self.certainty.frame);
+        stated.any(|c| c.level == Level::Memory)
     }
 
     /// A line for the head of a file.

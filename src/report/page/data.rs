@@ -303,6 +303,7 @@ fn certificate(machine: &Machine, written: &TargetResult) -> Value {
         json!({"position_um": f.all.position_um,
         "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis})
     };
+    let certainty = |c: &crate::controller::Certainty| json!({"level": c.level.word(), "source": c.source});
     let mut errors: Vec<_> = certificate.errors.iter().collect();
     errors.sort_by(|a, b| b.residual_um.total_cmp(&a.residual_um));
     let error = |e: &&crate::controller::SingleErrorResidual| {
@@ -316,9 +317,9 @@ fn certificate(machine: &Machine, written: &TargetResult) -> Value {
     };
     json!({
         "target": manifest.target, "title": manifest.title, "expresses": manifest.expresses, "cannot": manifest.cannot,
-        "syntax": {"level": manifest.certainty.syntax.level.word(), "source": manifest.certainty.syntax.source},
-        "sign": {"level": manifest.certainty.sign.level.word(), "source": manifest.certainty.sign.source},
-        "frame": manifest.certainty.frame.as_ref().map(|c| json!({"level": c.level.word(), "source": c.source})),
+        "syntax": certainty(&manifest.certainty.syntax),
+        "sign": certainty(&manifest.certainty.sign),
+        "frame": manifest.certainty.frame.as_ref().map(certainty),
         "poses": certificate.poses, "direction": certificate.approach,
         "uncompensated": figures(&certificate.uncompensated), "compensated": figures(&certificate.compensated),
         "errors": errors.iter().map(error).collect::<Vec<_>>(),
