@@ -256,9 +256,9 @@ struct GoalShape {
 struct GoalCost {
     /// Power of the tolerance in the cost.
     power: f64,
-    /// Of the old tolerances.
+    /// Value with the old tolerances.
     before: f64,
-    /// Of the new tolerances.
+    /// Value with the new tolerances.
     after: f64,
     /// By um of the goal.
     per_um: f64,
@@ -326,31 +326,31 @@ struct ComparedBudget {
 /// Figures of a budget minus those of another.
 #[derive(JsonSchema)]
 struct BudgetDifference {
-    /// Of the position, um.
+    /// Differences of the position deviation, um.
     position_um: Option<DeviationBudgetDifference>,
-    /// Of the rotation, urad.
+    /// Differences of the orientation deviation, urad.
     rotation_urad: Option<DeviationBudgetDifference>,
 }
 
 /// Figures of a deviation minus those of another.
 #[derive(JsonSchema)]
 struct DeviationBudgetDifference {
-    /// Of the worst case.
+    /// Difference of the worst cases.
     worst_case: f64,
-    /// Of the RSS.
+    /// Difference of the RSS values.
     rss: f64,
-    /// Of the mean of both.
+    /// Difference of the means of both.
     mean_of_both: f64,
-    /// Of machines drawn.
+    /// Differences of the figures of machines drawn.
     monte_carlo: DrawnDifference,
 }
 
 /// Figures of machines drawn minus those of others.
 #[derive(JsonSchema)]
 struct DrawnDifference {
-    /// Of the mean.
+    /// Difference of the means.
     mean: f64,
-    /// Of the 95 % value.
+    /// Difference of the 95 % values.
     p95: f64,
 }
 
@@ -394,7 +394,7 @@ struct CertificateShape {
     errors: IndexMap<String, CertifiedError>,
     /// Number of poses for single errors.
     single_error_poses: usize,
-    /// What the files add with all axes at 0.
+    /// Motions that the files add with all axes at 0.
     at_reference: AtReference,
     /// Errors that the controller cannot correct, in words.
     cannot: Vec<String>,
@@ -435,7 +435,7 @@ struct CertifiedError {
     alone_um: f64,
 }
 
-/// What files add with all axes at 0, by axis, mm and deg.
+/// Motions that files add with all axes at 0, by axis, mm and deg.
 #[derive(JsonSchema)]
 struct AtReference {
     /// Approached forward.
@@ -460,9 +460,9 @@ struct RaisedShape {
 /// Displacement of the reference.
 #[derive(JsonSchema)]
 struct ReferenceShift {
-    /// Of the linear axes, um.
+    /// Shifts of the linear axes, um.
     shift_um: AxisPositions,
-    /// Of the rotary axes, urad.
+    /// Shifts of the rotary axes, urad.
     shift_urad: AxisPositions,
     /// Position deviation with it, um.
     position_um: Summary,

@@ -46,8 +46,8 @@ class GoalCost(Record):
     """The cost of tolerances."""
 
     power: Annotated[float, "Power of the tolerance in the cost."]
-    before: Annotated[float, "Of the old tolerances."]
-    after: Annotated[float, "Of the new tolerances."]
+    before: Annotated[float, "Value with the old tolerances."]
+    after: Annotated[float, "Value with the new tolerances."]
     per_um: Annotated[float, "By um of the goal."]
 
 

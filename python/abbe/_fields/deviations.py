@@ -409,24 +409,24 @@ class DeviationBudget(Record):
 class DrawnDifference(Record):
     """Figures of machines drawn minus those of others."""
 
-    mean: Annotated[float, "Of the mean."]
-    p95: Annotated[float, "Of the 95 % value."]
+    mean: Annotated[float, "Difference of the means."]
+    p95: Annotated[float, "Difference of the 95 % values."]
 
 
 class DeviationBudgetDifference(Record):
     """Figures of a deviation minus those of another."""
 
-    worst_case: Annotated[float, "Of the worst case."]
-    rss: Annotated[float, "Of the RSS."]
-    mean_of_both: Annotated[float, "Of the mean of both."]
-    monte_carlo: Annotated[DrawnDifference, "Of machines drawn."]
+    worst_case: Annotated[float, "Difference of the worst cases."]
+    rss: Annotated[float, "Difference of the RSS values."]
+    mean_of_both: Annotated[float, "Difference of the means of both."]
+    monte_carlo: Annotated[DrawnDifference, "Differences of the figures of machines drawn."]
 
 
 class BudgetDifference(Record):
     """Figures of a budget minus those of another."""
 
-    position_um: Annotated[Union[DeviationBudgetDifference, None], "Of the position, um."]
-    rotation_urad: Annotated[Union[DeviationBudgetDifference, None], "Of the rotation, urad."]
+    position_um: Annotated[Union[DeviationBudgetDifference, None], "Differences of the position deviation, um."]
+    rotation_urad: Annotated[Union[DeviationBudgetDifference, None], "Differences of the orientation deviation, urad."]
 
 
 class ComparedBudget(Record):

@@ -26,7 +26,7 @@ class CertifiedError(Record):
 
 
 class AtReference(Record):
-    """What files add with all axes at 0, by axis, mm and deg."""
+    """Motions that files add with all axes at 0, by axis, mm and deg."""
 
     forward: Annotated[Named[float], "Approached forward."]
     reverse: Annotated[Named[float], "Approached in reverse."]
@@ -44,8 +44,8 @@ class RaisedShape(Record):
 class ReferenceShift(Record):
     """Displacement of the reference."""
 
-    shift_um: Annotated[Named[float], "Of the linear axes, um."]
-    shift_urad: Annotated[Named[float], "Of the rotary axes, urad."]
+    shift_um: Annotated[Named[float], "Shifts of the linear axes, um."]
+    shift_urad: Annotated[Named[float], "Shifts of the rotary axes, urad."]
     position_um: Annotated[Summary, "Position deviation with it, um."]
     without_tables_um: Annotated[Summary, "Position deviation by it alone, um."]
 
@@ -88,7 +88,7 @@ class CertificateFields(Record):
     compensated: Annotated[CertifiedFigures, "With the files."]
     errors: Annotated[Named[CertifiedError], "The errors by name."]
     single_error_poses: Annotated[int, "Number of poses for single errors."]
-    at_reference: Annotated[AtReference, "What the files add with all axes at 0."]
+    at_reference: Annotated[AtReference, "Motions that the files add with all axes at 0."]
     cannot: Annotated[list[str], "Errors that the controller cannot correct, in words."]
     raised: Annotated[list[RaisedShape], "Figures that the files raise."]
     reference_shift: Annotated[Union[ReferenceShift, None], "Displacement of the reference that the controller does not see; none for most."]
