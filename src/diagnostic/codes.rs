@@ -169,6 +169,7 @@ codes! {
     W0509 "an entry of `identify` has no effect",
     W0510 "parameters below the noise are written",
     W0511 "columns are left out",
+    W0512 "the values of a fit are no machine's",
     E0601 "no letter for an axis",
     E0602 "a correction is above the limit",
     E0603 "the lattice is impossible",

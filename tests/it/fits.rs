@@ -218,6 +218,26 @@ fn a_machine_with_large_errors_reaches_the_optimum_and_is_written() {
     assert!(refused.contains("E0412") && refused.contains("12 mm"), "{refused}");
 }
 
+/// Y lies 600 mrad off its direction, as where data and file mean different directions: printed, but not as a machine.
+#[test]
+fn values_of_no_machine_are_named_and_not_written() {
+    let folder = Folder::new();
+    let machine = folder.write("machine.yaml", THREE);
+    let (sin, cos) = 0.6_f64.sin_cos();
+    let row = |y: f64| format!("0,{y},0,{},{},0\n", -1e3 * y * sin, 1e3 * y * (cos - 1.0));
+    let rows: String = (0..9).map(|i| row(50.0 * f64::from(i))).collect();
+    let data = folder.write("data.csv", &format!("X,Y,Z,dx [um],dy [um],dz [um]\n{rows}"));
+    let printed = identify(&machine, &data, &["--fit", "EC0Y", "--format", "json"]);
+    let value = json(&printed)["parameters"][0]["value"].as_f64().unwrap();
+    assert!((value - 600e3).abs() < 1e-3, "{value}");
+    let words = said(&printed);
+    assert!(words.contains("W0512") && words.contains("`errors.EC0Y` reaches 600 mrad"), "{words}");
+    let out = folder.path("fitted.yaml");
+    let written = identify(&machine, &data, &["--fit", "EC0Y", "--out", out.to_str().unwrap()]);
+    assert!(written.status.code() == Some(1) && !out.exists());
+    assert!(said(&written).contains("E0504") && !said(&written).contains("W0512"), "{}", said(&written));
+}
+
 fn five_refused(errors: &str) -> String {
     let folder = Folder::new();
     let file = folder.write("machine.yaml", &format!("{FIVE}{errors}"));

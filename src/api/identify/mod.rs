@@ -18,7 +18,7 @@ pub use result::{
     PredictedUncertainty, RepeatedReadings, ResidualTest, RmsBeforeAfter, ScatterOfKind, SharedUncertainty,
 };
 
-use super::machine_file::{MachineFile, Overlay, read_back};
+use super::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
 use super::poses;
 use super::run::{Answer, Call, Refused, Run};
 use crate::controller::sha256;
@@ -350,6 +350,8 @@ fn solved(
     call.extend(remarks);
     if options.machine_file {
         result.machine_file = Some(machine_file(call, file, options, problem, &fitted)?);
+    } else if let Err(why) = plausible(file, options, problem, &fitted, false) {
+        call.extend([remarks::implausible(&why)]);
     }
     if options.pictures {
         let drawn = pictures::drawn(&model, data, &theta).or_else(|refusal| call.refuse(refusal));
@@ -375,6 +377,17 @@ fn machine_file(
         call.extend(others.iter().cloned());
         return call.refuse(first.clone());
     }
+    plausible(file, options, problem, fitted, joint).or_else(|why| call.refuse(remarks::refused(&why)))
+}
+
+/// The text of the fitted machine file, or why the program itself would not take it.
+fn plausible(
+    file: &MachineFile,
+    options: &IdentifyOptions,
+    problem: &Problem,
+    fitted: &Fitted<'_>,
+    joint: bool,
+) -> Result<String, ReadBackFailure> {
     let provenance = provenance::entries(file, options, problem, fitted);
     let own_parameters = &fitted.unknowns[..fitted.own];
     let text = |request: &IdentifyEntry| {
@@ -388,13 +401,5 @@ fn machine_file(
     };
     // A machine whose readings show larger errors than usual may have them.
     let shown = limits::shown(&problem.request, fitted.fit.shown);
-    let wider = shown.map(|request| text(&request)).filter(|text| read_back(text).is_ok());
-    match wider.ok_or(refused) {
-        Ok(text) => Ok(text),
-        Err(why) => {
-            let message = format!("the fitted machine is refused: {why}");
-            let help = "some parameters ran away because the data hardly see them: fix those, or fit less";
-            call.refuse(Diagnostic::new(codes::E0504, message).help(help))
-        }
-    }
+    shown.map(|request| text(&request)).filter(|text| read_back(text).is_ok()).ok_or(refused)
 }

@@ -2,6 +2,7 @@
 
 use super::result::place;
 use super::{Fitted, limits};
+use crate::api::machine_file::ReadBackFailure;
 use crate::api::poses::axes_text;
 use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::{
@@ -229,6 +230,20 @@ pub(super) fn unheld(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let help = "measure there, fit less (fewer knots than measured places), or bound the curves (`slopes:`); \
                 `--accept-undetermined` writes the file all the same";
     Some(Diagnostic::new(codes::E0515, message).help(help))
+}
+
+/// Some parameters ran away: what to do.
+const RAN_AWAY: &str = "some parameters ran away because the data hardly see them, or because poses, places and \
+    directions of the readings are not those of this machine: compare these, fix those, or fit less";
+
+/// The machine file is not one that the program would take.
+pub(super) fn refused(why: &ReadBackFailure) -> Diagnostic {
+    Diagnostic::new(codes::E0504, format!("the fitted machine is refused: {why}")).help(RAN_AWAY)
+}
+
+/// The same where no file is asked for: what is printed must not be taken for a machine.
+pub(super) fn implausible(why: &ReadBackFailure) -> Diagnostic {
+    warning(codes::W0512, format!("the fitted machine is not plausible: {why}"), RAN_AWAY)
 }
 
 /// Combinations that go to a machine file although noise hides them.
