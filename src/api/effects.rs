@@ -13,6 +13,9 @@ use nalgebra::Vector3;
 /// Poses of the volume over which the bound is taken, besides those asked for.
 pub(super) const BOUND_POSES: usize = 64;
 
+/// Maximum number of effects that are held.
+const MAX_EFFECTS: usize = 1_000_000;
+
 /// Effect of an error, or of a pair of errors, at a pose; workpiece frame.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ErrorEffect {
@@ -63,6 +66,15 @@ pub(super) fn effects(
     interacting: bool,
 ) -> Result<(Vec<Effects>, Option<Neglected>), Refused> {
     let calculation = interactions(machine, 1 + u8::from(interacting)).or_else(|refusal| call.refuse(refusal))?;
+    let each = poses.first().map_or(0, |pose| {
+        let one = calculation.at(pose, approach);
+        one.first.len() + one.second.len()
+    });
+    if each.saturating_mul(poses.len()) > MAX_EFFECTS {
+        let message = format!("{} poses with {each} effects of errors each are too many", poses.len());
+        let help = "at most 1000000 effects: ask at fewer poses, or without `--interactions`";
+        return call.refuse(Diagnostic::new(codes::E0818, message).help(help));
+    }
     let at: Vec<Interactions> = poses.iter().map(|pose| calculation.at(pose, approach)).collect();
     let bound = || {
         let volume = random_poses(machine, BOUND_POSES, 1).into_iter();

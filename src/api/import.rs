@@ -379,8 +379,8 @@ fn figures(
 }
 
 fn left_out(found: &Import) -> Option<Diagnostic> {
-    let (count, all) = (found.left_out.len(), found.left_out.len() + found.samples.len());
-    let message = format!("{count} of {all} rows or readings were left out");
+    let (count, used) = (found.left_out.len(), counted(found.samples.len(), "reading"));
+    let message = format!("rows or readings left out: {count}; {used} used");
     let warning = Diagnostic::new(codes::W0504, message).help("correct the file, or accept what is left");
     let listed = found.left_out.iter().take(LISTED);
     (count > 0).then(|| listed.fold(warning, |warning, row| warning.at(Some(row.place.clone()), row.reason.clone())))

@@ -112,13 +112,20 @@ impl Default for WorkOptions {
     }
 }
 
+/// Maximum number of questions of a request: a turn of the page asks about twenty.
+const MAX_QUESTIONS: usize = 200;
+
 /// Answers a request of JSON by JSON: `{"diagnostics": [...], "answers": [...]}`.
 ///
 /// `diagnostics` are those of reading the machine, with their places. Without a machine `answers` is empty. Otherwise
 /// it has an entry for each question, the result or `{"refused": true, "diagnostics": [...]}`.
 pub fn workbench(request: &str, run: Run<'_>) -> Value {
     let mut json = serde_json::Deserializer::from_str(request);
-    match serde_path_to_error::deserialize(&mut json) {
+    match serde_path_to_error::deserialize::<_, WorkbenchRequest>(&mut json) {
+        Ok(request) if request.questions.len() > MAX_QUESTIONS => {
+            let message = format!("request: {} questions, at most {MAX_QUESTIONS}", request.questions.len());
+            refused(&Diagnostic::new(codes::E0818, message).into())
+        }
         Ok(request) => answered(&request, run),
         Err(failure) => {
             let message = format!("request, at `{}`: {}", failure.path(), failure.inner());
@@ -287,6 +294,13 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
         let found = ask(MACHINE, json!([{"map": {"poses": "all"}}]));
         assert_eq!(found["diagnostics"][0]["code"], "E0818");
         assert!(found["diagnostics"][0]["message"].as_str().unwrap().contains("questions[0]"), "{found}");
+    }
+
+    #[test]
+    fn a_request_has_a_number_of_questions() {
+        let found = ask(MACHINE, json!(vec!["check"; 201]));
+        assert_eq!(found["diagnostics"][0]["message"], "request: 201 questions, at most 200");
+        assert_eq!(ask(MACHINE, json!(vec!["check"; 200]))["answers"].as_array().unwrap().len(), 200);
     }
 
     #[test]

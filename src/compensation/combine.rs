@@ -9,7 +9,7 @@ pub type LookUp<'a> = dyn Fn(&CorrectionTable, &CorrectionTable, bool) -> Vec<f6
 
 impl CorrectionTables {
     /// Returns these tables plus others, on the nodes of these; tables that only the others have are kept. The values
-    /// of the others between their nodes come from `at`.
+    /// of the others between their nodes come from `at`. Curves of one axis stand in one block, on the same nodes.
     pub fn plus(mut self, others: &Self, at: &LookUp) -> Self {
         for other in &others.tables {
             let same = |t: &&mut CorrectionTable| (&t.axes, &t.corrected) == (&other.axes, &other.corrected);
@@ -30,7 +30,13 @@ impl CorrectionTables {
             match self.errors.iter_mut().find(|curve| curve.error == other.error) {
                 Some(curve) if curve.positions.is_empty() => curve.values[0] += other.value(0.0, false),
                 Some(curve) => add(curve, other),
-                None => self.errors.push(other.clone()),
+                None => {
+                    let same =
+                        |curve: &&ErrorCurve| curve.error.axis == other.error.axis && !curve.positions.is_empty();
+                    let beside = self.errors.iter().find(same).filter(|_| !other.positions.is_empty());
+                    let curve = beside.map_or_else(|| other.clone(), |beside| other.resampled(&beside.positions));
+                    self.errors.push(curve);
+                }
             }
         }
         self.merged()
@@ -67,7 +73,12 @@ impl ErrorCurve {
             return;
         }
         let Some(positions) = united(&self.positions, more, max) else { return };
-        self.values = positions.iter().map(|q| straight(&self.positions, &self.values, *q)).collect();
-        self.positions = positions;
+        *self = self.resampled(&positions);
+    }
+
+    /// The curve on other positions, straight between its own.
+    fn resampled(&self, positions: &[f64]) -> Self {
+        let values = positions.iter().map(|q| straight(&self.positions, &self.values, *q)).collect();
+        Self { error: self.error.clone(), positions: positions.to_vec(), values }
     }
 }

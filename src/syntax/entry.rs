@@ -95,7 +95,11 @@ fn expected(message: &str) -> String {
     let expected = message.split_once(", expected ").map_or("something else", |(_, expected)| expected);
     format!(
         "write {}",
-        expected.replace("a sequence", "a list").replace("a map", "a mapping").replace("a string", "text")
+        expected
+            .replace("a sequence", "a list")
+            .replace("a mapping", "a map")
+            .replace("a map", "a mapping")
+            .replace("a string", "text")
     )
 }
 

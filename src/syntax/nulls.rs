@@ -1,24 +1,36 @@
 //! Keys without a value. `null` removes what a file inherits, so such keys are gone before sections are typed: whether
-//! the language has them is asked here, of its schema.
+//! the language has them is asked here, of its schema. A decimal comma in a mapping on one line makes such keys, too:
+//! `{ step: 100,5 mm }` has the key `5 mm`.
 
 use super::places::{Keys, Places, below};
-use super::schema::schema;
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, did_you_mean, shown};
+use super::schema::{AXIS, schema};
+use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, did_you_mean, shown};
 use serde_json::Value as Schema;
 use serde_yaml::{Mapping, Value};
 
 /// Deepest nesting of references within the schema.
 const DEPTH: usize = 32;
 
-/// Refuses keys with the value `null` that the language does not have: E0201.
+/// Maximum number of letters and digits of an axis name, as in [`AXIS`].
+const AXIS_LENGTH: usize = 8;
+
+/// Refuses keys with the value `null` that the language does not have (E0201), and keys without any value (E0202).
 pub fn refuse_unknown(map: &Mapping, places: &mut Places, diagnostics: &mut Diagnostics) {
     if !has_null(map) {
         return;
     }
     let root = schema();
-    let mut walk = Walk { root: &root, unknown: Vec::new() };
+    let mut walk = Walk { root: &root, written: (places, &diagnostics.sources), unknown: Vec::new(), bare: Vec::new() };
     walk.mapping(map, &[&root], &Keys::new());
-    for (keys, known) in walk.unknown {
+    let Walk { unknown, bare, .. } = walk;
+    for keys in bare {
+        let name = keys.last().map_or("", String::as_str);
+        let refusal = Diagnostic::new(codes::E0202, format!("`{}` stands here without a value", shown(name)));
+        let help = "write decimals with a point, 100.5; `key: ~` removes what a file extends";
+        diagnostics.push(refusal.at(places.key(&keys), "").help(help));
+        places.mar(&keys);
+    }
+    for (keys, known) in unknown {
         let name = keys.last().map_or("", String::as_str);
         let known: Vec<&str> = known.iter().map(String::as_str).collect();
         let refusal = Diagnostic::new(codes::E0201, format!("unknown key `{}`", shown(name)));
@@ -37,6 +49,9 @@ fn has_null(map: &Mapping) -> bool {
 
 struct Walk<'a> {
     root: &'a Schema,
+    written: (&'a Places, &'a Sources),
+    /// Keys without a value and without a colon.
+    bare: Vec<Keys>,
     /// Keys that are unknown, each with those that are known in its place.
     unknown: Vec<(Keys, Vec<String>)>,
 }
@@ -46,15 +61,27 @@ impl<'a> Walk<'a> {
         let mut objects = Vec::new();
         schemas.iter().for_each(|schema| self.objects(schema, DEPTH, &mut objects));
         for (key, value) in map {
-            let Some(name) = key.as_str() else { continue };
-            let here = below(at, name);
-            let of_key: Vec<&Schema> = objects.iter().filter_map(|object| member(object, name)).collect();
+            let Some(name) = written(key) else { continue };
+            let here = below(at, &name);
+            let of_key: Vec<&Schema> = objects.iter().filter_map(|object| member(object, &name)).collect();
             match value {
+                Value::Null if self.is_bare(&here, &name) => self.bare.push(here),
                 Value::Null if of_key.is_empty() && !objects.is_empty() => self.unknown.push((here, names(&objects))),
                 Value::Mapping(inner) => self.mapping(inner, &of_key, &here),
                 _ => {}
             }
         }
+    }
+
+    /// True if no colon follows the key: no value was meant to be removed.
+    fn is_bare(&self, at: &Keys, name: &str) -> bool {
+        let (places, sources) = self.written;
+        let Some(place) = places.key(at) else { return false };
+        let text = sources.text(place.source);
+        let quotes = ['"', '\''];
+        let own = text.get(place.range.clone()).is_some_and(|key| key.trim_matches(quotes) == name);
+        let rest = text.get(place.range.end..).unwrap_or_default();
+        own && !rest.trim_start_matches(quotes).trim_start().starts_with(':')
     }
 
     /// The forms of a schema that are objects, references followed.
@@ -74,13 +101,27 @@ impl<'a> Walk<'a> {
     }
 }
 
+/// A key as text: harmonics are numbers.
+fn written(key: &Value) -> Option<String> {
+    key.as_str().map(str::to_owned).or_else(|| key.as_u64().map(|number| number.to_string()))
+}
+
 /// The schema of a member of an object: by its name, or by what holds of all names. Whether a name has the form of an
-/// axis or an error is asked when it is used.
+/// error is asked when it is used.
 fn member<'a>(object: &'a Schema, name: &str) -> Option<&'a Schema> {
     let named = object.get("properties").and_then(|properties| properties.get(name));
-    let patterns = || object.get("patternProperties")?.as_object()?.values().next();
+    let patterns = || {
+        let mut all = object.get("patternProperties")?.as_object()?.iter();
+        all.find(|(pattern, _)| **pattern != format!("^{AXIS}$") || is_axis(name)).map(|(_, schema)| schema)
+    };
     let others = || object.get("additionalProperties").filter(|others| **others != Schema::Bool(false));
     named.or_else(patterns).or_else(others)
+}
+
+/// True if a name has the form [`AXIS`].
+fn is_axis(name: &str) -> bool {
+    let letters = name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit());
+    letters && name.len() <= AXIS_LENGTH && name.starts_with(|c: char| c.is_ascii_uppercase())
 }
 
 fn names(objects: &[&Schema]) -> Vec<String> {

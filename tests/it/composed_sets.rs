@@ -11,7 +11,7 @@ use crate::oracle::matrix::norm;
 use crate::oracle::program::Folder;
 use crate::support::cec::CorrectionTables;
 use crate::support::config::sample;
-use crate::support::{Run, abbe, left, names, number, p95_bracket, tree, verify};
+use crate::support::{Run, abbe, compile, left, names, number, p95_bracket, tree, verify};
 
 const POSES: usize = 400;
 
@@ -225,4 +225,22 @@ fn refusals(folder: &Folder, path: &Path) {
         let _ = both(folder, &two).refused("E0711").says("would correct the same errors twice");
     }
     let _ = both(folder, &["sinumerik-traori", "linuxcnc-kins"]).refused("E0711").says("compiled alone");
+}
+
+/// Tables that name the lines of the rotary axes, round after round: each set is read, alone and under the next one.
+#[test]
+fn rounds_of_parameters_and_error_curves_follow_one_another() {
+    let (folder, machine) = (Folder::new(), crate::support::config("trunnion.yaml"));
+    let more = ["--accept-unverified", "--poses", "20"];
+    let mut installed: Vec<String> = Vec::new();
+    for round in 0..3 {
+        let out = folder.path(&format!("set-{round}"));
+        let over = installed.last().map(|old| ["--installed", old.as_str()]);
+        let options = [&more[..], over.as_ref().map_or(&[][..], |over| &over[..])].concat();
+        compile(&machine, "sinumerik-chain+isg-volcomp", &out, &options).json();
+        verify(&machine, &out, &options[1..]).json();
+        installed.push(out.to_str().unwrap().to_owned());
+    }
+    let diff = Run::of(abbe().args(["diff", "--poses", "20"]).arg(&machine).args(&installed[1..]));
+    assert_eq!(diff.code, Some(0), "{}", diff.err);
 }

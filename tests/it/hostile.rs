@@ -444,3 +444,137 @@ fn rounds_of_sag_tables_stay_within_the_control() {
     }
     assert!(warned, "the rounds never met the limit");
 }
+
+/// Installed curves of an error that the later machine does not have stand in one block with its own.
+#[test]
+fn curves_of_two_rounds_share_the_points_of_their_axis() {
+    let folder = Folder::new();
+    let machine = |name: &str, errors: &str| {
+        let text = format!(
+            "abbe: 1\nmachine: m\nchain: w b X Y Z t\naxes: {{ X: {{ travel: [0 mm, 400 mm], origin: [0, 0, 0] }}, \
+             Y: {{ travel: [0, 300], origin: [0, 0, 0] }}, Z: {{ travel: [-200, 0], origin: [0, 0, 0] }} }}\n\
+             tool: {{ gauge: [0, 0, 0], length: 80 mm }}\nerrors: {{ {errors} }}\n"
+        );
+        folder.write(name, &text)
+    };
+    let first = machine("1.yaml", "EBX: { points: [[0 mm, 0 urad], [200 mm, 12 urad], [400 mm, -8 urad]] }");
+    let later = machine("2.yaml", "EXX: { points: [[0 mm, 0 um], [150 mm, 2.1 um], [400 mm, 3.4 um]] }");
+    for (target, file) in [("isg-volcomp", "volcomp.csv"), ("etalon-exchange", "")] {
+        let (old, new) = (folder.path(&format!("{target}-1")), folder.path(&format!("{target}-2")));
+        compile(&first, target, &old, &FEW).json();
+        let over = [&FEW[..], &["--installed", old.to_str().unwrap()]].concat();
+        compile(&later, target, &new, &over).json();
+        let found = verify(&later, &new, &over).json();
+        let left = number(&found, "/compensated/position_um/max");
+        assert!(number(&found, "/uncompensated/position_um/max") > 3.0 && left < 0.01, "{target}: {left}");
+        if file.is_empty() {
+            continue;
+        }
+        let text = std::fs::read_to_string(new.join(file)).unwrap();
+        let mut lines = text.lines().skip_while(|line| !line.starts_with("X "));
+        let names: Vec<&str> = lines.next().unwrap().split_whitespace().collect();
+        let rows: Vec<Vec<f64>> = lines
+            .map_while(|line| line.split_whitespace().map(|cell| cell.parse().ok()).collect())
+            .take_while(|row: &Vec<f64>| row.len() == names.len())
+            .collect();
+        let column = |name: &str| names.iter().position(|known| *known == name).unwrap();
+        let (exx, ebx) = (column("EXX"), column("EBX"));
+        // Both curves at the points of either: EBX at 150 mm is three quarters of its value at 200 mm.
+        let at = |q: f64| rows.iter().find(|row| row[0] == q).unwrap();
+        assert!((at(150.0)[ebx] / at(200.0)[ebx] - 0.75).abs() < 1e-3, "{rows:?}");
+        assert!((at(200.0)[exx] / at(150.0)[exx] - (2.1 + 1.3 / 5.0) / 2.1).abs() < 1e-3, "{rows:?}");
+    }
+}
+
+/// A long chain is refused in the time of a short one.
+#[test]
+fn long_chains_are_refused_at_once() {
+    let folder = Folder::new();
+    for (word, count) in [("X ", 100_000), ("t ", 150_000), ("(S) ", 100_000)] {
+        let chain = format!("w b {}t", word.repeat(count));
+        let _ = folder.write("m.yaml", &SMALL.replace("w b X t", &format!("\"{chain}\"")));
+        assert_eq!(soon(&folder, &["check", "m.yaml"]).code, Some(1));
+    }
+    let names: String = (0..60_000).map(|i| format!("X{i} ")).collect();
+    let _ = folder.write("m.yaml", &SMALL.replace("w b X t", &format!("\"w b {names}t\"")));
+    assert_eq!(soon(&folder, &["check", "m.yaml"]).code, Some(1));
+}
+
+/// One file in two spellings, before it is there.
+#[test]
+fn two_outputs_are_not_one_file() {
+    let folder = Folder::new();
+    let _ = folder.write("m.yaml", SMALL);
+    std::fs::create_dir_all(folder.path("sub")).unwrap();
+    let absolute = folder.path("out.dat");
+    for other in ["./out.dat", "sub/../out.dat", absolute.to_str().unwrap()] {
+        run(&folder, &["map", "m.yaml", "--random", "3", "--csv", "out.dat", "--json", other]).refused("E0630");
+        assert!(!absolute.exists(), "{other}");
+    }
+    let run = run(&folder, &["map", "m.yaml", "--random", "3", "--csv", "out.dat", "--json", "sub/out.dat"]);
+    assert_eq!(run.code, Some(0), "{}", run.err);
+}
+
+/// In a mapping on one line a decimal comma begins another key, which has no value.
+#[test]
+fn decimal_commas_make_no_other_numbers() {
+    let folder = Folder::new();
+    let turned = SMALL.replace("travel: [0 mm, 100 mm]", "travel: continuous").replace(['X'], "C");
+    for (base, line, word) in [
+        (SMALL, "volume: { step: 10,5 mm }", "`5 mm` stands here"),
+        (SMALL, "tolerances: { X: 1,5 um }", "`5 um` stands here"),
+        (SMALL, "volume: { foo: ~ }", "unknown key `foo`"),
+        (SMALL, "tools: { a: { length: 80,5 mm } }", "`5 mm` stands here"),
+        (turned.as_str(), "errors: { EXC: { harmonics: { 1,5: [2 um, 1 um] } } }", "`1` stands here"),
+    ] {
+        let _ = folder.write("m.yaml", &format!("{base}{line}\n"));
+        let run = run(&folder, &["check", "m.yaml"]);
+        assert!(run.code == Some(1) && run.err.contains(word), "{line}: {}", run.err);
+    }
+    // What is written to remove something has a colon.
+    let _ = folder.write("base.yaml", &format!("{SMALL}errors: {{ EXX: 1 um, EYX: 2 um }}\n"));
+    let _ = folder.write("m.yaml", "extends: base.yaml\nerrors: { EXX: ~, EYX: null, EZX: }\n");
+    assert_eq!(run(&folder, &["check", "m.yaml"]).code, Some(0));
+}
+
+/// A replacement goes through a file of a fixed name.
+#[test]
+fn a_machine_file_of_any_name_stays() {
+    let folder = Folder::new();
+    std::fs::create_dir_all(folder.path("out")).unwrap();
+    let text = format!("{SMALL}errors: {{ EXX: {{ points: [[0 mm, 0 um], [100 mm, 3 um]] }} }}\n");
+    let machine = folder.write("out/.abbe-set.json", &text);
+    compile(&machine, "linuxcnc", &folder.path("out"), &FEW).refused("E0630");
+    assert_eq!(std::fs::read_to_string(&machine).unwrap(), text);
+}
+
+/// A changed copy of a target is not passed over in silence.
+#[test]
+fn a_copied_target_takes_another_name() {
+    let folder = Folder::new();
+    let machine = folder.write("m.yaml", &format!("{SMALL}errors: {{ EXX: 3 um }}\n"));
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("templates/pmac");
+    std::fs::create_dir_all(folder.path("mine/pmac")).unwrap();
+    for entry in std::fs::read_dir(&own).unwrap().map(Result::unwrap) {
+        std::fs::copy(entry.path(), folder.path("mine/pmac").join(entry.file_name())).unwrap();
+    }
+    let mine = folder.path("mine");
+    let more = ["--templates", mine.to_str().unwrap(), "--map", "X=#1"];
+    compile(&machine, "pmac", &folder.path("same"), &more).json();
+    let manifest = std::fs::read_to_string(own.join("target.yaml")).unwrap();
+    assert!(manifest.contains("mm: 160000"));
+    let _ = folder.write("mine/pmac/target.yaml", &manifest.replace("mm: 160000", "mm: 320000"));
+    compile(&machine, "pmac", &folder.path("other"), &more).refused("E0703").says("a name of its own");
+}
+
+/// The effects of errors and pairs are held: not of any number of poses.
+#[test]
+fn effects_are_bounded_in_number() {
+    let folder = Folder::new();
+    let rows: String = (0..2000).map(|i| format!("{},0,0,0,0\n", i % 400)).collect();
+    let _ = folder.write("poses.csv", &format!("X,Y,Z,C,A\n{rows}"));
+    let machine = config("trunnion.yaml");
+    let more = ["--axis-poses", "poses.csv", "--sensitivity", "--interactions"];
+    let run = soon(&folder, &[&["eval", machine.to_str().unwrap()][..], &more].concat());
+    assert!(run.code == Some(2) && run.err.contains("at most 1000000 effects"), "{}", run.err);
+}

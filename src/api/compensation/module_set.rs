@@ -71,7 +71,10 @@ pub(crate) fn installed(
 ) -> Result<Option<Vec<f64>>, Refused> {
     let Some(folder) = folder else { return Ok(None) };
     if target.manifest.kinematics().is_none_or(|mechanism| mechanism.machines.is_empty()) {
-        return call.usage("--installed: a kinematics module is not written on top of tables");
+        return call.usage(
+            "--installed: a kinematics module takes the place of the one before and adds nothing to it: measure \
+             without it, and compile without --installed",
+        );
     }
     let meant = carried(call, machine, target, ModuleRequest::plain(options.orientation()))?;
     let named = Some(target.manifest.target.as_str());

@@ -20,7 +20,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// Name of the list of a decided replacement.
-const LIST_NAME: &str = ".abbe-set.json";
+pub(super) const LIST_NAME: &str = ".abbe-set.json";
 
 /// A replacement that is decided.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]

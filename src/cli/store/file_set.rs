@@ -54,6 +54,8 @@ impl NewSet<'_> {
     /// Refuses what may not be replaced, and holds the folder (made if it is not there).
     fn prepared<'s>(&'s self, folder: &Path) -> Result<Prepared<'s>, Diagnostic> {
         write::make_folder(folder)?;
+        // A replacement goes through this name.
+        write::refuse_input(&folder.join(commit::LIST_NAME), self.read)?;
         let guard =
             commit::exclusive(folder).map_err(|failure| write::unwritable_folder(folder, &failure.to_string()))?;
         let old = existing_lock(folder);

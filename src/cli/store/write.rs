@@ -4,6 +4,7 @@ use super::files::Recorded;
 use super::limited::LimitedWriter;
 use abbe::results::Picture;
 use abbe::{Diagnostic, codes};
+use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -209,7 +210,8 @@ pub(crate) fn refuse_outputs<'a>(
             return Err(unwritable(path, &format!("there is no folder `{}`", folder.display())));
         }
         let own = identity(path);
-        if seen.iter().any(|other| *other == path || own.is_some() && identity(other) == own) {
+        let same = |other: &&PathBuf| own.is_some() && identity(other) == own || entry(other) == entry(path);
+        if seen.iter().any(same) {
             let message = format!("two outputs of this run are to be `{}`", path.display());
             return Err(Diagnostic::new(codes::E0630, message).help("give each a name of its own; nothing was written"));
         }
@@ -245,6 +247,11 @@ fn identity(path: &Path) -> Option<(u64, u64)> {
 #[cfg(not(unix))]
 fn identity(path: &Path) -> Option<PathBuf> {
     fs::canonicalize(path).ok()
+}
+
+/// Returns the folder and the name in it, by which two paths to nothing yet are the same file.
+fn entry(path: &Path) -> (Option<impl PartialEq + use<>>, Option<&OsStr>) {
+    (identity(folder_of(path)), path.file_name())
 }
 
 /// Like [`write_whole`], but a file that is there already is refused.

@@ -200,14 +200,19 @@ fn step(increment: Increment, offset: bool) -> (f64, u8) {
 }
 
 fn no_rules(mechanism: &KinematicsMechanism, nominal: &Transformation) -> Diagnostic {
-    let known: Vec<&str> = mechanism.machines.iter().map(|rules| rules.rotary.words()).collect();
+    let mut known: Vec<&str> = Vec::new();
+    for words in mechanism.machines.iter().map(|rules| rules.rotary.words()) {
+        if !known.contains(&words) {
+            known.push(words);
+        }
+    }
     let same_kind = mechanism.machines.iter().find(|rules| rules.rotary == nominal.placement);
     let message = match same_kind {
         Some(_) => "the controller's transformation assumes other directions or places of the rotary axes".to_owned(),
         None => format!("the controller has no transformation for {}", nominal.placement.words()),
     };
     let help = match same_kind {
-        Some(_) => "`abbe explain TARGET` and the target's page state what it assumes".to_owned(),
+        Some(_) => "`abbe explain` with the name of the target, and its page, state what it assumes".to_owned(),
         None => format!("this target is for {}", known.join(", or ")),
     };
     Diagnostic::new(codes::E0751, message).help(help)

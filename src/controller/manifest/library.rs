@@ -4,7 +4,7 @@ use super::Manifest;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::syntax::{Files, YamlFailure, from_yaml, read_text};
 use std::fmt::{Display, Formatter};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 /// Targets in the binary.
@@ -126,6 +126,13 @@ impl ControllerTarget {
     /// Finds a target by name, in the binary or in `folder/NAME/`.
     pub fn find(name: &str, folder: Option<&Path>, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Self> {
         if let Some(target) = Self::embedded(name) {
+            if let Some(changed) = folder.and_then(|folder| changed(name, &folder.join(name), files)) {
+                let message = format!("`{}` is not the file of the target `{name}` that abbe knows", changed.display());
+                let help = "a target of your own has a name of its own: rename its folder, and `target:` in its \
+                            target.yaml";
+                diagnostics.push(Diagnostic::new(codes::E0703, message).help(help));
+                return None;
+            }
             return Some(target);
         }
         let Some(folder) = folder.filter(|_| is_plain_name(name)) else {
@@ -170,6 +177,17 @@ impl ControllerTarget {
         let templates = manifest.files.iter().map(|file| text(&file.template)).collect::<Option<Vec<_>>>()?;
         Some(Self { manifest, templates })
     }
+}
+
+/// Files of a target are shorter (bytes).
+const MAX_FILE: u64 = 1 << 20;
+
+/// Returns a file of the binary's target that a folder has in another form.
+fn changed(name: &str, folder: &Path, files: &dyn Files) -> Option<PathBuf> {
+    let own = EMBEDDED.iter().filter_map(|(path, text)| Some((path.strip_prefix(name)?.strip_prefix('/')?, *text)));
+    let mut own = own.map(|(file, text)| (folder.join(file), text));
+    own.find(|(path, text)| files.read_at_most(path, MAX_FILE).is_ok_and(|bytes| bytes != text.as_bytes()))
+        .map(|(path, _)| path)
 }
 
 /// The reason why a manifest is refused.
@@ -240,8 +258,11 @@ pub(in crate::controller) fn path_fits(path: &str, name: &str) -> bool {
 }
 
 fn unknown(name: &str) -> Diagnostic {
-    Diagnostic::new(codes::E0701, format!("there is no target `{name}`"))
-        .help(format!("known targets: {}; a folder of your own is given with --templates DIR", NAMES.join(", ")))
+    let refusal = Diagnostic::new(codes::E0701, format!("there is no target `{name}`"));
+    if name.contains('+') {
+        return refusal.help("a set of two targets is meant: name both (`--target A+B`), or the subfolder of one");
+    }
+    refusal.help(format!("known targets: {}; a folder of your own is given with --templates DIR", NAMES.join(", ")))
 }
 
 #[cfg(test)]

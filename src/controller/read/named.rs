@@ -5,7 +5,7 @@ use super::{Fault, Reading, lines, number};
 use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve};
 use crate::controller::emit::{StoredColumn, StoredPosition};
 use crate::controller::manifest::Frame;
-use crate::machine::{AxisKind, parse_error_name};
+use crate::machine::{AxisKind, AxisName, parse_error_name};
 use nalgebra::Vector3;
 
 /// True for names of the machine's geometry in the same files. The certificate is of the machine file's geometry, so
@@ -18,11 +18,44 @@ fn is_geometry(name: &str) -> bool {
     ) && !(letters[0] == 'V' && letters[1] == '0')
 }
 
-/// Largest difference (mm, and of unit vectors) of a turn from the machine file's: ten times the written resolution.
+/// Largest effect (mm) of a turn that is not the machine file's: ten times the written resolution.
 const SAME: f64 = 1e-5;
+/// Largest difference (mm, rad), whatever its effect.
+const NEAR: f64 = 1.0;
+/// Distance (mm) at which a turned direction displaces the lever of an angular error.
+const REACH: f64 = 1e3;
 
-/// Refuses lines of rotary axes (`PXC PYC PZC`, a point; `VXC VYC VZC`, the direction) that are not the machine file's.
-fn same_geometry(reading: &Reading, line: usize, names: &[&str], row: &[f64]) -> Result<(), Fault> {
+/// How far the line of a rotary axis in a file is off the machine file's.
+struct OffLine {
+    line: usize,
+    axis: AxisName,
+    /// Of its point, across it, mm.
+    off: f64,
+    /// Of its direction, rad.
+    turned: f64,
+}
+
+/// Refuses lines of rotary axes by which the curves of the file would have another effect. After a second round they
+/// are off by what the kinematic parameters were corrected by: that counts as a product with the errors.
+fn same_effect(lines: &[OffLine], errors: &[ErrorCurve]) -> Result<(), Fault> {
+    let largest = |rotations: bool| {
+        let of_kind = errors.iter().filter(|curve| curve.error.direction.is_rotation() == rotations);
+        of_kind.flat_map(|curve| &curve.values).fold(0.0, |max: f64, x| max.max(x.abs()))
+    };
+    let (mm, rad) = (largest(false), largest(true));
+    for OffLine { line, axis, off, turned } in lines {
+        if off * rad + turned * (mm + REACH * rad) > SAME || off.max(*turned) > NEAR {
+            let what = if off > turned { "point" } else { "direction" };
+            let message = format!("the {what} of `{axis}` is not that of the machine file, which is what is certified");
+            return Err(Fault::new(*line, message));
+        }
+    }
+    Ok(())
+}
+
+/// Reads lines of rotary axes (`PXC PYC PZC`, a point; `VXC VYC VZC`, the direction).
+fn lines_of_turns(reading: &Reading, line: usize, names: &[&str], row: &[f64]) -> Result<Vec<OffLine>, Fault> {
+    let mut all = Vec::new();
     for axis in reading.machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary) {
         let words = ["PX", "PY", "PZ", "VX", "VY", "VZ"].iter().map(|word| format!("{word}{}", axis.name));
         let known: Vec<f64> =
@@ -36,14 +69,9 @@ fn same_geometry(reading: &Reading, line: usize, names: &[&str], row: &[f64]) ->
         let direction = Vector3::from(axis.direction);
         let off = (Vector3::new(px, py, pz) - Vector3::from(axis.origin)).cross(&direction).norm();
         let turned = (Vector3::new(vx, vy, vz) - direction).norm();
-        if off > SAME || turned > SAME {
-            let what = if off > SAME { "point" } else { "direction" };
-            let message =
-                format!("the {what} of `{}` is not that of the machine file, which is what is certified", axis.name);
-            return Err(Fault::new(line, message));
-        }
+        all.push(OffLine { line, axis: axis.name.clone(), off, turned });
     }
-    Ok(())
+    Ok(all)
 }
 
 /// True if it names the position of an axis, of this machine or of another one.
@@ -54,13 +82,13 @@ fn is_argument(reading: &Reading, name: &str) -> bool {
 /// Blocks of columns under a line of names, `//` before a comment, a line with `#` between blocks: one
 /// row of constants, or an axis and its errors.
 pub(super) fn error_columns(reading: &Reading, text: &str) -> Result<CorrectionTables, Fault> {
-    let mut all = CorrectionTables::default();
+    let (mut all, mut turns) = (CorrectionTables::default(), Vec::new());
     let mut header: Option<(usize, Vec<&str>)> = None;
     let mut rows: Vec<(usize, Vec<f64>)> = Vec::new();
     for (line, words) in text.lines().enumerate() {
         let bare = words.split("//").next().unwrap_or_default().trim();
         if bare.starts_with('#') {
-            block(reading, header.take(), &std::mem::take(&mut rows), &mut all)?;
+            block(reading, header.take(), &std::mem::take(&mut rows), (&mut all, &mut turns))?;
         } else if bare.is_empty() {
         } else if let Some((_, names)) = &header {
             let cells: Result<Vec<f64>, _> = bare.split_whitespace().map(number).collect();
@@ -73,7 +101,8 @@ pub(super) fn error_columns(reading: &Reading, text: &str) -> Result<CorrectionT
             header = Some((line, bare.split_whitespace().collect()));
         }
     }
-    block(reading, header, &rows, &mut all)?;
+    block(reading, header, &rows, (&mut all, &mut turns))?;
+    same_effect(&turns, &all.errors)?;
     Ok(all)
 }
 
@@ -81,7 +110,7 @@ fn block(
     reading: &Reading,
     header: Option<(usize, Vec<&str>)>,
     rows: &[(usize, Vec<f64>)],
-    all: &mut CorrectionTables,
+    (all, turns): (&mut CorrectionTables, &mut Vec<OffLine>),
 ) -> Result<(), Fault> {
     let Some((line, names)) = header else { return Ok(()) };
     let Some(rules) = reading.target.manifest.mechanism.error_curves.as_ref() else { return Ok(()) };
@@ -110,7 +139,7 @@ fn block(
         return Err(Fault::new(rows[i + 1].0, "the positions do not rise"));
     }
     if argument.is_none() {
-        same_geometry(reading, line, &names, &rows[0].1)?;
+        turns.extend(lines_of_turns(reading, line, &names, &rows[0].1)?);
     }
     for (column, name) in names.iter().enumerate().skip(usize::from(argument.is_some())) {
         if argument.is_none() && is_geometry(name) {

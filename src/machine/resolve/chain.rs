@@ -226,14 +226,22 @@ fn tokens(context: &Context<'_>, text: &str) -> Vec<Token> {
         Some(open) if matches!(text[..open].trim(), "" | "V" | "H") => open + 1..text.rfind(']').unwrap_or(text.len()),
         _ => 0..text.len(),
     };
-    let at = keys(["chain"]);
+    let whole = inside(context, &keys(["chain"]), text, 0, text.len());
+    // Once for all words: there may be many.
+    let written =
+        |place: &&Place| context.diagnostics.sources.text(place.source).get(place.range.clone()) == Some(text);
+    let as_written = whole.as_ref().filter(written);
     let mut tokens = Vec::new();
     let mut start = body.start;
     let separates = |c: char| c.is_whitespace() || matches!(c, '-' | '–' | ',');
     for piece in text[body].split_inclusive(separates) {
         let word = piece.trim_end_matches(separates);
         if !word.is_empty() {
-            let place = inside(context, &at, text, start, word.len());
+            let part = |place: &Place| {
+                let start = place.range.start + start;
+                Place { source: place.source, range: start..start + word.len() }
+            };
+            let place = as_written.map(part).or_else(|| whole.clone());
             tokens.push(Token { text: word.to_owned(), place });
         }
         start += piece.len();
