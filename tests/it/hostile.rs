@@ -571,10 +571,10 @@ fn a_copied_target_takes_another_name() {
 #[test]
 fn effects_are_bounded_in_number() {
     let folder = Folder::new();
-    let rows: String = (0..2000).map(|i| format!("{},0,0,0,0\n", i % 400)).collect();
+    let rows: String = (0..4000).map(|i| format!("{},0,0,0,0\n", i % 400)).collect();
     let _ = folder.write("poses.csv", &format!("X,Y,Z,C,A\n{rows}"));
     let machine = config("trunnion.yaml");
     let more = ["--axis-poses", "poses.csv", "--sensitivity", "--interactions"];
     let run = soon(&folder, &[&["eval", machine.to_str().unwrap()][..], &more].concat());
-    assert!(run.code == Some(2) && run.err.contains("at most 1000000 effects"), "{}", run.err);
+    assert!(run.code == Some(2) && run.err.contains("at most 500000 effects"), "{}", run.err);
 }
