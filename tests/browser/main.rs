@@ -12,6 +12,8 @@ mod checks;
 mod driver;
 mod mailed;
 mod meeting;
+#[path = "../it/support/packed.rs"]
+mod packed;
 mod page;
 mod pictures;
 mod review;
@@ -58,9 +60,11 @@ const CHECKS: [checks::Check; 33] = [
 ];
 
 /// Checks that need the engines, too.
-const ENGINE_CHECKS: [checks::Check; 2] = [
+const ENGINE_CHECKS: [checks::Check; 4] = [
     ("a report with its engine answers 50 edits as the command line does", mailed::edits),
     ("an engine that answers otherwise is not used", mailed::refused),
+    ("figures follow a slider that is held in a report", mailed::held),
+    ("a report with two controllers carries both engines below 5 MB", mailed::small),
 ];
 
 fn main() -> ExitCode {
