@@ -10,6 +10,7 @@
 #[path = "../it/support/checks.rs"]
 mod checks;
 mod driver;
+mod files;
 mod mailed;
 mod meeting;
 #[path = "../it/support/packed.rs"]
@@ -23,7 +24,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 33] = [
+const CHECKS: [checks::Check; 34] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -48,6 +49,7 @@ const CHECKS: [checks::Check; 33] = [
     ("what a control repairs and a test reads are the command line's", review::control),
     ("keys and names of errors are completed", review::completion),
     ("charts are downloaded as CSV, SVG and PNG", review::downloads),
+    ("tables of control and test as files hold what the panels show", files::tables),
     ("the eight questions of a review are answered on one screen", meeting::questions),
     ("a curve is read under the pointer, and a drag along it moves the machine", meeting::curve),
     ("64 tries in the field read out the node that is seen, 64 beside it none", meeting::picks),
