@@ -24,7 +24,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 34] = [
+const CHECKS: [checks::Check; 35] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -37,6 +37,7 @@ const CHECKS: [checks::Check; 34] = [
     ("the workbench follows the files on the disk, and writes over nothing", watch::refreshes),
     ("the workbench shows the numbers of the command line, before and after edits", workbench::numbers),
     ("what is typed, dragged and undone reaches the file only when it is saved", workbench::edits),
+    ("figures of a held slider are a draft where they are of fewer poses or machines", workbench::drafts),
     ("the workbench moves an axis across the bed by keys and by dragging", workbench::chain),
     ("axes join and leave with their entries and errors", workbench::axes),
     ("a body of the picture is dragged, and one axis moves", workbench::drag),

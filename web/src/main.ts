@@ -203,7 +203,7 @@ class Workbench {
   }
 
   private changed(draft: boolean): void {
-    this.session.change(this.editor.text, draft);
+    this.session.change(this.editor.text, draft, this.whatif?.keepsChain);
     this.buttons();
   }
 
@@ -261,6 +261,7 @@ class Workbench {
     this.acceptance.show(state);
     if (!state.stale) void this.learn();
     document.body.dataset["state"] = state.effort.draft ? "draft" : "full";
+    document.body.toggleAttribute("data-reduced", state.effort.isReduced);
   }
 
   /** Asks once what may stand in a machine file. */

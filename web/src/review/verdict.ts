@@ -119,7 +119,7 @@ export class Verdict {
 
 /** What is only a draft says so. */
 function draft({ effort, now }: State): string {
-  if (!effort.draft) return "";
+  if (!effort.isReduced) return "";
   return now?.map?.from === "bounds" ? ` Draft: ${effort.samples} drawn machines.` : ` Draft: ${effort.poses} poses.`;
 }
 
