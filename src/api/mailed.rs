@@ -33,7 +33,7 @@ pub(super) fn start(call: &Call<'_>, files: &[MachineFile], options: &ReportOpti
     let files_of = Overlay { text: memory, files: call.run.files };
     let settings = settings(options);
     let asked: Vec<Value> = files.iter().map(|file| asked(file, options, &settings, &files_of)).collect();
-    json!({"evaluator": "report", "abbe": env!("CARGO_PKG_VERSION"), "settings": settings, "files": texts,
+    json!({"abbe": env!("CARGO_PKG_VERSION"), "settings": settings, "files": texts,
         "machines": asked, "place": {"work": options.tool_poses, "target": options.targets.first()}})
 }
 

@@ -3,7 +3,11 @@
 use crate::driver::Browser;
 use crate::watch::wait;
 use crate::workbench::{BOUNDED, Bench};
-use crate::{Folder, abbe, kept, report};
+use crate::{Folder, abbe, kept, packed, report};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use miniz_oxide::deflate::compress_to_vec_zlib;
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Folder in which `web/engine/build` leaves the engines.
@@ -88,7 +92,7 @@ pub fn read_only() {
     assert!(
         !bench.browser.run("return document.querySelector('.cm-content').innerText;").as_str().unwrap().contains("77")
     );
-    assert_eq!(bench.browser.run("return document.getElementById('save');"), serde_json::Value::Null);
+    assert_eq!(bench.browser.run("return document.getElementById('save');"), Value::Null);
     bench.quiet();
 }
 
@@ -160,17 +164,83 @@ pub fn refused() {
     let folder = Folder::new("mailed-refused");
     let page = packaged(&folder, &["plain"], &["trunnion.yaml", "--poses", "100"]);
     let text = std::fs::read_to_string(&page).unwrap();
+    let start: Value = serde_json::from_str(packed::element(&text, "start")).unwrap();
+    let packed = start["zlib"].as_str().unwrap();
+    let mut known: Value = serde_json::from_str(&packed::unpacked(packed)).unwrap();
     // A component of the deviation at the zero pose, as the program computed it.
-    const KNOWN: &str = "\"eval\":{\"poses\":";
-    let (before, after) = text.split_once(KNOWN).unwrap();
-    let (head, deviation) = after.split_once("\"deviation\":[").unwrap();
-    let (_, others) = deviation.split_once(',').unwrap();
-    std::fs::write(&page, format!("{before}{KNOWN}{head}\"deviation\":[1.0,{others}")).unwrap();
+    let deviation = &mut known["machines"][0]["eval"]["answer"]["poses"][0]["deviation"][0];
+    assert!(deviation.is_f64(), "{deviation}");
+    *deviation = 1.0.into();
+    let other = BASE64.encode(compress_to_vec_zlib(known.to_string().as_bytes(), 6));
+    std::fs::write(&page, text.replace(packed, &other)).unwrap();
     let bench = Bench::mailed("mailed-refused", &page, "trunnion.yaml");
     bench.at_error("EY0C");
     bench.types("1");
     wait(&bench.browser, "return document.getElementById('note').textContent.includes('answers otherwise');");
     wait(&bench.browser, "return !document.getElementById('problem').hidden;");
+}
+
+/// Moves the slider each time that the browser draws, and returns the 95 % values that were shown, and the drawings.
+const HOLD: &str = "return new Promise((done) => { const slider = document.getElementById('number'), seen = []; \
+    const look = new MutationObserver(() => { const of = document.querySelector('[data-at=p95]')?.dataset.value; \
+    if (of && of !== seen.at(-1)) seen.push(of); }); \
+    look.observe(document.getElementById('verdict'), { childList: true, subtree: true }); \
+    const start = performance.now(), [low, step] = [Number(slider.min), Number(slider.step)]; let drawn = 0; \
+    const move = () => { drawn += 1; slider.value = low + step * (1 + drawn % 40); \
+    slider.dispatchEvent(new Event('input')); \
+    if (performance.now() - start < 3000) return requestAnimationFrame(move); look.disconnect(); \
+    done([seen, drawn, slider.value]); }; \
+    requestAnimationFrame(move); });";
+
+/// While a slider is held figures at 2000 poses follow it, and those shown last are the command line's.
+pub fn held() {
+    let folder = Folder::new("mailed-held");
+    let page = packaged(&folder, &["plain", "relaxed"], &["trunnion.yaml"]);
+    let bench = Bench::mailed("mailed-drag", &page, "trunnion.yaml");
+    bench.at_error("EY0C");
+    // The engine starts with the first change.
+    let step = "const slider = document.getElementById('number'); slider.value = Number(slider.value) + Number(slider.step); \
+        for (const kind of ['input', 'change']) slider.dispatchEvent(new Event(kind));";
+    let _ = bench.browser.run(step);
+    wait(
+        &bench.browser,
+        "return document.getElementById('note').textContent.includes('WebAssembly') || document.getElementById('note').textContent.includes('SIMD');",
+    );
+    bench.settled();
+    let found = bench.browser.run(HOLD);
+    let (shown, drawn) = (found[0].as_array().unwrap().len(), found[1].as_u64().unwrap());
+    println!("  in 3 s the page drew {drawn} times, with new figures {shown} times");
+    assert!(shown >= 2, "{found}");
+    let value: f64 = found[2].as_str().unwrap().parse().unwrap();
+    let text = bench.on_disk().replace("EY0C: -9 um", &format!("EY0C: {value} um"));
+    assert_ne!(text, bench.on_disk());
+    std::fs::write(&bench.file, text).unwrap();
+    let printed = bench.command("map", &["--random", "2000"])["position_um"]["p95"].as_f64().unwrap();
+    wait(
+        &bench.browser,
+        &format!("return Number(document.querySelector('[data-at=p95]').dataset.value) === {printed};"),
+    );
+    assert_eq!(bench.browser.run("return document.body.dataset.state;"), "draft");
+    let _ = bench.browser.run("document.getElementById('number').dispatchEvent(new Event('change'));");
+    bench.settled();
+    bench.agrees();
+    bench.quiet();
+}
+
+/// What people mail: a five-axis machine with two controllers.
+pub fn small() {
+    let folder = Folder::new("mailed-small");
+    for machine in ["trunnion.yaml", "tt-ac-800.yaml"] {
+        let targets = [machine, "--target", "linuxcnc", "--target", "grid-csv"];
+        let page = packaged(&folder, &["plain", "relaxed"], &targets);
+        let text = std::fs::read_to_string(&page).unwrap();
+        println!("  {machine}: {} bytes", text.len());
+        assert!(text.len() < 5_000_000, "{machine}: {} bytes", text.len());
+        assert!(
+            ["plain", "relaxed"].iter().all(|variant| text.contains(&format!("id=\"engine-{variant}\""))),
+            "{machine}"
+        );
+    }
 }
 
 /// The report on paper: a page for the machine, then appendices.

@@ -10,8 +10,11 @@
 #[path = "../it/support/checks.rs"]
 mod checks;
 mod driver;
+mod files;
 mod mailed;
 mod meeting;
+#[path = "../it/support/packed.rs"]
+mod packed;
 mod page;
 mod pictures;
 mod review;
@@ -21,7 +24,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 33] = [
+const CHECKS: [checks::Check; 35] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -34,6 +37,7 @@ const CHECKS: [checks::Check; 33] = [
     ("the workbench follows the files on the disk, and writes over nothing", watch::refreshes),
     ("the workbench shows the numbers of the command line, before and after edits", workbench::numbers),
     ("what is typed, dragged and undone reaches the file only when it is saved", workbench::edits),
+    ("figures of a held slider are a draft where they are of fewer poses or machines", workbench::drafts),
     ("the workbench moves an axis across the bed by keys and by dragging", workbench::chain),
     ("axes join and leave with their entries and errors", workbench::axes),
     ("a body of the picture is dragged, and one axis moves", workbench::drag),
@@ -46,6 +50,7 @@ const CHECKS: [checks::Check; 33] = [
     ("what a control repairs and a test reads are the command line's", review::control),
     ("keys and names of errors are completed", review::completion),
     ("charts are downloaded as CSV, SVG and PNG", review::downloads),
+    ("tables of control and test as files hold what the panels show", files::tables),
     ("the eight questions of a review are answered on one screen", meeting::questions),
     ("a curve is read under the pointer, and a drag along it moves the machine", meeting::curve),
     ("64 tries in the field read out the node that is seen, 64 beside it none", meeting::picks),
@@ -58,9 +63,11 @@ const CHECKS: [checks::Check; 33] = [
 ];
 
 /// Checks that need the engines, too.
-const ENGINE_CHECKS: [checks::Check; 2] = [
+const ENGINE_CHECKS: [checks::Check; 4] = [
     ("a report with its engine answers 50 edits as the command line does", mailed::edits),
     ("an engine that answers otherwise is not used", mailed::refused),
+    ("figures follow a slider that is held in a report", mailed::held),
+    ("a report with two controllers carries both engines below 5 MB", mailed::small),
 ];
 
 fn main() -> ExitCode {

@@ -1,8 +1,8 @@
 //! The page as a file.
 
 use crate::driver::Browser;
-use crate::{Folder, five_axes, report};
-use serde_json::Value;
+use crate::watch::wait;
+use crate::{Folder, five_axes, packed, report};
 use std::path::{Path, PathBuf};
 
 /// The picture of the first view, as text.
@@ -10,8 +10,14 @@ const PICTURE: &str = "return root.querySelector('canvas').toDataURL();";
 
 fn opened(page: &Path) -> Browser {
     let browser = Browser::new(1366, 900);
-    browser.open_file(page);
+    open(&browser, page);
     browser
+}
+
+/// Opens a page and waits for the pictures of its appendices, whose data are compressed.
+pub fn open(browser: &Browser, page: &Path) {
+    browser.open_file(page);
+    wait(browser, "return views.length > 0;");
 }
 
 pub fn loads() {
@@ -42,14 +48,13 @@ pub fn loads() {
 
 pub fn numbers() {
     let folder = Folder::new("numbers");
-    let browser = opened(&report(
+    let page = report(
         &folder.0,
         "page.html",
         &["trunnion.yaml", "vmc-cframe-754.yaml", "--target", "linuxcnc", "--class", "production", "--samples", "60"],
-    ));
-    let data: Value =
-        serde_json::from_str(browser.run("return document.getElementById('data').textContent;").as_str().unwrap())
-            .unwrap();
+    );
+    let browser = opened(&page);
+    let data = packed::data(&std::fs::read_to_string(&page).unwrap());
     let shown =
         browser.run("return [...root.querySelectorAll('[data-at]')].map((n) => [n.dataset.at, n.textContent]);");
     let shown = shown.as_array().unwrap();

@@ -1,6 +1,7 @@
 //! Screenshots, for people to look at.
 
 use crate::driver::Browser;
+use crate::page::open;
 use crate::{Folder, five_axes, kept, report};
 use serde_json::json;
 use std::process::Command;
@@ -35,7 +36,7 @@ pub fn screenshots() {
         let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500});
         let _ = browser.devtools("Emulation.setDeviceMetricsOverride", &size);
         scheme(&browser, colours);
-        browser.open_file(file);
+        open(&browser, file);
         let dark = ground(&browser) != "rgb(255, 255, 255)";
         assert_eq!(dark, colours == "dark", "{name}: {}", ground(&browser));
         // Nothing sticks out to the right: tables scroll in themselves.
@@ -47,7 +48,7 @@ pub fn screenshots() {
     }
     let browser = Browser::new(1366, 900);
     scheme(&browser, "dark");
-    browser.open_file(&page);
+    open(&browser, &page);
     let pdf = browser.print();
     assert!(pdf.starts_with(b"%PDF-") && pdf.len() > 50_000);
     std::fs::write(kept.join("print.pdf"), &pdf).unwrap();

@@ -22,7 +22,7 @@ fn text(bench: &Bench, selector: &str) -> String {
 }
 
 /// Puts a value into a field, as typing does.
-fn fill(bench: &Bench, id: &str, value: &str) {
+pub fn fill(bench: &Bench, id: &str, value: &str) {
     let _ = bench.browser.run(&format!(
         "const field = document.getElementById('{id}'); field.focus(); field.value = '{value}'; \
          for (const kind of ['input', 'change']) field.dispatchEvent(new Event(kind));"

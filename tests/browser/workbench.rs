@@ -218,6 +218,32 @@ pub fn edits() {
     assert_eq!(bench.on_disk(), format!("{original}# by hand\n"));
 }
 
+/// While a slider is held the figures are those of the command line where errors have values, and no draft; from bounds
+/// they are of fewer machines, and the page says so.
+pub fn drafts() {
+    let hold = "const slider = document.getElementById('number'); slider.value = Number(slider.value) + Number(slider.step); \
+        slider.dispatchEvent(new Event('input'));";
+    let words = "return document.getElementById('verdict').textContent;";
+    let slanted = "return getComputedStyle(document.querySelector('[data-at=p95]')).fontStyle === 'italic';";
+    let measured = std::fs::read_to_string("configs/trunnion.yaml").unwrap();
+    for (text, is_draft) in [(measured.as_str(), false), (BOUNDED, true)] {
+        let bench = Bench::new("bench-drafts", text, (1400, 900));
+        let before = bench.figure("p95");
+        let _ = bench.browser.run(hold);
+        wait(&bench.browser, "return document.body.dataset.state === 'draft' && !document.body.dataset.busy;");
+        let said = bench.browser.run(words);
+        assert_eq!(said.as_str().unwrap().contains("Draft: 100 drawn machines."), is_draft, "{said}");
+        assert_eq!(said.as_str().unwrap().contains("Draft"), is_draft, "{said}");
+        assert_eq!(bench.browser.run(slanted), is_draft);
+        let held = bench.figure("p95");
+        let _ = bench.browser.run("document.getElementById('number').dispatchEvent(new Event('change'));");
+        bench.settled();
+        assert_eq!(bench.figure("p95") == held, !is_draft, "{before} {held}");
+        assert!(!bench.browser.run(words).as_str().unwrap().contains("Draft"));
+        bench.quiet();
+    }
+}
+
 pub fn chain() {
     let bench = Bench::of_config("bench-chain", "trunnion.yaml");
     let original = bench.on_disk();

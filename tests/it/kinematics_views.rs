@@ -1,6 +1,7 @@
 //! Output of `map` and `report` for targets that replace the kinematics.
 
 use crate::program::{Folder, abbe, json, text};
+use crate::support::packed;
 use serde_json::Value;
 
 fn max(value: &Value) -> f64 {
@@ -76,9 +77,7 @@ fn the_page_has_the_field_after_a_module() {
     let out = folder.file("page.html");
     let target = ["--target", "linuxcnc-kins", "--poses", "40", "--out", text(&out), "--quiet"];
     abbe(&[&["report", "vmc-cframe-754.yaml"], &target[..]].concat());
-    let page = std::fs::read_to_string(out).unwrap();
-    let data = page.split_once("id=\"data\">").unwrap().1.split_once("</script>").unwrap().0;
-    let data: Value = serde_json::from_str(data).unwrap();
+    let data = packed::data(&std::fs::read_to_string(out).unwrap());
     let machine = &data["machines"][0];
     let layers = machine["field"]["layers"].as_array().unwrap();
     let largest = |id: &str| {

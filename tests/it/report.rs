@@ -2,6 +2,7 @@
 //! The page in a browser is in `tests/browser`.
 
 use crate::program::{Folder, abbe, abbe_on, json, refused, text};
+use crate::support::packed::{self, data};
 use crate::support::sha256;
 use serde_json::{Value, json as object};
 use std::io::{BufRead, BufReader, Read, Write};
@@ -17,10 +18,6 @@ fn page(folder: &Folder, arguments: &[&str]) -> String {
 /// Returns the text between two marks.
 fn between<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
     page.split_once(from).unwrap().1.split_once(to).unwrap().0
-}
-
-fn data(page: &str) -> Value {
-    serde_json::from_str(between(page, "id=\"data\">", "</script>")).unwrap()
 }
 
 /// Equal but for rounding: `map` goes through the compiled plan, the page does not (1e-12 mm, 1e-15 rad).
@@ -58,7 +55,7 @@ fn the_page_loads_nothing_and_its_policy_names_its_own_style_and_scripts() {
     let own = page.replacen(scripts[0], "", 1);
     let (body, licences) = own.split_once("<!-- The script above contains").unwrap();
     assert!(licences.trim_end().ends_with("</html>"));
-    let own = body.replacen(between(body, "id=\"start\">", "</script>"), "", 1);
+    let own = body.replacen(packed::element(body, "start"), "", 1).replacen(packed::element(body, "data"), "", 1);
     let addresses: Vec<&str> =
         own.split("http").skip(1).filter(|rest| !rest.starts_with("://www.w3.org/2000/svg\"")).collect();
     // The policy's own header is named; no address is.

@@ -10,6 +10,7 @@ import { numbers } from "./editor/numbers";
 import { WhatIf } from "./editor/whatif";
 import { Playground } from "./evaluator/playground";
 import { Program } from "./evaluator/program";
+import { unpacked } from "./evaluator/packed";
 import { Report, type ReportStart } from "./evaluator/report";
 import { accepted, type Axis, type Diagnostic, type Evaluator, type Pose, type Store } from "./evaluator/types";
 import { Cards } from "./explain/card";
@@ -202,7 +203,7 @@ class Workbench {
   }
 
   private changed(draft: boolean): void {
-    this.session.change(this.editor.text, draft);
+    this.session.change(this.editor.text, draft, this.whatif?.keepsChain);
     this.buttons();
   }
 
@@ -260,6 +261,7 @@ class Workbench {
     this.acceptance.show(state);
     if (!state.stale) void this.learn();
     document.body.dataset["state"] = state.effort.draft ? "draft" : "full";
+    document.body.toggleAttribute("data-reduced", state.effort.isReduced);
   }
 
   /** Asks once what may stand in a machine file. */
@@ -353,10 +355,10 @@ function standing(dragged: (axis: Axis, position: number, rests: boolean) => voi
 type Face = Evaluator & Store;
 
 async function face(): Promise<Face> {
-  const given = JSON.parse(byId("start").textContent ?? "{}") as { evaluator: string; token?: string };
+  const given = JSON.parse(byId("start").textContent ?? "{}") as { evaluator: string; token?: string; zlib?: string };
   if (given.evaluator === "program") return new Program(given.token ?? "");
   if (given.evaluator === "playground") return Playground.load(place().example);
-  const { place: at, ...report } = given as unknown as ReportStart;
+  const { place: at, ...report } = (await unpacked(given.zlib ?? "", "deflate").json()) as ReportStart;
   // The first look: the work and the control that the report was written with.
   if (!location.hash) move({ work: at.work ?? "", target: at.target ?? "" });
   return new Report({ place: at, ...report }, place().example, (note) => (byId("note").textContent = note));

@@ -1,5 +1,6 @@
 /** What the page knows of the machine: answers to its text as it is now and as it was kept last. */
 
+import { Newest } from "./evaluator/newest";
 import {
   accepted,
   type Chain,
@@ -26,6 +27,11 @@ export interface Findings {
   budget: Budget | null;
 }
 
+/** True if errors have values; else what bounds lead to decides. */
+function isMeasured({ map, sources }: Findings): boolean {
+  return map !== null && map.from !== "bounds" && !!sources?.errors.length;
+}
+
 /** True for the findings of the text as it is, with all effort: the time to ask what takes longer. */
 export function isSettled(state: State): state is State & { now: Findings } {
   return state.now !== null && !state.stale && !state.effort.draft;
@@ -47,15 +53,19 @@ export interface Budget {
 /** How much is computed: little while a slider is held, all of it afterwards. */
 export interface Effort {
   draft: boolean;
+  /** True if a draft is of fewer poses, or of fewer drawn machines, than the figures are afterwards. */
+  isReduced: boolean;
+  /** True if no more than the size of an error or of a bound changes: the chain stays. */
+  keepsChain: boolean;
   poses: number;
   samples: number;
 }
 
-export const FULL: Effort = { draft: false, poses: 2000, samples: 1000 };
+export const FULL: Effort = { draft: false, isReduced: false, keepsChain: false, poses: 2000, samples: 1000 };
 
 /** Of errors that are measured; what bounds lead to takes every drawn machine at every pose. */
-const DRAFT: Effort = { draft: true, poses: 2000, samples: 100 };
-const BOUNDED_DRAFT: Effort = { ...DRAFT, poses: 300 };
+const DRAFT = { poses: 2000, samples: 100 };
+const BOUNDED_DRAFT = { ...DRAFT, poses: 300 };
 
 /** Largest number of poses of `sources`. */
 const MOST_SOURCE_POSES = 10_000;
@@ -72,6 +82,11 @@ export interface State {
   stale: boolean;
 }
 
+interface Answered {
+  diagnostics: Diagnostic[];
+  findings: Findings | null;
+}
+
 /** Keeps asking for the newest text: while an answer is awaited, only the last of the wishes is remembered. */
 export class Session {
   /** Options of the figures. */
@@ -85,6 +100,11 @@ export class Session {
   private now: Findings | null = null;
   private wish: Effort | null = null;
   private busy = false;
+  /** What was shown last. */
+  private state: State | null = null;
+  /** Number of the drag: what is answered of an earlier one is not shown. */
+  private drag = 0;
+  private readonly following: Newest;
 
   constructor(
     private readonly evaluator: Evaluator,
@@ -92,7 +112,9 @@ export class Session {
     private readonly failed: (message: string) => void,
     /** Hears when work begins, and when all that was wished for is shown. */
     private readonly working: (busy: boolean) => void,
-  ) {}
+  ) {
+    this.following = new Newest((failure) => this.fail(failure));
+  }
 
   /** Begins with a file as it is kept. */
   open(machine: string, text: string): void {
@@ -120,9 +142,11 @@ export class Session {
     this.keptFindings.clear();
   }
 
-  change(text: string, draft: boolean): void {
+  /** The text is another one; `draft` while a slider is held, which may keep the chain. */
+  change(text: string, draft: boolean, keepsChain = false): void {
     this.text = text;
-    this.wish = this.effort(draft);
+    if (!draft) this.drag += 1;
+    this.wish = this.effort(draft, keepsChain);
     void this.work();
   }
 
@@ -142,11 +166,13 @@ export class Session {
     return this.machine.replace(/[^/\\]*$/, "") + name;
   }
 
-  private effort(draft: boolean): Effort {
+  private effort(draft: boolean, keepsChain = false): Effort {
     const { poses, samples } = this.settings;
     if (!draft) return { ...FULL, poses, samples };
-    const few = this.now?.map?.from === "bounds" ? BOUNDED_DRAFT : DRAFT;
-    return { draft, poses: Math.min(few.poses, poses), samples: Math.min(few.samples, samples) };
+    const bounded = this.now?.map?.from === "bounds";
+    const most = bounded ? BOUNDED_DRAFT : DRAFT;
+    const few = { poses: Math.min(most.poses, poses), samples: Math.min(most.samples, samples) };
+    return { draft, isReduced: few.poses < poses || (bounded && few.samples < samples), keepsChain, ...few };
   }
 
   private request(text: string, questions: Question[]): Request {
@@ -161,42 +187,76 @@ export class Session {
     try {
       while (this.wish) await this.turn(this.wish);
     } catch (failure) {
-      this.failed(failure instanceof Error ? failure.message : String(failure));
+      this.fail(failure);
     }
     this.busy = false;
     this.working(false);
   }
 
+  private fail(failure: unknown): void {
+    this.failed(failure instanceof Error ? failure.message : String(failure));
+  }
+
   private async turn(effort: Effort): Promise<void> {
     const text = this.text;
     this.wish = null;
-    const { diagnostics, findings } = await this.findings(text, effort);
-    if (findings) this.now = findings;
+    const held = effort.draft && this.now && isMeasured(this.now) ? this.now : null;
+    const { diagnostics, findings } = await (held ? this.held(text, effort, held) : this.findings(text, effort));
+    if (findings) this.now = { ...findings, sources: held ? (this.now?.sources ?? null) : findings.sources };
+    if (findings && !effort.draft && text === this.kept) this.keptFindings.set(JSON.stringify(effort), findings);
     const kept = await this.ofKept(effort);
-    this.show({ effort, diagnostics, now: this.now, kept, stale: !findings });
+    this.state = { effort, diagnostics, now: this.now, kept, stale: !findings };
+    this.show(this.state);
   }
 
   private async ofKept(effort: Effort): Promise<Findings | null> {
-    const key = JSON.stringify(effort);
+    // The figures of a draft that is not reduced are those of full effort.
+    const of = effort.isReduced ? { ...effort, keepsChain: false } : this.effort(false);
+    const key = JSON.stringify(of);
     const known = this.keptFindings.get(key);
     if (known !== undefined) return known;
-    const { findings } = await this.findings(this.kept, effort);
+    const { findings } = await this.findings(this.kept, of);
     this.keptFindings.set(key, findings);
     return findings;
   }
 
-  private async findings(
-    text: string,
-    { draft, poses, samples }: Effort,
-  ): Promise<{ diagnostics: Diagnostic[]; findings: Findings | null }> {
-    const { map, sources, budget } = this.settings;
+  /** Measured errors while a slider is held: the map at once; each error alone takes longer, and follows by itself. */
+  private async held(text: string, effort: Effort, before: Findings): Promise<Answered> {
+    void this.following.do(() => this.follow(text, effort));
+    const questions = [this.map(effort), ...(effort.keepsChain ? [] : (["show"] as const))];
+    const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
+    const map = accepted<VolumeMap>(answers[0]);
+    const chain = effort.keepsChain ? before.chain : accepted<Chain>(answers[1]);
+    return { diagnostics, findings: map && chain && { ...before, map, chain } };
+  }
+
+  private async follow(text: string, effort: Effort): Promise<void> {
+    const { drag } = this;
+    const [answer] = await this.ask([this.sources(effort)], {}, text);
+    const sources = accepted<Sources>(answer);
+    if (!sources || !this.now || this.drag !== drag) return;
+    this.now = { ...this.now, sources };
+    if (this.busy || !this.state) return;
+    this.state = { ...this.state, now: this.now };
+    this.show(this.state);
+  }
+
+  private map({ poses, samples }: Effort): Question {
+    return { map: { ...this.settings.map, poses: { random: poses }, worst: 5, samples } };
+  }
+
+  private sources({ poses }: Effort): Question {
+    return { sources: { ...this.settings.sources, poses: Math.min(poses, MOST_SOURCE_POSES) } };
+  }
+
+  private async findings(text: string, effort: Effort): Promise<Answered> {
     // A slider changes no name.
-    const names = draft ? this.now : null;
+    const names = effort.draft ? this.now : null;
     const questions: Question[] = [
       "show",
-      { map: { ...map, poses: { random: poses }, worst: 5, samples } },
-      { budget: { ...budget, samples } },
-      { sources: { ...sources, poses: Math.min(poses, MOST_SOURCE_POSES) } },
+      this.map(effort),
+      { budget: { ...this.settings.budget, samples: effort.samples } },
+      this.sources(effort),
       ...(names ? [] : (["words", "numbers"] as const)),
     ];
     const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));

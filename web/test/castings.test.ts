@@ -7,6 +7,7 @@ import { test } from "node:test";
 import * as three from "three";
 import type { Chain, Vec3 } from "../src/evaluator/types";
 import { castings } from "../src/machine/castings";
+import { Figure, type Materials } from "../src/machine/figure";
 import { layout } from "../src/machine/layout";
 import { ball, bar, box } from "../src/machine/shapes";
 import { depth, solid } from "./overlap";
@@ -67,6 +68,23 @@ test("no bodies lie in each other at the zero pose, with any tool of any machine
     const chain = chainOf(machine);
     for (const { name } of chain.tools) assert.deepEqual(overlaps(chain, name), [], `${machine} ${name}`);
   }
+});
+
+test("the camera stands where it sees the tool: on the left where posts are on the right", { skip }, () => {
+  const materials = new Proxy({}, { get: () => new three.MeshBasicMaterial() }) as Materials;
+  const sides = ["hh-ca-gantry.yaml", "trunnion.yaml"].map((machine) => {
+    const figure = new Figure(chainOf(machine), "", materials);
+    const { center, place } = figure.viewpoint(figure.corners({}));
+    assert.equal(figure.sight(place), 1, machine);
+    const width = 0.3 * place.distanceTo(center);
+    const wall = new three.Mesh(new three.BoxGeometry(width, width, width), new three.MeshBasicMaterial());
+    wall.position.copy(place).lerp(new three.Vector3(...figure.tip), 0.5);
+    figure.root.add(wall);
+    wall.updateMatrixWorld();
+    assert.equal(figure.sight(place), 0, `${machine}: behind a wall`);
+    return Math.sign(place.sub(center).dot(new three.Vector3(...figure.layout.right)));
+  });
+  assert.deepEqual(sides, [-1, 1]);
 });
 
 test("each axis has a body that shows", { skip }, () => {

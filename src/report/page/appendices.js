@@ -2,8 +2,14 @@
 /* The report around its views: controls, keys, links, printing. */
 
 const root = shadow(document.getElementById("report"));
-const data = JSON.parse(document.getElementById("data").textContent);
+let data = null;
 let views = [];
+
+/** The JSON of an element, which the page holds compressed. */
+async function unpacked(element) {
+  const bytes = Uint8Array.from(atob(element.textContent), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).json();
+}
 
 /** The root of the report, whose style is its own; browsers of before 2024 leave the template to the script. */
 function shadow(host) {
@@ -13,7 +19,8 @@ function shadow(host) {
   return made;
 }
 
-function start() {
+async function start() {
+  data = await unpacked(document.getElementById("data"));
   views = [...root.querySelectorAll(".field")].map((section) => connect(section));
   redraw();
 }

@@ -3,8 +3,8 @@
 //! 1. [`PageData`] is everything the appendices show, computed here: machine, statistics, sources of error, curves,
 //!    the field of the 3D view, certificates, comparison;
 //! 2. pictures are drawn as SVG by this module's neighbours;
-//! 3. [`Page::html`] renders `appendices.html.j2` with them, escaped, and embeds the data as one JSON object, from
-//!    which the scripts read every number they show;
+//! 3. [`Page::html`] renders `appendices.html.j2` with them, escaped, and embeds the data as one JSON object,
+//!    compressed, from which the scripts read every number they show;
 //! 4. [`BenchPage`] puts this below the workbench, with what the workbench starts with and perhaps its engine.
 //!
 //! The page loads nothing and a content security policy forbids it to: scripts run by their hash, styles by a nonce.

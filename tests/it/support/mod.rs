@@ -13,6 +13,7 @@ pub mod config;
 pub mod controllers;
 pub mod lattice;
 pub mod left;
+pub mod packed;
 pub mod sha256;
 pub mod stacking;
 

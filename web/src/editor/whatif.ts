@@ -37,6 +37,11 @@ export class WhatIf {
     this.follow();
   }
 
+  /** True if the number is the size of an error or of a bound, and nothing of the chain. */
+  get keepsChain(): boolean {
+    return ["errors", "tolerances"].includes(this.chosen?.path[0] ?? "");
+  }
+
   /** The cursor or the text has moved. */
   follow(): void {
     if (this.held) return;

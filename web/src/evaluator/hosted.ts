@@ -4,13 +4,18 @@ import type { FromWorker, ToWorker } from "./worker";
 import type { Evaluator, Reply, Request } from "./types";
 import EngineWorker from "./worker?worker&inline";
 
-type Waiting = { resolve: (reply: Reply) => void; reject: (failure: Error) => void };
+type Waiting = { kind: string; resolve: (reply: Reply) => void; reject: (failure: Error) => void };
+
+/** What a question takes before one of its kind was answered, ms. */
+const UNKNOWN = 20;
 
 /** More of them would ask for more cores than a meeting's laptop has to spare. */
 const MOST_WORKERS = 2;
 
 export class Hosted implements Evaluator {
   private readonly engines: HostedEngine[] = [];
+  /** What each kind of request took last, ms: quick ones do not wait behind long ones. */
+  private readonly times = new Map<string, number>();
 
   constructor(
     private readonly module: WebAssembly.Module,
@@ -18,14 +23,15 @@ export class Hosted implements Evaluator {
   ) {}
 
   ask(request: Request): Promise<Reply> {
-    return this.free().ask(request);
+    const kind = request.questions.map((of) => (typeof of === "string" ? of : Object.keys(of).join())).join();
+    return this.free().ask(request, kind);
   }
 
   private free(): HostedEngine {
     const [free] = [...this.engines].sort((a, b) => a.load - b.load);
     const most = Math.min(MOST_WORKERS, navigator.hardwareConcurrency || 1);
     if (free && (free.load === 0 || this.engines.length >= most)) return free;
-    const started = new HostedEngine(this.module, this.files);
+    const started = new HostedEngine(this.module, this.files, this.times);
     this.engines.push(started);
     return started;
   }
@@ -40,19 +46,20 @@ class HostedEngine {
   constructor(
     private readonly module: WebAssembly.Module,
     private readonly files: Record<string, string>,
+    private readonly times: Map<string, number>,
   ) {
     this.worker = this.started();
   }
 
-  /** Number of requests without an answer. */
+  /** What the requests without an answer will take, ms. */
   get load(): number {
-    return this.waiting.size;
+    return [...this.waiting.values()].reduce((sum, { kind }) => sum + (this.times.get(kind) ?? UNKNOWN), 0);
   }
 
-  ask(request: Request): Promise<Reply> {
+  ask(request: Request, kind: string): Promise<Reply> {
     const id = ++this.last;
     this.send({ id, request: JSON.stringify(request) });
-    return new Promise((resolve, reject) => this.waiting.set(id, { resolve, reject }));
+    return new Promise((resolve, reject) => this.waiting.set(id, { kind, resolve, reject }));
   }
 
   private send(message: ToWorker): void {
@@ -69,7 +76,10 @@ class HostedEngine {
   private receive(message: FromWorker): void {
     const waiting = this.waiting.get(message.id);
     this.waiting.delete(message.id);
-    if ("reply" in message) return waiting?.resolve(JSON.parse(message.reply) as Reply);
+    if ("reply" in message) {
+      if (waiting) this.times.set(waiting.kind, Math.max(message.ms, 1));
+      return waiting?.resolve(JSON.parse(message.reply) as Reply);
+    }
     waiting?.reject(new Error(`the engine stopped (${message.failure}); it was started anew`));
     // A trap leaves the engine's memory as it was in the middle of a call.
     this.worker.terminate();

@@ -4,6 +4,7 @@
  */
 
 import { Hosted } from "./hosted";
+import { unpacked } from "./packed";
 import type { Evaluated, Evaluator, OpenFile, Question, Reply, Request, Rows, Settings, Store } from "./types";
 import { type Variant, variants } from "./variants";
 import { save as download } from "../ui/download";
@@ -111,9 +112,7 @@ export class Report implements Evaluator, Store {
   }
 
   private async started(packed: string): Promise<Hosted | null> {
-    const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-    const module = await WebAssembly.compile(await new Response(stream).arrayBuffer());
+    const module = await WebAssembly.compile(await unpacked(packed, "gzip").arrayBuffer());
     const engine = new Hosted(module, this.start.files);
     return (await this.agrees(engine)) ? engine : null;
   }

@@ -5,7 +5,7 @@ import { Engine } from "./engine";
 /** What the page sends: first the module with the files, then requests. */
 export type ToWorker = { module: WebAssembly.Module; files: [string, string][] } | { id: number; request: string };
 
-export type FromWorker = { id: number; reply: string } | { id: number; failure: string };
+export type FromWorker = { id: number; reply: string; ms: number } | { id: number; failure: string };
 
 let engine: Promise<Engine> | undefined;
 
@@ -18,7 +18,10 @@ async function start(module: WebAssembly.Module, files: [string, string][]): Pro
 async function answer(id: number, request: string): Promise<FromWorker> {
   try {
     if (!engine) throw new Error("the engine was not started");
-    return { id, reply: (await engine).ask(request) };
+    const ready = await engine;
+    const start = performance.now();
+    const reply = ready.ask(request);
+    return { id, reply, ms: performance.now() - start };
   } catch (failure) {
     return { id, failure: String(failure) };
   }

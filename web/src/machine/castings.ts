@@ -550,11 +550,17 @@ class Builder {
     return (isUpright(of, axis) ? free.filter((n) => isAcross(n, of.up)) : free)[0] ?? candidates[0] ?? of.back;
   }
 
+  /** True if the table turns and goes nowhere: then a bridge runs above it. */
+  private get isFixedTurntable(): boolean {
+    return this.of.workpiece.length > 0 && this.of.workpiece.every(({ kind }) => kind === "rotary");
+  }
+
   /** True if the axis and all that carry it are horizontal: a column that travels over the floor. */
   private standsOnFloor(list: Axis[], i: number): boolean {
     const rest = list.slice(i);
     // A single one above a moving table is a beam on posts.
     if (this.of.kind === "vertical" && this.flat(list) < 2 && this.flat(this.of.workpiece) > 0) return false;
+    if (this.of.kind === "vertical" && this.isFixedTurntable) return false;
     const isLow = Math.max(...rest.map(stroke)) < 1400 || this.of.kind !== "vertical";
     return isLow && rest.every((axis) => axis.kind === "linear" && !isUpright(this.of, axis));
   }

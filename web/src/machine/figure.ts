@@ -6,6 +6,7 @@ import type { Axis, Chain, Pose, Vec3 } from "../evaluator/types";
 import { castings } from "./castings";
 import type { Line } from "./drag";
 import { type Layout, layout, motion } from "./layout";
+import { hides } from "./pick";
 import type { Material, Shape } from "./shapes";
 import { along } from "./vectors";
 
@@ -73,6 +74,33 @@ export class Figure {
     const { toolInUse, tool } = this.layout;
     const body = this.bodies.get(tool[tool.length - 1]?.name ?? "bed") ?? this.root;
     return new three.Vector3(...toolInUse.tip_mm).applyMatrix4(body.matrixWorld).toArray();
+  }
+
+  /** A middle, and a place of the camera before it: from the right, or from the left where posts hide the tool. */
+  viewpoint(corners: three.Vector3[]): { center: three.Vector3; place: three.Vector3 } {
+    const { up, back, right } = this.layout;
+    const { center, radius } = new three.Box3().setFromPoints(corners).getBoundingSphere(new three.Sphere());
+    const before = (aside: number) => {
+      const from = new three.Vector3(...up).multiplyScalar(0.62).addScaledVector(new three.Vector3(...back), -1.25);
+      from.addScaledVector(new three.Vector3(...right), aside).normalize();
+      return center.clone().addScaledVector(from, 3 * radius);
+    };
+    const [usual, other] = [before(0.95), before(-0.95)];
+    return { center, place: this.sight(usual) < 0.5 && this.sight(other) > 0.5 ? other : usual };
+  }
+
+  /** The share of the body at the tool that nothing hides from there. */
+  sight(from: three.Vector3): number {
+    const body = this.bodies.get(this.layout.tool.at(-1)?.name ?? "") ?? this.root;
+    const own = body.children.filter((object) => hides(object));
+    const isSeen = (object: three.Object3D) => {
+      const { center, radius } = new three.Box3().setFromObject(object).getBoundingSphere(new three.Sphere());
+      const way = center.sub(from);
+      const far = Math.max(0, way.length() - radius);
+      const ray = new three.Raycaster(from, way.normalize(), 0, far);
+      return !ray.intersectObject(this.root).some((hit) => hides(hit.object) && !own.includes(hit.object));
+    };
+    return own.length ? own.filter(isSeen).length / own.length : 1;
   }
 
   /** From the tip to the gauge point of the tool in use, in the workpiece frame. */

@@ -132,14 +132,11 @@ export class Stage {
   /** Puts the camera before the whole machine. */
   look(pose: Pose): void {
     if (!this.figure) return;
-    const { up, back, right } = this.figure.layout;
     const corners = this.figure.corners(pose);
-    const { center, radius } = new three.Box3().setFromPoints(corners).getBoundingSphere(new three.Sphere());
-    const from = new three.Vector3(...up).multiplyScalar(0.62).add(new three.Vector3(...back).multiplyScalar(-1.25));
-    from.add(new three.Vector3(...right).multiplyScalar(0.95)).normalize();
+    const { center, place } = this.figure.viewpoint(corners);
     this.resize();
-    this.camera.up.set(...up);
-    this.camera.position.copy(center).addScaledVector(from, 3 * radius);
+    this.camera.up.set(...this.figure.layout.up);
+    this.camera.position.copy(place);
     this.controls.target.copy(center);
     for (let i = 0; i < 4; i += 1) this.frame(corners);
     const distance = this.camera.position.distanceTo(this.controls.target);

@@ -27,7 +27,7 @@ export class Acceptance {
     if (!isSettled(state)) return;
     if (state.now.map?.from === "bounds" || !state.now.sources?.errors.length) {
       const words = "Nothing of this machine is measured: what a test reads depends on the errors that it will have.";
-      this.tell("test");
+      this.tell("test", "Nothing of this machine is measured.");
       return this.body.replaceChildren(make("p", { class: "words" }, words));
     }
     const { machine } = state.now.chain;

@@ -11,7 +11,7 @@ const QUESTIONS = {
   fits: ["part", "Does the part fit?", "Name its tool poses."],
   tighten: ["tighten", "What must be tightened, at what cost?", "State a goal."],
   repair: ["control", "What can the control repair?", "Choose a control."],
-  test: ["acceptance", "What will the acceptance test read?", "Nothing of this machine is measured."],
+  test: ["acceptance", "What will the acceptance test read?", "Being computed."],
 } as const;
 
 export type Asked = keyof typeof QUESTIONS;

@@ -155,7 +155,7 @@ export class AxisCurve {
   private read(of: Sample | undefined): void {
     const { axis } = this;
     if (!of || !axis) return;
-    const parts = of.parts ? ` (${of.parts.map((um, i) => `${"XYZ"[i]} ${rounded(um)}`).join(", ")})` : "";
+    const parts = of.parts ? ` (${of.parts.map((um, i) => `${"XYZ"[i]} ${rounded(um)}`).join(", ")} µm)` : "";
     const at = `${axis.name} ${Number(of.at.toFixed(1))} ${axis.unit}`.replace("-", "−");
     const value = make("strong", { "data-at": "curve", "data-value": String(of.um), "data-axis-at": String(of.at) });
     value.textContent = `${rounded(of.um)} µm`;

@@ -1,7 +1,7 @@
 /** Which errors dominate: bars, largest first, in plain words. A bar leads to the line of its error in the file. */
 
 import { Newest } from "../evaluator/newest";
-import { accepted, type Pose, type Sources } from "../evaluator/types";
+import { accepted, type Axis, type Pose, type Sources } from "../evaluator/types";
 import { type Findings, isSettled, type Session, type State } from "../session";
 import { button, make } from "../ui/dom";
 import { fileButtons } from "../ui/files";
@@ -27,7 +27,7 @@ export function bars(of: Findings): Bar[] {
     return of.sources.errors.map(({ error, words, p95_um }) => ({ error, words, um: p95_um, sigma: 0 }));
   return (of.budget?.tighten ?? []).map((entry) => ({
     error: entry.error,
-    words: `bounded by ±${Number(entry.tolerance.toPrecision(4))} ${entry.unit.replace("u", "µ")}`,
+    words: `${of.words[entry.error] ?? ""} Bound: ±${Number(entry.tolerance.toPrecision(4))} ${entry.unit.replace("u", "µ")}`,
     um: entry.um_of_p95,
     sigma: entry.um_of_p95_sigma,
   }));
@@ -83,7 +83,8 @@ export class Pareto {
   private drawn(state: State): void {
     const isHere = this.here && this.there.length > 0 && state.now?.sources?.errors.length;
     const list = isHere ? this.there : state.now ? bars(state.now) : [];
-    if (!state.now || !list.length) return this.parent.replaceChildren();
+    if (!state.now || !list.length)
+      return this.parent.replaceChildren(make("p", { class: "words" }, "No error has a value or a bound."));
     const kept = new Map((state.kept && !isHere ? bars(state.kept) : []).map((bar) => [bar.error, bar.um]));
     const most = Math.max(...list.map((bar) => Math.abs(bar.um)), ...kept.values(), 1e-9);
     const shown = this.whole ? list : list.slice(0, FEW);
@@ -98,7 +99,7 @@ export class Pareto {
       ? "Part of each error along the deviation at the present pose; the parts add up to it."
       : measured
         ? "Each error alone: 95 % of the poses deviate less."
-        : "By how much the 95 % value hangs on each tolerance.";
+        : "Part of each tolerance in the 95 % value of the drawn machines.";
     this.parent.replaceChildren(
       ...(measured ? [this.choice()] : []),
       make("p", { class: "words" }, words),
@@ -165,13 +166,20 @@ export class Pareto {
 }
 
 /** The largest error over the volume, and the one that counts most at the worst pose. */
-function dominates({ sources, map, budget }: Findings): (Node | string)[] {
+function dominates({ sources, map, budget, words, chain }: Findings): (Node | string)[] {
   const [first] = sources?.errors ?? [];
   const named = (error: string) => make("strong", { "data-error": error, tabindex: "0" }, error);
   if (!first) {
     const [most] = budget?.tighten ?? [];
-    if (!most) return [];
-    return [named(most.error), ": the 95 % value hangs on it by ", figure("answer-first", most.um_of_p95, "µm")];
+    if (!budget || !most) return [];
+    const all = budget.position_um.monte_carlo.percentiles["p95"];
+    const name = (words[most.error] ?? "").replace(/\.$/, "");
+    const worst = map?.bounds?.worst[0]?.axes;
+    const where = worst
+      ? `; worst at ${chain.axes.map((axis) => position(axis, worst[axis.name] ?? 0)).join(", ")}`
+      : "";
+    const part = figure("answer-first", most.um_of_p95, "µm");
+    return [named(most.error), ` ${name}: `, part, all ? ` of ${rounded(all.value)} µm${where}.` : `${where}.`];
   }
   const parts = [...(sources?.errors ?? [])].sort((a, b) => Math.abs(b.at_um) - Math.abs(a.at_um));
   const [there] = parts;
@@ -179,6 +187,11 @@ function dominates({ sources, map, budget }: Findings): (Node | string)[] {
   if (!there) return all;
   const of = map ? ` of ${rounded(map.position_um.max)} µm` : "";
   return [...all, "; at the worst pose ", named(there.error), " ", figure("answer-worst", there.at_um, "µm"), `${of}.`];
+}
+
+/** Position of an axis in whole units. */
+function position({ name, unit }: Axis, value: number): string {
+  return `${name}\u00a0${value.toFixed(0).replace(/^-0$/, "0").replace("-", "−")}\u00a0${unit === "deg" ? "°" : unit}`;
 }
 
 /** The chart as a file. */

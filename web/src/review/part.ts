@@ -39,12 +39,14 @@ export class Part {
     this.asking = new Newest(failed);
     this.input.value = place().work;
     this.input.addEventListener("change", () => this.name());
-    const file = make("input", { type: "file", "aria-label": "File of tool poses", id: "work-file" });
+    const file = make("input", { type: "file", "aria-label": "File of tool poses", id: "work-file", hidden: "" });
     file.addEventListener("change", () => void this.take(file.files));
+    const choose = button("Choose a file", () => file.click());
     const words =
       "Tool poses in the workpiece frame: CSV with X, Y, Z and I, J, K or rotary axes, or APT. " +
       "Drop a file here, choose it, or name it:";
-    parent.append(make("p", { class: "words" }, words), make("p", { class: "chooser" }, this.input, file), this.body);
+    const chooser = make("p", { class: "chooser" }, this.input, choose, file);
+    parent.append(make("p", { class: "words" }, words), chooser, this.body);
     this.input.setAttribute("aria-label", "Path of a file of tool poses");
     parent.addEventListener("dragover", (event) => event.preventDefault());
     parent.addEventListener("drop", (event) => {
@@ -94,7 +96,7 @@ export class Part {
 
   private nothing(reasons: string[]): void {
     this.stage?.path([], 1);
-    this.tell("fits");
+    this.tell("fits", ...(reasons.length ? [make("strong", {}, "No"), `: ${reasons.join(" ")}.`] : []));
     this.body.replaceChildren(...reasons.map((reason) => make("p", { class: "refused" }, reason)));
   }
 
@@ -163,7 +165,7 @@ export class Part {
       .slice(0, 3)
       .flatMap(({ error, um }) => [
         make("span", { "data-error": error, tabindex: "0" }, error),
-        ` ${rounded(um)} µm, `,
+        `\u00a0${rounded(um)}\u00a0µm, `,
       ]);
     if (of.unreached) causes.push(`${of.unreached} of ${of.poses + of.unreached} poses out of reach, `);
     const last = causes.pop();

@@ -15,14 +15,14 @@ const MEASURED: Row[] = [
   ["max", "Largest deviation", "µm", (of) => of.map?.position_um.max],
   ["rms", "Root mean square", "µm", (of) => of.map?.position_um.rms],
   ["mean", "Mean", "µm", (of) => of.map?.position_um.mean],
-  ["rotation", "Tilt of the tool, 95 %", "µrad", (of) => of.map?.rotation_urad.p95],
+  ["rotation", "Rotation of the tool, 95 %", "µrad", (of) => of.map?.rotation_urad.p95],
 ];
 
 const BOUNDED: Row[] = [
   ["rss", "Root of the sum of squares", "µm", (of) => of.budget?.position_um.rss],
   ["worst_case", "All bounds at their worst", "µm", (of) => of.budget?.position_um.worst_case],
   ["bounds_p95", "95 % of machines, at 95 % of the poses", "µm", (of) => of.map?.position_um.p95],
-  ["rotation", "Tilt of the tool, 95 %", "µrad", (of) => of.map?.rotation_urad.p95],
+  ["rotation", "Rotation of the tool, 95 %", "µrad", (of) => of.map?.rotation_urad.p95],
 ];
 
 /** The poses to look at first. */

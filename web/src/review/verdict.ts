@@ -74,10 +74,21 @@ export class Verdict {
   }
 
   private nothing(state: State): HTMLElement[] {
+    const code = (words: string) => make("code", {}, words);
     const words = state.stale
-      ? "The file is refused: see the marks in the editor."
-      : "No error has a value or a bound. Write some under `errors` or `tolerances`, or take those of a class: `class: production`.";
-    return [make("h2", {}, "Error of the machine"), make("p", { class: "words" }, words)];
+      ? ["The file is refused: see the marks in the editor."]
+      : [
+          "No error has a value or a bound. Write some under ",
+          ...[
+            code("errors"),
+            " or ",
+            code("tolerances"),
+            ", or take those of a class: ",
+            code("class: production"),
+            ".",
+          ],
+        ];
+    return [make("h2", {}, "Error of the machine"), make("p", { class: "words" }, ...words)];
   }
 
   /** Pass or fail against the limit in the address. */
@@ -108,7 +119,7 @@ export class Verdict {
 
 /** What is only a draft says so. */
 function draft({ effort, now }: State): string {
-  if (!effort.draft) return "";
+  if (!effort.isReduced) return "";
   return now?.map?.from === "bounds" ? ` Draft: ${effort.samples} drawn machines.` : ` Draft: ${effort.poses} poses.`;
 }
 
