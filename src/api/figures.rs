@@ -5,10 +5,10 @@ use super::positioning::printed;
 use super::run::{Answer, Call, Refused, Run};
 use crate::analysis::instrument::CirclePlane;
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
-use crate::report::{DialPanel, LinePanel, LinePicture, Picture, PolarPicture};
+use crate::report::{DialMark, DialPanel, LinePanel, LinePicture, Picture, PolarPicture};
 use crate::standards::{
     self, AccuracyFigures, AngleReading, Caused, CircleCauses, CircleFigures, DriftFigures, ErrorMotion, LEAST_ARC,
-    LEAST_PLACES, NOT_VERIFIED, RadialReading, ReadingsTable, Sense, TableUse, arc, causes, rotating,
+    LEAST_PLACES, NOT_VERIFIED, RadialReading, ReadingsTable, Sense, TableUse, TurningPoint, arc, causes, rotating,
 };
 use crate::syntax::sheet::read_sheet;
 use crate::units::significant;
@@ -140,20 +140,81 @@ pub struct CauseTest {
     pub servo_um: Option<UncertainValue>,
     /// The same as a difference of delays, with a feed.
     pub servo_ms: Option<UncertainValue>,
-    /// Root mean square of what these causes leave.
+    /// Where the axes turn, by rising angle, with the reversal spikes.
+    pub turning_points: [TurningTest; 4],
+    /// Root mean square of what these causes leave beside the spikes.
     pub rest_um: f64,
 }
 
+/// A turning point of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct TurningTest {
+    /// The axis, `X`, `Y` or `Z`.
+    pub axis: &'static str,
+    /// The end at which it turns: `+` where it is largest, or `-`.
+    pub end: &'static str,
+    /// Its angle on the circle.
+    pub angle_deg: f64,
+    /// The reversal spike after it; none if the readings show none.
+    pub spike: Option<SpikeTest>,
+    /// Height from which on a spike of any length would be found; none where the readings are too few to judge.
+    pub limit_um: Option<f64>,
+}
+
+/// A reversal spike: a short peak after an axis has turned, the same in both senses.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct SpikeTest {
+    /// Height: above zero outwards.
+    pub height_um: UncertainValue,
+    /// Angle from the turning point to its beginning.
+    pub start_deg: f64,
+    /// Length at half its height, as an angle.
+    pub width_deg: f64,
+    /// The same along the path.
+    pub width_mm: f64,
+    /// The same in time, with a feed.
+    pub width_ms: Option<f64>,
+    /// Probability that normal scatter shows one as strong at any turning point; below 1e-9 it is rounding.
+    pub chance: f64,
+}
+
+impl TurningTest {
+    fn of(found: TurningPoint, k: usize, options: &FiguresOptions) -> Self {
+        let spike = found.spike.map(|spike| {
+            let width_mm = spike.width.to_radians() * options.radius_mm;
+            SpikeTest {
+                height_um: UncertainValue::of(spike.height, 1.0),
+                start_deg: spike.start,
+                width_deg: spike.width,
+                width_mm,
+                width_ms: options.feed.map(|feed| 60e3 * width_mm / feed),
+                chance: spike.chance,
+            }
+        });
+        let axis = ["X", "Y", "Z"][options.plane.directions()[k % 2]];
+        let end = if k < 2 { "+" } else { "-" };
+        Self { axis, end, angle_deg: found.angle, spike, limit_um: found.limit }
+    }
+
+    fn mark(&self) -> Option<DialMark> {
+        let spike = self.spike?;
+        let end = spike.start_deg + 2.0 * spike.width_deg;
+        let label = format!("{}{} {} \u{b5}m", self.axis, self.end, significant(spike.height_um.value, 2));
+        Some(DialMark { angle: self.angle_deg, travelled: [spike.start_deg, end], label })
+    }
+}
+
 impl CauseTest {
-    fn of(found: &CircleCauses, feed: Option<f64>) -> Self {
+    fn of(found: &CircleCauses, options: &FiguresOptions) -> Self {
         // An amplitude of v dt / 2; v in um/ms is feed in mm/min / 60.
-        let delay = |servo: Caused| feed.map(|feed| UncertainValue::of(servo, 120.0 / feed));
+        let delay = |servo: Caused| options.feed.map(|feed| UncertainValue::of(servo, 120.0 / feed));
         Self {
             squareness_urad: UncertainValue::of(found.squareness, 1.0),
             scale_mismatch_um_per_m: UncertainValue::of(found.scale_mismatch, 1.0),
             reversal_um: found.reversal.map(|reversal| UncertainValue::of(reversal, 1.0)),
             servo_um: found.servo.map(|servo| UncertainValue::of(servo, 1.0)),
             servo_ms: found.servo.and_then(delay),
+            turning_points: [0, 1, 2, 3].map(|k| TurningTest::of(found.turning_points[k], k, options)),
             rest_um: found.rest,
         }
     }
@@ -383,7 +444,7 @@ fn circle(table: &ReadingsTable, options: &FiguresOptions) -> Result<CircleTest,
         mean_radial_um: found.mean,
         radial_max_min_um: BothSenses::of(found.extremes),
         centre_um: found.centre,
-        causes: causes(&readings, options.radius_mm).map(|found| CauseTest::of(&found, options.feed)),
+        causes: causes(&readings, options.radius_mm).map(|found| CauseTest::of(&found, options)),
         note: NOT_VERIFIED,
         curves: Sense::ALL.map(curve),
     })
@@ -544,6 +605,7 @@ impl CircleTest {
             .map(|causes| format!(", squareness {} \u{b5}rad", significant(causes.squareness_urad.value, 3)));
         let panel = DialPanel {
             directions: [right.to_owned(), up.to_owned()],
+            marks: self.causes.iter().flat_map(|causes| causes.turning_points).filter_map(|at| at.mark()).collect(),
             curves: self.curves.to_vec(),
             closed: whole,
             title: format!("{}: G(b) {} \u{b5}m", self.plane.name(), g(self.bidirectional_um)),
@@ -558,6 +620,7 @@ impl RotationTest {
     fn picture(&self) -> Picture {
         let panel = |test: &MotionTest| DialPanel {
             directions: ["0\u{b0}".to_owned(), "90\u{b0}".to_owned()],
+            marks: Vec::new(),
             curves: vec![test.mean_turn.clone()],
             closed: true,
             title: format!("{}: synchronous {} {}", test.motion, significant(test.synchronous, 3), printed(test.unit)),

@@ -22,7 +22,7 @@ pub use super::explain::Explanation;
 pub use super::features::{DominatingError, FeatureResult};
 pub use super::figures::{
     BothSenses, CauseTest, CircleTest, DiagonalTest, DiagonalsTest, DriftOf, DriftTest, MotionTest, RotationTest,
-    TemperatureRange, TestFigures, UncertainValue,
+    SpikeTest, TemperatureRange, TestFigures, TurningTest, UncertainValue,
 };
 pub use super::goal::{NewTolerance, ToleranceGoal};
 pub use super::identify::{

@@ -21,9 +21,9 @@ mod rows;
 mod text;
 
 pub use pictures::{
-    DiagonalPicture, DialPanel, FitPicture, FitPoint, LinePanel, LinePicture, Picture, PictureFailure, PlanePicture,
-    PlaneQuantity, PlaneStyle, PolarPicture, RTestPicture, ReachPicture, RunCurves, RunPanel, RunPicture, all_curves,
-    before_after, chain_dot, chain_picture,
+    DiagonalPicture, DialMark, DialPanel, FitPicture, FitPoint, LinePanel, LinePicture, Picture, PictureFailure,
+    PlanePicture, PlaneQuantity, PlaneStyle, PolarPicture, RTestPicture, ReachPicture, RunCurves, RunPanel, RunPicture,
+    all_curves, before_after, chain_dot, chain_picture,
 };
 pub use rows::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows, structured_grid};
 pub use text::{

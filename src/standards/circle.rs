@@ -25,7 +25,7 @@ impl Sense {
     /// Both.
     pub const ALL: [Self; 2] = [Self::CounterClockwise, Self::Clockwise];
 
-    fn sign(self) -> f64 {
+    pub(super) fn sign(self) -> f64 {
         if self == Self::CounterClockwise { 1.0 } else { -1.0 }
     }
 }
@@ -105,70 +105,31 @@ pub fn arc(readings: &[RadialReading]) -> f64 {
     if gap <= 2.0 * usual { 360.0 } else { 360.0 - gap }
 }
 
-/// A value with its standard uncertainty by the scatter that the causes leave.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Caused {
-    /// The value.
-    pub value: f64,
-    /// Standard uncertainty, type A; `None` without readings to spare.
-    pub sigma: Option<f64>,
-}
-
-/// A circle taken apart into causes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CircleCauses {
-    /// Angle between the directions of the plane minus 90 deg, urad. Of one sense servo mismatch is in it.
-    pub squareness: Caused,
-    /// Scale of the first direction minus scale of the second, um/m.
-    pub scale_mismatch: Caused,
-    /// Half the difference of counter-clockwise and clockwise at 45 deg, um: above zero the first axis lags more.
-    /// `None` of one sense.
-    pub servo: Option<Caused>,
-    /// Reversal of both axes, um, signed as ISO 230-2 signs it: below zero is lost motion.
-    pub reversal: [Caused; 2],
-    /// Root mean square of what the causes leave, um.
+/// A fit of least squares.
+pub(super) struct Fitted {
+    pub values: DVector<f64>,
+    /// Root of the covariance of the values, of readings that scatter by 1.
+    root: DMatrix<f64>,
+    /// Standard deviation of a reading; `None` without readings to spare.
+    scatter: Option<f64>,
+    /// Root mean square of what it leaves.
     pub rest: f64,
 }
 
-/// Returns the causes of a circle of a nominal radius (mm). `None` where the readings do not tell them apart.
-pub fn causes(readings: &[RadialReading], radius: f64) -> Option<CircleCauses> {
-    let both = Sense::ALL.iter().all(|sense| readings.iter().any(|r| r.sense == *sense));
-    let count = if both { 8 } else { 7 };
-    let effects = readings.iter().flat_map(|reading| effects(reading, radius).into_iter().take(count));
-    let rows = DMatrix::from_row_iterator(readings.len(), count, effects);
-    let fit = fitted(&rows, readings)?;
-    let caused = |j: usize| Caused { value: fit.values[j], sigma: fit.sigmas.as_ref().map(|s| s[j]) };
-    Some(CircleCauses {
-        squareness: caused(3),
-        scale_mismatch: caused(4),
-        reversal: [caused(5), caused(6)],
-        servo: both.then(|| caused(7)),
-        rest: fit.rest,
-    })
+impl Fitted {
+    /// Returns the standard uncertainty of a value.
+    pub fn sigma(&self, j: usize) -> Option<f64> {
+        self.scatter.map(|scatter| scatter * self.root.row(j).norm())
+    }
+
+    /// Returns the variance of a combination of the values.
+    pub fn variance(&self, of: &DVector<f64>) -> f64 {
+        let length = self.scatter.unwrap_or(0.0) * self.root.tr_mul(of).norm();
+        length * length
+    }
 }
 
-/// Radial effects (um) of a unit of each cause: radius and centre, squareness (urad), scale (um/m), both reversals
-/// and the servo mismatch (um).
-fn effects(reading: &RadialReading, radius: f64) -> [f64; 8] {
-    let (sine, cosine) = sin_cos_degrees(reading.angle);
-    let (sine_2, cosine_2) = sin_cos_degrees(2.0 * reading.angle);
-    let sense = reading.sense.sign();
-    let half = 0.5e-3 * radius;
-    // An axis that moves up is half its reversal above the middle.
-    let up = |speed: f64| if speed == 0.0 { 0.0 } else { 0.5 * speed.signum() };
-    let reversals = [cosine * up(-sense * sine), sine * up(sense * cosine)];
-    [1.0, cosine, sine, -half * sine_2, half * cosine_2, reversals[0], reversals[1], sense * sine_2]
-}
-
-/// A fit of least squares.
-struct Fitted {
-    values: DVector<f64>,
-    sigmas: Option<Vec<f64>>,
-    /// Root mean square of what it leaves.
-    rest: f64,
-}
-
-fn fitted(rows: &DMatrix<f64>, readings: &[RadialReading]) -> Option<Fitted> {
+pub(super) fn fitted(rows: &DMatrix<f64>, readings: &[RadialReading]) -> Option<Fitted> {
     let (count, unknowns) = rows.shape();
     let right = DVector::from_iterator(count, readings.iter().map(|r| r.deviation));
     let norms: Vec<f64> = rows.column_iter().map(|column| column.norm()).collect();
@@ -183,10 +144,10 @@ fn fitted(rows: &DMatrix<f64>, readings: &[RadialReading]) -> Option<Fitted> {
     let values = DVector::from_fn(unknowns, |j, _| scaled[j] / norms[j]);
     let squares = (&right - rows * &values).norm_squared();
     let spare = count - unknowns;
-    let root = svd.root_covariance(unknowns);
-    let sigma = |j: usize| root.row(j).norm() / norms[j] * libm::sqrt(squares / spare as f64);
-    let sigmas = (spare > 0).then(|| (0..unknowns).map(sigma).collect());
-    Some(Fitted { values, sigmas, rest: libm::sqrt(squares / count as f64) })
+    let mut root = svd.root_covariance(unknowns);
+    norms.iter().enumerate().for_each(|(j, norm)| root.row_mut(j).unscale_mut(*norm));
+    let scatter = (spare > 0).then(|| libm::sqrt(squares / spare as f64));
+    Some(Fitted { values, root, scatter, rest: libm::sqrt(squares / count as f64) })
 }
 
 #[cfg(test)]
@@ -197,31 +158,6 @@ mod tests {
         let at = |angle: f64, sense| RadialReading { angle, sense, deviation: of(angle.to_radians(), sense) };
         let angles = || (0..360).step_by(step).map(|i| i as f64 + 0.5);
         Sense::ALL.iter().flat_map(|sense| angles().map(|a| at(a, *sense)).collect::<Vec<_>>()).collect()
-    }
-
-    /// Each cause by a machine that has it: the path itself, not its first order.
-    #[test]
-    fn causes_are_told_apart() {
-        let (radius, square, scale, lag, lost) = (100.0, 50e-6, 30e-6, 2e-3, [4e-3, 7e-3]);
-        let readings = circle(5, |t, sense| {
-            let s = sense.sign();
-            // The first axis lags by 2 um of path more than the second; each axis falls short by half its lost motion.
-            let (dx, dy) = (-libm::sin(t) * s, libm::cos(t) * s);
-            let x = radius * libm::cos(t) * (1.0 + scale) - 0.5 * lost[0] * dx.signum() - lag * dx;
-            let y = radius * libm::sin(t) - 0.5 * lost[1] * dy.signum();
-            // An angle above 90 deg leans the second direction against the first.
-            (libm::hypot(x - square * y, y) - radius) * 1e3 + 3.0 * libm::cos(t) - 1.0 * libm::sin(t)
-        });
-        let found = causes(&readings, radius).unwrap();
-        let near =
-            |found: Caused, expected: f64| assert!((found.value - expected).abs() < 0.02, "{found:?} {expected}");
-        near(found.squareness, 50.0);
-        near(found.scale_mismatch, 30.0);
-        near(found.reversal[0], -4.0);
-        near(found.reversal[1], -7.0);
-        // Half the lag difference, outwards at 45 deg.
-        near(found.servo.unwrap(), 1.0);
-        assert!(found.rest < 0.01, "{}", found.rest);
     }
 
     /// 50 urad at 100 mm are 2.5 um inwards at 45 deg and outwards at 135 deg: G = c R.

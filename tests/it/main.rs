@@ -97,6 +97,7 @@ mod rooms;
 mod schema;
 mod show;
 mod sides;
+mod spikes;
 mod straightness;
 mod support;
 #[cfg(target_os = "linux")]

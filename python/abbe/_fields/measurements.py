@@ -505,6 +505,27 @@ class UncertainValue(Record):
     sigma: Annotated[Union[float, None], "Standard uncertainty by what the causes leave (type A); none without readings to spare."]
 
 
+class SpikeTest(Record):
+    """A reversal spike: a short peak after an axis has turned, the same in both senses."""
+
+    height_um: Annotated[UncertainValue, "Height: above zero outwards."]
+    start_deg: Annotated[float, "Angle from the turning point to its beginning."]
+    width_deg: Annotated[float, "Length at half its height, as an angle."]
+    width_mm: Annotated[float, "The same along the path."]
+    width_ms: Annotated[Union[float, None], "The same in time, with a feed."]
+    chance: Annotated[float, "Probability that normal scatter shows one as strong at any turning point; below 1e-9 it is rounding."]
+
+
+class TurningTest(Record):
+    """A turning point of an axis."""
+
+    axis: Annotated[str, "The axis, ``X``, ``Y`` or ``Z``."]
+    end: Annotated[str, "The end at which it turns: ``+`` where it is largest, or ``-``."]
+    angle_deg: Annotated[float, "Its angle on the circle."]
+    spike: Annotated[Union[SpikeTest, None], "The reversal spike after it; none if the readings show none."]
+    limit_um: Annotated[Union[float, None], "Height from which on a spike of any length would be found; none where the readings are too few to judge."]
+
+
 class CauseTest(Record):
     """Causes of the deviations of a circle, each beside the others by least squares."""
 
@@ -513,7 +534,8 @@ class CauseTest(Record):
     reversal_um: Annotated[list[UncertainValue], "Reversal of both axes, as ISO 230-2 signs it: below zero is lost motion."]
     servo_um: Annotated[Union[UncertainValue, None], "Servo mismatch as a radial amplitude: above zero the first axis lags more. None of one sense."]
     servo_ms: Annotated[Union[UncertainValue, None], "The same as a difference of delays, with a feed."]
-    rest_um: Annotated[float, "Root mean square of what these causes leave."]
+    turning_points: Annotated[list[TurningTest], "Where the axes turn, by rising angle, with the reversal spikes."]
+    rest_um: Annotated[float, "Root mean square of what these causes leave beside the spikes."]
 
 
 class MotionTest(Record):

@@ -50,7 +50,7 @@ pub(super) fn conditions(machine: &Machine, request: &IdentifyEntry, own: &[Para
 
 impl FittedDatum {
     pub(super) fn of(entry: DatumEntry, moved: &Moved) -> Self {
-        let Moved { conditions, translation, rotation } = *moved;
+        let Moved { conditions, translation, rotation, .. } = *moved;
         let (translation_um, rotation_urad) = (translation.map(|x| x * 1e3), rotation.map(|x| x * 1e6));
         Self { entry, conditions, translation_um, rotation_urad }
     }

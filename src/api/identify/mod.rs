@@ -313,16 +313,27 @@ fn solved(
         return call.refuse(refusal);
     }
     let fit = solve(&model, data, options.robust);
-    let solution = Solution::of(&fit, &problem.unknowns).compared(&model, data, &fit, &found.moving);
-    let misfit = misfit(&model, data, &fit, &solution);
-    let common = common(&model, data, (&fit, &solution), &problem.type_b);
-    let solution = solution.sharing(misfit.as_ref().map(|misfit| &misfit.covariance), common);
-    let forms = misfit.as_ref().map_or(&[][..], |misfit| &misfit.forms);
     let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
-    let (solution, datum) = match in_datum(&model, data, &fit, &solution, &conditions) {
-        Some((solution, moved)) => (solution, Some(FittedDatum::of(conditions.entry, &moved))),
-        None => (solution, None),
+    let examined = |fit: &Fit| {
+        let solution = Solution::of(fit, &problem.unknowns).compared(&model, data, fit, &found.moving);
+        let misfit = misfit(&model, data, fit, &solution);
+        let common = common(&model, data, (fit, &solution), &problem.type_b);
+        let solution = solution.sharing(misfit.as_ref().map(|misfit| &misfit.covariance), common);
+        let in_datum = in_datum(&model, data, fit, &solution, &conditions);
+        let (solution, moved) = in_datum.map_or((solution, None), |(solution, moved)| (solution, Some(moved)));
+        (solution, misfit, moved)
     };
+    let (solution, misfit, moved) = examined(&fit);
+    let datum = moved.map(|moved| FittedDatum::of(conditions.entry, &moved));
+    // Uncertainties by the linear problem at the values that are stated.
+    let (fit, solution, misfit) = if moved.is_some_and(|moved| moved.far) {
+        let there = fit.at(&model, data, solution.theta());
+        let (solution, misfit, _) = examined(&there);
+        (there, solution, misfit)
+    } else {
+        (fit, solution, misfit)
+    };
+    let forms = misfit.as_ref().map_or(&[][..], |misfit| &misfit.forms);
     // In the datum: products of what a datum takes out are no deviation.
     let prediction = Prediction::of(&model, data, (&fit, &solution), forms);
     let theta = solution.theta();

@@ -134,7 +134,13 @@ fn circle(document: &Value) -> Vec<RecordedFigure> {
         let cause = at(key);
         one(format!("{plane}: {name}"), &cause["value"], unit, cause["sigma"].as_f64().map(|s| COVERAGE * s))
     });
-    figures.chain(causes).collect()
+    let spikes = at("/causes/turning_points").as_array().map_or(&[][..], Vec::as_slice).iter().filter_map(|point| {
+        let (axis, end) = (point["axis"].as_str()?, point["end"].as_str()?);
+        let height = &point["spike"]["height_um"];
+        let expanded = height["sigma"].as_f64().map(|s| COVERAGE * s);
+        one(format!("{plane}: reversal spike {axis}{end}"), &height["value"], "um", expanded)
+    });
+    figures.chain(causes).chain(spikes).collect()
 }
 
 /// Figures of each entry of a list, named by a key.

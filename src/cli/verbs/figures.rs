@@ -5,7 +5,9 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::{Format, Outcome};
 use abbe::options::{CirclePlane, StandardTest};
-use abbe::results::{CauseTest, CircleTest, DiagonalsTest, DriftTest, RotationTest, TestFigures, UncertainValue};
+use abbe::results::{
+    CauseTest, CircleTest, DiagonalsTest, DriftTest, RotationTest, TestFigures, TurningTest, UncertainValue,
+};
 use abbe::text::{NOT_VERIFIED, significant};
 use abbe::{FiguresOptions, figures};
 use serde_json::json;
@@ -131,7 +133,30 @@ fn caused(causes: &CauseTest, [u, v]: [&str; 2]) -> Vec<Vec<String>> {
     ];
     rows.extend(causes.servo_um.map(|servo| line("servo mismatch".to_owned(), servo, "um")));
     rows.extend(causes.servo_ms.map(|servo| line(format!("delay {u} minus {v}"), servo, "ms")));
+    rows.extend(causes.turning_points.iter().flat_map(spike));
     rows.push(vec!["rest, rms".to_owned(), n(causes.rest_um), String::new(), "um".to_owned()]);
+    rows
+}
+
+/// The reversal spike at a turning point: height, length and chance.
+fn spike(at: &TurningTest) -> Vec<Vec<String>> {
+    let name = format!("spike {}{}", at.axis, at.end);
+    let Some(spike) = at.spike else {
+        let none = at.limit_um.map_or_else(|| "-".to_owned(), |limit| format!("none above {}", n(limit)));
+        return vec![vec![name, none, String::new(), "um".to_owned()]];
+    };
+    let line =
+        |what: &str, value: String, unit: &str| vec![format!("{name}, {what}"), value, String::new(), unit.to_owned()];
+    let chance = if spike.chance < 1e-9 { "below 1e-9".to_owned() } else { format!("{:.1e}", spike.chance) };
+    let height = spike.height_um;
+    let mut rows = vec![
+        vec![name.clone(), n(height.value), maybe(height.sigma), "um".to_owned()],
+        line("begins", n(spike.start_deg), "deg"),
+        line("length", n(spike.width_deg), "deg"),
+        line("length", n(spike.width_mm), "mm"),
+    ];
+    rows.extend(spike.width_ms.map(|ms| line("length", n(ms), "ms")));
+    rows.push(line("chance", chance, ""));
     rows
 }
 

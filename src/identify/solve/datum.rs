@@ -48,6 +48,9 @@ pub struct Moved {
     pub translation: [f64; 3],
     /// The rotation that was taken out, rad about the middle of the volume.
     pub rotation: [f64; 3],
+    /// True if curves took out what readings hardly notice: the noise may have drawn that out far beyond what the
+    /// linear problem at the fit holds for.
+    pub far: bool,
 }
 
 /// Puts a fit with error curves into a datum; `None` if no curve is fitted, or the datum is free.
@@ -216,6 +219,7 @@ impl Gauge {
             conditions: conditions.nrows(),
             translation: translation.into(),
             rotation: rotation.scaled_axis().into(),
+            far: self.near,
         };
         (theta, moved)
     }

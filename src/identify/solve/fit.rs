@@ -71,6 +71,14 @@ pub struct Fit {
     pub settled: bool,
 }
 
+impl Fit {
+    /// The same with the linear problem at other values of the parameters.
+    pub fn at(&self, model: &Model<'_>, data: &[Measurement], theta: Vec<f64>) -> Self {
+        let reduced = model.triangle(data, &self.weights, &theta);
+        Self { theta, reduced, ..self.clone() }
+    }
+}
+
 /// Fits the unknowns to the data with these weights, from their starts.
 pub fn fit(model: &Model<'_>, data: &[Measurement], weights: Vec<f64>) -> Fit {
     Search::weighed(model, data, weights).fit()

@@ -2,7 +2,7 @@
 //!
 //! 1. [`fit()`]: Levenberg-Marquardt with given weights; [`solve()`]: the same with weights by the scatter of the
 //!    readings.
-//! 2. [`Solution`]: rank, null space and uncertainty of a fit; `student` holds the quantiles.
+//! 2. [`Solution`]: rank, null space and uncertainty of a fit.
 //!    [`misfit()`]: what the form of the axes beside the curves adds to it.
 //! 3. [`Residuals`], [`held_out`], [`randomness()`]: checks of the fit against the data.
 //! 4. [`plan()`]: poses worth measuring, before there are data.
@@ -16,7 +16,6 @@ mod misfit;
 mod plan;
 mod randomness;
 mod solution;
-mod student;
 mod sums;
 mod volume;
 mod weighing;

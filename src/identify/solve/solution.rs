@@ -1,7 +1,6 @@
 //! Quality of a fit: rank, null space in words, uncertainty, and combinations that the noise drowns.
 
 use super::fit::Fit;
-use super::student;
 use crate::algebra::linear::{ReducedSystem, Svd, beside};
 use crate::evaluate::Order;
 use crate::identify::data::Measurement;
@@ -9,6 +8,7 @@ use crate::identify::model::{Model, Parameter};
 use crate::identify::words::{drowned, echelon, inseparable, list, named};
 use crate::lower::Source;
 use crate::machine::JointUncertainty;
+use crate::standards::Coverage;
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// Singular values of the column-scaled Jacobian below this share of the largest are zero.
@@ -155,7 +155,7 @@ impl Solution {
         let readings = libm::sqrt(fit.reduced.rows.max(1) as f64);
         let freedoms: Vec<f64> =
             (0..parameters.len()).map(|j| fit.freedom.get(j).copied().unwrap_or(freedom as f64)).collect();
-        let mut student = student::Coverage::default();
+        let mut student = Coverage::default();
         let estimate = |(j, value): (usize, f64)| Estimate {
             value,
             sigma: (!free(j) && freedom > 0).then(|| spread(j) * sigma),
@@ -217,7 +217,7 @@ impl Solution {
     }
 
     fn combine(&mut self) {
-        let mut student = student::Coverage::default();
+        let mut student = Coverage::default();
         for (j, estimate) in self.estimates.iter_mut().enumerate() {
             let root = |part: &DMatrix<f64>| libm::sqrt(part[(j, j)].max(0.0));
             (estimate.form, estimate.common) = (root(&self.shared.form), root(&self.shared.common));
@@ -234,7 +234,7 @@ impl Solution {
     /// The same with the scatter so much wider that two standard uncertainties reach 95 % where few readings are to
     /// spare (Student); the unknowns of one error alike, for they may cancel.
     pub fn widened(mut self, parameters: &[Parameter]) -> Self {
-        let mut student = student::Coverage::default();
+        let mut student = Coverage::default();
         let sources = |p: &Parameter| p.terms.iter().map(|term| term.source).collect::<Vec<_>>();
         let all: Vec<Vec<Source>> = parameters.iter().map(sources).collect();
         for j in 0..self.root.nrows() {

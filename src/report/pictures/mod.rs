@@ -32,7 +32,7 @@ pub use dot::chain_dot;
 pub use fit::{FitPicture, FitPoint};
 pub use plane::{PlanePicture, PlaneQuantity, PlaneStyle, before_after};
 pub use png::PictureFailure;
-pub use polar::{DialPanel, PolarPicture};
+pub use polar::{DialMark, DialPanel, PolarPicture};
 pub use reach::ReachPicture;
 pub use readings::{DiagonalPicture, RTestPicture};
 pub use runs::{LinePanel, LinePicture, RunCurves, RunPanel, RunPicture};

@@ -14,12 +14,40 @@ pub struct DialPanel {
     pub directions: [String; 2],
     /// Angle (deg) and deviation, a curve for each way.
     pub curves: Vec<Vec<(f64, f64)>>,
+    /// Stretches of the curves to point out.
+    pub marks: Vec<DialMark>,
     /// True if the curves go all the way round.
     pub closed: bool,
     /// The line below it.
     pub title: String,
     /// The line below that.
     pub line: String,
+}
+
+/// A stretch of the curves after a place, in the sense of each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DialMark {
+    /// The place, deg.
+    pub angle: f64,
+    /// Angles travelled from there to its beginning and its end, deg.
+    pub travelled: [f64; 2],
+    /// Its name.
+    pub label: String,
+}
+
+impl DialMark {
+    /// Points of the curve of one way that are within the stretch, in the order of the path.
+    fn of(&self, curve: &[(f64, f64)], sign: f64) -> Vec<(f64, f64)> {
+        let travelled = |angle: f64| {
+            let path = (sign * (angle - self.angle)).rem_euclid(360.0);
+            if path > 180.0 { path - 360.0 } else { path }
+        };
+        let [from, to] = self.travelled;
+        let mut points: Vec<(f64, f64)> =
+            curve.iter().copied().filter(|(angle, _)| (from..=to).contains(&travelled(*angle))).collect();
+        points.sort_by(|a, b| travelled(a.0).total_cmp(&travelled(b.0)));
+        points
+    }
 }
 
 impl DialPanel {
@@ -29,6 +57,7 @@ impl DialPanel {
         Self {
             directions: circle.plane.directions().map(|i| ["+X", "+Y", "+Z"][i].to_owned()),
             curves: circle.centred.iter().map(curve).collect(),
+            marks: Vec::new(),
             closed: true,
             title: format!("{}: G(b) {} µm", circle.plane.name(), significant(circle.bidirectional, 3)),
             line: format!(
@@ -132,14 +161,33 @@ impl Dial {
 
     /// Values (um) over angles (deg).
     pub(crate) fn curve(&self, svg: &mut Svg, values: impl Iterator<Item = (f64, f64)>, closed: bool, stroke: Stroke) {
-        let point = |(angle, value): (f64, f64)| {
-            let (sine, cosine) = sin_cos_degrees(angle);
-            let at = NOMINAL + PITCH * value / self.ring;
-            (self.centre.0 + at * cosine, self.centre.1 - at * sine)
-        };
-        let points: Vec<(f64, f64)> = values.map(point).collect();
+        let points: Vec<(f64, f64)> = values.map(|(angle, value)| self.point(angle, value)).collect();
         let path = if closed { polygon(&points) } else { polyline(&points) };
         svg.path(&path, &stroke.style(1.5));
+    }
+
+    fn point(&self, angle: f64, value: f64) -> (f64, f64) {
+        self.at(angle, NOMINAL + PITCH * value / self.ring)
+    }
+
+    fn at(&self, angle: f64, radius: f64) -> (f64, f64) {
+        let (sine, cosine) = sin_cos_degrees(angle);
+        (self.centre.0 + radius * cosine, self.centre.1 - radius * sine)
+    }
+
+    /// Lays a wide line over a stretch of a curve.
+    fn highlight(&self, svg: &mut Svg, stretch: &[(f64, f64)], stroke: Stroke) {
+        let points: Vec<(f64, f64)> = stretch.iter().map(|(angle, value)| self.point(*angle, *value)).collect();
+        if points.len() > 1 {
+            let wide = Stroke { dashes: "", ..stroke };
+            svg.path(&polyline(&points), &format!(r#"{} stroke-opacity="0.35""#, wide.style(7.0)));
+        }
+    }
+
+    /// Writes the name of a mark within the rings.
+    fn label(&self, svg: &mut Svg, mark: &DialMark) {
+        let (x, y) = self.at(mark.angle, NOMINAL - PITCH * f64::from(RINGS) - 14.0);
+        svg.text((x, y - 3.0), &mark.label, Font::bold(11.0), Anchor::Middle, 0.0);
     }
 
     /// Draws the text below it, in bold and faint.
@@ -195,6 +243,12 @@ impl<'a> PolarPicture<'a> {
         dial.rings(svg, right, up);
         for (curve, (_, stroke)) in panel.curves.iter().zip(self.ways) {
             dial.curve(svg, curve.iter().copied(), panel.closed, *stroke);
+        }
+        for mark in &panel.marks {
+            for ((curve, (_, stroke)), sign) in panel.curves.iter().zip(self.ways).zip([1.0, -1.0]) {
+                dial.highlight(svg, &mark.of(curve, sign), *stroke);
+            }
+            dial.label(svg, mark);
         }
         dial.below(svg, &panel.title, &panel.line);
     }

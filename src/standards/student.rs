@@ -1,4 +1,4 @@
-//! Student's distribution, for intervals from few readings.
+//! Student's distribution: intervals from few readings, and how likely chance makes a deviation.
 
 use std::collections::BTreeMap;
 
@@ -36,6 +36,11 @@ fn coverage_95(freedom: usize) -> f64 {
     low
 }
 
+/// Probability that chance goes beyond `t` to either side.
+pub(super) fn beyond(t: f64, freedom: usize) -> f64 {
+    1.0 - within(t.abs(), freedom.clamp(1, MANY))
+}
+
 /// Probability of less than `t` to either side: the finite sums of Abramowitz and Stegun, 26.7.3 and 26.7.4.
 fn within(t: f64, freedom: usize) -> f64 {
     let angle = libm::atan(t / libm::sqrt(freedom as f64));
@@ -52,7 +57,7 @@ fn within(t: f64, freedom: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Coverage, coverage_95};
+    use super::{Coverage, beyond, coverage_95};
 
     /// Percentage points as printed in every table (Abramowitz and Stegun, table 26.10).
     #[test]
@@ -65,5 +70,7 @@ mod tests {
         let mut coverage = Coverage::default();
         assert!((coverage.reach(4.0) - 2.776).abs() < 6e-4 && (2.571..2.776).contains(&coverage.reach(4.5)));
         assert!((coverage_95(1_000_000) - 1.960).abs() < 3e-3);
+        // Two-sided 0.1 %: 4.587 of 10 degrees of freedom, 3.646 of 30.
+        assert!((beyond(4.587, 10) - 1e-3).abs() < 1e-6 && (beyond(-3.646, 30) - 1e-3).abs() < 1e-6);
     }
 }
