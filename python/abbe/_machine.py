@@ -224,11 +224,13 @@ class Machine(Verbs):
         if unknown:
             known = ", ".join(self.axis_names)
             raise ValueError(f"the chain has no axis {', '.join(map(repr, unknown))}; its axes are {known}")
-        given = [np.asarray(poses[name] if name in names else 0.0, dtype=np.float64) for name in self.axis_names]
-        shape = np.broadcast_shapes((1,), *(column.shape for column in given))
-        if len(shape) != 1:
-            raise ValueError(f"a column of positions has the shape (N,), not {shape}")
-        return [np.ascontiguousarray(np.broadcast_to(column, shape)) for column in given]
+        given = {name: _positions(name, poses[name]) if name in names else np.zeros(()) for name in self.axis_names}
+        counts = {name: len(column) for name, column in given.items() if column.ndim and len(column) != 1}
+        if len(set(counts.values())) > 1:
+            lengths = ", ".join(f"{name} {count}" for name, count in counts.items())
+            raise ValueError(f"the columns of positions are not of one length: {lengths}")
+        shape = (next(iter(counts.values()), 1),)
+        return [np.ascontiguousarray(np.broadcast_to(column, shape)) for column in given.values()]
 
     def goal(self, length: float | str, **options: Any) -> BudgetResult:
         """Seeks the cheapest tolerances for a 95 % value of the position: mm, or a text such as ``"30 um"``.
@@ -324,6 +326,17 @@ def _variant(path: str, taken: set[str], changes: Mapping[str, Any]) -> tuple[st
         count += 1
         name = f"{stem}.variant{count}{ending}"
     return name, json.dumps(tree, default=lambda value: value.tolist(), ensure_ascii=False)
+
+
+def _positions(name: str, column: Any) -> NDArray[np.float64]:
+    """Returns the positions of an axis: one number, or a column."""
+    try:
+        positions = np.asarray(column, dtype=np.float64)
+    except (TypeError, ValueError) as why:
+        raise ValueError(f"the positions of {name} are no numbers (mm or deg): {why}") from None
+    if positions.ndim > 1:
+        raise ValueError(f"the positions of {name} have the shape (N,), not {positions.shape}")
+    return positions
 
 
 def _column_names(poses: Any) -> list[str] | None:

@@ -36,7 +36,8 @@ def csv_of(columns: Any) -> str:
         raise ValueError("the name of a column has a comma or a line break")
     cells = [_cells(columns[name]) for name in columns]
     if len({len(column) for column in cells}) > 1:
-        raise ValueError("the columns of measurements are not of one length")
+        lengths = ", ".join(f"{name} {len(column)}" for name, column in zip(names, cells, strict=True))
+        raise ValueError(f"the columns of measurements are not of one length: {lengths}")
     return _abbe.csv(names, cells)
 
 

@@ -284,9 +284,13 @@ class EnumerateResult(_fields.EnumerateFields, Result):
 
 
 class InstrumentResult(_fields.InstrumentFields, Result):
-    """Readings of an instrument."""
+    """Readings of an instrument. The table has a row for each plane, axis or diagonal."""
 
     __slots__ = ()
+
+    def records(self) -> list[dict[str, Any]]:
+        tables = (self._value[name] for name in ("planes", "axes", "diagonals") if name in self._value)
+        return [dict(_flat(row)) for row in next(tables)]
 
 
 class IdentifyResult(_fields.IdentifyFields, DrawnLater):

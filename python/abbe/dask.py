@@ -312,8 +312,8 @@ def evaluate(
 
     ``designs`` are a :class:`Grid` or a :class:`Sample` of parameters, or a list of changes for
     :meth:`abbe.Machine.with_`; ``measure`` takes the variant and returns numbers by name, of which ``columns`` are
-    kept. A row has the ``index`` of the design, its parameters, the numbers, and in ``refused`` the diagnostic where
-    the variant or its measure is refused. A task does ``batch`` designs.
+    kept. A row has the ``index`` of the design, its parameters (in the units of their intervals), the numbers, and in
+    ``refused`` the diagnostic where the variant or its measure is refused. A task does ``batch`` designs.
     """
     if batch < 1:
         raise ValueError("batch: 1 or more")
@@ -375,6 +375,9 @@ def _measured(
             try:
                 changes = space.changes_of(design) if space is not None else design
                 found = study.measure(sent.machine().with_(changes))
+                missing = [name for name in study.columns if name not in found]
+                if missing:
+                    raise LookupError(f"`measure` returns {', '.join(found)} and no {', '.join(missing)}")
                 row |= {name: float(found[name]) for name in study.columns}
             except DiagnosticError as refused:
                 row["refused"] = _reason(refused)

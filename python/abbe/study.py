@@ -107,6 +107,9 @@ class Problem:
             measured = dict(self.measure(self.machine.with_(changes)))
         except DiagnosticError as refused:
             return Design(values, {}, str(refused.diagnostics[0]), changes, self.machine)
+        missing = [name for name in (*self.senses, *self.constraints) if name not in measured]
+        if missing:
+            raise LookupError(f"`measure` returns {', '.join(measured)} and no {', '.join(missing)}")
         return Design(values, {name: float(of) for name, of in measured.items()}, None, changes, self.machine)
 
     def is_allowed(self, design: Design) -> bool:
@@ -203,9 +206,15 @@ def minimize(problem: Problem, *, seed: int = 1, map: Callable[..., Iterable[Des
 
 
 def _none_allowed(vectors: _Vectors) -> str:
-    refused = next((design.refused for design in vectors.known.values() if design.refused), None)
+    designs = list(vectors.known.values())
+    refused = next((design.refused for design in designs if design.refused), None)
     why = f"; one was refused: {refused}" if refused else ""
-    return f"none of {len(vectors.known)} designs keeps the constraints{why}"
+    problem, measured = vectors.problem, [design for design in designs if not design.refused]
+    if measured:
+        nearest = min(measured, key=lambda design: max(problem.violations(design), default=0.0))
+        numbers = ", ".join(f"{name} {nearest.measured[name]:.6g}" for name in problem.constraints)
+        why += f"; the nearest has {numbers}: widen the constraints or the ranges, or search longer"
+    return f"none of {len(designs)} designs keeps the constraints{why}"
 
 
 @dataclass(frozen=True)
@@ -231,10 +240,12 @@ class Front(Sequence[Design]):
         return [{**design.parameters, **design.measured} for design in self.designs]
 
     def to_pandas(self) -> Any:
-        """Returns the rows as a DataFrame (needs pandas)."""
+        """Returns the rows as a DataFrame (needs pandas); the names of columns hold the units of intervals."""
         import pandas
 
-        return pandas.DataFrame(self.records())
+        intervals = {name: of for name, of in self.problem.parameters.items() if isinstance(of, Interval) and of.unit}
+        columns = {name: f"{name} [{of.unit}]" for name, of in intervals.items()}
+        return pandas.DataFrame(self.records()).rename(columns=columns)
 
     def save(self, folder: Text) -> list[Path]:
         """Writes the machines into a folder that is new or empty, and returns the paths of the designs in order.

@@ -23,8 +23,14 @@ pub struct Evaluation<'a> {
     pub threads: usize,
 }
 
-/// Poses of one task: their columns stay in the caches of a processor.
+/// Least number of poses of a task, and that of rows, whose columns stay in the caches while they are gathered.
 const CHUNK: usize = 1 << 12;
+
+/// Largest number of poses of a task: a task takes about a millisecond.
+const MAX_CHUNK: usize = 1 << 15;
+
+/// Least number of tasks of a large batch, so that all threads end together.
+const MIN_TASKS: usize = 32;
 
 /// Up to so many poses are evaluated in the calling thread: it takes less time than to wake another.
 const MAX_ALONE: usize = CHUNK;
@@ -107,7 +113,8 @@ fn evaluated<'py>(
     }
     {
         let (mut position, mut rotation) = (position.try_readwrite()?, rotation.try_readwrite()?);
-        let tasks = tasks(columns(position.as_slice_mut()?, len), columns(rotation.as_slice_mut()?, len), len);
+        let chunk = chunk(positions, evaluation.model);
+        let tasks = tasks(columns(position.as_slice_mut()?, len), columns(rotation.as_slice_mut()?, len), chunk);
         let result = if len <= MAX_ALONE {
             py.detach(|| all(tasks, positions, evaluation, &Cancellation::default()))
         } else {
@@ -125,15 +132,24 @@ fn columns(numbers: &mut [f64], len: usize) -> [&mut [f64]; 3] {
     [x, y, z]
 }
 
+/// Returns the number of poses of a task. Ctrl-C waits for the end of one, and each costs a little.
+fn chunk(positions: &Positions<'_>, model: &CompiledModel) -> usize {
+    match positions {
+        Positions::Columns(_) if model.is_compiled() => (positions.len() / MIN_TASKS).clamp(CHUNK, MAX_CHUNK),
+        _ => CHUNK,
+    }
+}
+
 /// One task at least: also without poses the number of columns is checked.
-fn tasks<'a>(position: [&'a mut [f64]; 3], rotation: [&'a mut [f64]; 3], len: usize) -> Vec<Task<'a>> {
-    let mut position = position.map(|column| column.chunks_mut(CHUNK));
-    let mut rotation = rotation.map(|column| column.chunks_mut(CHUNK));
+fn tasks<'a>(position: [&'a mut [f64]; 3], rotation: [&'a mut [f64]; 3], chunk: usize) -> Vec<Task<'a>> {
+    let len = position[0].len();
+    let mut position = position.map(|column| column.chunks_mut(chunk));
+    let mut rotation = rotation.map(|column| column.chunks_mut(chunk));
     let task = |first| {
         let position = position.each_mut().map(|chunks| chunks.next().unwrap_or_default());
         (first, position, rotation.each_mut().map(|chunks| chunks.next().unwrap_or_default()))
     };
-    (0..len.max(1)).step_by(CHUNK).map(task).collect()
+    (0..len.max(1)).step_by(chunk).map(task).collect()
 }
 
 /// Does all tasks; of several refusals the first in the order of the poses counts.
@@ -149,8 +165,8 @@ fn all(
         }
         let end = first + position_mm[0].len();
         let out = DeviationSlices { position_mm, rotation_rad };
-        let frame = evaluation.frame;
-        positions.with_columns(first, end, |columns| evaluation.model.deviations_into(columns, frame, out))
+        let (model, frame, len) = (evaluation.model, evaluation.frame, positions.len());
+        positions.with_columns(first, end, |columns| model.piece_into(columns, frame, len, out))
     };
     if let [_] = tasks.as_slice() {
         return tasks.into_iter().try_for_each(one);

@@ -181,7 +181,8 @@ fn word<T: serde::de::DeserializeOwned>(option: &str, word: &str) -> Result<T, D
 /// Returns a length with its unit, such as `30 um`, in mm.
 #[pyfunction]
 pub fn length_mm(py: Python<'_>, text: &str) -> PyResult<f64> {
-    let refused = |why: String| one(py, Diagnostic::new(codes::E0818, why));
+    let help = "write a length with its unit, such as `30 um`";
+    let refused = |why: String| one(py, Diagnostic::new(codes::E0818, why).help(help));
     let length = parse_length(text).map_err(|why| refused(why.to_string()))?;
     length.ok_or_else(|| refused(format!("`{}` is no length", shown(text))))
 }

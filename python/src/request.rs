@@ -23,13 +23,26 @@ pub struct Request {
     pub rows: bool,
 }
 
+/// Types as serde names what it expects, and as a Python caller does.
+const RUST_TYPES: [(&str, &str); 6] = [
+    ("expected usize", "expected a whole number from 0"),
+    ("expected u64", "expected a whole number from 0"),
+    ("expected u32", "expected a whole number from 0"),
+    ("expected f64", "expected a number"),
+    ("expected a sequence", "expected a list"),
+    ("unknown variant", "unknown value"),
+];
+
 impl Request {
     /// Reads the options.
     pub fn options<T: DeserializeOwned>(&self) -> Result<T, Diagnostics> {
-        let mut json = serde_json::Deserializer::from_str(&self.options);
-        serde_path_to_error::deserialize(&mut json).map_err(|failure| {
-            let message = format!("option `{}`: {}", failure.path(), failure.inner());
-            Diagnostic::new(codes::E0818, message).into()
+        // A value has no lines and columns, which nobody has written.
+        let value: serde_json::Value = serde_json::from_str(&self.options).map_err(|why| unfit(&why.to_string()))?;
+        serde_path_to_error::deserialize(value).map_err(|failure| {
+            let why = RUST_TYPES.iter().fold(failure.inner().to_string(), |why, (of, words)| why.replace(of, words));
+            let message = format!("option `{}`: {why}", failure.path());
+            let help = "the method's docstring names its options and their values: `help(abbe.Machine)`";
+            Diagnostic::new(codes::E0818, message).help(help).into()
         })
     }
 

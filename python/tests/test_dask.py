@@ -116,6 +116,8 @@ def test_refused_designs_are_rows() -> None:
     rows = alone(abbe.dask.evaluate(bounded(), designs, budgeted, ["p95_um"])).to_pylist()
     assert rows[0]["p95_um"] > 0 and rows[0]["refused"] is None
     assert rows[1]["p95_um"] is None and rows[1]["refused"].startswith("E0")
+    with pytest.raises(LookupError, match=r"`measure` returns .*p95_um.* and no p95"):
+        alone(abbe.dask.evaluate(bounded(), designs, budgeted, ["p95"]))
 
 
 def test_maps(client: Client, tmp_path: Path) -> None:

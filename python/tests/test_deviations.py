@@ -129,6 +129,12 @@ def test_what_does_not_fit_is_refused() -> None:
         machine.deviations({"B": [1.0]})
     with pytest.raises(ValueError, match="shape"):
         machine.deviations(np.zeros((1, 2, 5)))
+    with pytest.raises(ValueError, match="not of one length: Y 3, X 2"):
+        machine.deviations({"X": [1, 2], "Y": [1, 2, 3], "Z": [4], "A": 5})
+    with pytest.raises(ValueError, match="positions of X are no numbers"):
+        machine.deviations({"X": "far"})
+    with pytest.raises(ValueError, match=r"positions of Y have the shape \(N,\), not \(2, 2\)"):
+        machine.deviations({"Y": np.zeros((2, 2))})
     for poses, code in [
         (np.zeros((3, 4)), "E0818"),
         (np.full((3, 5), np.nan), "E0802"),

@@ -64,6 +64,24 @@ def test_pandas() -> None:
     assert len(budget.to_pandas()) == len(budget.to_dict()["tighten"]) > 5
 
 
+def test_the_table_of_an_instrument() -> None:
+    pytest.importorskip("pandas")
+    machine = abbe.load(TRUNNION)
+    for instrument, rows, column in (
+        ("ball_bar", 3, "plane"),
+        ("r_test", 2, "axis"),
+        ("diagonals", 4, "e_d_um"),
+        ("step_diagonals", 4, "e_d_um"),
+    ):
+        frame = machine.instrument(instrument).to_pandas()  # type: ignore[arg-type]
+        assert len(frame) == rows and column in frame, instrument
+
+
+def test_columns_of_measurements_are_of_one_length() -> None:
+    with pytest.raises(ValueError, match=r"not of one length: X \[mm\] 2, dx \[um\] 3"):
+        abbe.load(VMC).identify({"X [mm]": [0.0, 1.0], "dx [um]": [1.0, 2.0, 3.0]}, fit=["EC0Y"])
+
+
 def test_arrow() -> None:
     pyarrow = pytest.importorskip("pyarrow")
     found = abbe.load(TRUNNION).map(poses={"random": 20}, rows=True)

@@ -44,6 +44,7 @@ def test_a_pareto_front_and_its_files(tmp_path: Path) -> None:
         urad = row["errors.EC0Y"]
         assert row["um"] == pytest.approx(urad * 1e-6 * 300 * 1e3, rel=1e-4)
         assert row["price"] == pytest.approx(1e3 / urad + row["length"] / 100, rel=1e-9)
+    assert list(front.to_pandas()) == ["errors.EC0Y [urad]", "axes.X.travel", "um", "price", "length"]
     assert [row["um"] for row in rows] == sorted(row["um"] for row in rows)
     assert [row["price"] for row in rows] == sorted((row["price"] for row in rows), reverse=True)
     assert len({(row["errors.EC0Y"], row["length"]) for row in rows}) == len(rows), "no design twice"
@@ -68,8 +69,12 @@ def test_the_best_design() -> None:
 
 def test_what_is_impossible_is_said() -> None:
     problem = Problem(abbe.loads(MACHINE), PARAMETERS, measure, ["price"], {"um": (None, 1e-6)})
-    with pytest.raises(ValueError, match="none of"):
-        minimize(problem, maxiter=1)
+    # At 2 urad, the end of the range, the corner is still 0.6 um away.
+    with pytest.raises(ValueError, match=r"none of .*; the nearest has um 0\.6\d*: widen"):
+        minimize(problem, maxiter=20)
+    unnamed = Problem(abbe.loads(MACHINE), PARAMETERS, measure, ["prise"])
+    with pytest.raises(LookupError, match="`measure` returns um, price, length and no prise"):
+        minimize(unnamed, maxiter=1)
     wrong = Problem(abbe.loads(MACHINE), {"errors.EC0Y": ["3 kg"]}, measure, ["price", "um"])
     with pytest.raises(ValueError, match="E0"):
         pareto(wrong, population=2, generations=1)

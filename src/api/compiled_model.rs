@@ -53,6 +53,12 @@ pub fn compile_model(file: &MachineFile, order: Order, approach: Approach) -> Co
 }
 
 impl CompiledModel {
+    /// True if poses run on vectors rather than one by one through the general algebra, which takes a hundred times as
+    /// long.
+    pub fn is_compiled(&self) -> bool {
+        self.0.is_compiled()
+    }
+
     /// Returns the names of the axes in the order of the positions.
     pub fn axes(&self) -> impl Iterator<Item = &str> {
         self.0.machine().axes().iter().map(|axis| axis.name.as_str())
@@ -94,6 +100,22 @@ impl CompiledModel {
         frame: Frame,
         out: DeviationSlices<'_>,
     ) -> Result<(), Diagnostic> {
+        let len = columns.first().map_or(0, |column| column.len());
+        self.piece_into(columns, frame, len, out)
+    }
+
+    /// Writes the deviations at a piece of a batch of `batch_len` poses; the same as [`Self::deviations_into`]
+    /// otherwise. A large batch that is handed over piece by piece, so that it can be stopped in between, takes no
+    /// longer than at once.
+    ///
+    /// Fails as [`Self::deviations_into`] does.
+    pub fn piece_into(
+        &self,
+        columns: &[&[f64]],
+        frame: Frame,
+        batch_len: usize,
+        out: DeviationSlices<'_>,
+    ) -> Result<(), Diagnostic> {
         self.counted(columns.len())?;
         let len = columns.first().map_or(0, |column| column.len());
         let unfit = |what| Diagnostic::new(codes::E0818, format!("the columns of {what} are not of one length"));
@@ -103,7 +125,9 @@ impl CompiledModel {
             return Err(unfit("positions and deviations"));
         }
         self.known(columns)?;
-        self.0.deviations_parallel(&batch, out.reborrow());
+        // Vectors that are turned are read again at once: these must not be stored past the caches.
+        let are_turned = frame != Frame::Workpiece || self.0.machine().workpiece_rotation().is_some();
+        self.0.piece_parallel(&batch, out.reborrow(), if are_turned { len } else { batch_len });
         self.0.to_frame(frame, &batch, out);
         Ok(())
     }
@@ -121,61 +145,12 @@ impl CompiledModel {
     /// Error curves are known on intervals: their ends decide.
     fn known(&self, columns: &[&[f64]]) -> Result<(), Diagnostic> {
         let machine = self.0.machine();
-        let Some(ends) = columns.iter().map(|column| ends(column)).collect::<Option<Vec<_>>>() else {
-            return known(machine, &vec![f64::INFINITY; columns.len()]);
-        };
         if columns.iter().all(|column| column.is_empty()) {
             return Ok(());
         }
+        let Some(ends) = columns.iter().map(|column| self.0.ends(column)).collect::<Option<Vec<_>>>() else {
+            return known(machine, &vec![f64::INFINITY; columns.len()]);
+        };
         [0, 1].into_iter().try_for_each(|end| known(machine, &ends.iter().map(|of| of[end]).collect::<Vec<_>>()))
-    }
-}
-
-/// Least and largest number of a column; `None` where one is not finite.
-///
-/// Side by side, or it would take longer than the deviations.
-fn ends(column: &[f64]) -> Option<[f64; 2]> {
-    const LANES: usize = 8;
-    let (mut low, mut high, mut finite) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES], [0.0; LANES]);
-    let mut take = |chunk: &[f64; LANES]| {
-        for (k, &q) in chunk.iter().enumerate() {
-            low[k] = if q < low[k] { q } else { low[k] };
-            high[k] = if q > high[k] { q } else { high[k] };
-            // Not a number, and so forever, if the position is not finite.
-            finite[k] += q * 0.0;
-        }
-    };
-    let chunks = column.chunks_exact(LANES);
-    let rest = chunks.remainder();
-    chunks.filter_map(|chunk| chunk.try_into().ok()).for_each(&mut take);
-    if let Some(last) = rest.last() {
-        // The numbers that are left, the last of them again and again.
-        take(&std::array::from_fn(|k| *rest.get(k).unwrap_or(last)));
-    }
-    if finite.iter().any(|zero| *zero != 0.0) {
-        return None;
-    }
-    Some([low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max)])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_ends_of_a_column_of_any_length() {
-        for len in 1..40_usize {
-            let mut column: Vec<f64> = (0..len).map(|i| ((i * 7919) % 101) as f64 - 50.0).collect();
-            let sorted = {
-                let mut sorted = column.clone();
-                sorted.sort_by(f64::total_cmp);
-                sorted
-            };
-            assert_eq!(ends(&column), Some([sorted[0], sorted[len - 1]]));
-            for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-                column[len / 2] = bad;
-                assert_eq!(ends(&column), None);
-            }
-        }
     }
 }

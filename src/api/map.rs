@@ -351,11 +351,9 @@ fn compensation(
 
 fn too_many(count: usize) -> Diagnostic {
     let count = if count == usize::MAX { "more than can be counted".to_owned() } else { count.to_string() };
-    Diagnostic::new(
-        codes::E0812,
-        format!("the grid of the volume has {count} poses; a map takes {MAX_SURVEYED} at most"),
+    Diagnostic::new(codes::E0812, format!("there are {count} poses; a map takes {MAX_SURVEYED} at most")).help(
+        "take fewer random poses (`--random 100000`), or for the grid larger steps under `volume` in the machine file",
     )
-    .help("take random poses (`--random 100000`), or larger steps under `volume` in the machine file")
 }
 
 /// Maps a field; the tables are written.

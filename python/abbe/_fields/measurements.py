@@ -92,7 +92,7 @@ class FittedParameter(Record):
     type_a: Annotated[Union[float, None], "The part of it that the scatter of the readings makes, as if each were independent (type A)."]
     lack_of_fit: Annotated[float, "The part of it that the form of the axes makes, which readings near each other share."]
     type_b: Annotated[float, "The part of it that all readings share, as the user states it (type B)."]
-    unit: Annotated[str, "Unit of value and uncertainty."]
+    unit: Annotated[str, "Unit of the value and of its uncertainties."]
     coverage_factor_95: Annotated[Union[float, None], "Standard uncertainties that a 95 % interval reaches to either side."]
     valuation: Annotated[float, "Standard deviation of a reading over that of the parameter's effect on a usual reading; 0 if the value is free."]
 
@@ -103,7 +103,7 @@ class KnownValue(Record):
     name: Annotated[str, "Name of the unknown."]
     value: Annotated[float, "Value, in ``unit``."]
     sigma: Annotated[float, "Standard uncertainty, in ``unit``."]
-    unit: Annotated[str, "Unit of value and uncertainty."]
+    unit: Annotated[str, "Unit of the value and of its uncertainties."]
 
 
 class SharedUncertainty(Record):

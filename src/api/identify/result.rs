@@ -28,7 +28,7 @@ pub struct FittedParameter {
     pub lack_of_fit: f64,
     /// The part of it that all readings share, as the user states it (type B).
     pub type_b: f64,
-    /// Unit of value and uncertainty.
+    /// Unit of the value and of its uncertainties.
     pub unit: String,
     /// Standard uncertainties that a 95 % interval reaches to either side.
     pub coverage_factor_95: Option<f64>,
@@ -61,7 +61,7 @@ pub struct KnownValue {
     pub value: f64,
     /// Standard uncertainty, in `unit`.
     pub sigma: f64,
-    /// Unit of value and uncertainty.
+    /// Unit of the value and of its uncertainties.
     pub unit: String,
 }
 

@@ -15,7 +15,7 @@
 //! 5. `lookup` computes for a chunk of poses the quantities that do not depend on the walk, such as positions in
 //!    tables;
 //! 6. `grid`, `grid_lines`, `affine`: on a tensor grid the outer joints are multiplied once per line;
-//! 7. `frame` rotates deviations into other frames.
+//! 7. `frame` rotates deviations into other frames; `ends` finds the ends of columns of positions.
 //!
 //! Numbers do not depend on the vector width nor on the number of threads, to the bit. They agree with
 //! [`evaluate`](super::evaluate()) up to rounding: order 1 to 1e-12 of the batch's largest deviation; the others to
@@ -33,6 +33,7 @@ mod affine;
 pub(super) mod batch;
 mod chain;
 mod curves;
+mod ends;
 mod exact;
 mod first;
 mod frame;

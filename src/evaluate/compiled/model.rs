@@ -98,6 +98,12 @@ impl CompiledModel {
     /// same bits as [`Self::deviations`].
     pub fn deviations_parallel(&self, poses: &Batch<'_>, out: Output<'_>) {
         let whole = poses.len().min(out.len());
+        self.piece_parallel(poses, out, whole);
+    }
+
+    /// Computes a piece of a batch of `whole` poses as [`Self::deviations_parallel`] computes it as part of the batch:
+    /// deviations of a large one are stored past the caches.
+    pub fn piece_parallel(&self, poses: &Batch<'_>, out: Output<'_>, whole: usize) {
         let task = (whole / MIN_TASKS).clamp(BLOCK, MAX_BLOCKS * BLOCK).next_multiple_of(BLOCK);
         self.parallel(poses, out, task, whole);
     }
