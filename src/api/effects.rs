@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 pub(super) const BOUND_POSES: usize = 64;
 
 /// Maximum number of effects that are held.
-const MAX_EFFECTS: usize = 500_000;
+const MAX_EFFECTS: usize = 250_000;
 
 /// Effect of an error, or of a pair of errors, at a pose; workpiece frame.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -71,9 +71,11 @@ pub(super) fn effects(
         one.first.len() + one.second.len()
     });
     if each.saturating_mul(poses.len()) > MAX_EFFECTS {
-        let message = format!("{} poses with {each} effects of errors each are too many", poses.len());
-        let help = "at most 500000 effects: ask at fewer poses, or without `--interactions`";
-        return call.refuse(Diagnostic::new(codes::E0818, message).help(help));
+        return call.usage(format!(
+            "{} poses with {each} effects of errors each are too many: at most {MAX_EFFECTS} effects, so ask at fewer \
+             poses, or without `--interactions`",
+            poses.len()
+        ));
     }
     let at: Vec<Interactions> = poses.iter().map(|pose| calculation.at(pose, approach)).collect();
     let bound = || {

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use crate::oracle::program::Folder;
-use crate::support::{Run, abbe, compile, config, number, verify};
+use crate::support::{Run, abbe, compile, config, number, packed, verify};
 
 const FEW: [&str; 2] = ["--poses", "20"];
 
@@ -366,10 +366,7 @@ fn a_report_draws_its_budget_at_the_poses_asked_for() {
         let page = folder.path("page.html");
         let run = Run::of(abbe().arg("report").arg(&machine).args(more).arg("--out").arg(&page));
         assert_eq!(run.code, Some(0), "{}", run.err);
-        let page = std::fs::read_to_string(page).unwrap();
-        let begin = page.find("<script type=\"application/json\"").unwrap();
-        let json = page[begin..].split_once('>').unwrap().1.split("</script>").next().unwrap();
-        let data: serde_json::Value = serde_json::from_str(json).unwrap();
+        let data = packed::data(&std::fs::read_to_string(page).unwrap());
         let budget = Run::of(abbe().arg("budget").arg(&machine).args(more).args(["--format", "json"])).json();
         (data["machines"][0]["budget"].clone(), budget)
     };
@@ -576,5 +573,5 @@ fn effects_are_bounded_in_number() {
     let machine = config("trunnion.yaml");
     let more = ["--axis-poses", "poses.csv", "--sensitivity", "--interactions"];
     let run = soon(&folder, &[&["eval", machine.to_str().unwrap()][..], &more].concat());
-    assert!(run.code == Some(2) && run.err.contains("at most 500000 effects"), "{}", run.err);
+    assert!(run.code == Some(2) && run.err.contains("at most 250000 effects"), "{}", run.err);
 }
