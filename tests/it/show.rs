@@ -176,7 +176,8 @@ fn a_stated_uncertainty_is_a_band_about_the_curve_and_changes_no_result() {
     let page = folder.file("page.html");
     abbe(&["report", text(&sure), "--poses", "10", "--out", text(&page)]);
     let page = std::fs::read_to_string(page).unwrap();
-    assert!(page.contains("\"uncertainty\":2.0") && page.contains("class=\"band\""));
+    let data = crate::support::packed::data(&page).to_string();
+    assert!(data.contains("\"uncertainty\":2.0") && page.contains("class=\"band\""), "{data}");
     let wrong = machine("negative.yaml", ", uncertainty: -0.5 um", "12 urad");
     let (code, message) = refused(&["check", text(&wrong)]);
     assert!(code == 1 && message.contains("E0411") && message.contains("uncertainty"), "{message}");

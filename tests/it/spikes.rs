@@ -171,8 +171,7 @@ fn arcs_and_single_senses_have_their_spikes() {
     }
 }
 
-/// Of 300 circles without spikes less than 1 in 100 shows one, with white noise, with noise that correlates and with an
-/// error that repeats along the first axis.
+/// Of 300 circles without spikes not more than 1 in 100 shows one: white noise, noise that correlates, coarse arcs.
 #[test]
 fn circles_without_spikes_show_none() {
     let folder = Folder::new("spikes-none");

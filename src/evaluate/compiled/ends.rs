@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn the_ends_of_a_column_of_any_length() {
-        for width in [Width::Scalar, Width::Fused, Width::Avx2, Width::Avx512, Width::widest()] {
+        for width in Width::ALL {
             assert_eq!(ends(width, &[]), None);
             for len in 1..100_usize {
                 let mut column: Vec<f64> = (0..len).map(|i| ((i * 7919) % 101) as f64 - 50.0).collect();
