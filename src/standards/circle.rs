@@ -151,10 +151,11 @@ pub(super) fn fitted(rows: &DMatrix<f64>, readings: &[RadialReading]) -> Option<
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn circle(step: usize, of: impl Fn(f64, Sense) -> f64) -> Vec<RadialReading> {
+    /// Readings of both senses round a circle, by angle (rad) and sense.
+    pub fn circle(step: usize, of: impl Fn(f64, Sense) -> f64) -> Vec<RadialReading> {
         let at = |angle: f64, sense| RadialReading { angle, sense, deviation: of(angle.to_radians(), sense) };
         let angles = || (0..360).step_by(step).map(|i| i as f64 + 0.5);
         Sense::ALL.iter().flat_map(|sense| angles().map(|a| at(a, *sense)).collect::<Vec<_>>()).collect()

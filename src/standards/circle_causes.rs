@@ -111,7 +111,7 @@ impl<'a> Design<'a> {
         fitted(&self.rows.select_rows(&kept), &readings)
     }
 
-    /// What a fit leaves of every reading.
+    /// Returns the residual of every reading.
     fn left(&self, fit: &Fitted) -> Vec<f64> {
         let predicted = &self.rows * &fit.values;
         self.readings.iter().zip(predicted.iter()).map(|(reading, value)| reading.deviation - value).collect()
@@ -141,12 +141,7 @@ fn effects(reading: &RadialReading, radius: f64) -> [f64; EFFECTS] {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn circle(step: usize, of: impl Fn(f64, Sense) -> f64) -> Vec<RadialReading> {
-        let at = |angle: f64, sense| RadialReading { angle, sense, deviation: of(angle.to_radians(), sense) };
-        let angles = || (0..360).step_by(step).map(|i| i as f64 + 0.5);
-        Sense::ALL.iter().flat_map(|sense| angles().map(|a| at(a, *sense)).collect::<Vec<_>>()).collect()
-    }
+    use crate::standards::circle::tests::circle;
 
     /// Each cause by a machine that has it: the path itself, not its first order.
     #[test]

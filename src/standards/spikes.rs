@@ -17,7 +17,7 @@ const STEPS: f64 = 4.0;
 const SHARP_STEPS: f64 = 6.0;
 /// Shortest pulse, deg, however near the readings are.
 const SHORTEST: f64 = 0.2;
-/// From one length to the next.
+/// Ratio of a length to the one before.
 const GROWTH: f64 = 1.2;
 /// Places of the peak, as shares of the length: a spike rises faster than it falls.
 const PEAKS: [f64; 3] = [0.0, 0.25, 0.5];
@@ -40,7 +40,7 @@ pub(super) const TURNING_POINTS: [f64; 4] = [0.0, 90.0, 180.0, 270.0];
 pub(super) struct Pulse {
     /// Where it begins, deg after the turning point.
     pub start: f64,
-    /// From its beginning to its end, deg.
+    /// Length from beginning to end, deg.
     length: f64,
     /// Place of its peak, as a share of the length.
     peak: f64,
@@ -98,7 +98,7 @@ pub(super) struct FoundSpike {
     pub chance: f64,
 }
 
-/// What the readings show at a turning point.
+/// Spike and limit of a turning point.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Judged {
     pub spike: Option<FoundSpike>,
@@ -112,7 +112,7 @@ struct Candidate {
     laid: Laid,
     height: f64,
     control: f64,
-    /// Of the height: with that of the fit there.
+    /// Variance of the height, with that of the fit there.
     variance: f64,
     freedom: usize,
 }

@@ -25,13 +25,13 @@ const NEAR: f64 = 1.0;
 /// Distance (mm) at which a turned direction displaces the lever of an angular error.
 const REACH: f64 = 1e3;
 
-/// How far the line of a rotary axis in a file is off the machine file's.
+/// Distance of the line of a rotary axis in a file from the machine file's.
 struct OffLine {
     line: usize,
     axis: AxisName,
-    /// Of its point, across it, mm.
+    /// Distance of its point, across the line, mm.
     off: f64,
-    /// Of its direction, rad.
+    /// Angle of its direction, rad.
     turned: f64,
 }
 
