@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Union
 
@@ -132,3 +132,10 @@ class Sample(Space):
             else:
                 values[name] = of[int(fraction * len(of))]
         return values
+
+
+def refuse_missing(measured: Mapping[str, Any], names: Iterable[str]) -> None:
+    """Raises LookupError for numbers that a study asks for and its ``measure`` does not return."""
+    missing = [name for name in names if name not in measured]
+    if missing:
+        raise LookupError(f"`measure` returns {', '.join(measured)} and no {', '.join(missing)}")

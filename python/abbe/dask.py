@@ -36,7 +36,7 @@ from ._calls import Text, task_threads
 from ._diagnostics import DiagnosticError
 from ._machine import Approach, Frame, Machine
 from ._results import BudgetResult, EnumerateResult, IdentifyResult
-from ._spaces import Grid, Interval, Sample, Space
+from ._spaces import Grid, Interval, Sample, Space, refuse_missing
 
 if TYPE_CHECKING:
     import xarray
@@ -375,9 +375,7 @@ def _measured(
             try:
                 changes = space.changes_of(design) if space is not None else design
                 found = study.measure(sent.machine().with_(changes))
-                missing = [name for name in study.columns if name not in found]
-                if missing:
-                    raise LookupError(f"`measure` returns {', '.join(found)} and no {', '.join(missing)}")
+                refuse_missing(found, study.columns)
                 row |= {name: float(found[name]) for name in study.columns}
             except DiagnosticError as refused:
                 row["refused"] = _reason(refused)

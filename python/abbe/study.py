@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ._calls import Text
 from ._diagnostics import DiagnosticError
 from ._machine import Machine
-from ._spaces import Changes, Grid, Interval, Parameter, Parameters, Sample, Space, changes_of
+from ._spaces import Changes, Grid, Interval, Parameter, Parameters, Sample, Space, changes_of, refuse_missing
 
 __all__ = [
     "Design",
@@ -107,9 +107,7 @@ class Problem:
             measured = dict(self.measure(self.machine.with_(changes)))
         except DiagnosticError as refused:
             return Design(values, {}, str(refused.diagnostics[0]), changes, self.machine)
-        missing = [name for name in (*self.senses, *self.constraints) if name not in measured]
-        if missing:
-            raise LookupError(f"`measure` returns {', '.join(measured)} and no {', '.join(missing)}")
+        refuse_missing(measured, (*self.senses, *self.constraints))
         return Design(values, {name: float(of) for name, of in measured.items()}, None, changes, self.machine)
 
     def is_allowed(self, design: Design) -> bool:
