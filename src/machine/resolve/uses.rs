@@ -2,12 +2,13 @@
 //! stays in the document for a later stage.
 
 use super::axes::AxisDraft;
-use super::context::Context;
+use super::context::{Context, dotted};
 use super::errors::named;
+use super::names::Spelling;
 use crate::diagnostic::{codes, shown};
 use crate::machine::algebra::{AlgebraChoice, named_monomial};
 use crate::machine::{AxisName, Direction, parse_error_name};
-use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, below, keys};
+use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, Scalar, below, keys};
 
 /// Groups that may be fitted.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
@@ -132,10 +133,26 @@ pub fn identify(context: &mut Context<'_>, known: &JointNames<'_>) {
         errors.keys().map(move |error| (keys(["identify", "parameters", name, error]), error))
     });
     let knots = entry.knots.keys().map(|name| (keys(["identify", "knots", name]), name));
-    let slopes = entry.slopes.keys().map(|name| (keys(["identify", "slopes", name]), name));
-    for (at, name) in leaders.chain(moved).chain(knots).chain(slopes).collect::<Vec<_>>() {
+    for (at, name) in leaders.chain(moved).chain(knots).collect::<Vec<_>>() {
         let place = context.document.places.key(&at);
         let _ = named(context, name, known, place);
+    }
+    for (name, bound) in &entry.slopes {
+        slope(context, known, name, bound);
+    }
+}
+
+/// Checks the bound on the slope of an error. Whether the error is fitted as a curve is judged by the fit.
+fn slope(context: &mut Context<'_>, known: &JointNames<'_>, name: &str, bound: &Scalar) {
+    let at = keys(["identify", "slopes", name]);
+    let place = context.document.places.key(&at);
+    let Some(Spelling { error, .. }) = named(context, name, known, place) else { return };
+    let Some(kind) = known.axis(&error.axis).and_then(|axis| axis.kind).filter(|_| !error.is_location()) else {
+        return;
+    };
+    if context.coefficient(bound, error.direction, kind, 1, &at).is_some_and(|slope| slope <= 0.0) {
+        let message = format!("`{}` is not above zero", dotted(&at));
+        context.at_value(codes::E0213, &at, message, "write the standard deviation of the slope, such as 20 um/m");
     }
 }
 
