@@ -291,6 +291,12 @@ fn descriptions_that_do_not_fit_are_refused_and_nothing_is_written() {
     folder.write("record.yaml", DESCRIPTION);
     record(&description, &folder.path("made"), &[]).json();
     let before = tree(&folder.path("made"));
+    // A record that may not be read is one all the same.
+    let elsewhere = outside.path("").display().to_string();
+    let made = folder.path("made").display().to_string();
+    let checked = |more: &[&str]| Run::of(abbe().args(["record", "--check", &made]).args(more));
+    checked(&["--confined", &elsewhere]).refused("E0819");
+    checked(&["--confined", &confined]).json();
     // The same record again is there already; another one is not put over it.
     record(&description, &folder.path("made"), &[]).json();
     assert_eq!(tree(&folder.path("made")), before);

@@ -6,7 +6,7 @@ use crate::api::compensation::folder::SET_LIMIT;
 use crate::api::run::{Answer, Call, Refused, Run};
 use crate::controller::{is_plain_name, sha256};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
-use crate::syntax::{EntryKind, Files};
+use crate::syntax::{EntryKind, Files, ReadFailure, unreadable};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -44,17 +44,26 @@ pub fn check_record(folder: &Path, run: Run<'_>) -> Result<Answer<RecordCheck>, 
 pub(super) fn checked(call: &mut Call<'_>, folder: &Path) -> Result<RecordCheck, Refused> {
     let files = call.run.files;
     let name = shown(&folder.display().to_string());
-    let Some((list, sha256)) = listed(files, folder) else {
+    let sums = folder.join(SUMS_NAME);
+    let bytes = match files.read_at_most(&sums, SET_LIMIT) {
+        Ok(bytes) => bytes,
+        Err(ReadFailure::NotFound) => Vec::new(),
+        Err(failure) => return call.refuse(unreadable(&sums, &failure)),
+    };
+    let sha256 = sha256(&bytes);
+    let Some(list) = listed(bytes) else {
         let message = format!("`{name}` is no record: it has no list `{SUMS_NAME}` that abbe wrote");
         return call.refuse(changed(message));
     };
     for (file, hash) in &list {
-        let fault = match files.read_at_most(&folder.join(file), SET_LIMIT) {
+        let path = folder.join(file);
+        let fault = match files.read_at_most(&path, SET_LIMIT) {
             Ok(bytes) if crate::controller::sha256(&bytes) == *hash => continue,
-            Ok(_) => "has changed since the record was made",
-            Err(_) => "is missing or cannot be read",
+            Ok(_) => changed(format!("`{file}` of `{name}` has changed since the record was made")),
+            Err(ReadFailure::NotFound) => changed(format!("`{file}` of `{name}` is missing")),
+            Err(failure) => unreadable(&path, &failure),
         };
-        call.extend([changed(format!("`{file}` of `{name}` {fault}"))]);
+        call.extend([fault]);
     }
     call.checked()?;
     let mut unlisted = Vec::new();
@@ -79,10 +88,8 @@ fn changed(message: String) -> Diagnostic {
     Diagnostic::new(codes::E0821, message).help("take the record from a copy, or make it again from its sources")
 }
 
-/// Reads the list; `None` if it is none.
-fn listed(files: &dyn Files, folder: &Path) -> Option<(BTreeMap<String, String>, String)> {
-    let bytes = files.read_at_most(&folder.join(SUMS_NAME), SET_LIMIT).ok()?;
-    let hash = sha256(&bytes);
+/// Returns the hash of each file by its name; `None` if the bytes are no list of a record.
+fn listed(bytes: Vec<u8>) -> Option<BTreeMap<String, String>> {
     let text = String::from_utf8(bytes).ok()?;
     let line = |line: &str| {
         let (hash, name) = line.split_once("  ")?;
@@ -90,7 +97,7 @@ fn listed(files: &dyn Files, folder: &Path) -> Option<(BTreeMap<String, String>,
         (whole && name.split('/').all(is_plain_name)).then(|| (name.to_owned(), hash.to_owned()))
     };
     let list: BTreeMap<String, String> = text.lines().map(line).collect::<Option<_>>()?;
-    (list.contains_key(super::JSON_NAME) && list.len() <= MOST).then_some((list, hash))
+    (list.contains_key(super::JSON_NAME) && list.len() <= MOST).then_some(list)
 }
 
 /// Files at or below an entry that the list does not name. Links are not followed.
