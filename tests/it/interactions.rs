@@ -106,3 +106,34 @@ fn eval_prints_them_on_request() {
     let text = eval(&[&at[..], &["--sensitivity", "--interactions"]].concat());
     assert!(text.contains("order 1 is good to ") && text.contains(" nm and "), "{text}");
 }
+
+/// A table has a column for each number that was asked for.
+#[test]
+fn tables_have_columns_for_what_is_asked_for() {
+    let at = ["--at", "X=100,Y=50,A=-40,C=30"];
+    let more = ["--sensitivity", "--interactions", "--algebra", "degree: 2", "--inverse"];
+    let table = eval(&[&at[..], &more, &["--format", "csv"]].concat());
+    let json: Value = serde_json::from_str(&eval(&[&at[..], &more, &["--format", "json"]].concat())).unwrap();
+    let pose = &json["poses"][0];
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!((rows.len(), rows[0].len()), (2, rows[1].len()));
+    let cell = |name: &str| {
+        let column = rows[0].iter().position(|head| *head == name).unwrap_or_else(|| panic!("no column {name}"));
+        rows[1][column].parse::<f64>().unwrap()
+    };
+    for (axis, unit) in [("X", "mm"), ("A", "deg")] {
+        assert_eq!(cell(&format!("undo {axis} [{unit}]")), pose["inverse"][axis].as_f64().unwrap());
+    }
+    let unit = |error: &str| if "ABC".contains(&error[1..2]) { "/rad" } else { "/mm" };
+    let effects = |key: &str| pose[key].as_array().unwrap().clone();
+    let all = [effects("sensitivity"), effects("interactions")].concat();
+    for effect in &all {
+        let name = effect["error"].as_str().unwrap();
+        let per: String = name.split('*').map(unit).collect();
+        for (k, letter) in ["x", "y", "z"].iter().enumerate() {
+            assert_eq!(cell(&format!("d{letter}/{name} [mm{per}]")), effect["deviation"][k].as_f64().unwrap());
+            assert_eq!(cell(&format!("w{letter}/{name} [rad{per}]")), effect["rotation"][k].as_f64().unwrap());
+        }
+    }
+    assert_eq!(rows[0].len(), 5 + 9 + pose["inverse"].as_object().unwrap().len() + 6 * all.len());
+}

@@ -71,14 +71,42 @@ fn csv(file: &MachineFile, result: &EvalResult) -> String {
     let names = ["x [mm]", "y [mm]", "z [mm]", "dx [mm]", "dy [mm]", "dz [mm]", "wx [rad]", "wy [rad]", "wz [rad]"];
     let stated = result.poses.iter().any(|pose| pose.uncertainty.is_some());
     let expanded = names[3..].iter().map(|name| format!("U {name}")).take(if stated { 6 } else { 0 });
-    let header: Vec<String> = axes.chain(names.map(str::to_owned)).chain(expanded).collect();
+    let asked = result.poses.first().map_or_else(Vec::new, |pose| asked_columns(file, pose));
+    let header: Vec<String> = axes.chain(names.map(str::to_owned)).chain(expanded).chain(asked).collect();
     let line = |pose: &PoseResult| {
         let vectors = [pose.nominal, pose.deviation, pose.rotation];
         let expanded = pose.uncertainty.iter().flat_map(|u| [u.deviation, u.rotation]);
-        numbers(pose.axes.values().copied().chain(vectors.into_iter().chain(expanded).flatten()))
+        let undone = pose.inverse.iter().flat_map(AxisPositions::values).copied();
+        let effects = listed(pose).flat_map(|effect| [effect.deviation, effect.rotation]).flatten();
+        let stated = vectors.into_iter().chain(expanded).flatten();
+        numbers(pose.axes.values().copied().chain(stated).chain(undone).chain(effects))
     };
     let lines: Vec<String> = std::iter::once(header.join(",")).chain(result.poses.iter().map(line)).collect();
     lines.join("\n")
+}
+
+/// The columns of what a pose has where it is asked for: motions that undo the errors, effects of errors and of pairs.
+fn asked_columns(file: &MachineFile, pose: &PoseResult) -> Vec<String> {
+    let undone =
+        file.axes().iter().filter(|axis| pose.inverse.as_ref().is_some_and(|by| by.contains_key(axis.name.as_str())));
+    let rotations: Vec<String> =
+        file.errors().filter(|(id, _)| id.direction.is_rotation()).map(|(id, _)| id.to_string()).collect();
+    let unit = |error: &str| if rotations.iter().any(|rotation| rotation == error) { "/rad" } else { "/mm" };
+    let six = |effect: &ErrorEffect| {
+        let per: String = effect.error.split('*').map(unit).collect();
+        let name = |of: &str, own: &str| format!("{of}/{} [{own}{per}]", effect.error);
+        ["dx", "dy", "dz"]
+            .map(|of| name(of, "mm"))
+            .into_iter()
+            .chain(["wx", "wy", "wz"].map(|of| name(of, "rad")))
+            .collect::<Vec<_>>()
+    };
+    undone.map(|axis| format!("undo {} [{}]", axis.name, axis.unit())).chain(listed(pose).flat_map(six)).collect()
+}
+
+/// The effects of errors and of pairs of errors, where they are asked for.
+fn listed(pose: &PoseResult) -> impl Iterator<Item = &ErrorEffect> {
+    pose.sensitivity.iter().chain(&pose.interactions).flatten()
 }
 
 fn text(result: &EvalResult) -> String {
