@@ -247,6 +247,7 @@ fn templates_that_take_all_memory_are_refused() {
 fn templates_write_no_number_that_is_not_finite() {
     for text in ["{{ 1e308 * 10 }}", "{{ -1e308 * 10 }}", "{{ 1e308 * 10 - 1e308 * 10 }}"] {
         greedy("all.txt", text).refused("E0542").says("a number of `all.txt` is not finite");
+        greedy(text, "").refused("E0542").says("is not finite");
     }
 }
 

@@ -169,16 +169,21 @@ fn environment() -> Environment<'static> {
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_fuel(Some(FUEL));
     environment.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
-    let mark = Value::from(NOT_FINITE.to_string());
-    environment.set_formatter(move |out, state, value| {
-        let finite = !value.is_number() || f64::try_from(value.clone()).is_ok_and(f64::is_finite);
-        escape_formatter(out, state, if finite { value } else { &mark })
-    });
+    mark_not_finite(&mut environment);
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
     if let Ok(syntax) = syntax {
         environment.set_syntax(syntax);
     }
     environment
+}
+
+/// Has a template write the mark for a number that is not finite.
+fn mark_not_finite(environment: &mut Environment) {
+    let mark = Value::from(NOT_FINITE.to_string());
+    environment.set_formatter(move |out, state, value| {
+        let finite = !value.is_number() || f64::try_from(value.clone()).is_ok_and(f64::is_finite);
+        escape_formatter(out, state, if finite { value } else { &mark })
+    });
 }
 
 /// The variables of the name of an axis's file.
@@ -192,7 +197,11 @@ fn file_name(spec: &FileSpec, own: Value) -> Result<String, TemplateFailure> {
     let mut environment = Environment::empty();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_fuel(Some(NAME_FUEL));
+    mark_not_finite(&mut environment);
     let name = environment.render_str(&spec.path, own)?;
+    if name.contains(NOT_FINITE) {
+        return Err(TemplateFailure::NotFinite(spec.path.clone()));
+    }
     if is_plain_name(&name) { Ok(name) } else { Err(TemplateFailure::Name(name)) }
 }
 
