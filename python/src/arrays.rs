@@ -1,10 +1,10 @@
 //! Poses and deviations as NumPy arrays, without copies in column order.
 
 use crate::diagnostics::one;
-use crate::interrupt::{Cancellation, run_borrowed};
+use crate::interrupt::run_borrowed;
 use abbe::options::Frame;
 use abbe::results::DeviationSlices;
-use abbe::{CompiledModel, Diagnostic};
+use abbe::{Cancellation, CompiledModel, Diagnostic};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

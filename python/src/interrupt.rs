@@ -1,48 +1,15 @@
 //! Long calls: they run on a pool without the interpreter's lock, and Ctrl-C ends them.
 
 use crate::pools::pool;
-use abbe::Monitor;
+use abbe::{Cancellation, Cancelled};
 use pyo3::prelude::*;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
 /// How often a waiting call looks for signals.
 const PATIENCE: Duration = Duration::from_millis(50);
-
-/// The flag that ends a job.
-#[derive(Debug, Clone, Default)]
-pub struct Cancellation(Arc<AtomicBool>);
-
-impl Cancellation {
-    /// True if the job is to end.
-    pub fn is_asked(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-
-    fn ask(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-}
-
-/// What a cancelled job unwinds with; nobody sees it.
-struct Cancelled;
-
-impl Monitor for Cancellation {
-    fn begin(&self, _total: usize) {
-        self.advance(0);
-    }
-
-    fn advance(&self, _steps: usize) {
-        if self.is_asked() {
-            // No panic: no hook hears of it.
-            resume_unwind(Box::new(Cancelled));
-        }
-    }
-}
 
 type Ended<T> = Result<T, Box<dyn Any + Send>>;
 

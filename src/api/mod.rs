@@ -95,7 +95,7 @@ pub use reach::{ReachOptions, reach};
 pub use record::{RecordOptions, check_record, record, record_trend};
 pub use replay::replay;
 pub use report::{ReportOptions, report};
-pub use run::{Answer, Monitor, Run};
+pub use run::{Answer, Cancellation, Cancelled, Monitor, Run};
 pub use show::show;
 pub use sources::{SourcesOptions, sources};
 pub use starter::{schema, starter};

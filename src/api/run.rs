@@ -5,6 +5,9 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::syntax::{Disk, Files, MemoryFiles};
 use std::fmt;
 use std::ops::Deref;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Hears of the progress of a long job. All methods do nothing by default.
 ///
@@ -21,6 +24,39 @@ pub trait Monitor: Sync {
     fn begin_templates(&self) {}
     /// They have ended.
     fn end_templates(&self) {}
+}
+
+/// A flag that ends a job when it next reports progress, as [`Monitor::advance`] may. Clones share it.
+#[derive(Debug, Clone, Default)]
+pub struct Cancellation(Arc<AtomicBool>);
+
+/// What a cancelled job unwinds with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cancelled;
+
+impl Cancellation {
+    /// True if the job is to end.
+    pub fn is_asked(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// Has the job end.
+    pub fn ask(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Monitor for Cancellation {
+    fn begin(&self, _total: usize) {
+        self.advance(0);
+    }
+
+    fn advance(&self, _steps: usize) {
+        if self.is_asked() {
+            // No panic: no hook hears of it.
+            resume_unwind(Box::new(Cancelled));
+        }
+    }
 }
 
 /// Hears nothing.

@@ -4,6 +4,7 @@
 //! name to 127.0.0.1 reads nothing. Request heads are short and have a deadline, bodies have a limit, and the number of
 //! connections at a time is limited: the oldest that keeps the server waiting gives way to a new one.
 
+use abbe::Cancellation;
 use http_body_util::{BodyExt, Full, Limited};
 use hyper::body::{Body, Bytes, Incoming};
 use hyper::header::{self, HeaderMap, HeaderName, HeaderValue};
@@ -71,8 +72,8 @@ pub(super) const HTML: &str = "text/html; charset=utf-8";
 
 /// Answers requests, on several threads.
 pub(super) trait Site: Send + Sync + 'static {
-    /// Answers one.
-    fn respond(&self, request: &PageRequest) -> PageResponse;
+    /// Answers one. The cancellation is asked for when nobody waits for the answer any more.
+    fn respond(&self, request: &PageRequest, cancellation: &Cancellation) -> PageResponse;
 }
 
 /// Serves a site in the background for as long as the program runs.
@@ -135,6 +136,15 @@ async fn exchange(stream: TcpStream, port: u16, site: Arc<dyn Site>, computing: 
     let _ = tokio::time::timeout(EXCHANGE_DEADLINE, exchange).await;
 }
 
+/// Ends the computation of an answer when it is dropped: its reader has left, or the exchange has taken too long.
+struct Abandoned(Cancellation);
+
+impl Drop for Abandoned {
+    fn drop(&mut self) {
+        self.0.ask();
+    }
+}
+
 async fn respond(
     request: Request<Incoming>,
     port: u16,
@@ -144,8 +154,10 @@ async fn respond(
     let answer = match read(request, port).await {
         Ok(request) => {
             computing.store(true, Ordering::Release);
+            let abandoned = Abandoned(Cancellation::default());
+            let cancellation = abandoned.0.clone();
             // Answers are computed: the thread of the connections stays free.
-            let answer = tokio::task::spawn_blocking(move || site.respond(&request)).await;
+            let answer = tokio::task::spawn_blocking(move || site.respond(&request, &cancellation)).await;
             computing.store(false, Ordering::Release);
             answer
         }
@@ -234,9 +246,38 @@ mod tests {
     struct Large(usize);
 
     impl Site for Large {
-        fn respond(&self, _: &PageRequest) -> PageResponse {
+        fn respond(&self, _: &PageRequest, _: &Cancellation) -> PageResponse {
             PageResponse { status: StatusCode::OK, media: HTML, body: Bytes::from(vec![b'x'; self.0]) }
         }
+    }
+
+    /// Computes for as long as somebody waits, and says that it has ended.
+    struct Endless(std::sync::mpsc::Sender<()>);
+
+    impl Site for Endless {
+        fn respond(&self, _: &PageRequest, cancellation: &Cancellation) -> PageResponse {
+            while !cancellation.is_asked() {
+                std::thread::sleep(LOOK);
+            }
+            self.0.send(()).unwrap();
+            PageResponse::empty(StatusCode::OK)
+        }
+    }
+
+    /// The reader leaves; the computation of its answer ends long before the deadline of the exchange.
+    #[test]
+    fn an_answer_that_nobody_waits_for_is_not_computed_on() {
+        use std::io::Write;
+
+        let listener = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+        let port = listener.local_addr().unwrap().port();
+        let (sender, ended) = std::sync::mpsc::channel();
+        serve(listener, port, Arc::new(Endless(sender))).unwrap();
+        let mut stream = std::net::TcpStream::connect(("127.0.0.1", port)).unwrap();
+        stream.write_all(format!("GET / HTTP/1.1\r\nhost: 127.0.0.1:{port}\r\n\r\n").as_bytes()).unwrap();
+        assert!(ended.recv_timeout(Duration::from_millis(300)).is_err());
+        drop(stream);
+        ended.recv_timeout(EXCHANGE_DEADLINE / 4).unwrap();
     }
 
     /// Four kinds of slow readers, each more than there are places: a request that comes after them is answered long

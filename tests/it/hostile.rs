@@ -201,6 +201,10 @@ fn help_into_a_full_disk_and_files_at_their_limit_are_told() {
         let err = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(3) && err.contains("standard output"), "{arguments:?}: {err}");
     }
+    // Nobody would know where to find the page.
+    let full = File::options().write(true).open("/dev/full").unwrap();
+    let served = abbe().args(["workbench", "m.yaml"]).current_dir(folder.path("")).stdout(full).output().unwrap();
+    assert_eq!(served.status.code(), Some(3), "{}", String::from_utf8_lossy(&served.stderr));
     // The signal of the limit is not ignored here: the program has to stop before it.
     let limited = |command: &str| {
         let script = format!("ulimit -f 8; exec \"$0\" {command}");
@@ -574,4 +578,24 @@ fn effects_are_bounded_in_number() {
     let more = ["--axis-poses", "poses.csv", "--sensitivity", "--interactions"];
     let run = soon(&folder, &[&["eval", machine.to_str().unwrap()][..], &more].concat());
     assert!(run.code == Some(2) && run.err.contains("at most 250000 effects"), "{}", run.err);
+}
+
+/// Bounds on slopes are judged with the rest of the file, not only by a fit.
+#[test]
+fn slopes_of_a_file_are_slopes() {
+    let folder = Folder::new();
+    for (slope, code) in [
+        (".nan", "E0206"),
+        ("-1 um/m", "E0213"),
+        ("0 um/m", "E0213"),
+        ("3 um", "E0205"),
+        ("5", "E0204"),
+        ("1e400 um/m", "E0206"),
+    ] {
+        let _ =
+            folder.write("m.yaml", &format!("{SMALL}identify: {{ fit: [EXX:poly2], slopes: {{ EXX: {slope} }} }}\n"));
+        run(&folder, &["check", "m.yaml"]).refused(code);
+    }
+    let _ = folder.write("m.yaml", &format!("{SMALL}identify: {{ fit: [EXX:poly2], slopes: {{ EXX: 20 um/m }} }}\n"));
+    assert_eq!(run(&folder, &["check", "m.yaml"]).code, Some(0));
 }

@@ -112,6 +112,11 @@ impl Session {
         }
     }
 
+    /// True if standard output did not take what was printed.
+    pub(crate) fn has_lost_output(&self) -> bool {
+        self.output_lost.get().is_some()
+    }
+
     /// Prints a text to the person, on standard error, unless `--quiet`.
     pub(crate) fn say(&self, text: &str) {
         if !self.global.quiet {

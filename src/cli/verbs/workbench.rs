@@ -9,7 +9,7 @@ use crate::cli::serve::{HTML, PageRequest, PageResponse, Site, serve};
 use crate::cli::store::files::Recorded;
 use crate::cli::store::write::replace_whole;
 use abbe::options::BenchPage;
-use abbe::{Diagnostic, Files, Run, codes, workbench};
+use abbe::{Cancellation, Diagnostic, Files, Run, codes, workbench};
 use hyper::{Method, StatusCode};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -51,9 +51,11 @@ pub(super) fn open(session: &mut Session, machine: &Path, port: u16) -> Outcome 
         "http://127.0.0.1:{port}/ is the workbench of {}; the file changes when you save it there. Ctrl-C ends it.",
         machine.display()
     ));
-    loop {
+    // Nobody knows the address of a server that cannot name it.
+    while !session.has_lost_output() {
         std::thread::park();
     }
+    Ok(())
 }
 
 /// Returns 128 random bits, hexadecimal.
@@ -94,7 +96,7 @@ struct SaveRequest {
 }
 
 impl Site for Bench {
-    fn respond(&self, request: &PageRequest) -> PageResponse {
+    fn respond(&self, request: &PageRequest, cancellation: &Cancellation) -> PageResponse {
         match (&request.method, request.path.as_str()) {
             (&Method::GET, "/") => {
                 PageResponse { status: StatusCode::OK, media: HTML, body: self.page.clone().into_bytes().into() }
@@ -103,7 +105,7 @@ impl Site for Bench {
             (&Method::POST, _) if request.token.as_deref() != Some(self.token.as_str()) => {
                 PageResponse::empty(StatusCode::FORBIDDEN)
             }
-            (&Method::POST, path) => self.post(path, &String::from_utf8_lossy(&request.body)),
+            (&Method::POST, path) => self.post(path, &String::from_utf8_lossy(&request.body), cancellation),
             _ => PageResponse::empty(StatusCode::METHOD_NOT_ALLOWED),
         }
     }
@@ -118,10 +120,10 @@ impl Bench {
         Self { machine, root, token, page, saving: Mutex::default(), inputs: Mutex::default() }
     }
 
-    fn post(&self, path: &str, body: &str) -> PageResponse {
+    fn post(&self, path: &str, body: &str, cancellation: &Cancellation) -> PageResponse {
         match path {
             "/open" => self.open(),
-            "/ask" => self.ask(body),
+            "/ask" => self.ask(body, cancellation),
             "/follow" => self.follow(),
             "/save" => match serde_json::from_str(body) {
                 Ok(request) => self.save(&request),
@@ -140,9 +142,10 @@ impl Bench {
         String::from_utf8(self.files().read(&self.machine).ok()?).ok()
     }
 
-    fn ask(&self, body: &str) -> PageResponse {
+    fn ask(&self, body: &str, cancellation: &Cancellation) -> PageResponse {
         let files = self.files();
-        let found = answer(StatusCode::OK, &workbench(body, Run::with(&files)));
+        let run = Run { monitor: cancellation, ..Run::with(&files) };
+        let found = answer(StatusCode::OK, &workbench(body, run));
         self.inputs.lock().unwrap_or_else(PoisonError::into_inner).read.absorb(files);
         found
     }
@@ -191,7 +194,7 @@ mod tests {
     fn ask(bench: &Bench, method: Method, path: &str, token: Option<&str>, body: &Value) -> (u16, Value) {
         let body = body.to_string().into_bytes().into();
         let (path, token) = (path.to_owned(), token.map(str::to_owned));
-        let response = bench.respond(&PageRequest { method, path, token, body });
+        let response = bench.respond(&PageRequest { method, path, token, body }, &Cancellation::default());
         (response.status.as_u16(), serde_json::from_slice(&response.body).unwrap_or(Value::Null))
     }
 
