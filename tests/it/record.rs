@@ -296,7 +296,7 @@ fn descriptions_that_do_not_fit_are_refused_and_nothing_is_written() {
     let made = folder.path("made").display().to_string();
     let checked = |more: &[&str]| Run::of(abbe().args(["record", "--check", &made]).args(more));
     checked(&["--confined", &elsewhere]).refused("E0819");
-    checked(&["--confined", &confined]).json();
+    checked(&["--confined", &confined, "--format", "json"]).json();
     // The same record again is there already; another one is not put over it.
     record(&description, &folder.path("made"), &[]).json();
     assert_eq!(tree(&folder.path("made")), before);

@@ -9,6 +9,7 @@ use abbe::results::{AxisPositions, ErrorEffect, EvalResult, Neglected, PoseResul
 use abbe::text::significant;
 use abbe::{EvalOptions, MachineFile, eval};
 use serde_json::json;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -71,37 +72,46 @@ fn csv(file: &MachineFile, result: &EvalResult) -> String {
     let names = ["x [mm]", "y [mm]", "z [mm]", "dx [mm]", "dy [mm]", "dz [mm]", "wx [rad]", "wy [rad]", "wz [rad]"];
     let stated = result.poses.iter().any(|pose| pose.uncertainty.is_some());
     let expanded = names[3..].iter().map(|name| format!("U {name}")).take(if stated { 6 } else { 0 });
-    let asked = result.poses.first().map_or_else(Vec::new, |pose| asked_columns(file, pose));
+    let effects = effect_names(result);
+    let asked = asked_columns(file, result, &effects);
     let header: Vec<String> = axes.chain(names.map(str::to_owned)).chain(expanded).chain(asked).collect();
     let line = |pose: &PoseResult| {
         let vectors = [pose.nominal, pose.deviation, pose.rotation];
         let expanded = pose.uncertainty.iter().flat_map(|u| [u.deviation, u.rotation]);
         let undone = pose.inverse.iter().flat_map(AxisPositions::values).copied();
-        let effects = listed(pose).flat_map(|effect| [effect.deviation, effect.rotation]).flatten();
+        let own: BTreeMap<&str, &ErrorEffect> = listed(pose).map(|effect| (effect.error.as_str(), effect)).collect();
+        // Pairs without an effect at a pose are not listed there.
+        let six = |name: &&str| own.get(name).map_or([[0.0; 3]; 2], |effect| [effect.deviation, effect.rotation]);
         let stated = vectors.into_iter().chain(expanded).flatten();
-        numbers(pose.axes.values().copied().chain(stated).chain(undone).chain(effects))
+        numbers(pose.axes.values().copied().chain(stated).chain(undone).chain(effects.iter().flat_map(six).flatten()))
     };
     let lines: Vec<String> = std::iter::once(header.join(",")).chain(result.poses.iter().map(line)).collect();
     lines.join("\n")
 }
 
-/// The columns of what a pose has where it is asked for: motions that undo the errors, effects of errors and of pairs.
-fn asked_columns(file: &MachineFile, pose: &PoseResult) -> Vec<String> {
-    let undone =
-        file.axes().iter().filter(|axis| pose.inverse.as_ref().is_some_and(|by| by.contains_key(axis.name.as_str())));
-    let rotations: Vec<String> =
+/// The columns of what poses have where it is asked for: motions that undo the errors, effects of errors and of pairs.
+fn asked_columns(file: &MachineFile, result: &EvalResult, effects: &[&str]) -> Vec<String> {
+    let of = |name: &String| file.axes().iter().find(|axis| axis.name.as_str() == name);
+    let unit = |name: &String| of(name).map_or("mm", |axis| axis.unit());
+    let inverse = result.poses.first().and_then(|pose| pose.inverse.as_ref());
+    let undone = inverse.into_iter().flat_map(AxisPositions::keys).map(|name| format!("undo {name} [{}]", unit(name)));
+    let rotations: BTreeSet<String> =
         file.errors().filter(|(id, _)| id.direction.is_rotation()).map(|(id, _)| id.to_string()).collect();
-    let unit = |error: &str| if rotations.iter().any(|rotation| rotation == error) { "/rad" } else { "/mm" };
-    let six = |effect: &ErrorEffect| {
-        let per: String = effect.error.split('*').map(unit).collect();
-        let name = |of: &str, own: &str| format!("{of}/{} [{own}{per}]", effect.error);
-        ["dx", "dy", "dz"]
-            .map(|of| name(of, "mm"))
-            .into_iter()
-            .chain(["wx", "wy", "wz"].map(|of| name(of, "rad")))
-            .collect::<Vec<_>>()
+    let per = |error: &str| if rotations.contains(error) { "/rad" } else { "/mm" };
+    let six = |name: &&str| {
+        let per: String = name.split('*').map(per).collect();
+        let [mm, rad] = [("d", "mm"), ("w", "rad")]
+            .map(|(letter, unit)| ["x", "y", "z"].map(|k| format!("{letter}{k}/{name} [{unit}{per}]")));
+        mm.into_iter().chain(rad)
     };
-    undone.map(|axis| format!("undo {} [{}]", axis.name, axis.unit())).chain(listed(pose).flat_map(six)).collect()
+    undone.chain(effects.iter().flat_map(six)).collect()
+}
+
+/// Names of the errors and of the pairs that have an effect at a pose, each once.
+fn effect_names(result: &EvalResult) -> Vec<&str> {
+    let mut known = BTreeSet::new();
+    let all = result.poses.iter().flat_map(listed).map(|effect| effect.error.as_str());
+    all.filter(|name| known.insert(*name)).collect()
 }
 
 /// The effects of errors and of pairs of errors, where they are asked for.
