@@ -56,6 +56,10 @@ pub struct KinematicsMechanism {
     /// The kinds of machines that the controller has a transformation for; only of kinematic parameters.
     #[serde(default)]
     pub machines: Vec<ParameterRules>,
+    /// True if the controller's chain has the linear axes next to the bed, and each rotary axis beyond them on the side
+    /// that the file states. Only of kinematic parameters.
+    #[serde(default)]
+    pub linear_first: bool,
     /// Largest component of an offset that the controller takes, mm; none where no limit is known. Only of kinematic
     /// parameters.
     #[serde(default)]

@@ -8,7 +8,7 @@ use super::transformation::Transformation;
 use crate::compensation::{AssumedAxis, Increment, KinematicsMechanism, MachinePart, ParameterRules, ParameterVector};
 use crate::controller::emit::fixed;
 use crate::diagnostic::{Diagnostic, codes};
-use crate::machine::{AxisKind, Machine};
+use crate::machine::{AxisKind, AxisName, Branch, Machine};
 use nalgebra::Vector3;
 
 /// The parameters of a machine.
@@ -49,6 +49,9 @@ impl Parameters {
     /// Takes the parameters from the location errors of a machine. Refusal: E0751.
     pub fn of(machine: &Machine, mechanism: &KinematicsMechanism, vectors: bool) -> Result<Self, Diagnostic> {
         let nominal = Transformation::nominal(machine)?;
+        if mechanism.linear_first {
+            linear_first(machine)?;
+        }
         let rules = mechanism.machines.iter().find(|rules| rules.fit(&nominal));
         let rules = rules.ok_or_else(|| no_rules(mechanism, &nominal))?.clone();
         let actual = Transformation::actual(machine)?;
@@ -197,6 +200,23 @@ fn step(increment: Increment, offset: bool) -> (f64, u8) {
     } else {
         (increment.correction_scale.mm, increment.correction_decimals)
     }
+}
+
+/// Refuses a machine with a rotary axis between the bed and a linear axis: E0751.
+fn linear_first(machine: &Machine) -> Result<(), Diagnostic> {
+    let rotary =
+        |name: &AxisName| machine.axis_index(name.as_str()).is_some_and(|i| machine.axes()[i].kind == AxisKind::Rotary);
+    let carrier = [Branch::Workpiece, Branch::Tool].into_iter().find_map(|branch| {
+        let axes = machine.chain().axes(branch);
+        let first = axes.iter().position(|name| rotary(name))?;
+        axes[first..].iter().any(|name| !rotary(name)).then(|| axes[first].clone())
+    });
+    let Some(carrier) = carrier else { return Ok(()) };
+    let message = format!(
+        "`{carrier}` stands between the bed and a linear axis: the controller's chain begins with the linear axes"
+    );
+    Err(Diagnostic::new(codes::E0751, message)
+        .help("write the chain with the linear axes next to the bed, or take another target of kinematic parameters"))
 }
 
 fn no_rules(mechanism: &KinematicsMechanism, nominal: &Transformation) -> Diagnostic {

@@ -161,6 +161,9 @@ impl KinematicsMechanism {
         if self.max_offset_mm.is_some_and(|limit| !parameters || !limit.is_finite() || limit <= 0.0) {
             return Some("max_offset_mm: a length above 0, of kinematic_parameters".to_owned());
         }
+        if self.linear_first && !parameters {
+            return Some("linear_first: only of kinematic_parameters".to_owned());
+        }
         let wanted = self.carries.constants();
         let plain = |name: &String| {
             !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_'))
