@@ -8,10 +8,11 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::report::{DialMark, DialPanel, LinePanel, LinePicture, Picture, PolarPicture};
 use crate::standards::{
     self, AccuracyFigures, AngleReading, Caused, CircleCauses, CircleFigures, DriftFigures, ErrorMotion, LEAST_ARC,
-    LEAST_PLACES, NOT_VERIFIED, RadialReading, ReadingsTable, Sense, TableUse, TurningPoint, arc, causes, rotating,
+    LEAST_PLACES, MIN_READINGS, NOT_VERIFIED, RadialReading, ReadingsTable, Sense, TableUse, TurningPoint, arc, causes,
+    rotating,
 };
 use crate::syntax::sheet::read_sheet;
-use crate::units::significant;
+use crate::units::{counted, significant};
 use serde::Serialize;
 use std::path::Path;
 
@@ -425,8 +426,10 @@ fn circle(table: &ReadingsTable, options: &FiguresOptions) -> Result<CircleTest,
     let readings = table.circle(options.radius_mm)?;
     let arc_deg = arc(&readings);
     let Some(found) = CircleFigures::of(&readings) else {
-        let message = format!("the readings are on {} deg of the circle", significant(arc_deg, 4));
-        return Err(refusal(message, &format!("a centre needs {LEAST_ARC} deg")));
+        let (count, deg) = (counted(readings.len(), "reading"), significant(arc_deg, 4));
+        let message = format!("there are {count}, and those of one sense are on {deg} deg of the circle");
+        let help = format!("a centre needs {MIN_READINGS} readings, and of each sense that was read {LEAST_ARC} deg");
+        return Err(refusal(message, &help));
     };
     let curve = |sense: Sense| {
         let mine = readings.iter().zip(&found.centred).filter(|(r, _)| r.sense == sense);

@@ -11,6 +11,12 @@ use nalgebra::{DMatrix, DVector};
 const RANK: f64 = 1e-3;
 /// Least arc (deg) on which a centre is found.
 pub const LEAST_ARC: f64 = 180.0;
+/// Least number of readings: three of them lie on some circle whatever they are.
+pub const MIN_READINGS: usize = 4;
+/// Positions of a sense from which on gaps of one step leave nothing out.
+const MIN_OF_TURN: usize = 12;
+/// A turn, deg.
+const TURN: f64 = 360.0;
 
 /// The sense of rotation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,9 +65,10 @@ pub struct CircleFigures {
 }
 
 impl CircleFigures {
-    /// Returns the figures. `None` where the readings are on less than half a circle, or fewer than the centre needs.
+    /// Returns the figures. `None` where the readings of a sense are on less than half a circle, or fewer than the
+    /// centre needs.
     pub fn of(readings: &[RadialReading]) -> Option<Self> {
-        if readings.len() < 3 || arc(readings) < LEAST_ARC {
+        if readings.len() < MIN_READINGS || arc(readings) < LEAST_ARC {
             return None;
         }
         let rows = DMatrix::from_fn(readings.len(), 3, |i, j| {
@@ -92,17 +99,25 @@ impl CircleFigures {
     }
 }
 
-/// The arc (deg) on which there are readings: a turn less the widest gap.
+/// The arc (deg) on which there are readings of every sense that was read: a turn less the widest gap.
 pub fn arc(readings: &[RadialReading]) -> f64 {
-    let mut angles: Vec<f64> = readings.iter().map(|r| r.angle.rem_euclid(360.0)).collect();
+    let of = |sense: &Sense| {
+        let angles: Vec<f64> = readings.iter().filter(|r| r.sense == *sense).map(|r| r.angle).collect();
+        (!angles.is_empty()).then(|| covered(angles))
+    };
+    Sense::ALL.iter().filter_map(of).reduce(f64::min).unwrap_or(0.0)
+}
+
+fn covered(angles: Vec<f64>) -> f64 {
+    let mut angles: Vec<f64> = angles.into_iter().map(|angle| angle.rem_euclid(TURN)).collect();
     angles.sort_by(f64::total_cmp);
     angles.dedup();
     let Some(first) = angles.first().copied() else { return 0.0 };
-    let next = angles.iter().skip(1).copied().chain([first + 360.0]);
+    let next = angles.iter().skip(1).copied().chain([first + TURN]);
     let gap = angles.iter().zip(next).map(|(a, b)| b - a).fold(0.0, f64::max);
-    let usual = 360.0 / angles.len() as f64;
-    // Even steps round the whole turn leave gaps of one step.
-    if gap <= 2.0 * usual { 360.0 } else { 360.0 - gap }
+    // Even steps round the whole turn leave gaps of one step; of few readings a gap is one.
+    let whole = angles.len() >= MIN_OF_TURN && gap <= 2.0 * TURN / angles.len() as f64;
+    if whole { TURN } else { TURN - gap }
 }
 
 /// A fit of least squares.
@@ -188,5 +203,26 @@ pub(super) mod tests {
         assert!(found.bidirectional.unwrap() < 1e-9 && (found.mean.unwrap() - 1.0).abs() < 1e-9);
         assert_eq!(CircleFigures::of(&part(0.0, 120.0)), None);
         assert!((arc(&part(0.0, 220.0)) - 218.0).abs() < 1e-9);
+        // One sense round the circle, the other on a part of it.
+        let both: Vec<RadialReading> =
+            part(0.0, 360.0).into_iter().filter(|r| r.sense == Sense::Clockwise || r.angle < 85.0).collect();
+        assert!((arc(&both) - 84.0).abs() < 1e-9 && CircleFigures::of(&both).is_none());
+    }
+
+    /// Few readings are on the arc between them, however even they are.
+    #[test]
+    fn few_readings_are_no_circle() {
+        let at = |angles: &[f64]| -> Vec<RadialReading> {
+            let of = |angle: &f64| RadialReading { angle: *angle, sense: Sense::CounterClockwise, deviation: 1.0 };
+            angles.iter().map(of).collect()
+        };
+        for (angles, expected) in
+            [(&[0.0, 70.0, 140.0][..], 140.0), (&[0.0, 170.0, 175.0], 175.0), (&[0.0, 100.0], 100.0), (&[0.0; 3], 0.0)]
+        {
+            assert!((arc(&at(angles)) - expected).abs() < 1e-9, "{angles:?}");
+            assert!(CircleFigures::of(&at(angles)).is_none());
+        }
+        let even: Vec<f64> = (0..12).map(|i| f64::from(i) * 30.0).collect();
+        assert_eq!(arc(&at(&even)), 360.0);
     }
 }

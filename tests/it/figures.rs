@@ -286,6 +286,8 @@ fn readings_that_carry_no_figure_are_refused() {
         ("circle", "angle [deg],ccw\n0,1\n90,1\n200,1\n", "has no unit"),
         ("circle", "angle [deg],ccw [urad]\n0,1\n90,1\n200,1\n", "not a unit"),
         ("circle", "angle [deg],ccw [um]\n0,1\n10,2\n20,3\n30,1\n", "deg of the circle"),
+        ("circle", "angle [deg],ccw [um]\n0,1\n70,2\n140,1\n", "3 readings, and those of one sense are on 140 deg"),
+        ("circle", "angle [deg],ccw [um]\n0,0\n100,2\n", "2 readings, and those of one sense are on 100 deg"),
         ("circle", "angle [deg],deviation [um]\n0,1\n120,2\n240,3\n", "sense of rotation"),
         ("circle", "angle [deg],deviation [um],sense\n0,1,left\n", "is no sense"),
         ("circle", "angle [deg],ccw [um],ccw [um]\n0,1,1\n", "twice"),
