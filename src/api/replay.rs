@@ -8,7 +8,7 @@ use crate::controller::{AssignedAxis, Replay, assigned_letters, by_number};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::machine::Approach;
 use crate::syntax::read_text;
-use crate::units::number;
+use crate::units::{FARTHEST, number};
 use std::path::Path;
 
 /// A position at which a table is read.
@@ -32,15 +32,17 @@ impl ReplayPosition {
         Call::answer(run, &Sources::default(), |call| listed(call, path))
     }
 
-    fn of_line(line: &str) -> Option<Self> {
-        let mut cells = line.split(',');
-        let joint = cells.next()?.trim().to_owned();
-        let approach = match cells.next()?.trim() {
+    /// Reads a line with as many cells as the header has columns.
+    fn of_line(line: &str, columns: usize) -> Option<Self> {
+        let cells: Vec<&str> = line.split(',').collect();
+        let [joint, approach, position, ..] = cells[..] else { return None };
+        let approach = match approach.trim() {
             "forward" => Approach::Forward,
             "reverse" => Approach::Reverse,
             _ => return None,
         };
-        Some(Self { joint, approach, position: number(cells.next()?).ok()? })
+        let position = number(position).ok().filter(|position| position.abs() <= FARTHEST)?;
+        (cells.len() == columns).then(|| Self { joint: joint.trim().to_owned(), approach, position })
     }
 }
 
@@ -54,11 +56,16 @@ fn listed(call: &mut Call<'_>, path: &Path) -> Result<Vec<ReplayPosition>, Refus
         let help = "further columns may follow; one position a line";
         return call.refuse(Diagnostic::new(codes::E0802, message).help(help));
     }
+    let columns = header.split(',').count();
     let mut positions = Vec::new();
-    for line in lines {
-        let Some(at) = ReplayPosition::of_line(line) else {
-            let message = format!("`{}`: `{}` is not joint,direction,position", path.display(), shown(line));
-            let help = "write the letter of a joint of this machine, forward or reverse, and a number";
+    for (number, line) in (2..).zip(lines) {
+        let Some(at) = ReplayPosition::of_line(line, columns) else {
+            let (path, line) = (path.display(), shown(line));
+            let message = format!("`{path}`, line {number}: `{line}` is not joint,direction,position");
+            let help = format!(
+                "write the letter of a joint of this machine, forward or reverse, and a number with a point up to \
+                 {FARTHEST:e} mm or deg, in as many cells as the header has"
+            );
             return call.refuse(Diagnostic::new(codes::E0802, message).help(help));
         };
         positions.push(at);

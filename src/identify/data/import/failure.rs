@@ -28,6 +28,8 @@ pub(super) enum HeaderFailure {
     NoUnit(String),
     /// The title of a column between runs.
     UnknownBetween(String),
+    /// The title of the second column of a run.
+    RunTwice(String),
     /// Titles of channels without a mounting.
     Channels(String),
     /// The axis along the beam, and the axis that moved.
@@ -94,6 +96,10 @@ impl fmt::Display for HeaderFailure {
                      set to with `--unit`",
                     shown(title)
                 )
+            }
+            Self::RunTwice(title) => {
+                let title = shown(title);
+                write!(f, "`{title}` is the second column of its run and direction; number the runs apart")
             }
             Self::UnknownBetween(title) => write!(
                 f,

@@ -194,6 +194,19 @@ enum RunColumns {
     Deviations(ErrorId),
 }
 
+/// Refuses two columns of one run: their mean would be no reading of any run.
+fn no_run_twice(header: &Header, titles: &[Title]) -> Result<(), HeaderFailure> {
+    let named = |role: &Role| role.series().filter(|series| !series.label.run.is_empty()).cloned();
+    let of_run = |a: &Series, b: &Series| a.error == b.error && a.label == b.label;
+    let series: Vec<Option<Series>> = header.roles.iter().map(named).collect();
+    let again = |k: &usize| {
+        let own = series[*k].as_ref();
+        own.is_some_and(|own| series[..*k].iter().flatten().any(|before| of_run(before, own)))
+    };
+    let second = (0..series.len()).find(again);
+    second.map_or(Ok(()), |k| Err(HeaderFailure::RunTwice(titles[k].cell.clone())))
+}
+
 struct HeaderReader<'a> {
     layout: &'static Layout,
     lines: &'a [Line],
@@ -298,6 +311,7 @@ impl HeaderReader<'_> {
             header.roles.push(role);
         }
         self.nothing_unknown_between(header, titles)?;
+        no_run_twice(header, titles)?;
         self.all_named(header, titles)?;
         header.unused = titles.iter().zip(&header.roles).filter_map(|(title, role)| unused(title, role)).collect();
         let is_reading = |role: &Role| role.is_number() && !matches!(role, Role::Position(_));
