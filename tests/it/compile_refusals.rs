@@ -221,6 +221,9 @@ fn corrections_beyond_what_is_plausible() {
         let out = folder.path("out");
         compile(&machine, target, &out, &[]).refused("E0602").says("--max-correction");
         assert!(!out.exists(), "{target}: {errors}");
+        // A study writes nothing that is loaded.
+        let study = ["--target", target, "--random", "20", "--format", "json"];
+        Run::of(abbe().arg("map").arg(&machine).args(study)).json();
         compile(&machine, target, &out, &["--max-correction", raised]).json();
         // Raising one limit does not raise another.
         let other = if raised.contains("mm") { "9 mrad" } else { "2 mm" };

@@ -33,9 +33,9 @@ pub(crate) struct ModuleRequest {
 }
 
 impl ModuleRequest {
-    /// Returns the request of a module on its own, with the usual limits.
+    /// Returns the request of a module on its own that nobody is to load.
     pub(crate) fn plain(orientation: bool) -> Self {
-        Self { orientation, limits: Limits::default(), before: None }
+        Self { orientation, limits: Limits::LARGEST, before: None }
     }
 }
 

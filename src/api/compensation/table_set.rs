@@ -30,9 +30,9 @@ pub(crate) struct TableRequest<'a> {
 }
 
 impl TableRequest<'_> {
-    /// Everything by default, for a scope.
+    /// Everything by default, for a scope; nobody is to load the tables.
     pub fn plain(scope: Scope) -> Self {
-        Self { lattice: &[], max_nodes: usize::MAX, scope, limits: Limits::default() }
+        Self { lattice: &[], max_nodes: usize::MAX, scope, limits: Limits::LARGEST }
     }
 }
 

@@ -26,17 +26,24 @@ impl Default for Limits {
 }
 
 impl Limits {
+    /// The largest limits that may be asked for: those of a study, which writes no files that anybody loads.
+    pub const LARGEST: Self = Self { length_mm: 100.0, angle_rad: 0.1, slope: 1.0 };
+
     /// Parses text such as `2 mm, 10 mrad, 0.05`; an omitted limit keeps its default.
     pub fn parse(text: &str) -> Result<Self, Reason> {
         let mut limits = Self::default();
         let mut seen = [false; 3];
         for part in text.split(',').map(str::trim) {
             let (kind, value, slot, largest) = match units::quantity(part) {
-                Ok(q) if q.dimension == Dimension::LENGTH => (0, q.value, &mut limits.length_mm, 100.0),
-                Ok(q) if q.dimension == Dimension::ANGLE => (1, q.value, &mut limits.angle_rad, 0.1),
+                Ok(q) if q.dimension == Dimension::LENGTH => {
+                    (0, q.value, &mut limits.length_mm, Self::LARGEST.length_mm)
+                }
+                Ok(q) if q.dimension == Dimension::ANGLE => {
+                    (1, q.value, &mut limits.angle_rad, Self::LARGEST.angle_rad)
+                }
                 Ok(_) => return Err(Reason::new(format!("`{part}` is neither a length nor an angle"))),
                 Err(units::Failure::NoUnit(_)) => {
-                    (2, units::number(part).map_err(Reason::new)?, &mut limits.slope, 1.0)
+                    (2, units::number(part).map_err(Reason::new)?, &mut limits.slope, Self::LARGEST.slope)
                 }
                 Err(failure) => return Err(Reason::new(failure)),
             };
