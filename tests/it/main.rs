@@ -95,6 +95,7 @@ mod repository;
 mod robots;
 mod rooms;
 mod schema;
+mod second_hour;
 mod show;
 mod sides;
 mod spikes;

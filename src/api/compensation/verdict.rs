@@ -69,8 +69,8 @@ fn why_raised(certificate: &Certificate) -> &'static str {
              certificate says, or do not load them"
         }
         _ => {
-            "they take away an error that happened to cancel another one, which this target cannot correct: do not \
-             load them for volumetric accuracy"
+            "they take away an error that cancelled another one, which this target cannot correct, or hold the mean of \
+             two directions, or lack points of installed tables (W0704): do not load them for volumetric accuracy"
         }
     }
 }

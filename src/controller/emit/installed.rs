@@ -137,8 +137,20 @@ impl ControllerTarget {
         let name = |axis: &usize| machine.axes()[*axis].name.as_str();
         let over: Vec<&str> = old.axes.iter().map(name).collect();
         let unit = if kind == AxisKind::Linear { "um" } else { "mdeg" };
-        Some(loss(&format!("`{}` over {}", name(axis), over.join(" and ")), max * 1e3, unit))
+        let found = loss(&format!("`{}` over {}", name(axis), over.join(" and ")), max * 1e3, unit);
+        Some(if old.axes.len() > 1 { found.help(steps_of(machine, old)) } else { found })
     }
+}
+
+/// The remedy where the nodes of a lattice are those of the volume.
+fn steps_of(machine: &Machine, old: &CorrectionTable) -> String {
+    let step = |(axis, nodes): (&usize, &Vec<f64>)| {
+        let (axis, count) = (&machine.axes()[*axis], nodes.len().checked_sub(1).filter(|count| *count > 0)?);
+        let step = significant((nodes[count] - nodes[0]) / count as f64, 9);
+        Some(format!("{}: {{ step: {step} {} }}", axis.name, axis.unit()))
+    };
+    let steps: Vec<String> = old.axes.iter().zip(&old.nodes).filter_map(step).collect();
+    format!("measure without the old tables, or take their nodes: `volume: {{ {} }}`", steps.join(", "))
 }
 
 fn no_room(machine: &Machine, table: &CorrectionTable) -> Diagnostic {
