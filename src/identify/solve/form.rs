@@ -178,8 +178,8 @@ impl Sums {
         Self { forms, cross, weight: self.weight + other.weight }
     }
 
-    /// Adds a measurement, to the upper triangle of `forms` alone. Few knots have an effect on it: two of each block, or
-    /// four of a length between poses.
+    /// Adds a measurement, to the upper triangle of `forms` alone. Few knots have an effect on it: two of each block,
+    /// or four of a length between poses.
     fn add(&mut self, unknowns: &[Vector3<f64>], effects: &[Vector3<f64>], (weight, readings): (f64, usize)) {
         let acting: Vec<usize> = (0..effects.len()).filter(|j| effects[*j] != Vector3::zeros()).collect();
         for (count, j) in acting.iter().enumerate() {

@@ -2,8 +2,8 @@
 //! them are worth no more than a few.
 //!
 //! The form of an axis is a random function of its position in and about each direction: a Gaussian process of unknown
-//! size and correlation length (the model inadequacy of Kennedy and O'Hagan 2001, section 4), less what the fitted curve
-//! takes up of it. Size, length and the axes whose displacements, rotations or both have a form are not chosen but
+//! size and correlation length (the model inadequacy of Kennedy and O'Hagan 2001, section 4), less what the fitted
+//! curve takes up of it. Size, length and the axes whose displacements, rotations or both have a form are not chosen but
 //! averaged over: each candidate counts by its restricted likelihood (Patterson and Thompson 1971), and before the data
 //! it is three to one that there is no form.
 
@@ -132,7 +132,8 @@ fn form<'g>(axis: &FormedAxis, found: impl Iterator<Item = (&'g Group<'g>, &'g [
     })
 }
 
-/// The sizes of displacements (mm) and rotations (rad) of an axis that count beside each other, 0 for those that do not.
+/// The sizes of displacements (mm) and rotations (rad) of an axis that count beside each other, 0 for those that do
+/// not.
 fn stated([size, rotation]: [f64; 2]) -> [f64; 2] {
     let turned = rotation * LEVER_MM;
     let counts = |one: f64, other: f64| one > MIN_SIGMA.max(MINOR * other);
@@ -268,8 +269,8 @@ impl SeenModes {
         Self { groups: ranges, squares, along }
     }
 
-    /// The candidates of a set of groups and a length, where the residuals have this sum of squares and `spare` readings
-    /// are.
+    /// The candidates of a set of groups and a length, where the residuals have this sum of squares and `spare`
+    /// readings are.
     fn candidates<'a>(&self, (set, length): (&'a [usize], usize), (squares, spare): (f64, f64)) -> Vec<Candidate<'a>> {
         let modes: Vec<usize> = set.iter().flat_map(|group| self.groups[*group].clone()).collect();
         let (seen, along) = (selected(&self.squares, &modes), self.along.select_rows(&modes));
