@@ -3,9 +3,9 @@
 //!
 //! The form of an axis is a random function of its position in and about each direction: a Gaussian process of unknown
 //! size and correlation length (the model inadequacy of Kennedy and O'Hagan 2001, section 4), less what the fitted
-//! curve takes up of it. Size, length and the axes whose displacements, rotations or both have a form are not chosen but
-//! averaged over: each candidate counts by its restricted likelihood (Patterson and Thompson 1971), and before the data
-//! it is three to one that there is no form.
+//! curve takes up of it. Size, length and the axes whose displacements, rotations or both have a form are not chosen
+//! but averaged over: each candidate counts by its restricted likelihood (Patterson and Thompson 1971), and before the
+//! data it is three to one that there is no form.
 
 use super::fit::Fit;
 use super::form::{Block, FormedAxis, KNOTS, Sums, formed, selected};
