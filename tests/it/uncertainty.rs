@@ -273,7 +273,11 @@ fn lever_arms_tell_forms_of_rotations_from_those_of_displacements() {
     assert!((0.3..3.0).contains(&size) && (2.0..20.0).contains(&rotation), "{size} {rotation}");
     // Lateral at the longest arm, 400 mm.
     let largest = one["prediction"]["largest_um"].as_f64().unwrap();
-    assert!(largest > 0.99 * size.hypot(0.4 * rotation) && one["prediction"]["at"]["Z"] == -300.0, "{}", one["prediction"]);
+    assert!(
+        largest > 0.99 * size.hypot(0.4 * rotation) && one["prediction"]["at"]["Z"] == -300.0,
+        "{}",
+        one["prediction"]
+    );
 }
 
 /// Columns of the Jacobian of a line are known: a scale moves its slope, an offset its constant, and nothing else.
