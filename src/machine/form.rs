@@ -1,6 +1,6 @@
 //! The form of an axis that its error curves leave: a random function of the position in each direction.
 
-use super::{Axis, AxisName, Curve, Knots, Travel};
+use super::{Axis, AxisName, Curve, Direction, Knots, Travel};
 use nalgebra::{DMatrix, SymmetricEigen};
 
 /// Knots to a correlation length.
@@ -14,22 +14,33 @@ const MAX_STEPS: usize = 10_000;
 /// A turn, deg.
 const TURN: f64 = 360.0;
 
-/// The scatter of the displacements of an axis about its error curves: a Gaussian process of zero mean in each of the
-/// three directions, independent of the others.
+/// The scatter of an axis about its error curves: a Gaussian process of zero mean for each of its displacements and
+/// rotations, independent of the others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidualForm {
     /// The axis.
     pub axis: AxisName,
-    /// Standard deviation of each displacement, mm.
+    /// Standard deviation of each displacement, mm; 0 if they have no form.
     pub size: f64,
-    /// Correlation length, mm or deg: displacements at positions so far apart correlate by exp(-1/2).
+    /// Standard deviation of each rotation, rad; 0 if they have no form.
+    pub rotation: f64,
+    /// Correlation length, mm or deg: values at positions so far apart correlate by exp(-1/2).
     pub length: f64,
 }
 
 impl ResidualForm {
-    /// Returns independent modes of the form in one direction, one standard deviation each (mm over mm or deg), the
-    /// largest first: straight lines between knots over the travel.
-    pub fn modes(&self, axis: &Axis) -> Vec<Curve> {
+    /// Returns the standard deviation of the error in a direction, mm or rad.
+    pub fn scatter(&self, direction: Direction) -> f64 {
+        if direction.is_rotation() { self.rotation } else { self.size }
+    }
+
+    /// Returns independent modes of the form in a direction, one standard deviation each (mm or rad over mm or deg),
+    /// the largest first: straight lines between knots over the travel.
+    pub fn modes(&self, axis: &Axis, direction: Direction) -> Vec<Curve> {
+        let size = self.scatter(direction);
+        if size == 0.0 {
+            return Vec::new();
+        }
         let (min, max) = axis.travel.interval();
         let turns = axis.travel == Travel::Continuous;
         let wanted = ((max - min) / self.length * KNOTS_PER_LENGTH).ceil() as usize;
@@ -51,7 +62,7 @@ impl ResidualForm {
         order.sort_by(|a, b| spectrum.eigenvalues[*b].total_cmp(&spectrum.eigenvalues[*a]).then(a.cmp(b)));
         let kept = order.iter().filter(|k| spectrum.eigenvalues[**k] > FAINT * spectrum.eigenvalues[order[0]]);
         let mode = |k: &usize| {
-            let scale = self.size * libm::sqrt(spectrum.eigenvalues[*k]);
+            let scale = size * libm::sqrt(spectrum.eigenvalues[*k]);
             let value = |i: usize| spectrum.eigenvectors[(i % count, *k)] * scale;
             let points: Vec<(f64, f64)> = (0..=steps).map(|i| (place(i), value(i))).collect();
             Knots::new(&points, turns.then_some(TURN)).ok().map(Curve::Linear)

@@ -46,7 +46,7 @@ pub enum UncertainPart {
     Joint(JointUncertainty),
     /// An error that states its own, with its values and its standard uncertainty (mm, rad).
     Alone(ErrorId, ErrorTerm, f64),
-    /// A mode of the form of an axis: one standard deviation of a displacement, beside these errors of the axis.
+    /// A mode of the form of an axis: one standard deviation of an error, beside these errors of the axis.
     Form(ErrorId, Curve, Arc<JointErrors>),
 }
 
@@ -67,14 +67,14 @@ impl Machine {
     /// Returns the modes of a form in all directions.
     fn form_parts(&self, form: &ResidualForm) -> Vec<UncertainPart> {
         let Some(i) = self.axes().iter().position(|axis| axis.name == form.axis) else { return Vec::new() };
-        let (modes, errors) = (form.modes(&self.axes()[i]), Arc::new(self.axis_errors(i).clone()));
+        let (axis, errors) = (&self.axes()[i], Arc::new(self.axis_errors(i).clone()));
         let error =
             |direction: Direction| ErrorId { axis: form.axis.clone(), family: ErrorFamily::Component, direction };
-        let displacements = Direction::ALL.iter().filter(|direction| !direction.is_rotation());
-        let part = |direction: &Direction, mode: &Curve| {
-            UncertainPart::Form(error(*direction), mode.clone(), Arc::clone(&errors))
+        let parts = |direction: &Direction| {
+            let part = |mode| UncertainPart::Form(error(*direction), mode, Arc::clone(&errors));
+            form.modes(axis, *direction).into_iter().map(part).collect::<Vec<_>>()
         };
-        displacements.flat_map(|direction| modes.iter().map(move |mode| part(direction, mode))).collect()
+        Direction::ALL.iter().flat_map(parts).collect()
     }
 
     /// Returns the machine without what is known of the uncertainty of its errors.

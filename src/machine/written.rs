@@ -208,11 +208,14 @@ fn covariance(parts: &MachineParts) -> String {
         };
         format!("  - {{ {errors}{setup} }}\n")
     };
-    let form = |ResidualForm { axis, size, length }: &ResidualForm| {
+    let form = |ResidualForm { axis, size, rotation, length }: &ResidualForm| {
         let turns = parts.axes.iter().any(|of| of.name == *axis && of.kind == AxisKind::Rotary);
         let unit = if turns { "deg" } else { "mm" };
         let axis = quoted(axis.as_str());
-        format!("  - {{ form: {{ axis: {axis}, size: {} mm, length: {} {unit} }} }}\n", number(*size), number(*length))
+        let size = if *size > 0.0 { format!(", size: {} mm", number(*size)) } else { String::new() };
+        let turned = *rotation > 0.0;
+        let rotation = if turned { format!(", rotation: {} urad", number(*rotation * 1e6)) } else { String::new() };
+        format!("  - {{ form: {{ axis: {axis}{size}{rotation}, length: {} {unit} }} }}\n", number(*length))
     };
     let joint = parts.covariance.iter().filter(|part| !part.is_empty()).map(line);
     let lines: String = joint.chain(parts.forms.iter().map(form)).collect();

@@ -229,6 +229,9 @@ pub struct FormEntry {
     /// Standard deviation of its displacement in each direction.
     #[schemars(schema_with = "super::schema::quantity")]
     pub size: Option<Scalar>,
+    /// Standard deviation of its rotation about each direction.
+    #[schemars(schema_with = "super::schema::quantity")]
+    pub rotation: Option<Scalar>,
     /// Correlation length: a length or, of a rotary axis, an angle.
     #[schemars(schema_with = "super::schema::quantity")]
     pub length: Option<Scalar>,

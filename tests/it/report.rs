@@ -406,14 +406,15 @@ fn the_page_has_the_uncertainty_of_a_fitted_file() {
         "abbe: 1\nmachine: m\nchain: \"w Y' b X Z t\"\naxes:\n  X: { travel: [0, 500], origin: [0, 0, 0] }\n  \
          Y: { travel: [0, 400], origin: [0, 0, 0] }\n  Z: { travel: [-300, 0], origin: [0, 0, 0] }\n\
          errors:\n  EXX: { value: 10 um, uncertainty: 2 um }\n\
-         covariance:\n  - { form: { axis: X, size: 0.8 um, length: 60 mm } }\n\
+         covariance:\n  - { form: { axis: X, size: 0.8 um, rotation: 2 urad, length: 60 mm } }\n\
          identify: { fit: [EXX], type_b: [\"laser 0.4 um/m\"] }\n",
     );
     let page = page(&folder, &[text(&file), "--poses", "60", "--seed", "3"]);
     let found = &data(&page)["machines"][0]["uncertainty"];
     let map = json(&["map", text(&file), "--random", "60", "--seed", "3", "--format", "json"]);
     assert!(near(&found["intervals"], &map["uncertainty"]), "{found} {}", map["uncertainty"]);
-    assert_eq!(found["forms"], object!([{"axis": "X", "size_um": 0.8, "length": 60.0, "unit": "mm"}]));
+    let form = object!([{"axis": "X", "size_um": 0.8, "rotation_urad": 2.0, "length": 60.0, "unit": "mm"}]);
+    assert!(near(&found["forms"], &form), "{}", found["forms"]);
     assert_eq!(found["type_b"], object!(["laser 0.4 um/m"]));
     assert!(page.contains("type B, one standard deviation each") && page.contains("laser 0.4 um"));
     // A file that states none has no such part.

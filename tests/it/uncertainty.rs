@@ -171,6 +171,9 @@ fn parts_that_make_no_sense_are_refused() {
         ("[{ error: { EXX: 2 um } }]", "E0201", "error"),
         ("3", "E0202", "covariance"),
         ("[{ form: { axis: X, size: 2 um } }]", "E0203", "`length`"),
+        ("[{ form: { axis: X, length: 50 mm } }]", "E0203", "`size` or `rotation`"),
+        ("[{ form: { axis: X, rotation: 0 urad, length: 50 mm } }]", "E0213", "not above zero"),
+        ("[{ form: { axis: X, rotation: 2 um, length: 50 mm } }]", "E0205", "rotation"),
         ("[{ form: { axis: W, size: 2 um, length: 50 mm } }]", "E0406", "`W` is not an axis"),
         ("[{ form: { axis: X, size: -2 um, length: 50 mm } }]", "E0213", "not above zero"),
         ("[{ form: { axis: X, size: 2 um, length: 0 mm } }]", "E0213", "not above zero"),
@@ -213,6 +216,68 @@ fn a_form_is_the_uncertainty_of_each_displacement() {
     assert!(csv.contains("U dx [mm],U dy [mm],U dz [mm],U wx [rad],U wy [rad],U wz [rad]"), "{csv}");
     let text = abbe(&["eval", &file, "--at", "X=0"]);
     assert!(text.contains("U (k = 2) behind \u{b1}") && text.contains("0 \u{b1} 10"), "{text}");
+}
+
+/// The lever arm of X's rotations is that from its origin, which rides with it, down to the tip: Z - 100 mm.
+#[test]
+fn a_form_of_rotations_moves_the_tip_by_its_lever_arm() {
+    let folder = Folder::new("uncertainty-form-rotations");
+    for (size, um) in [("", 0.0), ("size: 1 um, ", 1.0)] {
+        let form = format!("covariance:\n  - {{ form: {{ axis: X, {size}rotation: 5 urad, length: 60 mm }} }}\n");
+        let file = machine(&folder, "m.yaml", &form);
+        for (at, arm) in [("X=0", 0.1_f64), ("X=123.4,Y=7,Z=-300", 0.4), ("X=500,Z=-77", 0.177)] {
+            let found = &json(&["eval", &file, "--at", at, "--format", "json"])["poses"][0]["uncertainty"];
+            let lateral = (um * um + (5.0 * arm).powi(2)).sqrt();
+            for (k, size) in [lateral, lateral, um].into_iter().enumerate() {
+                let ratio = |key: &str, size: f64| found[key][k].as_f64().unwrap() / (2.0 * size);
+                assert!(size == 0.0 || (0.969..1.000_001).contains(&ratio("deviation", size / 1e3)), "{at}: {found}");
+                assert!((0.969..1.000_001).contains(&ratio("rotation", 5e-6)), "{at}: {found}");
+            }
+        }
+    }
+}
+
+/// Deviations of a tip under X, at these Z in turn, where A and B of X have waves of this amplitude (urad) as form.
+fn turned(folder: &Folder, amplitude: f64, columns: &str, heights: &[f64]) -> Value {
+    let file = machine(folder, "m.yaml", FREE);
+    let mut random = Random::new(417);
+    let row = |i: usize, random: &mut Random| {
+        let (x, z) = (500.0 * i as f64 / 179.0, heights[i % heights.len()]);
+        let arm = (z - 100.0) / 1e3;
+        let turns = [0.4, 2.1].map(|phase: f64| amplitude * (x / 40.0 + phase).sin() * arm);
+        let read = [turns[1], -turns[0], 0.0].map(|um| um + 0.3 * normal(random));
+        let cells = read.iter().take(columns.split(',').count()).map(|um| format!(",{um}")).collect::<String>();
+        format!("{x},0,{z}{cells}\n")
+    };
+    let rows: String = (0..180).map(|i| row(i, &mut random)).collect();
+    let data = folder.with("data.csv", &format!("X,Y,Z,{columns}\n{rows}")).display().to_string();
+    let fit = if columns.contains("dy") { "EXX:poly1,EYX:poly1" } else { "EXX:poly1" };
+    warned(&["identify", &file, "--data", &data, "--fit", fit, "--format", "json"])
+}
+
+/// Lever arms tell rotations from displacements: 10 urad of a sine are 7.07 urad. At one lever arm, along the
+/// direction that both move, either may be and both are stated.
+#[test]
+fn lever_arms_tell_forms_of_rotations_from_those_of_displacements() {
+    let folder = Folder::new("uncertainty-rotations");
+    let form = |report: &Value| {
+        let [form] = &report["lack_of_fit"]["forms"].as_array().unwrap()[..] else { panic!("{report}") };
+        assert_eq!(form["axis"], "X", "{form}");
+        ["size_um", "rotation_urad"].map(|key| form[key].as_f64().unwrap())
+    };
+    let [size, rotation] = form(&turned(&folder, 10.0, "dx [um],dy [um],dz [um]", &[0.0, -150.0, -300.0]));
+    assert!(size < 0.3 && (5.0..10.0).contains(&rotation), "{size} {rotation}");
+    let one = turned(&folder, 20.0, "dx [um]", &[0.0]);
+    let [size, rotation] = form(&one);
+    // The root mean square of what is read is 1.41 um, at an arm of 100 mm.
+    assert!((0.3..3.0).contains(&size) && (2.0..20.0).contains(&rotation), "{size} {rotation}");
+    // Lateral at the longest arm, 400 mm.
+    let largest = one["prediction"]["largest_um"].as_f64().unwrap();
+    assert!(
+        largest > 0.99 * size.hypot(0.4 * rotation) && one["prediction"]["at"]["Z"] == -300.0,
+        "{}",
+        one["prediction"]
+    );
 }
 
 /// Columns of the Jacobian of a line are known: a scale moves its slope, an offset its constant, and nothing else.

@@ -112,8 +112,10 @@ pub struct LackOfFit {
 pub struct FormOfAxis {
     /// The axis.
     pub axis: String,
-    /// Standard deviation of each displacement over the positions measured, um.
+    /// Standard deviation of each displacement over the positions measured, um; 0 if none is stated.
     pub size_um: f64,
+    /// Standard deviation of each rotation over the positions measured, urad; 0 if none is stated.
+    pub rotation_urad: f64,
     /// Correlation length, in `unit`.
     pub length: f64,
     /// mm or deg.
@@ -123,9 +125,10 @@ pub struct FormOfAxis {
 impl LackOfFit {
     fn of(machine: &Machine, misfit: &Misfit) -> Self {
         let unit = |name: &AxisName| machine.axis_index(name.as_str()).map_or("mm", |i| machine.axes()[i].unit());
-        let form = |ResidualForm { axis, size, length }: &ResidualForm| FormOfAxis {
+        let form = |ResidualForm { axis, size, rotation, length }: &ResidualForm| FormOfAxis {
             axis: axis.to_string(),
             size_um: um(*size),
+            rotation_urad: rotation * 1e6,
             length: *length,
             unit: unit(axis),
         };

@@ -125,7 +125,10 @@ fn shared(r: &IdentifyResult) -> String {
     let mut text = String::new();
     if let Some(lack) = r.lack_of_fit.as_ref().filter(|lack| !lack.forms.is_empty()) {
         let form = |f: &FormOfAxis| {
-            format!("{} {} um over {} {}", f.axis, significant(f.size_um, 2), significant(f.length, 2), f.unit)
+            let part = |value: f64, unit: &str| (value > 0.0).then(|| format!("{} {unit}", significant(value, 2)));
+            let sizes: Vec<String> =
+                [part(f.size_um, "um"), part(f.rotation_urad, "urad")].into_iter().flatten().collect();
+            format!("{} {} over {} {}", f.axis, sizes.join(" and "), significant(f.length, 2), f.unit)
         };
         let forms: Vec<String> = lack.forms.iter().map(form).collect();
         text += &format!(

@@ -1,5 +1,5 @@
-//! The form of an axis beside a fitted curve: straight between knots at even positions over those measured, in every
-//! direction in which readings may see it.
+//! The form of an axis beside a fitted curve: straight between knots at even positions over those measured, in and
+//! about every direction.
 
 use super::fit::Fit;
 use super::sums::summed;
@@ -43,8 +43,8 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// Covariance of the values at the knots (mm^2 or rad^2) of a form of unit size (mm) and of a correlation length
-    /// that is a share of the interval.
+    /// Covariance of the values at the knots (mm^2 or rad^2) of a form of unit size (mm, of a rotation at the lever arm
+    /// by which it counts) and of a correlation length that is a share of the interval.
     pub fn kernel(&self, length: f64) -> DMatrix<f64> {
         let near = |i: usize, j: usize| {
             let steps = (i as f64 - j as f64) / ((KNOTS - 1) as f64 * length);
@@ -54,13 +54,13 @@ impl Block {
         &self.rest * DMatrix::from_fn(KNOTS, KNOTS, near) * self.rest.transpose() / (unit * unit)
     }
 
-    /// True if it counts as displacement by itself.
-    pub fn is_displacement(&self) -> bool {
-        !self.source.direction.is_rotation()
+    /// True of a rotation.
+    pub fn is_rotation(&self) -> bool {
+        self.source.direction.is_rotation()
     }
 }
 
-/// Returns the axes with enough positions, with their displacements and those angles that were read.
+/// Returns the axes with enough positions.
 pub(super) fn formed(model: &Model<'_>, data: &[Measurement]) -> Vec<FormedAxis> {
     let axes = model.machines().first().map_or(&[][..], |machine| machine.axes());
     let mut first = 0;
@@ -69,14 +69,10 @@ pub(super) fn formed(model: &Model<'_>, data: &[Measurement]) -> Vec<FormedAxis>
         let hats = hats(interval)?;
         let mut block = |direction: &Direction| {
             let source = Source { place: ErrorSite::Component(axis), direction: *direction };
-            let read = |m: &Measurement| matches!(&m.reading, Reading::Error { source: of, .. } if *of == source);
-            if direction.is_rotation() && !data.iter().any(read) {
-                return None;
-            }
             first += KNOTS;
-            Some(Block { first: first - KNOTS, source, rest: rest(model.parameters(), source, interval) })
+            Block { first: first - KNOTS, source, rest: rest(model.parameters(), source, interval) }
         };
-        let blocks = Direction::ALL.iter().filter_map(&mut block).collect();
+        let blocks = Direction::ALL.iter().map(&mut block).collect();
         Some(FormedAxis { name: of.name.clone(), kind: of.kind, interval, hats, blocks })
     };
     axes.iter().enumerate().filter_map(&mut one).collect()
@@ -158,6 +154,7 @@ impl Sums {
         };
         let zero = || Self::zero(count + 1, fit.theta.len());
         let mut sums = summed((data, &fit.weights), zero, add, Self::plus);
+        sums.forms.fill_lower_triangle_with_upper_triangle();
         sums.weight /= data.iter().map(Measurement::readings).sum::<usize>().max(1) as f64;
         sums
     }
@@ -181,12 +178,13 @@ impl Sums {
         Self { forms, cross, weight: self.weight + other.weight }
     }
 
-    /// Adds a measurement. Few knots have an effect on it: two of each block, or four of a length between poses.
+    /// Adds a measurement, to the upper triangle of `forms` alone. Few knots have an effect on it: two of each block,
+    /// or four of a length between poses.
     fn add(&mut self, unknowns: &[Vector3<f64>], effects: &[Vector3<f64>], (weight, readings): (f64, usize)) {
         let acting: Vec<usize> = (0..effects.len()).filter(|j| effects[*j] != Vector3::zeros()).collect();
-        for j in &acting {
+        for (count, j) in acting.iter().enumerate() {
             let effect = effects[*j] * weight;
-            acting.iter().for_each(|i| self.forms[(*i, *j)] += effects[*i].dot(&effect));
+            acting[..=count].iter().for_each(|i| self.forms[(*i, *j)] += effects[*i].dot(&effect));
             let column = self.cross.column_mut(*j);
             column.into_iter().zip(unknowns).for_each(|(sum, unknown)| *sum += unknown.dot(&effect));
         }
@@ -208,11 +206,6 @@ impl FormedAxis {
 /// Selects the rows and columns of a square matrix.
 pub(super) fn selected(of: &DMatrix<f64>, indices: &[usize]) -> DMatrix<f64> {
     DMatrix::from_fn(indices.len(), indices.len(), |i, j| of[(indices[i], indices[j])])
-}
-
-/// Selects entries of a column.
-pub(super) fn entries(of: &DMatrix<f64>, column: usize, indices: &[usize]) -> DVector<f64> {
-    DVector::from_iterator(indices.len(), indices.iter().map(|i| of[(*i, column)]))
 }
 
 #[cfg(test)]

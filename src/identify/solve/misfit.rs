@@ -1,20 +1,22 @@
 //! Lack of fit: readings near each other on an axis share the form that the fitted curves leave of it, so that many of
 //! them are worth no more than a few.
 //!
-//! The form of an axis is a random function of its position in each direction: a Gaussian process of unknown size and
-//! correlation length (the model inadequacy of Kennedy and O'Hagan 2001, section 4), less what the fitted curve takes
-//! up of it. Size, length and the axes that have a form are not chosen but averaged over: each candidate counts by its
-//! restricted likelihood (Patterson and Thompson 1971), and before the data it is three to one that there is no form.
+//! The form of an axis is a random function of its position in and about each direction: a Gaussian process of unknown
+//! size and correlation length (the model inadequacy of Kennedy and O'Hagan 2001, section 4), less what the fitted
+//! curve takes up of it. Size, length and the axes whose displacements, rotations or both have a form are not chosen
+//! but averaged over: each candidate counts by its restricted likelihood (Patterson and Thompson 1971), and before the
+//! data it is three to one that there is no form.
 
 use super::fit::Fit;
-use super::form::{Block, FormedAxis, KNOTS, Sums, entries, formed, selected};
+use super::form::{Block, FormedAxis, KNOTS, Sums, formed, selected};
 use super::solution::{MIN_SIGMA, Solution};
-use crate::identify::data::Measurement;
+use crate::identify::data::{LEVER_MM, Measurement};
 use crate::identify::model::Model;
 use crate::machine::{AxisKind, AxisName, ResidualForm};
 use crate::units::significant;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Correlation lengths, as shares of the interval measured: from two thirds of the distance of the knots to a quarter.
 const LENGTHS: [f64; 3] = [0.06, 0.12, 0.25];
@@ -28,6 +30,10 @@ const LIKELY: f64 = 0.5;
 const FEWEST_SPARE: usize = 20;
 /// Modes of a form below this share of the largest change nothing.
 const FAINT: f64 = 1e-3;
+/// Sum of squares, over the variance of a reading, of a form of the size of the scatter that readings do not see.
+const UNSEEN: f64 = 1e-3;
+/// Of displacements and rotations of an axis, those below this share of the others are not stated.
+const MINOR: f64 = 1e-2;
 /// Sums of squares that unknowns or forms leave less than this share of are rounding.
 const ROUNDING: f64 = 1e-12;
 /// Steps in which a symmetric matrix of this size is diagonal, or never.
@@ -59,19 +65,45 @@ pub fn misfit(model: &Model<'_>, data: &[Measurement], fit: &Fit, solution: &Sol
     let root = solution.unit_root();
     let seen = root.tr_mul(&sums.cross);
     let left = (&sums.forms - seen.tr_mul(&seen)) / sums.weight;
-    let found = averaged(&axes, &left, solution.freedom as f64)?;
+    let groups = groups(&axes, &left);
+    let found = averaged(&groups, &left, solution.freedom as f64)?;
     let half = root * seen;
     let mut covariance = DMatrix::zeros(half.nrows(), half.nrows());
-    for (axis, variances) in axes.iter().zip(&found.variances) {
-        for block in &axis.blocks {
+    for (group, variances) in groups.iter().zip(&found.variances) {
+        for block in &group.blocks {
             let columns = half.columns(block.first, KNOTS);
             covariance += columns * kernel(block, variances) * columns.transpose();
         }
     }
-    let forms = axes.iter().zip(&found.variances).filter_map(|(axis, variances)| form(axis, variances));
+    let found_of = |axis: usize| groups.iter().zip(&found.variances).filter(move |(group, _)| group.axis == axis);
+    let forms = axes.iter().enumerate().filter_map(|(i, axis)| form(axis, found_of(i)));
     let forms = if found.probability > LIKELY { forms.collect() } else { Vec::new() };
     let judged = axes.iter().map(|axis| axis.name.clone()).collect();
     Some(Misfit { covariance, probability: found.probability, judged, forms })
+}
+
+/// The displacements or the rotations of an axis: forms of one size.
+struct Group<'a> {
+    /// Index in the list of axes.
+    axis: usize,
+    kind: AxisKind,
+    is_rotation: bool,
+    blocks: Vec<&'a Block>,
+}
+
+/// Returns the groups that readings see, where `left` are their sums without what the unknowns take up.
+fn groups<'a>(axes: &'a [FormedAxis], left: &DMatrix<f64>) -> Vec<Group<'a>> {
+    let one = |(axis, is_rotation): (usize, bool)| {
+        let FormedAxis { kind, blocks, .. } = &axes[axis];
+        let blocks: Vec<&Block> = blocks.iter().filter(|block| block.is_rotation() == is_rotation).collect();
+        let squares = |block: &&Block| {
+            let sums = left.view((block.first, block.first), (KNOTS, KNOTS));
+            sums.component_mul(&block.kernel(LENGTHS[0])).sum()
+        };
+        let seen = blocks.iter().map(squares).sum::<f64>() > UNSEEN;
+        seen.then_some(Group { axis, kind: *kind, is_rotation, blocks })
+    };
+    (0..axes.len()).flat_map(|axis| [(axis, false), (axis, true)]).filter_map(one).collect()
 }
 
 /// Covariance of the values at the knots of forms of these variances (mm^2), by length.
@@ -80,19 +112,33 @@ fn kernel(block: &Block, variances: &[f64; 3]) -> DMatrix<f64> {
     parts.fold(DMatrix::zeros(KNOTS, KNOTS), |sum, part| sum + part)
 }
 
-/// The form of an axis, of the mean variance of its displacements over the positions measured.
-fn form(axis: &FormedAxis, variances: &[f64; 3]) -> Option<ResidualForm> {
-    let blocks: Vec<&Block> = axis.blocks.iter().filter(|block| block.is_displacement()).collect();
-    let values = blocks.iter().map(|block| kernel(block, variances).trace()).sum::<f64>();
-    let size = libm::sqrt(values / (KNOTS * blocks.len().max(1)) as f64);
-    let all: f64 = variances.iter().sum();
-    let mean = LENGTHS.iter().zip(variances).map(|(length, variance)| length * variance / all).sum::<f64>();
+/// The form of an axis, of the mean variance of its displacements and of its rotations over the positions measured.
+fn form<'g>(axis: &FormedAxis, found: impl Iterator<Item = (&'g Group<'g>, &'g [f64; 3])>) -> Option<ResidualForm> {
+    let (mut sizes, mut by_length) = ([0.0; 2], [0.0; 3]);
+    for (group, variances) in found {
+        let values = group.blocks.iter().map(|block| kernel(block, variances).trace()).sum::<f64>();
+        sizes[usize::from(group.is_rotation)] = libm::sqrt(values / (KNOTS * group.blocks.len().max(1)) as f64);
+        by_length.iter_mut().zip(variances).for_each(|(sum, variance)| *sum += variance);
+    }
+    let [size, rotation] = stated(sizes);
+    let all: f64 = by_length.iter().sum();
+    let mean = LENGTHS.iter().zip(by_length).map(|(length, variance)| length * variance / all).sum::<f64>();
     let (min, max) = axis.interval;
-    (all > 0.0 && size > MIN_SIGMA).then(|| ResidualForm {
+    (size > 0.0 || rotation > 0.0).then(|| ResidualForm {
         axis: axis.name.clone(),
-        size: rounded(size),
+        size,
+        rotation,
         length: rounded(mean * (max - min)),
     })
+}
+
+/// The sizes of displacements (mm) and rotations (rad) of an axis that count beside each other, 0 for those that do
+/// not.
+fn stated([size, rotation]: [f64; 2]) -> [f64; 2] {
+    let turned = rotation * LEVER_MM;
+    let counts = |one: f64, other: f64| one > MIN_SIGMA.max(MINOR * other);
+    let keep = |value: f64, counts: bool| if counts { rounded(value) } else { 0.0 };
+    [keep(size, counts(size, turned)), keep(rotation, counts(turned, size))]
 }
 
 /// To three digits: no form is known better.
@@ -102,16 +148,16 @@ fn rounded(value: f64) -> f64 {
 
 /// Averages over the candidates.
 struct Averaged {
-    /// Variances (mm^2) of the form of each axis, by length.
+    /// Variances (mm^2) of the forms of each group, by length.
     variances: Vec<[f64; 3]>,
     /// Probability of any form.
     probability: f64,
 }
 
-/// A candidate: axes that have a form of one length and size.
+/// A candidate: groups that have forms of one length and size.
 struct Candidate<'a> {
-    /// Indices in the list of axes.
-    axes: &'a [usize],
+    /// Indices in the list of groups.
+    groups: &'a [usize],
     /// Index of the length.
     length: usize,
     /// Variance of the form in that of a reading.
@@ -124,28 +170,31 @@ struct Candidate<'a> {
 
 /// Averages over the candidates where `left` are the sums of knots and residual (last) without what the unknowns take
 /// up, and `spare` readings are. `None` where these are rounding.
-fn averaged(axes: &[FormedAxis], left: &DMatrix<f64>, spare: f64) -> Option<Averaged> {
+fn averaged(groups: &[Group<'_>], left: &DMatrix<f64>, spare: f64) -> Option<Averaged> {
     let squares = left[(left.ncols() - 1, left.ncols() - 1)];
     if squares <= 0.0 || left.iter().any(|x| !x.is_finite()) {
         return None;
     }
-    let sets = sets(axes);
+    let sets = sets(groups);
+    let seen: Vec<SeenModes> = LENGTHS.par_iter().map(|length| SeenModes::of(groups, left, *length)).collect();
     let pairs: Vec<(&[usize], usize)> = sets.iter().flat_map(|set| (0..3).map(move |k| (&set[..], k))).collect();
-    let candidates: Vec<Candidate<'_>> =
-        pairs.into_par_iter().flat_map_iter(|(set, length)| candidates(axes, left, spare, (set, length))).collect();
+    let candidates: Vec<Candidate<'_>> = pairs
+        .into_par_iter()
+        .flat_map_iter(|(set, length)| seen[length].candidates((set, length), (squares, spare)))
+        .collect();
     let without = -0.5 * spare * libm::log(squares);
     let largest = candidates.iter().map(|c| c.likelihood).fold(without, f64::max);
     let prior = (1.0 - NONE) / candidates.len().max(1) as f64;
     let weights: Vec<f64> = candidates.iter().map(|c| prior * libm::exp(c.likelihood - largest)).collect();
     let formed: f64 = weights.iter().sum();
     let all = formed + NONE * libm::exp(without - largest);
-    let mut variances = vec![[0.0; 3]; axes.len()];
-    let mut deviations = vec![0.0; axes.len()];
+    let mut variances = vec![[0.0; 3]; groups.len()];
+    let mut deviations = vec![0.0; groups.len()];
     for (candidate, weight) in candidates.iter().zip(&weights) {
         let (share, variance) = (weight / all, candidate.variance * candidate.ratio);
-        for axis in candidate.axes {
-            variances[*axis][candidate.length] += share * variance;
-            deviations[*axis] += share * libm::sqrt(variance);
+        for group in candidate.groups {
+            variances[*group][candidate.length] += share * variance;
+            deviations[*group] += share * libm::sqrt(variance);
         }
     }
     variances.iter_mut().zip(&deviations).for_each(|(by_length, deviation)| shrink(by_length, *deviation));
@@ -161,68 +210,152 @@ fn shrink(variances: &mut [f64; 3], deviation: f64) {
     }
 }
 
-/// The sets of axes that may have a form: each by itself, those of each kind, all.
-fn sets(axes: &[FormedAxis]) -> Vec<Vec<usize>> {
-    let of = |kinds: &[AxisKind]| (0..axes.len()).filter(|i| kinds.contains(&axes[*i].kind)).collect::<Vec<usize>>();
-    let mut sets: Vec<Vec<usize>> = (0..axes.len()).map(|i| vec![i]).collect();
-    for kinds in [&[AxisKind::Linear][..], &[AxisKind::Rotary], &[AxisKind::Linear, AxisKind::Rotary]] {
-        let set = of(kinds);
-        if !set.is_empty() && !sets.contains(&set) {
-            sets.push(set);
+/// The sets of groups that may have forms: displacements, rotations or both, of each axis by itself, of those of each
+/// kind, of all.
+fn sets(groups: &[Group<'_>]) -> Vec<Vec<usize>> {
+    let last = groups.iter().map(|group| group.axis + 1).max().unwrap_or(0);
+    let alone = (0..last).map(|axis| groups.iter().map(|group| group.axis == axis).collect::<Vec<bool>>());
+    let of_kinds = |kinds: &[AxisKind]| groups.iter().map(|group| kinds.contains(&group.kind)).collect();
+    let kinds = [&[AxisKind::Linear][..], &[AxisKind::Rotary], &[AxisKind::Linear, AxisKind::Rotary]].map(of_kinds);
+    let mut sets: Vec<Vec<usize>> = Vec::new();
+    for of_axes in alone.chain(kinds) {
+        for motions in [&[false][..], &[true], &[false, true]] {
+            let is_in = |i: &usize| of_axes[*i] && motions.contains(&groups[*i].is_rotation);
+            let set: Vec<usize> = (0..groups.len()).filter(is_in).collect();
+            if !set.is_empty() && !sets.contains(&set) {
+                sets.push(set);
+            }
         }
     }
     sets
 }
 
-/// The candidates of a set of axes and a length.
-fn candidates<'a>(
-    axes: &[FormedAxis],
-    left: &DMatrix<f64>,
-    spare: f64,
-    (set, length): (&'a [usize], usize),
-) -> Vec<Candidate<'a>> {
-    let (modes, knots) = modes(set.iter().flat_map(|axis| &axes[*axis].blocks), LENGTHS[length]);
-    if modes.ncols() == 0 {
-        return Vec::new();
-    }
-    let residual = left.ncols() - 1;
-    let seen = modes.tr_mul(&(selected(left, &knots) * &modes));
-    let Some(spectrum) = SymmetricEigen::try_new(seen, f64::EPSILON, MAX_STEPS) else { return Vec::new() };
-    let along: DVector<f64> = spectrum.eigenvectors.tr_mul(&modes.tr_mul(&entries(left, residual, &knots)));
-    let squares = left[(residual, residual)];
-    let one = |size: &f64| {
-        let ratio = size * size;
-        let (mut determinant, mut rest) = (0.0, squares);
-        for (value, part) in spectrum.eigenvalues.iter().zip(along.iter()) {
-            let grown = 1.0 + ratio * value.max(0.0);
-            determinant += libm::log(grown);
-            rest -= ratio * part * part / grown;
-        }
-        let likelihood = -0.5 * (determinant + spare * libm::log(rest));
-        let candidate = Candidate { axes: set, length, ratio, variance: rest / spare, likelihood };
-        // A form that explains everything but rounding would win with no variance at all.
-        (rest > ROUNDING * squares).then_some(candidate)
-    };
-    SIZES.iter().filter_map(one).collect()
+/// Independent modes of the forms of all groups for one length, one standard deviation each, as readings see them.
+struct SeenModes {
+    /// The modes of each group.
+    groups: Vec<Range<usize>>,
+    /// Products of the effects of the modes on the readings.
+    squares: DMatrix<f64>,
+    /// Products of these effects with the residual.
+    along: DVector<f64>,
 }
 
-/// Independent modes of the forms of blocks (columns, over their knots), one standard deviation each, and the knots.
-fn modes<'b>(blocks: impl Iterator<Item = &'b Block>, length: f64) -> (DMatrix<f64>, Vec<usize>) {
-    let mut knots = Vec::new();
-    let mut columns: Vec<(usize, DVector<f64>)> = Vec::new();
-    for block in blocks {
-        let Some(own) = SymmetricEigen::try_new(block.kernel(length), f64::EPSILON, MAX_STEPS) else { continue };
-        let largest = own.eigenvalues.max();
-        for (value, mode) in own.eigenvalues.iter().zip(own.eigenvectors.column_iter()) {
-            if *value > FAINT * largest {
-                columns.push((knots.len(), mode * libm::sqrt(*value)));
+impl SeenModes {
+    fn of(groups: &[Group<'_>], left: &DMatrix<f64>, length: f64) -> Self {
+        let (mut ranges, mut blocks): (_, Vec<(usize, DMatrix<f64>)>) = (Vec::new(), Vec::new());
+        let mut count = 0;
+        for group in groups {
+            let first = count;
+            for block in &group.blocks {
+                let modes = modes(block, length);
+                count += modes.ncols();
+                blocks.push((block.first, modes));
             }
+            ranges.push(first..count);
         }
-        knots.extend(block.first..block.first + KNOTS);
+        let (mut squares, mut along) = (DMatrix::zeros(count, count), DVector::zeros(count));
+        let mut row = 0;
+        for (first, modes) in &blocks {
+            let mut column = 0;
+            for (other, others) in &blocks {
+                let product = modes.tr_mul(&left.view((*first, *other), (KNOTS, KNOTS))) * others;
+                squares.view_mut((row, column), product.shape()).copy_from(&product);
+                column += others.ncols();
+            }
+            let residual = left.view((*first, left.ncols() - 1), (KNOTS, 1));
+            along.rows_mut(row, modes.ncols()).copy_from(&modes.tr_mul(&residual));
+            row += modes.ncols();
+        }
+        Self { groups: ranges, squares, along }
     }
-    let mut modes = DMatrix::zeros(knots.len(), columns.len());
-    for (k, (first, column)) in columns.into_iter().enumerate() {
-        modes.view_mut((first, k), (KNOTS, 1)).copy_from(&column);
+
+    /// The candidates of a set of groups and a length, where the residuals have this sum of squares and `spare`
+    /// readings are.
+    fn candidates<'a>(&self, (set, length): (&'a [usize], usize), (squares, spare): (f64, f64)) -> Vec<Candidate<'a>> {
+        let modes: Vec<usize> = set.iter().flat_map(|group| self.groups[*group].clone()).collect();
+        let (seen, along) = (selected(&self.squares, &modes), self.along.select_rows(&modes));
+        let one = |size: &f64| {
+            let ratio = size * size;
+            let (determinant, explained) = explained(&seen, &along, ratio)?;
+            let rest = squares - explained;
+            let likelihood = -0.5 * (determinant + spare * libm::log(rest));
+            let candidate = Candidate { groups: set, length, ratio, variance: rest / spare, likelihood };
+            // A form that explains everything but rounding would win with no variance at all.
+            (rest > ROUNDING * squares).then_some(candidate)
+        };
+        SIZES.iter().filter_map(one).collect()
     }
-    (modes, knots)
+}
+
+/// What modes of a variance (`ratio`, in that of a reading) take up: the logarithm of the determinant of I + ratio S,
+/// where S are products of their effects, and the sum of squares `along` those that they explain.
+fn explained(seen: &DMatrix<f64>, along: &DVector<f64>, ratio: f64) -> Option<(f64, f64)> {
+    let mut grown = seen * ratio;
+    (0..along.len()).for_each(|i| grown[(i, i)] += 1.0);
+    let root = Cholesky::new(grown)?.unpack();
+    let determinant = 2.0 * root.diagonal().iter().map(|x| libm::log(*x)).sum::<f64>();
+    let solved = root.solve_lower_triangular(along)?;
+    Some((determinant, ratio * solved.norm_squared()))
+}
+
+/// Independent modes of the form of a block (columns, over its knots), one standard deviation each.
+fn modes(block: &Block, length: f64) -> DMatrix<f64> {
+    let Some(own) = SymmetricEigen::try_new(block.kernel(length), f64::EPSILON, MAX_STEPS) else {
+        return DMatrix::zeros(KNOTS, 0);
+    };
+    let largest = own.eigenvalues.max();
+    let kept: Vec<usize> = (0..KNOTS).filter(|k| own.eigenvalues[*k] > FAINT * largest).collect();
+    DMatrix::from_fn(KNOTS, kept.len(), |i, j| own.eigenvectors[(i, kept[j])] * libm::sqrt(own.eigenvalues[kept[j]]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Readings of variance I + ratio E E^T, by the dense covariance of the readings themselves.
+    #[test]
+    fn modes_explain_what_the_covariance_of_the_readings_says() {
+        let wave = |i: usize, j: usize| libm::sin(1.7 * i as f64 + 2.3 * (j * j) as f64 + 0.4);
+        let (effects, read) = (DMatrix::from_fn(9, 3, wave), DVector::from_fn(9, |i, _| wave(i, 5)));
+        let (seen, along) = (effects.tr_mul(&effects), effects.tr_mul(&read));
+        for ratio in [0.0, 0.25, 16.0] {
+            let covariance = DMatrix::identity(9, 9) + &effects * effects.transpose() * ratio;
+            let likeliest = covariance.clone().try_inverse().unwrap();
+            let (determinant, explained) = explained(&seen, &along, ratio).unwrap();
+            assert!((determinant - libm::log(covariance.determinant())).abs() < 1e-12, "{ratio}");
+            let rest = read.dot(&(likeliest * &read));
+            assert!((read.norm_squared() - explained - rest).abs() < 1e-12, "{ratio}");
+        }
+    }
+
+    fn group<'a>(axis: usize, kind: AxisKind, is_rotation: bool) -> Group<'a> {
+        Group { axis, kind, is_rotation, blocks: Vec::new() }
+    }
+
+    #[test]
+    fn forms_are_of_displacements_of_rotations_and_of_both() {
+        use AxisKind::{Linear, Rotary};
+        let of = |motions: &[bool]| {
+            let kinds = [Rotary, Rotary, Linear, Linear, Linear];
+            let axes = kinds.iter().enumerate().flat_map(|(axis, kind)| motions.iter().map(move |m| (axis, *kind, *m)));
+            axes.map(|(axis, kind, is_rotation)| group(axis, kind, is_rotation)).collect::<Vec<_>>()
+        };
+        // Five axes, the linear ones, the rotary ones, all.
+        assert_eq!((sets(&of(&[false, true])).len(), sets(&of(&[false])).len()), (24, 8));
+        let few = [group(0, Linear, false), group(0, Linear, true), group(1, Rotary, true)];
+        let expected: [&[usize]; 6] = [&[0], &[1], &[0, 1], &[2], &[1, 2], &[0, 1, 2]];
+        assert_eq!(sets(&few), expected);
+    }
+
+    #[test]
+    fn a_size_that_adds_nothing_is_not_stated() {
+        let near = |found: [f64; 2], expected: [f64; 2]| {
+            (0..2).for_each(|k| assert!((found[k] - expected[k]).abs() <= 1e-12 * expected[k], "{found:?}"));
+        };
+        // 3.3 urad move a point 300 mm away by 0.99 um.
+        near(stated([1.00049e-3, 3.30001e-6]), [1e-3, 3.3e-6]);
+        near(stated([9e-6, 3.3e-6]), [0.0, 3.3e-6]);
+        near(stated([1e-3, 3e-8]), [1e-3, 0.0]);
+        near(stated([1e-10, 0.0]), [0.0, 0.0]);
+    }
 }

@@ -4,8 +4,9 @@
 use super::fit::Fit;
 use super::solution::Solution;
 use crate::identify::data::Measurement;
-use crate::identify::model::{Model, Volume};
-use crate::machine::{Pose, ResidualForm};
+use crate::identify::model::{Basis, Model, Parameter, Volume};
+use crate::lower::{ErrorSite, Source};
+use crate::machine::{Direction, Machine, Pose, ResidualForm};
 use nalgebra::{DMatrix, Matrix3};
 
 /// A free direction of unit size (mm) that moves points by more than this (mm) changes the deviation.
@@ -57,9 +58,11 @@ impl Prediction {
         let solution = held.as_ref().unwrap_or(solution);
         let (columns, free) = solution.spread(&jacobian);
         let part = |i: usize| free.rows(3 * i, 3).norm();
+        let beside = by_forms(model, &volume.rows, forms);
         let variance = |i: usize| {
             let block = jacobian.rows(3 * i, 3) * columns.columns(3 * i, 3);
-            Matrix3::from_fn(|r, c| 0.5 * (block[(r, c)] + block[(c, r)])).symmetric_eigenvalues().max()
+            let symmetric = Matrix3::from_fn(|r, c| 0.5 * (block[(r, c)] + block[(c, r)]));
+            (symmetric + beside[i]).symmetric_eigenvalues().max()
         };
         let worst = |size: &dyn Fn(usize) -> f64| {
             let farther = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
@@ -71,13 +74,38 @@ impl Prediction {
             (freest, Spread::Free(words))
         } else {
             let (at, variance) = worst(&variance);
-            let form: f64 = forms.iter().map(|form| form.size * form.size).sum();
-            let known = Spread::Known(libm::sqrt(variance.max(0.0) + form));
+            let known = Spread::Known(libm::sqrt(variance.max(0.0)));
             (at, if solution.freedom > 0 { known } else { Spread::Unknown })
         };
         let (pose, tool) = volume.rows.get(at).map(|m| (m.pose.clone(), m.tool)).unwrap_or_default();
         Self { spread, pose, tool, deviation }
     }
+}
+
+/// Covariances (mm^2) of the deviations at poses by the forms of axes: of displacements everywhere alike, of rotations
+/// by their lever arms.
+fn by_forms(model: &Model<'_>, poses: &[Measurement], forms: &[ResidualForm]) -> Vec<Matrix3<f64>> {
+    let Some(machine) = model.machines().first() else { return Vec::new() };
+    let scattering = forms.iter().flat_map(|form| scattering(machine, form));
+    let (errors, scatter): (Vec<Parameter>, Vec<f64>) = scattering.unzip();
+    let (model, none) = (model.with_parameters(&errors), vec![0.0; errors.len()]);
+    let at = |pose: &Measurement| {
+        let (effects, _) = model.rows(pose, &none);
+        let parts = effects.iter().zip(&scatter).map(|(effect, scatter)| effect * effect.transpose() * *scatter);
+        parts.sum()
+    };
+    poses.iter().map(at).collect()
+}
+
+/// The errors of an axis that its form moves, with their variances.
+fn scattering(machine: &Machine, form: &ResidualForm) -> Vec<(Parameter, f64)> {
+    let Some(axis) = machine.axis_index(form.axis.as_str()) else { return Vec::new() };
+    let error = |direction: &Direction| {
+        let source = Source { place: ErrorSite::Component(axis), direction: *direction };
+        let scatter = form.scatter(*direction);
+        (Parameter::single(machine, String::new(), source, Basis::Constant, 0.0), scatter * scatter)
+    };
+    Direction::ALL.iter().map(error).collect()
 }
 
 /// The fit with its bounds on slopes among what is known.

@@ -7,7 +7,7 @@ use super::uses::JointNames;
 use crate::diagnostic::codes;
 use crate::diagnostic::{did_you_mean, shown};
 use crate::machine::{Direction, JointUncertainty, ResidualForm};
-use crate::syntax::{CovarianceEntry, FormEntry, Keys, below, keys};
+use crate::syntax::{CovarianceEntry, FormEntry, Keys, Scalar, below, keys};
 
 /// Reads the section `covariance`.
 pub fn covariance(context: &mut Context<'_>, known: &JointNames<'_>) -> (Vec<JointUncertainty>, Vec<ResidualForm>) {
@@ -63,10 +63,12 @@ fn part(context: &mut Context<'_>, known: &JointNames<'_>, index: usize, entry: 
 }
 
 fn form(context: &mut Context<'_>, known: &JointNames<'_>, entry: &FormEntry, here: &Keys) -> Option<ResidualForm> {
-    let (Some(axis), Some(size), Some(length)) = (&entry.axis, &entry.size, &entry.length) else {
+    let sized = entry.size.is_some() || entry.rotation.is_some();
+    let (Some(axis), true, Some(length)) = (&entry.axis, sized, &entry.length) else {
         if !context.document.places.is_marred(here) {
-            let message = format!("`{}` has not all of `axis`, `size` and `length`", dotted(here));
-            context.at_key(codes::E0203, here, message, "such as { axis: X, size: 0.8 um, length: 60 mm }");
+            let message = format!("`{}` has not all of `axis`, `size` or `rotation`, and `length`", dotted(here));
+            let remedy = "such as { axis: X, size: 0.8 um, rotation: 3 urad, length: 60 mm }";
+            context.at_key(codes::E0203, here, message, remedy);
         }
         return None;
     };
@@ -77,14 +79,24 @@ fn form(context: &mut Context<'_>, known: &JointNames<'_>, entry: &FormEntry, he
         context.at_value(codes::E0406, &below(here, "axis"), message, did_you_mean(axis, &names));
         return None;
     };
-    let (at_size, at_length) = (below(here, "size"), below(here, "length"));
-    let size = context.error_value(size, Direction::X, &at_size)?;
-    context.plausible(size, Direction::X, &at_size);
+    let at_length = below(here, "length");
+    let mut scatter = |written: &Option<Scalar>, direction: Direction, key: &str| {
+        let (Some(written), at) = (written, below(here, key)) else { return Some(0.0) };
+        let value = context.error_value(written, direction, &at)?;
+        context.plausible(value, direction, &at);
+        above_zero(context, value, &at).then_some(value)
+    };
+    let (size, rotation) =
+        (scatter(&entry.size, Direction::X, "size"), scatter(&entry.rotation, Direction::A, "rotation"));
     let length = context.position(length, declared.kind?, &at_length)?;
-    for (value, at) in [(size, &at_size), (length, &at_length)] {
-        if value <= 0.0 {
-            context.at_value(codes::E0213, at, format!("`{}` is not above zero", dotted(at)), "write a size");
-        }
+    let is_long = above_zero(context, length, &at_length);
+    let (size, rotation) = (size?, rotation?);
+    is_long.then(|| ResidualForm { axis: declared.name.clone(), size, rotation, length })
+}
+
+fn above_zero(context: &mut Context<'_>, value: f64, at: &Keys) -> bool {
+    if value <= 0.0 {
+        context.at_value(codes::E0213, at, format!("`{}` is not above zero", dotted(at)), "write a size");
     }
-    (size > 0.0 && length > 0.0).then(|| ResidualForm { axis: declared.name.clone(), size, length })
+    value > 0.0
 }
