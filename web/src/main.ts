@@ -87,6 +87,8 @@ class Workbench {
   private readonly control: Control;
   private readonly acceptance: Acceptance;
   private schema: Schema | null = null;
+  /** The diagnostics that are marked. */
+  private marked = "";
   private readonly undo = button("Undo", () => this.editor.undo());
   private readonly redo = button("Redo", () => this.editor.redo());
   private readonly keep: HTMLButtonElement;
@@ -234,8 +236,7 @@ class Workbench {
 
   private show(state: State): void {
     this.complain("");
-    showMarks(this.editor.view, this.session.machine, state.diagnostics);
-    this.list(state.diagnostics);
+    this.mark(state.diagnostics, state.effort.draft);
     if (state.now) {
       const { chain } = state.now;
       byId("name").textContent = chain.machine;
@@ -245,9 +246,10 @@ class Workbench {
       this.tools.show(chain.tools.map((tool) => tool.name));
       this.cards.follow(chain, state.now.words);
       this.whatif.know(state.now.numbers);
+      this.stage?.hold(state.effort.draft);
       this.stage?.show(chain, this.tools.chosen, this.sliders.pose);
       this.deviation.follow(chain, this.sliders.pose, state.now.map?.from === "bounds");
-      this.beside.follow(chain, this.tools.chosen);
+      this.beside.follow(chain, this.tools.chosen, state.effort.draft);
     }
     this.verdict.show(state);
     this.statistics.show(state);
@@ -272,11 +274,21 @@ class Workbench {
   }
 
   private moved(pose: Pose, rests: boolean): void {
+    this.stage?.hold(!rests);
     this.stage?.move(pose);
-    this.beside.move(pose);
+    this.beside.move(pose, rests);
     this.deviation.moved(pose, rests);
     this.curve.moved(pose, rests);
     this.pareto.moved(pose, rests);
+  }
+
+  /** Diagnostics in the editor and below it; while a slider is held those that stay move with the text. */
+  private mark(found: Diagnostic[], isHeld: boolean): void {
+    const known = JSON.stringify(found);
+    if (isHeld && known === this.marked) return;
+    this.marked = known;
+    showMarks(this.editor.view, this.session.machine, found);
+    this.list(found);
   }
 
   /** Diagnostics below the editor; each leads to its place. */

@@ -67,6 +67,9 @@ export const FULL: Effort = { draft: false, isReduced: false, keepsChain: false,
 const DRAFT = { poses: 2000, samples: 100 };
 const BOUNDED_DRAFT = { ...DRAFT, poses: 300 };
 
+/** Each error alone rests this many times as long as it took before the next: the map comes first. */
+const BREAK = 3;
+
 /** Largest number of poses of `sources`. */
 const MOST_SOURCE_POSES = 10_000;
 
@@ -231,10 +234,16 @@ export class Session {
   }
 
   private async follow(text: string, effort: Effort): Promise<void> {
-    const { drag } = this;
+    const [{ drag }, start] = [this, performance.now()];
     const [answer] = await this.ask([this.sources(effort)], {}, text);
+    const took = performance.now() - start;
     const sources = accepted<Sources>(answer);
-    if (!sources || !this.now || this.drag !== drag) return;
+    if (sources && this.drag === drag) this.learn(sources);
+    await new Promise((resolve) => setTimeout(resolve, took * BREAK));
+  }
+
+  private learn(sources: Sources): void {
+    if (!this.now) return;
     this.now = { ...this.now, sources };
     if (this.busy || !this.state) return;
     this.state = { ...this.state, now: this.now };

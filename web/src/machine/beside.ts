@@ -48,13 +48,15 @@ export class Beside {
     void this.update();
   }
 
-  follow(chain: Chain, tool: string): void {
+  follow(chain: Chain, tool: string, isHeld: boolean): void {
     [this.chain, this.tool] = [chain, tool];
+    this.stage?.hold(isHeld);
     this.list();
     void this.update();
   }
 
-  move(pose: Pose): void {
+  move(pose: Pose, rests: boolean): void {
+    this.stage?.hold(!rests);
     if (this.shown) this.stage?.move(pose);
   }
 

@@ -47,8 +47,14 @@ export class Stage {
   private known = "";
   private pending = 0;
   pose: Pose = {};
+  /** The pose as it was when the figure moved last: the other one may change in place. */
+  private drawnPose = "";
   /** Name of the axis at hand. */
   private chosen = "";
+  /** True while something is moved by hand: the picture is coarser then, and follows. */
+  private isHeld = false;
+  /** Pixels of the picture to one of the screen while something is held. */
+  private readonly coarse: number;
 
   /** Fails where the browser cannot draw in three dimensions. `dragged` hears of bodies that are moved by hand. */
   constructor(
@@ -56,7 +62,7 @@ export class Stage {
     dragged: (axis: Axis, position: number, rests: boolean) => void,
   ) {
     this.renderer = new three.WebGLRenderer({ antialias: true, alpha: true, preserveDrawingBuffer: true });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.coarse = isSoftware(this.renderer.getContext()) ? 0.5 : 1;
     const canvas = this.renderer.domElement;
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "img");
@@ -66,6 +72,8 @@ export class Stage {
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.listenToKeyEvents(canvas);
     this.controls.addEventListener("change", () => this.draw());
+    this.controls.addEventListener("start", () => this.hold(true));
+    this.controls.addEventListener("end", () => this.hold(false));
     this.lights();
     for (const material of Object.keys(LIGHT) as Material[]) this.materials[material] = this.material(material);
     new Pick(parent, canvas, this.scene, this.camera);
@@ -77,7 +85,7 @@ export class Stage {
    * is. */
   show(chain: Chain, tool: string, pose: Pose, as: Stage | null = null): void {
     const key = geometry(chain) + tool;
-    if (key === this.known && !as) return this.move(pose);
+    if (key === this.known && !as) return this.stands(pose) ? undefined : this.move(pose);
     this.known = key;
     const figure = new Figure(chain, tool, this.materials);
     this.figure?.dispose();
@@ -97,8 +105,14 @@ export class Stage {
     this.draw();
   }
 
+  /** True if the picture shows this pose. */
+  private stands(pose: Pose): boolean {
+    return JSON.stringify(pose) === this.drawnPose;
+  }
+
   move(pose: Pose): void {
     this.pose = pose;
+    this.drawnPose = JSON.stringify(pose);
     this.figure?.move(pose);
     if (this.figure) this.arms.show(this.figure);
     this.point(this.chosen);
@@ -184,8 +198,23 @@ export class Stage {
     if (this.pending) return;
     this.pending = requestAnimationFrame(() => {
       this.pending = 0;
+      const { ratio } = this;
+      // It empties the picture, which is drawn in the same frame.
+      if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
       this.renderer.render(this.scene, this.camera);
     });
+  }
+
+  /** Draws coarser while something is held, and once more when it is let go. */
+  hold(isHeld: boolean): void {
+    if (isHeld === this.isHeld) return;
+    this.isHeld = isHeld;
+    if (!isHeld) this.draw();
+  }
+
+  private get ratio(): number {
+    const sharp = Math.min(window.devicePixelRatio || 1, 2);
+    return this.isHeld ? Math.min(sharp, this.coarse) : sharp;
   }
 
   /** The deviation at the present pose, in the workpiece frame. */
@@ -274,6 +303,13 @@ export class Stage {
     if (material === "part") return new three.MeshStandardMaterial({ ...flat, transparent: true, opacity: 0.75 });
     return new three.MeshStandardMaterial(flat);
   }
+}
+
+/** True where no graphics card draws: time goes by the pixel then. */
+function isSoftware(context: WebGLRenderingContext | WebGL2RenderingContext): boolean {
+  const names = context.getExtension("WEBGL_debug_renderer_info");
+  const name = String(context.getParameter(names?.UNMASKED_RENDERER_WEBGL ?? context.RENDERER));
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
 }
 
 /** The block that stands for a part is taken though one sees through it. */

@@ -51,7 +51,7 @@ pub struct PlanePicture<'a> {
 pub(super) const LEFT: f64 = 78.0;
 pub(super) const TOP: f64 = 74.0;
 const WIDEST: f64 = 640.0;
-const HIGHEST: f64 = 560.0;
+const HIGHEST: f64 = 390.0;
 /// Room around a grid for nodes that are displaced beyond its edges.
 pub(super) const MARGIN: f64 = 42.0;
 
