@@ -315,7 +315,8 @@ def test_scheduler_and_workers_started_by_hand(tmp_path: Path) -> None:
             client.wait_for_workers(2, timeout=60)
             each = client.scheduler_info()["workers"]
             found = client.gather([client.submit(mapped, machine, workers=[worker]) for worker in each])
-            grid = abbe.dask.deviations(machine, {"X": np.linspace(0, 500, 50), "C": np.linspace(0, 350, 40)}, nodes=300)
+            axes = {"X": np.linspace(0, 500, 50), "C": np.linspace(0, 350, 40)}
+            grid = abbe.dask.deviations(machine, axes, nodes=300)
             assert grid.position.compute().tobytes() == alone(grid.position).tobytes()
         assert found == [expected] * 2
     finally:
