@@ -46,7 +46,10 @@ class Diagnostic:
 
 
 class DiagnosticError(ValueError):
-    """An input is refused. As text it is what the program prints; ``diagnostics`` are the reasons."""
+    """An input is refused. As text it is what the program prints; ``diagnostics`` are the reasons and the warnings.
+
+    ``code``, ``place`` and ``help`` are those of the first refusal.
+    """
 
     def __init__(self, text: str, diagnostics: tuple[Diagnostic, ...] = ()) -> None:
         super().__init__(text, diagnostics)
@@ -57,10 +60,24 @@ class DiagnosticError(ValueError):
         return self.text
 
     @property
+    def reason(self) -> Diagnostic | None:
+        """The first refusal; none where only the text is known."""
+        return next((diagnostic for diagnostic in self.diagnostics if diagnostic.severity == "refusal"), None)
+
+    @property
     def code(self) -> str:
         """The code of the first refusal."""
-        refusals = [diagnostic for diagnostic in self.diagnostics if diagnostic.severity == "refusal"]
-        return refusals[0].code if refusals else ""
+        return self.reason.code if self.reason else ""
+
+    @property
+    def place(self) -> Place | None:
+        """The primary place of the first refusal; none if it is about no file."""
+        return self.reason.place if self.reason else None
+
+    @property
+    def help(self) -> str | None:
+        """The remedy of the first refusal."""
+        return self.reason.help if self.reason else None
 
 
 class DiagnosticWarning(UserWarning):

@@ -378,18 +378,13 @@ def _measured(
                 refuse_missing(found, study.columns)
                 row |= {name: float(found[name]) for name in study.columns}
             except DiagnosticError as refused:
-                row["refused"] = _reason(refused)
+                row["refused"] = str(refused.reason or refused)
             rows.append(row)
     return pyarrow.Table.from_pylist(rows, schema=study.schema)
 
 
 def _cell(schema: Any, name: str, value: Any) -> Any:
     return float(value) if schema.field(name).type == pyarrow.float64() else str(value)
-
-
-def _reason(refused: DiagnosticError) -> str:
-    first = next((one for one in refused.diagnostics if one.severity == "refusal"), None)
-    return str(first) if first is not None else str(refused)
 
 
 # Calibrations ------------------------------------------------------------------------------------------------------
@@ -410,7 +405,7 @@ def _fitted(fit: Callable[[], IdentifyResult], of: Mapping[str, Any]) -> list[di
     try:
         found = fit()
     except DiagnosticError as refused:
-        return [{**of, "refused": _reason(refused)}]
+        return [{**of, "refused": str(refused.reason or refused)}]
     keys = ("value", "sigma", "unit")
     return [
         {**of, "parameter": one["name"], **{key: one[key] for key in keys}} for one in found.to_dict()["parameters"]

@@ -106,7 +106,7 @@ class Problem:
         try:
             measured = dict(self.measure(self.machine.with_(changes)))
         except DiagnosticError as refused:
-            return Design(values, {}, str(refused.diagnostics[0]), changes, self.machine)
+            return Design(values, {}, str(refused.reason or refused), changes, self.machine)
         refuse_missing(measured, (*self.senses, *self.constraints))
         return Design(values, {name: float(of) for name, of in measured.items()}, None, changes, self.machine)
 

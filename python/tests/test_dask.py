@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -292,6 +293,37 @@ def test_a_worker_is_killed_in_a_ranking(workers: int) -> None:
         assert not future.done()
         assert json.dumps(future.result().to_dict()) == expected
         assert killed not in client.run(os.getpid).values()
+
+
+def test_scheduler_and_workers_started_by_hand(tmp_path: Path) -> None:
+    # As on office computers: only what travels with the tasks is there, neither a file of the machine nor its folder.
+    home, away = tmp_path / "home", tmp_path / "away"
+    away.mkdir()
+    shutil.copytree(CONFIGS, home)
+    machine = abbe.load(home / "trunnion.yaml")
+    shutil.rmtree(home)
+    mapped: Any = lambda of: of.map(poses={"random": 500}).to_dict()  # noqa: E731, travels by value
+    expected = mapped(machine)
+    at, one = ["--scheduler-file", str(tmp_path / "at.json")], ["--nthreads", "1", "--no-dashboard"]
+    settings: dict[str, Any] = {"cwd": away, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    started = [
+        subprocess.Popen([sys.executable, "-m", "dask", *command, *at], **settings)
+        for command in (["scheduler", "--port", "0", "--no-dashboard"], ["worker", *one], ["worker", *one])
+    ]
+    try:
+        with Client(scheduler_file=at[1], timeout=60) as client:
+            client.wait_for_workers(2, timeout=60)
+            each = client.scheduler_info()["workers"]
+            found = client.gather([client.submit(mapped, machine, workers=[worker]) for worker in each])
+            axes = {"X": np.linspace(0, 500, 50), "C": np.linspace(0, 350, 40)}
+            grid = abbe.dask.deviations(machine, axes, nodes=300)
+            assert grid.position.compute().tobytes() == alone(grid.position).tobytes()
+        assert found == [expected] * 2
+    finally:
+        for process in started:
+            process.terminate()
+        for process in started:
+            process.wait(30)
 
 
 def test_the_package_does_not_import_dask() -> None:

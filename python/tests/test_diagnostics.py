@@ -28,7 +28,13 @@ def test_refusal_has_all_faults_with_places() -> None:
     place = unknown.place
     assert place is not None
     assert (place.file, place.line, place.column, place.end_column) == ("machine.yaml", 4, 14, 20)
-    assert len(by_code) == 2 and failure.code in by_code
+    assert len(by_code) == 2 and failure.reason in failure.diagnostics
+    first = by_code[failure.code]
+    assert (failure.place, failure.help) == (first.place, first.help)
+    # What is lacking in the file has no place; a file that is not there no text either.
+    with pytest.raises(abbe.DiagnosticError) as refused:
+        abbe.load("nowhere.yaml")
+    assert refused.value.place is None and refused.value.help
 
 
 def test_text_is_what_the_program_prints() -> None:

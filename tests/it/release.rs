@@ -36,11 +36,11 @@ fn repository(folder: &Path) -> String {
 fn the_version_is_one_number() {
     let version = env!("CARGO_PKG_VERSION");
     for (file, words) in [
-        ("python/Cargo.toml", "\nversion = \""),
         ("docs/repository.md", "rev: v"),
         ("docs/repository.md", "--tag v"),
         ("docs/adding-a-target.md", "written by abbe "),
         ("docs/cluster.md", "abbe-dask:"),
+        ("docs/python.md", "pip install abbe-"),
         ("docs/formats.md", "\"abbe\": \""),
     ] {
         let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
@@ -56,6 +56,8 @@ fn the_version_is_one_number() {
         let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(own)).unwrap();
         assert!(!text.contains("\nversion ="), "{own} is not released and needs no version");
     }
+    let python = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("python/Cargo.toml")).unwrap();
+    assert!(python.contains("\nversion.workspace = true\n"), "python/Cargo.toml has a version of its own");
 }
 
 #[test]
