@@ -251,6 +251,12 @@ fn templates_write_no_number_that_is_not_finite() {
     }
 }
 
+/// The manifest of a set is not one of its files.
+#[test]
+fn templates_take_no_name_that_is_taken() {
+    greedy("abbe.lock.json", "").refused("E0702").says("another file of the set is named `abbe.lock.json`");
+}
+
 /// Nor does it bound the cost of one step: much in few steps. A file's name has no such steps.
 #[test]
 fn templates_that_take_all_day_are_refused() {

@@ -247,6 +247,9 @@ fn descriptions_that_do_not_fit_are_refused_and_nothing_is_written() {
         ("id: R-1\n", "id: R-1\ncolour: red\n"),
         ("id: R-1\n", "id: \"a\\u0000b\"\n"),
         ("id: R-1\n", "id: \"  \"\n"),
+        ("id: R-1\n", "id: \"R\\u202e-1\"\n"),
+        ("id: R-1\n", "id: \"R\\u2028-1\"\n"),
+        ("end: 2026-11-03", "end: 2026-11-03, issued: 2026-11-02"),
         ("record: 1\n", "record: 2\n"),
         ("2026-11-03", "2026-11-31"),
         ("2026-11-03", "2026-11-01"),
@@ -288,6 +291,9 @@ fn descriptions_that_do_not_fit_are_refused_and_nothing_is_written() {
     folder.write("record.yaml", &DESCRIPTION.replacen("raw/x laser.csv", &data, 1));
     let confined = folder.path("").display().to_string();
     record(&description, &folder.path("made"), &["--confined", &confined]).refused("E0819");
+    // An instrument that was calibrated later.
+    folder.write("record.yaml", &DESCRIPTION.replacen("calibrated: 2026-03-01", "calibrated: 2026-11-03", 1));
+    record(&description, &folder.path("late"), &[]).says("W0820").says("does not cover the first day");
     folder.write("record.yaml", DESCRIPTION);
     record(&description, &folder.path("made"), &[]).json();
     let before = tree(&folder.path("made"));

@@ -150,6 +150,9 @@ impl Description {
         );
         let reversed = self.dates.end < self.dates.begin;
         fault(reversed, "the last day is before the first".to_owned(), "exchange `begin` and `end`");
+        let early = self.dates.issued.as_ref().filter(|issued| **issued < self.dates.end);
+        let message = early.map(|issued| format!("`issued` {} is before the last day", issued.as_str()));
+        fault(early.is_some(), message.unwrap_or_default(), "a certificate is issued after the calibration");
         fault(!self.country.is_country(), "`country` is in small letters".to_owned(), "ISO 3166-1: DE, US, CN");
         fault(self.language.is_country(), "`language` is in capital letters".to_owned(), "ISO 639-1: de, en, zh");
         let contacts = [&self.laboratory.country, &self.customer.country];
@@ -176,7 +179,8 @@ impl Description {
         for temperature in &self.temperatures {
             let [deg_c, u] = [temperature.deg_c, temperature.expanded_uncertainty_k.unwrap_or(0.0)];
             let wrong = !(-273.15..=1000.0).contains(&deg_c) || !(0.0..=1000.0).contains(&u);
-            fault(wrong, format!("`{}` is no temperature", temperature.name), "degC and, for the uncertainty, K");
+            let message = format!("`{}` is no temperature: {deg_c} degC, uncertainty {u} K", temperature.name);
+            fault(wrong, message, "-273.15 to 1000 degC and, for the uncertainty, 0 to 1000 K");
         }
         for limit in &self.limits {
             let of_figure = [&limit.name, &limit.figures, &limit.value, &limit.unit];

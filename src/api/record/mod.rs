@@ -232,6 +232,10 @@ fn instruments(
             let message = format!("the certificate of `{}` ended on {}", instrument.name, due.as_str());
             call.warn(Diagnostic::new(codes::W0820, message).help("its calibration does not cover the last day"));
         }
+        if instrument.calibrated > description.dates.begin {
+            let message = format!("`{}` was calibrated on {}", instrument.name, instrument.calibrated.as_str());
+            call.warn(Diagnostic::new(codes::W0820, message).help("its calibration does not cover the first day"));
+        }
         let Some(source) = &instrument.file else { continue };
         let copy = files.copy(call, base, source, "instruments")?.0;
         instrument.file = Line::try_from(copy.file).ok();

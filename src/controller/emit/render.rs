@@ -6,6 +6,7 @@
 //! templates of others bounds their time and memory itself, as `abbe` does.
 
 use super::context::TableWords;
+use super::lock::LOCK_NAME;
 use super::number::{NOT_FINITE, fixed};
 use crate::compensation::{CorrectionTable, CorrectionTables};
 use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileSpec, Per, assigned_letters, is_plain_name};
@@ -13,6 +14,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{AxisKind, Machine, Travel};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, UndefinedBehavior, Value, context, escape_formatter};
+use std::collections::BTreeSet;
 use std::fmt::{Display, Formatter};
 use std::sync::Arc;
 
@@ -32,6 +34,8 @@ pub(crate) enum TemplateFailure {
     Engine(minijinja::Error),
     /// The name could leave the folder.
     Name(String),
+    /// Two files of the set have the name, or it is that of the manifest of sets.
+    NameTaken(String),
     /// The file of this name exceeds [`MAX_FILE_BYTES`].
     Size(String),
     /// The file of this name would have a number that is not finite.
@@ -46,6 +50,7 @@ impl Display for TemplateFailure {
                 None => write!(f, "{failure}"),
             },
             Self::Name(name) => write!(f, "`{name}` is not a plain file name"),
+            Self::NameTaken(name) => write!(f, "another file of the set is named `{name}`"),
             Self::Size(name) => write!(f, "`{name}` would have more than {} MB", MAX_FILE_BYTES >> 20),
             Self::NotFinite(name) => write!(f, "a number of `{name}` is not finite"),
         }
@@ -100,7 +105,7 @@ impl ControllerTarget {
         let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = TableWords { target: self, machine, tables, letters: &letters };
         let writer = Writer { words, environment: environment() };
-        match writer.files(|_| true) {
+        match writer.files(|_| true).and_then(named_apart) {
             Ok(files) => Some(files),
             Err(failure) => {
                 diagnostics.push(self.failed(&failure));
@@ -137,7 +142,7 @@ impl ControllerTarget {
             let once = self.manifest.files.iter().zip(&self.templates).filter(|(spec, _)| !spec.is_of_tables());
             let mut files: Vec<RenderedFile> = once.map(file).collect::<Result<_, TemplateFailure>>()?;
             files.extend(tables);
-            Ok::<_, TemplateFailure>(files)
+            named_apart(files)
         };
         files().map_err(|failure| diagnostics.push(self.failed(&failure))).ok()
     }
@@ -175,6 +180,16 @@ fn environment() -> Environment<'static> {
         environment.set_syntax(syntax);
     }
     environment
+}
+
+/// Refuses a name that two files have.
+fn named_apart(files: Vec<RenderedFile>) -> Result<Vec<RenderedFile>, TemplateFailure> {
+    let mut names = BTreeSet::from([LOCK_NAME]);
+    let taken = files.iter().find(|file| !names.insert(file.name.as_str()));
+    match taken.map(|file| file.name.clone()) {
+        Some(name) => Err(TemplateFailure::NameTaken(name)),
+        None => Ok(files),
+    }
 }
 
 /// Has a template write the mark for a number that is not finite.

@@ -1,6 +1,7 @@
 //! Content of the record of a calibration: as described, and as found in the files that it names.
 
 use crate::controller::Hashed;
+use crate::diagnostic::is_layout;
 use crate::standards::{Conformity, LimitSides};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -9,7 +10,8 @@ use std::fmt;
 /// Longest text of one line, in characters.
 const LONGEST: usize = 1000;
 
-/// A text of one line: not empty, without control characters, no blanks around it or doubled in it.
+/// A text of one line: not empty, without control characters and those that turn the direction of writing, no blanks
+/// around it or doubled in it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(try_from = "String")]
 pub struct Line(String);
@@ -29,8 +31,8 @@ impl TryFrom<String> for Line {
 
     fn try_from(text: String) -> Result<Self, NoValue> {
         let words: Vec<&str> = text.split_whitespace().collect();
-        // Neither is a character of XML.
-        let bad = |c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
+        // The last two are no characters of XML.
+        let bad = |c: char| c.is_control() || is_layout(c) || matches!(c, '\u{fffe}' | '\u{ffff}');
         if words.is_empty() || text.trim().chars().any(bad) || text.chars().nth(LONGEST).is_some() {
             let message = format!("a text is one line of 1 to {LONGEST} characters without control characters");
             return Err(NoValue(message));
