@@ -225,7 +225,8 @@ export class Session {
 
   /** Measured errors while a slider is held: the map at once; each error alone takes longer, and follows by itself. */
   private async held(text: string, effort: Effort, before: Findings): Promise<Answered> {
-    void this.following.do(() => this.follow(text, effort));
+    const { drag } = this;
+    void this.following.do(() => this.follow(text, effort, drag));
     const questions = [this.map(effort), ...(effort.keepsChain ? [] : (["show"] as const))];
     const { diagnostics, answers } = await this.evaluator.ask(this.request(text, questions));
     const map = accepted<VolumeMap>(answers[0]);
@@ -233,8 +234,10 @@ export class Session {
     return { diagnostics, findings: map && chain && { ...before, map, chain } };
   }
 
-  private async follow(text: string, effort: Effort): Promise<void> {
-    const [{ drag }, start] = [this, performance.now()];
+  private async follow(text: string, effort: Effort, drag: number): Promise<void> {
+    // Let go before its turn: the figures of the whole are on their way.
+    if (this.drag !== drag) return;
+    const start = performance.now();
     const [answer] = await this.ask([this.sources(effort)], {}, text);
     const took = performance.now() - start;
     const sources = accepted<Sources>(answer);
