@@ -30,7 +30,7 @@ pub trait Monitor: Sync {
 #[derive(Debug, Clone, Default)]
 pub struct Cancellation(Arc<AtomicBool>);
 
-/// What a cancelled job unwinds with.
+/// Payload with which a cancelled job unwinds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cancelled;
 

@@ -91,8 +91,7 @@ fn csv(file: &MachineFile, result: &EvalResult) -> String {
 
 /// The columns of what poses have where it is asked for: motions that undo the errors, effects of errors and of pairs.
 fn asked_columns(file: &MachineFile, result: &EvalResult, effects: &[&str]) -> Vec<String> {
-    let of = |name: &String| file.axes().iter().find(|axis| axis.name.as_str() == name);
-    let unit = |name: &String| of(name).map_or("mm", |axis| axis.unit());
+    let unit = |name: &String| file.axis_index(name).map_or("mm", |i| file.axes()[i].unit());
     let inverse = result.poses.first().and_then(|pose| pose.inverse.as_ref());
     let undone = inverse.into_iter().flat_map(AxisPositions::keys).map(|name| format!("undo {name} [{}]", unit(name)));
     let rotations: BTreeSet<String> =

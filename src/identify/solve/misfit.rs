@@ -32,7 +32,7 @@ const FEWEST_SPARE: usize = 20;
 const FAINT: f64 = 1e-3;
 /// Sum of squares, over the variance of a reading, of a form of the size of the scatter that readings do not see.
 const UNSEEN: f64 = 1e-3;
-/// Of displacements and rotations of an axis, those below this share of the others are not stated.
+/// Share of the other kind below which displacements or rotations of an axis are not stated.
 const MINOR: f64 = 1e-2;
 /// Sums of squares that unknowns or forms leave less than this share of are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -287,8 +287,8 @@ impl SeenModes {
     }
 }
 
-/// What modes of a variance (`ratio`, in that of a reading) take up: the logarithm of the determinant of I + ratio S,
-/// where S are products of their effects, and the sum of squares `along` those that they explain.
+/// Returns the logarithm of the determinant of I + ratio S for modes of a variance (`ratio`, in that of a reading),
+/// where S are products of their effects, and the sum of squares that they explain of `along`.
 fn explained(seen: &DMatrix<f64>, along: &DVector<f64>, ratio: f64) -> Option<(f64, f64)> {
     let mut grown = seen * ratio;
     (0..along.len()).for_each(|i| grown[(i, i)] += 1.0);

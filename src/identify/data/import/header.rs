@@ -196,14 +196,11 @@ enum RunColumns {
 
 /// Refuses two columns of one run: their mean would be no reading of any run.
 fn no_run_twice(header: &Header, titles: &[Title]) -> Result<(), HeaderFailure> {
-    let named = |role: &Role| role.series().filter(|series| !series.label.run.is_empty()).cloned();
-    let of_run = |a: &Series, b: &Series| a.error == b.error && a.label == b.label;
-    let series: Vec<Option<Series>> = header.roles.iter().map(named).collect();
-    let again = |k: &usize| {
-        let own = series[*k].as_ref();
-        own.is_some_and(|own| series[..*k].iter().flatten().any(|before| of_run(before, own)))
-    };
-    let second = (0..series.len()).find(again);
+    let run = |role: &Role| role.series().map(|series| (series.error, series.label.clone()));
+    let runs: Vec<Option<(usize, RunLabel)>> =
+        header.roles.iter().map(|role| run(role).filter(|(_, label)| !label.run.is_empty())).collect();
+    let again = |k: &usize| runs[*k].is_some() && runs[..*k].contains(&runs[*k]);
+    let second = (0..runs.len()).find(again);
     second.map_or(Ok(()), |k| Err(HeaderFailure::RunTwice(titles[k].cell.clone())))
 }
 
