@@ -13,11 +13,13 @@ another rustc than the one in counts.json differences are shown and not judged.
 
 import array
 import json
+import os
 import pathlib
 import random
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -48,7 +50,7 @@ def poses(folder):
 
 def instructions(program, path, folder, samples):
     """Of one process that is asked for these samples."""
-    out = folder / "callgrind.out"
+    out = folder / f"callgrind.{'-'.join(samples).replace(' ', '-')}.out"
     run = subprocess.run(
         ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", program, ROOT / "configs/trunnion.yaml", path],
         input="".join(sample + "\n" for sample in samples), capture_output=True, text=True, cwd=ROOT)
@@ -68,11 +70,13 @@ def main():
         folder = pathlib.Path(name)
         path = poses(folder)
         start, width = instructions(program, path, folder, [])
-        for kernel in KERNELS:
-            if "avx2" in kernel and width != "Avx2":
-                print(f"{kernel}: this processor has no AVX2, not counted")
-                continue
-            found[kernel] = instructions(program, path, folder, [kernel])[0] - start
+        counted = [kernel for kernel in KERNELS if "avx2" not in kernel or width == "Avx2"]
+        if counted != KERNELS:
+            print("this processor has no AVX2, whose kernels are not counted")
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            counts = pool.map(lambda kernel: instructions(program, path, folder, [kernel])[0], counted)
+        for kernel, count in zip(counted, counts):
+            found[kernel] = count - start
             expected = known.get("instructions", {}).get(kernel)
             change = f"{100 * (found[kernel] / expected - 1):+.1f} %" if expected else "new"
             print(f"{kernel}: {found[kernel]} instructions, {change}")
