@@ -414,7 +414,7 @@ pub fn figures(
             StandardTest::Drift => drift(&table, options).map(TestFigures::Drift),
             StandardTest::Diagonals => diagonals(&table).map(TestFigures::Diagonals),
         };
-        found.or_else(|refusal| call.refuse(refusal))
+        found.or_else(|refusal| call.refuse(table.refused(refusal)))
     })
 }
 

@@ -2,7 +2,7 @@
 
 use super::circle::{RadialReading, Sense};
 use super::positioning::TargetReading;
-use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::diagnostic::{Diagnostic, Place, codes, shown};
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{Decimals, Line, Sheet, cells, drop_empty, number, separator, title};
 use crate::units::{self, Dimension};
@@ -26,6 +26,8 @@ struct NumberColumn {
 /// A table of readings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadingsTable {
+    /// The line of titles.
+    header: Place,
     /// Columns of numbers.
     columns: Vec<NumberColumn>,
     /// The sense of rotation of each row, if there is such a column.
@@ -108,7 +110,13 @@ impl ReadingsTable {
         let words = [sense, diagonal];
         let mut kept = 0..columns.len();
         columns.retain(|_| !words.contains(&kept.next()));
-        Ok(Self { columns, senses: sense.map(|_| senses), diagonals: diagonal.map(|_| diagonals) })
+        let (senses, diagonals) = (sense.map(|_| senses), diagonal.map(|_| diagonals));
+        Ok(Self { header: header.place.clone(), columns, senses, diagonals })
+    }
+
+    /// Returns the refusal of a test by this table, shown at its titles.
+    pub fn refused(&self, why: Diagnostic) -> Diagnostic {
+        why.at(Some(self.header.clone()), "")
     }
 
     fn column(&self, names: &[&str]) -> Option<&NumberColumn> {

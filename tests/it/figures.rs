@@ -303,6 +303,7 @@ fn readings_that_carry_no_figure_are_refused() {
         let file = folder.with("readings.csv", text).display().to_string();
         let (status, message) = refused(&["figures", test, &file]);
         assert!(status == 1 && message.contains(words), "{test} {text:?}: {message}");
+        assert!(message.contains("readings.csv:"), "no place: {test} {text:?}: {message}");
     }
     let file = folder.with("good.csv", "angle [deg],ccw [um]\n0,1\n120,1\n240,1\n").display().to_string();
     for wrong in [["--radius", "0"], ["--radius", "nan"], ["--feed", "-1"], ["--distance", "0"]] {
