@@ -3,13 +3,13 @@
 //! noise of the readings are drawn by formulas of the test.
 
 use super::identify::normal;
-use super::measurements::actual;
+use super::measurements::{actual, brought_to};
 use super::oracle::curves::{Curve, Error, Points};
 use super::oracle::machines::Sample;
 use super::oracle::random::Random;
 use super::priors::five_axes;
 use abbe::{EvalOptions, IdentifyOptions, LoadOptions, Run, eval, identify, loads};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
 /// Standard deviation of the readings (mm).
@@ -49,6 +49,15 @@ struct Campaign {
     length: f64,
     /// Correlation of the noise of a reading with the one before.
     lag: f64,
+    /// An R-test and a grid, instead of deviations at random poses.
+    r_test: bool,
+}
+
+/// A reading: the run of an R-test, if it is one, the pose and the deviation (mm).
+struct Row {
+    run: Option<usize>,
+    pose: Vec<f64>,
+    read: [f64; 3],
 }
 
 /// Values of a Gaussian process at 60 even places of an interval.
@@ -62,9 +71,28 @@ fn process(random: &mut Random, size: f64, share: f64) -> Vec<f64> {
     (factor * draws * size).iter().copied().collect()
 }
 
+/// The machine without errors; that of an R-test can bring its tip to either side of the table.
+fn blank(campaign: Campaign) -> Sample {
+    let mut machine = five_axes();
+    if campaign.r_test {
+        machine.axes[2].travel = Some([-225.0, 225.0]);
+        machine.axes[3].travel = Some([-250.0, 250.0]);
+    }
+    machine
+}
+
+/// Its file, errors to be where the readings have them.
+fn blank_file(campaign: Campaign) -> String {
+    let file = super::identify::FIVE;
+    let of_r_test =
+        || file.replace("[0 mm, 500 mm]", "[-250 mm, 250 mm]").replace("[0 mm, 450 mm]", "[-225 mm, 225 mm]");
+    let file = if campaign.r_test { of_r_test() } else { file.to_owned() };
+    format!("{file}identify: {{ datum: {{ line: free, zero: free }} }}\n")
+}
+
 /// The blank machine with errors that the curves fit, and forms that they do not.
 fn real(random: &mut Random, campaign: Campaign) -> Sample {
-    let mut machine = five_axes();
+    let mut machine = blank(campaign);
     machine.rigid.walk[0].location[0] = 8e-3;
     machine.rigid.walk[1].location[4] = 20e-6;
     for extra in &mut machine.axes {
@@ -87,43 +115,84 @@ fn real(random: &mut Random, campaign: Campaign) -> Sample {
     machine
 }
 
-fn poses(random: &mut Random, count: usize) -> Vec<Vec<f64>> {
-    super::identify::five_poses(random, count)
+/// Where a campaign reads: random poses, or three balls on the turning and tilting table and a grid beside them.
+fn measured_poses(random: &mut Random, campaign: Campaign, blank: &Sample) -> Vec<(Option<usize>, Vec<f64>)> {
+    if !campaign.r_test {
+        return super::identify::five_poses(random, campaign.readings).into_iter().map(|pose| (None, pose)).collect();
+    }
+    let mut all = Vec::new();
+    for (run, ball) in [[70.0, 0.0, 60.0], [-30.0, 80.0, 40.0], [0.0, -60.0, 120.0]].iter().enumerate() {
+        for (turn, tilt) in (0..60).map(|i| (30.0 * f64::from(i % 12), 30.0 - 30.0 * f64::from(i / 12))) {
+            all.push((Some(run), brought_to(blank, &[turn, tilt, 0.0, 0.0, -200.0], &Vector3::from(*ball))));
+        }
+    }
+    for i in 0..100 {
+        let [x, y, z] = [i % 5, i / 5 % 5, i / 25].map(f64::from);
+        all.push((None, vec![0.0, 0.0, 112.5 * y - 225.0, 125.0 * x - 250.0, 133.0 * z - 399.0]));
+    }
+    all
+}
+
+/// Where it is judged: poses of the same kind that were not measured.
+fn other_poses(random: &mut Random, campaign: Campaign, blank: &Sample) -> Vec<Vec<f64>> {
+    if !campaign.r_test {
+        return super::identify::five_poses(random, 100);
+    }
+    let mut one = |i: usize| {
+        let mut within = |low, high| random.between(low, high);
+        if i % 2 == 0 {
+            return vec![0.0, 0.0, within(-225.0, 225.0), within(-250.0, 250.0), within(-400.0, 0.0)];
+        }
+        let ball = Vector3::new(within(-60.0, 60.0), within(-60.0, 60.0), within(40.0, 120.0));
+        brought_to(blank, &[within(0.0, 360.0), within(-90.0, 30.0), 0.0, 0.0, -200.0], &ball)
+    };
+    (0..100).map(&mut one).collect()
 }
 
 fn deviation(blank: &Sample, real: &Sample, pose: &[f64]) -> [f64; 3] {
     (actual(real, pose) - actual(blank, pose)).into()
 }
 
-/// The blank machine, its errors to be where the readings have them.
-fn blank_file() -> String {
-    format!("{}identify: {{ datum: {{ line: free, zero: free }} }}\n", super::identify::FIVE)
+/// The files of a campaign: deviations, and those of an R-test less the first of their run.
+fn files(rows: &[Row]) -> Vec<(String, String)> {
+    let mut texts = [
+        ("grid.csv", "C,A,Y,X,Z,dx [mm],dy [mm],dz [mm]"),
+        ("balls.csv", "C,A,Y,X,Z,rel.dx [mm],rel.dy [mm],rel.dz [mm],run"),
+    ]
+    .map(|(name, head)| (name.to_owned(), format!("{head}\n")));
+    for row in rows {
+        let first = rows.iter().find(|other| row.run.is_some() && other.run == row.run).map_or([0.0; 3], |of| of.read);
+        let cells = row.pose.iter().copied().chain((0..3).map(|k| row.read[k] - first[k])).map(|x| x.to_string());
+        let cells: Vec<String> = cells.chain(row.run.map(|run| format!("ball {run}"))).collect();
+        texts[usize::from(row.run.is_some())].1 += &format!("{}\n", cells.join(","));
+    }
+    texts.into_iter().filter(|(_, text)| text.lines().count() > 1).collect()
 }
 
 /// The share of the components at 100 poses that are within the expanded uncertainty of a campaign.
 fn covered(campaign: Campaign, seed: u64) -> f64 {
     let mut random = Random::new(seed);
-    let (blank, real) = (five_axes(), real(&mut random, campaign));
-    let mut text = "C,A,Y,X,Z,dx [mm],dy [mm],dz [mm]\n".to_owned();
+    let (blank, real) = (blank(campaign), real(&mut random, campaign));
     let mut noise = [0.0; 3].map(|_: f64| NOISE * normal(&mut random));
-    for pose in poses(&mut random, campaign.readings) {
+    let mut rows = Vec::new();
+    for (run, pose) in measured_poses(&mut random, campaign, &blank) {
         let fresh = (1.0 - campaign.lag * campaign.lag).sqrt() * NOISE;
         noise = noise.map(|before| campaign.lag * before + fresh * normal(&mut random));
         let read = deviation(&blank, &real, &pose);
-        let cells = pose.into_iter().chain((0..3).map(|k| read[k] + noise[k]));
-        text += &format!("{}\n", cells.map(|x| x.to_string()).collect::<Vec<_>>().join(","));
+        rows.push(Row { run, pose, read: std::array::from_fn(|k| read[k] + noise[k]) });
     }
     let run = Run::on_disk();
-    let machine = loads(&blank_file(), &LoadOptions::default(), run).unwrap().value;
+    let machine = loads(&blank_file(campaign), &LoadOptions::default(), run).unwrap().value;
+    let angles = if campaign.r_test { &["EAZ:poly2", "EBZ:poly2", "ECZ:poly2"][..] } else { &[] };
     let options = IdentifyOptions {
-        texts: vec![("readings.csv".to_owned(), text)],
-        fit: FIT.map(str::to_owned).to_vec(),
+        texts: files(&rows),
+        fit: FIT.iter().chain(angles).map(|word| (*word).to_owned()).collect(),
         machine_file: true,
         ..IdentifyOptions::default()
     };
     let fitted = identify(&machine, &options, run).unwrap_or_else(|why| panic!("{why:?}")).value;
     let fitted = loads(&fitted.machine_file.unwrap(), &LoadOptions::default(), run).unwrap().value;
-    let poses = poses(&mut random, 100);
+    let poses = other_poses(&mut random, campaign, &blank);
     let predicted = eval(&fitted, &EvalOptions { poses: poses.clone(), ..EvalOptions::default() }, run).unwrap().value;
     let within = |(pose, predicted): (&Vec<f64>, &abbe::results::PoseResult)| {
         let (truth, reach) = (deviation(&blank, &real, pose), predicted.uncertainty.unwrap().deviation);
@@ -137,7 +206,7 @@ fn coverage(campaign: Campaign, draws: u64) -> f64 {
     shares.iter().sum::<f64>() / draws as f64
 }
 
-const WHITE: Campaign = Campaign { readings: 120, form: [0.0; 2], length: 0.0, lag: 0.0 };
+const WHITE: Campaign = Campaign { readings: 120, form: [0.0; 2], length: 0.0, lag: 0.0, r_test: false };
 
 /// Kinds of campaigns, with the coverage that each is to have.
 fn kinds() -> Vec<(&'static str, Campaign, f64, f64)> {
@@ -150,24 +219,29 @@ fn kinds() -> Vec<(&'static str, Campaign, f64, f64)> {
     {
         all.push(("form", formed(share, size, 0.0), 0.90, 0.99));
     }
-    // Angles (urad) that move a tip 300 mm away by the noise, and by three times as much. What they are stated by is too
-    // much: a form that other fitted curves take up counts in them and beside them.
+    // Angles (urad) that move a tip 300 mm away by the noise, and by three times as much.
     for (share, angle) in [(0.05, 3.3), (0.1, 3.3), (0.2, 3.3), (0.3, 3.3), (0.1, 10.0), (0.2, 10.0)] {
-        all.push(("form of angles", formed(share, 0.0, angle), 0.95, 1.0));
+        all.push(("form of angles", formed(share, 0.0, angle), 0.90, 0.99));
     }
     for (share, angle) in [(0.1, 3.3), (0.2, 10.0)] {
-        all.push(("form of both", formed(share, 1.0, angle), 0.95, 1.0));
+        all.push(("form of both", formed(share, 1.0, angle), 0.90, 0.99));
+    }
+    for (size, angle) in [(0.0, 0.0), (1.0, 0.0), (1.0, 3.3)] {
+        all.push(("R-test", Campaign { r_test: true, ..formed(0.2, size, angle) }, 0.90, 1.0));
     }
     all
 }
 
+/// Counts every kind. Shares of campaigns scatter by 0.05, so that the mean of a few may be off by twice that over the
+/// root of their number.
 fn every_kind_covers(draws: u64) {
+    let margin = if draws < 100 { 0.1 / (draws as f64).sqrt() } else { 0.0 };
     for (name, campaign, low, high) in kinds() {
         let found = coverage(campaign, draws);
         let [um, urad] = [campaign.form[0] * 1e3, campaign.form[1] * 1e6];
         let kind = format!("{name} {um:.1} um {urad:.1} urad over {}", campaign.length);
         println!("{kind}: {found:.4}");
-        assert!((low..=high).contains(&found), "{kind}: {found}");
+        assert!((low - margin..=high + margin).contains(&found), "{kind}: {found}");
     }
 }
 

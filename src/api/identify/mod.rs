@@ -318,7 +318,7 @@ fn solved(
         let solution = Solution::of(fit, &problem.unknowns).compared(&model, data, fit, &found.moving);
         let misfit = misfit(&model, data, fit, &solution);
         let common = common(&model, data, (fit, &solution), &problem.type_b);
-        let solution = solution.sharing(misfit.as_ref().map(|misfit| &misfit.covariance), common);
+        let solution = solution.sharing(misfit.as_ref().map(|misfit| [&misfit.covariance, &misfit.apart]), common);
         let in_datum = in_datum(&model, data, fit, &solution, &conditions);
         let (solution, moved) = in_datum.map_or((solution, None), |(solution, moved)| (solution, Some(moved)));
         (solution, misfit, moved)

@@ -31,4 +31,4 @@ pub(super) use prior::Prior;
 pub use request::{overruled, parameters, slope_bounds, unused};
 pub(super) use type_b::Channel;
 pub use type_b::{SharedEffect, TypeB, type_b};
-pub(super) use volume::{Volume, middle};
+pub(super) use volume::{Volume, middle, volume_poses};

@@ -189,9 +189,9 @@ fn bilinear(model: &Model<'_>, data: &[Measurement], prior: &Prior, home: &Reduc
     // Not the unknowns of instruments, of which the first step may be a long one, and not what other knowledge is
     // about.
     let instruments = hidden.rows(prior.own, hidden.nrows() - prior.own).into_owned();
-    let hidden = unseen(&instruments, hidden);
-    let known = prior.by_displacement(&prior.rows) * &hidden;
-    let hidden = unseen(&known, hidden);
+    let hidden = unseen((&instruments, 1.0), hidden);
+    let known = prior.by_displacement(&prior.rows);
+    let hidden = unseen((&(&known * &hidden), known.amax()), hidden);
     if hidden.ncols() == 0 {
         return hidden;
     }
@@ -202,11 +202,29 @@ fn bilinear(model: &Model<'_>, data: &[Measurement], prior: &Prior, home: &Reduc
     hidden * seen.null_space(plain)
 }
 
-/// Those combinations of directions that make nothing of these rows.
-fn unseen(rows: &DMatrix<f64>, directions: DMatrix<f64>) -> DMatrix<f64> {
+/// Those combinations of directions that make nothing of these rows, of which less than `NULL` of `size` is rounding.
+fn unseen((rows, size): (&DMatrix<f64>, f64), directions: DMatrix<f64>) -> DMatrix<f64> {
     if rows.nrows() == 0 || directions.ncols() == 0 {
         return directions;
     }
     let svd = Svd::new(rows);
-    &directions * svd.null_space(svd.rank(NULL))
+    let seen = svd.values.iter().filter(|value| **value > NULL * size).count();
+    &directions * svd.null_space(seen)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of an orthonormal basis, rounding hides no direction, and a part of a thousandth does.
+    #[test]
+    fn directions_that_rounding_alone_shows_are_unseen() {
+        let directions = DMatrix::identity(3, 3);
+        let rounding = DMatrix::from_row_slice(2, 3, &[1e-16, -2e-15, 0.0, 3e-16, 1e-15, 1e-16]);
+        assert_eq!(unseen((&rounding, 1.0), directions.clone()).ncols(), 3);
+        let seen = DMatrix::from_row_slice(2, 3, &[1e-3, -2e-15, 0.0, 3e-16, 1e-15, 1e-16]);
+        let left = unseen((&seen, 1.0), directions);
+        assert_eq!(left.ncols(), 2);
+        assert!((seen * left).amax() < 1e-12);
+    }
 }

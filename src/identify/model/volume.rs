@@ -106,7 +106,19 @@ fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(columns.nrows(), kept.len(), |i, k| kept[k][i])
 }
 
+/// Corners of the volume, and poses inside.
 fn rows(model: &Model<'_>, data: &[Measurement]) -> Vec<Measurement> {
+    let machine = &model.machines()[0];
+    measurements(model, data, &[corners(machine), inside(machine)].concat())
+}
+
+/// Poses spread evenly over the volume, with every tool of the data and from every side that counts.
+pub(crate) fn volume_poses(model: &Model<'_>, data: &[Measurement]) -> Vec<Measurement> {
+    measurements(model, data, &inside(&model.machines()[0]))
+}
+
+/// Deviations at poses, with every tool of the data and from every side that counts; nothing is measured in them.
+fn measurements(model: &Model<'_>, data: &[Measurement], poses: &[Pose]) -> Vec<Measurement> {
     let mut tools: Vec<usize> = data.iter().map(|m| m.tool).collect();
     tools.sort_unstable();
     tools.dedup();
@@ -119,7 +131,6 @@ fn rows(model: &Model<'_>, data: &[Measurement]) -> Vec<Measurement> {
         approach,
         ..Measurement::new(pose.clone(), reading.clone(), place.clone())
     };
-    let poses = poses(&model.machines()[0]);
     let of_tool = |tool: usize| {
         let at = |pose| approaches.iter().map(move |approach| (pose, *approach));
         poses.iter().flat_map(at).map(|(pose, approach)| blank(pose, tool, approach)).collect::<Vec<_>>()
@@ -127,11 +138,14 @@ fn rows(model: &Model<'_>, data: &[Measurement]) -> Vec<Measurement> {
     tools.into_iter().flat_map(of_tool).collect()
 }
 
-/// Corners of the volume, and poses inside.
-fn poses(machine: &Machine) -> Vec<Pose> {
+fn corners(machine: &Machine) -> Vec<Pose> {
     let volume = machine.volume();
-    let corners = if volume.len() <= CORNERED { 1_usize << volume.len() } else { 0 };
+    let count = if volume.len() <= CORNERED { 1_usize << volume.len() } else { 0 };
     let corner =
         |i: usize| volume.iter().enumerate().map(|(k, g)| if i >> k & 1 == 0 { g.min } else { g.max }).collect();
-    (0..corners).map(corner).chain(Poses::Spread(Spread::of(machine, INSIDE, 0)).iter()).collect()
+    (0..count).map(corner).collect()
+}
+
+fn inside(machine: &Machine) -> Vec<Pose> {
+    Poses::Spread(Spread::of(machine, INSIDE, 0)).iter().collect()
 }

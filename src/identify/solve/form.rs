@@ -5,7 +5,7 @@ use super::fit::Fit;
 use super::sums::summed;
 use crate::algebra::linear::Svd;
 use crate::identify::data::{DistanceEnd, Measurement, Reading, lever};
-use crate::identify::model::{Basis, Model, Parameter, Term};
+use crate::identify::model::{Basis, Model, Parameter, Term, volume_poses};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Axis, AxisKind, AxisName, Curve, Direction, Knots};
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -18,11 +18,15 @@ const FEWEST_PLACES: usize = 6;
 const APART: f64 = 1e-3;
 /// Least share of the travel that they must span.
 const SPAN: f64 = 0.01;
+/// Directions of the unknowns that move the volume by less than this share of the largest do not move it.
+const MOVED: f64 = 1e-6;
 /// Singular values below this share of the largest are zero.
 const RANK: f64 = 1e-9;
 
 /// An axis whose form readings may show.
 pub(super) struct FormedAxis {
+    /// Its place in a pose.
+    index: usize,
     pub name: AxisName,
     pub kind: AxisKind,
     /// Positions measured: from where to where (mm or deg).
@@ -73,7 +77,7 @@ pub(super) fn formed(model: &Model<'_>, data: &[Measurement]) -> Vec<FormedAxis>
             Block { first: first - KNOTS, source, rest: rest(model.parameters(), source, interval) }
         };
         let blocks = Direction::ALL.iter().map(&mut block).collect();
-        Some(FormedAxis { name: of.name.clone(), kind: of.kind, interval, hats, blocks })
+        Some(FormedAxis { index: axis, name: of.name.clone(), kind: of.kind, interval, hats, blocks })
     };
     axes.iter().enumerate().filter_map(&mut one).collect()
 }
@@ -203,6 +207,52 @@ impl FormedAxis {
     }
 }
 
+/// The forms over the volume, at the positions measured.
+pub(super) struct VolumeForms {
+    /// Products of the effects of the knots on the deviations.
+    forms: DMatrix<f64>,
+    /// The same of what no values of the unknowns follow.
+    left: DMatrix<f64>,
+    /// The values of the unknowns that come nearest to each knot (columns). The data determine them.
+    pub nearest: DMatrix<f64>,
+}
+
+impl VolumeForms {
+    /// Evaluates the forms beside a fit, with the root of the covariance of its unknowns.
+    pub fn of(
+        model: &Model<'_>,
+        data: &[Measurement],
+        (fit, root): (&Fit, &DMatrix<f64>),
+        axes: &[FormedAxis],
+    ) -> Self {
+        let mut poses = volume_poses(model, data);
+        for m in &mut poses {
+            for FormedAxis { index, interval: (min, max), .. } in axes {
+                m.pose[*index] = m.pose[*index].clamp(*min, *max);
+            }
+        }
+        let weights = vec![1.0; poses.len()];
+        let moved = model.triangle(&poses, &weights, &fit.theta).r;
+        let Sums { forms, cross, .. } = Sums::of(model, &poses, &Fit { weights, ..fit.clone() }, axes);
+        Self::beside((&moved, root), forms, &cross)
+    }
+
+    /// Projects the forms on what the unknowns do to the deviations (`moved`, a triangle), in the directions of `root`.
+    fn beside((moved, root): (&DMatrix<f64>, &DMatrix<f64>), forms: DMatrix<f64>, cross: &DMatrix<f64>) -> Self {
+        let svd = Svd::new(&(moved * root));
+        let root = root * svd.root_covariance(svd.rank(MOVED));
+        let followed = root.tr_mul(cross);
+        Self { left: &forms - followed.tr_mul(&followed), forms, nearest: root * followed }
+    }
+
+    /// Returns the sums of the squares of the deviations that a block makes at values of this covariance, of what the
+    /// unknowns do not follow, and for a constant of unit size.
+    pub fn squares(&self, block: &Block, covariance: &DMatrix<f64>) -> (f64, f64) {
+        let own = |of: &DMatrix<f64>| of.view((block.first, block.first), (KNOTS, KNOTS)).into_owned();
+        (covariance.component_mul(&own(&self.left)).sum(), own(&self.forms).sum())
+    }
+}
+
 /// Selects the rows and columns of a square matrix.
 pub(super) fn selected(of: &DMatrix<f64>, indices: &[usize]) -> DMatrix<f64> {
     DMatrix::from_fn(indices.len(), indices.len(), |i, j| of[(indices[i], indices[j])])
@@ -242,5 +292,18 @@ mod tests {
         let beside = DMatrix::identity(10, 10) - &all * covariance * all.transpose();
         let expected = whole.tr_mul(&(beside * &whole));
         assert!((found - expected).amax() < 1e-12);
+    }
+
+    /// Of deviations that three unknowns move, one of them nowhere, the forms leave what is orthogonal to the others.
+    #[test]
+    fn unknowns_follow_forms_over_the_volume() {
+        let wave = |i: usize, j: usize| libm::sin(1.3 * i as f64 + 2.1 * (j * j) as f64 + 0.4);
+        let moved = DMatrix::from_fn(9, 3, |i, j| if j == 2 { 0.0 } else { wave(i, j) });
+        let (knots, root) = (DMatrix::from_fn(9, 2, |i, j| wave(i, 5 + j)), DMatrix::from_fn(3, 3, |i, j| wave(j, i)));
+        let triangle = moved.clone().qr().r();
+        let found = VolumeForms::beside((&triangle, &root), knots.tr_mul(&knots), &moved.tr_mul(&knots));
+        let (own, rest) = (moved.columns(0, 2), &knots - &moved * &found.nearest);
+        assert!(own.tr_mul(&rest).amax() < 1e-12, "{rest}");
+        assert!((rest.tr_mul(&rest) - &found.left).amax() < 1e-12);
     }
 }

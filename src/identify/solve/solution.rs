@@ -58,6 +58,8 @@ pub struct Estimate {
 struct SharedCovariance {
     /// By the form of the axes beside the fitted curves.
     form: DMatrix<f64>,
+    /// The same of what predictions have of it beside the stated forms.
+    apart: DMatrix<f64>,
     /// By what is common to all readings.
     common: DMatrix<f64>,
 }
@@ -65,12 +67,14 @@ struct SharedCovariance {
 impl SharedCovariance {
     /// Returns that of `count` parameters whose readings share nothing.
     fn none(count: usize) -> Self {
-        Self { form: DMatrix::zeros(count, count), common: DMatrix::zeros(count, count) }
+        let none = DMatrix::zeros(count, count);
+        Self { form: none.clone(), apart: none.clone(), common: none }
     }
 
     /// Returns that of linear functions (rows) of the parameters.
     fn mapped(&self, map: &DMatrix<f64>) -> Self {
-        Self { form: map * &self.form * map.transpose(), common: map * &self.common * map.transpose() }
+        let mapped = |of: &DMatrix<f64>| map * of * map.transpose();
+        Self { form: mapped(&self.form), apart: mapped(&self.apart), common: mapped(&self.common) }
     }
 
     fn of(&self, i: usize, j: usize) -> f64 {
@@ -198,10 +202,12 @@ impl Solution {
         }
     }
 
-    /// The same with covariances by what readings share: the form of the axes, and what is common to all.
-    pub fn sharing(mut self, form: Option<&DMatrix<f64>>, common: DMatrix<f64>) -> Self {
-        let form = form.cloned().unwrap_or_else(|| DMatrix::zeros(common.nrows(), common.ncols()));
-        self.shared = SharedCovariance { form, common };
+    /// The same with covariances by what readings share: the form of the axes (all of it, and what predictions have of
+    /// it beside the stated forms), and what is common to all.
+    pub fn sharing(mut self, form: Option<[&DMatrix<f64>; 2]>, common: DMatrix<f64>) -> Self {
+        let none = SharedCovariance::none(self.units.len());
+        let [form, apart] = form.map_or([none.form, none.apart], |both| both.map(DMatrix::clone));
+        self.shared = SharedCovariance { form, apart, common };
         self.combine();
         self
     }
@@ -254,10 +260,11 @@ impl Solution {
         DMatrix::from_fn(self.root.nrows(), self.root.ncols(), |j, k| self.root[(j, k)] / self.units[j])
     }
 
-    /// Combined covariance of all parameters as displacements over `units`.
+    /// Combined covariance of all parameters as displacements over `units`, for predictions beside the stated forms.
     fn combined(&self) -> DMatrix<f64> {
         let scatter = &self.root * self.root.transpose() * (self.sigma * self.sigma);
-        let shared = |i: usize, j: usize| self.shared.of(i, j) * self.units[i] * self.units[j];
+        let apart = &self.shared.apart + &self.shared.common;
+        let shared = |i: usize, j: usize| apart[(i, j)] * self.units[i] * self.units[j];
         scatter + DMatrix::from_fn(self.units.len(), self.units.len(), shared)
     }
 
