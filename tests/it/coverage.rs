@@ -140,7 +140,7 @@ fn other_poses(random: &mut Random, campaign: Campaign, blank: &Sample) -> Vec<V
     }
     let mut one = |i: usize| {
         let mut within = |low, high| random.between(low, high);
-        if i % 2 == 0 {
+        if i.is_multiple_of(2) {
             return vec![0.0, 0.0, within(-225.0, 225.0), within(-250.0, 250.0), within(-400.0, 0.0)];
         }
         let ball = Vector3::new(within(-60.0, 60.0), within(-60.0, 60.0), within(40.0, 120.0));
