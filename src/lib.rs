@@ -89,6 +89,8 @@
 //! `docs/architecture.md` states the invariants, `docs/theory.md` the mathematics. The stages are public for the tests
 //! and the benchmarks of this repository; they are hidden here, and no part of the interface.
 
+#![cfg_attr(small_engine, feature(optimize_attribute))]
+
 pub use api::*;
 
 #[doc(hidden)]

@@ -64,6 +64,7 @@ impl<const N: usize> RowOffsets<N> {
 }
 
 /// Runs a kernel; a width that the processor has not is the scalar one.
+#[cfg_attr(small_engine, optimize(speed))]
 pub fn run<K: Kernel>(width: Width, kernel: K) {
     match width {
         #[cfg(target_arch = "x86_64")]
