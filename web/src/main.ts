@@ -12,7 +12,15 @@ import { Playground } from "./evaluator/playground";
 import { Program } from "./evaluator/program";
 import { unpacked } from "./evaluator/packed";
 import { Report, type ReportStart } from "./evaluator/report";
-import { accepted, type Axis, type Diagnostic, type Evaluator, type Pose, type Store } from "./evaluator/types";
+import {
+  accepted,
+  type Axis,
+  type Chain,
+  type Diagnostic,
+  type Evaluator,
+  type Pose,
+  type Store,
+} from "./evaluator/types";
 import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
 import { Beside } from "./machine/beside";
@@ -29,7 +37,7 @@ import { StatisticsTable } from "./review/statistics";
 import { Tighten } from "./review/tighten";
 import { Variants } from "./review/variants";
 import { Verdict } from "./review/verdict";
-import { Session, type State } from "./session";
+import { type Findings, Session, type State } from "./session";
 import { move, place } from "./ui/address";
 import { Chips } from "./ui/chips";
 import { button, byId, make } from "./ui/dom";
@@ -87,6 +95,8 @@ class Workbench {
   private readonly control: Control;
   private readonly acceptance: Acceptance;
   private schema: Schema | null = null;
+  /** The chain that the controls show. */
+  private shown: Chain | null = null;
   /** The diagnostics that are marked. */
   private marked = "";
   private readonly undo = button("Undo", () => this.editor.undo());
@@ -239,12 +249,7 @@ class Workbench {
     this.mark(state.diagnostics, state.effort.draft);
     if (state.now) {
       const { chain } = state.now;
-      byId("name").textContent = chain.machine;
-      document.title = `${chain.machine} – abbe workbench`;
-      if (!state.stale) this.chips.show(chain.chain);
-      this.sliders.show(chain);
-      this.tools.show(chain.tools.map((tool) => tool.name));
-      this.cards.follow(chain, state.now.words);
+      if (!state.effort.draft || chain !== this.shown) this.takeChain(state.now, state.stale);
       this.whatif.know(state.now.numbers);
       this.stage?.hold(state.effort.draft);
       this.stage?.show(chain, this.tools.chosen, this.sliders.pose);
@@ -264,6 +269,17 @@ class Workbench {
     if (!state.stale) void this.learn();
     document.body.dataset["state"] = state.effort.draft ? "draft" : "full";
     document.body.toggleAttribute("data-reduced", state.effort.isReduced);
+  }
+
+  /** What a held slider that changes no chain leaves as it is. */
+  private takeChain({ chain, words }: Findings, stale: boolean): void {
+    this.shown = chain;
+    byId("name").textContent = chain.machine;
+    document.title = `${chain.machine} – abbe workbench`;
+    if (!stale) this.chips.show(chain.chain);
+    this.sliders.show(chain);
+    this.tools.show(chain.tools.map((tool) => tool.name));
+    this.cards.follow(chain, words);
   }
 
   /** Asks once what may stand in a machine file. */
@@ -287,6 +303,7 @@ class Workbench {
     const known = JSON.stringify(found);
     if (isHeld && known === this.marked) return;
     this.marked = known;
+    this.editor.write();
     showMarks(this.editor.view, this.session.machine, found);
     this.list(found);
   }

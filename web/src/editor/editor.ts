@@ -65,10 +65,18 @@ const LOOK = EditorView.theme({
   ".cm-panels": { backgroundColor: "var(--card)", color: "var(--ink)" },
 });
 
+/** Time between two drawings of the digits that a held slider writes, ms: drawing them costs more than a figure. */
+const REST = 250;
+
 export class Editor {
   readonly view: EditorView;
-  /** Digits that a held slider wrote last. */
+  /** Digits of a held slider in the view. */
   private dragging: string | null = null;
+  /** Digits of a held slider that the view does not show yet. */
+  private pending: Change | null = null;
+  private rest = 0;
+  /** True while the view takes what the listener knows already. */
+  private isWriting = false;
 
   constructor(
     parent: HTMLElement,
@@ -80,32 +88,56 @@ export class Editor {
   }
 
   get text(): string {
-    return this.view.state.doc.toString();
+    const { doc } = this.view.state;
+    if (!this.pending) return doc.toString();
+    const { from, to, insert } = this.pending;
+    return doc.sliceString(0, from) + insert + doc.sliceString(to ?? from);
   }
 
   /** Takes another file; nothing of the one before can be undone into it. */
   open(text: string, nonce: string): void {
+    this.forget();
     this.view.setState(this.state(text, nonce));
   }
 
   /** Writes texts in place of ranges, as one step of undo. */
   change(change: Change | Change[]): void {
+    this.write();
     this.view.dispatch({ changes: change, annotations: isolateHistory.of("full"), userEvent: "input.workbench" });
   }
 
-  /** Replaces the digits of a number while a slider is held: all of it is one step of undo. */
+  /** Replaces the digits of a number while a slider is held: all of it is one step of undo. The text has them at once. */
   drag(number: FileNumber, value: number, decimals: number): void {
-    const insert = written(value, decimals);
-    const changes = { from: number.from, to: number.from + this.held(number), insert };
+    const isFirst = this.dragging === null && !this.pending;
+    this.pending = { from: number.from, to: number.from + this.held(number), insert: written(value, decimals) };
+    if (isFirst) this.write();
+    else if (!this.rest) this.rest = window.setTimeout(() => this.write(), REST);
+    this.listener.changed(true);
+  }
+
+  /** Brings into the view what a held slider wrote last. */
+  write(): void {
+    const changes = this.pending;
+    this.forget();
+    if (!changes) return;
     // A composition joins the step before it, however long the slider rests.
     const first = { annotations: isolateHistory.of("before"), userEvent: "input.workbench" };
     const isFirst = this.dragging === null;
-    this.dragging = insert;
+    this.dragging = changes.insert;
+    this.isWriting = true;
     this.view.dispatch({ changes, ...(isFirst ? first : { userEvent: "input.type.compose" }) });
+    this.isWriting = false;
+  }
+
+  private forget(): void {
+    window.clearTimeout(this.rest);
+    this.rest = 0;
+    this.pending = null;
   }
 
   /** The slider is let go. */
   drop(): void {
+    this.write();
     if (this.dragging === null) return;
     this.dragging = null;
     this.view.dispatch({ annotations: isolateHistory.of("after") });
@@ -122,10 +154,12 @@ export class Editor {
   }
 
   undo(): void {
+    this.write();
     undo(this.view);
   }
 
   redo(): void {
+    this.write();
     redo(this.view);
   }
 
@@ -170,7 +204,7 @@ export class Editor {
         LOOK,
         keymap.of([save, ...defaultKeymap, ...historyKeymap, ...searchKeymap, ...lintKeymap]),
         EditorView.updateListener.of((update) => {
-          if (update.docChanged) this.listener.changed(this.dragging !== null);
+          if (update.docChanged && !this.isWriting) this.listener.changed(this.dragging !== null);
           if (update.docChanged || update.selectionSet) this.listener.cursor();
         }),
       ],

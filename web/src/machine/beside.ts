@@ -51,7 +51,7 @@ export class Beside {
   follow(chain: Chain, tool: string, isHeld: boolean): void {
     [this.chain, this.tool] = [chain, tool];
     this.stage?.hold(isHeld);
-    this.list();
+    if (!isHeld) this.list();
     void this.update();
   }
 

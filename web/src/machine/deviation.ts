@@ -70,8 +70,8 @@ export class Deviation {
 
   /** The machine is another one. */
   follow(chain: Chain, pose: Pose, bounded: boolean): void {
+    if (chain !== this.chain) this.list(chain);
     [this.chain, this.bounded] = [chain, bounded];
-    this.list(chain);
     this.moved(pose, true);
   }
 

@@ -143,17 +143,23 @@ export class Marks {
   /** The outline of a part: rods from pose to pose in the mean of the colours of both. */
   private outline(points: WorkPoint[], places: three.Vector3[], most: number, radius: number): void {
     const shape = new three.CylinderGeometry(radius, radius, 1, 8).translate(0, 0.5, 0);
-    const mesh = new three.InstancedMesh(shape, new three.MeshBasicMaterial(), Math.max(points.length - 1, 0));
-    for (let i = 0; i + 1 < points.length; i += 1) {
+    // None between a pose that is reached and one that is not, which may be far away.
+    const starts = points.flatMap(({ um }, i) => {
+      const next = points[i + 1];
+      return next && (um === null) === (next.um === null) ? [i] : [];
+    });
+    const mesh = new three.InstancedMesh(shape, new three.MeshBasicMaterial(), starts.length);
+    starts.forEach((i, k) => {
       const [from, to] = [places[i], places[i + 1]] as [three.Vector3, three.Vector3];
       const way = to.clone().sub(from);
       const length = Math.max(way.length(), 1e-6);
       const turn = new three.Quaternion().setFromUnitVectors(new three.Vector3(0, 1, 0), way.divideScalar(length));
-      mesh.setMatrixAt(i, new three.Matrix4().compose(from, turn, new three.Vector3(1, length, 1)));
+      mesh.setMatrixAt(k, new three.Matrix4().compose(from, turn, new three.Vector3(1, length, 1)));
       const [a, b] = [points[i], points[i + 1]] as [WorkPoint, WorkPoint];
-      mesh.setColorAt(i, this.colourOf(a, most).lerp(this.colourOf(b, most), 0.5));
-    }
-    const worse = (i: number) => [points[i], points[i + 1]].sort((a, b) => (b?.um ?? -1) - (a?.um ?? -1))[0];
+      mesh.setColorAt(k, this.colourOf(a, most).lerp(this.colourOf(b, most), 0.5));
+    });
+    const ends = (k: number) => [points[starts[k] ?? 0], points[(starts[k] ?? 0) + 1]];
+    const worse = (k: number) => ends(k).sort((a, b) => (b?.um ?? -1) - (a?.um ?? -1))[0];
     mesh.userData["told"] = { words: (i) => worse(i)?.words ?? "", click: (i) => worse(i)?.click?.() } satisfies Told;
     this.work.add(mesh);
   }

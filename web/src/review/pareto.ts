@@ -54,9 +54,10 @@ export class Pareto {
   }
 
   show(state: State): void {
+    const isDrawn = this.last !== null && state.effort.draft && sameBars(state, this.last);
     this.last = state;
     this.tell("dominates", ...(state.now ? dominates(state.now) : []));
-    this.drawn(state);
+    if (!isDrawn) this.drawn(state);
     if (isSettled(state)) this.update();
   }
 
@@ -163,6 +164,13 @@ export class Pareto {
       make("span", { class: "track" }, fill, before),
     );
   }
+}
+
+/** True if the bars of both are the same: a held slider brings each error alone less often than the map. */
+function sameBars(one: State, other: State): boolean {
+  const isSame = (a: Findings | null, b: Findings | null) =>
+    a?.sources === b?.sources && a?.budget === b?.budget && a?.chain === b?.chain;
+  return one.stale === other.stale && isSame(one.now, other.now) && isSame(one.kept, other.kept);
 }
 
 /** The largest error over the volume, and the one that counts most at the worst pose. */
