@@ -38,6 +38,8 @@ export class Stage {
   private readonly arms = new Arms();
   private readonly scene = new three.Scene();
   private readonly camera = new three.PerspectiveCamera(32, 1, 1, 1e6);
+  /** Where `look` has put the camera. */
+  private readonly placed = new three.Vector3();
   private readonly renderer: three.WebGLRenderer;
   private readonly controls: OrbitControls;
   private readonly materials = {} as Materials;
@@ -77,7 +79,7 @@ export class Stage {
     this.lights();
     for (const material of Object.keys(LIGHT) as Material[]) this.materials[material] = this.material(material);
     new Pick(parent, canvas, this.scene, this.camera);
-    new ResizeObserver(() => this.resize()).observe(parent);
+    new ResizeObserver(() => this.refit()).observe(parent);
     this.theme(false);
   }
 
@@ -158,6 +160,7 @@ export class Stage {
     this.camera.far = distance * 10;
     this.camera.updateProjectionMatrix();
     this.controls.update();
+    this.placed.copy(this.camera.position);
     this.sun(corners);
   }
 
@@ -259,6 +262,12 @@ export class Stage {
   /** The picture as it is. */
   get canvas(): HTMLCanvasElement {
     return this.renderer.domElement;
+  }
+
+  /** Takes another size; the whole machine stays in a picture that nobody has turned. */
+  private refit(): void {
+    if (this.figure && this.camera.position.equals(this.placed)) this.look(this.pose);
+    else this.resize();
   }
 
   private resize(): void {
