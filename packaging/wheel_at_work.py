@@ -19,7 +19,8 @@ def main() -> None:
     machine = abbe.load(sys.argv[1])
     of = f"{platform.machine()}, Python {platform.python_version()}, NumPy {np.__version__}"
     print(f"abbe {abbe.__version__} of {abbe.__file__}: {of}", file=sys.stderr)
-    poses = np.random.default_rng(1).uniform(-90, 0, (10_000, len(machine.axis_names)))
+    ends = np.array([[nodes[0], nodes[-1]] for nodes in machine.grid.values()])
+    poses = np.random.default_rng(1).uniform(ends[:, 0], ends[:, 1], (10_000, len(ends)))
     for order in (1, 2, "exact"):
         found = machine.deviations(poses, order=order)
         print(order, hashlib.sha256(found.position.tobytes("F") + found.rotation.tobytes("F")).hexdigest())
