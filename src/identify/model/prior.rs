@@ -216,7 +216,7 @@ fn unseen((rows, size): (&DMatrix<f64>, f64), directions: DMatrix<f64>) -> DMatr
 mod tests {
     use super::*;
 
-    /// Of an orthonormal basis, rounding hides no direction, and a part of a thousandth does.
+    /// Rounding shows no direction of an orthonormal basis, a part of a thousandth does.
     #[test]
     fn directions_that_rounding_alone_shows_are_unseen() {
         let directions = DMatrix::identity(3, 3);

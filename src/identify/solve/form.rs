@@ -296,7 +296,7 @@ mod tests {
         assert!((found - expected).amax() < 1e-12);
     }
 
-    /// Of deviations that three unknowns move, one of them nowhere, the forms leave what is orthogonal to the others.
+    /// Forms leave what is orthogonal to the deviations that the unknowns move; the last of three moves none.
     #[test]
     fn unknowns_follow_forms_over_the_volume() {
         let wave = |i: usize, j: usize| libm::sin(1.3 * i as f64 + 2.1 * (j * j) as f64 + 0.4);

@@ -130,7 +130,7 @@ fn size(group: &Group<'_>, variances: &[f64; 3], volume: &VolumeForms) -> f64 {
     if left > 0.0 { libm::sqrt(left / unit) } else { 0.0 }
 }
 
-/// The form of an axis, of the mean variance of its displacements and of its rotations over the positions measured.
+/// The form of an axis, with a size of its displacements and one of its rotations; `None` if neither is stated.
 fn form<'g>(
     axis: &FormedAxis,
     found: impl Iterator<Item = (&'g Group<'g>, &'g [f64; 3])>,
