@@ -118,8 +118,8 @@ class FormOfAxis(Record):
     """The form of an axis beside its fitted curves."""
 
     axis: Annotated[str, "The axis."]
-    size_um: Annotated[float, "Standard deviation of each displacement over the positions measured, um; 0 if none is stated."]
-    rotation_urad: Annotated[float, "Standard deviation of each rotation over the positions measured, urad; 0 if none is stated."]
+    size_um: Annotated[float, "Standard deviation of what the fitted curves leave of each displacement, um; 0 if none is stated."]
+    rotation_urad: Annotated[float, "Standard deviation of what the fitted curves leave of each rotation, urad; 0 if none is stated."]
     length: Annotated[float, "Correlation length, in ``unit``."]
     unit: Annotated[str, "mm or deg."]
 

@@ -112,9 +112,9 @@ pub struct LackOfFit {
 pub struct FormOfAxis {
     /// The axis.
     pub axis: String,
-    /// Standard deviation of each displacement over the positions measured, um; 0 if none is stated.
+    /// Standard deviation of what the fitted curves leave of each displacement, um; 0 if none is stated.
     pub size_um: f64,
-    /// Standard deviation of each rotation over the positions measured, urad; 0 if none is stated.
+    /// Standard deviation of what the fitted curves leave of each rotation, urad; 0 if none is stated.
     pub rotation_urad: f64,
     /// Correlation length, in `unit`.
     pub length: f64,
