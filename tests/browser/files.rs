@@ -64,8 +64,9 @@ fn downloaded(bench: &Bench, panel: &str, folder: &Path, name: &str, ending: &st
     ));
     let file = folder.join(format!("{name}.{ending}"));
     for _ in 0..200 {
-        if file.exists() {
-            return std::fs::read(&file).unwrap();
+        // The browser first takes the name with an empty file.
+        if let Some(bytes) = std::fs::read(&file).ok().filter(|bytes| !bytes.is_empty()) {
+            return bytes;
         }
         std::thread::sleep(std::time::Duration::from_millis(50));
     }
