@@ -147,7 +147,10 @@ pub(crate) struct Overlay<'a> {
 
 impl Files for Overlay<'_> {
     fn resolved(&self, path: &Path) -> Option<PathBuf> {
-        if self.text.read(path).is_ok() { self.text.resolved(path) } else { self.files.resolved(path) }
+        self.files.resolved(path).or_else(|| {
+            let (name, _) = (path.file_name()?, self.text.read(path).ok()?);
+            Some(self.files.resolved(folder(path))?.join(name))
+        })
     }
 
     fn read(&self, path: &Path) -> Result<Vec<u8>, syntax::ReadFailure> {
@@ -174,12 +177,13 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     }
 }
 
+/// The folder of a file.
+fn folder(file: &Path) -> &Path {
+    file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
+}
+
 fn input_files(machine: &Path, sources: &Sources, files: &dyn Files) -> Vec<InputFile> {
-    let folder = match machine.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    let folder = files.resolved(folder);
+    let folder = files.resolved(folder(machine));
     let inside = |file: &Path| Some(files.resolved(file)?.starts_with(folder.as_ref()?));
     let input = |(name, text): (&str, &str)| InputFile {
         file: name.to_owned(),

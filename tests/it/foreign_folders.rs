@@ -166,6 +166,26 @@ fn what_cannot_go_is_named_until_it_is_gone() {
     assert!(!std::fs::read_to_string(out.join("abbe.lock.json")).unwrap().contains("stale"));
 }
 
+/// A text that stands for a file of the disk is where that file is.
+#[test]
+fn texts_of_a_page_are_in_the_folder_of_their_file() {
+    let folder = Folder::new();
+    let path = folder.path("m.yaml");
+    machine(&path, 3.0, false);
+    std::fs::create_dir(folder.path("other")).unwrap();
+    let _ = folder.write("other/x.csv", "X [mm],EYX [um]\n0,0\n100,2\n");
+    let text = std::fs::read_to_string(&path).unwrap() + "measured: [other/x.csv, new.csv, ../x.csv]\n";
+    let new = "X [mm],EZX [um]\n0,0\n100,2\n";
+    let above = path.parent().unwrap().join("../x.csv");
+    let texts = json!({&*path.to_string_lossy(): text, &*folder.path("new.csv").to_string_lossy(): new,
+        &*above.to_string_lossy(): new.replace("EZX [um]", "EAX [urad]")});
+    let request = json!({"machine": path, "texts": texts, "questions": ["show"]}).to_string();
+    let found = abbe::workbench(&request, abbe::Run::on_disk());
+    let inputs = found["answers"][0]["inputs"].as_array().unwrap_or_else(|| panic!("{found}"));
+    let outside: Vec<&serde_json::Value> = inputs.iter().map(|input| &input["outside"]).collect();
+    assert_eq!(outside, [false, false, false, true], "{inputs:?}");
+}
+
 /// Files of others are named under `inputs`, and refused with `--confined`.
 #[test]
 fn files_outside_the_folder_are_listed_and_can_be_refused() {
