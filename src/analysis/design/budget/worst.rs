@@ -10,17 +10,30 @@ use nalgebra::Vector3;
 const WITHIN: f64 = 1e-12;
 
 /// Returns the length of the longest sum.
+#[cfg_attr(small_engine, optimize(speed))]
 pub fn longest(vectors: &[[f64; 3]]) -> f64 {
     let vectors: Vec<Vector3<f64>> = vectors.iter().map(|v| Vector3::from(*v)).filter(|v| v.norm() > 0.0).collect();
     let vectors = merged(vectors);
     if let [one] = vectors[..] {
         return one.norm();
     }
+    let bars: Vec<f64> = vectors.iter().map(|v| WITHIN * v.norm()).collect();
+    let mut within = Vec::with_capacity(vectors.len());
     let mut best = 0.0_f64;
     for (i, a) in vectors.iter().enumerate() {
         for b in &vectors[i + 1..] {
             let normal = a.cross(b).normalize();
-            best = best.max(on_face(&vectors, &normal, a));
+            let mut beside = Vector3::zeros();
+            within.clear();
+            for (w, bar) in vectors.iter().zip(&bars) {
+                let height = w.dot(&normal);
+                if height.abs() > *bar {
+                    beside += w * 1.0_f64.copysign(height);
+                } else {
+                    within.push((0.0, *w));
+                }
+            }
+            best = best.max(on_face(&beside, &mut within, [a, &normal]));
         }
     }
     best
@@ -38,29 +51,27 @@ fn merged(vectors: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     merged
 }
 
-/// Returns the longest sum among the corners of the face with this normal; `along` lies within it.
-fn on_face(vectors: &[Vector3<f64>], normal: &Vector3<f64>, along: &Vector3<f64>) -> f64 {
+/// Returns the longest sum of `beside` and the vectors within a plane with any signs; `along` is one of them. Each has a
+/// place for its key.
+#[cfg_attr(small_engine, optimize(speed))]
+fn on_face(beside: &Vector3<f64>, within: &mut [(f64, Vector3<f64>)], [along, normal]: [&Vector3<f64>; 2]) -> f64 {
     let (u, v) = (along.normalize(), normal.cross(along).normalize());
-    let mut beside = Vector3::zeros();
-    let mut within: Vec<(f64, Vector3<f64>)> = Vec::new();
-    for w in vectors {
-        let height = w.dot(normal);
-        if height.abs() > WITHIN * w.norm() {
-            beside += w * 1.0_f64.copysign(height);
-        } else {
-            // Turned into the upper half of the plane: its sign is free anyway.
-            let (x, y) = (w.dot(&u), w.dot(&v));
-            let upper = if y < 0.0 || (y == 0.0 && x < 0.0) { -w } else { *w };
-            within.push((libm::atan2(upper.dot(&v), upper.dot(&u)), upper));
+    for (key, w) in &mut *within {
+        // Turned into the upper half of the plane: its sign is free anyway.
+        let (mut x, mut y) = (w.dot(&u), w.dot(&v));
+        if y < 0.0 || (y == 0.0 && x < 0.0) {
+            (x, y, *w) = (-x, -y, -*w);
         }
+        // Rises with the angle in that half.
+        *key = -x / (x.abs() + y);
     }
-    within.sort_by(|a, b| a.0.total_cmp(&b.0));
+    within.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     // Around the corners: one vector after the other changes its sign.
     let mut sum = within.iter().fold(Vector3::zeros(), |sum, (_, w)| sum + w);
     let mut best = 0.0_f64;
-    for (_, w) in &within {
+    for (_, w) in within {
         best = best.max((beside + sum).norm()).max((beside - sum).norm());
-        sum -= w * 2.0;
+        sum -= *w * 2.0;
     }
     best.max((beside + sum).norm())
 }
