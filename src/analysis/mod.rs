@@ -32,6 +32,7 @@ pub use inverse::{
     direction_gap, excess, inverse, inverse_all, place, placed_by_rotary_axes, rest, tool_pose,
 };
 pub use uncertainty::{Bands, SummaryBand, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
+pub(crate) use volume::deviations;
 pub use volume::{
     Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, PlaneNodes, ReachGrid, Survey, SurveyTask,
     TooManyPoses, View, Work, arm_shares, body_diagonals, deviation_in, levers, map, reach, space_axes, survey,

@@ -11,12 +11,11 @@ use super::order_of;
 use super::plane_picture::{PlaneOptions, Subject};
 use super::poses::{AxisPositions, axis_positions, poses};
 use super::run::{Answer, Call, Count, Refused, Run};
+use super::share::shared_deviations;
 use super::tolerances::ToleranceOptions;
 use super::tool_poses::{self, ReachedToolPoses};
 use super::uncertainty::field_bands;
-use crate::analysis::{
-    self, Bands, Diagonal, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, map as mapped, rest,
-};
+use crate::analysis::{self, Bands, Diagonal, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, rest};
 use crate::controller::{ControllerTarget, Depth, Effect};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{
@@ -286,6 +285,7 @@ fn volume(
     }
     let settings = (&options.tolerances, options.samples, options.seed);
     if let Some(drawn) = DrawnBounds::of(call, machine, settings)? {
+        call.run.share.not_a_part()?;
         return map_bounds::volume(call, machine, options, (&drawn, tables));
     }
     let order = order_of(machine, options.order);
@@ -367,10 +367,10 @@ fn found(
     let (poses, view) = (rows.poses, rows.view);
     let tables = Tables::new(*rows, tables).or_else(|refusal| call.refuse(refusal))?;
     if poses.len() > MAX_POSES {
+        call.run.share.not_a_part()?;
         return tables.surveyed(call, SurveyTask { field, poses, view, worst: count });
     }
-    let map = call.stage(poses.len(), |advance| mapped(field, poses, view, advance));
-    let Ok(analysis::Map { deviations, statistics }) = map else { return call.refuse(too_many(poses.len())) };
+    let analysis::Map { deviations, statistics } = analysis::Map::of(shared_deviations(call, field, poses, view)?);
     tables.write(&deviations).or_else(|refusal| call.refuse(refusal))?;
     let worst = worst(&deviations, count).into_iter().map(|i| (i, deviations[i])).collect();
     Ok(Survey { statistics, worst })

@@ -54,6 +54,7 @@ mod run;
 pub mod sets;
 #[allow(dead_code, reason = "only the schema of these structures is taken")]
 mod shapes;
+mod share;
 mod show;
 mod sources;
 mod starter;
@@ -96,13 +97,14 @@ pub use record::{RecordOptions, check_record, record, record_trend};
 pub use replay::replay;
 pub use report::{ReportOptions, report};
 pub use run::{Answer, Cancellation, Cancelled, Monitor, Run};
+pub use share::{MapPart, MapShare};
 pub use show::show;
 pub use sources::{SourcesOptions, sources};
 pub use starter::{schema, starter};
 pub use summary::summary;
 pub use targets::targets;
 pub use verify::{VerifyOptions, verify};
-pub use workbench::workbench;
+pub use workbench::{workbench, workbench_part};
 
 pub use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 pub use crate::syntax::{Disk, Files, MemoryFiles};

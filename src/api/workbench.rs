@@ -12,6 +12,7 @@ use super::map::{MapOptions, MapPoses, MapResult, map, map_tables};
 use super::map_tables::MapTable;
 use super::reach::{ReachOptions, ReachResult, reach};
 use super::run::{Answer, Call, Run};
+use super::share::{MapPart, MapShare};
 use super::show::show;
 use super::sources::{SourcesOptions, all_words, sources};
 use super::starter::schema;
@@ -115,22 +116,40 @@ impl Default for WorkOptions {
 /// Maximum number of questions of a request: a turn of the page asks about twenty.
 const MAX_QUESTIONS: usize = 200;
 
+/// Computes part `index`, from 0, of `count` of the deviations of the first map of a request, and returns its bytes: all
+/// parts, one behind the other, are [`MapShare::Given`] to [`workbench`] with the same request.
+///
+/// Without such a map, and for one of bounds or of more than [`MapPoses::MAX_HELD`] poses, there are none.
+pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run<'_>) -> Vec<u8> {
+    let part = MapPart::new(index, count);
+    if let Ok(mut request) = parsed(request) {
+        request.questions.retain(|question| matches!(question, Question::Map(_)));
+        request.questions.truncate(1);
+        let _ = answered(&request, Run { share: MapShare::Part(&part), ..run });
+    }
+    part.bytes.into_inner()
+}
+
 /// Answers a request of JSON by JSON: `{"diagnostics": [...], "answers": [...]}`.
 ///
 /// `diagnostics` are those of reading the machine, with their places. Without a machine `answers` is empty. Otherwise
 /// it has an entry for each question, the result or `{"refused": true, "diagnostics": [...]}`.
 pub fn workbench(request: &str, run: Run<'_>) -> Value {
+    match parsed(request) {
+        Ok(request) => answered(&request, run),
+        Err(refusal) => refused(&refusal.into()),
+    }
+}
+
+fn parsed(request: &str) -> Result<WorkbenchRequest, Diagnostic> {
+    let refusal = |message: String| Err(Diagnostic::new(codes::E0818, message));
     let mut json = serde_json::Deserializer::from_str(request);
     match serde_path_to_error::deserialize::<_, WorkbenchRequest>(&mut json) {
         Ok(request) if request.questions.len() > MAX_QUESTIONS => {
-            let message = format!("request: {} questions, at most {MAX_QUESTIONS}", request.questions.len());
-            refused(&Diagnostic::new(codes::E0818, message).into())
+            refusal(format!("request: {} questions, at most {MAX_QUESTIONS}", request.questions.len()))
         }
-        Ok(request) => answered(&request, run),
-        Err(failure) => {
-            let message = format!("request, at `{}`: {}", failure.path(), failure.inner());
-            refused(&Diagnostic::new(codes::E0818, message).into())
-        }
+        Ok(request) => Ok(request),
+        Err(failure) => refusal(format!("request, at `{}`: {}", failure.path(), failure.inner())),
     }
 }
 
@@ -154,11 +173,12 @@ fn answered(request: &WorkbenchRequest, run: Run<'_>) -> Value {
 
 impl Question {
     fn answer(&self, machine: &MachineFile, request: &WorkbenchRequest, run: Run<'_>) -> Value {
+        let (share, run) = (run.share, Run { share: MapShare::All, ..run });
         match self {
             Self::Check => json!(summary(machine)),
             Self::Show => json!(show(machine)),
             Self::Eval(options) => document(eval(machine, options, run)),
-            Self::Map(options) => document(map(machine, options, run)),
+            Self::Map(options) => document(map(machine, options, Run { share, ..run })),
             Self::Rows(options) => document(rows(machine, options, run)),
             Self::Sources(options) => document(sources(machine, options, run)),
             Self::Budget(options) => document(budget(machine, options, run)),
@@ -234,6 +254,7 @@ fn document<T: Serialize>(answer: Result<Answer<T>, Diagnostics>) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::RefCell;
 
     const MACHINE: &str = "abbe: 1
 machine: M
@@ -284,6 +305,52 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
                 assert_eq!(answer["refused"], true, "{question}: {answer}");
             }
         }
+    }
+
+    /// What the request is answered with if the bytes of a number of parts are given, and their number.
+    fn together(request: &str, count: usize, change: impl FnOnce(&mut Vec<u8>)) -> (Value, usize) {
+        let parts = (0..count).flat_map(|index| workbench_part(request, (index, count), Run::default()));
+        let mut bytes: Vec<u8> = parts.collect();
+        let length = bytes.len();
+        change(&mut bytes);
+        let given = RefCell::new(bytes);
+        (workbench(request, Run { share: MapShare::Given(&given), ..Run::default() }), length)
+    }
+
+    #[test]
+    fn a_map_in_parts_is_the_map() {
+        let maps = [
+            (json!({"poses": {"random": 1999}}), 1999),
+            (json!({"poses": {"random": 700}, "order": "1", "frame": "machine", "approach": "forward"}), 700),
+            (json!({"poses": {"listed": [[1.0, 2.0, 3.0]]}}), 1),
+            (json!({"poses": {"random": 1_000_001}}), 0),
+            (json!({"poses": {"random": 0}}), 0),
+        ];
+        for (map, poses) in maps {
+            let other = json!({"map": {"poses": {"random": 50}}});
+            let questions = json!(["show", {"rows": {"poses": {"random": 9}}}, {"map": map}, other]);
+            let request =
+                json!({"machine": "m.yaml", "texts": {"m.yaml": MACHINE}, "questions": questions}).to_string();
+            let whole = workbench(&request, Run::default());
+            for count in [1, 2, 7] {
+                let (found, bytes) = together(&request, count, |_| ());
+                assert_eq!((bytes, found.to_string()), (48 * poses, whole.to_string()), "{map} in {count}");
+            }
+            assert_eq!(together(&request, 2, |bytes| bytes.push(0)).0, whole, "{map}");
+        }
+        // They are taken from the bytes.
+        let questions = json!([{"map": {"poses": {"random": 100}}}]);
+        let request = json!({"machine": "m.yaml", "texts": {"m.yaml": MACHINE}, "questions": questions}).to_string();
+        assert_eq!(together(&request, 1, |bytes| bytes.fill(0)).0["answers"][0]["position_um"]["max"], 0.0);
+    }
+
+    #[test]
+    fn a_map_of_bounds_has_no_parts() {
+        let bounded = MACHINE.replace("20 urad, EB0Z: 5 urad", "{ tolerance: 5 urad }");
+        let request =
+            json!({"machine": "m.yaml", "texts": {"m.yaml": bounded}, "questions": [{"map": {}}]}).to_string();
+        assert_eq!(together(&request, 2, |_| ()), (workbench(&request, Run::default()), 0));
+        assert_eq!(workbench_part("{", (0, 2), Run::default()), Vec::<u8>::new());
     }
 
     #[test]

@@ -9,8 +9,9 @@ import { test } from "node:test";
 import { setFlagsFromString } from "node:v8";
 import { gzipSync } from "node:zlib";
 import { numbers, range, written } from "../src/editor/numbers";
+import { isDivisible, kindOf, type Sharing, together } from "../src/evaluator/division";
 import { Engine } from "../src/evaluator/engine";
-import type { Question, Reply } from "../src/evaluator/types";
+import type { Question, Reply, Request } from "../src/evaluator/types";
 import { type Variant, variants } from "../src/evaluator/variants";
 import { random } from "./random";
 
@@ -122,6 +123,67 @@ test("the engines are small, and answer 2000 poses while a slider moves", { skip
     const each = (performance.now() - start) / 10;
     console.log(`${variant}: 2000 poses of the trunnion, with reading the file: ${each.toFixed(1)} ms`);
   }
+});
+
+/** An engine that shares, and what it did. */
+class Sharer implements Sharing {
+  readonly done: string[] = [];
+
+  constructor(private readonly engine: Engine) {}
+
+  async ask(request: Request, parts: Uint8Array[] = []): Promise<Reply> {
+    this.done.push(request.questions.map(kindOf).join());
+    return JSON.parse(this.engine.ask(JSON.stringify(request), parts)) as Reply;
+  }
+
+  async part(request: Request, index: number, count: number): Promise<Uint8Array<ArrayBuffer>> {
+    const bytes = this.engine.part(JSON.stringify(request), index, count);
+    this.done.push(`${bytes.length / 48} poses`);
+    return bytes;
+  }
+}
+
+test("two engines share a request and answer as one", { skip }, async () => {
+  const turn: Question[] = [
+    "show",
+    { map: { poses: { random: 300 } } },
+    { budget: {} },
+    { sources: { poses: 40 } },
+    "words",
+  ];
+  const shares: [Question[], string[], string[]][] = [
+    [[{ map: { poses: { random: 50_001 }, worst: 3 } }], ["25000 poses", "map"], ["25001 poses"]],
+    [[{ map: { poses: "grid", order: "1" } }], ["77962 poses", "map"], ["77963 poses"]],
+    [turn, ["show,map,words"], ["budget,sources"]],
+  ];
+  for (const variant of VARIANTS) {
+    const alone = await started(variant);
+    for (const [questions, first, second] of shares) {
+      const request = { machine: "trunnion.yaml", texts: {}, questions };
+      const [one, other] = [new Sharer(await started(variant)), new Sharer(await started(variant))];
+      assert.ok(isDivisible(request));
+      const shared = await together(request, one, other);
+      assert.deepEqual([one.done, other.done], [first, second]);
+      assert.deepEqual(shared, JSON.parse(alone.ask(JSON.stringify(request))));
+    }
+  }
+});
+
+test("what two engines share may be refused or of bounds", { skip }, async () => {
+  const [alone, one, other] = await Promise.all([1, 2, 3].map(() => started("relaxed")));
+  assert.ok(alone && one && other);
+  const map: Question = { map: { poses: { random: 50_000 }, samples: 20 } };
+  const budget: Question = { budget: { samples: 20 } };
+  const bounded = "abbe: 1\nmachine: M\nchain: w b X t\naxes:\n  X: { travel: [0, 9], origin: [0, 0, 0] }\nerrors:\n";
+  const texts = ["  EXX: { tolerance: 3 um }\n", "  EXX: 3 furlongs\n"].map((error) => bounded + error);
+  for (const text of texts)
+    for (const questions of [[map], [map, budget]]) {
+      const request: Request = { machine: "m.yaml", texts: { "m.yaml": text }, questions };
+      const shared = await together(request, new Sharer(one), new Sharer(other));
+      assert.deepEqual(shared, JSON.parse(alone.ask(JSON.stringify(request))));
+    }
+  const kept: Question[][] = [[], ["show"], [{ map: { poses: { random: 49_999 } } }], [{ budget: {} }], [map, "show"]];
+  for (const questions of kept) assert.ok(!isDivisible({ machine: "m.yaml", texts: {}, questions }));
 });
 
 test("a question that the engine leaves out is refused in words", { skip }, async () => {

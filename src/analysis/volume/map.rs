@@ -7,6 +7,7 @@ use crate::evaluate::{
 use crate::machine::Approach;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Maximum number of poses of a map, which keeps all deviations for exact quantiles; a
 /// [`survey`](super::survey::survey()) takes more.
@@ -37,8 +38,8 @@ pub struct Map {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooManyPoses(pub usize);
 
-/// Returns a field's deviations at all poses, to the bit the same on any number of threads. Calls `progress` with the
-/// number of poses done since its last call. Fails with more than [`MAX_POSES`] poses.
+/// Returns a field's deviations at all poses with their statistics. Calls `progress` with the number of poses done since
+/// its last call. Fails with more than [`MAX_POSES`] poses.
 pub fn map(
     field: &dyn Field,
     poses: &Poses,
@@ -48,18 +49,36 @@ pub fn map(
     if poses.len() > MAX_POSES {
         return Err(TooManyPoses(poses.len()));
     }
-    let mut deviations = vec![Deviation { position: Vector3::zeros(), rotation: Vector3::zeros() }; poses.len()];
+    Ok(Map::of(deviations(field, (poses, 0..poses.len()), view, progress)))
+}
+
+impl Map {
+    /// Returns the map of deviations (mm, rad).
+    pub fn of(deviations: Vec<Deviation>) -> Self {
+        let statistics = Statistics::of(&deviations);
+        Self { deviations, statistics }
+    }
+}
+
+/// Returns a field's deviations at a range of poses: to the bit the same on any number of threads, and in any range.
+pub(crate) fn deviations(
+    field: &dyn Field,
+    (poses, range): (&Poses, Range<usize>),
+    view: View,
+    progress: &(dyn Fn(usize) + Sync),
+) -> Vec<Deviation> {
+    let mut deviations = vec![Deviation { position: Vector3::zeros(), rotation: Vector3::zeros() }; range.len()];
     let frames = frames(field, view.frame);
     deviations.par_chunks_mut(BLOCK).enumerate().for_each(|(block, chunk)| {
         let (mut at, mut columns) = (PoseColumns::new(field.machine().axes().len()), Columns::new(chunk.len()));
-        poses.fill(block * BLOCK..block * BLOCK + chunk.len(), &mut at);
+        let first = range.start + block * BLOCK;
+        poses.fill(first..first + chunk.len(), &mut at);
         field.deviations(&at.batch(), view.approach, columns.output(chunk.len()));
         into_frame(frames.as_ref(), view.frame, &at.batch(), columns.output(chunk.len()));
         chunk.iter_mut().enumerate().for_each(|(i, deviation)| *deviation = columns.get(i));
         progress(chunk.len());
     });
-    let statistics = Statistics::of(&deviations);
-    Ok(Map { deviations, statistics })
+    deviations
 }
 
 /// Returns a compiled model that serves [`into_frame`] for a field's machine; `None` if its deviations are in the

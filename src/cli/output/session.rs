@@ -51,7 +51,7 @@ impl Session {
 
     /// Surroundings of a call of the library: files from the disk, progress on the terminal.
     pub(crate) fn run(&self) -> Run<'_> {
-        Run { files: &*self.files, monitor: &self.bar, deny_warnings: self.global.deny.is_some() }
+        Run { monitor: &self.bar, deny_warnings: self.global.deny.is_some(), ..Run::with(&*self.files) }
     }
 
     /// Keeps the diagnostics of a call of the library, and returns its value if it has one.

@@ -1,12 +1,12 @@
 //! The library as WebAssembly: files in memory and a request of JSON in, JSON out.
 //!
-//! The page writes bytes into the buffer that [`input`] returns, calls [`put`] or [`ask`], and reads what [`output`]
-//! points at. Nothing is imported: the module has no clock, no disk and no network.
+//! The page writes bytes into the buffer that [`input`] returns, calls [`put`], [`ask`], [`part`] or [`take`], and reads
+//! what [`output`] points at. Nothing is imported: the module has no clock, no disk and no network.
 
 // Exported names are the only unsafe attribute; no pointer is followed here.
 #![allow(unsafe_code, reason = "names of the exports")]
 
-use abbe::{MemoryFiles, Run, workbench};
+use abbe::{MapShare, MemoryFiles, Run, workbench, workbench_part};
 use std::cell::RefCell;
 
 /// What the page and the engine hand each other.
@@ -15,6 +15,8 @@ struct Engine {
     files: MemoryFiles,
     input: Vec<u8>,
     output: Vec<u8>,
+    /// Parts of a map, one behind the other.
+    parts: RefCell<Vec<u8>>,
 }
 
 thread_local! {
@@ -47,9 +49,28 @@ pub extern "C" fn put(name_length: usize) {
 pub extern "C" fn ask() -> usize {
     ENGINE.with_borrow_mut(|engine| {
         let request = String::from_utf8_lossy(&engine.input);
-        engine.output = workbench(&request, Run::with(&engine.files)).to_string().into_bytes();
+        let share = MapShare::Given(&engine.parts);
+        engine.output = workbench(&request, Run { share, ..Run::with(&engine.files) }).to_string().into_bytes();
+        engine.parts.take();
         engine.output.len()
     })
+}
+
+/// Computes a part, from 0, of the map of the request that the input holds, and returns the number of its bytes, which
+/// are the output.
+#[unsafe(no_mangle)]
+pub extern "C" fn part(index: usize, count: usize) -> usize {
+    ENGINE.with_borrow_mut(|engine| {
+        let request = String::from_utf8_lossy(&engine.input);
+        engine.output = workbench_part(&request, (index, count), Run::with(&engine.files));
+        engine.output.len()
+    })
+}
+
+/// Takes the bytes of the next part of the map that is asked for next.
+#[unsafe(no_mangle)]
+pub extern "C" fn take() {
+    ENGINE.with_borrow_mut(|engine| engine.parts.borrow_mut().append(&mut engine.input));
 }
 
 /// Returns the output.

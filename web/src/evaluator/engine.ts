@@ -5,6 +5,8 @@ interface Exports {
   input(length: number): number;
   put(nameLength: number): void;
   ask(): number;
+  part(index: number, count: number): number;
+  take(): void;
   output(): number;
 }
 
@@ -22,23 +24,40 @@ export class Engine {
     this.exports.put(this.write(name, text));
   }
 
-  /** Answers a request of JSON by JSON. */
-  ask(request: string): string {
+  /** Answers a request of JSON by JSON; `parts` are those of its map, if they were computed before. */
+  ask(request: string, parts: Uint8Array[] = []): string {
+    for (const part of parts) {
+      this.input(part);
+      this.exports.take();
+    }
     this.write("", request);
-    const length = this.exports.ask();
-    const bytes = new Uint8Array(this.exports.memory.buffer, this.exports.output(), length);
-    return new TextDecoder().decode(bytes);
+    return new TextDecoder().decode(this.output(this.exports.ask()));
+  }
+
+  /** Computes a part of the deviations of the map in a request, from 0; empty if they cannot be divided. */
+  part(request: string, index: number, count: number): Uint8Array<ArrayBuffer> {
+    this.write("", request);
+    return this.output(this.exports.part(index, count)).slice();
+  }
+
+  private output(length: number): Uint8Array<ArrayBuffer> {
+    return new Uint8Array(this.exports.memory.buffer as ArrayBuffer, this.exports.output(), length);
+  }
+
+  private input(bytes: Uint8Array): void {
+    const pointer = this.exports.input(bytes.length);
+    // The memory may have grown: its buffer is taken after the call.
+    new Uint8Array(this.exports.memory.buffer, pointer, bytes.length).set(bytes);
   }
 
   /** Writes two texts one behind the other, and returns the number of bytes of the first. */
   private write(first: string, second: string): number {
     const encoder = new TextEncoder();
     const [head, tail] = [encoder.encode(first), encoder.encode(second)];
-    const pointer = this.exports.input(head.length + tail.length);
-    // The memory may have grown: its buffer is taken after the call.
-    const buffer = new Uint8Array(this.exports.memory.buffer, pointer, head.length + tail.length);
-    buffer.set(head, 0);
-    buffer.set(tail, head.length);
+    const both = new Uint8Array(head.length + tail.length);
+    both.set(head, 0);
+    both.set(tail, head.length);
+    this.input(both);
     return head.length;
   }
 }

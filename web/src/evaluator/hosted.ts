@@ -1,10 +1,15 @@
-/** The library in workers, with files in memory: a second one starts when the first is busy, and shares the work. */
+/** The library in workers, with files in memory: a second one starts when the first is busy, or for a request to share. */
 
-import type { FromWorker, ToWorker } from "./worker";
+import { isDivisible, kindOf, together } from "./division";
 import type { Evaluator, Reply, Request } from "./types";
+import type { Asked, FromWorker, ToWorker } from "./worker";
 import EngineWorker from "./worker?worker&inline";
 
-type Waiting = { kind: string; resolve: (reply: Reply) => void; reject: (failure: Error) => void };
+interface Waiting {
+  kind: string;
+  resolve: (message: FromWorker) => void;
+  reject: (failure: Error) => void;
+}
 
 /** What a question takes before one of its kind was answered, ms. */
 const UNKNOWN = 20;
@@ -23,17 +28,23 @@ export class Hosted implements Evaluator {
   ) {}
 
   ask(request: Request): Promise<Reply> {
-    const kind = request.questions.map((of) => (typeof of === "string" ? of : Object.keys(of).join())).join();
-    return this.free().ask(request, kind);
+    const first = this.free() ?? this.soonest();
+    const second = first.load === 0 && isDivisible(request) ? this.free(first) : null;
+    return second ? together(request, first, second) : first.ask(request);
   }
 
-  private free(): HostedEngine {
-    const [free] = [...this.engines].sort((a, b) => a.load - b.load);
+  /** Returns an engine that does nothing, besides another one; starts it if need be. */
+  private free(besides?: HostedEngine): HostedEngine | null {
+    const free = this.engines.find((engine) => engine.load === 0 && engine !== besides);
     const most = Math.min(MOST_WORKERS, navigator.hardwareConcurrency || 1);
-    if (free && (free.load === 0 || this.engines.length >= most)) return free;
+    if (free || this.engines.length >= most) return free ?? null;
     const started = new HostedEngine(this.module, this.files, this.times);
     this.engines.push(started);
     return started;
+  }
+
+  private soonest(): HostedEngine {
+    return this.engines.reduce((best, engine) => (engine.load < best.load ? engine : best));
   }
 }
 
@@ -56,14 +67,25 @@ class HostedEngine {
     return [...this.waiting.values()].reduce((sum, { kind }) => sum + (this.times.get(kind) ?? UNKNOWN), 0);
   }
 
-  ask(request: Request, kind: string): Promise<Reply> {
-    const id = ++this.last;
-    this.send({ id, request: JSON.stringify(request) });
-    return new Promise((resolve, reject) => this.waiting.set(id, { kind, resolve, reject }));
+  async ask(request: Request, parts: Uint8Array<ArrayBuffer>[] = []): Promise<Reply> {
+    const kind = request.questions.map(kindOf).join();
+    const message = await this.send(kind, { request: JSON.stringify(request), parts });
+    if (!("reply" in message)) throw new Error("the engine answered another question");
+    this.times.set(kind, Math.max(message.ms, 1));
+    return JSON.parse(message.reply) as Reply;
   }
 
-  private send(message: ToWorker): void {
-    this.worker.postMessage(message);
+  async part(request: Request, index: number, count: number): Promise<Uint8Array<ArrayBuffer>> {
+    const message = await this.send("part", { request: JSON.stringify(request), part: [index, count] });
+    if (!("bytes" in message)) throw new Error("the engine answered another question");
+    return message.bytes;
+  }
+
+  private send(kind: string, asked: Asked): Promise<FromWorker> {
+    const id = ++this.last;
+    const transfer = "parts" in asked ? asked.parts.map((part) => part.buffer) : [];
+    this.worker.postMessage({ id, ...asked } satisfies ToWorker, transfer);
+    return new Promise((resolve, reject) => this.waiting.set(id, { kind, resolve, reject }));
   }
 
   private started(): Worker {
@@ -76,10 +98,7 @@ class HostedEngine {
   private receive(message: FromWorker): void {
     const waiting = this.waiting.get(message.id);
     this.waiting.delete(message.id);
-    if ("reply" in message) {
-      if (waiting) this.times.set(waiting.kind, Math.max(message.ms, 1));
-      return waiting?.resolve(JSON.parse(message.reply) as Reply);
-    }
+    if (!("failure" in message)) return waiting?.resolve(message);
     waiting?.reject(new Error(`the engine stopped (${message.failure}); it was started anew`));
     // A trap leaves the engine's memory as it was in the middle of a call.
     this.worker.terminate();

@@ -6,7 +6,7 @@ export type Vec3 = [number, number, number];
 export type Question =
   | "check"
   | "show"
-  | { map: { poses: { random: number }; worst?: number; samples?: number; target?: string } & Options }
+  | { map: { poses: { random: number } | "grid"; worst?: number; samples?: number; target?: string } & Options }
   | { rows: { poses: { listed: number[][] }; samples?: number; target?: string } }
   | { sources: { poses: number; at?: number[] } & Options }
   | { budget: { poses?: number; samples?: number; goal_mm?: number } & Options }
