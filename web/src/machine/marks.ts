@@ -110,8 +110,8 @@ export class Marks {
     this.group.add(mesh);
   }
 
-  /** Draws the path of a part: balls coloured by deviation, octahedra where an axis stops. */
-  path(points: WorkPoint[], most: number, size: number): void {
+  /** Draws the path of a part: balls of this radius coloured by deviation, octahedra where an axis stops. */
+  path(points: WorkPoint[], most: number, [size, stop]: [number, number]): void {
     for (const old of [...this.work.children] as (three.Mesh | three.Line)[]) {
       old.geometry.dispose();
       old.removeFromParent();
@@ -123,7 +123,7 @@ export class Marks {
     const stopped = points.filter(({ um }) => um === null);
     for (const [list, shape] of [
       [reached, new three.SphereGeometry(size, 14, 10)],
-      [stopped, new three.OctahedronGeometry(1.4 * size)],
+      [stopped, new three.OctahedronGeometry(stop)],
     ] as const) {
       const mesh = new three.InstancedMesh(shape, new three.MeshBasicMaterial(), list.length);
       list.forEach((point, i) => {

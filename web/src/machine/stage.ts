@@ -253,10 +253,17 @@ export class Stage {
 
   /** The path of a part, coloured on a scale that ends at `most` um. */
   path(points: WorkPoint[], most: number): void {
-    this.marks.path(points, most, (this.figure?.layout.size ?? 100) / 14);
+    const size = (this.figure?.layout.size ?? 100) / 14;
+    this.marks.path(points, most, [Math.max(size, 3 * this.pixel), Math.max(1.4 * size, 6 * this.pixel)]);
     // The block stands for a part: where the part is known only its edges stay.
     this.materials.part.visible = !points.length;
     this.draw();
+  }
+
+  /** Length of a pixel in the middle of what is looked at, mm. */
+  private get pixel(): number {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    return (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360)) / Math.max(this.parent.clientHeight, 1);
   }
 
   /** The picture as it is. */
