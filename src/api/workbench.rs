@@ -116,8 +116,8 @@ impl Default for WorkOptions {
 /// Maximum number of questions of a request: a turn of the page asks about twenty.
 const MAX_QUESTIONS: usize = 200;
 
-/// Computes part `index`, from 0, of `count` of the deviations of the first map of a request, and returns its bytes: all
-/// parts, one behind the other, are [`MapShare::Given`] to [`workbench`] with the same request.
+/// Computes part `index`, from 0, of `count` of the deviations of the first map of a request, and returns its bytes:
+/// all parts, one behind the other, are [`MapShare::Given`] to [`workbench`] with the same request.
 ///
 /// Without such a map, and for one of bounds or of more than [`MapPoses::MAX_HELD`] poses, there are none.
 pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run<'_>) -> Vec<u8> {

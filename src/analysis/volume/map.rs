@@ -38,8 +38,8 @@ pub struct Map {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooManyPoses(pub usize);
 
-/// Returns a field's deviations at all poses with their statistics. Calls `progress` with the number of poses done since
-/// its last call. Fails with more than [`MAX_POSES`] poses.
+/// Returns a field's deviations at all poses with their statistics. Calls `progress` with the number of poses done
+/// since its last call. Fails with more than [`MAX_POSES`] poses.
 pub fn map(
     field: &dyn Field,
     poses: &Poses,

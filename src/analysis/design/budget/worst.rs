@@ -51,8 +51,8 @@ fn merged(vectors: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     merged
 }
 
-/// Returns the longest sum of `beside` and the vectors within a plane with any signs; `along` is one of them. Each has a
-/// place for its key.
+/// Returns the longest sum of `beside` and the vectors within a plane with any signs; `along` is one of them. Each has
+/// a place for its key.
 #[cfg_attr(small_engine, optimize(speed))]
 fn on_face(beside: &Vector3<f64>, within: &mut [(f64, Vector3<f64>)], [along, normal]: [&Vector3<f64>; 2]) -> f64 {
     let (u, v) = (along.normalize(), normal.cross(along).normalize());
