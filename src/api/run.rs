@@ -74,7 +74,7 @@ pub struct Run<'a> {
     pub monitor: &'a dyn Monitor,
     /// True if a warning refuses the input.
     pub deny_warnings: bool,
-    /// What of a map is computed here.
+    /// The part of a map that is computed here.
     pub share: MapShare<'a>,
 }
 

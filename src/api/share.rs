@@ -33,7 +33,7 @@ pub struct MapPart {
     pub index: usize,
     /// Number of parts; 0 counts as 1.
     pub count: usize,
-    /// What was computed: position (mm) and rotation (rad) of each pose, little-endian doubles.
+    /// Position (mm) and rotation (rad) of each of its poses, little-endian doubles.
     pub bytes: RefCell<Vec<u8>>,
 }
 

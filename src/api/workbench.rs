@@ -307,7 +307,7 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
         }
     }
 
-    /// What the request is answered with if the bytes of a number of parts are given, and their number.
+    /// Returns the answer to a request whose map is given in a number of parts, and the number of their bytes.
     fn together(request: &str, count: usize, change: impl FnOnce(&mut Vec<u8>)) -> (Value, usize) {
         let parts = (0..count).flat_map(|index| workbench_part(request, (index, count), Run::default()));
         let mut bytes: Vec<u8> = parts.collect();
