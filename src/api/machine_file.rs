@@ -149,7 +149,7 @@ impl Files for Overlay<'_> {
     fn resolved(&self, path: &Path) -> Option<PathBuf> {
         self.files.resolved(path).or_else(|| {
             let (name, _) = (path.file_name()?, self.text.read(path).ok()?);
-            Some(self.files.resolved(folder(path))?.join(name))
+            Some(self.files.resolved(folder_of(path))?.join(name))
         })
     }
 
@@ -178,12 +178,12 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
 }
 
 /// The folder of a file.
-fn folder(file: &Path) -> &Path {
+fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
 fn input_files(machine: &Path, sources: &Sources, files: &dyn Files) -> Vec<InputFile> {
-    let folder = files.resolved(folder(machine));
+    let folder = files.resolved(folder_of(machine));
     let inside = |file: &Path| Some(files.resolved(file)?.starts_with(folder.as_ref()?));
     let input = |(name, text): (&str, &str)| InputFile {
         file: name.to_owned(),

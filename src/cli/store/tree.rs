@@ -3,7 +3,7 @@
 
 use super::files::read_at_most;
 use super::limited::LimitedWriter;
-use super::write::{make_folder, unwritable_folder};
+use super::write::{folder_of, make_folder, unwritable_folder};
 use abbe::{Diagnostic, codes};
 use std::fs;
 use std::io::Write;
@@ -34,7 +34,7 @@ pub(crate) fn write_new_folder(folder: &Path, files: &[(String, Vec<u8>)]) -> Re
     let Some(name) = folder.file_name() else {
         return Err(unwritable_folder(folder, "the path names no new folder"));
     };
-    let parent = folder.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let parent = folder_of(folder);
     make_folder(parent)?;
     let name = name.to_string_lossy();
     clear_left_over(parent, &name);

@@ -284,7 +284,8 @@ fn replaceable(path: &Path) -> Result<PathBuf, Diagnostic> {
     fs::canonicalize(path).map_err(|failure| unwritable(path, &failure.to_string()))
 }
 
-fn folder_of(path: &Path) -> &Path {
+/// The folder of a path; that of the run for a name alone.
+pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
