@@ -2,10 +2,9 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import type { Question, Reply, Request } from "../src/evaluator/types";
+import { kindOf } from "../src/evaluator/division";
+import type { Reply, Request } from "../src/evaluator/types";
 import { Session, type State } from "../src/session";
-
-const kindOf = (of: Question) => (typeof of === "string" ? of : (Object.keys(of)[0] ?? ""));
 
 /** Answers every question with the text that it was asked of; those after each error alone wait until they are let go. */
 class Machine {

@@ -170,7 +170,7 @@ export class Stage {
     camera.lookAt(controls.target);
     camera.updateMatrixWorld(true);
     const seen = corners.map((corner) => corner.clone().applyMatrix4(camera.matrixWorldInverse));
-    const tall = Math.tan((camera.fov * Math.PI) / 360);
+    const { tall } = this;
     const slopes = seen.map(({ x, y, z }) => [x / -z / tall / camera.aspect, y / -z / tall] as const);
     const span = (k: 0 | 1) => {
       const list = slopes.map((of) => of[k]);
@@ -263,7 +263,12 @@ export class Stage {
   /** Length of a pixel in the middle of what is looked at, mm. */
   private get pixel(): number {
     const distance = this.camera.position.distanceTo(this.controls.target);
-    return (2 * distance * Math.tan((this.camera.fov * Math.PI) / 360)) / Math.max(this.parent.clientHeight, 1);
+    return (2 * distance * this.tall) / Math.max(this.parent.clientHeight, 1);
+  }
+
+  /** Half of the height of the picture, over its distance. */
+  private get tall(): number {
+    return Math.tan((this.camera.fov * Math.PI) / 360);
   }
 
   /** The picture as it is. */
