@@ -11,11 +11,10 @@ use super::order_of;
 use super::plane_picture::{PlaneOptions, Subject};
 use super::poses::{AxisPositions, axis_positions, poses};
 use super::run::{Answer, Call, Count, Refused, Run};
-use super::share::shared_deviations;
 use super::tolerances::ToleranceOptions;
 use super::tool_poses::{self, ReachedToolPoses};
 use super::uncertainty::field_bands;
-use crate::analysis::{self, Bands, Diagonal, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, rest};
+use crate::analysis::{self, Bands, Diagonal, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, deviations, rest};
 use crate::controller::{ControllerTarget, Depth, Effect};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{
@@ -23,6 +22,7 @@ use crate::evaluate::{
 };
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{Picture, Rows};
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// Options of [`map`].
@@ -267,7 +267,52 @@ pub fn map_tables(
     tables: Vec<MapTable<'_>>,
     run: Run<'_>,
 ) -> Result<Answer<MapResult>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| volume(call, file, options, tables))
+    Call::answer(run, file.sources(), |call| volume(call, file, options, tables, &WholeMap))
+}
+
+/// Maps as [`map`] does, with deviations of several engines.
+pub(crate) fn map_of_parts(
+    file: &MachineFile,
+    options: &MapOptions,
+    parts: &dyn MapParts,
+    run: Run<'_>,
+) -> Result<Answer<MapResult>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| volume(call, file, options, Vec::new(), parts))
+}
+
+/// Gives the deviations of a map that is held as a whole.
+pub(crate) trait MapParts {
+    /// Ends a call that is to compute part of a map that is not held as a whole.
+    fn refuse_other(&self) -> Result<(), Refused> {
+        Ok(())
+    }
+
+    /// Returns the deviations of a field at all poses (mm, rad).
+    fn deviations(
+        &self,
+        call: &mut Call<'_>,
+        field: &dyn Field,
+        poses: &Poses,
+        view: View,
+    ) -> Result<Vec<Deviation>, Refused> {
+        Ok(computed(call, field, poses, 0..poses.len(), view))
+    }
+}
+
+/// Computes all of them.
+struct WholeMap;
+
+impl MapParts for WholeMap {}
+
+/// Computes the deviations of a field at some of the poses (mm, rad).
+pub(crate) fn computed(
+    call: &Call<'_>,
+    field: &dyn Field,
+    poses: &Poses,
+    range: Range<usize>,
+    view: View,
+) -> Vec<Deviation> {
+    call.stage(range.len(), |advance| deviations(field, (poses, range), view, advance))
 }
 
 /// Intervals of a body diagonal.
@@ -278,6 +323,7 @@ fn volume(
     machine: &Machine,
     options: &MapOptions,
     tables: Vec<MapTable<'_>>,
+    parts: &dyn MapParts,
 ) -> Result<MapResult, Refused> {
     call.bounded(&[Count::Machines(options.samples)])?;
     if let MapPoses::Random(0) | MapPoses::LowDiscrepancy(0) = options.poses {
@@ -285,7 +331,7 @@ fn volume(
     }
     let settings = (&options.tolerances, options.samples, options.seed);
     if let Some(drawn) = DrawnBounds::of(call, machine, settings)? {
-        call.run.share.not_a_part()?;
+        parts.refuse_other()?;
         return map_bounds::volume(call, machine, options, (&drawn, tables));
     }
     let order = order_of(machine, options.order);
@@ -308,10 +354,10 @@ fn volume(
     let work = tool_poses.as_ref().map(ReachedToolPoses::work_rows);
     let rows = Rows { machine, poses: &poses, view, order, target: name, work: work.as_ref(), drawn: None };
     let before = match &replayed {
-        Some(_) => Some(found(call, &bare, &rows, Vec::new(), 0)?.statistics),
+        Some(_) => Some(found(call, &bare, &rows, Vec::new(), parts, 0)?.statistics),
         None => None,
     };
-    let survey = found(call, field, &rows, tables, options.worst)?;
+    let survey = found(call, field, &rows, tables, parts, options.worst)?;
     let state = if name.is_empty() { String::new() } else { format!("after {name}") };
     let before_field = replayed.is_some().then_some(&bare as &dyn Field);
     let subject = Subject { field, state: &state, before: before_field };
@@ -362,15 +408,16 @@ fn found(
     field: &dyn Field,
     rows: &Rows<'_>,
     tables: Vec<MapTable<'_>>,
+    parts: &dyn MapParts,
     count: usize,
 ) -> Result<Survey, Refused> {
     let (poses, view) = (rows.poses, rows.view);
     let tables = Tables::new(*rows, tables).or_else(|refusal| call.refuse(refusal))?;
     if poses.len() > MAX_POSES {
-        call.run.share.not_a_part()?;
+        parts.refuse_other()?;
         return tables.surveyed(call, SurveyTask { field, poses, view, worst: count });
     }
-    let analysis::Map { deviations, statistics } = analysis::Map::of(shared_deviations(call, field, poses, view)?);
+    let analysis::Map { deviations, statistics } = analysis::Map::of(parts.deviations(call, field, poses, view)?);
     tables.write(&deviations).or_else(|refusal| call.refuse(refusal))?;
     let worst = worst(&deviations, count).into_iter().map(|i| (i, deviations[i])).collect();
     Ok(Survey { statistics, worst })

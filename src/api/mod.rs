@@ -97,14 +97,13 @@ pub use record::{RecordOptions, check_record, record, record_trend};
 pub use replay::replay;
 pub use report::{ReportOptions, report};
 pub use run::{Answer, Cancellation, Cancelled, Monitor, Run};
-pub use share::{MapPart, MapShare};
 pub use show::show;
 pub use sources::{SourcesOptions, sources};
 pub use starter::{schema, starter};
 pub use summary::summary;
 pub use targets::targets;
 pub use verify::{VerifyOptions, verify};
-pub use workbench::{workbench, workbench_part};
+pub use workbench::{workbench, workbench_of_parts, workbench_part};
 
 pub use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 pub use crate::syntax::{Disk, Files, MemoryFiles};

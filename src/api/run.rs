@@ -1,7 +1,6 @@
 //! The frame of a call: access to files, progress, diagnostics.
 
 use super::finite;
-use super::share::MapShare;
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::syntax::{Disk, Files, MemoryFiles};
 use std::fmt;
@@ -74,28 +73,26 @@ pub struct Run<'a> {
     pub monitor: &'a dyn Monitor,
     /// True if a warning refuses the input.
     pub deny_warnings: bool,
-    /// The part of a map that is computed here.
-    pub share: MapShare<'a>,
 }
 
 impl Run<'static> {
     /// Reads files from the disk.
     pub fn on_disk() -> Self {
-        Self { files: &Disk, monitor: &Silent, deny_warnings: false, share: MapShare::All }
+        Self { files: &Disk, monitor: &Silent, deny_warnings: false }
     }
 }
 
 impl<'a> Run<'a> {
     /// Reads files through `files`.
     pub fn with(files: &'a dyn Files) -> Self {
-        Self { files, monitor: &Silent, deny_warnings: false, share: MapShare::All }
+        Self { files, monitor: &Silent, deny_warnings: false }
     }
 }
 
 impl Default for Run<'_> {
     fn default() -> Self {
         static NO_FILES: MemoryFiles = MemoryFiles::new();
-        Self { files: &NO_FILES, monitor: &Silent, deny_warnings: false, share: MapShare::All }
+        Self { files: &NO_FILES, monitor: &Silent, deny_warnings: false }
     }
 }
 

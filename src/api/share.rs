@@ -1,34 +1,24 @@
 //! A map that engines without common memory share: each computes a part of its deviations, one puts them together.
 
+use super::map::{MapParts, computed};
 use super::run::{Call, Refused};
-use crate::analysis::{View, deviations};
+use crate::analysis::View;
 use crate::evaluate::{Deviation, Field, Poses};
 use nalgebra::Vector3;
 use std::cell::RefCell;
 use std::ops::Range;
 
-/// The share of a call in the deviations of its first map.
-#[derive(Debug, Clone, Copy, Default)]
-pub enum MapShare<'a> {
-    /// All of them.
-    #[default]
-    All,
-    /// One part, after which the call ends without an answer.
+/// The deviations of the first map of a request.
+pub(crate) enum MapShare<'a> {
+    /// One part is computed, after which the call ends without an answer.
     Part(&'a MapPart),
-    /// None: the bytes of all parts, one behind the other, of the same call. It computes them all if they do not fit.
-    Given(&'a RefCell<Vec<u8>>),
-}
-
-impl MapShare<'_> {
-    /// Ends a call that is to compute a part of a map that has none.
-    pub(super) fn not_a_part(self) -> Result<(), Refused> {
-        if let Self::Part(_) = self { Err(Refused) } else { Ok(()) }
-    }
+    /// The bytes of all parts, one behind the other, of the same request. All are computed if they do not fit.
+    Given(RefCell<Vec<u8>>),
 }
 
 /// Part of the deviations of a map.
 #[derive(Debug, Clone)]
-pub struct MapPart {
+pub(crate) struct MapPart {
     /// Index of the part, from 0.
     pub index: usize,
     /// Number of parts; 0 counts as 1.
@@ -42,7 +32,7 @@ const BYTES: usize = 6 * size_of::<f64>();
 
 impl MapPart {
     /// Returns a part that is not computed yet.
-    pub fn new(index: usize, count: usize) -> Self {
+    pub(crate) fn new(index: usize, count: usize) -> Self {
         Self { index, count, bytes: RefCell::default() }
     }
 
@@ -53,25 +43,29 @@ impl MapPart {
     }
 }
 
-/// Returns the deviations of a field at all poses (mm, rad).
-pub(super) fn shared_deviations(
-    call: &mut Call<'_>,
-    field: &dyn Field,
-    poses: &Poses,
-    view: View,
-) -> Result<Vec<Deviation>, Refused> {
-    let computed = |range: Range<usize>| {
-        call.stage(range.len(), |advance| deviations(field, (poses, range.clone()), view, advance))
-    };
-    match call.run.share {
-        MapShare::All => Ok(computed(0..poses.len())),
-        MapShare::Part(part) => {
-            let _ = part.bytes.replace(written(&computed(part.range(poses.len()))));
-            Err(Refused)
-        }
-        MapShare::Given(bytes) => {
-            let bytes = bytes.take();
-            Ok(if bytes.len() == poses.len() * BYTES { read(&bytes) } else { computed(0..poses.len()) })
+impl MapParts for MapShare<'_> {
+    fn refuse_other(&self) -> Result<(), Refused> {
+        if let Self::Part(_) = self { Err(Refused) } else { Ok(()) }
+    }
+
+    fn deviations(
+        &self,
+        call: &mut Call<'_>,
+        field: &dyn Field,
+        poses: &Poses,
+        view: View,
+    ) -> Result<Vec<Deviation>, Refused> {
+        match self {
+            Self::Part(part) => {
+                let computed = computed(call, field, poses, part.range(poses.len()), view);
+                let _ = part.bytes.replace(written(&computed));
+                Err(Refused)
+            }
+            Self::Given(bytes) => {
+                let bytes = bytes.take();
+                let fits = bytes.len() == poses.len() * BYTES;
+                Ok(if fits { read(&bytes) } else { computed(call, field, poses, 0..poses.len(), view) })
+            }
         }
     }
 }

@@ -8,7 +8,7 @@ use super::compare::{CompareOptions, compare};
 use super::eval::{EvalOptions, eval};
 use super::instrument::{InstrumentOptions, instrument};
 use super::machine_file::{LoadOptions, MachineFile, Overlay, load};
-use super::map::{MapOptions, MapPoses, MapResult, map, map_tables};
+use super::map::{MapOptions, MapPoses, MapResult, map_of_parts, map_tables};
 use super::map_tables::MapTable;
 use super::reach::{ReachOptions, ReachResult, reach};
 use super::run::{Answer, Call, Run};
@@ -24,6 +24,7 @@ use crate::report::RowFormat;
 use crate::syntax::MemoryFiles;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -117,7 +118,7 @@ impl Default for WorkOptions {
 const MAX_QUESTIONS: usize = 200;
 
 /// Computes part `index`, from 0, of `count` of the deviations of the first map of a request, and returns its bytes:
-/// all parts, one behind the other, are [`MapShare::Given`] to [`workbench`] with the same request.
+/// all parts, one behind the other, are given to [`workbench_of_parts`] with the same request.
 ///
 /// Without such a map, and for one of bounds or of more than [`MapPoses::MAX_HELD`] poses, there are none.
 pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run<'_>) -> Vec<u8> {
@@ -125,7 +126,7 @@ pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run<'_
     if let Ok(mut request) = parsed(request) {
         request.questions.retain(|question| matches!(question, Question::Map(_)));
         request.questions.truncate(1);
-        let _ = answered(&request, Run { share: MapShare::Part(&part), ..run });
+        let _ = answered(&request, &MapShare::Part(&part), run);
     }
     part.bytes.into_inner()
 }
@@ -135,8 +136,14 @@ pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run<'_
 /// `diagnostics` are those of reading the machine, with their places. Without a machine `answers` is empty. Otherwise
 /// it has an entry for each question, the result or `{"refused": true, "diagnostics": [...]}`.
 pub fn workbench(request: &str, run: Run<'_>) -> Value {
+    workbench_of_parts(request, Vec::new(), run)
+}
+
+/// Answers a request as [`workbench`] does; `parts` holds the bytes of all parts of its first map, one behind the
+/// other. The map is computed if they are not those of all its poses.
+pub fn workbench_of_parts(request: &str, parts: Vec<u8>, run: Run<'_>) -> Value {
     match parsed(request) {
-        Ok(request) => answered(&request, run),
+        Ok(request) => answered(&request, &MapShare::Given(RefCell::new(parts)), run),
         Err(refusal) => refused(&refusal.into()),
     }
 }
@@ -157,14 +164,14 @@ fn refused(diagnostics: &Diagnostics) -> Value {
     json!({"diagnostics": diagnostics.records(), "answers": []})
 }
 
-fn answered(request: &WorkbenchRequest, run: Run<'_>) -> Value {
+fn answered(request: &WorkbenchRequest, share: &MapShare<'_>, run: Run<'_>) -> Value {
     let text = request.texts.iter().fold(MemoryFiles::new(), |files, (name, text)| files.with(name, text.as_str()));
     let files = Overlay { text, files: run.files };
     let run = Run { files: &files, ..run };
     match load(Path::new(&request.machine), &request.load_options(), run) {
         Ok(Answer { value: machine, warnings }) => {
             let answers: Vec<Value> =
-                request.questions.iter().map(|question| question.answer(&machine, request, run)).collect();
+                request.questions.iter().map(|question| question.answer(&machine, request, share, run)).collect();
             json!({"diagnostics": warnings.records(), "answers": answers})
         }
         Err(diagnostics) => refused(&diagnostics),
@@ -172,13 +179,18 @@ fn answered(request: &WorkbenchRequest, run: Run<'_>) -> Value {
 }
 
 impl Question {
-    fn answer(&self, machine: &MachineFile, request: &WorkbenchRequest, run: Run<'_>) -> Value {
-        let (share, run) = (run.share, Run { share: MapShare::All, ..run });
+    fn answer(
+        &self,
+        machine: &MachineFile,
+        request: &WorkbenchRequest,
+        share: &MapShare<'_>,
+        run: Run<'_>,
+    ) -> Value {
         match self {
             Self::Check => json!(summary(machine)),
             Self::Show => json!(show(machine)),
             Self::Eval(options) => document(eval(machine, options, run)),
-            Self::Map(options) => document(map(machine, options, Run { share, ..run })),
+            Self::Map(options) => document(map_of_parts(machine, options, share, run)),
             Self::Rows(options) => document(rows(machine, options, run)),
             Self::Sources(options) => document(sources(machine, options, run)),
             Self::Budget(options) => document(budget(machine, options, run)),
@@ -254,7 +266,6 @@ fn document<T: Serialize>(answer: Result<Answer<T>, Diagnostics>) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::cell::RefCell;
 
     const MACHINE: &str = "abbe: 1
 machine: M
@@ -313,8 +324,7 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
         let mut bytes: Vec<u8> = parts.collect();
         let length = bytes.len();
         change(&mut bytes);
-        let given = RefCell::new(bytes);
-        (workbench(request, Run { share: MapShare::Given(&given), ..Run::default() }), length)
+        (workbench_of_parts(request, bytes, Run::default()), length)
     }
 
     #[test]
