@@ -2,22 +2,22 @@
 //! target, one manifest over both.
 
 use super::certificate::{CertificateReport, CertificateStep};
-use super::compensation::module_set::{self, ModuleRequest};
-use super::compensation::options::CompensationOptions;
-use super::compensation::table_set::{self, TableRequest};
-use super::compensation::verdict;
-use super::compensation::{folder::Folder, found_set};
 use super::compile::{CompileOptions, refuse_unverified};
-use super::machine_file::{MachineFile, bounded_only};
-use super::run::{Answer, Call, Count, Refused, Run};
 use super::verify::{VerifyOptions, warn_edited, warn_other_inputs, warn_other_tool};
 use crate::compensation::CorrectionTables;
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Effect, Figures, Hashed, KinematicsModule, LOCK_NAME, Lock, Parameters,
-    RenderedFile, TablesUnderTest, certify_composed, sha256,
+    Certificate, ControllerTarget, Depth, Effect, Figures, KinematicsModule, LOCK_NAME, Lock, Parameters, RenderedFile,
+    TablesUnderTest, certify_composed,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::file_set::folder::Folder;
+use crate::file_set::module_set::{self, ModuleRequest};
+use crate::file_set::options::CompensationOptions;
+use crate::file_set::table_set::{self, TableRequest};
+use crate::file_set::{found_set, verdict};
+use crate::job::machine_file::{MachineFile, bounded_only};
 use crate::machine::Machine;
+use crate::run::{Answer, Call, Count, Hashed, Refused, Run, sha256};
 use std::path::Path;
 
 /// A set of two targets in memory, with its certificate.
@@ -127,7 +127,7 @@ fn compiled(
 
 /// Returns the effect that two targets have together on a machine, by the files that `compile` would write, and their
 /// certificate. Nothing is written.
-pub(in crate::api) fn composed_effect(
+pub(crate) fn composed_effect(
     call: &mut Call,
     machine: &Machine,
     targets: &[String],
@@ -151,7 +151,7 @@ fn beside(lock: &Lock) -> String {
 const BESIDE: &str = "beside ";
 
 /// True if tables are for what kinematic parameters leave.
-pub(super) fn is_beside(lock: &Lock) -> bool {
+pub(crate) fn is_beside(lock: &Lock) -> bool {
     lock.options.iter().any(|option| option.starts_with(BESIDE))
 }
 
@@ -309,7 +309,7 @@ impl Composition {
 }
 
 /// True if a folder holds a composed set.
-pub(in crate::api) fn is_composed(folder: &Path, call: &Call) -> bool {
+pub(crate) fn is_composed(folder: &Path, call: &Call) -> bool {
     Folder::new(folder, call.run.files).lock().is_some_and(|lock| !lock.parts.is_empty())
 }
 
@@ -387,7 +387,7 @@ fn found(
 }
 
 /// The certificate of the composed set in a folder.
-pub(super) fn verify_composed(
+pub(crate) fn verify_composed(
     call: &mut Call,
     file: &MachineFile,
     folder: &Path,
@@ -402,7 +402,7 @@ pub(super) fn verify_composed(
 }
 
 /// The effect of the composed set in a folder, and the target whose tables it has.
-pub(in crate::api) fn found_composed(
+pub(crate) fn found_composed(
     call: &mut Call,
     machine: &Machine,
     folder: &Path,

@@ -1,16 +1,15 @@
 //! `diff` of two machine files: what differs, and what each difference does to the deviations.
 
 use super::compare::nothing_in_common;
-use super::machine_file::{MachineFile, sources_of};
-use super::order_of;
-use super::run::{Answer, Call, Count, Refused, Run};
 use crate::analysis::{MachineResult, Work, compare as compared};
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Bare, Field, Order};
+use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::machine::{
     Approach, Axis, AxisName, Direction, ErrorFamily, ErrorId, ErrorSizes, Machine, MachineProperty, SetUp, Tool,
     Travel,
 };
+use crate::run::{Answer, Call, Count, Refused, Run};
 use crate::units::significant;
 
 /// Options of [`diff_machines`].

@@ -1,11 +1,11 @@
 //! Figures of the ISO 230 series from readings of tests: circles, axes of rotation, drift, diagonals.
 
 use super::import::columns_left_out;
-use super::positioning::printed;
-use super::run::{Answer, Call, Refused, Run};
 use crate::analysis::instrument::CirclePlane;
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
+use crate::report::positioning::printed;
 use crate::report::{DialMark, DialPanel, LinePanel, LinePicture, Picture, PolarPicture};
+use crate::run::{Answer, Call, Refused, Run};
 use crate::standards::{
     self, AccuracyFigures, AngleReading, Caused, CircleCauses, CircleFigures, DriftFigures, ErrorMotion, LEAST_ARC,
     LEAST_PLACES, MIN_READINGS, NOT_VERIFIED, RadialReading, ReadingsTable, Sense, TableUse, TurningPoint, arc, causes,

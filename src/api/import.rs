@@ -1,11 +1,13 @@
 //! A single-axis measurement as an instrument exports it, to a table of error curves.
 
-use super::positioning::{AccuracyUncertainties, DrawnRuns, MeasuredTarget, OneWayBoth, contributors, drawn_runs};
-use super::run::{Answer, Call, Refused, Run};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::identify::import::{self, Import, ImportRequest, ReferenceLine, Sample};
 use crate::machine::ErrorId;
+use crate::report::positioning::{
+    AccuracyUncertainties, DrawnRuns, MeasuredTarget, OneWayBoth, contributors, drawn_runs,
+};
 use crate::report::{Picture, RunPanel};
+use crate::run::{Answer, Call, Refused, Run};
 use crate::standards::{self, AccuracyFigures, Contributor, Thermal};
 use crate::syntax::ColumnDirection;
 use crate::units::counted;
@@ -395,7 +397,7 @@ fn unknown_columns(found: &Import) -> Option<Diagnostic> {
 }
 
 /// A warning of columns that were not understood.
-pub(super) fn columns_left_out(titles: &[&str], help: &str) -> Option<Diagnostic> {
+pub(crate) fn columns_left_out(titles: &[&str], help: &str) -> Option<Diagnostic> {
     let list: Vec<String> = titles.iter().take(LISTED).map(|title| format!("`{}`", shown(title))).collect();
     let more = if titles.len() > LISTED { " ..." } else { "" };
     let message = format!("{} left out, not understood: {}{more}", counted(titles.len(), "column"), list.join(", "));

@@ -1,27 +1,28 @@
 //! The error over a volume.
 
 use super::bounded::{AddedByBounds, DrawnBounds, added};
-use super::compensation::effect::named_effect;
-use super::compensation::options::CompensationOptions;
-use super::features::{FeatureResult, features};
-use super::machine_file::MachineFile;
 use super::map_bounds::{self, MapFromBounds};
 use super::map_tables::{MapTable, Tables};
-use super::order_of;
 use super::plane_picture::{PlaneOptions, Subject};
-use super::poses::{AxisPositions, axis_positions, poses};
-use super::run::{Answer, Call, Count, Refused, Run};
+use super::target_effect::named_effect;
 use super::tolerances::ToleranceOptions;
-use super::tool_poses::{self, ReachedToolPoses};
 use super::uncertainty::field_bands;
-use crate::analysis::{self, Bands, Diagonal, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, deviations, rest};
+use crate::analysis::{
+    self, Bands, Diagonal, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, deviations, rest,
+};
 use crate::controller::{ControllerTarget, Depth, Effect};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{
     CompiledField, Deviation, Field, Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary, Tally, worst,
 };
+use crate::file_set::options::CompensationOptions;
+use crate::job::features::{FeatureResult, features};
+use crate::job::machine_file::{MachineFile, order_of};
+use crate::job::poses::{AxisPositions, axis_positions, poses};
+use crate::job::tool_poses::{self, ReachedToolPoses};
 use crate::machine::{Approach, Machine, Pose};
-use crate::report::{Picture, Rows};
+use crate::report::{Picture, Rows, WorkRows};
+use crate::run::{Answer, Call, Count, Refused, Run};
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -107,7 +108,7 @@ impl MapPoses {
         }
     }
 
-    pub(super) fn of(
+    pub(crate) fn of(
         &self,
         call: &mut Call<'_>,
         (machine, seed): (&Machine, u64),
@@ -181,7 +182,7 @@ pub struct MapResult {
 
 impl MapResult {
     /// Returns a map that has statistics and nothing else.
-    pub(super) fn empty(rows: &Rows<'_>, statistics: Statistics) -> Self {
+    pub(crate) fn empty(rows: &Rows<'_>, statistics: Statistics) -> Self {
         Self {
             machine: rows.machine.name().to_owned(),
             order: rows.order,
@@ -351,7 +352,7 @@ fn volume(
         return call.refuse(too_many(poses.len()));
     }
     let name = options.target.as_deref().unwrap_or_default();
-    let work = tool_poses.as_ref().map(ReachedToolPoses::work_rows);
+    let work = tool_poses.as_ref().map(WorkRows::of);
     let rows = Rows { machine, poses: &poses, view, order, target: name, work: work.as_ref(), drawn: None };
     let before = match &replayed {
         Some(_) => Some(found(call, &bare, &rows, Vec::new(), parts, 0)?.statistics),

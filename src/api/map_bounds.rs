@@ -1,19 +1,19 @@
 //! The map of a machine of which nothing is measured: what its bounds lead to.
 
 use super::bounded::DrawnBounds;
-use super::features::bounded_features;
 use super::map::{MapOptions, MapPoses, MapResult};
 use super::map_tables::{MapTable, Tables};
 use super::plane_picture::BoundedSubject;
-use super::poses::{AxisPositions, axis_positions};
-use super::run::{Call, Refused};
-use super::tool_poses::{self, ReachedToolPoses};
 use crate::analysis::budget::{BoundedDeviation, PoseByPose};
 use crate::analysis::{MAX_POSES, View};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Order, Poses};
+use crate::job::features::bounded_features;
+use crate::job::poses::{AxisPositions, axis_positions};
+use crate::job::tool_poses;
 use crate::machine::Machine;
-use crate::report::{BoundedFigures, Rows};
+use crate::report::{BoundedFigures, Rows, WorkRows};
+use crate::run::{Call, Refused};
 use serde::Serialize;
 
 /// What the bounds of a machine lead to over a map.
@@ -38,7 +38,7 @@ pub struct WorstBoundedPose {
 }
 
 /// Maps what bounds lead to, and writes the tables.
-pub(super) fn volume(
+pub(crate) fn volume(
     call: &mut Call<'_>,
     machine: &Machine,
     options: &MapOptions,
@@ -55,7 +55,7 @@ pub(super) fn volume(
         return call.refuse(too_many(poses.len()));
     }
     let view = View { approach: options.approach, frame: options.frame };
-    let work = tool_poses.as_ref().map(ReachedToolPoses::work_rows);
+    let work = tool_poses.as_ref().map(WorkRows::of);
     let order = Order::Degree(1);
     let rows =
         Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawn.drawing) };

@@ -1,13 +1,13 @@
 //! Pictures of a map: the deviation over a plane of two linear axes.
 
 use super::bounded::DrawnBounds;
-use super::poses::{check, pose_option};
-use super::run::{Call, Refused};
 use crate::analysis::{Plane, View, rest};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Field, Order, Poses};
+use crate::job::poses::{check, pose_option};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::report::{Picture, PlanePicture, PlaneQuantity, PlaneStyle, before_after};
+use crate::run::{Call, Refused};
 
 /// A picture of the deviation over a plane of two linear axes.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -64,13 +64,13 @@ impl From<PlaneComponent> for PlaneQuantity {
 }
 
 /// A plane that can be drawn, and where the other axes are.
-pub(super) struct PlanePlace {
+pub(crate) struct PlanePlace {
     axes: [usize; 2],
     at: Vec<f64>,
 }
 
 /// A field, and its state in words.
-pub(super) struct Subject<'a> {
+pub(crate) struct Subject<'a> {
     pub field: &'a dyn Field,
     /// The compensation; empty without.
     pub state: &'a str,
@@ -79,7 +79,7 @@ pub(super) struct Subject<'a> {
 }
 
 /// A machine of which nothing is measured.
-pub(super) struct BoundedSubject<'a> {
+pub(crate) struct BoundedSubject<'a> {
     pub machine: &'a Machine,
     pub drawn: &'a DrawnBounds,
     pub view: View,
@@ -87,7 +87,7 @@ pub(super) struct BoundedSubject<'a> {
 
 impl PlaneOptions {
     /// As [`Self::place`], for a picture of what bounds lead to.
-    pub(super) fn bounded_place(&self, call: &mut Call<'_>, machine: &Machine) -> Result<PlanePlace, Refused> {
+    pub(crate) fn bounded_place(&self, call: &mut Call<'_>, machine: &Machine) -> Result<PlanePlace, Refused> {
         if self.drawing != PlaneDrawing::Colours || self.component != PlaneComponent::Length {
             return call.usage(
                 "nothing of the machine is measured, and bounds have no direction: a picture shows the length in \
@@ -98,7 +98,7 @@ impl PlaneOptions {
     }
 
     /// Returns the picture of the 95 % value of the deviation that bounds lead to.
-    pub(super) fn bounded_picture(&self, call: &Call<'_>, place: &PlanePlace, subject: &BoundedSubject<'_>) -> Picture {
+    pub(crate) fn bounded_picture(&self, call: &Call<'_>, place: &PlanePlace, subject: &BoundedSubject<'_>) -> Picture {
         let BoundedSubject { machine, drawn, view } = *subject;
         let p95 = |poses: Vec<Pose>| {
             let found = drawn.at(call, machine, &Poses::Listed(poses), view.frame);
@@ -120,7 +120,7 @@ impl PlaneOptions {
     }
 
     /// Refuses a picture that cannot be drawn, before any work.
-    pub(super) fn place(
+    pub(crate) fn place(
         &self,
         call: &mut Call<'_>,
         machine: &Machine,
@@ -138,7 +138,7 @@ impl PlaneOptions {
         Ok(PlanePlace { axes, at })
     }
 
-    pub(super) fn picture(&self, place: &PlanePlace, subject: &Subject<'_>, (view, order): (View, Order)) -> Picture {
+    pub(crate) fn picture(&self, place: &PlanePlace, subject: &Subject<'_>, (view, order): (View, Order)) -> Picture {
         let machine = subject.field.machine();
         let of = |field| Plane::of(field, place.axes, &place.at, nodes(machine, place.axes), view);
         let plane = of(subject.field);

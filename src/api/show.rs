@@ -1,7 +1,7 @@
 //! The kinematic chain: frames, lever arms, and the location errors it needs.
 
-use super::machine_file::{InputFile, MachineFile};
 use crate::analysis::{Lever, LocationSet, Status, arm_shares, levers};
+use crate::job::machine_file::{InputFile, MachineFile};
 use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorId, Machine, Sense, Travel};
 use crate::report::{self, Picture};
 use crate::units::significant;

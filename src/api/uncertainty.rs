@@ -21,7 +21,7 @@ pub struct PoseUncertainty {
 
 impl PoseUncertainty {
     /// Returns the uncertainty at poses (mm, deg) in a frame. `None` where the machine states none.
-    pub(super) fn at(machine: &Machine, poses: &[Pose], approach: Approach, frame: Frame) -> Option<Vec<Self>> {
+    pub(crate) fn at(machine: &Machine, poses: &[Pose], approach: Approach, frame: Frame) -> Option<Vec<Self>> {
         let parts = machine.uncertain_parts();
         if parts.is_empty() {
             return None;
@@ -55,7 +55,7 @@ pub struct CertificateBands {
 impl CertificateBands {
     /// Returns the intervals of a certificate; `field` is the machine with the files. `None` where the machine states
     /// no uncertainty.
-    pub(super) fn of(machine: &Machine, certificate: &Certificate, field: &dyn Field, depth: Depth) -> Option<Self> {
+    pub(crate) fn of(machine: &Machine, certificate: &Certificate, field: &dyn Field, depth: Depth) -> Option<Self> {
         if machine.uncertain_parts().is_empty() {
             return None;
         }
@@ -85,7 +85,7 @@ pub struct ComparedBands {
 
 /// Returns the intervals of the figures of a field over poses, of which `whole` are the statistics and `besides` the
 /// indices of poses not to be left out. `None` where the machine states no uncertainty.
-pub(super) fn field_bands(
+pub(crate) fn field_bands(
     field: &dyn Field,
     poses: &Poses,
     (whole, besides): (Statistics, &[usize]),
@@ -104,7 +104,7 @@ pub(super) fn field_bands(
 }
 
 /// Returns the intervals of all machines; `None` where no file states an uncertainty.
-pub(super) fn compared_bands(
+pub(crate) fn compared_bands(
     sides: &[(&Machine, Vec<Pose>)],
     comparison: &Comparison,
     (approach, seed): (Approach, u64),

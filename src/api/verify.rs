@@ -1,20 +1,20 @@
 //! `verify`: files replayed as the controller would, and the residual.
 
 use super::certificate::CertificateReport;
-use super::compensation::folder::Folder;
-use super::compensation::found_set::{FoundSet, found_set};
-use super::compensation::module_set::{self, ModuleRequest};
-use super::compensation::options::CompensationOptions;
-use super::compensation::table_set::{self, FoundTables};
-use super::compensation::verdict;
 use super::compose;
-use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Count, Refused, Run};
 use crate::controller::{
     ControllerTarget, Depth, Effect, LOCK_NAME, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics,
     is_plain_name,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::file_set::folder::Folder;
+use crate::file_set::found_set::{FoundSet, found_set};
+use crate::file_set::module_set::{self, ModuleRequest};
+use crate::file_set::options::CompensationOptions;
+use crate::file_set::table_set::{self, FoundTables};
+use crate::file_set::verdict;
+use crate::job::machine_file::MachineFile;
+use crate::run::{Answer, Call, Count, Refused, Run};
 use std::path::{Path, PathBuf};
 
 /// Options of [`verify`] and [`replay`](super::replay()).
@@ -74,7 +74,7 @@ pub fn verify(
 }
 
 /// Finds the set in the folder, and warns of differences from its manifest.
-pub(super) fn opened(
+pub(crate) fn opened(
     call: &mut Call,
     file: &MachineFile,
     path: &Path,
@@ -98,7 +98,7 @@ pub(super) fn opened(
 }
 
 /// Reads the tables of a set, and those that were installed before.
-pub(super) fn tables(
+pub(crate) fn tables(
     call: &mut Call,
     file: &MachineFile,
     folder: &Path,
@@ -135,7 +135,7 @@ fn module(
 }
 
 /// Tables made from other files than those just read are judged all the same.
-pub(super) fn warn_other_inputs(call: &mut Call, file: &MachineFile, lock: Option<&Lock>) {
+pub(crate) fn warn_other_inputs(call: &mut Call, file: &MachineFile, lock: Option<&Lock>) {
     if lock.is_some_and(|lock| lock.inputs != file.inputs()) {
         let message = "the tables were made from another machine file, or from other error tables, than these";
         call.warn(Diagnostic::new(codes::W0702, message).help("compile again if the machine file has changed"));
@@ -143,7 +143,7 @@ pub(super) fn warn_other_inputs(call: &mut Call, file: &MachineFile, lock: Optio
 }
 
 /// Tables that hold for one tool, judged with another.
-pub(super) fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarget, lock: Option<&Lock>) {
+pub(crate) fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarget, lock: Option<&Lock>) {
     let Some(lock) = lock else { return };
     let name = &file.tool().name;
     if target.manifest.tool_dependent() && lock.tool != *name {
@@ -154,7 +154,7 @@ pub(super) fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &Cont
 }
 
 /// Warns of files that are no longer as the manifest of the set states; they are read all the same.
-pub(super) fn warn_edited(call: &mut Call, folder: &Folder, lock: Option<&Lock>) {
+pub(crate) fn warn_edited(call: &mut Call, folder: &Folder, lock: Option<&Lock>) {
     let Some(lock) = lock else {
         let message =
             format!("`{}` has no readable {LOCK_NAME}: edits of its files cannot be detected", folder.path.display());

@@ -1,36 +1,33 @@
 //! Measurements to error parameters, and a fitted machine file.
 
-mod datum;
-mod limits;
 mod monomials;
-mod pictures;
 mod plan;
 mod provenance;
-mod remarks;
-mod result;
 
-pub use datum::{FittedDatum, FittedError};
-pub use monomials::{MonomialCoefficient, MonomialComponent, MonomialFit, Rms, fit_monomials};
-pub use pictures::NamedSvg;
-pub use plan::{ExpectedParameter, MeasurementPlan, PlanOptions, PlannedPose, plan_measurements};
-pub use result::{
-    FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue, LackOfFit, OrderShares, OutlierPlace,
-    PredictedUncertainty, RepeatedReadings, ResidualTest, RmsBeforeAfter, ScatterOfKind, SharedUncertainty,
+pub use crate::identify::verdict::datum::FittedError;
+pub use crate::identify::verdict::fitted::FittedDatum;
+pub use crate::identify::verdict::result::{
+    FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue, LackOfFit, NamedSvg, OrderShares,
+    OutlierPlace, PredictedUncertainty, RepeatedReadings, ResidualTest, RmsBeforeAfter, ScatterOfKind,
+    SharedUncertainty,
 };
+pub use monomials::{MonomialCoefficient, MonomialComponent, MonomialFit, Rms, fit_monomials};
+pub use plan::{ExpectedParameter, MeasurementPlan, PlanOptions, PlannedPose, plan_measurements};
 
-use super::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
-use super::poses;
-use super::run::{Answer, Call, Refused, Run};
-use crate::controller::sha256;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
+use crate::identify::verdict::fitted::Fitted;
+use crate::identify::verdict::{datum, limits, remarks};
 use crate::identify::{
-    FileNotes, Fit, Known, Measurement, MeasurementSet, Misfit, Model, Parameter, Prediction, Randomness,
-    ReadingContext, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, held_out, in_datum,
-    invariances, known, misfit, overruled, parameters, randomness, read_measurements, repeats, slope_bounds, solve,
-    type_b, unused,
+    FileNotes, Fit, Known, Measurement, MeasurementSet, Model, Parameter, Prediction, ReadingContext, Residuals,
+    SlopeBound, Solution, TypeB, common, fitted_file, held_out, in_datum, invariances, known, misfit, overruled,
+    parameters, randomness, read_measurements, repeats, slope_bounds, solve, type_b, unused,
 };
+use crate::job::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
+use crate::job::poses;
 use crate::machine::Machine;
+use crate::report::fit_planes as pictures;
+use crate::run::{Answer, Call, Refused, Run, sha256};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
 use crate::units::counted;
 use std::cell::RefCell;
@@ -268,37 +265,6 @@ fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refused> {
     let own = counted(unknowns - instruments, "parameter");
     let message = format!("{} cannot determine {own}{also}", counted(readings, "reading"));
     call.refuse(Diagnostic::new(codes::E0503, message).help("measure more poses, or fit less"))
-}
-
-/// A fit with all that is known of it.
-struct Fitted<'a> {
-    machine: &'a Machine,
-    /// The machine's parameters first.
-    unknowns: &'a [Parameter],
-    /// Number of the machine's parameters.
-    own: usize,
-    data: &'a [Measurement],
-    solution: Solution,
-    residuals: Residuals,
-    randomness: Vec<Randomness>,
-    held_out: Option<f64>,
-    prediction: Prediction,
-    /// Rigid motions of the whole machine that no reading notices.
-    motions: Vec<String>,
-    repeats: Vec<Repeats>,
-    /// Values known before the data.
-    known: &'a [Known],
-    type_b: &'a [TypeB],
-    /// The form of the axes beside the curves; `None` if the readings cannot show it.
-    misfit: Option<Misfit>,
-    datum: Option<FittedDatum>,
-    fit: &'a Fit,
-}
-
-impl Fitted<'_> {
-    fn rows(&self) -> usize {
-        self.fit.reduced.rows
-    }
 }
 
 fn solved(

@@ -1,10 +1,10 @@
 //! The fit of Holub and others 2015: monomials of order 2, each component for itself, pseudo-inverse.
 
 use super::{IdentifyOptions, Problem};
-use crate::api::machine_file::MachineFile;
-use crate::api::run::{Answer, Call, Run};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::identify::{Coefficient, Component, moore_penrose};
+use crate::job::machine_file::MachineFile;
+use crate::run::{Answer, Call, Run};
 use serde::Serialize;
 
 /// Maximum number of parameters whose products are unknowns.

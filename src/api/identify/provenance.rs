@@ -1,9 +1,10 @@
 //! The source of the numbers in a fitted file. No date: the same input gives the same bytes.
 
-use super::{Fitted, IdentifyOptions, Problem};
-use crate::api::machine_file::MachineFile;
+use super::{IdentifyOptions, Problem};
 use crate::diagnostic::shown;
 use crate::evaluate::{Frame, Order};
+use crate::identify::verdict::fitted::Fitted;
+use crate::job::machine_file::MachineFile;
 use std::path::Path;
 
 /// Digits of a hash that are written.
@@ -33,7 +34,7 @@ pub(super) fn entries(
         entries.push(("axis-poses".to_owned(), hashed(path, hash)));
     }
     entries.push(("how".to_owned(), how(options, problem).chars().take(ENTRY).collect()));
-    entries.push(("fit".to_owned(), super::result::in_short(fitted)));
+    entries.push(("fit".to_owned(), crate::identify::verdict::result::in_short(fitted)));
     let known = |key: &str| file.provenance().entries.iter().any(|(known, _)| known == key);
     let ending = |n: usize| if n > 1 { format!("-{n}") } else { String::new() };
     let time = (1..).find(|n| !known(&format!("identified-by{}", ending(*n)))).map_or_else(String::new, ending);

@@ -3,15 +3,15 @@
 
 mod lines;
 
-use super::compensation::found_set;
-use super::compensation::module_set::{self, ModuleRequest};
-use super::compensation::options::CompensationOptions;
 use super::import::columns_left_out;
-use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Refused, Run};
 use crate::controller::{Parameters, RotaryLine, Transformation};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::file_set::found_set;
+use crate::file_set::module_set::{self, ModuleRequest};
+use crate::file_set::options::CompensationOptions;
+use crate::job::machine_file::MachineFile;
 use crate::machine::{ErrorFamily, ErrorId, ErrorTerm, Machine, machine_file};
+use crate::run::{Answer, Call, Refused, Run};
 use crate::syntax::sheet::read_sheet;
 use lines::{FoundLine, found_lines};
 use nalgebra::Vector3;

@@ -7,40 +7,28 @@
 //!
 //! `check` compares a folder with its `SHA256SUMS`; `trend` puts records in a line.
 
-mod check;
-mod decisions;
-mod description;
-mod errors;
-mod figures;
-mod files;
 mod trend;
 
-pub use check::{RecordCheck, check_record};
-pub use files::{SetFault, SetFiles, set_files};
+pub use crate::record::check::{RecordCheck, check_record};
+pub use crate::record::files::{SetFault, SetFiles, set_files};
 pub use trend::{AlarmState, ErrorTrend, RecordTrend, TrendPoint, TrendRecord, TrendStep, record_trend};
 
-use super::compensation::options::CompensationOptions;
-use super::machine_file::{LoadOptions, MachineFile, load};
-use super::run::{Answer, Call, Refused, Run};
 use super::verify::{VerifyOptions, verify};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
-use crate::report::dcc::certificate;
-use crate::report::record::{
-    Instrument, LimitDecision, Line, RecordData, RecordPictures, RecordedFigures, RecordedSet, record_page,
+use crate::file_set::options::CompensationOptions;
+use crate::job::machine_file::{LoadOptions, MachineFile, load};
+use crate::record::dcc::certificate;
+use crate::record::decisions::{Figures, decisions, document};
+use crate::record::description::{Description, SetEntry, StateName, unfit};
+use crate::record::figures::{figures_in, runs_in};
+use crate::record::files::{JSON_NAME, RecordFiles};
+use crate::record::{
+    Instrument, LimitDecision, Line, RecordData, RecordPictures, RecordedFigures, RecordedSet, errors, record_page,
     record_pictures,
 };
-use decisions::{Figures, decisions, document};
-use description::{Description, SetEntry, StateName, unfit};
-use figures::{figures_in, runs_in};
-use files::RecordFiles;
+use crate::run::{Answer, Call, Refused, Run};
 use serde_json::{Value, json};
 use std::path::Path;
-
-/// The list of the hashes of a record.
-pub const SUMS_NAME: &str = "SHA256SUMS";
-
-/// The machine-readable content of a record.
-const JSON_NAME: &str = "record.json";
 
 /// Options of [`record`] and [`record_trend`].
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -184,7 +172,7 @@ fn written(
     pictures: &RecordPictures,
     mut files: RecordFiles,
 ) -> Result<Record, Refused> {
-    call.extend(super::finite::refusal(&data));
+    call.extend(crate::run::finite::refusal(&data));
     call.checked()?;
     let failed = |what: &str, why: String| {
         Diagnostic::new(codes::E0702, format!("the template of {what} failed: {why}"))

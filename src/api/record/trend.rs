@@ -1,15 +1,16 @@
 //! Records of one machine in a line: every error over the dates, alarm limits, and what changed between records.
 
-use super::check::checked;
-use super::{JSON_NAME, RecordOptions, taken};
-use crate::api::compensation::folder::SET_LIMIT;
+use super::{RecordOptions, taken};
 use crate::api::diff_machines::{DiffMachinesOptions, MachineDifference, diff_machines};
-use crate::api::machine_file::{LoadOptions, MachineFile, load};
-use crate::api::run::{Answer, Call, Refused, Run};
 use crate::controller::is_plain_name;
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
-use crate::report::record::{AlarmLimit, Dates, Day, ErrorRow, Line, MachineState, Plate, StateValue};
+use crate::file_set::folder::SET_LIMIT;
+use crate::job::machine_file::{LoadOptions, MachineFile, load};
+use crate::record::check::checked;
+use crate::record::files::JSON_NAME;
+use crate::record::{AlarmLimit, Dates, Day, ErrorRow, Line, MachineState, Plate, StateValue};
 use crate::report::{LinePanel, LinePicture, Picture};
+use crate::run::{Answer, Call, Refused, Run};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 

@@ -1,0 +1,23 @@
+//! Compensation of a machine: options, rendered sets of files, and the sets in folders.
+//!
+//! - [`options`]: goal, axes and target of the correction;
+//! - [`table_set`], [`module_set`]: sets of tables and kinematics modules, rendered and read back;
+//! - [`folder`], [`found_set`]: sets found in a folder, of whatever target;
+//! - [`verdict`]: the warnings of its certificate.
+
+pub(crate) mod folder;
+pub(crate) mod found_set;
+pub(crate) mod module_set;
+pub(crate) mod options;
+pub(crate) mod table_set;
+pub(crate) mod verdict;
+
+use crate::controller::ControllerTarget;
+use crate::diagnostic::{Diagnostic, codes};
+
+/// Refuses rendered files that do not read back as the intended set.
+pub(crate) fn misread(target: &ControllerTarget) -> Diagnostic {
+    let name = &target.manifest.target;
+    Diagnostic::new(codes::E0707, format!("the files of target `{name}` do not read back as the intended set"))
+        .help("its templates and its manifest disagree; nothing was written")
+}
