@@ -92,7 +92,8 @@
 #![cfg_attr(small_engine, feature(optimize_attribute))]
 
 pub use api::*;
-pub use wire::report::{ReportOptions, report};
+pub use wire::report::report;
+pub use wire::report_options::ReportOptions;
 pub use wire::workbench::{workbench, workbench_of_parts, workbench_part};
 
 /// Types of the fields of options.

@@ -4,8 +4,8 @@ use super::bounded::{AddedByBounds, DrawnBounds, added};
 use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
 use super::compiled_model::PoseDeviation;
 use super::tolerances::ToleranceOptions;
-use super::uncertainty::{ComparedBands, compared_bands};
 use crate::analysis::budget::{BoundedDeviation, PoseByPose};
+use crate::analysis::figure_bands::{ComparedBands, compared_bands};
 use crate::analysis::{
     Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
     contributions as contributions_of,

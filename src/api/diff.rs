@@ -1,10 +1,10 @@
 //! `diff`: how far two sets of compensation files are apart.
 
-use super::target_effect::found_effect;
 use crate::compensation::{Correction, Jacobian};
 use crate::controller::micro;
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Summary, random_poses};
+use crate::file_set::effect::found_effect;
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::MachineFile;
 use crate::machine::Approach;

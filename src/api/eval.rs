@@ -2,7 +2,7 @@
 
 use super::algebra;
 use super::effects::{ErrorEffect, Neglected, effects, inverse};
-use super::uncertainty::PoseUncertainty;
+use crate::analysis::figure_bands::PoseUncertainty;
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Evaluation, Frame, Order, evaluate, evaluate_over};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};

@@ -1,9 +1,9 @@
 //! A set of compensation files in a folder, for programs that write and replace sets.
 
-pub use super::record::{SetFault, SetFiles, set_files};
 pub use super::verify::set_manifest;
 pub use crate::controller::{LOCK_NAME, Lock, MAX_FILE_BYTES, RenderedFile, is_plain_name};
 pub use crate::file_set::folder::{STALE_HELP, refuse_outside};
+pub use crate::record::files::{SetFault, SetFiles, set_files};
 pub use crate::run::{Hashed, sha256};
 
 use super::options::CompensationOptions;

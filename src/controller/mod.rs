@@ -25,6 +25,7 @@ pub use certificate::{
     SingleErrorResidual, TablesUnderTest, ZeroShift, micro,
 };
 pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile};
+pub(crate) use kinematics::{FoundLine, found_lines};
 pub use kinematics::{KinematicsModule, Model, ModuleField, Parameters, RotaryLine, Transformation};
 pub use manifest::{
     AssignedAxis, Certainty, Controller, ControllerTarget, NAMES, assigned_letters, by_number, is_plain_name,

@@ -13,10 +13,13 @@
 //! - [`equations`]: the closed forms as text and as LaTeX.
 
 pub(crate) mod fit_planes;
+pub mod imported;
 pub mod page;
 mod pictures;
+pub mod plane_picture;
 pub(crate) mod positioning;
 mod rows;
+pub mod standard_tests;
 mod text;
 
 pub(crate) use pictures::axis_curves;
@@ -27,6 +30,7 @@ pub use pictures::{
 };
 pub use rows::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows, structured_grid};
 pub use text::{
-    BoundedFigures, BudgetReport, DrawSettings, LengthDifference, RssDifference, budgets_json, circle_json, equations,
-    line_json, positions, tolerance, tolerance_unit, turn_json,
+    BoundedFigures, BudgetReport, DrawSettings, LengthDifference, MachineDifference, PropertyDifference, RssDifference,
+    budgets_json, circle_json, equations, line_json, positions, tolerance, tolerance_unit, turn_json,
 };
+pub(crate) use text::{described, rotation_words};

@@ -236,6 +236,20 @@ impl<'a> Call<'a> {
         if self.diagnostics.refused() { Err(Refused) } else { Ok(()) }
     }
 
+    /// Takes over the warnings or the refusal of another call.
+    pub fn taken<T>(&mut self, answer: Result<Answer<T>, Diagnostics>) -> Result<T, Refused> {
+        match answer {
+            Ok(answer) => {
+                self.diagnostics.absorb(answer.warnings);
+                Ok(answer.value)
+            }
+            Err(refusal) => {
+                self.diagnostics.absorb(refusal);
+                Err(Refused)
+            }
+        }
+    }
+
     /// Reports that templates run while `job` does.
     pub fn templates<T>(&mut self, job: impl FnOnce(&mut Self) -> T) -> T {
         let monitor = self.run.monitor;

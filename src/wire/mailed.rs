@@ -2,7 +2,7 @@
 //!
 //! The page looks a question up here by its content; what is not here it asks its engine, if it has one.
 
-use super::report::ReportOptions;
+use super::report_options::ReportOptions;
 use super::workbench::workbench;
 use crate::api::sources::SourcesOptions;
 use crate::api::{MachineFile, MapOptions};

@@ -6,5 +6,6 @@
 
 mod mailed;
 pub mod report;
+pub mod report_options;
 mod share;
 pub mod workbench;

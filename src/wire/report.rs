@@ -1,70 +1,29 @@
 //! `report`: one self-contained HTML page for a design review.
 
 use super::mailed;
+use super::report_options::ReportOptions;
+use crate::analysis::figure_bands::field_bands;
 use crate::analysis::{MAX_POSES, TooManyPoses, View, map};
 use crate::api::bounded::{DrawnBounds, added};
 use crate::api::budget::{BudgetOptions, BudgetResult, budget_of};
 use crate::api::budgets::{DrawnMachines, budgets};
-use crate::api::map::MapOptions;
+use crate::api::map_result::MapOptions;
 use crate::api::sources::all_words;
-use crate::api::target_effect::named_effect;
-use crate::api::tolerances::ToleranceOptions;
-use crate::api::uncertainty::field_bands;
 use crate::controller::Depth;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
-use crate::evaluate::{Bare, Frame, Order, Poses, worst};
-use crate::file_set::options::CompensationOptions;
+use crate::evaluate::{Bare, Frame, Poses, worst};
+use crate::file_set::effect::named_effect;
 use crate::job::features::{bounded_features, features};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::tool_poses;
-use crate::machine::{Approach, Machine, Pose};
+use crate::machine::{Machine, Pose};
 use crate::report::page::{
     ComparisonData, EngineFile, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
     TargetResult, colours,
 };
 use crate::run::{Answer, Call, Count, Refused, Run, finite};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
-
-/// Options of [`report`].
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(default)]
-pub struct ReportOptions {
-    /// Controllers whose compensation and certificate are shown.
-    pub targets: Vec<String>,
-    /// Options of the compensation.
-    pub compensation: CompensationOptions,
-    /// Number of poses of maps and certificates.
-    pub poses: usize,
-    /// A file of tool poses, of which statistics and comparison are taken: CSV or APT CL data.
-    pub tool_poses: Option<PathBuf>,
-    /// Seed of the poses, and of the errors that are drawn.
-    pub seed: u64,
-    /// Order of the errors; exact by default, unless the conventions of a machine name an order.
-    pub order: Option<Order>,
-    /// Side of approach, where forward and reverse curves were given.
-    pub approach: Approach,
-    /// Bounds, draws and statistic of errors, where a machine bounds some.
-    pub tolerances: ToleranceOptions,
-    /// Number of machines that are drawn for a budget, at least 2.
-    pub samples: usize,
-}
-
-impl Default for ReportOptions {
-    fn default() -> Self {
-        Self {
-            targets: Vec::new(),
-            compensation: CompensationOptions::default(),
-            poses: 2000,
-            tool_poses: None,
-            seed: 1,
-            order: None,
-            approach: Approach::default(),
-            tolerances: ToleranceOptions::default(),
-            samples: 1000,
-        }
-    }
-}
+use std::path::Path;
 
 /// Content of a page: what its workbench starts with, and numbers and pictures of its appendices. The default shows no
 /// machine.

@@ -1,12 +1,11 @@
 //! Pictures of a map: the deviation over a plane of two linear axes.
 
-use super::bounded::DrawnBounds;
+use super::{DrawSettings, Picture, PlanePicture, PlaneQuantity, PlaneStyle, before_after};
 use crate::analysis::{Plane, View, rest};
 use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::{Field, Order, Poses};
+use crate::evaluate::{Field, Order};
 use crate::job::poses::{check, pose_option};
 use crate::machine::{AxisKind, Machine, Pose};
-use crate::report::{Picture, PlanePicture, PlaneQuantity, PlaneStyle, before_after};
 use crate::run::{Call, Refused};
 
 /// A picture of the deviation over a plane of two linear axes.
@@ -81,8 +80,11 @@ pub(crate) struct Subject<'a> {
 /// A machine of which nothing is measured.
 pub(crate) struct BoundedSubject<'a> {
     pub machine: &'a Machine,
-    pub drawn: &'a DrawnBounds,
     pub view: View,
+    /// How machines are drawn.
+    pub drawing: &'a DrawSettings,
+    /// Returns the 95 % value of the deviation at each pose, mm.
+    pub p95: &'a dyn Fn(Vec<Pose>) -> Vec<f64>,
 }
 
 impl PlaneOptions {
@@ -98,12 +100,8 @@ impl PlaneOptions {
     }
 
     /// Returns the picture of the 95 % value of the deviation that bounds lead to.
-    pub(crate) fn bounded_picture(&self, call: &Call<'_>, place: &PlanePlace, subject: &BoundedSubject<'_>) -> Picture {
-        let BoundedSubject { machine, drawn, view } = *subject;
-        let p95 = |poses: Vec<Pose>| {
-            let found = drawn.at(call, machine, &Poses::Listed(poses), view.frame);
-            found.poses.iter().map(|pose| pose.position.p95).collect()
-        };
+    pub(crate) fn bounded_picture(&self, place: &PlanePlace, subject: &BoundedSubject<'_>) -> Picture {
+        let BoundedSubject { machine, view, drawing, p95 } = *subject;
         let plane = Plane::of_lengths(machine, place.axes, &place.at, bounded_nodes(machine, place.axes), p95);
         let picture = PlanePicture {
             machine,
@@ -114,7 +112,7 @@ impl PlaneOptions {
             drawn: PlaneStyle::Colours,
             state: "",
             like: None,
-            drawing: Some(&drawn.drawing),
+            drawing: Some(drawing),
         };
         picture.picture()
     }

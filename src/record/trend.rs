@@ -1,18 +1,19 @@
 //! Records of one machine in a line: every error over the dates, alarm limits, and what changed between records.
 
-use super::{RecordOptions, taken};
-use crate::api::diff_machines::{DiffMachinesOptions, MachineDifference, diff_machines};
+use super::check::checked;
+use super::data::{AlarmLimit, Dates, Day, ErrorRow, Line, MachineState, Plate, StateValue};
+use super::files::JSON_NAME;
 use crate::controller::is_plain_name;
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::file_set::folder::SET_LIMIT;
 use crate::job::machine_file::{LoadOptions, MachineFile, load};
-use crate::record::check::checked;
-use crate::record::files::JSON_NAME;
-use crate::record::{AlarmLimit, Dates, Day, ErrorRow, Line, MachineState, Plate, StateValue};
-use crate::report::{LinePanel, LinePicture, Picture};
-use crate::run::{Answer, Call, Refused, Run};
+use crate::report::{LinePanel, LinePicture, MachineDifference, Picture};
+use crate::run::{Call, Refused};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+
+/// Compares two machines.
+pub(crate) type Compare<'a> = &'a dyn Fn(&mut Call<'_>, [MachineFile; 2]) -> Result<MachineDifference, Refused>;
 
 /// Maximum number of panels of the picture.
 const PANELS: usize = 12;
@@ -120,17 +121,12 @@ pub struct RecordTrend {
 }
 
 /// Puts records of one machine in a line.
-///
-/// Fails if a folder is no record or has changed, and if the records are of several machines, or one is given twice.
-pub fn record_trend(
+pub(crate) fn trend(
+    call: &mut Call<'_>,
     folders: &[PathBuf],
-    options: &RecordOptions,
-    run: Run<'_>,
-) -> Result<Answer<RecordTrend>, Diagnostics> {
-    Call::answer(run, &Sources::default(), |call| trend(call, folders, options))
-}
-
-fn trend(call: &mut Call<'_>, folders: &[PathBuf], options: &RecordOptions) -> Result<RecordTrend, Refused> {
+    load_options: &LoadOptions,
+    compare: Compare<'_>,
+) -> Result<RecordTrend, Refused> {
     if folders.len() < 2 {
         return call.usage("a trend takes two records or more");
     }
@@ -140,7 +136,8 @@ fn trend(call: &mut Call<'_>, folders: &[PathBuf], options: &RecordOptions) -> R
     }
     records.sort_by(|a, b| (&a.dates.begin, &a.dates.end, &a.id).cmp(&(&b.dates.begin, &b.dates.end, &b.id)));
     refuse_mixture(call, &records)?;
-    let steps = records.windows(2).map(|pair| step(call, pair, options)).collect::<Result<Vec<_>, _>>()?;
+    let steps =
+        records.windows(2).map(|pair| step(call, pair, load_options, compare)).collect::<Result<Vec<_>, _>>()?;
     let Some(newest) = records.last() else { return Err(Refused) };
     let of = |record: &StoredRecord| TrendRecord {
         id: record.id.clone(),
@@ -204,18 +201,20 @@ fn refuse_mixture(call: &mut Call<'_>, records: &[StoredRecord]) -> Result<(), R
     call.checked()
 }
 
-fn step(call: &mut Call<'_>, pair: &[StoredRecord], options: &RecordOptions) -> Result<TrendStep, Refused> {
+fn step(
+    call: &mut Call<'_>,
+    pair: &[StoredRecord],
+    load_options: &LoadOptions,
+    compare: Compare<'_>,
+) -> Result<TrendStep, Refused> {
     let [first, second] = pair else { return Err(Refused) };
-    let tool = LoadOptions { tool: options.tool.clone() };
     let machine = |call: &mut Call<'_>, record: &StoredRecord, state: &MachineState| {
-        let answer = load(record.folder.join(&state.file), &tool, call.run);
-        taken(call, answer)
+        let answer = load(record.folder.join(&state.file), load_options, call.run);
+        call.taken(answer)
     };
-    let left: MachineFile = machine(call, first, first.as_left.as_ref().unwrap_or(&first.as_found))?;
-    let found: MachineFile = machine(call, second, &second.as_found)?;
-    let compared = DiffMachinesOptions { poses: options.poses, seed: options.seed, ..DiffMachinesOptions::default() };
-    let answer = diff_machines(&[left, found], &compared, call.run);
-    let difference = taken(call, answer)?;
+    let left = machine(call, first, first.as_left.as_ref().unwrap_or(&first.as_found))?;
+    let found = machine(call, second, &second.as_found)?;
+    let difference = compare(call, [left, found])?;
     Ok(TrendStep { from: first.id.clone(), to: second.id.clone(), difference })
 }
 

@@ -1,54 +1,26 @@
-//! `record`: one calibration as a folder.
+//! Makes the record of a calibration.
 //!
-//! 1. `description` reads what the engineer states; `files` copies the files that it names.
-//! 2. `errors` makes the table of errors and the curves, `decisions` judges them by their limits.
-//! 3. The certificate of every installed set is that of `verify`.
-//! 4. `record.json`, `record.html` and `certificate.xml` are written from these, and `SHA256SUMS` lists every file.
-//!
-//! `check` compares a folder with its `SHA256SUMS`; `trend` puts records in a line.
+//! 1. The description is read, and the files that it names are copied.
+//! 2. The errors of both states make the table and the curves; limits judge them.
+//! 3. Installed sets are verified.
+//! 4. The documents are written, and the list of all hashes.
 
-mod trend;
-
-pub use crate::record::check::{RecordCheck, check_record};
-pub use crate::record::files::{SetFault, SetFiles, set_files};
-pub use trend::{AlarmState, ErrorTrend, RecordTrend, TrendPoint, TrendRecord, TrendStep, record_trend};
-
-use super::verify::{VerifyOptions, verify};
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
-use crate::file_set::options::CompensationOptions;
+use super::data::{Instrument, LimitDecision, Line, RecordData, RecordedFigures, RecordedSet};
+use super::dcc::certificate;
+use super::decisions::{Figures, decisions, document};
+use super::description::{Description, SetEntry, StateName, unfit};
+use super::errors;
+use super::figures::{figures_in, runs_in};
+use super::files::{JSON_NAME, RecordFiles};
+use super::page::{RecordPictures, record_page, record_pictures};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::{LoadOptions, MachineFile, load};
-use crate::record::dcc::certificate;
-use crate::record::decisions::{Figures, decisions, document};
-use crate::record::description::{Description, SetEntry, StateName, unfit};
-use crate::record::figures::{figures_in, runs_in};
-use crate::record::files::{JSON_NAME, RecordFiles};
-use crate::record::{
-    Instrument, LimitDecision, Line, RecordData, RecordPictures, RecordedFigures, RecordedSet, errors, record_page,
-    record_pictures,
-};
-use crate::run::{Answer, Call, Refused, Run};
-use serde_json::{Value, json};
-use std::path::Path;
+use crate::run::{Call, Refused, finite};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
 
-/// Options of [`record`] and [`record_trend`].
-#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(default)]
-pub struct RecordOptions {
-    /// Tool of the machine; the first by default.
-    pub tool: Option<String>,
-    /// Options of the compensation, with which the sets are verified.
-    pub compensation: CompensationOptions,
-    /// Number of poses of certificates and comparisons.
-    pub poses: usize,
-    /// Seed of the poses.
-    pub seed: u64,
-}
-
-impl Default for RecordOptions {
-    fn default() -> Self {
-        Self { tool: None, compensation: CompensationOptions::default(), poses: 2000, seed: 1 }
-    }
-}
+/// Verifies a set against a machine: the set's folder, and the folder with the files in force before.
+pub(crate) type Verify<'a> = &'a dyn Fn(&mut Call<'_>, &MachineFile, &Path, Option<PathBuf>) -> Result<Value, Refused>;
 
 /// A record in memory.
 #[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
@@ -59,14 +31,6 @@ pub struct Record {
     /// Its content.
     #[serde(flatten)]
     pub data: RecordData,
-}
-
-/// Makes the record of a calibration from its description; nothing is written.
-///
-/// Fails if the description does not fit, if a file that it names cannot be read, and if an installed set does not
-/// replay.
-pub fn record(path: &Path, options: &RecordOptions, run: Run<'_>) -> Result<Answer<Record>, Diagnostics> {
-    Call::answer(run, &Sources::default(), |call| made(call, path, options))
 }
 
 /// The two states of the machine.
@@ -84,34 +48,25 @@ impl States {
     }
 }
 
-/// Takes over the warnings or the refusal of another call.
-fn taken<T>(call: &mut Call<'_>, answer: Result<Answer<T>, Diagnostics>) -> Result<T, Refused> {
-    match answer {
-        Ok(answer) => {
-            call.diagnostics.absorb(answer.warnings);
-            Ok(answer.value)
-        }
-        Err(refusal) => {
-            call.diagnostics.absorb(refusal);
-            Err(Refused)
-        }
-    }
-}
-
-fn made(call: &mut Call<'_>, path: &Path, options: &RecordOptions) -> Result<Record, Refused> {
+/// Makes the record that a description asks for, with a tool of the machine.
+pub(crate) fn made(
+    call: &mut Call<'_>,
+    path: &Path,
+    load_options: &LoadOptions,
+    verify: Verify<'_>,
+) -> Result<Record, Refused> {
     let description = Description::read(call, path)?;
     let base = path.parent().unwrap_or(Path::new(""));
-    let load_options = LoadOptions { tool: options.tool.clone() };
     let machine = |call: &mut Call<'_>, name: &Line| {
-        let answer = load(base.join(name.as_str()), &load_options, call.run);
-        taken(call, answer)
+        let answer = load(base.join(name.as_str()), load_options, call.run);
+        call.taken(answer)
     };
     let found = machine(call, &description.as_found)?;
     let left = description.as_left.as_ref().map(|name| machine(call, name)).transpose()?;
     let states = States { found, left };
     let mut files = RecordFiles::default();
-    let as_found = files.machine(call, &states.found, &load_options, "as-found")?;
-    let as_left = states.left.as_ref().map(|left| files.machine(call, left, &load_options, "as-left")).transpose()?;
+    let as_found = files.machine(call, &states.found, load_options, "as-found")?;
+    let as_left = states.left.as_ref().map(|left| files.machine(call, left, load_options, "as-left")).transpose()?;
     let mut data = Vec::new();
     for source in &description.data {
         data.push(files.copy(call, base, source, "data")?.0);
@@ -126,7 +81,7 @@ fn made(call: &mut Call<'_>, path: &Path, options: &RecordOptions) -> Result<Rec
     let (decisions, alarms) = decisions(call, &description, &rows, &figures)?;
     let mut sets = Vec::new();
     for (number, entry) in description.sets.iter().enumerate() {
-        sets.push(set(call, entry, (number + 1, base), (&states, options), &mut files)?);
+        sets.push(set(call, entry, (number + 1, base), (&states, verify), &mut files)?);
     }
     let mut curves = errors::curves(&states.found, "found");
     curves.extend(states.left.iter().flat_map(|left| errors::curves(left, "left")));
@@ -172,7 +127,7 @@ fn written(
     pictures: &RecordPictures,
     mut files: RecordFiles,
 ) -> Result<Record, Refused> {
-    call.extend(crate::run::finite::refusal(&data));
+    call.extend(finite::refusal(&data));
     call.checked()?;
     let failed = |what: &str, why: String| {
         Diagnostic::new(codes::E0702, format!("the template of {what} failed: {why}"))
@@ -236,7 +191,7 @@ fn set(
     call: &mut Call<'_>,
     entry: &SetEntry,
     (number, base): (usize, &Path),
-    (states, options): (&States, &RecordOptions),
+    (states, verify): (&States, Verify<'_>),
     files: &mut RecordFiles,
 ) -> Result<RecordedSet, Refused> {
     let path = base.join(entry.folder.as_str());
@@ -254,7 +209,9 @@ fn set(
             Some(compile)
         }
     };
-    let verified = (!entry.replaced).then(|| verified(call, entry, base, &path, (states, options))).transpose()?;
+    let installed = || entry.installed.as_ref().map(|folder| base.join(folder.as_str()));
+    let machine = states.of(entry.verify_with);
+    let verified = (!entry.replaced).then(|| verify(call, machine, &path, installed())).transpose()?;
     Ok(RecordedSet {
         folder,
         installed: !entry.replaced,
@@ -264,24 +221,6 @@ fn set(
         verify: verified,
         compile,
     })
-}
-
-fn verified(
-    call: &mut Call<'_>,
-    entry: &SetEntry,
-    base: &Path,
-    path: &Path,
-    (states, options): (&States, &RecordOptions),
-) -> Result<Value, Refused> {
-    let options = VerifyOptions {
-        target: None,
-        compensation: options.compensation.clone(),
-        poses: options.poses,
-        seed: options.seed,
-        installed: entry.installed.as_ref().map(|folder| base.join(folder.as_str())),
-    };
-    let answer = verify(states.of(entry.verify_with), path, &options, call.run);
-    taken(call, answer).map(|report| json!(report))
 }
 
 impl Record {

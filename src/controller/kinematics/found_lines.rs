@@ -1,6 +1,6 @@
 //! Lines of rotary axes as a table: what a probe or a control's own calibration printed.
 
-use crate::controller::{RotaryLine, Transformation};
+use super::{RotaryLine, Transformation};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::Machine;
 use crate::syntax::sheet::{Decimals, Line, Sheet, cells, drop_empty, number, separator, title};
@@ -43,7 +43,7 @@ const HELP: &str = "columns are `axis`, of a point of the axis `x [mm]`, `y [mm]
 
 /// A rotary axis as it was found.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct FoundLine {
+pub(crate) struct FoundLine {
     pub line: RotaryLine,
     /// True for coordinates of the point that were stated.
     pub stated: [bool; 3],
@@ -73,7 +73,7 @@ struct Header {
 }
 
 /// Lines of a table, and the titles of columns that are left out.
-pub(super) fn found_lines(
+pub(crate) fn found_lines(
     sheet: &Sheet,
     machine: &Machine,
     nominal: &Transformation,

@@ -1,13 +1,12 @@
 //! Effect of a set of files on a machine: of one that `compile` would write, or of one found in a folder.
 
-use crate::api::compose;
+use super::found_set::found_set;
+use super::module_set::{self, ModuleRequest};
+use super::options::CompensationOptions;
+use super::table_set::{self, FoundTables, TableRequest};
+use super::{composition, verdict};
 use crate::controller::{Certificate, ControllerTarget, Depth, Effect, TablesUnderTest, certify, certify_kinematics};
 use crate::diagnostic::{Diagnostic, codes};
-use crate::file_set::found_set::found_set;
-use crate::file_set::module_set::ModuleRequest;
-use crate::file_set::options::CompensationOptions;
-use crate::file_set::table_set::{self, FoundTables, TableRequest};
-use crate::file_set::{module_set, verdict};
 use crate::machine::Machine;
 use crate::run::{Call, Refused};
 use std::path::Path;
@@ -53,7 +52,7 @@ pub(crate) fn named_effect(
     }
     let names: Vec<String> = name.split('+').map(str::to_owned).collect();
     if names.len() > 1 {
-        return compose::composed_effect(call, machine, &names, options, depth);
+        return composition::composed_effect(call, machine, &names, options, depth);
     }
     let target = options.target(call, name)?;
     let (effect, certificate) = compiled_effect(call, machine, &target, options, depth)?;
@@ -67,8 +66,8 @@ pub(crate) fn found_effect(
     folder: &Path,
     options: &CompensationOptions,
 ) -> Result<(ControllerTarget, Effect), Refused> {
-    if compose::is_composed(folder, call) {
-        return compose::found_composed(call, machine, folder, options);
+    if composition::is_composed(folder, call) {
+        return composition::found_composed(call, machine, folder, options);
     }
     let set = found_set(call, machine, folder, None, options)?;
     call.checked()?;

@@ -1,10 +1,8 @@
 //! `locate`: location errors from the lines of the rotary axes that a control's own calibration, or a probe, found,
 //! and the lines that it should find.
 
-mod lines;
-
 use super::import::columns_left_out;
-use crate::controller::{Parameters, RotaryLine, Transformation};
+use crate::controller::{FoundLine, Parameters, RotaryLine, Transformation, found_lines};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::file_set::found_set;
 use crate::file_set::module_set::{self, ModuleRequest};
@@ -13,7 +11,6 @@ use crate::job::machine_file::MachineFile;
 use crate::machine::{ErrorFamily, ErrorId, ErrorTerm, Machine, machine_file};
 use crate::run::{Answer, Call, Refused, Run};
 use crate::syntax::sheet::read_sheet;
-use lines::{FoundLine, found_lines};
 use nalgebra::Vector3;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
