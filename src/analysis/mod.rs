@@ -36,7 +36,6 @@ pub use inverse::{
 pub use uncertainty::{Bands, SummaryBand, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
 pub(crate) use volume::deviations;
 pub use volume::{
-    Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, PlaneNodes, ReachGrid, Survey, SurveyTask,
-    TooManyPoses, View, Work, arm_shares, body_diagonals, deviation_in, levers, map, reach, space_axes, survey,
-    survey_with_rows,
+    Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, MapFailure, Plane, PlaneNodes, ReachGrid, Survey, SurveyTask,
+    View, Work, arm_shares, body_diagonals, deviation_in, levers, map, reach, space_axes, survey, survey_with_rows,
 };

@@ -120,7 +120,7 @@ pub(crate) fn goal(
         statistic: tolerances.statistic,
         goal_mm,
     };
-    match call.stage(1, |_| cheapest(request)) {
+    match call.stage(1, |_| Ok(cheapest(request)))? {
         GoalAnswer::Kept(found) => Ok(ToleranceGoal {
             goal_um: goal_mm * 1e3,
             proof_samples,

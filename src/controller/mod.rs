@@ -28,7 +28,8 @@ pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile};
 pub(crate) use kinematics::{FoundLine, found_lines};
 pub use kinematics::{KinematicsModule, Model, ModuleField, Parameters, RotaryLine, Transformation};
 pub use manifest::{
-    AssignedAxis, Certainty, Controller, ControllerTarget, NAMES, assigned_letters, by_number, is_plain_name,
+    AssignedAxis, Certainty, Controller, ControllerTarget, NAMES, TemplateLimit, TemplateWatch, assigned_letters,
+    by_number, is_plain_name,
 };
 pub use read::{ReadBack, RecognisedSet, recognise};
 pub use replay::Replay;

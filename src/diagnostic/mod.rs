@@ -171,6 +171,7 @@ pub struct Diagnostics {
     list: Vec<Diagnostic>,
     /// The number of refusals and of warnings that were found and not kept.
     more: [usize; 2],
+    cancelled: bool,
 }
 
 /// Maximum number of refusals kept, and of warnings: nobody reads more, and a hostile file has millions.
@@ -192,6 +193,17 @@ impl Diagnostics {
             self.push(diagnostic);
         }
         self.more.iter_mut().zip(other.more).for_each(|(all, more)| *all += more);
+        self.cancelled |= other.cancelled;
+    }
+
+    /// True if the job was cancelled: then nothing need be wrong.
+    pub fn cancelled(&self) -> bool {
+        self.cancelled
+    }
+
+    /// Notes that the job was cancelled.
+    pub(crate) fn cancel(&mut self) {
+        self.cancelled = true;
     }
 
     /// True if there are none.

@@ -86,14 +86,14 @@ pub fn identify(
         let inputs = options.inputs();
         let problem = Problem::read(call, file, &inputs)?;
         enough(call, &problem)?;
+        let draw: Option<Draw<'_>> = if options.pictures { Some(&drawn) } else { None };
         let monitor = call.run.monitor;
-        monitor.begin(0);
         let progress = |readings| monitor.advance(readings);
-        let result = {
-            let draw: Option<Draw<'_>> = if options.pictures { Some(&drawn) } else { None };
-            solved(call, file, &inputs, (&problem, &progress), (options.machine_file, draw))
-        };
+        monitor.begin(0);
+        let result = solved(call, file, &inputs, (&problem, &progress), (options.machine_file, draw));
         monitor.end();
+        // A fit that is cancelled ends early, and its result is none.
+        call.go_on()?;
         result
     })
 }

@@ -1,7 +1,6 @@
 //! Progress on standard error: only on a terminal, and only for work that lasts over a second.
 
-use crate::cli::confined;
-use abbe::Monitor;
+use abbe::{Cancelled, Monitor};
 use std::io::{IsTerminal, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -80,15 +79,13 @@ impl Drop for Progress {
 /// The progress of the stages of a call, one after the other.
 pub(crate) struct ProgressBar {
     quiet: bool,
-    /// True in the resource-limited child.
-    confined: bool,
     stage: Mutex<Option<Arc<Progress>>>,
 }
 
 impl ProgressBar {
     /// Starts the display; `quiet` prints nothing.
-    pub(crate) fn new(quiet: bool, confined: bool) -> Self {
-        Self { quiet, confined, stage: Mutex::new(None) }
+    pub(crate) fn new(quiet: bool) -> Self {
+        Self { quiet, stage: Mutex::new(None) }
     }
 
     fn stage(&self) -> MutexGuard<'_, Option<Arc<Progress>>> {
@@ -101,27 +98,16 @@ impl Monitor for ProgressBar {
         *self.stage() = Some(Arc::new(Progress::new(total, self.quiet)));
     }
 
-    fn advance(&self, steps: usize) {
+    fn advance(&self, steps: usize) -> Result<(), Cancelled> {
         let stage = self.stage().clone();
-        if let Some(stage) = stage {
+        if let Some(stage) = stage.filter(|_| steps > 0) {
             stage.add(steps);
         }
+        Ok(())
     }
 
     fn end(&self) {
         *self.stage() = None;
-    }
-
-    fn begin_templates(&self) {
-        if self.confined {
-            confined::limit_time(Some(confined::TEMPLATE_SECONDS));
-        }
-    }
-
-    fn end_templates(&self) {
-        if self.confined {
-            confined::limit_time(None);
-        }
     }
 }
 

@@ -122,8 +122,16 @@ impl<'a> Search<'a> {
     fn descend(&self, weights: Vec<f64>, theta: Vec<f64>, reduced: ReducedSystem) -> Fit {
         let linear = |theta: &[f64]| self.model.triangle(self.data, &weights, theta);
         let prior = &self.prior;
-        let mut descent =
-            Descent { linear: &linear, prior, theta, reduced, damping: FIRST_DAMPING, steps: 0, last: None };
+        let mut descent = Descent {
+            linear: &linear,
+            cancelled: &|| self.model.is_cancelled(),
+            prior,
+            theta,
+            reduced,
+            damping: FIRST_DAMPING,
+            steps: 0,
+            last: None,
+        };
         let settled = descent.run();
         let Descent { theta, reduced, steps, .. } = descent;
         let bounded = self.model.slopes().column_iter().map(|column| column.iter().any(|x| *x != 0.0)).collect();
@@ -137,6 +145,8 @@ impl<'a> Search<'a> {
 struct Descent<'a> {
     /// The linear problem anywhere.
     linear: &'a dyn Fn(&[f64]) -> ReducedSystem,
+    /// True if nobody wants the fit any more.
+    cancelled: &'a dyn Fn() -> bool,
     prior: &'a Prior,
     theta: Vec<f64>,
     reduced: ReducedSystem,
@@ -149,7 +159,7 @@ struct Descent<'a> {
 impl Descent<'_> {
     /// Goes down. False: there is no end to it, or no way.
     fn run(&mut self) -> bool {
-        while self.steps < MAX_STEPS && self.damping <= MAX_DAMPING {
+        while self.steps < MAX_STEPS && self.damping <= MAX_DAMPING && !(self.cancelled)() {
             // What the prior is weighed against.
             let variance = self.scatter();
             let problem = Problem::new(self.prior, &self.reduced, &self.theta, variance);

@@ -233,7 +233,7 @@ impl VolumeForms {
         }
         let weights = vec![1.0; poses.len()];
         // They are no readings, of which the fit reports its progress.
-        let model = &model.clone().reporting(&|_| ());
+        let model = &model.clone().reporting(&|_| Ok(()));
         let moved = model.triangle(&poses, &weights, &fit.theta).r;
         let Sums { forms, cross, .. } = Sums::of(model, &poses, &Fit { weights, ..fit.clone() }, axes);
         Self::beside((&moved, root), forms, &cross)

@@ -15,7 +15,7 @@ use crate::identify::{
 use crate::job::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
 use crate::job::poses;
 use crate::machine::Machine;
-use crate::run::{Call, Refused, sha256};
+use crate::run::{Advance, Call, Refused, sha256};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
 use crate::units::counted;
 use std::cell::RefCell;
@@ -196,7 +196,7 @@ pub(crate) fn solved(
     call: &mut Call<'_>,
     file: &MachineFile,
     inputs: &FitInputs<'_>,
-    (problem, progress): (&Problem, &(dyn Fn(usize) + Sync)),
+    (problem, progress): (&Problem, Advance<'_>),
     (with_machine_file, draw): (bool, Option<Draw<'_>>),
 ) -> Result<IdentifyResult, Refused> {
     let (model, data) = (problem.model(file, inputs.order).reporting(progress), &problem.rows);
