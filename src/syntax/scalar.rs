@@ -1,7 +1,5 @@
 //! A single value as written: a bare number or text such as `12 um`.
 
-use super::forms::{Forms, forms};
-use serde::{Deserialize, Deserializer};
 use std::fmt;
 
 /// A number without, or a text with, a unit.
@@ -20,19 +18,5 @@ impl fmt::Display for Scalar {
             Self::Number(number) => write!(f, "{number}"),
             Self::Text(text) => f.write_str(text),
         }
-    }
-}
-
-impl Forms for Scalar {
-    const EXPECTING: &'static str = "a number with its unit";
-
-    fn scalar(scalar: Scalar) -> Option<Self> {
-        Some(scalar)
-    }
-}
-
-impl<'de> Deserialize<'de> for Scalar {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        forms(deserializer)
     }
 }

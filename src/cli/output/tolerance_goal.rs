@@ -1,7 +1,7 @@
 //! Tolerances for a goal as text: for `budget`.
 
+use super::budget_text::bound_text;
 use super::view::table;
-use crate::cli::verbs::budget::bound_text;
 use abbe::results::{Binding, Percentile, ToleranceGoal};
 use abbe::text::significant;
 

@@ -3,6 +3,7 @@
 use crate::cli::arguments::{
     self, PartsArgs, PictureFile, PosesArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, help, svg,
 };
+use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, bound_text, short, totals_row};
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, reach_text, table, tool_poses_text};
@@ -10,8 +11,8 @@ use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::Statistic;
-use abbe::results::{Bound, BudgetResult, Contribution, PERCENTS, Percentile, Totals};
-use abbe::text::{Reason, angle, length, significant, tolerance, tolerance_unit};
+use abbe::results::{BudgetResult, Contribution};
+use abbe::text::{Reason, significant, tolerance, tolerance_unit};
 use abbe::{BudgetOptions, MachineFile, budget, budget_part};
 use serde_json::json;
 use std::path::PathBuf;
@@ -122,10 +123,6 @@ struct Report<'a> {
     args: &'a Args,
     file: &'a MachineFile,
     result: &'a BudgetResult,
-}
-
-fn short(value: f64) -> String {
-    significant(value, 4)
 }
 
 impl Report<'_> {
@@ -256,27 +253,4 @@ impl Report<'_> {
         }
         format!("\nBy the derivative of the 95 % value of the drawn machines (± its standard error):\n{rows}\n")
     }
-}
-
-/// Heads of a table of totals.
-pub(crate) const TOTALS: [&str; 9] =
-    ["", "worst case", "RSS", "mean of both", "Monte Carlo: mean", "median", "90 %", "95 %", "99 %"];
-
-/// Note below the totals.
-pub(crate) const TOTALS_NOTE: &str =
-    "In brackets: 95 % confidence by the number of machines drawn; - where they are too few.";
-
-/// A row of it.
-pub(crate) fn totals_row(name: &str, t: &Totals) -> Vec<String> {
-    let interval = |p: Percentile| {
-        let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
-        format!("{} ({}..{})", short(p.value), end(p.low), end(p.high))
-    };
-    let head = [name.to_owned(), short(t.worst_case), short(t.rss), short(t.mean_of_both()), short(t.mean.0)];
-    head.into_iter().chain(PERCENTS.map(|p| interval(t.percentile(p)))).collect()
-}
-
-pub(crate) fn bound_text(bound: &Bound) -> String {
-    let value = if bound.error.direction.is_rotation() { angle(bound.tolerance) } else { length(bound.tolerance) };
-    format!("± {value}")
 }
