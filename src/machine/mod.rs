@@ -37,7 +37,7 @@ pub use conventions::{Conventions, ErrorsAre, Joints, LinearOrder, Location, Loc
 pub use curve::{Curve, Knots, KnotsFailure, sin_cos_degrees};
 pub use difference::{ErrorSizes, MachineProperty};
 pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
-pub use form::ResidualForm;
+pub use form::{MAX_EIGEN_STEPS, MIN_MODE_SHARE, ResidualForm};
 pub use frame::{Frames, JointFrame};
 pub use geometry::{Anchor, AxisGeometry, Geometry, Position, SideGeometry, Sides, Unstated};
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};

@@ -2,7 +2,7 @@
 
 use super::Fitted;
 use crate::analysis::LocationSet;
-use crate::identify::{Conditions, Moved, Parameter, largest_uncertainty};
+use crate::identify::{DatumConditions, Parameter, RigidMotionRemoved, largest_uncertainty};
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, ErrorFamily, ErrorId, Machine};
 use crate::syntax::{DatumEntry, IdentifyEntry};
@@ -40,23 +40,23 @@ pub struct FittedError {
     pub unit: String,
 }
 
-/// The conditions that a request asks for; location errors that others suffice without are spare.
-pub(super) fn conditions(machine: &Machine, request: &IdentifyEntry, own: &[Parameter]) -> Conditions {
+/// Returns the conditions that a request asks for; location errors that are redundant beside others are named.
+pub(super) fn conditions(machine: &Machine, request: &IdentifyEntry, own: &[Parameter]) -> DatumConditions {
     let members: Vec<String> = LocationSet::of(machine).members.iter().map(|(id, _)| id.to_string()).collect();
     let location = |p: &&Parameter| matches!(p.terms.first().map(|t| t.source.place), Some(ErrorSite::Location(_)));
-    let spare = own.iter().filter(location).map(|p| p.name.clone()).filter(|name| !members.contains(name));
-    Conditions { entry: request.datum.unwrap_or_default(), spare: spare.collect() }
+    let redundant = own.iter().filter(location).map(|p| p.name.clone()).filter(|name| !members.contains(name));
+    DatumConditions { entry: request.datum.unwrap_or_default(), redundant_locations: redundant.collect() }
 }
 
 impl FittedDatum {
-    pub(super) fn of(entry: DatumEntry, moved: &Moved) -> Self {
-        let Moved { conditions, translation, rotation, .. } = *moved;
+    pub(super) fn of(entry: DatumEntry, removed: &RigidMotionRemoved) -> Self {
+        let RigidMotionRemoved { conditions, translation, rotation, .. } = *removed;
         let (translation_um, rotation_urad) = (translation.map(|x| x * 1e3), rotation.map(|x| x * 1e6));
         Self { entry, conditions, translation_um, rotation_urad }
     }
 }
 
-/// Every fitted error of an axis or the spindle.
+/// Returns every fitted error of an axis or the spindle.
 pub(super) fn errors(fitted: &Fitted<'_>) -> Vec<FittedError> {
     let own = &fitted.unknowns[..fitted.own];
     let mut sources: Vec<Source> = Vec::new();
@@ -82,7 +82,8 @@ fn error(fitted: &Fitted<'_>, source: Source) -> Option<FittedError> {
     let interval = axis.filter(|_| family == ErrorFamily::Component).map_or((0.0, 0.0), |axis| axis.travel.interval());
     let value = |q: f64, from: Approach| -> f64 {
         let estimates = own.iter().zip(&fitted.solution.estimates);
-        let mine = |t: &&crate::identify::Term| t.source == source && [from, Approach::Mean].contains(&t.approach);
+        let mine =
+            |t: &&crate::identify::ParameterTerm| t.source == source && [from, Approach::Mean].contains(&t.approach);
         let part = |p: &Parameter| p.terms.iter().filter(mine).map(|t| t.factor * t.basis.value(q)).sum::<f64>();
         estimates.map(|(p, e)| e.value * part(p)).sum()
     };

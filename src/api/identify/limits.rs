@@ -2,7 +2,7 @@
 //! its prediction that are of use.
 
 use super::Fitted;
-use crate::identify::Spread;
+use crate::identify::DeviationUncertainty;
 use crate::syntax::{IdentifyEntry, PlausibleEntry, Scalar};
 use crate::units::significant;
 
@@ -19,7 +19,7 @@ const USEFUL: f64 = 0.5;
 /// ... or up to so many times what the fit leaves of the readings.
 const RESIDUALS: f64 = 10.0;
 
-/// The request with the sizes of errors that the readings show (mm); `None` if they show none beyond the usual.
+/// Returns the request with the sizes of errors that the readings show (mm); `None` if they show none beyond the usual.
 pub(super) fn shown(request: &IdentifyEntry, shown: f64) -> Option<IdentifyEntry> {
     let reach = USUAL * shown;
     if reach <= SMALL {
@@ -33,17 +33,17 @@ pub(super) fn shown(request: &IdentifyEntry, shown: f64) -> Option<IdentifyEntry
     Some(IdentifyEntry { plausible, ..request.clone() })
 }
 
-/// The uncertainty (mm) up to which a prediction is of use.
+/// Returns the uncertainty (mm) up to which a prediction is of use.
 pub(super) fn useful(fitted: &Fitted<'_>) -> f64 {
     (USEFUL * fitted.prediction.deviation).max(RESIDUALS * fitted.residuals.after)
 }
 
 /// True if the data hold the prediction.
 pub(super) fn held(fitted: &Fitted<'_>) -> bool {
-    match fitted.prediction.spread {
-        Spread::Known(size) => size <= useful(fitted),
+    match fitted.prediction.uncertainty {
+        DeviationUncertainty::Known(size) => size <= useful(fitted),
         // With as many readings as unknowns nothing contradicts it.
-        Spread::Unknown => true,
-        Spread::Free(_) => false,
+        DeviationUncertainty::Unknown => true,
+        DeviationUncertainty::Free(_) => false,
     }
 }

@@ -25,10 +25,10 @@ use crate::controller::sha256;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
 use crate::identify::{
-    FileNotes, Fit, Known, Measurement, MeasurementSet, Misfit, Model, Parameter, Prediction, Randomness,
-    ReadingContext, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, held_out, in_datum,
-    invariances, known, misfit, overruled, parameters, randomness, read_measurements, repeats, slope_bounds, solve,
-    type_b, unused,
+    FileNotes, FormUncertainty, Measurement, MeasurementSet, Parameter, ParameterFit, Prediction, PriorValue,
+    Randomness, ReadingContext, ReadingModel, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file,
+    form_uncertainty, held_out, in_datum, invariances, parameters, parse_prior, randomness, read_measurements, repeats,
+    slope_bounds, solve, type_b, unused_entries, with_command_line,
 };
 use crate::machine::Machine;
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
@@ -80,7 +80,7 @@ impl IdentifyOptions {
         self.order.unwrap_or(Order::Exact)
     }
 
-    /// All files of measurements, in their order.
+    /// Returns all files of measurements, in their order.
     fn paths(&self) -> Vec<PathBuf> {
         self.data.iter().cloned().chain(self.texts.iter().map(|(name, _)| PathBuf::from(name))).collect()
     }
@@ -104,7 +104,7 @@ pub fn identify(
         let monitor = call.run.monitor;
         monitor.begin(0);
         let progress = |readings| monitor.advance(readings);
-        let result = solved(call, file, options, (&problem, &progress));
+        let result = solved(call, file, options, &problem, &progress);
         monitor.end();
         result
     })
@@ -115,7 +115,7 @@ struct Problem {
     request: IdentifyEntry,
     unknowns: Vec<Parameter>,
     bounds: Vec<SlopeBound>,
-    known: Vec<Known>,
+    known: Vec<PriorValue>,
     type_b: Vec<TypeB>,
     rows: Vec<Measurement>,
     /// SHA-256 of the files of measurements, by path.
@@ -127,10 +127,10 @@ impl Problem {
         let Requested { request, own, bounds } = Requested::of(call, file, &options.fit, &options.fixed)?;
         let (mut data, hashes) = measurements(call, file, options)?;
         call.extend(remarks::left_out(file, &data.leave_out(&own)));
-        let mut known: Vec<Known> = Vec::new();
+        let mut known: Vec<PriorValue> = Vec::new();
         for (j, place) in data.nuisances.iter().enumerate() {
             let (unknown, value) = (own.len() + j, place.start);
-            known.extend(place.known.map(|sigma| Known { unknown, value, sigma }));
+            known.extend(place.known.map(|sigma| PriorValue { unknown, value, sigma }));
         }
         let unknowns: Vec<Parameter> = own.into_iter().chain(data.nuisances.into_iter().map(Parameter::from)).collect();
         for prior in priors(call, file, &request, &options.priors, &unknowns)? {
@@ -146,8 +146,11 @@ impl Problem {
         Ok(Self { request, unknowns, bounds, known, type_b, rows: data.rows, hashes })
     }
 
-    fn model(&self, machine: &Machine, order: Order) -> Model<'_> {
-        Model::new(machine, &self.unknowns).bounded(&self.bounds).knowing(&self.known).to_order(order)
+    fn model(&self, machine: &Machine, order: Order) -> ReadingModel<'_> {
+        ReadingModel::new(machine, &self.unknowns)
+            .with_slope_bounds(&self.bounds)
+            .with_known(&self.known)
+            .to_order(order)
     }
 }
 
@@ -160,12 +163,12 @@ struct Requested {
 
 impl Requested {
     fn of(call: &mut Call<'_>, file: &MachineFile, fit: &[String], fixed: &[String]) -> Result<Self, Refused> {
-        let request = overruled(file, file.identify.clone().unwrap_or_default(), fit, fixed);
+        let request = with_command_line(file, file.identify.clone().unwrap_or_default(), fit, fixed);
         let own = parameters(file, &request).or_else(|refusal| call.refuse(*refusal))?;
         let bounds = slope_bounds(file, &request, &own).or_else(|refusal| call.refuse(*refusal))?;
         // A list of one's own takes what it needs of the section.
         if fit.is_empty() {
-            call.extend(remarks::unused(&unused(file, &request, &own)));
+            call.extend(remarks::unused(&unused_entries(file, &request, &own)));
         }
         Ok(Self { request, own, bounds })
     }
@@ -178,11 +181,11 @@ fn priors(
     request: &IdentifyEntry,
     options: &[String],
     unknowns: &[Parameter],
-) -> Result<Vec<Known>, Refused> {
-    let mut list: Vec<Known> = Vec::new();
+) -> Result<Vec<PriorValue>, Refused> {
+    let mut list: Vec<PriorValue> = Vec::new();
     let mut idle = Vec::new();
     for (k, words) in request.priors.iter().chain(options).enumerate() {
-        match known(words, file, unknowns) {
+        match parse_prior(words, file, unknowns) {
             Ok(found) => found.into_iter().for_each(|one| {
                 list.retain(|other| other.unknown != one.unknown);
                 list.push(one);
@@ -215,7 +218,7 @@ impl Files for Recording<'_> {
     }
 }
 
-/// The measurements, and the hashes of their files.
+/// Returns the measurements, and the hashes of their files.
 fn measurements(
     call: &mut Call<'_>,
     file: &MachineFile,
@@ -287,12 +290,12 @@ struct Fitted<'a> {
     motions: Vec<String>,
     repeats: Vec<Repeats>,
     /// Values known before the data.
-    known: &'a [Known],
+    known: &'a [PriorValue],
     type_b: &'a [TypeB],
     /// The form of the axes beside the curves; `None` if the readings cannot show it.
-    misfit: Option<Misfit>,
+    form: Option<FormUncertainty>,
     datum: Option<FittedDatum>,
-    fit: &'a Fit,
+    fit: &'a ParameterFit,
 }
 
 impl Fitted<'_> {
@@ -305,37 +308,39 @@ fn solved(
     call: &mut Call<'_>,
     file: &MachineFile,
     options: &IdentifyOptions,
-    (problem, progress): (&Problem, &(dyn Fn(usize) + Sync)),
+    problem: &Problem,
+    progress: &(dyn Fn(usize) + Sync),
 ) -> Result<IdentifyResult, Refused> {
-    let (model, data) = (problem.model(file, options.order()).reporting(progress), &problem.rows);
+    let (model, data) = (problem.model(file, options.order()).with_progress(progress), &problem.rows);
     let found = invariances(&model, data);
     if let Some(refusal) = remarks::shrinking(&found.stretches) {
         return call.refuse(refusal);
     }
     let fit = solve(&model, data, options.robust);
     let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
-    let examined = |fit: &Fit| {
-        let solution = Solution::of(fit, &problem.unknowns).compared(&model, data, fit, &found.moving);
-        let misfit = misfit(&model, data, fit, &solution);
-        let common = common(&model, data, (fit, &solution), &problem.type_b);
-        let solution = solution.sharing(misfit.as_ref().map(|misfit| [&misfit.covariance, &misfit.apart]), common);
+    let examine = |fit: &ParameterFit| {
+        let solution = Solution::of(fit, &problem.unknowns);
+        let solution = solution.with_first_order_rank(&model, data, fit, &found.motion_parameters);
+        let form = form_uncertainty(&model, data, fit, &solution);
+        let common = common(&model, data, fit, &solution, &problem.type_b);
+        let solution = solution.add_shared(form.as_ref().map(|form| &form.covariance), common);
         let in_datum = in_datum(&model, data, fit, &solution, &conditions);
-        let (solution, moved) = in_datum.map_or((solution, None), |(solution, moved)| (solution, Some(moved)));
-        (solution, misfit, moved)
+        let (solution, removed) = in_datum.map_or((solution, None), |(solution, removed)| (solution, Some(removed)));
+        (solution, form, removed)
     };
-    let (solution, misfit, moved) = examined(&fit);
-    let datum = moved.map(|moved| FittedDatum::of(conditions.entry, &moved));
+    let (solution, form, removed) = examine(&fit);
+    let datum = removed.map(|removed| FittedDatum::of(conditions.entry, &removed));
     // Uncertainties by the linear problem at the values that are stated.
-    let (fit, solution, misfit) = if moved.is_some_and(|moved| moved.far) {
+    let (fit, solution, form) = if removed.is_some_and(|removed| removed.removes_weak) {
         let there = fit.at(&model, data, solution.theta());
-        let (solution, misfit, _) = examined(&there);
-        (there, solution, misfit)
+        let (solution, form, _) = examine(&there);
+        (there, solution, form)
     } else {
-        (fit, solution, misfit)
+        (fit, solution, form)
     };
-    let forms = misfit.as_ref().map_or(&[][..], |misfit| &misfit.forms);
-    // In the datum: products of what a datum takes out are no deviation.
-    let prediction = Prediction::of(&model, data, (&fit, &solution), forms);
+    let forms = form.as_ref().map_or(&[][..], |form| &form.forms);
+    // In the datum: products of the motion that a datum removes are no deviation.
+    let prediction = Prediction::of(&model, data, &fit, &solution, forms);
     let theta = solution.theta();
     let fitted = Fitted {
         machine: file,
@@ -352,7 +357,7 @@ fn solved(
         repeats: repeats(data),
         known: &problem.known,
         type_b: &problem.type_b,
-        misfit,
+        form,
         fit: &fit,
     };
     let sources = &call.diagnostics.sources;
@@ -371,7 +376,7 @@ fn solved(
     Ok(result)
 }
 
-/// The text of the fitted machine file, if it is one that the program itself would take.
+/// Returns the text of the fitted machine file, if it is one that the program itself would take.
 fn machine_file(
     call: &mut Call<'_>,
     file: &MachineFile,
@@ -391,7 +396,7 @@ fn machine_file(
     plausible(file, options, problem, fitted, joint).or_else(|why| call.refuse(remarks::refused(&why)))
 }
 
-/// The text of the fitted machine file, or why the program itself would not take it.
+/// Returns the text of the fitted machine file, or why the program itself would not take it.
 fn plausible(
     file: &MachineFile,
     options: &IdentifyOptions,
@@ -402,7 +407,7 @@ fn plausible(
     let provenance = provenance::entries(file, options, problem, fitted);
     let own_parameters = &fitted.unknowns[..fitted.own];
     let text = |request: &IdentifyEntry| {
-        let notes = FileNotes { provenance: &provenance, request, joint, misfit: fitted.misfit.as_ref() };
+        let notes = FileNotes { provenance: &provenance, request, joint, form: fitted.form.as_ref() };
         fitted_file(file, own_parameters, &fitted.solution, notes)
     };
     let first = text(&problem.request);
@@ -411,6 +416,6 @@ fn plausible(
         Err(why) => why,
     };
     // A machine whose readings show larger errors than usual may have them.
-    let shown = limits::shown(&problem.request, fitted.fit.shown);
+    let shown = limits::shown(&problem.request, fitted.fit.initial_rms);
     shown.map(|request| text(&request)).filter(|text| read_back(text).is_ok()).ok_or(refused)
 }

@@ -1,7 +1,7 @@
 //! Prediction against data over the planes of the linear axes.
 
 use crate::diagnostic::{Diagnostic, codes};
-use crate::identify::{Measurement, Model, ReadingKind};
+use crate::identify::{Measurement, ReadingKind, ReadingModel};
 use crate::machine::AxisKind;
 use crate::report::{FitPicture, FitPoint};
 use crate::units::significant;
@@ -20,7 +20,11 @@ pub struct NamedSvg {
 type PlaneAxis = (usize, usize);
 
 /// Draws `fit-xy.svg` and so on, one for each pair of linear axes.
-pub(super) fn drawn(model: &Model<'_>, data: &[Measurement], theta: &[f64]) -> Result<Vec<NamedSvg>, Diagnostic> {
+pub(super) fn drawn(
+    model: &ReadingModel<'_>,
+    data: &[Measurement],
+    theta: &[f64],
+) -> Result<Vec<NamedSvg>, Diagnostic> {
     let Some(machine) = model.machines().first() else { return Ok(Vec::new()) };
     let whole: Vec<&Measurement> =
         data.iter().filter(|m| m.kind() == ReadingKind::Deviation && m.readings() == 3).collect();
@@ -40,7 +44,7 @@ pub(super) fn drawn(model: &Model<'_>, data: &[Measurement], theta: &[f64]) -> R
 }
 
 /// Pairs of linear axes along two of the letters x, y, z.
-fn planes(model: &Model<'_>) -> Vec<[PlaneAxis; 2]> {
+fn planes(model: &ReadingModel<'_>) -> Vec<[PlaneAxis; 2]> {
     let axes = model.machines().first().map_or(&[][..], |machine| machine.axes());
     let along = |i: usize| (0..3).find(|k| axes[i].direction[*k].abs() > 0.999);
     let linear: Vec<PlaneAxis> = (0..axes.len())
@@ -52,10 +56,15 @@ fn planes(model: &Model<'_>) -> Vec<[PlaneAxis; 2]> {
 }
 
 /// Points of the slice across the third direction that is best filled and nearest to the middle, and its words.
-fn slice(model: &Model<'_>, data: &[&Measurement], theta: &[f64], plane: [PlaneAxis; 2]) -> (String, Vec<FitPoint>) {
+fn slice(
+    model: &ReadingModel<'_>,
+    data: &[&Measurement],
+    theta: &[f64],
+    plane: [PlaneAxis; 2],
+) -> (String, Vec<FitPoint>) {
     let (words, rows) = fullest(model, data, plane);
     let point = |m: &&Measurement| {
-        let (measured, predicted) = (m.values(), model.predicted(m, theta));
+        let (measured, predicted) = (m.values(), model.prediction(m, theta));
         let within = |v: &nalgebra::Vector3<f64>| (v[plane[0].1], v[plane[1].1]);
         FitPoint {
             nominal: (m.pose[plane[0].0], m.pose[plane[1].0]),
@@ -66,7 +75,11 @@ fn slice(model: &Model<'_>, data: &[&Measurement], theta: &[f64], plane: [PlaneA
     (words, rows.iter().map(point).collect())
 }
 
-fn fullest<'a>(model: &Model<'_>, data: &[&'a Measurement], plane: [PlaneAxis; 2]) -> (String, Vec<&'a Measurement>) {
+fn fullest<'a>(
+    model: &ReadingModel<'_>,
+    data: &[&'a Measurement],
+    plane: [PlaneAxis; 2],
+) -> (String, Vec<&'a Measurement>) {
     let axes = model.machines().first().map_or(&[][..], |machine| machine.axes());
     let others: Vec<usize> = (0..axes.len()).filter(|i| *i != plane[0].0 && *i != plane[1].0).collect();
     let key = |m: &Measurement| others.iter().map(|i| m.pose[*i].to_bits()).collect::<Vec<u64>>();

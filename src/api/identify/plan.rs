@@ -4,7 +4,7 @@ use super::{Requested, priors};
 use crate::api::machine_file::MachineFile;
 use crate::api::run::{Answer, Call, Run};
 use crate::diagnostic::Diagnostics;
-use crate::identify::{Estimate, Measurement, Model, Parameter, plan};
+use crate::identify::{Estimate, Measurement, Parameter, ReadingModel, plan};
 use indexmap::IndexMap;
 use serde::Serialize;
 
@@ -53,7 +53,8 @@ pub struct MeasurementPlan {
     /// Combinations without effect, in words.
     pub null_space: Vec<String>,
     /// Combinations below the noise, in words.
-    pub drowned: Vec<String>,
+    #[serde(rename = "drowned")]
+    pub below_noise: Vec<String>,
     /// Ratio of the largest singular value to the smallest that counts.
     pub condition: f64,
     /// Combinations without effect, in words for people: shortened.
@@ -98,12 +99,12 @@ pub fn plan_measurements(
         }
         let Requested { request, own, .. } = Requested::of(call, file, &options.fit, &options.fixed)?;
         let known = priors(call, file, &request, &options.priors, &own)?;
-        let model = Model::new(file, &own).knowing(&known);
+        let model = ReadingModel::new(file, &own).with_known(&known);
         let plan = plan(&model, options.poses, options.noise_mm, options.seed);
         let s = &plan.expected;
         let parameter = |(p, e): (&Parameter, &Estimate)| ExpectedParameter {
             name: p.name.clone(),
-            sigma: e.sigma.map(|s| p.shown(s)),
+            sigma: e.sigma.map(|s| p.in_unit(s)),
             unit: p.unit.clone(),
         };
         Ok(MeasurementPlan {
@@ -115,15 +116,15 @@ pub fn plan_measurements(
             unknowns: own.len(),
             well_determined: s.well_determined,
             null_space: s.null_space.clone(),
-            drowned: s.drowned.clone(),
+            below_noise: s.below_noise.clone(),
             condition: s.condition,
-            free: s.free(),
+            free: s.null_space_summary(),
             csv: csv(&model, &plan.poses),
         })
     })
 }
 
-fn planned(model: &Model<'_>, pose: &Measurement) -> PlannedPose {
+fn planned(model: &ReadingModel<'_>, pose: &Measurement) -> PlannedPose {
     let machine = model.machine(pose);
     let axes = machine.axes().iter().zip(&pose.pose);
     PlannedPose {
@@ -132,7 +133,7 @@ fn planned(model: &Model<'_>, pose: &Measurement) -> PlannedPose {
     }
 }
 
-fn csv(model: &Model<'_>, poses: &[Measurement]) -> String {
+fn csv(model: &ReadingModel<'_>, poses: &[Measurement]) -> String {
     let named = model.machines().len() > 1;
     let axes = model.machines().iter().take(1).flat_map(|machine| machine.axes());
     let header: Vec<String> = axes.map(|axis| format!("{} [{}]", axis.name, axis.unit())).collect();

@@ -13,7 +13,7 @@ const MAX_NAMED: usize = 20;
 /// Longest entry about the parameters, in characters.
 const ENTRY: usize = 180;
 
-/// The entries that go to the section `provenance`, those of earlier fits kept apart by a number.
+/// Returns the entries that go to the section `provenance`, those of earlier fits kept apart by a number.
 pub(super) fn entries(
     file: &MachineFile,
     options: &IdentifyOptions,

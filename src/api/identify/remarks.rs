@@ -6,7 +6,8 @@ use crate::api::machine_file::ReadBackFailure;
 use crate::api::poses::axes_text;
 use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::{
-    Basis, Measurement, Parameter, Prediction, Reading, ReadingKind, Repeats, Spread, Term, largest_uncertainty, lever,
+    BasisFunction, DeviationUncertainty, Measurement, Parameter, ParameterTerm, Prediction, Reading, ReadingKind,
+    Repeats, largest_uncertainty, lever,
 };
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, Direction, ErrorFamily, ErrorId, Machine};
@@ -22,14 +23,14 @@ const TINY: f64 = 1e-5;
 /// Standard uncertainties (mm, rad) beyond which a value is none: what the machine language takes for mistakes.
 const UNDETERMINED: (f64, f64) = (10.0, 0.1);
 
-/// The warnings about a fit.
+/// Returns the warnings about a fit.
 pub(super) fn all(fitted: &Fitted<'_>, sources: &Sources) -> Vec<Diagnostic> {
     let unsettled = || {
         let message = format!("the fit has not settled after {} steps", fitted.fit.steps);
         warning(codes::W0501, message, "fix what the data hardly see, or fit less at once")
     };
     let found = [
-        (!fitted.fit.settled).then(unsettled),
+        (!fitted.fit.converged).then(unsettled),
         unexplained(fitted),
         drifting(fitted),
         sizes(fitted),
@@ -104,7 +105,7 @@ fn sizes(fitted: &Fitted<'_>) -> Option<Diagnostic> {
 
 /// Curves for a direction of approach in which nothing was read that they move.
 fn one_sided(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    let read = |p: &Parameter, t: &Term| {
+    let read = |p: &Parameter, t: &ParameterTerm| {
         let moves = |m: &Measurement| match m.reading {
             Reading::Error { source, .. } => p.terms.iter().any(|t| t.source == source),
             _ => true,
@@ -150,11 +151,11 @@ fn undetermined_from(direction: Direction) -> f64 {
 pub(super) fn undetermined(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
     let wide = own.filter_map(|(parameter, estimate)| {
-        let constant = parameter.terms.first().filter(|term| term.basis == Basis::Constant)?;
+        let constant = parameter.terms.first().filter(|term| term.basis == BasisFunction::Constant)?;
         let direction = constant.source.direction;
         let limit = undetermined_from(direction) * lever(direction);
         let sigma = estimate.sigma.filter(|sigma| sigma * parameter.size > limit)?;
-        let n = |value: f64| significant(parameter.shown(value), 3);
+        let n = |value: f64| significant(parameter.in_unit(value), 3);
         Some(format!("{} = {} \u{b1} {} {}", parameter.name, n(estimate.value), n(sigma), parameter.unit))
     });
     let wide: Vec<String> = wide.chain(wide_curves(fitted)).collect();
@@ -188,7 +189,7 @@ fn wide_curves(fitted: &Fitted<'_>) -> Vec<String> {
     sources.into_iter().filter_map(one).collect()
 }
 
-/// The machine may grow or shrink without a reading that notices.
+/// Returns the machine may grow or shrink without a reading that notices.
 pub(super) fn shrinking(stretches: &[(String, Vec<String>)]) -> Option<Diagnostic> {
     let (words, names) = stretches.first()?;
     let message = format!("no reading holds a length: {words} with {}, and nothing notices", names.join(", "));
@@ -198,7 +199,7 @@ pub(super) fn shrinking(stretches: &[(String, Vec<String>)]) -> Option<Diagnosti
     Some(Diagnostic::new(codes::E0514, message).help(help))
 }
 
-/// A direction that changes no reading but the deviation, in words.
+/// Returns a direction that changes no reading but the deviation, in words.
 pub(super) fn of_readings(words: &str) -> String {
     let rest = [" changes nothing", " change nothing"].iter().find_map(|end| Some((words.strip_suffix(end)?, *end)));
     match rest {
@@ -208,24 +209,24 @@ pub(super) fn of_readings(words: &str) -> String {
     }
 }
 
-/// The data do not hold the deviation that the fitted machine predicts over its volume.
+/// Returns the data do not hold the deviation that the fitted machine predicts over its volume.
 pub(super) fn unheld(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     if limits::held(fitted) {
         return None;
     }
-    let Prediction { spread, pose, deviation, .. } = &fitted.prediction;
+    let Prediction { uncertainty, pose, deviation, .. } = &fitted.prediction;
     let at = axes_text(fitted.machine, pose);
-    let message = match spread {
-        Spread::Free(words) => {
+    let message = match uncertainty {
+        DeviationUncertainty::Free(words) => {
             format!("the data leave the deviation at {at} free: {}", of_readings(words))
         }
-        Spread::Known(size) => format!(
+        DeviationUncertainty::Known(size) => format!(
             "the data do not hold the deviation at {at}: its standard uncertainty is {} um, and the largest deviation \
              predicted is {} um",
             um(*size),
             um(*deviation)
         ),
-        Spread::Unknown => return None,
+        DeviationUncertainty::Unknown => return None,
     };
     let help = "measure there, fit less (fewer knots than measured places), or bound the curves (`slopes:`); \
                 `--accept-undetermined` writes the file all the same";
@@ -236,21 +237,21 @@ pub(super) fn unheld(fitted: &Fitted<'_>) -> Option<Diagnostic> {
 const RAN_AWAY: &str = "some parameters ran away because the data hardly see them, or because poses, places and \
     directions of the readings are not those of this machine: compare these, fix those, or fit less";
 
-/// The machine file is not one that the program would take.
+/// Returns the machine file is not one that the program would take.
 pub(super) fn refused(why: &ReadBackFailure) -> Diagnostic {
     Diagnostic::new(codes::E0504, format!("the fitted machine is refused: {why}")).help(RAN_AWAY)
 }
 
-/// The same where no file is asked for: what is printed must not be taken for a machine.
+/// Returns the same where no file is asked for: what is printed must not be taken for a machine.
 pub(super) fn implausible(why: &ReadBackFailure) -> Diagnostic {
     warning(codes::W0512, format!("the fitted machine is not plausible: {why}"), RAN_AWAY)
 }
 
 /// Combinations that go to a machine file although noise hides them.
 pub(super) fn written(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    let drowned = &fitted.solution.drowned;
-    let first = drowned.first()?;
-    let count = counted(drowned.len(), "combination");
+    let below_noise = &fitted.solution.below_noise;
+    let first = below_noise.first()?;
+    let count = counted(below_noise.len(), "combination");
     let message = format!("what is written holds {count} that noise hides, the first: {first}");
     let help = "fix what the data hardly tell (`--fixed`), or fit less: `abbe show` lists location errors that suffice";
     Some(warning(codes::W0510, message, help))
@@ -258,7 +259,7 @@ pub(super) fn written(fitted: &Fitted<'_>) -> Option<Diagnostic> {
 
 /// Nothing of what is fitted acts where was measured.
 fn silent(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    let idle = |p: &Parameter| fitted.solution.idle.contains(&p.name);
+    let idle = |p: &Parameter| fitted.solution.without_effect.contains(&p.name);
     let message = "nothing of what is fitted has an effect on these data: the values are those of the file".to_owned();
     let help = "measure where the errors act (`--plan 20` proposes poses), or fit others";
     fitted.unknowns[..fitted.own].iter().all(idle).then(|| warning(codes::W0508, message, help))

@@ -6,8 +6,8 @@ use super::{Fitted, limits};
 use crate::api::poses::{AxisPositions, axis_positions};
 use crate::diagnostic::Sources;
 use crate::identify::{
-    Estimate, Known, Misfit, Outlier, Parameter, Prediction, Randomness, ReadingKind, Repeats, Scatter, SharedEffect,
-    Spread, TypeB,
+    DeviationUncertainty, Estimate, FormUncertainty, Outlier, Parameter, Prediction, PriorValue, Randomness,
+    ReadingKind, Repeats, Scatter, SharedEffect, TypeB,
 };
 use crate::machine::{AxisName, Machine, ResidualForm};
 use crate::units::significant;
@@ -33,21 +33,22 @@ pub struct FittedParameter {
     /// Standard uncertainties that a 95 % interval reaches to either side.
     pub coverage_factor_95: Option<f64>,
     /// Standard deviation of a reading over that of the parameter's effect on a usual reading; 0 if the value is free.
-    pub valuation: f64,
+    #[serde(rename = "valuation")]
+    pub observability: f64,
 }
 
 impl FittedParameter {
-    fn of((parameter, estimate): (&Parameter, &Estimate)) -> Self {
+    fn of(parameter: &Parameter, estimate: &Estimate) -> Self {
         Self {
             name: parameter.name.clone(),
-            value: parameter.shown(estimate.value) + 0.0,
-            sigma: estimate.sigma.map(|sigma| parameter.shown(sigma)),
-            type_a: estimate.scatter.map(|sigma| parameter.shown(sigma)),
-            lack_of_fit: parameter.shown(estimate.form),
-            type_b: parameter.shown(estimate.common),
+            value: parameter.in_unit(estimate.value) + 0.0,
+            sigma: estimate.sigma.map(|sigma| parameter.in_unit(sigma)),
+            type_a: estimate.scatter.map(|sigma| parameter.in_unit(sigma)),
+            lack_of_fit: parameter.in_unit(estimate.form),
+            type_b: parameter.in_unit(estimate.common),
             unit: parameter.unit.clone(),
             coverage_factor_95: estimate.coverage,
-            valuation: estimate.valuation,
+            observability: estimate.observability,
         }
     }
 }
@@ -66,12 +67,12 @@ pub struct KnownValue {
 }
 
 impl KnownValue {
-    fn of(unknowns: &[Parameter], known: &Known) -> Self {
+    fn of(unknowns: &[Parameter], known: &PriorValue) -> Self {
         let parameter = &unknowns[known.unknown];
         Self {
             name: parameter.name.clone(),
-            value: parameter.shown(known.value) + 0.0,
-            sigma: parameter.shown(known.sigma),
+            value: parameter.in_unit(known.value) + 0.0,
+            sigma: parameter.in_unit(known.sigma),
             unit: parameter.unit.clone(),
         }
     }
@@ -123,7 +124,7 @@ pub struct FormOfAxis {
 }
 
 impl LackOfFit {
-    fn of(machine: &Machine, misfit: &Misfit) -> Self {
+    fn of(machine: &Machine, found: &FormUncertainty) -> Self {
         let unit = |name: &AxisName| machine.axis_index(name.as_str()).map_or("mm", |i| machine.axes()[i].unit());
         let form = |ResidualForm { axis, size, rotation, length }: &ResidualForm| FormOfAxis {
             axis: axis.to_string(),
@@ -132,7 +133,7 @@ impl LackOfFit {
             length: *length,
             unit: unit(axis),
         };
-        Self { probability: misfit.probability, forms: misfit.forms.iter().map(form).collect() }
+        Self { probability: found.probability, forms: found.forms.iter().map(form).collect() }
     }
 }
 
@@ -254,11 +255,11 @@ pub struct PredictedUncertainty {
 
 impl PredictedUncertainty {
     fn of(fitted: &Fitted<'_>) -> Self {
-        let Prediction { spread, pose, tool, deviation } = &fitted.prediction;
-        let (largest_um, combination) = match spread {
-            Spread::Known(size) => (Some(um(*size)), None),
-            Spread::Unknown => (None, None),
-            Spread::Free(words) => (None, Some(words.clone())),
+        let Prediction { uncertainty, pose, tool, deviation } = &fitted.prediction;
+        let (largest_um, combination) = match uncertainty {
+            DeviationUncertainty::Known(size) => (Some(um(*size)), None),
+            DeviationUncertainty::Unknown => (None, None),
+            DeviationUncertainty::Free(words) => (None, Some(words.clone())),
         };
         Self {
             largest_um,
@@ -301,11 +302,13 @@ pub struct IdentifyResult {
     /// Combinations without effect on the data, in words.
     pub null_space: Vec<String>,
     /// Combinations below the noise, in words.
-    pub drowned: Vec<String>,
+    #[serde(rename = "drowned")]
+    pub below_noise: Vec<String>,
     /// Ratio of the largest singular value to the smallest that counts.
     pub condition: f64,
-    /// Least valuation of the machine's parameters that have a value.
-    pub valuation: f64,
+    /// Least observability of the machine's parameters that have a value.
+    #[serde(rename = "valuation")]
+    pub observability: f64,
     /// Singular values of the column-scaled problem.
     pub singular_values: Vec<f64>,
     /// Root mean square of the readings.
@@ -364,7 +367,7 @@ fn um(mm: f64) -> f64 {
     mm * 1e3
 }
 
-/// A size (mm) in the unit of a kind of reading.
+/// Returns a size (mm) in the unit of a kind of reading.
 fn in_unit(kind: ReadingKind, mm: f64) -> String {
     let (unit, factor) = kind.unit();
     format!("{} {unit}", significant(mm * factor, 5))
@@ -376,7 +379,7 @@ pub(super) fn place(fitted: &Fitted<'_>, sources: &Sources, row: usize) -> Strin
     format!("{}:{}", sources.name(place.source), sources.line_column(place).0)
 }
 
-/// The fit in a line.
+/// Returns the fit in a line.
 pub(super) fn in_short(fitted: &Fitted<'_>) -> String {
     let (rank, unknowns, rows) = (fitted.solution.rank_first_order, fitted.unknowns.len(), fitted.rows());
     let [before, after] = [fitted.residuals.before, fitted.residuals.after].map(|rms| significant(um(rms), 5));
@@ -386,7 +389,7 @@ pub(super) fn in_short(fitted: &Fitted<'_>) -> String {
 impl IdentifyResult {
     pub(super) fn of(fitted: &Fitted<'_>, sources: &Sources) -> Self {
         let (s, r) = (&fitted.solution, &fitted.residuals);
-        let all: Vec<_> = fitted.unknowns.iter().zip(&s.estimates).map(FittedParameter::of).collect();
+        let all: Vec<_> = fitted.unknowns.iter().zip(&s.estimates).map(|(p, e)| FittedParameter::of(p, e)).collect();
         let (parameters, instruments) = all.split_at(fitted.own);
         let outlier = |o: &Outlier| OutlierPlace {
             place: place(fitted, sources, o.row),
@@ -400,19 +403,19 @@ impl IdentifyResult {
             instruments: instruments.to_vec(),
             known: fitted.known.iter().map(|known| KnownValue::of(fitted.unknowns, known)).collect(),
             type_b: fitted.type_b.iter().map(SharedUncertainty::of).collect(),
-            lack_of_fit: fitted.misfit.as_ref().map(|misfit| LackOfFit::of(fitted.machine, misfit)),
+            lack_of_fit: fitted.form.as_ref().map(|form| LackOfFit::of(fitted.machine, form)),
             rank: s.rank,
             rank_first_order: s.rank_first_order,
             unknowns: fitted.unknowns.len(),
             well_determined: s.well_determined,
             null_space: s.null_space.clone(),
-            drowned: s.drowned.clone(),
+            below_noise: s.below_noise.clone(),
             condition: s.condition,
-            valuation: s.valuation,
+            observability: s.observability,
             singular_values: s.singular_values.clone(),
             rms_um: RmsBeforeAfter { before: um(r.before), after: um(r.after), held_out: fitted.held_out.map(um) },
             sigma_um: fitted.fit.scatter.is_empty().then(|| um(s.sigma)),
-            degrees_of_freedom: s.freedom,
+            degrees_of_freedom: s.degrees_of_freedom,
             scatter: fitted.fit.scatter.iter().map(scatter_of_kind).collect(),
             repeatability_um: fitted.repeats.first().map(|r| um(r.sigma)),
             repeats: fitted.repeats.iter().map(repeated).collect(),
@@ -420,8 +423,8 @@ impl IdentifyResult {
                 first: um(r.parts[0]),
                 second: um(r.parts[1]),
                 higher: um(r.parts[2]),
-                left_by_first: um(r.left[0]),
-                left_by_second: um(r.left[1]),
+                left_by_first: um(r.truncated[0]),
+                left_by_second: um(r.truncated[1]),
             },
             kinds: r.kinds.iter().map(kind_residual).collect(),
             residual_tests: fitted.randomness.iter().map(ResidualTest::of).collect(),
@@ -431,11 +434,11 @@ impl IdentifyResult {
             datum: fitted.datum.clone(),
             errors: datum::errors(fitted),
             steps: fitted.fit.steps,
-            settled: fitted.fit.settled,
+            settled: fitted.fit.converged,
             machine: fitted.machine.name().to_owned(),
             reading_scatter: reading_scatter(fitted),
-            coverage: s.coverage(),
-            free: s.free(),
+            coverage: s.coverage_range(),
+            free: s.null_space_summary(),
             machine_file: None,
             pictures: Vec::new(),
         }
@@ -474,5 +477,5 @@ fn reading_scatter(fitted: &Fitted<'_>) -> String {
         _ => ReadingKind::Deviation,
     };
     let sigma = fitted.solution.sigma;
-    if fitted.data.iter().all(|m| m.known) { times_given(sigma) } else { in_unit(kind, sigma) }
+    if fitted.data.iter().all(|m| m.has_uncertainty) { times_given(sigma) } else { in_unit(kind, sigma) }
 }

@@ -71,14 +71,14 @@ fn fit(r: &IdentifyResult) -> String {
     let known = if known.is_empty() { String::new() } else { format!("known      {}\n", known.join(", ")) };
     known
         + &format!(
-            "rank       {} from {} readings, {} well determined, condition {}, valuation {}\n\
+            "rank       {} from {} readings, {} well determined, condition {}, observability {}\n\
          rms        {} um before, {} um after{scatter}\n\
          orders     first {} um, second {} um, higher {} um; first alone leaves {} um, with the second {} um\n",
             rank(r.rank_first_order, r.rank, r.unknowns),
             r.rows,
             r.well_determined,
             significant(r.condition, 3),
-            significant(r.valuation, 3),
+            significant(r.observability, 3),
             um(r.rms_um.before),
             um(r.rms_um.after),
             um(r.orders_um.first),
@@ -173,9 +173,9 @@ fn prediction(r: &IdentifyResult) -> String {
 fn undetermined(r: &IdentifyResult) -> String {
     let mut text = String::new();
     r.free.iter().for_each(|words| text += &format!("free       {words}\n"));
-    r.drowned.iter().take(MAX_LINES).for_each(|words| text += &format!("drowned    {words}\n"));
-    if r.drowned.len() > MAX_LINES {
-        text += &format!("           and {} more combinations (--format json)\n", r.drowned.len() - MAX_LINES);
+    r.below_noise.iter().take(MAX_LINES).for_each(|words| text += &format!("below noise {words}\n"));
+    if r.below_noise.len() > MAX_LINES {
+        text += &format!("           and {} more combinations (--format json)\n", r.below_noise.len() - MAX_LINES);
     }
     text
 }

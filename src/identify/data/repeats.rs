@@ -1,16 +1,10 @@
 //! Poses that were measured more than once: how well they repeat, and whether they contradict each other.
 
 use super::measurement::{Measurement, Reading, ReadingKind};
+use crate::identify::thresholds::{
+    CONTRADICTION_DEVIATIONS, MIN_OTHER_REPEATS, MIN_REPEATED_POSES, OPPOSITE_SIGN_CORRELATION,
+};
 use std::collections::BTreeMap;
-
-/// A difference beyond so many standard deviations of what the other repeats differ by is a contradiction.
-const APART: f64 = 6.0;
-/// Other repeats that it takes to say so.
-const OTHERS: usize = 10;
-/// A correlation of first and last readings below this is one of opposite signs.
-const OPPOSED: f64 = -0.8;
-/// Repeated poses that it takes to say so.
-const PAIRS: usize = 6;
 
 /// Repeatability of readings of one kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,25 +24,25 @@ pub struct Repeats {
 }
 
 /// A reading: its row, its value (mm) and the root of its weight.
-type One = (usize, f64, f64);
+type RepeatReading = (usize, f64, f64);
 
-/// Pose, tool and side of a row; -0 and 0 are the same position.
+/// Returns pose, tool and side of a row as bits; -0 and 0 are the same position.
 fn key(m: &Measurement) -> impl Iterator<Item = u64> {
     m.pose.iter().map(|q| (q + 0.0).to_bits()).chain([m.tool as u64, m.approach as u64])
 }
 
-/// Readings of one component (absolute, or of one run) in one pose, from one side, with one tool. There may be millions
-/// of rows: they are sorted, and a pose that was measured once takes no memory.
-fn groups(data: &[Measurement], kind: ReadingKind) -> Vec<Vec<One>> {
+/// Groups readings of one component (absolute, or of one run) in one pose, from one side, with one tool. There may be
+/// millions of rows: they are sorted, and a pose that was measured once takes no memory.
+fn groups(data: &[Measurement], kind: ReadingKind) -> Vec<Vec<RepeatReading>> {
     let mut rows: Vec<usize> = (0..data.len()).filter(|row| data[*row].kind() == kind).collect();
     rows.sort_by(|a, b| key(&data[*a]).cmp(key(&data[*b])));
     let poses = rows.chunk_by(|a, b| key(&data[*a]).eq(key(&data[*b])));
     poses.filter(|rows| rows.len() > 1).flat_map(|rows| of_pose(data, rows)).filter(|group| group.len() > 1).collect()
 }
 
-/// The readings of rows in one pose.
-fn of_pose(data: &[Measurement], rows: &[usize]) -> impl Iterator<Item = Vec<One>> {
-    let mut groups: BTreeMap<(usize, Option<usize>), Vec<One>> = BTreeMap::new();
+/// Returns the readings of rows in one pose.
+fn of_pose(data: &[Measurement], rows: &[usize]) -> impl Iterator<Item = Vec<RepeatReading>> {
+    let mut groups: BTreeMap<(usize, Option<usize>), Vec<RepeatReading>> = BTreeMap::new();
     for (row, m) in rows.iter().map(|row| (*row, &data[*row])) {
         let (values, zero) = match &m.reading {
             Reading::Deviation { values, zero, .. } => (*values, *zero),
@@ -63,22 +57,22 @@ fn of_pose(data: &[Measurement], rows: &[usize]) -> impl Iterator<Item = Vec<One
     groups.into_values()
 }
 
-/// Weighted sum of squares about the mean (mm^2).
-fn squares(group: &[One]) -> f64 {
+/// Returns the weighted sum of squares about the mean (mm^2).
+fn squares(group: &[RepeatReading]) -> f64 {
     let weight: f64 = group.iter().map(|(_, _, w)| w * w).sum();
     let mean = group.iter().map(|(_, value, w)| value * w * w).sum::<f64>() / weight;
     group.iter().map(|(_, value, w)| (value - mean) * (value - mean) * w * w).sum()
 }
 
-/// The least and the greatest of a group, and how far they are apart in standard deviations of weight 1.
-fn apart(group: &[One]) -> (One, One, f64) {
-    let by_value = |a: &&One, b: &&One| a.1.total_cmp(&b.1);
+/// Returns the least and the greatest of a group, and how far they are apart in standard deviations of weight 1.
+fn range_of(group: &[RepeatReading]) -> (RepeatReading, RepeatReading, f64) {
+    let by_value = |a: &&RepeatReading, b: &&RepeatReading| a.1.total_cmp(&b.1);
     let least = group.iter().min_by(by_value).copied().unwrap_or_default();
     let most = group.iter().max_by(by_value).copied().unwrap_or_default();
     (least, most, (most.1 - least.1) / libm::hypot(1.0 / least.2, 1.0 / most.2))
 }
 
-/// Repeatability at poses that were measured more than once, deviations and relative ones each for themselves.
+/// Returns the repeatability at poses that were measured more than once, by kind of reading.
 pub fn repeats(data: &[Measurement]) -> Vec<Repeats> {
     [ReadingKind::Deviation, ReadingKind::Relative, ReadingKind::Position]
         .into_iter()
@@ -94,9 +88,9 @@ fn repeats_of(data: &[Measurement], of: ReadingKind) -> Option<Repeats> {
         freedom += group.len() - 1;
     }
     let farther = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
-    let sizes = groups.iter().map(|group| apart(group).2).enumerate();
+    let sizes = groups.iter().map(|group| range_of(group).2).enumerate();
     let (widest, size) = sizes.reduce(farther)?;
-    let (least, most, _) = apart(&groups[widest]);
+    let (least, most, _) = range_of(&groups[widest]);
     let left = freedom + 1 - groups[widest].len();
     let others = libm::sqrt((sum - squares(&groups[widest])).max(0.0) / left.max(1) as f64);
     let rows = (least.0.min(most.0), least.0.max(most.0));
@@ -105,13 +99,13 @@ fn repeats_of(data: &[Measurement], of: ReadingKind) -> Option<Repeats> {
         sigma: libm::sqrt(sum / freedom as f64),
         freedom,
         worst: (rows.0, rows.1, most.1 - least.1),
-        contradict: left >= OTHERS && others > 0.0 && size > APART * others,
-        opposed: opposed(&groups),
+        contradict: left >= MIN_OTHER_REPEATS && others > 0.0 && size > CONTRADICTION_DEVIATIONS * others,
+        opposed: have_opposite_signs(&groups),
     })
 }
 
 /// True if first and last readings of the groups are each other's negative, as those of files with unlike signs are.
-fn opposed(groups: &[Vec<One>]) -> bool {
+fn have_opposite_signs(groups: &[Vec<RepeatReading>]) -> bool {
     let ends = groups.iter().filter_map(|group| Some((group.first()?.1, group.last()?.1)));
     let (mut product, mut first, mut last) = (0.0, 0.0, 0.0);
     for (a, b) in ends {
@@ -119,5 +113,5 @@ fn opposed(groups: &[Vec<One>]) -> bool {
         first += a * a;
         last += b * b;
     }
-    groups.len() >= PAIRS && product < OPPOSED * libm::sqrt(first * last)
+    groups.len() >= MIN_REPEATED_POSES && product < OPPOSITE_SIGN_CORRELATION * libm::sqrt(first * last)
 }

@@ -15,12 +15,12 @@ use crate::units;
 const CONSTANT: &str = "VALUE";
 const CURVE: &str = "GRIDPOINTS";
 
-/// The name of a block.
+/// Returns the name of a block.
 fn block(line: &str) -> Option<&str> {
     bare(line).strip_prefix('[')?.strip_suffix(']').map(str::trim)
 }
 
-/// A line without the comment at its end.
+/// Returns a line without the comment at its end.
 fn bare(line: &str) -> &str {
     line.split("//").next().unwrap_or_default().trim()
 }
@@ -100,7 +100,7 @@ pub(super) fn read(lines: &[Line], wanted: &ImportRequest) -> Result<Import, Box
     if import.samples.is_empty() {
         return Err(refuse(format!("the file has no curve of axis {}{}", shown(&import.axis), wanted.of())));
     }
-    gather::believed(&import.samples, &import.errors).map_err(|failure| refuse(failure.to_string()))?;
+    gather::check_plausible(&import.samples, &import.errors).map_err(|failure| refuse(failure.to_string()))?;
     gather::finish(import, wanted, &[], &place)
 }
 

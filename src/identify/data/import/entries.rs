@@ -24,7 +24,7 @@ pub(super) fn is(lines: &[Line]) -> bool {
     lines.iter().any(|line| entry(&line.text).is_some_and(|(name, indices, _)| name == TARGET && !indices.is_empty()))
 }
 
-/// `NAME[1,2]=value`, or `NAME=value`.
+/// Splits `NAME[1,2]=value`, or `NAME=value`.
 fn entry(line: &str) -> Option<(&str, Vec<usize>, &str)> {
     let (name, value) = line.split_once('=')?;
     let (name, list) = match name.trim().strip_suffix(']').and_then(|open| open.split_once('[')) {
@@ -95,6 +95,6 @@ pub(super) fn read(lines: &[Line], wanted: &ImportRequest) -> Result<Import, Box
     if import.samples.is_empty() {
         return Err(refuse("the file has targets and no position that was reached"));
     }
-    gather::believed(&import.samples, &import.errors).map_err(|failure| refuse(&failure.to_string()))?;
+    gather::check_plausible(&import.samples, &import.errors).map_err(|failure| refuse(&failure.to_string()))?;
     gather::finish(import, wanted, &[], &place)
 }

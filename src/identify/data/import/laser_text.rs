@@ -68,7 +68,7 @@ pub(super) fn read(lines: &[Line], wanted: &ImportRequest, path: &Path) -> Resul
     import.metadata = contents.metadata;
     let place = lines.iter().find(|line| section(&line.text) == Some(DEVIATIONS.0)).map(|line| line.place.clone());
     let place = place.or(first.clone()).ok_or_else(|| refuse("the file is empty".to_owned()))?;
-    gather::believed(&import.samples, &import.errors)
+    gather::check_plausible(&import.samples, &import.errors)
         .map_err(|failure| Box::new(refusal(failure.to_string(), Some(place.clone()))))?;
     gather::finish(import, wanted, if beside { &[0] } else { &[] }, &place)
 }
@@ -112,7 +112,7 @@ fn contents(lines: &[Line]) -> Result<Contents, Box<Diagnostic>> {
     Ok(found)
 }
 
-/// The axis, the error and the unit.
+/// Returns the axis, the error and the unit.
 fn quantity(contents: &Contents, wanted: &ImportRequest, path: &Path) -> Result<(String, ErrorId, Unit), Reason> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let (known, own) =
@@ -150,7 +150,7 @@ fn quantity(contents: &Contents, wanted: &ImportRequest, path: &Path) -> Result<
 /// Runs in the order of the file: pairs of the target's index and the deviation.
 type Runs = Vec<Vec<(usize, f64)>>;
 
-/// The readings by run; every run has every target once.
+/// Returns the readings by run; every run has every target once.
 fn runs(contents: &Contents) -> Result<Runs, Reason> {
     let Contents { targets, target_count, run_count, readings, .. } = contents;
     if target_count.is_some_and(|count| count != targets.len() as f64) {
@@ -187,7 +187,7 @@ fn runs(contents: &Contents) -> Result<Runs, Reason> {
     }
 }
 
-/// The direction of a run: that of its targets in the order of the file.
+/// Returns the direction of a run: that of its targets in the order of the file.
 fn direction(run: &[(usize, f64)], targets: &[f64]) -> Option<ColumnDirection> {
     let at: Vec<f64> = run.iter().map(|(index, _)| targets[*index]).collect();
     let rises = at.windows(2).all(|w| w[1] > w[0]);

@@ -1,13 +1,13 @@
 //! Layouts of exports as tables of rules: the words of titles and labels, and their meanings.
 //!
-//! [`GENERAL`] holds for any instrument. The layout of a particular instrument is another [`Layout`] of this kind.
+//! [`GENERAL`] holds for any instrument. The layout of a particular instrument is another [`ExportLayout`] of this kind.
 
 use super::form::TableForm;
 use crate::syntax::ColumnDirection::{self, Forward, Reverse};
 
 /// The meaning of a column besides positions and readings by title.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Meaning {
+pub(super) enum ColumnMeaning {
     Run,
     Direction,
     /// The axis that moved.
@@ -29,7 +29,7 @@ pub(super) enum Meaning {
 struct TitleRule {
     titles: &'static [&'static str],
     form: Option<TableForm>,
-    meaning: Meaning,
+    meaning: ColumnMeaning,
 }
 
 /// Words of a direction, at the beginning or at the end of a label.
@@ -39,7 +39,7 @@ struct DirectionRule {
 }
 
 /// The words of one family of exports, in lower case.
-pub(super) struct Layout {
+pub(super) struct ExportLayout {
     titles: &'static [TitleRule],
     /// Titles of columns of targets, beside the name of the axis.
     positions: &'static [&'static str],
@@ -60,7 +60,7 @@ pub(super) struct Layout {
     letters: [(&'static [char], ColumnDirection); 2],
 }
 
-const fn title(titles: &'static [&'static str], form: Option<TableForm>, meaning: Meaning) -> TitleRule {
+const fn title(titles: &'static [&'static str], form: Option<TableForm>, meaning: ColumnMeaning) -> TitleRule {
     TitleRule { titles, form, meaning }
 }
 
@@ -69,20 +69,20 @@ const fn direction(direction: ColumnDirection, words: &'static [&'static str]) -
 }
 
 /// The words of English and German exports.
-pub(super) const GENERAL: Layout = Layout {
+pub(super) const GENERAL: ExportLayout = ExportLayout {
     titles: &[
-        title(&["run", "cycle", "lauf", "zyklus"], None, Meaning::Run),
-        title(&["axis"], None, Meaning::Axis),
+        title(&["run", "cycle", "lauf", "zyklus"], None, ColumnMeaning::Run),
+        title(&["axis"], None, ColumnMeaning::Axis),
         title(
             &["direction", "dir", "approach", "approach direction", "direction of approach", "richtung"],
             None,
-            Meaning::Direction,
+            ColumnMeaning::Direction,
         ),
-        title(&["exclude", "excluded", "reason", "rejected"], None, Meaning::Excluded),
-        title(&["error"], Some(TableForm::Tidy), Meaning::ErrorName),
-        title(&["unit"], Some(TableForm::Tidy), Meaning::Unit),
-        title(&["value"], Some(TableForm::Tidy), Meaning::Value),
-        title(&["", "temp", "temperature", "time", "comment", "point", "no", "index"], None, Meaning::Ignored),
+        title(&["exclude", "excluded", "reason", "rejected"], None, ColumnMeaning::Excluded),
+        title(&["error"], Some(TableForm::Tidy), ColumnMeaning::ErrorName),
+        title(&["unit"], Some(TableForm::Tidy), ColumnMeaning::Unit),
+        title(&["value"], Some(TableForm::Tidy), ColumnMeaning::Value),
+        title(&["", "temp", "temperature", "time", "comment", "point", "no", "index"], None, ColumnMeaning::Ignored),
     ],
     positions: &[
         "position",
@@ -203,7 +203,7 @@ pub(super) const GENERAL: Layout = Layout {
     letters: [(&['f', 'v'], Forward), (&['r'], Reverse)],
 };
 
-/// The words of a title.
+/// Returns the words of a title.
 pub(super) fn words(title: &str) -> impl Iterator<Item = &str> {
     title.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty())
 }
@@ -216,9 +216,9 @@ pub(super) struct RunLabel {
     pub run: String,
 }
 
-impl Layout {
+impl ExportLayout {
     /// Returns the meaning of a whole title.
-    pub fn meaning(&self, title: &str, form: TableForm) -> Option<Meaning> {
+    pub fn meaning(&self, title: &str, form: TableForm) -> Option<ColumnMeaning> {
         let fits = |rule: &&TitleRule| rule.form.is_none_or(|own| own == form) && rule.titles.contains(&title);
         self.titles.iter().find(fits).map(|rule| rule.meaning)
     }
@@ -299,7 +299,7 @@ impl Layout {
 
     /// Splits a title of positions that were reached, such as `actual`, `actual position 2 -`, `ist_1`. A title with
     /// another word, such as `actual deviation` or `actual feed`, is none.
-    pub fn reached(&self, title: &str, paired: bool) -> Option<RunLabel> {
+    pub fn actual_position_label(&self, title: &str, paired: bool) -> Option<RunLabel> {
         let rest = self.reached.iter().find_map(|word| title.strip_prefix(word))?;
         let name = rest.trim_start_matches([' ', '_', '-']);
         // A sign by itself is a direction, one before a name joins the two.
@@ -317,7 +317,7 @@ impl Layout {
     }
 
     /// True if letters of both directions are among the titles.
-    pub fn is_paired<'t>(&self, titles: impl Iterator<Item = &'t str> + Clone) -> bool {
+    pub fn has_letter_pairs<'t>(&self, titles: impl Iterator<Item = &'t str> + Clone) -> bool {
         let has =
             |wanted| titles.clone().filter_map(|title| self.letter(title.trim())).any(|(found, _)| found == wanted);
         has(Forward) && has(Reverse)

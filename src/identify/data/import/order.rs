@@ -2,19 +2,11 @@
 //! ends, from which side its targets were approached, and on a turning axis which end meets which.
 
 use super::sample::{Import, Sample};
+use crate::identify::thresholds::{MAX_TARGET_SCATTER, MIN_STEP_OVER_SCATTER, SAME_TARGET};
 use crate::syntax::ColumnDirection;
 use indexmap::IndexMap;
 
-/// Positions this close are one target whatever the steps are (mm or deg): no more than arithmetic.
-const SAME: f64 = 1e-6;
-/// Farthest apart (mm or deg) of measured positions of one target: that of a worn machine, and less than the steps of
-/// any test.
-const SCATTER: f64 = 0.05;
-/// Targets are at least this many times as far apart as the positions of the widest one. Between scatter and steps
-/// there is then a gap that no even spacing has, so that targets a micrometre apart stay targets.
-const APART: f64 = 20.0;
-
-/// Puts the positions of all readings on their targets; says how close to a target counts as on it.
+/// Moves the positions of all readings to their targets; returns how near to a target counts as on it.
 pub(crate) fn merge(samples: &mut [Sample]) -> f64 {
     let mut order: Vec<usize> = (0..samples.len()).collect();
     order.sort_by(|a, b| samples[*a].position.total_cmp(&samples[*b].position));
@@ -26,25 +18,25 @@ pub(crate) fn merge(samples: &mut [Sample]) -> f64 {
         order[start..start + group.len()].iter().for_each(|i| samples[*i].position = at);
         start += group.len();
     }
-    if width > SAME { SCATTER } else { SAME }
+    if width > SAME_TARGET { MAX_TARGET_SCATTER } else { SAME_TARGET }
 }
 
-/// The widest gap between neighbours that belong to one target.
+/// Returns the widest gap between neighbours that belong to one target.
 fn gap_within(sorted: &[f64]) -> f64 {
-    let mut gaps: Vec<f64> = sorted.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap > SAME).collect();
+    let mut gaps: Vec<f64> = sorted.windows(2).map(|w| w[1] - w[0]).filter(|gap| *gap > SAME_TARGET).collect();
     gaps.sort_by(f64::total_cmp);
     let widest = |gap: f64| {
         let groups = sorted.chunk_by(|a, b| b - a <= gap);
         groups.map(|g| g[g.len() - 1] - g[0]).fold(0.0, f64::max)
     };
     let fits = |w: &&[f64]| {
-        let most = (w[1] / APART).min(SCATTER);
+        let most = (w[1] / MIN_STEP_OVER_SCATTER).min(MAX_TARGET_SCATTER);
         w[0] <= most && widest(w[0]) <= most
     };
-    gaps.windows(2).rev().find(fits).map_or(SAME, |w| w[0])
+    gaps.windows(2).rev().find(fits).map_or(SAME_TARGET, |w| w[0])
 }
 
-/// The position of readings of one target: of all numbers between them the roundest.
+/// Returns the position of readings of one target: of all numbers between them the roundest.
 fn target(group: &[f64]) -> f64 {
     let (low, high) = (group[0], group[group.len() - 1]);
     let mean = group.iter().sum::<f64>() / group.len() as f64;
@@ -69,7 +61,7 @@ pub(crate) fn go_there_and_back(samples: &[Sample], error: usize) -> bool {
     ways(samples, &passes_of(samples, error)).is_some()
 }
 
-/// Gives the runs of an error directions in turns, forward first: two passes are one run.
+/// Gives the runs of an error alternating directions, forward first: two passes are one run.
 pub(crate) fn alternate(samples: &mut [Sample], error: usize) {
     let mut runs: IndexMap<String, ()> = IndexMap::new();
     for sample in samples.iter_mut().filter(|sample| sample.error == error) {
@@ -94,8 +86,8 @@ pub(crate) fn passes(import: &mut Import) {
     }
 }
 
-/// Readings of one error, as indices, by pass: within each run (and direction, if it is known), up to where the
-/// position jumps back to the start.
+/// Returns the readings of one error, as indices, by pass: within each run (and direction, if it is known), up to where
+/// the position jumps back to the start.
 fn passes_of(samples: &[Sample], error: usize) -> Vec<Vec<usize>> {
     let mut runs: IndexMap<(&str, Option<bool>), Vec<usize>> = IndexMap::new();
     let mut targets = Vec::new();
@@ -120,8 +112,8 @@ fn passes_of(samples: &[Sample], error: usize) -> Vec<Vec<usize>> {
     passes
 }
 
-/// Where passes begin, of readings at targets by number. From one target to the next is a way that was measured;
-/// back over several of them at once, to where the way began or beyond, is not.
+/// Returns the indices at which passes begin, of readings at targets by number. A step to the next target is a measured
+/// one; a step back over several targets to the start of the pass, or beyond, is not.
 fn starts(targets: &[usize]) -> Vec<usize> {
     // Two targets in turns are two readings to a pass: there and back, the far one is read twice.
     let turns = |pair: &[usize]| pair == &targets[..2] && pair[0] != pair[1];
@@ -148,8 +140,8 @@ fn starts(targets: &[usize]) -> Vec<usize> {
     starts
 }
 
-/// From which side every reading of every pass was approached; `None` unless both directions were measured and all
-/// are known.
+/// Returns the direction of approach of every reading by pass; `None` unless both directions were measured and all are
+/// known.
 fn ways(samples: &[Sample], passes: &[Vec<usize>]) -> Option<Vec<Vec<ColumnDirection>>> {
     let mut all: Vec<Vec<ColumnDirection>> = Vec::new();
     for pass in passes {
@@ -164,8 +156,8 @@ fn ways(samples: &[Sample], passes: &[Vec<usize>]) -> Option<Vec<Vec<ColumnDirec
     both.iter().all(|way| all.iter().flatten().any(|known| known == way)).then_some(all)
 }
 
-/// The directions of one pass: there and back, as lasers measure. At a turning point the target is measured twice, or
-/// once: then it belongs to the way that ends there.
+/// Returns the directions of one pass: there and back, as lasers measure. At a turning point the target is measured
+/// twice, or once: then it belongs to the way that ends there.
 fn ways_of(at: &[f64]) -> Option<Vec<ColumnDirection>> {
     let way = |step: f64| if step > 0.0 { ColumnDirection::Forward } else { ColumnDirection::Reverse };
     let steps: Vec<f64> = at.windows(2).map(|w| w[1] - w[0]).collect();
@@ -177,7 +169,7 @@ fn ways_of(at: &[f64]) -> Option<Vec<ColumnDirection>> {
     Some((0..at.len()).map(one).collect())
 }
 
-/// Every way back and forth is a run of its own, if the file names none.
+/// Numbers the runs, if the file names none: every way back and forth is one.
 fn number(samples: &mut [Sample], passes: &[Vec<usize>], ways: Option<&[Vec<ColumnDirection>]>) {
     let mut run = 0;
     for (k, pass) in passes.iter().enumerate() {
@@ -201,7 +193,7 @@ fn number(samples: &mut [Sample], passes: &[Vec<usize>], ways: Option<&[Vec<Colu
     }
 }
 
-/// Positions modulo 360 deg. What one run has read a whole turn apart is one reading, the mean of both: the seam.
+/// Takes positions modulo 360 deg. Two readings of one run a whole turn apart become their mean: the seam.
 pub(crate) fn wrap(samples: &mut Vec<Sample>, near: f64) {
     let programmed: Vec<f64> = samples.iter().map(|sample| sample.position).collect();
     for sample in samples.iter_mut() {
@@ -248,10 +240,10 @@ mod tests {
     #[test]
     fn targets_are_told_from_scatter() {
         assert_eq!(gap_within(&[0.0, 0.0003, 0.0004, 100.0, 100.02]), 100.02 - 100.0);
-        assert_eq!(gap_within(&[0.0, 0.001, 0.002, 0.003]), SAME);
+        assert_eq!(gap_within(&[0.0, 0.001, 0.002, 0.003]), SAME_TARGET);
         // A far target makes no scatter of even steps: they are too wide together.
         let even: Vec<f64> = (0..60).map(|i| f64::from(i) * 1e-3).chain([100.0]).collect();
-        assert_eq!(gap_within(&even), SAME);
+        assert_eq!(gap_within(&even), SAME_TARGET);
         assert_eq!((target(&[-1e-4, 2e-4]), target(&[99.9, 99.9]), target(&[1.24, 1.26])), (0.0, 99.9, 1.25));
     }
 }

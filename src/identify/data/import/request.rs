@@ -36,12 +36,12 @@ pub struct ImportRequest {
 }
 
 impl ImportRequest {
-    /// The factor of values.
+    /// Returns the factor of values.
     pub(super) fn sign(&self) -> f64 {
         if self.contents == Some(FileContents::Corrections) { -1.0 } else { 1.0 }
     }
 
-    /// ` of EXX`, if one error is asked for.
+    /// Returns ` of EXX`, if one error is requested.
     pub(super) fn of(&self) -> String {
         self.error.as_deref().map(|error| format!(" of `{}`", shown(error))).unwrap_or_default()
     }

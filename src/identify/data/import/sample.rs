@@ -112,7 +112,7 @@ impl Import {
     }
 }
 
-/// A refusal of the file as a whole.
+/// Returns a refusal of the file as a whole.
 pub(super) fn refusal(message: String, place: Option<Place>) -> Diagnostic {
     let help = "a table needs a header: a position column (`X [mm]`, `position [mm]`) and columns named by error \
                 (`EXX [um]`), by run (`1+ [um]`, `1- [um]` ..., with `--error EXX`), or `error`, `value` and `unit`; \
