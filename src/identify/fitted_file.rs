@@ -5,8 +5,8 @@ use super::solve::{FormUncertainty, Solution};
 use crate::identify::thresholds::UNCERTAINTY_SITES;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
-    Approach, Axis, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, JointUncertainty,
-    Machine, MachineParts, machine_file,
+    Approach, Axis, ComponentError, Curve, Direction, ErrorFamily, ErrorTerm, JointErrors, JointUncertainty, Machine,
+    MachineParts, machine_file,
 };
 use crate::syntax::IdentifyEntry;
 use crate::units::significant;
@@ -33,7 +33,7 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
     for ((place, direction), curves) in curves_of(parameters, &solution.theta()) {
         set_error(&mut parts, place, direction, curves);
         let half = expanded_uncertainty(machine, parameters, solution, Source { place, direction });
-        let Some(error) = error_at(&parts, place, direction) else { continue };
+        let Some(error) = (Source { place, direction }).error(machine) else { continue };
         parts.covariance.iter_mut().for_each(|part| part.remove(&error));
         let _ = match half {
             Some(half) => parts.uncertainty.insert(error, half),
@@ -42,7 +42,7 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
     }
     if notes.joint {
         let columns = solution.covariance_factor(parameters.len());
-        let part = |column: &Vec<f64>| joint_part(&parts, parameters, column);
+        let part = |column: &Vec<f64>| joint_part(machine, parameters, column);
         let fitted: Vec<JointUncertainty> = columns.iter().map(part).collect();
         parts.covariance.retain(|part| !part.is_empty());
         if let Some(form) = notes.form {
@@ -74,12 +74,12 @@ fn curves_of(parameters: &[Parameter], values: &[f64]) -> BTreeMap<(ErrorSite, D
 }
 
 /// Returns the changes of errors by one standard uncertainty of an independent part, `amounts` by parameter.
-fn joint_part(parts: &MachineParts, parameters: &[Parameter], amounts: &[f64]) -> JointUncertainty {
+fn joint_part(machine: &Machine, parameters: &[Parameter], amounts: &[f64]) -> JointUncertainty {
     let mut joint = JointUncertainty::default();
     for ((place, direction), curves) in curves_of(parameters, amounts) {
         let constant = curves[0].as_ref().map_or(0.0, |curve| curve.value(0.0));
         let index = direction.index();
-        match (place, error_at(parts, place, direction)) {
+        match (place, Source { place, direction }.error(machine)) {
             (ErrorSite::Tool, _) => joint.setup.tool[index % 3] = constant,
             (ErrorSite::Workpiece, _) => joint.setup.workpiece[index] = constant,
             (_, Some(error)) => {
@@ -152,14 +152,6 @@ pub fn largest_uncertainty(
         Some(if b.0 > a.0 { b } else { a })
     };
     both.map(|(u, q)| Some((u?, q))).reduce(larger).flatten()
-}
-
-/// Returns the error of a joint at a place; `None` for set-up errors.
-fn error_at(parts: &MachineParts, place: ErrorSite, direction: Direction) -> Option<ErrorId> {
-    let (ErrorSite::Location(joint) | ErrorSite::Component(joint)) = place else { return None };
-    let axis = parts.axes.get(joint).map(|axis| &axis.name).or_else(|| parts.chain.spindle()).cloned()?;
-    let family = if matches!(place, ErrorSite::Location(_)) { ErrorFamily::Location } else { ErrorFamily::Component };
-    Some(ErrorId { axis, family, direction })
 }
 
 /// Returns the section `identify` in JSON, which is YAML; empty for an empty request.

@@ -3,7 +3,7 @@
 //! 1. [`read_measurements`]: CSV files to [`Measurement`]s, and the unknowns of the instruments.
 //! 2. [`with_command_line`], [`parameters`], [`slope_bounds`], [`unused_entries`]: the words of `--fit` or of the section
 //!    `identify` to [`Parameter`]s.
-//! 3. [`ReadingModel`]: the predicted readings of the machine with these parameters, exactly or to an order, and their
+//! 3. [`FitModel`]: the predicted readings of the machine with these parameters, exactly or to an order, and their
 //!    derivatives.
 //! 4. [`solve()`]: the weights of the readings, and with them [`fit()`]: weighted least squares by Levenberg-Marquardt.
 //! 5. [`Solution`]: rank, null space in words, uncertainty; directions below noise.
@@ -29,9 +29,9 @@ pub use data::{
 };
 pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{
-    BasisFunction, Coefficient, Component, ErrorMonomial, Invariances, Parameter, ParameterTerm, PriorValue,
-    ReadingModel, SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters, parse_prior, slope_bounds,
-    type_b, unused_entries, with_command_line,
+    BasisFunction, Coefficient, Component, ErrorMonomial, FitModel, Invariances, Parameter, ParameterTerm, PriorValue,
+    SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters, parse_prior, slope_bounds, type_b,
+    unused_entries, with_command_line,
 };
 pub use solve::{
     DatumConditions, DeviationUncertainty, Estimate, FormUncertainty, Outlier, ParameterFit, Prediction, Randomness,

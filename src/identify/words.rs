@@ -86,16 +86,11 @@ pub(super) fn describe_null(direction: &DirectionParts, parameters: &[Parameter]
             }
         }
     }
-    let more = format!("{} more", parts.len().saturating_sub(most));
-    if parts.len() > most {
-        names.truncate(most);
-        parts.truncate(most);
-        names.push(&more);
-        parts.push("...".to_owned());
-    }
+    let more = shorten(&mut parts, &mut names, most);
+    let names = join_names(&names.into_iter().chain(more.as_deref()).collect::<Vec<_>>());
     match &parts[..] {
         [one] => format!("{one} changes nothing"),
-        _ => format!("{} cannot be separated: together {} change nothing", join_names(&names), parts.join(", ")),
+        _ => format!("{} cannot be separated: together {} change nothing", names, parts.join(", ")),
     }
 }
 
@@ -135,6 +130,15 @@ fn knot_position(knot: &str) -> Option<f64> {
 fn with_sign(value: f64) -> String {
     let text = significant(value, 3);
     if text.starts_with('-') { text } else { format!("+{text}") }
+}
+
+/// Cuts parts and names to `max` each. Returns the words for the others, if there are any.
+fn shorten(parts: &mut Vec<String>, names: &mut Vec<&str>, max: usize) -> Option<String> {
+    let others = parts.len().checked_sub(max).filter(|others| *others > 0)?;
+    names.truncate(max);
+    parts.truncate(max);
+    parts.push("...".to_owned());
+    Some(format!("{others} more"))
 }
 
 /// Maximum number of parameters named of a direction below noise: those with the largest part.
@@ -178,16 +182,12 @@ fn describe_weak_direction(spread: &DVector<f64>, scale: &DVector<f64>, paramete
             false => format!("{name} is hardly known: the noise (one standard deviation) cannot be told from {amount}"),
         };
     }
-    let others = direction.split_off(direction.len().min(MAX_NAMED)).len();
     let mut parts: Vec<String> =
         direction.iter().map(|part| format!("{} {}", parameters[part.0].name, amount(part))).collect();
     let mut names = names(&direction, parameters);
-    let more = format!("{others} more");
-    if others > 0 {
-        names.push(&more);
-        parts.push("...".to_owned());
-    }
-    let (parts, names) = (parts.join(", "), join_names(&names));
+    let more = shorten(&mut parts, &mut names, MAX_NAMED);
+    let names = join_names(&names.into_iter().chain(more.as_deref()).collect::<Vec<_>>());
+    let parts = parts.join(", ");
     if share < 1.0 {
         return format!("{names} are only known together: {parts} are {} {hides}", significant(share, 2));
     }

@@ -10,7 +10,7 @@ use super::oracle::yaml;
 use abbe::diagnostic::{Diagnostics, Place as InFile};
 use abbe::evaluate::{Frame, Order, evaluate};
 use abbe::identify::{
-    FileNotes, Measurement, Parameter, ParameterFit, Reading, ReadingContext, ReadingModel, Solution, fit, fitted_file,
+    FileNotes, FitModel, Measurement, Parameter, ParameterFit, Reading, ReadingContext, Solution, fit, fitted_file,
     held_out, parameters, read_measurements, solve as weigh,
 };
 use abbe::lower::{ErrorSite, Exact, Source, actual_point, position_jacobian, values};
@@ -32,7 +32,7 @@ pub fn measured(pose: &[f64], d: [f64; 3]) -> Measurement {
 }
 
 pub fn solve(machine: &Machine, parameters: &[Parameter], data: &[Measurement]) -> (ParameterFit, Solution) {
-    let model = ReadingModel::new(machine, parameters);
+    let model = FitModel::new(machine, parameters);
     let found = fit(&model, data, vec![1.0; data.len()]);
     let solution = Solution::of(&found, parameters);
     (found, solution)
@@ -118,7 +118,7 @@ fn location_errors_of_random_machines_explain_data_of_the_independent_model() {
         let parameters = wanted(&machine, &["location", "tool", "workpiece"]);
         let (train, test) = data.split_at(60);
         let (found, solution) = solve(&machine, &parameters, train);
-        let model = ReadingModel::new(&machine, &parameters);
+        let model = FitModel::new(&machine, &parameters);
         let left = rms(model.residuals(test, &found.theta).into_iter());
         assert!(left < 1e-8, "{left:e} mm of points not used; {:?}", solution.null_space);
         // Location, tool and workpiece together are always short by three or more.
@@ -249,7 +249,7 @@ fn what_shows_only_in_products_of_errors_is_not_followed() {
     let farthest = parameters.iter().zip(&found.theta).map(moved).fold(0.0, f64::max);
     assert!(farthest < 0.2, "{farthest} mm");
     // A reading scatters by 1 um, and splines of six knots miss the curves by about as much.
-    let left = rms(ReadingModel::new(&machine, &parameters).residuals(&fresh, &found.theta).into_iter());
+    let left = rms(FitModel::new(&machine, &parameters).residuals(&fresh, &found.theta).into_iter());
     assert!((1.7e-3..3.2e-3).contains(&left), "{left} mm");
 }
 
@@ -347,7 +347,7 @@ fn robust_weights_resist_bumped_points_and_held_out_data_are_predicted() {
         .map(|p| measured(p, deviation(&truth, p).map(|d| d + 1e-3 * normal(&mut random))))
         .collect();
     data[10] = measured(&data[10].pose, [0.3, -0.2, 0.1]);
-    let model = ReadingModel::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     let robust = weigh(&model, &data, true);
     assert!((robust.theta[0] - 12e-6).abs() < 2e-6 && (robust.theta[1] - 6e-3).abs() < 6e-4, "{:?}", robust.theta);
     let report = abbe::identify::Residuals::of(&model, &data, &robust.theta);
@@ -368,7 +368,7 @@ fn the_ur5_robot_has_rank_27() {
     let (found, solution) = solve(&robot, &parameters, &data);
     assert!(found.converged, "{} steps", found.steps);
     assert_eq!((solution.rank, parameters.len(), data.len()), (27, 39, 60));
-    let model = ReadingModel::new(&robot, &parameters);
+    let model = FitModel::new(&robot, &parameters);
     let after = rms(model.residuals(&data, &found.theta).into_iter());
     assert!(after < 0.1125, "{after}");
     for axis in 1..=6 {
@@ -512,7 +512,7 @@ fn planned_poses_tell_more_than_random_ones_and_their_uncertainty_is_met() {
         &blank,
         &["EC0Y", "EB0Z", "EA0Z", "EX0C", "EY0C", "EA0C", "EB0C", "EY0A", "EZ0A", "EB0A", "EC0A", "workpiece"],
     );
-    let model = ReadingModel::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     let planned = abbe::identify::plan(&model, 16, 1e-3, 7);
     assert_eq!((planned.poses.len(), planned.expected.rank), (16, 17));
     // The determinant of the covariance, by way of the singular values of the design.

@@ -5,7 +5,7 @@ use super::language::{read, silent};
 use super::oracle::program::Folder;
 use super::oracle::random::Random;
 use abbe::evaluate::Order;
-use abbe::identify::{Measurement, Parameter, ParameterFit, ReadingModel, fit, parameters, slope_bounds};
+use abbe::identify::{FitModel, Measurement, Parameter, ParameterFit, fit, parameters, slope_bounds};
 use abbe::machine::{Approach, Machine};
 use abbe::syntax::{IdentifyEntry, Scalar};
 
@@ -24,7 +24,7 @@ fn data(truth: &Machine, count: usize, seed: u64) -> Vec<Measurement> {
 fn solved(machine: &Machine, request: &IdentifyEntry, data: &[Measurement]) -> (Vec<Parameter>, ParameterFit) {
     let unknowns = list(machine, request);
     let bounds = slope_bounds(machine, request, &unknowns).unwrap();
-    let model = ReadingModel::new(machine, &unknowns).with_slope_bounds(&bounds);
+    let model = FitModel::new(machine, &unknowns).with_slope_bounds(&bounds);
     let found = fit(&model, data, vec![1.0; data.len()]);
     (unknowns, found)
 }
@@ -214,9 +214,9 @@ fn the_model_of_order_two_is_fitted_with_its_own_derivatives() {
     let theta: Vec<f64> = unknowns.iter().map(|p| 20e-3 / p.size).collect();
     let poses = five_poses(&mut Random::new(98), 12);
     let rows: Vec<Measurement> = poses.iter().map(|p| measured(p, [0.0; 3])).collect();
-    let exact = ReadingModel::new(&blank, &unknowns);
+    let exact = FitModel::new(&blank, &unknowns);
     for (order, bound) in [(Order::Degree(1), 1e-4), (Order::Degree(2), 1e-7)] {
-        let model = ReadingModel::new(&blank, &unknowns).to_order(order);
+        let model = FitModel::new(&blank, &unknowns).to_order(order);
         let data: Vec<Measurement> =
             poses.iter().zip(&rows).map(|(p, m)| measured(p, model.prediction(m, &theta).into())).collect();
         let gap = rows.iter().map(|m| (model.prediction(m, &theta) - exact.prediction(m, &theta)).norm());

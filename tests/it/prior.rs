@@ -3,7 +3,7 @@
 use super::identify::{deviation, five, five_poses, measured, normal, solve, wanted};
 use super::oracle::random::Random;
 use abbe::evaluate::Frame;
-use abbe::identify::{Measurement, ParameterFit, Reading, ReadingModel, fit, slope_bounds};
+use abbe::identify::{FitModel, Measurement, ParameterFit, Reading, fit, slope_bounds};
 use abbe::lower::{ErrorSite, Source};
 use abbe::machine::Direction;
 use abbe::syntax::{IdentifyEntry, Scalar};
@@ -126,7 +126,7 @@ fn a_bound_on_the_slope_carries_blocks_and_b_splines_over_what_was_not_measured(
         request.slopes.insert("EXX".to_owned(), Scalar::Text("20 um/m".to_owned()));
         let parameters = abbe::identify::parameters(&machine, &request).unwrap();
         let bounds = slope_bounds(&machine, &request, &parameters).unwrap();
-        let model = ReadingModel::new(&machine, &parameters).with_slope_bounds(&bounds);
+        let model = FitModel::new(&machine, &parameters).with_slope_bounds(&bounds);
         let reading = |x: f64| measured(&[0.0, 0.0, 0.0, x, 0.0], [4e-3 + 1e-3 * (x / 40.0).sin(), 0.0, 0.0]);
         let data: Vec<Measurement> = (0..41).map(|i| reading(100.0 + 5.0 * f64::from(i))).collect();
         let found = fit(&model, &data, vec![1.0; data.len()]);

@@ -3,7 +3,7 @@
 use super::identify::{deviation, five, five_poses, json, measured, normal, wanted};
 use super::measurements::identified;
 use super::oracle::random::Random;
-use abbe::identify::{Measurement, Parameter, ParameterFit, Reading, ReadingKind, ReadingModel, Solution, solve};
+use abbe::identify::{FitModel, Measurement, Parameter, ParameterFit, Reading, ReadingKind, Solution, solve};
 use abbe::lower::{ErrorSite, Source};
 use abbe::machine::{Approach, Direction, Machine};
 
@@ -46,7 +46,7 @@ fn setting(random: &mut Random, count: usize) -> (Machine, Vec<Parameter>, Vec<C
     (blank, parameters, clean)
 }
 
-fn weighed(model: &ReadingModel<'_>, data: &[Measurement], robust: bool) -> (ParameterFit, Solution) {
+fn weighed(model: &FitModel<'_>, data: &[Measurement], robust: bool) -> (ParameterFit, Solution) {
     let found = solve(model, data, robust);
     let solution = Solution::of(&found, model.parameters());
     (found, solution)
@@ -56,7 +56,7 @@ fn weighed(model: &ReadingModel<'_>, data: &[Measurement], robust: bool) -> (Par
 fn robust_intervals_cover_the_truth_with_and_without_bumped_points() {
     let mut random = Random::new(601);
     let (blank, parameters, clean) = setting(&mut random, 60);
-    let model = ReadingModel::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     for bumped in [0, 6] {
         let mut coverage = Coverage::default();
         for _ in 0..300 {
@@ -87,7 +87,7 @@ fn single(direction: Direction, x: f64, value: f64) -> Measurement {
 fn unlike_quantities_have_variances_of_their_own() {
     let mut random = Random::new(602);
     let (blank, parameters, clean) = setting(&mut random, 40);
-    let model = ReadingModel::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     let (mut coverage, mut sigmas) = (Coverage::default(), [0.0; 3]);
     for robust in [false, true] {
         for _ in 0..200 {
@@ -118,7 +118,7 @@ fn unlike_quantities_have_variances_of_their_own() {
 fn what_hangs_on_few_readings_has_the_students_factor_of_those() {
     let mut random = Random::new(605);
     let (blank, parameters, clean) = setting(&mut random, 40);
-    let model = ReadingModel::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     for robust in [false, true] {
         let (mut coverage, mut few) = (Coverage::default(), 0.0_f64);
         for _ in 0..300 {
@@ -151,7 +151,7 @@ fn intervals_from_few_readings_are_students() {
     let mut random = Random::new(603);
     let (truth, blank) = (five("errors: { EC0Y: 12 urad, EX0C: 6 um }\n"), five(""));
     let parameters = wanted(&blank, &["EC0Y", "EX0C"]);
-    let model = ReadingModel::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     let (mut student, mut plain) = (Coverage::default(), Coverage::default());
     for _ in 0..2000 {
         let one = |p: &Vec<f64>| measured(p, deviation(&truth, p).map(|d| d + 2e-3 * normal(&mut random)));

@@ -4,12 +4,12 @@ use super::Fitted;
 use crate::analysis::LocationSet;
 use crate::identify::{DatumConditions, Parameter, RigidMotionRemoved, largest_uncertainty};
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, ErrorFamily, ErrorId, Machine};
+use crate::machine::{Approach, Machine};
 use crate::syntax::{DatumEntry, IdentifyEntry};
 use serde::Serialize;
 
-/// Places of the travel at which a curve is looked at.
-const SITES: usize = 101;
+/// Positions of the travel at which a curve is evaluated.
+const ERROR_SITES: usize = 101;
 
 /// The datum of the fitted errors.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -71,15 +71,10 @@ pub(super) fn errors(fitted: &Fitted<'_>) -> Vec<FittedError> {
 
 fn error(fitted: &Fitted<'_>, source: Source) -> Option<FittedError> {
     let own = &fitted.unknowns[..fitted.own];
-    let (family, joint) = match source.place {
-        ErrorSite::Location(joint) => (ErrorFamily::Location, joint),
-        ErrorSite::Component(joint) => (ErrorFamily::Component, joint),
-        _ => return None,
-    };
     let machine = fitted.machine;
-    let axis = machine.axes().get(joint);
-    let name = axis.map(|axis| &axis.name).or_else(|| machine.chain().spindle())?;
-    let interval = axis.filter(|_| family == ErrorFamily::Component).map_or((0.0, 0.0), |axis| axis.travel.interval());
+    let id = source.error(machine)?;
+    let axis = if let ErrorSite::Component(axis) = source.place { machine.axes().get(axis) } else { None };
+    let interval = axis.map_or((0.0, 0.0), |axis| axis.travel.interval());
     let value = |q: f64, from: Approach| -> f64 {
         let estimates = own.iter().zip(&fitted.solution.estimates);
         let mine =
@@ -87,13 +82,12 @@ fn error(fitted: &Fitted<'_>, source: Source) -> Option<FittedError> {
         let part = |p: &Parameter| p.terms.iter().filter(mine).map(|t| t.factor * t.basis.value(q)).sum::<f64>();
         estimates.map(|(p, e)| e.value * part(p)).sum()
     };
-    let site = |i: usize| interval.0 + (interval.1 - interval.0) * i as f64 / (SITES - 1) as f64;
-    let values = (0..SITES).flat_map(|i| [Approach::Forward, Approach::Reverse].map(|from| value(site(i), from)));
+    let site = |i: usize| interval.0 + (interval.1 - interval.0) * i as f64 / (ERROR_SITES - 1) as f64;
+    let values = (0..ERROR_SITES).flat_map(|i| [Approach::Forward, Approach::Reverse].map(|from| value(site(i), from)));
     let (smallest, largest) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (v.min(low), v.max(high)));
     let (factor, unit) = source.direction.micro();
     let sigma = largest_uncertainty(machine, own, &fitted.solution, source).map(|(sigma, _)| sigma * factor);
-    let id = ErrorId { axis: name.clone(), family, direction: source.direction };
     let (smallest, largest) = (smallest * factor + 0.0, largest * factor + 0.0);
     Some(FittedError { error: id.to_string(), smallest, largest, sigma, unit: unit.to_owned() })
 }

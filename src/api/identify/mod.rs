@@ -25,10 +25,10 @@ use crate::controller::sha256;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
 use crate::identify::{
-    FileNotes, FormUncertainty, Measurement, MeasurementSet, Parameter, ParameterFit, Prediction, PriorValue,
-    Randomness, ReadingContext, ReadingModel, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file,
-    form_uncertainty, held_out, in_datum, invariances, parameters, parse_prior, randomness, read_measurements, repeats,
-    slope_bounds, solve, type_b, unused_entries, with_command_line,
+    FileNotes, FitModel, FormUncertainty, Measurement, MeasurementSet, Parameter, ParameterFit, Prediction, PriorValue,
+    Randomness, ReadingContext, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, form_uncertainty,
+    held_out, in_datum, invariances, parameters, parse_prior, randomness, read_measurements, repeats, slope_bounds,
+    solve, type_b, unused_entries, with_command_line,
 };
 use crate::machine::Machine;
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
@@ -104,7 +104,7 @@ pub fn identify(
         let monitor = call.run.monitor;
         monitor.begin(0);
         let progress = |readings| monitor.advance(readings);
-        let result = solved(call, file, options, &problem, &progress);
+        let result = solve_problem(call, file, options, &problem, &progress);
         monitor.end();
         result
     })
@@ -126,7 +126,7 @@ impl Problem {
     fn read(call: &mut Call<'_>, file: &MachineFile, options: &IdentifyOptions) -> Result<Self, Refused> {
         let Requested { request, own, bounds } = Requested::of(call, file, &options.fit, &options.fixed)?;
         let (mut data, hashes) = measurements(call, file, options)?;
-        call.extend(remarks::left_out(file, &data.leave_out(&own)));
+        call.extend(remarks::unused_readings(file, &data.leave_out(&own)));
         let mut known: Vec<PriorValue> = Vec::new();
         for (j, place) in data.nuisances.iter().enumerate() {
             let (unknown, value) = (own.len() + j, place.start);
@@ -146,11 +146,8 @@ impl Problem {
         Ok(Self { request, unknowns, bounds, known, type_b, rows: data.rows, hashes })
     }
 
-    fn model(&self, machine: &Machine, order: Order) -> ReadingModel<'_> {
-        ReadingModel::new(machine, &self.unknowns)
-            .with_slope_bounds(&self.bounds)
-            .with_known(&self.known)
-            .to_order(order)
+    fn model(&self, machine: &Machine, order: Order) -> FitModel<'_> {
+        FitModel::new(machine, &self.unknowns).with_slope_bounds(&self.bounds).with_known(&self.known).to_order(order)
     }
 }
 
@@ -168,7 +165,7 @@ impl Requested {
         let bounds = slope_bounds(file, &request, &own).or_else(|refusal| call.refuse(*refusal))?;
         // A list of one's own takes what it needs of the section.
         if fit.is_empty() {
-            call.extend(remarks::unused(&unused_entries(file, &request, &own)));
+            call.extend(remarks::entries_without_effect(&unused_entries(file, &request, &own)));
         }
         Ok(Self { request, own, bounds })
     }
@@ -194,7 +191,7 @@ fn priors(
             Err(refusal) => return call.refuse(*refusal),
         }
     }
-    call.extend(remarks::unused(&idle));
+    call.extend(remarks::entries_without_effect(&idle));
     Ok(list)
 }
 
@@ -304,7 +301,7 @@ impl Fitted<'_> {
     }
 }
 
-fn solved(
+fn solve_problem(
     call: &mut Call<'_>,
     file: &MachineFile,
     options: &IdentifyOptions,
@@ -370,7 +367,7 @@ fn solved(
         call.extend([remarks::implausible(&why)]);
     }
     if options.pictures {
-        let drawn = pictures::drawn(&model, data, &theta).or_else(|refusal| call.refuse(refusal));
+        let drawn = pictures::draw(&model, data, &theta).or_else(|refusal| call.refuse(refusal));
         result.pictures = drawn?;
     }
     Ok(result)
@@ -384,8 +381,8 @@ fn machine_file(
     problem: &Problem,
     fitted: &Fitted<'_>,
 ) -> Result<String, Refused> {
-    call.extend(remarks::written(fitted));
-    let refusals = [remarks::undetermined(fitted), remarks::unheld(fitted)];
+    call.extend(remarks::weak_directions_in_file(fitted));
+    let refusals = [remarks::undetermined_values(fitted), remarks::uncertain_prediction(fitted)];
     let refusals: Vec<Diagnostic> = refusals.into_iter().flatten().collect();
     // What is not determined has no covariance that would mean anything.
     let joint = refusals.is_empty();
@@ -393,7 +390,7 @@ fn machine_file(
         call.extend(others.iter().cloned());
         return call.refuse(first.clone());
     }
-    plausible(file, options, problem, fitted, joint).or_else(|why| call.refuse(remarks::refused(&why)))
+    plausible(file, options, problem, fitted, joint).or_else(|why| call.refuse(remarks::refusal_of_file(&why)))
 }
 
 /// Returns the text of the fitted machine file, or why the program itself would not take it.
@@ -416,6 +413,6 @@ fn plausible(
         Err(why) => why,
     };
     // A machine whose readings show larger errors than usual may have them.
-    let shown = limits::shown(&problem.request, fitted.fit.initial_rms);
+    let shown = limits::plausible_request(&problem.request, fitted.fit.initial_rms);
     shown.map(|request| text(&request)).filter(|text| read_back(text).is_ok()).ok_or(refused)
 }

@@ -1,7 +1,7 @@
 //! Prediction against data over the planes of the linear axes.
 
 use crate::diagnostic::{Diagnostic, codes};
-use crate::identify::{Measurement, ReadingKind, ReadingModel};
+use crate::identify::{FitModel, Measurement, ReadingKind};
 use crate::machine::AxisKind;
 use crate::report::{FitPicture, FitPoint};
 use crate::units::significant;
@@ -20,11 +20,7 @@ pub struct NamedSvg {
 type PlaneAxis = (usize, usize);
 
 /// Draws `fit-xy.svg` and so on, one for each pair of linear axes.
-pub(super) fn drawn(
-    model: &ReadingModel<'_>,
-    data: &[Measurement],
-    theta: &[f64],
-) -> Result<Vec<NamedSvg>, Diagnostic> {
+pub(super) fn draw(model: &FitModel<'_>, data: &[Measurement], theta: &[f64]) -> Result<Vec<NamedSvg>, Diagnostic> {
     let Some(machine) = model.machines().first() else { return Ok(Vec::new()) };
     let whole: Vec<&Measurement> =
         data.iter().filter(|m| m.kind() == ReadingKind::Deviation && m.readings() == 3).collect();
@@ -44,7 +40,7 @@ pub(super) fn drawn(
 }
 
 /// Pairs of linear axes along two of the letters x, y, z.
-fn planes(model: &ReadingModel<'_>) -> Vec<[PlaneAxis; 2]> {
+fn planes(model: &FitModel<'_>) -> Vec<[PlaneAxis; 2]> {
     let axes = model.machines().first().map_or(&[][..], |machine| machine.axes());
     let along = |i: usize| (0..3).find(|k| axes[i].direction[*k].abs() > 0.999);
     let linear: Vec<PlaneAxis> = (0..axes.len())
@@ -56,12 +52,7 @@ fn planes(model: &ReadingModel<'_>) -> Vec<[PlaneAxis; 2]> {
 }
 
 /// Points of the slice across the third direction that is best filled and nearest to the middle, and its words.
-fn slice(
-    model: &ReadingModel<'_>,
-    data: &[&Measurement],
-    theta: &[f64],
-    plane: [PlaneAxis; 2],
-) -> (String, Vec<FitPoint>) {
+fn slice(model: &FitModel<'_>, data: &[&Measurement], theta: &[f64], plane: [PlaneAxis; 2]) -> (String, Vec<FitPoint>) {
     let (words, rows) = fullest(model, data, plane);
     let point = |m: &&Measurement| {
         let (measured, predicted) = (m.values(), model.prediction(m, theta));
@@ -76,7 +67,7 @@ fn slice(
 }
 
 fn fullest<'a>(
-    model: &ReadingModel<'_>,
+    model: &FitModel<'_>,
     data: &[&'a Measurement],
     plane: [PlaneAxis; 2],
 ) -> (String, Vec<&'a Measurement>) {

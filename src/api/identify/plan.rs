@@ -4,7 +4,7 @@ use super::{Requested, priors};
 use crate::api::machine_file::MachineFile;
 use crate::api::run::{Answer, Call, Run};
 use crate::diagnostic::Diagnostics;
-use crate::identify::{Estimate, Measurement, Parameter, ReadingModel, plan};
+use crate::identify::{Estimate, FitModel, Measurement, Parameter, plan};
 use indexmap::IndexMap;
 use serde::Serialize;
 
@@ -99,7 +99,7 @@ pub fn plan_measurements(
         }
         let Requested { request, own, .. } = Requested::of(call, file, &options.fit, &options.fixed)?;
         let known = priors(call, file, &request, &options.priors, &own)?;
-        let model = ReadingModel::new(file, &own).with_known(&known);
+        let model = FitModel::new(file, &own).with_known(&known);
         let plan = plan(&model, options.poses, options.noise_mm, options.seed);
         let s = &plan.expected;
         let parameter = |(p, e): (&Parameter, &Estimate)| ExpectedParameter {
@@ -108,7 +108,7 @@ pub fn plan_measurements(
             unit: p.unit.clone(),
         };
         Ok(MeasurementPlan {
-            poses: plan.poses.iter().map(|pose| planned(&model, pose)).collect(),
+            poses: plan.poses.iter().map(|pose| plan_pose(&model, pose)).collect(),
             noise_um: s.sigma * 1e3,
             parameters: own.iter().zip(&s.estimates).map(parameter).collect(),
             rank: s.rank,
@@ -124,23 +124,23 @@ pub fn plan_measurements(
     })
 }
 
-fn planned(model: &ReadingModel<'_>, pose: &Measurement) -> PlannedPose {
+fn plan_pose(model: &FitModel<'_>, pose: &Measurement) -> PlannedPose {
     let machine = model.machine(pose);
     let axes = machine.axes().iter().zip(&pose.pose);
     PlannedPose {
-        axes: axes.map(|(axis, q)| (axis.name.to_string(), rounded(*q))).collect(),
+        axes: axes.map(|(axis, q)| (axis.name.to_string(), round_position(*q))).collect(),
         tool: machine.tool().name.clone(),
     }
 }
 
-fn csv(model: &ReadingModel<'_>, poses: &[Measurement]) -> String {
+fn csv(model: &FitModel<'_>, poses: &[Measurement]) -> String {
     let named = model.machines().len() > 1;
     let axes = model.machines().iter().take(1).flat_map(|machine| machine.axes());
     let header: Vec<String> = axes.map(|axis| format!("{} [{}]", axis.name, axis.unit())).collect();
     let tool = if named { ",tool" } else { "" };
     let mut text = format!("{}{tool},dx [um],dy [um],dz [um]\n", header.join(","));
     for pose in poses {
-        let cells: Vec<String> = pose.pose.iter().map(|q| rounded(*q).to_string()).collect();
+        let cells: Vec<String> = pose.pose.iter().map(|q| round_position(*q).to_string()).collect();
         let tool = if named { format!(",{}", model.machine(pose).tool().name) } else { String::new() };
         text += &format!("{}{tool},,,\n", cells.join(","));
     }
@@ -148,6 +148,6 @@ fn csv(model: &ReadingModel<'_>, poses: &[Measurement]) -> String {
 }
 
 /// Positions that a person can type in: 0.01 mm or deg, never `-0`.
-fn rounded(q: f64) -> f64 {
+fn round_position(q: f64) -> f64 {
     (q * 100.0).round() / 100.0 + 0.0
 }

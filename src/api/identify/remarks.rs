@@ -10,18 +10,22 @@ use crate::identify::{
     Repeats, largest_uncertainty, lever,
 };
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, Direction, ErrorFamily, ErrorId, Machine};
+use crate::machine::{Approach, Machine, largest};
 use crate::units::{counted, significant};
 
-/// Less likely than this, residuals are not noise.
-const UNLIKELY: f64 = 1e-4;
-/// Half of the readings further off than this (mm) are no errors of a machine.
-const HUGE: f64 = 5.0;
-/// Half of them nearer than this (mm) are finer than instruments read.
-const TINY: f64 = 1e-5;
-
-/// Standard uncertainties (mm, rad) beyond which a value is none: what the machine language takes for mistakes.
-const UNDETERMINED: (f64, f64) = (10.0, 0.1);
+/// Probability below which residuals are not noise.
+const MAX_NOISE_PROBABILITY: f64 = 1e-4;
+/// Correlation of neighbours above which such residuals drift.
+const MIN_DRIFT_CORRELATION: f64 = 0.2;
+/// Degrees of freedom of repeated readings from which their scatter is compared with the residuals.
+const MIN_REPEAT_FREEDOM: usize = 10;
+/// Residual scatter over that of repeated readings above which the model does not fit: four times the variance is beyond
+/// the 99.9 % point of the ratio from ten degrees of freedom on.
+const MAX_SCATTER_RATIO: f64 = 2.0;
+/// Median deviation (mm) above which the readings are in another unit: no machine has such errors.
+const MAX_MEDIAN_MM: f64 = 5.0;
+/// Median deviation (mm) below which the readings are in another unit: no instrument reads so finely.
+const MIN_MEDIAN_MM: f64 = 1e-5;
 
 /// Returns the warnings about a fit.
 pub(super) fn all(fitted: &Fitted<'_>, sources: &Sources) -> Vec<Diagnostic> {
@@ -31,10 +35,10 @@ pub(super) fn all(fitted: &Fitted<'_>, sources: &Sources) -> Vec<Diagnostic> {
     };
     let found = [
         (!fitted.fit.converged).then(unsettled),
-        unexplained(fitted),
+        lack_of_fit(fitted),
         drifting(fitted),
         sizes(fitted),
-        one_sided(fitted),
+        missing_approaches(fitted),
         contradiction(fitted, sources),
         silent(fitted),
     ];
@@ -46,11 +50,9 @@ fn warning(code: codes::Code, message: String, help: &'static str) -> Diagnostic
 }
 
 /// Readings that were left out because they are of errors that are not fitted.
-pub(super) fn left_out(machine: &Machine, list: &[(Source, usize)]) -> Vec<Diagnostic> {
+pub(super) fn unused_readings(machine: &Machine, list: &[(Source, usize)]) -> Vec<Diagnostic> {
     let one = |(source, count): &(Source, usize)| {
-        let ErrorSite::Component(axis) = source.place else { return None };
-        let axis = machine.axes()[axis].name.clone();
-        let error = ErrorId { axis, family: ErrorFamily::Component, direction: source.direction };
+        let error = source.error(machine)?;
         let message = format!("{} of {error} left out: it is not fitted", counted(*count, "reading"));
         Some(warning(codes::W0504, message, "fit it, too, or leave its column out"))
     };
@@ -58,7 +60,7 @@ pub(super) fn left_out(machine: &Machine, list: &[(Source, usize)]) -> Vec<Diagn
 }
 
 /// Entries of the section `identify` without effect.
-pub(super) fn unused(list: &[String]) -> Option<Diagnostic> {
+pub(super) fn entries_without_effect(list: &[String]) -> Option<Diagnostic> {
     let message = format!("the section `identify` says what nothing takes up: {}", list.join(", "));
     let help = "name the error in `fit`, without a basis of its own, or with one that has knots";
     (!list.is_empty()).then(|| warning(codes::W0509, message, help))
@@ -74,9 +76,8 @@ fn scatter(fitted: &Fitted<'_>, kind: ReadingKind) -> f64 {
     own.map_or(fitted.solution.sigma, |s| s.sigma)
 }
 
-fn unexplained(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    // Four times the variance is beyond the 99.9 % point of the ratio from ten degrees of freedom on.
-    let far = |r: &&Repeats| r.freedom >= 10 && scatter(fitted, r.of) > 2.0 * r.sigma;
+fn lack_of_fit(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+    let far = |r: &&Repeats| r.freedom >= MIN_REPEAT_FREEDOM && scatter(fitted, r.of) > MAX_SCATTER_RATIO * r.sigma;
     let repeats = fitted.repeats.iter().find(far)?;
     let (left, sigma) = (um(scatter(fitted, repeats.of)), um(repeats.sigma));
     let message =
@@ -86,7 +87,8 @@ fn unexplained(fitted: &Fitted<'_>) -> Option<Diagnostic> {
 }
 
 fn drifting(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    let drifting = fitted.randomness.iter().filter(|r| r.runs < UNLIKELY && r.lag1 > 0.2);
+    let drifting =
+        fitted.randomness.iter().filter(|r| r.runs < MAX_NOISE_PROBABILITY && r.lag1 > MIN_DRIFT_CORRELATION);
     let names: Vec<String> = drifting.map(|r| r.name()).collect();
     let message = format!("what is left of {} is not noise: neighbours in the file are alike", names.join(", "));
     let help =
@@ -97,14 +99,14 @@ fn drifting(fitted: &Fitted<'_>) -> Option<Diagnostic> {
 /// Sizes that speak of a wrong unit.
 fn sizes(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let typical = fitted.residuals.typical;
-    let unlikely = typical > HUGE || (0.0 < typical && typical < TINY);
+    let unlikely = typical > MAX_MEDIAN_MM || (0.0 < typical && typical < MIN_MEDIAN_MM);
     let message = format!("half of the readings are {} um or more off the machine as the file says it", um(typical));
     let help = "compare the units in the header, the signs and zeros of the axes, and the frame (--frame)";
     unlikely.then(|| warning(codes::W0505, message, help))
 }
 
 /// Curves for a direction of approach in which nothing was read that they move.
-fn one_sided(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+fn missing_approaches(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let read = |p: &Parameter, t: &ParameterTerm| {
         let moves = |m: &Measurement| match m.reading {
             Reading::Error { source, .. } => p.terms.iter().any(|t| t.source == source),
@@ -142,18 +144,14 @@ fn contradiction(fitted: &Fitted<'_>, sources: &Sources) -> Option<Diagnostic> {
     Some(warning(codes::W0507, message, help))
 }
 
-fn undetermined_from(direction: Direction) -> f64 {
-    if direction.is_rotation() { UNDETERMINED.1 } else { UNDETERMINED.0 }
-}
-
 /// Values of the machine whose uncertainty is larger than any error of a machine: constants, and curves somewhere in
 /// the travel. Coefficients of a curve say nothing each by itself.
-pub(super) fn undetermined(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+pub(super) fn undetermined_values(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
     let wide = own.filter_map(|(parameter, estimate)| {
         let constant = parameter.terms.first().filter(|term| term.basis == BasisFunction::Constant)?;
         let direction = constant.source.direction;
-        let limit = undetermined_from(direction) * lever(direction);
+        let limit = largest(direction) * lever(direction);
         let sigma = estimate.sigma.filter(|sigma| sigma * parameter.size > limit)?;
         let n = |value: f64| significant(parameter.in_unit(value), 3);
         Some(format!("{} = {} \u{b1} {} {}", parameter.name, n(estimate.value), n(sigma), parameter.unit))
@@ -179,12 +177,12 @@ fn wide_curves(fitted: &Fitted<'_>) -> Vec<String> {
         let (sigma, at) = largest_uncertainty(fitted.machine, own, &fitted.solution, source)?;
         let (factor, unit) = source.direction.micro();
         let axis = &fitted.machine.axes()[axis];
-        let error = ErrorId { axis: axis.name.clone(), family: ErrorFamily::Component, direction: source.direction };
+        let error = source.error(fitted.machine)?;
         let words = || {
             let (size, at) = (significant(sigma * factor, 3), significant(at, 4));
             format!("{error} (\u{b1} {size} {unit} at {} = {at} {})", axis.name, axis.unit())
         };
-        (sigma > undetermined_from(source.direction)).then(words)
+        (sigma > largest(source.direction)).then(words)
     };
     sources.into_iter().filter_map(one).collect()
 }
@@ -210,8 +208,8 @@ pub(super) fn of_readings(words: &str) -> String {
 }
 
 /// Returns the data do not hold the deviation that the fitted machine predicts over its volume.
-pub(super) fn unheld(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    if limits::held(fitted) {
+pub(super) fn uncertain_prediction(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+    if limits::holds_prediction(fitted) {
         return None;
     }
     let Prediction { uncertainty, pose, deviation, .. } = &fitted.prediction;
@@ -238,7 +236,7 @@ const RAN_AWAY: &str = "some parameters ran away because the data hardly see the
     directions of the readings are not those of this machine: compare these, fix those, or fit less";
 
 /// Returns the machine file is not one that the program would take.
-pub(super) fn refused(why: &ReadBackFailure) -> Diagnostic {
+pub(super) fn refusal_of_file(why: &ReadBackFailure) -> Diagnostic {
     Diagnostic::new(codes::E0504, format!("the fitted machine is refused: {why}")).help(RAN_AWAY)
 }
 
@@ -248,7 +246,7 @@ pub(super) fn implausible(why: &ReadBackFailure) -> Diagnostic {
 }
 
 /// Combinations that go to a machine file although noise hides them.
-pub(super) fn written(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+pub(super) fn weak_directions_in_file(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let below_noise = &fitted.solution.below_noise;
     let first = below_noise.first()?;
     let count = counted(below_noise.len(), "combination");

@@ -268,7 +268,7 @@ impl PredictedUncertainty {
             at: axis_positions(fitted.machine, pose),
             tool: fitted.machine.tools().get(*tool).map_or_else(String::new, |tool| tool.name.clone()),
             deviation_um: um(*deviation),
-            held: limits::held(fitted),
+            held: limits::holds_prediction(fitted),
         }
     }
 }
@@ -418,7 +418,7 @@ impl IdentifyResult {
             degrees_of_freedom: s.degrees_of_freedom,
             scatter: fitted.fit.scatter.iter().map(scatter_of_kind).collect(),
             repeatability_um: fitted.repeats.first().map(|r| um(r.sigma)),
-            repeats: fitted.repeats.iter().map(repeated).collect(),
+            repeats: fitted.repeats.iter().map(repeated_readings).collect(),
             orders_um: OrderShares {
                 first: um(r.parts[0]),
                 second: um(r.parts[1]),
@@ -426,7 +426,7 @@ impl IdentifyResult {
                 left_by_first: um(r.truncated[0]),
                 left_by_second: um(r.truncated[1]),
             },
-            kinds: r.kinds.iter().map(kind_residual).collect(),
+            kinds: r.kinds.iter().map(|(kind, rows, rms)| kind_residual(*kind, *rows, *rms)).collect(),
             residual_tests: fitted.randomness.iter().map(ResidualTest::of).collect(),
             outliers: r.outliers.iter().map(outlier).collect(),
             prediction: PredictedUncertainty::of(fitted),
@@ -445,7 +445,7 @@ impl IdentifyResult {
     }
 }
 
-fn repeated(repeats: &Repeats) -> RepeatedReadings {
+fn repeated_readings(repeats: &Repeats) -> RepeatedReadings {
     RepeatedReadings {
         of: repeats.of.word().to_owned(),
         sigma_um: um(repeats.sigma),
@@ -453,8 +453,8 @@ fn repeated(repeats: &Repeats) -> RepeatedReadings {
     }
 }
 
-fn kind_residual((kind, rows, rms): &(ReadingKind, usize, f64)) -> KindResidual {
-    KindResidual { kind: kind.word().to_owned(), rows: *rows, rms_um: um(*rms), words: in_unit(*kind, *rms) }
+fn kind_residual(kind: ReadingKind, rows: usize, rms: f64) -> KindResidual {
+    KindResidual { kind: kind.word().to_owned(), rows, rms_um: um(rms), words: in_unit(kind, rms) }
 }
 
 fn times_given(sigma: f64) -> String {

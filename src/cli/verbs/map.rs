@@ -95,7 +95,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.refuse(no_table(count));
     }
     let mut printed = Cursor::new(Vec::new());
-    let staged = args.outputs.staged().or_else(|d| session.refuse(d))?;
+    let staged = args.outputs.begin().or_else(|d| session.refuse(d))?;
     let mut tables = staged.tables().or_else(|d| session.refuse(d))?;
     if session.format() == Format::Csv {
         tables.push(MapTable {

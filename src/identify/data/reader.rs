@@ -7,6 +7,7 @@ use super::station::{self, StationFailure};
 use super::tracker::{self, InstrumentFrame, PointColumns, PointFailure, TrackedPoint};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use crate::evaluate::Frame;
+use crate::identify::lists::index_of;
 use crate::identify::thresholds::{MIN_LENGTH_MM, MIN_WEIGHT};
 use crate::lower::{NominalPose, Source};
 use crate::machine::{Approach, Direction, Machine, Pose};
@@ -548,10 +549,7 @@ impl MeasurementReader<'_> {
         let mut names: Vec<Option<&String>> = Vec::new();
         let rows = drafts.iter().map(|draft| {
             let run = draft.row.run.as_ref();
-            let index = names.iter().position(|known| *known == run).unwrap_or_else(|| {
-                names.push(run);
-                names.len() - 1
-            });
+            let index = index_of(&mut names, run);
             let (length, value) = draft.length.unwrap_or((LengthKind::Whole, 0.0));
             let point = self.nominal(&draft.row, &draft.row.pose);
             station::Sight { point, value, run: (length == LengthKind::Displacement).then_some(index) }

@@ -7,7 +7,7 @@
 //! of the whole machine only move the workpiece frame.
 
 use super::parameter::{Parameter, sizes};
-use super::prediction::ReadingModel;
+use super::prediction::FitModel;
 use super::volume::Volume;
 use crate::algebra::linear::{Svd, Triangle};
 use crate::identify::data::{Measurement, Reading};
@@ -29,7 +29,7 @@ pub struct Invariances {
 }
 
 /// Finds the invariances of a model with these data, at its start.
-pub fn invariances(model: &ReadingModel<'_>, data: &[Measurement]) -> Invariances {
+pub fn invariances(model: &FitModel<'_>, data: &[Measurement]) -> Invariances {
     let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
     let volume = Volume::of(model, data, &theta);
     let equations = MotionEquations::of(model, data, &theta, &volume);
@@ -39,7 +39,7 @@ pub fn invariances(model: &ReadingModel<'_>, data: &[Measurement]) -> Invariance
 }
 
 /// True if some readings only say that points are the same.
-fn same_points(model: &ReadingModel<'_>, data: &[Measurement]) -> bool {
+fn same_points(model: &FitModel<'_>, data: &[Measurement]) -> bool {
     let mut places: std::collections::BTreeMap<[Option<usize>; 3], Vec<Vector3<f64>>> = Default::default();
     for m in data {
         let Reading::Deviation { zero, .. } = &m.reading else { continue };
@@ -64,7 +64,7 @@ struct MotionEquations {
 }
 
 impl MotionEquations {
-    fn of(model: &ReadingModel<'_>, data: &[Measurement], theta: &[f64], volume: &Volume) -> Self {
+    fn of(model: &FitModel<'_>, data: &[Measurement], theta: &[f64], volume: &Volume) -> Self {
         let unknowns = theta.len();
         let sizes = sizes(model.parameters());
         let mut readings = model.triangle(data, &vec![1.0; data.len()], theta).r;
@@ -116,7 +116,7 @@ impl MotionEquations {
     }
 
     /// Returns the stretches that change readings, but only by shrinking them.
-    fn stretches(&self, model: &ReadingModel<'_>, volume: &Volume) -> Vec<(String, Vec<String>)> {
+    fn stretches(&self, model: &FitModel<'_>, volume: &Volume) -> Vec<(String, Vec<String>)> {
         let unit = |i: usize, j: usize| {
             let mut map = Matrix3::zeros();
             (map[(i, j)], map[(j, i)]) = (1.0, 1.0);

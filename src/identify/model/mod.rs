@@ -2,7 +2,7 @@
 //!
 //! 1. [`with_command_line`], [`parameters`], [`slope_bounds`], [`unused_entries`]: the words of a request to
 //!    [`Parameter`]s; `curves` holds the bases of error curves.
-//! 2. [`ReadingModel`]: the predicted reading of a measurement and its derivatives; `observation` holds the kinds of
+//! 2. [`FitModel`]: the predicted reading of a measurement and its derivatives; `observation` holds the kinds of
 //!    reading.
 //! 3. `Prior`: prior knowledge of the unknowns; [`TypeB`]: uncertainties that all readings share.
 //! 4. [`moore_penrose`]: the linear method of Holub and others 2015.
@@ -26,7 +26,7 @@ pub use monomials::{Coefficient, Component, ErrorMonomial, moore_penrose};
 pub(super) use parameter::approach_weight;
 pub(super) use parameter::sizes;
 pub use parameter::{BasisFunction, Parameter, ParameterTerm, SlopeBound};
-pub use prediction::ReadingModel;
+pub use prediction::FitModel;
 pub(super) use prediction::zero_unread;
 pub(super) use prior::Prior;
 pub use request::{parameters, slope_bounds, unused_entries, with_command_line};

@@ -2,7 +2,7 @@
 //! taken for an unknown of its own, solved for each component by the Moore-Penrose inverse. Linear, without a start,
 //! and blind to what it throws away: that a product is the product of its factors, and that the components share them.
 
-use super::prediction::{ReadingModel, zero_unread};
+use super::prediction::{FitModel, zero_unread};
 use crate::algebra::linear::{Svd, Triangle};
 use crate::identify::data::{Measurement, ReadingKind};
 use crate::identify::thresholds::{MAX_NULL_SPACE_SHARE, MIN_MONOMIAL_MM, RANK_TOLERANCE};
@@ -58,7 +58,7 @@ fn monomials(count: usize) -> Vec<ErrorMonomial> {
 }
 
 /// Returns the fit of each component that was measured. Rows other than deviations are not in the papers: `None`.
-pub fn moore_penrose(model: &ReadingModel<'_>, data: &[Measurement]) -> Option<Vec<Component>> {
+pub fn moore_penrose(model: &FitModel<'_>, data: &[Measurement]) -> Option<Vec<Component>> {
     if !data.iter().all(|m| m.kind() == ReadingKind::Deviation) {
         return None;
     }
@@ -70,7 +70,7 @@ pub fn moore_penrose(model: &ReadingModel<'_>, data: &[Measurement]) -> Option<V
 
 /// Returns the coefficients by values at single parameters and pairs: the degrees come apart in the algebra, so that
 /// differences of them are exact but for rounding.
-fn expansion(model: &ReadingModel<'_>, m: &Measurement, list: &[ErrorMonomial]) -> Expansion {
+fn expansion(model: &FitModel<'_>, m: &Measurement, list: &[ErrorMonomial]) -> Expansion {
     let n = model.own();
     let at = |marked: &[(usize, f64)]| {
         let mut theta = vec![0.0; n];
@@ -92,7 +92,7 @@ fn expansion(model: &ReadingModel<'_>, m: &Measurement, list: &[ErrorMonomial]) 
 }
 
 fn component(
-    model: &ReadingModel<'_>,
+    model: &FitModel<'_>,
     data: &[Measurement],
     rows: &[Expansion],
     list: &[ErrorMonomial],
@@ -139,13 +139,13 @@ fn component(
 }
 
 /// Returns the product of the sizes of a monomial's parameters.
-fn size(model: &ReadingModel<'_>, ErrorMonomial(i, j): ErrorMonomial) -> f64 {
+fn size(model: &FitModel<'_>, ErrorMonomial(i, j): ErrorMonomial) -> f64 {
     let of = |j: usize| model.parameters()[j].size;
     of(i) * j.map_or(1.0, of)
 }
 
 /// Returns name, unit, and factor from mm and rad to the unit.
-fn label(model: &ReadingModel<'_>, ErrorMonomial(i, j): ErrorMonomial) -> (String, String, f64) {
+fn label(model: &FitModel<'_>, ErrorMonomial(i, j): ErrorMonomial) -> (String, String, f64) {
     let p = |j: usize| &model.parameters()[j];
     match j {
         None => (p(i).name.clone(), p(i).unit.clone(), p(i).factor),

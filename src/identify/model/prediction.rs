@@ -21,7 +21,7 @@ const MAX_TRIANGLES: usize = 16;
 
 /// Machine and unknowns: parameters of the machine first, then those of the instruments.
 #[derive(Clone)]
-pub struct ReadingModel<'a> {
+pub struct FitModel<'a> {
     machines: Vec<Machine>,
     parameters: &'a [Parameter],
     /// Number of them that are the machine's.
@@ -91,7 +91,7 @@ impl<const M: usize> Scheme for Dual<M> {
     }
 }
 
-impl<'a> ReadingModel<'a> {
+impl<'a> FitModel<'a> {
     /// Returns the exact model of a machine.
     pub fn new(machine: &Machine, parameters: &'a [Parameter]) -> Self {
         let (mut sources, mut functions) = (Vec::new(), vec![(0, BasisFunction::Constant)]);
@@ -117,8 +117,8 @@ impl<'a> ReadingModel<'a> {
     }
 
     /// Returns the model of the same machine with other unknowns.
-    pub(crate) fn with_parameters<'b>(&self, parameters: &'b [Parameter]) -> ReadingModel<'b> {
-        let mut other = ReadingModel::new(&self.machines[0], parameters);
+    pub(crate) fn with_parameters<'b>(&self, parameters: &'b [Parameter]) -> FitModel<'b> {
+        let mut other = FitModel::new(&self.machines[0], parameters);
         (other.machines, other.order) = (self.machines.clone(), self.order);
         other
     }

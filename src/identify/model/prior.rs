@@ -5,7 +5,7 @@
 //! be large and cancel, as long as the curve is small.
 
 use super::parameter::{BasisFunction, Parameter};
-use super::prediction::ReadingModel;
+use super::prediction::FitModel;
 use crate::algebra::linear::{ReducedSystem, Svd, Triangle};
 use crate::evaluate::Order;
 use crate::identify::data::{Measurement, lever};
@@ -37,7 +37,7 @@ pub(crate) struct Prior {
 
 impl Prior {
     /// Returns the prior of a model; `start_problem` is the linear problem at the start of its unknowns.
-    pub fn new(model: &ReadingModel<'_>, data: &[Measurement], start_problem: &ReducedSystem) -> Self {
+    pub fn new(model: &FitModel<'_>, data: &[Measurement], start_problem: &ReducedSystem) -> Self {
         let list = model.parameters();
         let start = DVector::from_iterator(list.len(), list.iter().map(|p| p.start));
         let (known, known_values) = model.known_rows();
@@ -122,7 +122,7 @@ fn initial_rms(own: usize, data: &[Measurement], home: &ReducedSystem) -> f64 {
 
 /// Returns the metric: the triangle M of the displacements that a unit of each unknown makes over the travel, `|M x|` is
 /// their RMS.
-fn metric(model: &ReadingModel<'_>) -> DMatrix<f64> {
+fn metric(model: &FitModel<'_>) -> DMatrix<f64> {
     let list = model.parameters();
     let mut triangle = Triangle::new(list.len());
     let mut done: Vec<(Source, Approach)> = Vec::new();
@@ -142,7 +142,7 @@ fn metric(model: &ReadingModel<'_>) -> DMatrix<f64> {
 
 /// Returns the displacements (mm) that a unit of each unknown makes by an error, a row for each position of the travel,
 /// over the root of their number; a single row for constants.
-fn effects(model: &ReadingModel<'_>, source: Source, approach: Approach) -> Vec<Vec<f64>> {
+fn effects(model: &FitModel<'_>, source: Source, approach: Approach) -> Vec<Vec<f64>> {
     let mine = |p: &Parameter, q: f64| {
         let terms = p.terms.iter().filter(|t| (t.source, t.approach) == (source, approach));
         terms.map(|t| t.factor * t.basis.value(q)).sum::<f64>() * lever(source.direction)
@@ -162,12 +162,7 @@ fn effects(model: &ReadingModel<'_>, source: Source, approach: Approach) -> Vec<
 
 /// Returns the directions (of displacements, columns) of the machine's unknowns that no reading sees to first order, and
 /// the exact model only through products of errors.
-fn second_order_only(
-    model: &ReadingModel<'_>,
-    data: &[Measurement],
-    prior: &Prior,
-    home: &ReducedSystem,
-) -> DMatrix<f64> {
+fn second_order_only(model: &FitModel<'_>, data: &[Measurement], prior: &Prior, home: &ReducedSystem) -> DMatrix<f64> {
     let step = (data.len() / (SAMPLE_ROWS_PER_UNKNOWN * model.parameters().len()).max(MIN_SAMPLE_ROWS)).max(1);
     let some: Vec<Measurement> = data.iter().step_by(step).cloned().collect();
     let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();

@@ -52,7 +52,7 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
 /// Starts slopes of `linear` and parameters of one's own at the curves of the file, if these are such sums.
 fn start_from_file(machine: &Machine, list: &mut [Parameter]) {
     let joint: Vec<usize> =
-        (0..list.len()).filter(|j| [CurveForm::Slope, CurveForm::Own].contains(&CurveForm::of(&list[*j]))).collect();
+        (0..list.len()).filter(|j| [SLOPE, OWN].contains(&curve_form(&list[*j]).as_str())).collect();
     if joint.is_empty() {
         return;
     }
@@ -187,7 +187,7 @@ fn add_unique(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Ref
     }
     let meet = |a: Approach, b: Approach| a == b || a == Approach::Mean || b == Approach::Mean;
     let clash = |known: &&Parameter| {
-        let unlike = CurveForm::of(known) != CurveForm::of(&parameter);
+        let unlike = curve_form(known) != curve_form(&parameter);
         let at_odds = |a: &ParameterTerm, b: &ParameterTerm| {
             let unlike = unlike || a.basis.knots() != b.basis.knots() || a.approach != b.approach;
             a.source == b.source && meet(a.approach, b.approach) && unlike
@@ -236,37 +236,24 @@ fn tie(
     if followed { Ok(()) } else { Err(refusal(format!("`{own}` follows `{leader}`, which is not fitted"), help)) }
 }
 
-/// The form of curve to which a parameter belongs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum CurveForm {
-    Constant,
-    Powers,
-    Harmonics,
-    Lines,
-    Spline,
-    /// By its degree.
-    BSpline(usize),
-    /// A slope of `linear`.
-    Slope,
-    /// A parameter of one's own.
-    Own,
-}
-
-impl CurveForm {
-    fn of(parameter: &Parameter) -> Self {
-        let has_power = || parameter.terms.iter().any(|t| matches!(t.basis, BasisFunction::Power(_)));
-        match parameter.terms.first().map(|t| &t.basis) {
-            _ if parameter.name.ends_with(":slope") => Self::Slope,
-            _ if !parameter.name.contains(':') && has_power() => Self::Own,
-            Some(BasisFunction::Power(_)) => Self::Powers,
-            Some(BasisFunction::Cosine(_) | BasisFunction::Sine(_)) => Self::Harmonics,
-            Some(BasisFunction::Spline(Curve::Linear(_))) => Self::Lines,
-            Some(BasisFunction::Spline(Curve::BSpline(spline))) => Self::BSpline(spline.degree()),
-            Some(BasisFunction::Spline(_)) => Self::Spline,
-            _ => Self::Constant,
-        }
+/// Returns the form of curve to which a parameter belongs, in the words of a request.
+fn curve_form(parameter: &Parameter) -> String {
+    let has_power = || parameter.terms.iter().any(|t| matches!(t.basis, BasisFunction::Power(_)));
+    match parameter.terms.first().map(|t| &t.basis) {
+        _ if parameter.name.ends_with(":slope") => SLOPE.to_owned(),
+        _ if !parameter.name.contains(':') && has_power() => OWN.to_owned(),
+        Some(BasisFunction::Power(_)) => "poly".to_owned(),
+        Some(BasisFunction::Cosine(_) | BasisFunction::Sine(_)) => "fourier".to_owned(),
+        Some(BasisFunction::Spline(Curve::Linear(_))) => "blocks".to_owned(),
+        Some(BasisFunction::Spline(Curve::BSpline(spline))) => format!("bspline/{}", spline.degree()),
+        Some(BasisFunction::Spline(_)) => "spline".to_owned(),
+        _ => "constant".to_owned(),
     }
 }
+
+/// Forms of slopes of `linear`, and of parameters of one's own.
+const SLOPE: &str = "linear";
+const OWN: &str = "own";
 
 /// Returns the names of the parameters that a word of `fixed` removes.
 fn fixed_names(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String>, Refusal> {

@@ -2,7 +2,7 @@
 //! the temperature of the material, the set-up.
 
 use super::observation::rotation_to;
-use super::prediction::ReadingModel;
+use super::prediction::FitModel;
 use super::refusal::Refusal;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Frame;
@@ -78,7 +78,7 @@ impl SharedEffect {
     /// unknowns, by channel (`None`: common to all).
     pub(crate) fn of(
         self,
-        model: &ReadingModel<'_>,
+        model: &FitModel<'_>,
         m: &Measurement,
         theta: &[f64],
     ) -> Vec<(Option<OffsetChannel>, Vector3<f64>)> {
@@ -102,7 +102,7 @@ fn channels(m: &Measurement) -> impl Iterator<Item = OffsetChannel> {
 }
 
 /// Returns the length that a reading measures, from the workpiece origin on.
-fn length_of_reading(model: &ReadingModel<'_>, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
+fn length_of_reading(model: &FitModel<'_>, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
     let nominal = || NominalPose::in_part(model.machine(m), &m.pose);
     match &m.reading {
         Reading::Deviation { frame, .. } => {

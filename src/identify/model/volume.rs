@@ -1,7 +1,7 @@
 //! Deviations over the volume of the machine and their derivatives by the unknowns, less the rigid motion of the
 //! workpiece frame that takes most of them away: where a workpiece stands is no error of the machine.
 
-use super::prediction::ReadingModel;
+use super::prediction::FitModel;
 use crate::algebra::linear::beside;
 use crate::diagnostic::{Place, SourceId};
 use crate::evaluate::{Frame, Order, Poses, Spread};
@@ -27,7 +27,7 @@ pub(crate) struct Volume {
 
 impl Volume {
     /// Returns the first order of a model, whatever its unknowns are: rigid motions act on the nominal points.
-    pub fn first_order(model: &ReadingModel<'_>, data: &[Measurement]) -> Self {
+    pub fn first_order(model: &FitModel<'_>, data: &[Measurement]) -> Self {
         let first = model.clone().to_order(Order::Degree(1));
         let theta = vec![0.0; model.parameters().len()];
         let mut volume = Self::of(&first, data, &theta);
@@ -38,7 +38,7 @@ impl Volume {
     }
 
     /// Evaluates a model at `theta`, with the tools of the data.
-    pub fn of(model: &ReadingModel<'_>, data: &[Measurement], theta: &[f64]) -> Self {
+    pub fn of(model: &FitModel<'_>, data: &[Measurement], theta: &[f64]) -> Self {
         let rows = volume_measurements(model, data);
         let one = |m: &Measurement| {
             let deviation = model.prediction(m, theta);
@@ -101,18 +101,18 @@ fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// Returns the corners of the volume and poses inside as measurements.
-fn volume_measurements(model: &ReadingModel<'_>, data: &[Measurement]) -> Vec<Measurement> {
+fn volume_measurements(model: &FitModel<'_>, data: &[Measurement]) -> Vec<Measurement> {
     let machine = &model.machines()[0];
     measurements(model, data, &[corners(machine), inside(machine)].concat())
 }
 
 /// Returns poses spread evenly over the volume, with every tool and direction of approach that counts.
-pub(crate) fn volume_poses(model: &ReadingModel<'_>, data: &[Measurement]) -> Vec<Measurement> {
+pub(crate) fn volume_poses(model: &FitModel<'_>, data: &[Measurement]) -> Vec<Measurement> {
     measurements(model, data, &inside(&model.machines()[0]))
 }
 
 /// Returns deviations at poses, with every tool and direction of approach that counts; nothing is measured in them.
-fn measurements(model: &ReadingModel<'_>, data: &[Measurement], poses: &[Pose]) -> Vec<Measurement> {
+fn measurements(model: &FitModel<'_>, data: &[Measurement], poses: &[Pose]) -> Vec<Measurement> {
     let mut tools: Vec<usize> = data.iter().map(|m| m.tool).collect();
     tools.sort_unstable();
     tools.dedup();

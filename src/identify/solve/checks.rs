@@ -2,7 +2,7 @@
 
 use super::weighing::{median, solve, standardise};
 use crate::identify::data::{Measurement, ReadingKind};
-use crate::identify::model::{ReadingModel, zero_unread};
+use crate::identify::model::{FitModel, zero_unread};
 use crate::identify::thresholds::{MIN_OUTLIER_MM, OUTLIER_DEVIATIONS};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -44,7 +44,7 @@ fn rms(vectors: &[Vector3<f64>]) -> f64 {
 
 impl Residuals {
     /// Compares the measurements with the machine before and after a fit.
-    pub fn of(model: &ReadingModel<'_>, data: &[Measurement], theta: &[f64]) -> Self {
+    pub fn of(model: &FitModel<'_>, data: &[Measurement], theta: &[f64]) -> Self {
         let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
         let (before, after) = (model.residuals(data, &start), model.residuals(data, theta));
         let orders: Vec<[Vector3<f64>; 3]> =
@@ -73,7 +73,7 @@ fn typical(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
 }
 
 /// Returns the first-order, second-order and higher part of a fitted deviation, in the components read.
-fn orders(model: &ReadingModel<'_>, m: &Measurement, theta: &[f64], residual: &Vector3<f64>) -> [Vector3<f64>; 3] {
+fn orders(model: &FitModel<'_>, m: &Measurement, theta: &[f64], residual: &Vector3<f64>) -> [Vector3<f64>; 3] {
     model.orders(m, theta, &(m.values() - residual)).map(|v| zero_unread(m, v))
 }
 
@@ -95,7 +95,7 @@ fn outliers(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<Outlier> {
 
 /// Returns the RMS (mm) of the prediction of data that the fit did not use (cross-validation): every measurement is left
 /// out once, in `folds` parts. `None` with fewer than two parts or measurements than parts.
-pub fn held_out(model: &ReadingModel<'_>, data: &[Measurement], folds: usize, robust: bool) -> Option<f64> {
+pub fn held_out(model: &FitModel<'_>, data: &[Measurement], folds: usize, robust: bool) -> Option<f64> {
     if folds < 2 || folds > data.len() {
         return None;
     }

@@ -4,13 +4,13 @@ use super::fit::ParameterFit;
 use super::solution::Solution;
 use super::sums::parallel_sum;
 use crate::identify::data::Measurement;
-use crate::identify::model::{OffsetChannel, ReadingModel, TypeB};
+use crate::identify::model::{FitModel, OffsetChannel, TypeB};
 use nalgebra::{DMatrix, DVector};
 
 /// Returns the covariance of the unknowns, in their units, by uncertainties of type B: `sum (C J^T s) (C J^T s)^T` over
 /// the effects s of one standard uncertainty each, in every channel, on the readings.
 pub fn common(
-    model: &ReadingModel<'_>,
+    model: &FitModel<'_>,
     data: &[Measurement],
     fit: &ParameterFit,
     solution: &Solution,

@@ -8,7 +8,7 @@ use super::solution::{DatumTransform, Solution};
 use crate::algebra::linear::{ReducedSystem, Svd, Triangle, beside, over_columns};
 use crate::identify::data::{LEVER_MM, Measurement, lever};
 use crate::identify::model::{
-    BasisFunction, Parameter, ParameterTerm, ReadingModel, Volume, approach_weight, middle, sizes,
+    BasisFunction, FitModel, Parameter, ParameterTerm, Volume, approach_weight, middle, sizes,
 };
 use crate::identify::thresholds::{
     DATUM_ITERATIONS, DATUM_SITES, DATUM_STEP_TOLERANCE, DESIGN_RANK_TOLERANCE, MAX_DEPENDENT_SHARE,
@@ -44,7 +44,7 @@ pub struct RigidMotionRemoved {
 
 /// Transforms a fit with error curves to a datum; `None` if no curve is fitted, or the datum is free.
 pub fn in_datum(
-    model: &ReadingModel<'_>,
+    model: &FitModel<'_>,
     data: &[Measurement],
     fit: &ParameterFit,
     solution: &Solution,
@@ -87,7 +87,7 @@ struct Gauge {
 }
 
 impl Gauge {
-    fn of(model: &ReadingModel<'_>, data: &[Measurement]) -> Option<Self> {
+    fn of(model: &FitModel<'_>, data: &[Measurement]) -> Option<Self> {
         let parameters = model.parameters();
         let sizes = sizes(parameters);
         let volume = Volume::first_order(model, data);
@@ -180,7 +180,7 @@ impl Gauge {
     /// start: the points must be those of the fit after a rigid motion, which is no linear condition.
     fn exact_values(
         &self,
-        model: &ReadingModel<'_>,
+        model: &FitModel<'_>,
         data: &[Measurement],
         fit: &ParameterFit,
         theta: &[f64],
@@ -221,7 +221,7 @@ impl Gauge {
     }
 
     /// Fits set-ups and instruments to the readings again, the errors held.
-    fn follow(&self, model: &ReadingModel<'_>, data: &[Measurement], fit: &ParameterFit, theta: &mut [f64]) {
+    fn follow(&self, model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit, theta: &mut [f64]) {
         let others = &self.followers;
         if others.is_empty() {
             return;
@@ -238,7 +238,7 @@ impl Gauge {
 /// Errors that turn with a rotary axis and so move the workpiece frame, but in bases that only come near to sine and
 /// cosine (splines): a small part of them remains, which readings hardly separate from noise.
 struct TurningErrors<'a> {
-    model: &'a ReadingModel<'a>,
+    model: &'a FitModel<'a>,
     volume: &'a Volume,
     /// The machine's errors among the unknowns.
     own: &'a [usize],
@@ -310,7 +310,7 @@ fn best_alignment(to: &[Vector3<f64>], from: &[Vector3<f64>]) -> (DVector<f64>, 
 }
 
 /// Returns the conditions of a datum (rows, by displacements of the unknowns) in the order in which they count.
-fn conditions_of(model: &ReadingModel<'_>, conditions: &DatumConditions) -> Vec<DVector<f64>> {
+fn conditions_of(model: &FitModel<'_>, conditions: &DatumConditions) -> Vec<DVector<f64>> {
     let machine = &model.machines()[0];
     let axes = machine.axes().iter().enumerate();
     let mut rows: Vec<DVector<f64>> =
@@ -331,7 +331,7 @@ fn conditions_of(model: &ReadingModel<'_>, conditions: &DatumConditions) -> Vec<
 
 /// The conditions on the curves of an axis.
 struct AxisConditions<'a> {
-    model: &'a ReadingModel<'a>,
+    model: &'a FitModel<'a>,
     index: usize,
     axis: &'a Axis,
 }
@@ -404,20 +404,13 @@ impl AxisConditions<'_> {
         let (min, max) = self.axis.travel.interval();
         let sites = self.sites();
         let relative = |q: f64| (2.0 * q - min - max) / (max - min).max(f64::MIN_POSITIVE);
-        let (mean, slope) = match entry.line {
+        let places = match entry.line {
             DatumLine::Free => return Vec::new(),
-            DatumLine::LeastSquares => (
-                self.mean_displacement(direction, false, &sites, |_| 1.0),
-                self.mean_displacement(direction, false, &sites, relative),
-            ),
-            DatumLine::EndPoints => {
-                let ends = [min, max];
-                (
-                    self.mean_displacement(direction, false, &ends, |_| 1.0),
-                    self.mean_displacement(direction, false, &ends, relative),
-                )
-            }
+            DatumLine::LeastSquares => sites,
+            DatumLine::EndPoints => vec![min, max],
         };
+        let mean = self.mean_displacement(direction, false, &places, |_| 1.0);
+        let slope = self.mean_displacement(direction, false, &places, relative);
         if entry.squareness == SquarenessSite::Straightness { vec![mean] } else { vec![mean, slope] }
     }
 

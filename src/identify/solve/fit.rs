@@ -6,8 +6,8 @@
 
 use crate::algebra::linear::{ReducedSystem, Svd};
 use crate::identify::data::{Measurement, ReadingKind};
+use crate::identify::model::FitModel;
 use crate::identify::model::Prior;
-use crate::identify::model::ReadingModel;
 use crate::identify::thresholds::{
     CONVERGED_OFFSET, FIRST_DAMPING, LINEAR_OFFSET, MAX_DAMPING, MAX_FIT_STEPS, MAX_NORMAL_CONDITION,
     MIN_REDUCTION_MM2, MIN_REDUCTION_SHARE, STEP_RANK_TOLERANCE, STEP_SCATTER_ITERATIONS,
@@ -52,20 +52,20 @@ pub struct ParameterFit {
 
 impl ParameterFit {
     /// Returns the fit with the linear problem at other values of the parameters.
-    pub fn at(&self, model: &ReadingModel<'_>, data: &[Measurement], theta: Vec<f64>) -> Self {
+    pub fn at(&self, model: &FitModel<'_>, data: &[Measurement], theta: Vec<f64>) -> Self {
         let reduced = model.triangle(data, &self.weights, &theta);
         Self { theta, reduced, ..self.clone() }
     }
 }
 
 /// Fits the unknowns to the data with these weights, from their starts.
-pub fn fit(model: &ReadingModel<'_>, data: &[Measurement], weights: Vec<f64>) -> ParameterFit {
+pub fn fit(model: &FitModel<'_>, data: &[Measurement], weights: Vec<f64>) -> ParameterFit {
     FitSearch::with_weights(model, data, weights).fit()
 }
 
 /// A search for the unknowns of a model from data, with the prior that both imply.
 pub(crate) struct FitSearch<'a> {
-    model: &'a ReadingModel<'a>,
+    model: &'a FitModel<'a>,
     data: &'a [Measurement],
     prior: Prior,
     weights: Vec<f64>,
@@ -76,11 +76,11 @@ pub(crate) struct FitSearch<'a> {
 
 impl<'a> FitSearch<'a> {
     /// Prepares a search with the weights of the files.
-    pub fn new(model: &'a ReadingModel<'a>, data: &'a [Measurement]) -> Self {
+    pub fn new(model: &'a FitModel<'a>, data: &'a [Measurement]) -> Self {
         Self::with_weights(model, data, data.iter().map(|m| m.weight).collect())
     }
 
-    fn with_weights(model: &'a ReadingModel<'a>, data: &'a [Measurement], weights: Vec<f64>) -> Self {
+    fn with_weights(model: &'a FitModel<'a>, data: &'a [Measurement], weights: Vec<f64>) -> Self {
         let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
         let start_problem = model.triangle(data, &weights, &start);
         let prior = Prior::new(model, data, &start_problem);

@@ -5,7 +5,7 @@ use super::fit::ParameterFit;
 use super::sums::parallel_sum;
 use crate::algebra::linear::Svd;
 use crate::identify::data::{DistanceEnd, Measurement, Reading, lever};
-use crate::identify::model::{BasisFunction, Parameter, ParameterTerm, ReadingModel, volume_poses};
+use crate::identify::model::{BasisFunction, FitModel, Parameter, ParameterTerm, volume_poses};
 use crate::identify::thresholds::{
     DESIGN_RANK_TOLERANCE, MIN_FORM_POSITIONS, MIN_FORM_SPAN_SHARE, SAME_POSITION_SHARE, VOLUME_RANK_TOLERANCE,
 };
@@ -82,7 +82,7 @@ impl FormBlock {
 }
 
 /// Returns the axes with enough positions.
-pub(super) fn axes_with_forms(model: &ReadingModel<'_>, data: &[Measurement]) -> Vec<FormedAxis> {
+pub(super) fn axes_with_forms(model: &FitModel<'_>, data: &[Measurement]) -> Vec<FormedAxis> {
     let axes = model.machines().first().map_or(&[][..], |machine| machine.axes());
     let mut first = 0;
     let mut one = |(axis, of): (usize, &Axis)| {
@@ -151,7 +151,7 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    pub fn of(model: &ReadingModel<'_>, data: &[Measurement], fit: &ParameterFit, axes: &[FormedAxis]) -> Self {
+    pub fn of(model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit, axes: &[FormedAxis]) -> Self {
         let knots: Vec<Parameter> = axes.iter().flat_map(|axis| axis.parameters(model)).collect();
         let count = knots.len();
         let own = model.own();
@@ -208,7 +208,7 @@ impl Sums {
 
 impl FormedAxis {
     /// Returns the values at the knots as parameters.
-    fn parameters(&self, model: &ReadingModel<'_>) -> Vec<Parameter> {
+    fn parameters(&self, model: &FitModel<'_>) -> Vec<Parameter> {
         let Some(machine) = model.machines().first() else { return Vec::new() };
         let of = |block: &FormBlock, hat: &Curve| {
             Parameter::single(machine, String::new(), block.source, BasisFunction::Spline(hat.clone()), 0.0)
@@ -230,7 +230,7 @@ pub(super) struct VolumeForms {
 impl VolumeForms {
     /// Evaluates the forms beside a fit; `root` is that of the covariance of its unknowns.
     pub fn of(
-        model: &ReadingModel<'_>,
+        model: &FitModel<'_>,
         data: &[Measurement],
         fit: &ParameterFit,
         root: &DMatrix<f64>,

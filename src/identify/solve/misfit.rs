@@ -11,7 +11,7 @@ use super::fit::ParameterFit;
 use super::form::{FORM_KNOTS, FormBlock, FormedAxis, Sums, VolumeForms, axes_with_forms, principal_submatrix};
 use super::solution::{FormCovariance, Solution};
 use crate::identify::data::{LEVER_MM, Measurement};
-use crate::identify::model::ReadingModel;
+use crate::identify::model::FitModel;
 use crate::identify::thresholds::{
     CORRELATION_LENGTHS, FORM_SIZES, MIN_FORM_FREEDOM, MIN_FORM_PROBABILITY, MIN_FORM_SHARE, MIN_FORM_SQUARES,
     MIN_RESIDUAL_SHARE, MIN_SCATTER_MM, PRIOR_PROBABILITY_NO_FORM,
@@ -38,7 +38,7 @@ pub struct FormUncertainty {
 /// Looks for form in the residuals of a fit. `None` if the readings cannot show it: too few residual degrees of freedom,
 /// or no axis with enough positions.
 pub fn form_uncertainty(
-    model: &ReadingModel<'_>,
+    model: &FitModel<'_>,
     data: &[Measurement],
     fit: &ParameterFit,
     solution: &Solution,

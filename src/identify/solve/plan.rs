@@ -5,7 +5,7 @@ use super::solution::Solution;
 use crate::diagnostic::{Place, SourceId};
 use crate::evaluate::{Frame, random_poses};
 use crate::identify::data::{Measurement, Reading};
-use crate::identify::model::{ReadingModel, invariances};
+use crate::identify::model::{FitModel, invariances};
 use crate::identify::thresholds::{MIN_PRIOR_SIGMA_MM, PLAN_CANDIDATES};
 use nalgebra::{DMatrix, Matrix3};
 
@@ -21,7 +21,7 @@ pub struct PosePlan {
 /// Chooses `count` poses from the volume (and the tools) of the machine, one after the other: each time the one that
 /// shrinks the determinant of the parameters' covariance most (D-optimality). All three components are measured with a
 /// standard deviation of `noise` (mm).
-pub fn plan(model: &ReadingModel<'_>, count: usize, noise: f64, seed: u64) -> PosePlan {
+pub fn plan(model: &FitModel<'_>, count: usize, noise: f64, seed: u64) -> PosePlan {
     let candidates = candidates(model, seed);
     let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
     let rows: Vec<DMatrix<f64>> = candidates.iter().map(|c| scaled_rows(model, c, &theta, noise)).collect();
@@ -38,7 +38,7 @@ pub fn plan(model: &ReadingModel<'_>, count: usize, noise: f64, seed: u64) -> Po
     PosePlan { poses, expected }
 }
 
-fn candidates(model: &ReadingModel<'_>, seed: u64) -> Vec<Measurement> {
+fn candidates(model: &FitModel<'_>, seed: u64) -> Vec<Measurement> {
     let place = Place { source: SourceId(0), range: 0..0 };
     let of_tool = |(tool, machine): (usize, &crate::machine::Machine)| {
         let poses = random_poses(machine, PLAN_CANDIDATES, seed.wrapping_add(tool as u64));
@@ -51,7 +51,7 @@ fn candidates(model: &ReadingModel<'_>, seed: u64) -> Vec<Measurement> {
 }
 
 /// Returns the derivatives of the three components by displacements of the parameters, over the noise.
-fn scaled_rows(model: &ReadingModel<'_>, candidate: &Measurement, theta: &[f64], noise: f64) -> DMatrix<f64> {
+fn scaled_rows(model: &FitModel<'_>, candidate: &Measurement, theta: &[f64], noise: f64) -> DMatrix<f64> {
     let (columns, _) = model.rows(candidate, theta);
     DMatrix::from_fn(3, columns.len(), |i, j| columns[j][i] / model.parameters()[j].size / noise)
 }
@@ -71,7 +71,7 @@ fn update(covariance: &mut DMatrix<f64>, rows: &DMatrix<f64>) {
     }
 }
 
-fn expected_solution(model: &ReadingModel<'_>, poses: &[Measurement], theta: &[f64], noise: f64) -> Solution {
+fn expected_solution(model: &FitModel<'_>, poses: &[Measurement], theta: &[f64], noise: f64) -> Solution {
     let weights = vec![1.0; poses.len()];
     let reduced = model.triangle(poses, &weights, theta);
     let mut fit = ParameterFit {

@@ -7,7 +7,7 @@ use super::fit::ParameterFit;
 use crate::algebra::linear::{ReducedSystem, Svd, beside, over_columns};
 use crate::evaluate::Order;
 use crate::identify::data::Measurement;
-use crate::identify::model::{Parameter, ReadingModel, sizes};
+use crate::identify::model::{FitModel, Parameter, sizes};
 use crate::identify::thresholds::{
     MAX_NULL_SPACE_SHARE, MIN_COLUMN_SHARE, MIN_COVARIANCE_SHARE, MIN_FREE_LENGTH, MIN_NEW_MOTION_SHARE,
     MIN_SCATTER_MM, RANK_TOLERANCE, REPORT_SCATTER_ITERATIONS, TIE_RATIO,
@@ -272,7 +272,7 @@ impl Solution {
     /// they hardly touch would be as uncertain as they are: they count as null space.
     pub fn with_first_order_rank(
         self,
-        model: &ReadingModel<'_>,
+        model: &FitModel<'_>,
         data: &[Measurement],
         fit: &ParameterFit,
         motions: &[DVector<f64>],

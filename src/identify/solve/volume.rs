@@ -4,7 +4,7 @@
 use super::fit::ParameterFit;
 use super::solution::Solution;
 use crate::identify::data::Measurement;
-use crate::identify::model::{BasisFunction, Parameter, ReadingModel, Volume};
+use crate::identify::model::{BasisFunction, FitModel, Parameter, Volume};
 use crate::identify::thresholds::MIN_FREE_EFFECT_MM;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Direction, Machine, Pose, ResidualForm};
@@ -38,7 +38,7 @@ impl Prediction {
     /// Predicts with a fit; bounds on slopes hold curves beyond the readings. The form of the axes beside the curves adds
     /// to the uncertainty everywhere.
     pub fn of(
-        model: &ReadingModel<'_>,
+        model: &FitModel<'_>,
         data: &[Measurement],
         fit: &ParameterFit,
         solution: &Solution,
@@ -83,7 +83,7 @@ impl Prediction {
 
 /// Returns the covariances (mm^2) of the deviations at poses by the forms of axes: the same everywhere by displacements,
 /// by their lever arms of rotations.
-fn form_covariances(model: &ReadingModel<'_>, poses: &[Measurement], forms: &[ResidualForm]) -> Vec<Matrix3<f64>> {
+fn form_covariances(model: &FitModel<'_>, poses: &[Measurement], forms: &[ResidualForm]) -> Vec<Matrix3<f64>> {
     let Some(machine) = model.machines().first() else { return Vec::new() };
     let scattering = forms.iter().flat_map(|form| form_errors(machine, form));
     let (errors, scatter): (Vec<Parameter>, Vec<f64>) = scattering.unzip();
@@ -108,7 +108,7 @@ fn form_errors(machine: &Machine, form: &ResidualForm) -> Vec<(Parameter, f64)> 
 }
 
 /// Returns the fit with its bounds on slopes among the known values; `None` without bounds.
-fn fit_with_bounds(model: &ReadingModel<'_>, fit: &ParameterFit) -> Option<ParameterFit> {
+fn fit_with_bounds(model: &FitModel<'_>, fit: &ParameterFit) -> Option<ParameterFit> {
     let (slopes, before) = (model.slope_rows(), fit.known.nrows());
     if slopes.nrows() == 0 {
         return None;

@@ -6,7 +6,7 @@ use super::fit::{FitSearch, ParameterFit, Scatter};
 use crate::algebra::linear::{ReducedSystem, Triangle};
 use crate::identify::data::{Measurement, ReadingKind};
 use crate::identify::lists::index_of;
-use crate::identify::model::{ReadingModel, sizes};
+use crate::identify::model::{FitModel, sizes};
 use crate::identify::thresholds::{
     HUBER_CONSTANT, MAX_REWEIGHTINGS, MAX_VARIANCE_ITERATIONS, MEDIAN_EFFICIENCY, MEDIAN_OVER_SIGMA, MIN_REDUNDANCY,
     MIN_SCATTER_MM, MIN_SCATTER_SHARE, RANK_TOLERANCE, SETTLED_WEIGHT_CHANGE,
@@ -14,7 +14,7 @@ use crate::identify::thresholds::{
 use nalgebra::{DMatrix, Vector3};
 
 /// Fits the unknowns to the data with weights by the scatter of the readings; `robust` gives outliers less weight.
-pub fn solve(model: &ReadingModel<'_>, data: &[Measurement], robust: bool) -> ParameterFit {
+pub fn solve(model: &FitModel<'_>, data: &[Measurement], robust: bool) -> ParameterFit {
     let search = FitSearch::new(model, data);
     let mut found = search.fit();
     let groups = Groups::of(data);
@@ -70,7 +70,7 @@ impl Groups {
     /// it from the median of the residuals.
     fn sigmas(
         &self,
-        model: &ReadingModel<'_>,
+        model: &FitModel<'_>,
         data: &[Measurement],
         found: &ParameterFit,
         before: Vec<f64>,
@@ -97,7 +97,7 @@ impl Groups {
     /// `(sum v_g)^2 / sum (v_g^2 / f_g)` (Welch 1947, Satterthwaite 1946).
     fn parameter_freedom(
         &self,
-        model: &ReadingModel<'_>,
+        model: &FitModel<'_>,
         data: &[Measurement],
         found: &ParameterFit,
         robust: bool,
@@ -131,7 +131,7 @@ impl Groups {
     /// Returns the linear problem of each quantity at the fit, in the directions that the data see.
     fn linear(
         &self,
-        model: &ReadingModel<'_>,
+        model: &FitModel<'_>,
         data: &[Measurement],
         weights: &[f64],
         found: &ParameterFit,
@@ -156,7 +156,7 @@ impl Groups {
 }
 
 /// Returns the orthonormal directions (columns, by displacements) that the data see, in the units of the unknowns.
-fn visible_directions(model: &ReadingModel<'_>, found: &ParameterFit) -> DMatrix<f64> {
+fn visible_directions(model: &FitModel<'_>, found: &ParameterFit) -> DMatrix<f64> {
     let sizes = sizes(model.parameters());
     let svd = found.reduced.scaled(&sizes);
     let mut seen = svd.v.columns(0, svd.rank(RANK_TOLERANCE)).into_owned();
@@ -231,7 +231,7 @@ fn huber_weights(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
 /// estimate: `K^2 sum psi^2 / mean(psi')^2` (Huber 1981, section 7.6), with `K = 1 + p/n var(psi') / mean(psi')^2`. `psi`
 /// of a measurement of d components is that of their length.
 fn apply_huber_estimate(
-    model: &ReadingModel<'_>,
+    model: &FitModel<'_>,
     data: &[Measurement],
     groups: &Groups,
     sigmas: &[f64],

@@ -1,15 +1,15 @@
 //! Rows to samples; what is left out, and why.
 
-use super::failure::ImportRowFailure;
+use super::failure::SampleFailure;
 use super::header::{ColumnRole, ImportHeader, Series};
 use super::layout::{ColumnMeaning, ExportLayout};
-use super::options::RunApproach;
+use super::line::line;
+use super::options::{RunApproach, StraightnessLine};
 use super::order;
 use super::request::ImportRequest;
 use super::sample::{Import, Sample, UnusedRow, refusal};
 use super::unit::{component_error, own_axis, reading_unit};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::identify::data::error_name::parse_component_error;
 use crate::identify::lists::index_of;
 use crate::machine::{AxisName, ErrorId, largest};
 use crate::syntax::ColumnDirection;
@@ -121,12 +121,8 @@ fn unknown_approach(error: &ErrorId, place: &Place) -> Diagnostic {
 /// True if readings grow as the targets do: then they are positions, and deviations would be a metre in a metre.
 fn follows_targets(import: &Import) -> bool {
     let unit = if import.rotary { 1_f64.to_radians() } else { 1.0 };
-    let n = import.samples.len() as f64;
-    let mean = |of: &dyn Fn(&Sample) -> f64| import.samples.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(&|s| s.position), mean(&|s| s.value / unit));
-    let square = mean(&|s| (s.position - x) * (s.position - x));
-    let slope = mean(&|s| (s.position - x) * (s.value / unit - y)) / square;
-    (slope - 1.0).abs() < 0.1
+    let points: Vec<(f64, f64)> = import.samples.iter().map(|s| (s.position, s.value / unit)).collect();
+    (line(&points, StraightnessLine::LeastSquares).0 - 1.0).abs() < 0.1
 }
 
 /// Returns the deviation of a reading that is a position.
@@ -154,11 +150,11 @@ fn mixed_directions(error: &ErrorId, place: &Place) -> Diagnostic {
 }
 
 /// Refuses readings larger than any error of a machine: they are of another unit, or of another column.
-pub(super) fn check_plausible(samples: &[Sample], errors: &[ErrorId]) -> Result<(), ImportRowFailure> {
+pub(super) fn check_plausible(samples: &[Sample], errors: &[ErrorId]) -> Result<(), SampleFailure> {
     let direction = |sample: &Sample| errors[sample.error].direction;
     let far = samples.iter().find(|sample| sample.value.abs() > largest(direction(sample)));
     let unit = |sample: &Sample| if direction(sample).is_rotation() { "rad" } else { "mm" };
-    far.map_or(Ok(()), |far| Err(ImportRowFailure::TooLarge(far.value, unit(far))))
+    far.map_or(Ok(()), |far| Err(SampleFailure::TooLarge(far.value, unit(far))))
 }
 
 fn too_large(message: String, place: &Place) -> Diagnostic {
@@ -174,10 +170,10 @@ fn row(
     wanted: &ImportRequest,
     beside: &[usize],
     import: &mut Import,
-) -> Result<Vec<Sample>, ImportRowFailure> {
+) -> Result<Vec<Sample>, SampleFailure> {
     let ImportHeader { roles, separator, .. } = header;
     if cells.len() > roles.len() {
-        return Err(ImportRowFailure::Cells(cells.len(), roles.len()));
+        return Err(SampleFailure::Cells(cells.len(), roles.len()));
     }
     let at = |k: usize| cells.get(k).map_or("", String::as_str);
     let mut common = Sample { error: 0, position: f64::NAN, direction: None, run: String::new(), value: 0.0 };
@@ -185,14 +181,14 @@ fn row(
     for (k, role) in roles.iter().enumerate() {
         let cell = at(k);
         match role {
-            ColumnRole::Position(_) if cell.is_empty() => return Err(ImportRowFailure::NoPosition),
+            ColumnRole::Position(_) if cell.is_empty() => return Err(SampleFailure::NoPosition),
             ColumnRole::Position(factor) => common.position = sheet::number(cell, *separator)? * factor,
             ColumnRole::Reading(unit) => reading = Some((cell, unit)),
             ColumnRole::Other(ColumnMeaning::Excluded) if !["", "0"].contains(&cell) => {
-                return Err(ImportRowFailure::Excluded(cell.to_owned()));
+                return Err(SampleFailure::Excluded(cell.to_owned()));
             }
             ColumnRole::Other(ColumnMeaning::Axis) if is_other_axis(cell, &import.axis) => {
-                return Err(ImportRowFailure::OtherAxis(cell.to_owned()));
+                return Err(SampleFailure::OtherAxis(cell.to_owned()));
             }
             ColumnRole::Other(ColumnMeaning::Run) => common.run = cell.to_owned(),
             ColumnRole::Other(ColumnMeaning::Direction) => common.direction = direction(cell, header.layout)?,
@@ -202,16 +198,16 @@ fn row(
         }
     }
     if common.position.abs() > FARTHEST {
-        return Err(ImportRowFailure::Far(common.position));
+        return Err(SampleFailure::Far(common.position));
     }
     let sign = wanted.sign();
     let sample = |error: usize, value: f64| Sample { error, value: value * sign + 0.0, ..common.clone() };
     if let Some((cell, known)) = reading {
         let error = error_of_row(name, wanted, &import.axis)?;
         let own = if unit.is_empty() { None } else { Some(reading_unit(unit)?) };
-        let unit = own.or(*known).ok_or(ImportRowFailure::NoUnit)?;
+        let unit = own.or(*known).ok_or(SampleFailure::NoUnit)?;
         if !unit.fits(&error) {
-            return Err(ImportRowFailure::NotUnitOf(error));
+            return Err(SampleFailure::NotUnitOf(error));
         }
         let value = sheet::number(cell, *separator)? * unit.factor;
         return Ok(vec![sample(index_of(&mut import.errors, error), value)]);
@@ -228,7 +224,7 @@ fn row(
         }
         samples.push(found);
     }
-    if samples.is_empty() { Err(ImportRowFailure::NoReading) } else { Ok(samples) }
+    if samples.is_empty() { Err(SampleFailure::NoReading) } else { Ok(samples) }
 }
 
 /// True for the name of an axis other than the one that moved.
@@ -237,11 +233,11 @@ fn is_other_axis(cell: &str, axis: &str) -> bool {
 }
 
 /// Returns the error that a row names.
-fn error_of_row(name: &str, wanted: &ImportRequest, axis: &str) -> Result<ErrorId, ImportRowFailure> {
+fn error_of_row(name: &str, wanted: &ImportRequest, axis: &str) -> Result<ErrorId, SampleFailure> {
     let error = component_error(name)?;
     own_axis(&error, axis)?;
-    if wanted.error.as_deref().and_then(parse_component_error).is_some_and(|wanted| wanted != error) {
-        return Err(ImportRowFailure::OtherError(error));
+    if wanted.excludes(&error) {
+        return Err(SampleFailure::OtherError(error));
     }
     Ok(error)
 }
@@ -260,12 +256,12 @@ fn with_label(mut sample: Sample, series: &Series) -> Sample {
     sample
 }
 
-fn direction(cell: &str, layout: &ExportLayout) -> Result<Option<ColumnDirection>, ImportRowFailure> {
+fn direction(cell: &str, layout: &ExportLayout) -> Result<Option<ColumnDirection>, SampleFailure> {
     match (cell, layout.label(cell, true).direction) {
         ("", _) => Ok(None),
         // As control systems write it, beside `-1`.
         ("1", _) => Ok(Some(ColumnDirection::Forward)),
         (_, Some(direction)) => Ok(Some(direction)),
-        _ => Err(ImportRowFailure::NotDirection(cell.to_owned())),
+        _ => Err(SampleFailure::NotDirection(cell.to_owned())),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::channels::{self, InstrumentChannel};
 use super::columns::{ColumnMap, MappedColumn};
-use super::failure::ImportHeaderFailure;
+use super::failure::ExportFailure;
 use super::form::TableForm;
 use super::layout::{ColumnMeaning, ExportLayout, GENERAL, RunLabel};
 use super::request::ImportRequest;
@@ -137,7 +137,7 @@ fn begins(layout: &ExportLayout, cells: &[String], axis: Option<&str>, map: Opti
 pub(super) fn find(lines: &[Line], wanted: &ImportRequest) -> Result<ImportHeader, Box<Diagnostic>> {
     check_request(wanted).map_err(|failure| Box::new(refusal(failure.to_string(), None)))?;
     let layout = &GENERAL;
-    let of_error = wanted.error.as_deref().and_then(parse_component_error).map(|error| error.axis.to_string());
+    let of_error = wanted.error_id().map(|error| error.axis.to_string());
     let mut known: Vec<(String, String)> = Vec::new();
     let mut other = None;
     for (i, line) in lines.iter().enumerate().take(MAX_PREAMBLE_LINES) {
@@ -147,8 +147,7 @@ pub(super) fn find(lines: &[Line], wanted: &ImportRequest) -> Result<ImportHeade
         let map = wanted.columns.as_ref();
         if begins(layout, &cells, axis, map).is_some() && (map.is_some() || !line.text.contains(": ")) {
             let reader = HeaderReader { layout, lines, wanted, metadata: &known, separator };
-            let refuse =
-                |failure: ImportHeaderFailure| Box::new(refusal(failure.to_string(), Some(line.place.clone())));
+            let refuse = |failure: ExportFailure| Box::new(refusal(failure.to_string(), Some(line.place.clone())));
             return reader.header(i, &cells).map_err(refuse);
         }
         if let (None, Some(axis), Some(Title { name, unit: Some(_), .. })) =
@@ -165,7 +164,7 @@ pub(super) fn find(lines: &[Line], wanted: &ImportRequest) -> Result<ImportHeade
 }
 
 /// Returns the request holds whether or not the file states it too.
-fn check_request(wanted: &ImportRequest) -> Result<(), ImportHeaderFailure> {
+fn check_request(wanted: &ImportRequest) -> Result<(), ExportFailure> {
     wanted.error.as_deref().map(component_error).transpose()?;
     wanted.unit.as_deref().map(reading_unit).transpose()?;
     Ok(())
@@ -196,13 +195,13 @@ enum RunColumns {
 }
 
 /// Refuses two columns of one run: their mean would be no reading of any run.
-fn no_run_twice(header: &ImportHeader, titles: &[Title]) -> Result<(), ImportHeaderFailure> {
+fn no_run_twice(header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailure> {
     let run = |role: &ColumnRole| role.series().map(|series| (series.error, series.label.clone()));
     let runs: Vec<Option<(usize, RunLabel)>> =
         header.roles.iter().map(|role| run(role).filter(|(_, label)| !label.run.is_empty())).collect();
     let again = |k: &usize| runs[*k].is_some() && runs[..*k].contains(&runs[*k]);
     let second = (0..runs.len()).find(again);
-    second.map_or(Ok(()), |k| Err(ImportHeaderFailure::RunTwice(titles[k].cell.clone())))
+    second.map_or(Ok(()), |k| Err(ExportFailure::RunTwice(titles[k].cell.clone())))
 }
 
 struct HeaderReader<'a> {
@@ -225,7 +224,7 @@ impl HeaderReader<'_> {
         entry(self.metadata, key)
     }
 
-    fn header(&self, at: usize, cells: &[String]) -> Result<ImportHeader, ImportHeaderFailure> {
+    fn header(&self, at: usize, cells: &[String]) -> Result<ImportHeader, ExportFailure> {
         let (titles, row_of_units) = self.titles(at, cells);
         let body = at + 1 + usize::from(row_of_units);
         let paired = self.layout.has_letter_pairs(titles.iter().map(|title| title.lower.as_str()));
@@ -234,13 +233,13 @@ impl HeaderReader<'_> {
             Some(map) => ColumnMap::names(&map.position, &title.name, &title.cell),
             None => title.name.eq_ignore_ascii_case(&axis) || self.layout.is_position(&title.lower),
         };
-        let position = titles.iter().position(is_position).ok_or(ImportHeaderFailure::NoPositions)?;
+        let position = titles.iter().position(is_position).ok_or(ExportFailure::NoPositions)?;
         let (rotary, factor) = match self.unit_of_positions(&titles[position])? {
             None => (axis.starts_with(['A', 'B', 'C']), 1.0),
             Some(unit) => position_unit(unit)?,
         };
         if self.wanted.continuous && !rotary {
-            return Err(ImportHeaderFailure::LinearAxis(axis));
+            return Err(ExportFailure::LinearAxis(axis));
         }
         let mut header = ImportHeader {
             layout: self.layout,
@@ -264,11 +263,11 @@ impl HeaderReader<'_> {
     }
 
     /// Returns the unit of the targets: of their title, of the mapping or the metadata.
-    fn unit_of_positions<'u>(&'u self, title: &'u Title) -> Result<Option<&'u str>, ImportHeaderFailure> {
+    fn unit_of_positions<'u>(&'u self, title: &'u Title) -> Result<Option<&'u str>, ExportFailure> {
         let mapped = self.wanted.columns.as_ref().and_then(|map| map.position_unit.as_deref());
         match (title.unit.as_deref(), mapped) {
             (Some(own), Some(mapped)) if position_unit(own) != position_unit(mapped) => {
-                Err(ImportHeaderFailure::OtherUnit(title.name.clone(), own.to_owned(), mapped.to_owned()))
+                Err(ExportFailure::OtherUnit(title.name.clone(), own.to_owned(), mapped.to_owned()))
             }
             (own, mapped) => Ok(own.or(mapped).or(self.entry("position unit"))),
         }
@@ -302,7 +301,7 @@ impl HeaderReader<'_> {
     }
 
     /// Gives every column its role.
-    fn roles(&self, header: &mut ImportHeader, titles: &[Title], position: usize) -> Result<(), ImportHeaderFailure> {
+    fn roles(&self, header: &mut ImportHeader, titles: &[Title], position: usize) -> Result<(), ExportFailure> {
         let runs = if header.form == TableForm::Runs { self.runs(header, titles)? } else { RunColumns::NotReached };
         for (k, title) in titles.iter().enumerate() {
             let role =
@@ -316,11 +315,11 @@ impl HeaderReader<'_> {
             titles.iter().zip(&header.roles).filter_map(|(title, role)| unused_column(title, role)).collect();
         let is_reading = |role: &ColumnRole| role.is_number() && !matches!(role, ColumnRole::Position(_));
         let any = header.roles.iter().any(is_reading);
-        if any { Ok(()) } else { Err(ImportHeaderFailure::NoReadings(self.wanted.error.clone())) }
+        if any { Ok(()) } else { Err(ExportFailure::NoReadings(self.wanted.error.clone())) }
     }
 
     /// Refuses a column between runs that no rule has: it could be one of them.
-    fn nothing_unknown_between(&self, header: &ImportHeader, titles: &[Title]) -> Result<(), ImportHeaderFailure> {
+    fn nothing_unknown_between(&self, header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailure> {
         let is_run = |role: &ColumnRole| role.series().is_some();
         let (Some(first), Some(last)) = (header.roles.iter().position(is_run), header.roles.iter().rposition(is_run))
         else {
@@ -328,24 +327,24 @@ impl HeaderReader<'_> {
         };
         let unknown = |k: &usize| header.roles[*k] == ColumnRole::Other(ColumnMeaning::Unknown);
         match (first..last).find(unknown).filter(|_| header.form == TableForm::Runs) {
-            Some(k) => Err(ImportHeaderFailure::UnknownBetween(titles[k].cell.clone())),
+            Some(k) => Err(ExportFailure::UnknownBetween(titles[k].cell.clone())),
             None => Ok(()),
         }
     }
 
     /// Refuses a mapping, or a list of flipped channels, that names columns which the table does not have.
-    fn check_names(&self, header: &ImportHeader, titles: &[Title]) -> Result<(), ImportHeaderFailure> {
+    fn check_names(&self, header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailure> {
         let has = |name: &str| titles.iter().any(|title| ColumnMap::names(name, &title.name, &title.cell));
         let mapped = self.wanted.columns.iter().flat_map(|map| &map.columns);
         if let Some((name, _)) = mapped.into_iter().find(|(name, _)| !has(name)) {
-            return Err(ImportHeaderFailure::NoMapped(name.clone()));
+            return Err(ExportFailure::NoMapped(name.clone()));
         }
         let is_channel = |name: &str| {
             let of = |found: &NamedChannel| ColumnMap::names(name, &Title::new(&found.title).name, &found.title);
             header.channels.iter().any(of)
         };
         match self.wanted.flipped.iter().find(|name| !is_channel(name)) {
-            Some(name) => Err(ImportHeaderFailure::NoFlipped(name.clone())),
+            Some(name) => Err(ExportFailure::NoFlipped(name.clone())),
             None => Ok(()),
         }
     }
@@ -364,7 +363,7 @@ impl HeaderReader<'_> {
     }
 
     /// Looks for positions that were reached. They show the positioning error of the axis and no other one.
-    fn runs(&self, header: &ImportHeader, titles: &[Title]) -> Result<RunColumns, ImportHeaderFailure> {
+    fn runs(&self, header: &ImportHeader, titles: &[Title]) -> Result<RunColumns, ExportFailure> {
         let axis = &header.axis;
         let own = own_error(axis);
         let error = self.error()?;
@@ -377,7 +376,7 @@ impl HeaderReader<'_> {
         if error.as_ref().is_some_and(other) {
             return Ok(RunColumns::OtherError);
         }
-        let error = error.or(own).ok_or(ImportHeaderFailure::NoError(None))?;
+        let error = error.or(own).ok_or(ExportFailure::NoError(None))?;
         own_axis(&error, axis)?;
         let deviations = titles.iter().any(|title| self.layout.is_deviation(&title.lower));
         Ok(if deviations { RunColumns::Deviations(error) } else { RunColumns::Reached(error) })
@@ -399,7 +398,7 @@ impl HeaderReader<'_> {
 
     /// Returns the axis: as requested, of the metadata or a column, of the error requested, the only column that is
     /// named like one, or that of all errors that have columns.
-    fn axis(&self, titles: &[Title], body: usize, paired: bool) -> Result<String, ImportHeaderFailure> {
+    fn axis(&self, titles: &[Title], body: usize, paired: bool) -> Result<String, ExportFailure> {
         let own = |title: &Title| {
             let run = paired && self.layout.letter(&title.lower).is_some();
             let short = title.name.len() <= 2 && parse_component_error(&title.name).is_none() && !run;
@@ -408,7 +407,7 @@ impl HeaderReader<'_> {
         let given = self.wanted.axis.clone().or_else(|| self.entry("axis").map(str::to_owned));
         let column = self.axes_of_rows(titles, body);
         if let ([one, other], None) = (&column[..], &given) {
-            return Err(ImportHeaderFailure::TwoAxes(one.clone(), other.clone()));
+            return Err(ExportFailure::TwoAxes(one.clone(), other.clone()));
         }
         let error = || self.wanted.error.as_deref().or(self.entry("error")).and_then(parse_component_error);
         let mapped = || self.wanted.columns.as_ref()?.errors().next().map(|error| error.axis.to_string());
@@ -420,15 +419,10 @@ impl HeaderReader<'_> {
             .or_else(|| titles.iter().find_map(own))
             .or_else(|| only_axis(titles))
             .or_else(beam);
-        axis.map(|name| name.trim().to_uppercase()).ok_or(ImportHeaderFailure::NoAxis)
+        axis.map(|name| name.trim().to_uppercase()).ok_or(ExportFailure::NoAxis)
     }
 
-    fn role(
-        &self,
-        header: &mut ImportHeader,
-        title: &Title,
-        runs: &RunColumns,
-    ) -> Result<ColumnRole, ImportHeaderFailure> {
+    fn role(&self, header: &mut ImportHeader, title: &Title, runs: &RunColumns) -> Result<ColumnRole, ExportFailure> {
         if let Some(map) = &self.wanted.columns {
             return self.role_by_map(header, title, map);
         }
@@ -463,7 +457,7 @@ impl HeaderReader<'_> {
         header: &mut ImportHeader,
         title: &Title,
         map: &ColumnMap,
-    ) -> Result<ColumnRole, ImportHeaderFailure> {
+    ) -> Result<ColumnRole, ExportFailure> {
         let of_title = |(name, _): &&(String, MappedColumn)| ColumnMap::names(name, &title.name, &title.cell);
         let (error, unit, label, flip, reached) = match map.columns.iter().find(of_title).map(|(_, column)| column) {
             Some(MappedColumn::Run) => return Ok(ColumnRole::Other(ColumnMeaning::Run)),
@@ -472,13 +466,13 @@ impl HeaderReader<'_> {
             Some(MappedColumn::Ignored) | None => return Ok(ColumnRole::Other(ColumnMeaning::Ignored)),
             Some(MappedColumn::Readings { error, unit, label, flip, reached }) => (error, unit, label, flip, reached),
         };
-        if self.wanted.error.as_deref().and_then(parse_component_error).is_some_and(|wanted| wanted != *error) {
+        if self.wanted.excludes(error) {
             return Ok(ColumnRole::Other(ColumnMeaning::Ignored));
         }
         if let (Some(own), Some(mapped)) = (title.unit.as_deref(), unit.as_deref())
             && reading_unit(own) != reading_unit(mapped)
         {
-            return Err(ImportHeaderFailure::OtherUnit(title.name.clone(), own.to_owned(), mapped.to_owned()));
+            return Err(ExportFailure::OtherUnit(title.name.clone(), own.to_owned(), mapped.to_owned()));
         }
         let label = RunLabel { direction: label.0, run: label.1.clone() };
         if *reached {
@@ -494,18 +488,18 @@ impl HeaderReader<'_> {
         Ok(role)
     }
 
-    fn role_by_channel(&self, header: &mut ImportHeader, title: &Title) -> Result<ColumnRole, ImportHeaderFailure> {
+    fn role_by_channel(&self, header: &mut ImportHeader, title: &Title) -> Result<ColumnRole, ExportFailure> {
         let Some((mounting, (channel, label))) = self.wanted.mounting.zip(channels::channel(&title.name, self.layout))
         else {
             return Ok(self.not_a_reading(title));
         };
-        let axis = AxisName::new(&header.axis).ok_or(ImportHeaderFailure::NoAxis)?;
+        let axis = AxisName::new(&header.axis).ok_or(ExportFailure::NoAxis)?;
         if channels::axis_direction(&axis) != Some(mounting.along()) {
             let beam = ["X", "Y", "Z"][mounting.along()].to_owned();
-            return Err(ImportHeaderFailure::BeamAcross(beam, header.axis.clone()));
+            return Err(ExportFailure::BeamAcross(beam, header.axis.clone()));
         }
         let (error, negative) = mounting.error(channel, &axis);
-        if self.wanted.error.as_deref().and_then(parse_component_error).is_some_and(|wanted| wanted != error) {
+        if self.wanted.excludes(&error) {
             return Ok(ColumnRole::Other(ColumnMeaning::Ignored));
         }
         let flipped = self.wanted.flipped.iter().any(|name| ColumnMap::names(name, &title.name, &title.cell));
@@ -518,9 +512,8 @@ impl HeaderReader<'_> {
         Ok(role)
     }
 
-    fn role_by_error(&self, header: &mut ImportHeader, title: &Title) -> Result<ColumnRole, ImportHeaderFailure> {
-        let wanted = self.wanted.error.as_deref().and_then(parse_component_error);
-        let named = title.error().filter(|(error, _)| wanted.as_ref().is_none_or(|wanted| wanted == error));
+    fn role_by_error(&self, header: &mut ImportHeader, title: &Title) -> Result<ColumnRole, ExportFailure> {
+        let named = title.error().filter(|(error, _)| !self.wanted.excludes(error));
         let Some((error, approach)) = named else { return Ok(self.not_a_reading(title)) };
         let direction = approach.map(|approach| match approach {
             Approach::Reverse => ColumnDirection::Reverse,
@@ -534,7 +527,7 @@ impl HeaderReader<'_> {
         header: &mut ImportHeader,
         title: &Title,
         runs: &RunColumns,
-    ) -> Result<ColumnRole, ImportHeaderFailure> {
+    ) -> Result<ColumnRole, ExportFailure> {
         let reached = self.actual_position_label(header, title);
         let error = match (runs, reached) {
             (RunColumns::Reached(error), Some(label)) => {
@@ -550,11 +543,11 @@ impl HeaderReader<'_> {
             (Some(label), ..) => label,
             (None, Some((channel, label)), Some(error)) if Self::only_channel(header, channel, error) => label,
             (None, Some(_), None) => {
-                return Err(ImportHeaderFailure::Channels(format!("`{}` ...", shown(&title.name))));
+                return Err(ExportFailure::Channels(format!("`{}` ...", shown(&title.name))));
             }
             _ => return Ok(self.not_a_reading(title)),
         };
-        let error = error.ok_or_else(|| ImportHeaderFailure::NoError(Some(title.name.clone())))?;
+        let error = error.ok_or_else(|| ExportFailure::NoError(Some(title.name.clone())))?;
         let open = self.layout.is_open(&title.lower) && own_error(&header.axis).as_ref() == Some(&error);
         Ok(match self.deviation(header, title, error, label)? {
             ColumnRole::Deviation(series) if open => ColumnRole::Open(series),
@@ -569,7 +562,7 @@ impl HeaderReader<'_> {
     }
 
     /// Returns the error that is asked for, or that the file names.
-    fn error(&self) -> Result<Option<ErrorId>, ImportHeaderFailure> {
+    fn error(&self) -> Result<Option<ErrorId>, ExportFailure> {
         self.wanted.error.as_deref().or(self.entry("error")).map(component_error).transpose()
     }
 
@@ -579,12 +572,12 @@ impl HeaderReader<'_> {
         title: &Title,
         error: ErrorId,
         label: RunLabel,
-    ) -> Result<ColumnRole, ImportHeaderFailure> {
+    ) -> Result<ColumnRole, ExportFailure> {
         own_axis(&error, &header.axis)?;
-        let text = self.unit(title).ok_or_else(|| ImportHeaderFailure::NoUnit(title.name.clone()))?;
+        let text = self.unit(title).ok_or_else(|| ExportFailure::NoUnit(title.name.clone()))?;
         let unit = reading_unit(text)?;
         if !unit.fits(&error) {
-            return Err(ImportHeaderFailure::NotUnitOf(text.to_owned(), error));
+            return Err(ExportFailure::NotUnitOf(text.to_owned(), error));
         }
         Ok(ColumnRole::Deviation(Series { error: index_of(&mut header.errors, error), label, factor: unit.factor }))
     }

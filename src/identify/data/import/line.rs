@@ -34,7 +34,7 @@ fn is_straightness(error: &ErrorId) -> bool {
 }
 
 /// Returns slope and value at 0.
-fn line(points: &[(f64, f64)], rule: StraightnessLine) -> (f64, f64) {
+pub(super) fn line(points: &[(f64, f64)], rule: StraightnessLine) -> (f64, f64) {
     let n = points.len() as f64;
     let (x, y) = match rule {
         StraightnessLine::LeastSquares => {

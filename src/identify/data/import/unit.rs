@@ -1,6 +1,6 @@
 //! Units of positions and readings, and the errors that they fit.
 
-use super::failure::ImportHeaderFailure;
+use super::failure::ExportFailure;
 use crate::identify::data::error_name::parse_component_error;
 use crate::machine::ErrorId;
 use crate::units::{self, Dimension};
@@ -24,30 +24,30 @@ impl Unit {
 }
 
 /// Returns the unit of readings with this name.
-pub(super) fn reading_unit(unit: &str) -> Result<Unit, ImportHeaderFailure> {
+pub(super) fn reading_unit(unit: &str) -> Result<Unit, ExportFailure> {
     let found = units::unit(unit).map(|(factor, dimension)| Unit { factor, dimension });
-    found.map_err(|_| ImportHeaderFailure::NotUnit(unit.to_owned()))
+    found.map_err(|_| ExportFailure::NotUnit(unit.to_owned()))
 }
 
 /// Returns true for a unit of rotary axes, and its factor to mm or deg.
-pub(super) fn position_unit(unit: &str) -> Result<(bool, f64), ImportHeaderFailure> {
+pub(super) fn position_unit(unit: &str) -> Result<(bool, f64), ExportFailure> {
     match units::unit(unit) {
         Ok((factor, Dimension::LENGTH)) => Ok((false, factor)),
         Ok((_, Dimension::ANGLE)) if unit == "deg" || unit == "°" => Ok((true, 1.0)),
         Ok((factor, Dimension::ANGLE)) => Ok((true, factor.to_degrees())),
-        _ => Err(ImportHeaderFailure::NotPositionUnit(unit.to_owned())),
+        _ => Err(ExportFailure::NotPositionUnit(unit.to_owned())),
     }
 }
 
 /// Returns the component error with this name.
-pub(super) fn component_error(name: &str) -> Result<ErrorId, ImportHeaderFailure> {
-    parse_component_error(name).ok_or_else(|| ImportHeaderFailure::NotComponentError(name.to_owned()))
+pub(super) fn component_error(name: &str) -> Result<ErrorId, ExportFailure> {
+    parse_component_error(name).ok_or_else(|| ExportFailure::NotComponentError(name.to_owned()))
 }
 
 /// Refuses an error of another axis.
-pub(super) fn own_axis(error: &ErrorId, axis: &str) -> Result<(), ImportHeaderFailure> {
+pub(super) fn own_axis(error: &ErrorId, axis: &str) -> Result<(), ExportFailure> {
     let own = error.axis.to_string().eq_ignore_ascii_case(axis);
-    if own { Ok(()) } else { Err(ImportHeaderFailure::ErrorOfOtherAxis(error.clone(), axis.to_owned())) }
+    if own { Ok(()) } else { Err(ExportFailure::ErrorOfOtherAxis(error.clone(), axis.to_owned())) }
 }
 
 /// Returns the positioning error of an axis, by its letter: EXX of X, ECC of C1.
