@@ -29,12 +29,12 @@ pub use data::{
 };
 pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{
-    BasisFunction, Coefficient, Component, ErrorMonomial, FitModel, Invariances, Parameter, ParameterTerm, PriorValue,
-    SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters, parse_prior, slope_bounds, type_b,
+    BasisFunction, FitModel, Invariances, MonomialCoefficient, MonomialComponent, Parameter, ParameterTerm, PriorValue,
+    Rms, SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters, parse_prior, slope_bounds, type_b,
     unused_entries, with_command_line,
 };
 pub use solve::{
-    DatumConditions, DeviationUncertainty, Estimate, FormUncertainty, Outlier, ParameterFit, Prediction, Randomness,
+    DatumConditions, DeviationUncertainty, Estimate, FormUncertainty, Outlier, ParameterFit, Prediction, ResidualTest,
     Residuals, RigidMotionRemoved, Scatter, Solution, common, fit, form_uncertainty, held_out, in_datum, plan,
     randomness, solve,
 };

@@ -9,13 +9,14 @@ mod provenance;
 mod remarks;
 mod result;
 
+pub use crate::identify::{MonomialCoefficient, MonomialComponent, ResidualTest, Rms};
 pub use datum::{FittedDatum, FittedError};
-pub use monomials::{MonomialCoefficient, MonomialComponent, MonomialFit, Rms, fit_monomials};
+pub use monomials::{MonomialFit, fit_monomials};
 pub use pictures::NamedSvg;
 pub use plan::{ExpectedParameter, MeasurementPlan, PlanOptions, PlannedPose, plan_measurements};
 pub use result::{
     FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue, LackOfFit, OrderShares, OutlierPlace,
-    PredictedUncertainty, RepeatedReadings, ResidualTest, RmsBeforeAfter, ScatterOfKind, SharedUncertainty,
+    PredictedUncertainty, RepeatedReadings, RmsBeforeAfter, ScatterOfKind, SharedUncertainty,
 };
 
 use super::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
@@ -26,9 +27,9 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::evaluate::{Frame, Order};
 use crate::identify::{
     FileNotes, FitModel, FormUncertainty, Measurement, MeasurementSet, Parameter, ParameterFit, Prediction, PriorValue,
-    Randomness, ReadingContext, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, form_uncertainty,
-    held_out, in_datum, invariances, parameters, parse_prior, randomness, read_measurements, repeats, slope_bounds,
-    solve, type_b, unused_entries, with_command_line,
+    ReadingContext, Repeats, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, form_uncertainty, held_out,
+    in_datum, invariances, parameters, parse_prior, randomness, read_measurements, repeats, slope_bounds, solve,
+    type_b, unused_entries, with_command_line,
 };
 use crate::machine::Machine;
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
@@ -280,7 +281,7 @@ struct Fitted<'a> {
     data: &'a [Measurement],
     solution: Solution,
     residuals: Residuals,
-    randomness: Vec<Randomness>,
+    residual_tests: Vec<ResidualTest>,
     held_out: Option<f64>,
     prediction: Prediction,
     /// Rigid motions of the whole machine that no reading notices.
@@ -320,7 +321,7 @@ fn solve_problem(
         let solution = solution.with_first_order_rank(&model, data, fit, &found.motion_parameters);
         let form = form_uncertainty(&model, data, fit, &solution);
         let common = common(&model, data, fit, &solution, &problem.type_b);
-        let solution = solution.add_shared(form.as_ref().map(|form| &form.covariance), common);
+        let solution = solution.combine_shared(form.as_ref().map(|form| &form.covariance), common);
         let in_datum = in_datum(&model, data, fit, &solution, &conditions);
         let (solution, removed) = in_datum.map_or((solution, None), |(solution, removed)| (solution, Some(removed)));
         (solution, form, removed)
@@ -345,7 +346,7 @@ fn solve_problem(
         own: model.own(),
         data,
         residuals: Residuals::of(&model, data, &theta),
-        randomness: randomness(data, &model.residuals(data, &theta), &fit.weights),
+        residual_tests: randomness(data, &model.residuals(data, &theta), &fit.weights),
         prediction,
         datum,
         motions: found.motions,

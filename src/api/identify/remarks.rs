@@ -88,8 +88,8 @@ fn lack_of_fit(fitted: &Fitted<'_>) -> Option<Diagnostic> {
 
 fn drifting(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     let drifting =
-        fitted.randomness.iter().filter(|r| r.runs < MAX_NOISE_PROBABILITY && r.lag1 > MIN_DRIFT_CORRELATION);
-    let names: Vec<String> = drifting.map(|r| r.name()).collect();
+        fitted.residual_tests.iter().filter(|r| r.runs < MAX_NOISE_PROBABILITY && r.lag1 > MIN_DRIFT_CORRELATION);
+    let names: Vec<String> = drifting.map(|r| r.of.clone()).collect();
     let message = format!("what is left of {} is not noise: neighbours in the file are alike", names.join(", "));
     let help =
         "drift of machine or instrument while measuring, or a shape that was not fitted; sigmas are too small then";

@@ -6,8 +6,8 @@ use super::{Fitted, limits};
 use crate::api::poses::{AxisPositions, axis_positions};
 use crate::diagnostic::Sources;
 use crate::identify::{
-    DeviationUncertainty, Estimate, FormUncertainty, Outlier, Parameter, Prediction, PriorValue, Randomness,
-    ReadingKind, Repeats, Scatter, SharedEffect, TypeB,
+    DeviationUncertainty, Estimate, FormUncertainty, Outlier, Parameter, Prediction, PriorValue, ReadingKind, Repeats,
+    ResidualTest, Scatter, SharedEffect, TypeB,
 };
 use crate::machine::{AxisName, Machine, ResidualForm};
 use crate::units::significant;
@@ -198,28 +198,6 @@ pub struct KindResidual {
     /// The same in words, in the unit of the kind.
     #[serde(skip)]
     pub words: String,
-}
-
-/// Tests of residuals for randomness; the probabilities hold if the residuals are noise.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct ResidualTest {
-    /// Readings tested.
-    pub of: String,
-    /// Number of residuals.
-    pub count: usize,
-    /// Probability of residuals so far from a normal distribution.
-    pub normality: f64,
-    /// Probability of so few or so many runs of one sign.
-    pub runs: f64,
-    /// Correlation of a residual with the one before it.
-    pub lag1: f64,
-}
-
-impl ResidualTest {
-    fn of(test: &Randomness) -> Self {
-        let Randomness { count, normality, runs, lag1, .. } = *test;
-        Self { of: test.name(), count, normality, runs, lag1 }
-    }
 }
 
 /// A reading that stands out.
@@ -427,7 +405,7 @@ impl IdentifyResult {
                 left_by_second: um(r.truncated[1]),
             },
             kinds: r.kinds.iter().map(|(kind, rows, rms)| kind_residual(*kind, *rows, *rms)).collect(),
-            residual_tests: fitted.randomness.iter().map(ResidualTest::of).collect(),
+            residual_tests: fitted.residual_tests.clone(),
             outliers: r.outliers.iter().map(outlier).collect(),
             prediction: PredictedUncertainty::of(fitted),
             invariances: fitted.motions.clone(),

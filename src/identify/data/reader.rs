@@ -116,7 +116,7 @@ pub fn read_measurements(
     }
     if reader.poses.is_some() && !reader.has_points && !diagnostics.refused() {
         let message = "no file of measurements has points by name, whose poses are given".to_owned();
-        diagnostics.push(Diagnostic::new(codes::E0501, message).help(POINTS));
+        diagnostics.push(points_refusal(message, None));
     }
     reader.data
 }
@@ -147,6 +147,10 @@ fn refusal(code: codes::Code, message: String, place: Option<Place>) -> Diagnost
         _ => COLUMNS,
     };
     Diagnostic::new(code, message).at(place, "").help(help)
+}
+
+fn points_refusal(message: String, place: Option<Place>) -> Diagnostic {
+    Diagnostic::new(codes::E0501, message).at(place, "").help(POINTS)
 }
 
 impl MeasurementReader<'_> {
@@ -199,13 +203,10 @@ impl MeasurementReader<'_> {
             return None;
         };
         let separator = sheet::separator(&header.text);
-        let mut refuse = |message: String, place: &Place| {
-            diagnostics.push(Diagnostic::new(codes::E0501, message).at(Some(place.clone()), "").help(POINTS));
-        };
         let columns = match pose_columns(self.machine, &header.text, separator) {
             Ok(columns) => columns,
             Err(failure) => {
-                refuse(failure.to_string(), &header.place);
+                diagnostics.push(points_refusal(failure.to_string(), Some(header.place.clone())));
                 return None;
             }
         };
@@ -213,10 +214,7 @@ impl MeasurementReader<'_> {
         let has_names = columns.iter().any(|column| column.content == Content::Point);
         let mut names = std::collections::BTreeSet::new();
         for draft in &drafts {
-            let mut refuse = |message: String| {
-                let place = Some(draft.row.place.clone());
-                diagnostics.push(Diagnostic::new(codes::E0501, message).at(place, "").help(POINTS));
-            };
+            let mut refuse = |message: String| diagnostics.push(points_refusal(message, Some(draft.row.place.clone())));
             if draft.row.readings() > 0 || !draft.errors.is_empty() {
                 refuse("a table of poses has no readings".to_owned());
                 return None;
@@ -232,9 +230,7 @@ impl MeasurementReader<'_> {
     /// Takes the points of a tracker.
     fn read_points(&mut self, columns: &PointColumns, lines: &[Line], diagnostics: &mut Diagnostics) {
         let first = lines.first().map(|line| line.place.clone());
-        let mut refuse = |message: String, place: Option<Place>| {
-            diagnostics.push(Diagnostic::new(codes::E0501, message).at(place, "").help(POINTS));
-        };
+        let mut refuse = |message: String, place: Option<Place>| diagnostics.push(points_refusal(message, place));
         let Some(poses) = &self.poses else {
             return refuse("these are points by name, without the poses at which they were measured".to_owned(), first);
         };

@@ -1,6 +1,6 @@
-//! The papers' way (Holub and others 2015): the deviation of order 2 as a polynomial in the parameters, every monomial
-//! taken for an unknown of its own, solved for each component by the Moore-Penrose inverse. Linear, without a start,
-//! and blind to what it throws away: that a product is the product of its factors, and that the components share them.
+//! The method of Holub and others 2015: the deviation of order 2 as a polynomial in the parameters. Every monomial is an
+//! unknown of its own, and each component is solved for itself by the Moore-Penrose inverse. The method is linear and
+//! needs no start. It ignores that a product is the product of its factors, and that the components share them.
 
 use super::prediction::{FitModel, zero_unread};
 use crate::algebra::linear::{Svd, Triangle};
@@ -8,39 +8,49 @@ use crate::identify::data::{Measurement, ReadingKind};
 use crate::identify::thresholds::{MAX_NULL_SPACE_SHARE, MIN_MONOMIAL_MM, RANK_TOLERANCE};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
+use serde::Serialize;
 
 /// A monomial: one parameter, or two (perhaps the same twice).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ErrorMonomial(pub usize, pub Option<usize>);
-
-/// A monomial's coefficient in one component.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Coefficient {
-    /// The monomial.
-    pub monomial: ErrorMonomial,
-    /// `EBX:slope * ECY:slope`.
-    pub name: String,
-    /// In `unit`.
-    pub value: f64,
-    /// The product of the parameters' units.
-    pub unit: String,
-    /// Do the data tell it from all others?
-    pub determined: bool,
-}
+struct ErrorMonomial(usize, Option<usize>);
 
 /// One component of the deviation.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Component {
-    /// 0, 1, 2: dx, dy, dz.
-    pub index: usize,
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct MonomialComponent {
+    /// `dx`, `dy` or `dz`.
+    pub component: &'static str,
     /// Number of readings.
     pub readings: usize,
-    /// Every monomial that occurs in it.
-    pub coefficients: Vec<Coefficient>,
-    /// Rank of the design matrix.
+    /// Number of monomials.
+    pub columns: usize,
+    /// Rank of the problem.
     pub rank: usize,
-    /// RMS (mm) before and after.
-    pub rms: [f64; 2],
+    /// Root mean square of the readings.
+    pub rms_um: Rms,
+    /// The coefficients.
+    pub coefficients: Vec<MonomialCoefficient>,
+}
+
+/// Root mean square of readings, um.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Rms {
+    /// As measured.
+    pub before: f64,
+    /// After the fit.
+    pub after: f64,
+}
+
+/// The coefficient of a monomial.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct MonomialCoefficient {
+    /// Name such as `EX0C` or `EA0C*EB0C`.
+    pub monomial: String,
+    /// Value, in `unit`.
+    pub value: f64,
+    /// Unit of the value.
+    pub unit: String,
+    /// True if the data tell it from the others.
+    pub determined: bool,
 }
 
 /// First- and second-degree coefficients of a reading (mm, parameters in units of displacement).
@@ -58,7 +68,7 @@ fn monomials(count: usize) -> Vec<ErrorMonomial> {
 }
 
 /// Returns the fit of each component that was measured. Rows other than deviations are not in the papers: `None`.
-pub fn moore_penrose(model: &FitModel<'_>, data: &[Measurement]) -> Option<Vec<Component>> {
+pub fn moore_penrose(model: &FitModel<'_>, data: &[Measurement]) -> Option<Vec<MonomialComponent>> {
     if !data.iter().all(|m| m.kind() == ReadingKind::Deviation) {
         return None;
     }
@@ -97,7 +107,7 @@ fn component(
     rows: &[Expansion],
     list: &[ErrorMonomial],
     k: usize,
-) -> Option<Component> {
+) -> Option<MonomialComponent> {
     let seen: Vec<usize> = (0..data.len()).filter(|i| data[*i].reading_mask()[k]).collect();
     if seen.is_empty() {
         return None;
@@ -118,23 +128,24 @@ fn component(
     let sizes = DVector::from_iterator(columns.len(), columns.iter().map(|c| size(model, list[*c])));
     let found = shortest(&svd, &scale, &sizes, &reduced.right, rank);
     let null = svd.null_space(rank);
-    let left = |i: &usize| {
+    let residual = |i: &usize| {
         let fitted: f64 = columns.iter().zip(found.iter()).map(|(c, x)| rows[*i].columns[*c][k] * x).sum();
         data[*i].values()[k] - rows[*i].constant[k] - fitted
     };
     let before = |i: &usize| data[*i].values()[k] - rows[*i].constant[k];
     let rms = |f: &dyn Fn(&usize) -> f64| libm::sqrt(seen.iter().map(|i| f(i) * f(i)).sum::<f64>() / seen.len() as f64);
     let coefficient = |(j, c): (usize, &usize)| {
-        let (name, unit, factor) = label(model, list[*c]);
+        let (monomial, unit, factor) = label(model, list[*c]);
         let determined = null.row(j).norm_squared() < MAX_NULL_SPACE_SHARE;
-        Coefficient { monomial: list[*c], name, value: found[j] / sizes[j] * factor + 0.0, unit, determined }
+        MonomialCoefficient { monomial, value: found[j] / sizes[j] * factor + 0.0, unit, determined }
     };
-    Some(Component {
-        index: k,
+    Some(MonomialComponent {
+        component: ["dx", "dy", "dz"][k],
         readings: seen.len(),
-        coefficients: columns.iter().enumerate().map(coefficient).collect(),
+        columns: columns.len(),
         rank,
-        rms: [rms(&before), rms(&left)],
+        rms_um: Rms { before: rms(&before) * 1e3, after: rms(&residual) * 1e3 },
+        coefficients: columns.iter().enumerate().map(coefficient).collect(),
     })
 }
 

@@ -66,7 +66,7 @@ impl Volume {
         })
     }
 
-    /// Displacements of the points by translations and rotations of the whole: six columns.
+    /// Returns the displacements of the points by rigid motions of the whole: six columns.
     pub fn motions(&self) -> DMatrix<f64> {
         motions(&self.points)
     }

@@ -26,7 +26,7 @@ pub use datum::{DatumConditions, RigidMotionRemoved, in_datum};
 pub use fit::{ParameterFit, Scatter, fit};
 pub use misfit::{FormUncertainty, form_uncertainty};
 pub use plan::plan;
-pub use randomness::{Randomness, randomness};
+pub use randomness::{ResidualTest, randomness};
 pub use solution::{Estimate, Solution};
 pub use volume::{DeviationUncertainty, Prediction};
 pub use weighing::solve;
