@@ -49,16 +49,21 @@ struct Contents {
     metadata: Vec<(String, String)>,
 }
 
-pub(super) fn read(lines: &[Line], wanted: &ImportRequest, path: &Path) -> Result<Import, Box<Diagnostic>> {
-    let first = lines.first().map(|line| line.place.clone());
-    let refuse = |message: String| Box::new(refusal(message, first.clone()));
+/// Reads the sections of a file that begins at `first`.
+pub(super) fn read(
+    lines: &[Line],
+    first: &Place,
+    wanted: &ImportRequest,
+    path: &Path,
+) -> Result<Import, Box<Diagnostic>> {
+    let refuse = |message: String| Box::new(refusal(message, Some(first.clone())));
     let contents = contents(lines)?;
     let (axis, error, unit) = quantity(&contents, wanted, path).map_err(|why| refuse(why.to_string()))?;
     if wanted.contents.is_none() {
         let message = "nothing in the file says whether its values are errors or corrections";
         let help =
             "say `--holds errors` (measured minus target) or `--holds corrections`; both circulate in this layout";
-        return Err(Box::new(refusal(message.to_owned(), first).help(help)));
+        return Err(Box::new(refusal(message.to_owned(), Some(first.clone())).help(help)));
     }
     let rotary = axis.starts_with(['A', 'B', 'C']);
     let mut import = Import { errors: vec![error], ..Import::empty(TableForm::LaserText, axis, rotary) };
@@ -66,11 +71,11 @@ pub(super) fn read(lines: &[Line], wanted: &ImportRequest, path: &Path) -> Resul
     let factor = unit.factor * wanted.sign();
     let beside = samples(&mut import, &contents.targets, &runs, factor);
     import.metadata = contents.metadata;
-    let place = lines.iter().find(|line| section(&line.text) == Some(DEVIATIONS.0)).map(|line| line.place.clone());
-    let place = place.or(first.clone()).ok_or_else(|| refuse("the file is empty".to_owned()))?;
+    let deviations = lines.iter().find(|line| section(&line.text) == Some(DEVIATIONS.0));
+    let place = deviations.map_or(first, |line| &line.place);
     gather::check_plausible(&import.samples, &import.errors)
         .map_err(|failure| Box::new(refusal(failure.to_string(), Some(place.clone()))))?;
-    gather::finish(import, wanted, if beside { &[0] } else { &[] }, &place)
+    gather::finish(import, wanted, if beside { &[0] } else { &[] }, place)
 }
 
 /// Reads section by section.

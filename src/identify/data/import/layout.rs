@@ -51,9 +51,9 @@ pub(super) struct ExportLayout {
     readings: &'static [&'static str],
     /// Words of numbered runs.
     runs: &'static [&'static str],
-    /// Words of titles that are no readings of an error: statistics, the environment, notes. One of them in a title is
-    /// enough.
-    others: &'static [&'static str],
+    /// Words of titles that are no readings of an error, separated by blanks: statistics, the environment, notes. One of
+    /// them in a title is enough.
+    others: &'static str,
     /// Rules of directions; a word stands before its own beginnings and ends.
     directions: &'static [DirectionRule],
     /// Letters of numbered runs, directions where a table has both.
@@ -112,80 +112,12 @@ pub(super) const GENERAL: ExportLayout = ExportLayout {
     deviations: &["deviation", "error", "abweichung", "difference"],
     readings: &["reading", "readings", "messwert", "measured"],
     runs: &["run", "lauf", "cycle", "zyklus", "pass", "measurement", "messung", "j"],
-    others: &[
-        "accuracy",
-        "air",
-        "average",
-        "avg",
-        "backlash",
-        "coefficient",
-        "comment",
-        "compensated",
-        "correction",
-        "count",
-        "date",
-        "druck",
-        "environment",
-        "feed",
-        "feedrate",
-        "feuchte",
-        "flag",
-        "genauigkeit",
-        "humid",
-        "humidity",
-        "index",
-        "korrektur",
-        "luft",
-        "luftdruck",
-        "luftfeuchte",
-        "material",
-        "max",
-        "maximum",
-        "mean",
-        "min",
-        "minimum",
-        "mittel",
-        "mittelwert",
-        "no",
-        "note",
-        "nr",
-        "number",
-        "nummer",
-        "offset",
-        "point",
-        "press",
-        "pressure",
-        "punkt",
-        "quality",
-        "range",
-        "repeatability",
-        "reversal",
-        "scatter",
-        "sensor",
-        "sigma",
-        "signal",
-        "slope",
-        "spread",
-        "standard",
-        "status",
-        "std",
-        "stddev",
-        "stdev",
-        "streuung",
-        "strength",
-        "temp",
-        "temperatur",
-        "temperature",
-        "time",
-        "timestamp",
-        "uncertainty",
-        "umkehrspanne",
-        "unsicherheit",
-        "variance",
-        "velocity",
-        "vorschub",
-        "zeit",
-    ],
+    others: "accuracy air average avg backlash coefficient comment compensated correction count date druck \
+             environment feed feedrate feuchte flag genauigkeit humid humidity index korrektur luft luftdruck \
+             luftfeuchte material max maximum mean min minimum mittel mittelwert no note nr number nummer offset \
+             point press pressure punkt quality range repeatability reversal scatter sensor sigma signal slope spread \
+             standard status std stddev stdev streuung strength temp temperatur temperature time timestamp \
+             uncertainty umkehrspanne unsicherheit variance velocity vorschub zeit",
     directions: &[
         direction(Forward, &["forward"]),
         direction(Reverse, &["reverse", "backward"]),
@@ -294,7 +226,7 @@ impl ExportLayout {
 
     /// True for titles of columns that are known to be no readings of an error.
     pub fn is_other(&self, title: &str) -> bool {
-        words(title).any(|word| self.others.contains(&word))
+        words(title).any(|word| self.others.split(' ').any(|other| other == word))
     }
 
     /// Splits a title of positions that were reached, such as `actual`, `actual position 2 -`, `ist_1`. A title with

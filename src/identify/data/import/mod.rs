@@ -69,15 +69,15 @@ pub fn import(path: &Path, wanted: &ImportRequest, files: &dyn Files, diagnostic
 }
 
 fn read(lines: &[Line], path: &Path, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
-    if wanted.columns.is_none() {
+    if let (None, Some(Line { place, .. })) = (&wanted.columns, lines.first()) {
         if laser_text::is(lines) {
-            return laser_text::read(lines, wanted, path);
+            return laser_text::read(lines, place, wanted, path);
         }
         if entries::is(lines) {
-            return entries::read(lines, wanted);
+            return entries::read(lines, place, wanted);
         }
         if blocks::is(lines) {
-            return blocks::read(lines, wanted);
+            return blocks::read(lines, place, wanted);
         }
     }
     let turned = if wanted.columns.is_none() { transposed::transpose(lines) } else { None };
