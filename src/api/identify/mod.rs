@@ -181,18 +181,18 @@ fn priors(
     unknowns: &[Parameter],
 ) -> Result<Vec<PriorValue>, Refused> {
     let mut list: Vec<PriorValue> = Vec::new();
-    let mut idle = Vec::new();
+    let mut without_effect = Vec::new();
     for (k, words) in request.priors.iter().chain(options).enumerate() {
         match parse_prior(words, file, unknowns) {
             Ok(found) => found.into_iter().for_each(|one| {
                 list.retain(|other| other.unknown != one.unknown);
                 list.push(one);
             }),
-            Err(_) if k < request.priors.len() => idle.push(format!("prior {}", shown(words))),
+            Err(_) if k < request.priors.len() => without_effect.push(format!("prior {}", shown(words))),
             Err(refusal) => return call.refuse(*refusal),
         }
     }
-    call.extend(remarks::entries_without_effect(&idle));
+    call.extend(remarks::entries_without_effect(&without_effect));
     Ok(list)
 }
 

@@ -77,7 +77,9 @@ fn scatter(fitted: &Fitted<'_>, kind: ReadingKind) -> f64 {
 }
 
 fn lack_of_fit(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    let far = |r: &&Repeats| r.freedom >= MIN_REPEAT_FREEDOM && scatter(fitted, r.of) > MAX_SCATTER_RATIO * r.sigma;
+    let far = |r: &&Repeats| {
+        r.degrees_of_freedom >= MIN_REPEAT_FREEDOM && scatter(fitted, r.of) > MAX_SCATTER_RATIO * r.sigma
+    };
     let repeats = fitted.repeats.iter().find(far)?;
     let (left, sigma) = (um(scatter(fitted, repeats.of)), um(repeats.sigma));
     let message =
@@ -128,7 +130,7 @@ fn missing_approaches(fitted: &Fitted<'_>) -> Option<Diagnostic> {
 /// Readings of one pose that differ more than they may.
 fn contradiction(fitted: &Fitted<'_>, sources: &Sources) -> Option<Diagnostic> {
     let repeats = fitted.repeats.iter().find(|r| r.contradict || r.opposed)?;
-    let (a, b, apart) = repeats.worst;
+    let (a, b, difference) = repeats.worst;
     let places = format!("{} and {}", place(fitted, sources, a), place(fitted, sources, b));
     if repeats.opposed {
         let message = format!("poses that were measured again were read with the opposite sign: {places}, for one");
@@ -138,7 +140,7 @@ fn contradiction(fitted: &Fitted<'_>, sources: &Sources) -> Option<Diagnostic> {
             "readings are actual minus nominal: turn the sign of one of the files",
         ));
     }
-    let message = format!("readings of one pose contradict each other by {} um: {places}", um(apart));
+    let message = format!("readings of one pose contradict each other by {} um: {places}", um(difference));
     let help =
         "one of them may have another sign (actual minus nominal), unit, tool or set-up: correct it, or name a `run`";
     Some(warning(codes::W0507, message, help))
@@ -257,8 +259,8 @@ pub(super) fn weak_directions_in_file(fitted: &Fitted<'_>) -> Option<Diagnostic>
 
 /// Nothing of what is fitted acts where was measured.
 fn silent(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    let idle = |p: &Parameter| fitted.solution.without_effect.contains(&p.name);
+    let has_no_effect = |p: &Parameter| fitted.solution.without_effect.contains(&p.name);
     let message = "nothing of what is fitted has an effect on these data: the values are those of the file".to_owned();
     let help = "measure where the errors act (`--plan 20` proposes poses), or fit others";
-    fitted.unknowns[..fitted.own].iter().all(idle).then(|| warning(codes::W0508, message, help))
+    fitted.unknowns[..fitted.own].iter().all(has_no_effect).then(|| warning(codes::W0508, message, help))
 }

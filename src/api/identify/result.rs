@@ -427,7 +427,7 @@ fn repeated_readings(repeats: &Repeats) -> RepeatedReadings {
     RepeatedReadings {
         of: repeats.of.word().to_owned(),
         sigma_um: um(repeats.sigma),
-        degrees_of_freedom: repeats.freedom,
+        degrees_of_freedom: repeats.degrees_of_freedom,
     }
 }
 

@@ -158,7 +158,7 @@ fn prediction(r: &IdentifyResult) -> String {
             format!("prediction u = {} um at most, at {at}{held}", significant(size, 3))
         }
         (None, Some(words)) => format!("prediction u is infinite, at {at} for one: {words}, but that deviation"),
-        (None, None) => "prediction u is unknown: no reading to spare".to_owned(),
+        (None, None) => "prediction u is unknown: no residual degrees of freedom".to_owned(),
     };
     text += &format!(
         "\n           of deviations up to {deviation} um over the volume, less a rigid motion of the workpiece frame\n"

@@ -14,10 +14,10 @@ pub struct Repeats {
     /// Standard deviation of a reading of weight 1 (mm).
     pub sigma: f64,
     /// Degrees of freedom that it rests on.
-    pub freedom: usize,
+    pub degrees_of_freedom: usize,
     /// The two rows of one pose whose readings differ most, and by how much (mm).
     pub worst: (usize, usize, f64),
-    /// True if that is far beyond the differences of the others.
+    /// True if the others differ far less.
     pub contradict: bool,
     /// True if first and last readings are each other's negative.
     pub opposed: bool,
@@ -82,24 +82,24 @@ pub fn repeats(data: &[Measurement]) -> Vec<Repeats> {
 
 fn repeats_of(data: &[Measurement], of: ReadingKind) -> Option<Repeats> {
     let groups = groups(data, of);
-    let (mut sum, mut freedom) = (0.0, 0);
+    let (mut sum, mut degrees_of_freedom) = (0.0, 0);
     for group in &groups {
         sum += squares(group);
-        freedom += group.len() - 1;
+        degrees_of_freedom += group.len() - 1;
     }
     let farther = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
     let sizes = groups.iter().map(|group| range_of(group).2).enumerate();
     let (widest, size) = sizes.reduce(farther)?;
     let (least, most, _) = range_of(&groups[widest]);
-    let left = freedom + 1 - groups[widest].len();
-    let others = libm::sqrt((sum - squares(&groups[widest])).max(0.0) / left.max(1) as f64);
+    let others_freedom = degrees_of_freedom + 1 - groups[widest].len();
+    let others = libm::sqrt((sum - squares(&groups[widest])).max(0.0) / others_freedom.max(1) as f64);
     let rows = (least.0.min(most.0), least.0.max(most.0));
     Some(Repeats {
         of,
-        sigma: libm::sqrt(sum / freedom as f64),
-        freedom,
+        sigma: libm::sqrt(sum / degrees_of_freedom as f64),
+        degrees_of_freedom,
         worst: (rows.0, rows.1, most.1 - least.1),
-        contradict: left >= MIN_OTHER_REPEATS && others > 0.0 && size > CONTRADICTION_DEVIATIONS * others,
+        contradict: others_freedom >= MIN_OTHER_REPEATS && others > 0.0 && size > CONTRADICTION_DEVIATIONS * others,
         opposed: have_opposite_signs(&groups),
     })
 }

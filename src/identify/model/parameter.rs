@@ -189,18 +189,18 @@ impl SlopeBound {
 }
 
 impl MeasurementSet {
-    /// Takes out readings of single errors that nothing fitted moves; says how many of which.
+    /// Removes readings of single errors that no fitted parameter moves. Returns the number removed of each error.
     pub fn leave_out(&mut self, fitted: &[Parameter]) -> Vec<(Source, usize)> {
         let mut list: Vec<(Source, usize)> = Vec::new();
         self.rows.retain(|m| {
             let Reading::Error { source, .. } = m.reading else { return true };
-            let told = fitted.iter().any(|p| p.terms.iter().any(|t| t.source == source));
+            let is_fitted = fitted.iter().any(|p| p.terms.iter().any(|t| t.source == source));
             match list.iter_mut().find(|(known, _)| *known == source) {
-                _ if told => {}
+                _ if is_fitted => {}
                 Some((_, count)) => *count += 1,
                 None => list.push((source, 1)),
             }
-            told
+            is_fitted
         });
         list
     }

@@ -274,8 +274,8 @@ fn fixed_names(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<
         return Ok(Vec::new());
     }
     let error = error(machine, word)?;
-    let moved = |p: &&Parameter| p.terms.first().is_some_and(|t| t.source == source(machine, &error));
-    Ok(list.iter().filter(moved).map(|p| p.name.clone()).collect())
+    let moves_error = |p: &&Parameter| p.terms.first().is_some_and(|t| t.source == source(machine, &error));
+    Ok(list.iter().filter(moves_error).map(|p| p.name.clone()).collect())
 }
 
 fn parameters_of_word(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {

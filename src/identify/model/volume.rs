@@ -82,8 +82,8 @@ fn motions(points: &[Vector3<f64>]) -> DMatrix<f64> {
     let centre = middle(points);
     DMatrix::from_fn(3 * points.len(), 6, |i, k| {
         let axis = Vector3::ith(k % 3, 1.0);
-        let moved = if k < 3 { axis } else { axis.cross(&(points[i / 3] - centre)) / LEVER_MM };
-        moved[i % 3]
+        let displacement = if k < 3 { axis } else { axis.cross(&(points[i / 3] - centre)) / LEVER_MM };
+        displacement[i % 3]
     })
 }
 

@@ -32,8 +32,8 @@ pub fn common(
         return DMatrix::zeros(count, count);
     }
     let root = solution.covariance_root();
-    let moved = &root * root.tr_mul(&DMatrix::from_columns(&shifts.columns));
-    &moved * moved.transpose()
+    let effects = &root * root.tr_mul(&DMatrix::from_columns(&shifts.columns));
+    &effects * effects.transpose()
 }
 
 /// An uncertainty, by its index, in one channel.

@@ -158,12 +158,12 @@ impl Gauge {
     fn map(&self, r: &DMatrix<f64>, conditions: &DMatrix<f64>, shift: &DMatrix<f64>) -> DMatrix<f64> {
         let count = self.errors.len();
         let unit = |m: &DMatrix<f64>| DMatrix::from_fn(count, count, |i, j| m[(i, j)] * self.sizes[j] / self.sizes[i]);
-        let moved = unit(&(shift * conditions));
+        let shifted = unit(&(shift * conditions));
         let others = &self.followers;
         let svd = self.follower_columns(r);
         let rank = svd.rank(RANK_TOLERANCE);
-        let seen = r * &moved;
-        let mut map = DMatrix::identity(count, count) - &moved;
+        let seen = r * &shifted;
+        let mut map = DMatrix::identity(count, count) - &shifted;
         for j in (0..count).filter(|j| self.errors[*j]) {
             let follow = svd.solve(&seen.column(j).into_owned(), rank);
             others.iter().enumerate().for_each(|(k, o)| map[(*o, j)] += follow[k] / self.sizes[*o]);

@@ -311,11 +311,11 @@ mod tests {
     #[test]
     fn unknowns_follow_forms_over_the_volume() {
         let wave = |i: usize, j: usize| libm::sin(1.3 * i as f64 + 2.1 * (j * j) as f64 + 0.4);
-        let moved = DMatrix::from_fn(9, 3, |i, j| if j == 2 { 0.0 } else { wave(i, j) });
+        let effects = DMatrix::from_fn(9, 3, |i, j| if j == 2 { 0.0 } else { wave(i, j) });
         let (knots, root) = (DMatrix::from_fn(9, 2, |i, j| wave(i, 5 + j)), DMatrix::from_fn(3, 3, |i, j| wave(j, i)));
-        let triangle = moved.clone().qr().r();
-        let found = VolumeForms::project(&triangle, &root, knots.tr_mul(&knots), &moved.tr_mul(&knots));
-        let (own, rest) = (moved.columns(0, 2), &knots - &moved * &found.nearest);
+        let triangle = effects.clone().qr().r();
+        let found = VolumeForms::project(&triangle, &root, knots.tr_mul(&knots), &effects.tr_mul(&knots));
+        let (own, rest) = (effects.columns(0, 2), &knots - &effects * &found.nearest);
         assert!(own.tr_mul(&rest).amax() < 1e-12, "{rest}");
         assert!((rest.tr_mul(&rest) - &found.unfollowed).amax() < 1e-12);
     }
