@@ -20,6 +20,7 @@ mod lists;
 mod model;
 mod solve;
 mod thresholds;
+pub(crate) mod verdict;
 mod words;
 
 pub(crate) use data::lever;

@@ -201,6 +201,34 @@ pub const MAX_TARGET_SCATTER: f64 = 0.05;
 /// Least step of targets over their scatter: a gap that no even spacing has, so that targets 1 um apart stay targets.
 pub const MIN_STEP_OVER_SCATTER: f64 = 20.0;
 
+// Verdict on a fit.
+
+/// Probability below which residuals are not noise.
+pub const MAX_NOISE_PROBABILITY: f64 = 1e-4;
+/// Correlation of neighbours above which such residuals drift.
+pub const MIN_DRIFT_CORRELATION: f64 = 0.2;
+/// Degrees of freedom of repeated readings from which their scatter is compared with the residuals.
+pub const MIN_REPEAT_FREEDOM: usize = 10;
+/// Residual scatter over that of repeated readings above which the model does not fit: four times the variance is beyond
+/// the 99.9 % point of the ratio from ten degrees of freedom on.
+pub const MAX_SCATTER_RATIO: f64 = 2.0;
+/// Median deviation (mm) above which the readings are in another unit: no machine has such errors.
+pub const MAX_MEDIAN_MM: f64 = 5.0;
+/// Median deviation (mm) below which the readings are in another unit: no instrument reads so finely.
+pub const MIN_MEDIAN_MM: f64 = 1e-5;
+/// Size (mm) of errors that need no entry in the machine file.
+pub const MAX_USUAL_MM: f64 = 10.0;
+/// Largest length (mm) that a machine file may state as plausible.
+pub const MAX_PLAUSIBLE_MM: f64 = 500.0;
+/// The same of an angle (mrad).
+pub const MAX_PLAUSIBLE_MRAD: f64 = 500.0;
+/// Uncertainty over the largest deviation predicted up to which a prediction is of use ...
+pub const MAX_UNCERTAINTY_SHARE: f64 = 0.5;
+/// ... or uncertainty over the RMS of the residuals.
+pub const MAX_UNCERTAINTY_OVER_RESIDUALS: f64 = 10.0;
+/// Largest number of unknowns of a fit: time grows with their third power.
+pub const MAX_UNKNOWNS: usize = 500;
+
 // Sampling: below, extremes between the samples are missed; above, time.
 
 /// Positions of the travel at which the uncertainty of a curve is looked at.
@@ -211,6 +239,8 @@ pub const SLOPE_SITES: usize = 25;
 pub const METRIC_SITES: usize = 50;
 /// Positions of the travel at which the conditions of a datum look at a curve.
 pub const DATUM_SITES: usize = 64;
+/// Positions of the travel at which a fitted error is evaluated for its range.
+pub const ERROR_SITES: usize = 101;
 /// Low-discrepancy poses inside the volume.
 pub const VOLUME_POSES: usize = 256;
 /// Largest number of axes whose corners are all among the poses.
