@@ -23,8 +23,14 @@ pub struct Repeats {
     pub opposed: bool,
 }
 
-/// A reading: its row, its value (mm) and the root of its weight.
-type RepeatReading = (usize, f64, f64);
+/// One reading of a group.
+#[derive(Debug, Clone, Copy, Default)]
+struct RepeatReading {
+    row: usize,
+    /// mm.
+    value: f64,
+    root_weight: f64,
+}
 
 /// Returns pose, tool and side of a row as bits; -0 and 0 are the same position.
 fn key(m: &Measurement) -> impl Iterator<Item = u64> {
@@ -50,7 +56,7 @@ fn of_pose(data: &[Measurement], rows: &[usize]) -> impl Iterator<Item = Vec<Rep
             _ => continue,
         };
         for k in 0..3 {
-            let one = values[k].map(|value| (row, value, libm::sqrt(m.weight)));
+            let one = values[k].map(|value| RepeatReading { row, value, root_weight: libm::sqrt(m.weight) });
             one.into_iter().for_each(|one| groups.entry((k, zero[k])).or_default().push(one));
         }
     }
@@ -59,17 +65,17 @@ fn of_pose(data: &[Measurement], rows: &[usize]) -> impl Iterator<Item = Vec<Rep
 
 /// Returns the weighted sum of squares about the mean (mm^2).
 fn squares(group: &[RepeatReading]) -> f64 {
-    let weight: f64 = group.iter().map(|(_, _, w)| w * w).sum();
-    let mean = group.iter().map(|(_, value, w)| value * w * w).sum::<f64>() / weight;
-    group.iter().map(|(_, value, w)| (value - mean) * (value - mean) * w * w).sum()
+    let weight: f64 = group.iter().map(|r| r.root_weight * r.root_weight).sum();
+    let mean = group.iter().map(|r| r.value * r.root_weight * r.root_weight).sum::<f64>() / weight;
+    group.iter().map(|r| (r.value - mean) * (r.value - mean) * r.root_weight * r.root_weight).sum()
 }
 
-/// Returns the least and the greatest of a group, and how far they are apart in standard deviations of weight 1.
+/// Returns the least and the greatest of a group, and their difference in standard deviations of weight 1.
 fn range_of(group: &[RepeatReading]) -> (RepeatReading, RepeatReading, f64) {
-    let by_value = |a: &&RepeatReading, b: &&RepeatReading| a.1.total_cmp(&b.1);
+    let by_value = |a: &&RepeatReading, b: &&RepeatReading| a.value.total_cmp(&b.value);
     let least = group.iter().min_by(by_value).copied().unwrap_or_default();
     let most = group.iter().max_by(by_value).copied().unwrap_or_default();
-    (least, most, (most.1 - least.1) / libm::hypot(1.0 / least.2, 1.0 / most.2))
+    (least, most, (most.value - least.value) / libm::hypot(1.0 / least.root_weight, 1.0 / most.root_weight))
 }
 
 /// Returns the repeatability at poses that were measured more than once, by kind of reading.
@@ -93,12 +99,11 @@ fn repeats_of(data: &[Measurement], of: ReadingKind) -> Option<Repeats> {
     let (least, most, _) = range_of(&groups[widest]);
     let others_freedom = degrees_of_freedom + 1 - groups[widest].len();
     let others = libm::sqrt((sum - squares(&groups[widest])).max(0.0) / others_freedom.max(1) as f64);
-    let rows = (least.0.min(most.0), least.0.max(most.0));
     Some(Repeats {
         of,
         sigma: libm::sqrt(sum / degrees_of_freedom as f64),
         degrees_of_freedom,
-        worst: (rows.0, rows.1, most.1 - least.1),
+        worst: (least.row.min(most.row), least.row.max(most.row), most.value - least.value),
         contradict: others_freedom >= MIN_OTHER_REPEATS && others > 0.0 && size > CONTRADICTION_DEVIATIONS * others,
         opposed: have_opposite_signs(&groups),
     })
@@ -106,7 +111,7 @@ fn repeats_of(data: &[Measurement], of: ReadingKind) -> Option<Repeats> {
 
 /// True if first and last readings of the groups are each other's negative, as those of files with unlike signs are.
 fn have_opposite_signs(groups: &[Vec<RepeatReading>]) -> bool {
-    let ends = groups.iter().filter_map(|group| Some((group.first()?.1, group.last()?.1)));
+    let ends = groups.iter().filter_map(|group| Some((group.first()?.value, group.last()?.value)));
     let (mut product, mut first, mut last) = (0.0, 0.0, 0.0);
     for (a, b) in ends {
         product += a * b;

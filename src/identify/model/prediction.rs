@@ -24,7 +24,7 @@ const MAX_TRIANGLES: usize = 16;
 pub struct FitModel<'a> {
     machines: Vec<Machine>,
     parameters: &'a [Parameter],
-    /// Number of them that are the machine's.
+    /// Number of the machine's parameters, which come first.
     own: usize,
     /// Every error that a parameter moves, each once.
     sources: Vec<Source>,
@@ -37,9 +37,9 @@ pub struct FitModel<'a> {
     slopes: DMatrix<f64>,
     /// Values that are known before the data, with their uncertainty.
     known: Vec<PriorValue>,
-    /// Do location errors count in the real part?
+    /// True if location errors count in the real part.
     real_locations: bool,
-    /// Hears of measurements that were evaluated.
+    /// Receives the number of measurements evaluated.
     progress: &'a (dyn Fn(usize) + Sync),
 }
 
@@ -70,7 +70,7 @@ trait Scheme: Algebra {
     fn total(&self) -> f64 {
         self.real() + self.nilpotent_sum()
     }
-    /// Of a derivative, the degrees that belong to the derivative of the truncated model.
+    /// Returns the sum of those degrees of a derivative that belong to the truncated model.
     fn slope(&self, real: bool) -> f64;
 }
 
@@ -300,17 +300,17 @@ impl<'a> FitModel<'a> {
 
     /// Writes the rows of a measurement, times `root`: coefficients, then the residual.
     fn fill(&self, m: &Measurement, root: f64, theta: &[f64], rows: &mut [f64]) {
-        let local = match self.order {
-            Order::Degree(1) => self.local::<Dual<2>>(m, theta),
-            Order::Degree(2) => self.local::<Dual<3>>(m, theta),
-            _ => self.local::<f64>(m, theta),
+        let linear = match self.order {
+            Order::Degree(1) => self.linearise::<Dual<2>>(m, theta),
+            Order::Degree(2) => self.linearise::<Dual<3>>(m, theta),
+            _ => self.linearise::<f64>(m, theta),
         };
         let width = self.parameters.len() + 1;
-        let residual = m.values() - local.predicted;
+        let residual = m.values() - linear.predicted;
         let seen = m.reading_mask();
         for (row, k) in rows.chunks_mut(width).zip((0..3).filter(|k| seen[*k])) {
-            row.iter_mut().zip(&local.by_parameter).for_each(|(place, derivative)| *place = derivative[k] * root);
-            for (index, derivative) in &local.by_nuisance {
+            row.iter_mut().zip(&linear.by_parameter).for_each(|(place, derivative)| *place = derivative[k] * root);
+            for (index, derivative) in &linear.by_nuisance {
                 row[self.own + index] = derivative[k] * root;
             }
             row[width - 1] = residual[k] * root;
@@ -336,8 +336,10 @@ impl<'a> FitModel<'a> {
         x.slope(self.real_locations && matches!(source.place, ErrorSite::Location(_)))
     }
 
-    fn local<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Linearisation {
-        // By each source, of one or two subjects, with the shares of the parameters in the sources there.
+    /// Returns the predicted reading and its derivatives. A length between two poses has two subjects, near and far end;
+    /// its derivative is that of the near one minus that of the far one.
+    fn linearise<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Linearisation {
+        // For each subject: derivatives by the sources, and the effects of the parameters on the sources there.
         let mut derivatives: Vec<(Vec<Vector3<S>>, Vec<f64>)> = Vec::new();
         let observed = self.observe(m, theta, |subject| {
             let pose = if let ReadingSubject::Point(pose) = subject { pose } else { &m.pose };
@@ -360,7 +362,6 @@ impl<'a> FitModel<'a> {
             let by = |(s, d): (&Source, &Vector3<S>)| observed.slope.of(d, |x| self.slope(*s, x));
             self.by_parameter(&self.sources.iter().zip(by_source).map(by).collect::<Vec<_>>(), shares)
         };
-        // The functions of the pose differ at the two ends of a length.
         let minus =
             |near: Vec<Vector3<f64>>, far: Vec<Vector3<f64>>| near.iter().zip(&far).map(|(a, b)| a - b).collect();
         Linearisation {

@@ -346,12 +346,13 @@ fn parameters_of_error(machine: &Machine, word: &str, request: &IdentifyEntry) -
     let both = name.strip_suffix("+-").map(str::trim);
     let (bare, approach) = both.map_or_else(|| split_direction(name), |bare| (bare, None));
     let error = error(machine, bare)?;
-    let listed = request.basis.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
-    if let Some((said, (_, listed))) = form.zip(listed).filter(|(said, (_, listed))| said != listed) {
-        let message = format!("`{error}` is fitted as `{}`, and its basis is `{}`", shown(said), shown(listed));
+    let is_key = |key: &String| parse_error_name(key).as_ref() == Some(&error);
+    let listed = request.basis.iter().find(|(key, _)| is_key(key)).map(|(_, form)| form.as_str());
+    if let Some((own, listed)) = form.zip(listed).filter(|(own, listed)| own != listed) {
+        let message = format!("`{error}` is fitted as `{}`, and its basis is `{}`", shown(own), shown(listed));
         return Err(refusal(message, "give the form once: in `fit`, or in `basis`"));
     }
-    let form = form.or(listed.map(|(_, form)| form.as_str()));
+    let form = form.or(listed);
     if error.is_location() {
         return match form {
             None if bare == name => Ok(vec![location(machine, &error)]),
@@ -361,8 +362,7 @@ fn parameters_of_error(machine: &Machine, word: &str, request: &IdentifyEntry) -
             )),
         };
     }
-    let knots = request.knots.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
-    let knots = knots.map(|(_, knots)| knots.as_slice());
+    let knots = request.knots.iter().find(|(key, _)| is_key(key)).map(|(_, knots)| knots.as_slice());
     if both.is_none() {
         return curves::parameters(machine, &error, form, knots, approach.unwrap_or_default());
     }
@@ -382,22 +382,19 @@ fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Sc
         ));
     }
     let mut terms: Vec<ParameterTerm> = Vec::new();
-    for (key, powers) in errors {
+    for (key, coefficients) in errors {
         let error = error(machine, key)?;
-        let source = source(machine, &error);
-        for (k, factor) in powers.iter().enumerate() {
-            let said = || refusal(format!("`{}`: `{factor}` is not a coefficient of `{error}`", shown(name)), help);
-            let factor = curves::plain(factor).ok_or_else(said)?;
-            let power = u8::try_from(k)
-                .ok()
-                .filter(|k| *k <= MAX_POWER && (*k == 0 || !error.is_location()))
-                .ok_or_else(said)?;
+        for (power, coefficient) in coefficients.iter().enumerate() {
+            let refuse =
+                || refusal(format!("`{}`: `{coefficient}` is not a coefficient of `{error}`", shown(name)), help);
+            let factor = curves::plain(coefficient).ok_or_else(refuse)?;
+            let basis = match u8::try_from(power) {
+                Ok(0) if error.is_location() => BasisFunction::Constant,
+                Ok(power) if power <= MAX_POWER && !error.is_location() => BasisFunction::Power(power),
+                _ => return Err(refuse()),
+            };
             if factor != 0.0 {
-                terms.push(ParameterTerm::new(
-                    source,
-                    if error.is_location() { BasisFunction::Constant } else { BasisFunction::Power(power) },
-                    factor,
-                ));
+                terms.push(ParameterTerm::new(source(machine, &error), basis, factor));
             }
         }
     }
@@ -415,6 +412,8 @@ fn linear(machine: &Machine) -> Vec<Parameter> {
     slides.flat_map(|(i, axis)| slopes(machine, i, axis.direction)).collect()
 }
 
+/// Returns the four slopes of a linear axis along the unit vector `u`: positioning, and the three angles with the
+/// straightness that they cause.
 fn slopes(machine: &Machine, axis: usize, u: [f64; 3]) -> Vec<Parameter> {
     let name = &machine.axes()[axis].name;
     let at = |direction| Source { place: ErrorSite::Component(axis), direction };

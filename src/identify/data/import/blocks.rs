@@ -4,7 +4,7 @@
 use super::form::TableForm;
 use super::gather;
 use super::request::ImportRequest;
-use super::sample::{Import, Sample, UnusedColumn, refusal};
+use super::sample::{AxisSample, Import, UnusedColumn, refusal};
 use super::unit::component_error;
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::identify::lists::index_of;
@@ -86,7 +86,7 @@ pub(super) fn read(lines: &[Line], place: &Place, wanted: &ImportRequest) -> Res
         let index = import.errors.len();
         import.errors.push(error);
         let sign = wanted.sign();
-        import.samples.extend(points.iter().map(|(position, value)| Sample {
+        import.samples.extend(points.iter().map(|(position, value)| AxisSample {
             error: index,
             position: *position,
             direction: None,

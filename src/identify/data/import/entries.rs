@@ -5,7 +5,7 @@ use super::form::TableForm;
 use super::gather::{self, off_target};
 use super::options::FileContents;
 use super::request::ImportRequest;
-use super::sample::{Import, Sample, refusal};
+use super::sample::{AxisSample, Import, refusal};
 use super::unit::{self, position_unit};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::syntax::ColumnDirection::{self, Forward, Reverse};
@@ -89,7 +89,7 @@ pub(super) fn read(lines: &[Line], place: &Place, wanted: &ImportRequest) -> Res
             return Err(Box::new(refusal(message, Some(line.place.clone()))));
         };
         let value = off_target(value * factor - position, rotary);
-        import.samples.push(Sample { error: 0, position, direction: Some(direction), run: run.to_string(), value });
+        import.samples.push(AxisSample { error: 0, position, direction: Some(direction), run: run.to_string(), value });
     }
     if import.samples.is_empty() {
         return Err(refuse("the file has targets and no position that was reached"));

@@ -7,7 +7,7 @@ use super::line::line;
 use super::options::{RunApproach, StraightnessLine};
 use super::order;
 use super::request::ImportRequest;
-use super::sample::{Import, Sample, UnusedRow, refusal};
+use super::sample::{AxisSample, Import, UnusedRow, refusal};
 use super::unit::{component_error, own_axis, reading_unit};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::identify::lists::index_of;
@@ -126,13 +126,13 @@ fn follows_targets(import: &Import) -> bool {
 }
 
 /// Returns the deviation of a reading that is a position.
-fn deviation_of_position(sample: &Sample, rotary: bool) -> f64 {
+fn deviation_of_position(sample: &AxisSample, rotary: bool) -> f64 {
     let at = if rotary { sample.value.to_degrees() } else { sample.value };
     off_target(at - sample.position, rotary)
 }
 
 /// Checks that all readings of an error have a direction, or none; fails with the error of which some have.
-fn agree(samples: &[Sample], marked: &mut Vec<Option<bool>>) -> Result<(), usize> {
+fn agree(samples: &[AxisSample], marked: &mut Vec<Option<bool>>) -> Result<(), usize> {
     for sample in samples {
         marked.resize(marked.len().max(sample.error + 1), None);
         if *marked[sample.error].get_or_insert(sample.direction.is_some()) != sample.direction.is_some() {
@@ -150,10 +150,10 @@ fn mixed_directions(error: &ErrorId, place: &Place) -> Diagnostic {
 }
 
 /// Refuses readings larger than any error of a machine: they are of another unit, or of another column.
-pub(super) fn check_plausible(samples: &[Sample], errors: &[ErrorId]) -> Result<(), SampleFailure> {
-    let direction = |sample: &Sample| errors[sample.error].direction;
+pub(super) fn check_plausible(samples: &[AxisSample], errors: &[ErrorId]) -> Result<(), SampleFailure> {
+    let direction = |sample: &AxisSample| errors[sample.error].direction;
     let far = samples.iter().find(|sample| sample.value.abs() > largest(direction(sample)));
-    let unit = |sample: &Sample| if direction(sample).is_rotation() { "rad" } else { "mm" };
+    let unit = |sample: &AxisSample| if direction(sample).is_rotation() { "rad" } else { "mm" };
     far.map_or(Ok(()), |far| Err(SampleFailure::TooLarge(far.value, unit(far))))
 }
 
@@ -170,13 +170,13 @@ fn row(
     wanted: &ImportRequest,
     beside: &[usize],
     import: &mut Import,
-) -> Result<Vec<Sample>, SampleFailure> {
+) -> Result<Vec<AxisSample>, SampleFailure> {
     let ImportHeader { roles, separator, .. } = header;
     if cells.len() > roles.len() {
         return Err(SampleFailure::Cells(cells.len(), roles.len()));
     }
     let at = |k: usize| cells.get(k).map_or("", String::as_str);
-    let mut common = Sample { error: 0, position: f64::NAN, direction: None, run: String::new(), value: 0.0 };
+    let mut common = AxisSample { error: 0, position: f64::NAN, direction: None, run: String::new(), value: 0.0 };
     let (mut name, mut unit, mut reading) = ("", "", None);
     for (k, role) in roles.iter().enumerate() {
         let cell = at(k);
@@ -201,7 +201,7 @@ fn row(
         return Err(SampleFailure::Far(common.position));
     }
     let sign = wanted.sign();
-    let sample = |error: usize, value: f64| Sample { error, value: value * sign + 0.0, ..common.clone() };
+    let sample = |error: usize, value: f64| AxisSample { error, value: value * sign + 0.0, ..common.clone() };
     if let Some((cell, known)) = reading {
         let error = error_of_row(name, wanted, &import.axis)?;
         let own = if unit.is_empty() { None } else { Some(reading_unit(unit)?) };
@@ -248,7 +248,7 @@ pub(super) fn off_target(off: f64, rotary: bool) -> f64 {
 }
 
 /// Returns a sample with direction and run as the title of its column has them.
-fn with_label(mut sample: Sample, series: &Series) -> Sample {
+fn with_label(mut sample: AxisSample, series: &Series) -> AxisSample {
     sample.direction = series.label.direction.or(sample.direction);
     if !series.label.run.is_empty() {
         sample.run.clone_from(&series.label.run);

@@ -7,7 +7,7 @@ use super::form::TableForm;
 use super::layout::{ColumnMeaning, ExportLayout, GENERAL, RunLabel};
 use super::request::ImportRequest;
 use super::sample::{NamedChannel, UnusedColumn, refusal};
-use super::unit::{Unit, component_error, own_axis, own_error, position_unit, reading_unit};
+use super::unit::{ReadingUnit, component_error, own_axis, own_error, position_unit, reading_unit};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::identify::data::error_name::{parse_component_error, split_direction};
 use crate::identify::lists::index_of;
@@ -39,7 +39,7 @@ pub(super) enum ColumnRole {
     /// Deviations or positions that were reached: the numbers show which.
     Open(Series),
     /// Readings in the unit of their row, or in this one.
-    Reading(Option<Unit>),
+    Reading(Option<ReadingUnit>),
     Other(ColumnMeaning),
 }
 

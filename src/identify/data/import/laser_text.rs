@@ -6,8 +6,8 @@
 use super::form::TableForm;
 use super::gather;
 use super::request::ImportRequest;
-use super::sample::{Import, Sample, UnusedColumn, refusal};
-use super::unit::{self, Unit, component_error, own_axis, reading_unit};
+use super::sample::{AxisSample, Import, UnusedColumn, refusal};
+use super::unit::{self, ReadingUnit, component_error, own_axis, reading_unit};
 use crate::diagnostic::{Diagnostic, Place, Reason, shown};
 use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
@@ -118,7 +118,11 @@ fn contents(lines: &[Line]) -> Result<Contents, Box<Diagnostic>> {
 }
 
 /// Returns the axis, the error and the unit.
-fn quantity(contents: &Contents, wanted: &ImportRequest, path: &Path) -> Result<(String, ErrorId, Unit), Reason> {
+fn quantity(
+    contents: &Contents,
+    wanted: &ImportRequest,
+    path: &Path,
+) -> Result<(String, ErrorId, ReadingUnit), Reason> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let (known, own) =
         ENDINGS.iter().find(|(known, ..)| *known == ending).map_or((None, false), |(_, unit, own)| (*unit, *own));
@@ -152,17 +156,17 @@ fn quantity(contents: &Contents, wanted: &ImportRequest, path: &Path) -> Result<
     }
 }
 
-/// Runs in the order of the file: pairs of the target's index and the deviation.
-type Runs = Vec<Vec<(usize, f64)>>;
+/// LaserRuns in the order of the file: pairs of the target's index and the deviation.
+type LaserRuns = Vec<Vec<(usize, f64)>>;
 
 /// Returns the readings by run; every run has every target once.
-fn runs(contents: &Contents) -> Result<Runs, Reason> {
+fn runs(contents: &Contents) -> Result<LaserRuns, Reason> {
     let Contents { targets, target_count, run_count, readings, .. } = contents;
     if target_count.is_some_and(|count| count != targets.len() as f64) {
         let count = target_count.unwrap_or_default();
         return Err(Reason::new(format!("the file announces {count} targets and has {}", targets.len())));
     }
-    let mut runs: Runs = Vec::new();
+    let mut runs: LaserRuns = Vec::new();
     let mut last = f64::NAN;
     for ([run, target, value], _) in readings {
         let index = (1..=targets.len()).find(|index| *index as f64 == *target);
@@ -205,7 +209,7 @@ fn direction(run: &[(usize, f64)], targets: &[f64]) -> Option<ColumnDirection> {
 }
 
 /// Takes the readings; true if the directions of the runs stay open.
-fn samples(import: &mut Import, targets: &[f64], runs: &Runs, factor: f64) -> bool {
+fn samples(import: &mut Import, targets: &[f64], runs: &LaserRuns, factor: f64) -> bool {
     let is_zero = |run: &[(usize, f64)]| run.iter().all(|(_, value)| *value == 0.0);
     let (odd, even): (Vec<_>, Vec<_>) = runs.iter().enumerate().partition(|(k, _)| k.is_multiple_of(2));
     // One writer fills the reverse runs of a test in one direction with zeros.
@@ -224,7 +228,7 @@ fn samples(import: &mut Import, targets: &[f64], runs: &Runs, factor: f64) -> bo
         let side = usize::from(direction == Some(ColumnDirection::Reverse));
         count[side] += 1;
         let name = if open { (k + 1).to_string() } else { count[side].to_string() };
-        import.samples.extend(run.iter().map(|(index, value)| Sample {
+        import.samples.extend(run.iter().map(|(index, value)| AxisSample {
             error: 0,
             position: targets[*index],
             direction,

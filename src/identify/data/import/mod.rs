@@ -33,7 +33,7 @@ mod unit;
 pub use columns::read_columns;
 pub use options::{FileContents, RunApproach, StraightnessLine};
 pub use request::ImportRequest;
-pub use sample::{Import, ReferenceLine, Sample, UnusedColumn};
+pub use sample::{AxisSample, Import, ReferenceLine, UnusedColumn};
 
 use super::tracker;
 use crate::diagnostic::{Diagnostic, Diagnostics};

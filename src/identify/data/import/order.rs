@@ -1,13 +1,13 @@
 //! What the order of the rows and the places of the readings say: which are one target, where a pass begins and
 //! ends, from which side its targets were approached, and on a turning axis which end meets which.
 
-use super::sample::{Import, Sample};
+use super::sample::{AxisSample, Import};
 use crate::identify::thresholds::{MAX_TARGET_SCATTER, MIN_STEP_OVER_SCATTER, SAME_TARGET};
 use crate::syntax::ColumnDirection;
 use indexmap::IndexMap;
 
 /// Moves the positions of all readings to their targets; returns how near to a target counts as on it.
-pub(crate) fn merge(samples: &mut [Sample]) -> f64 {
+pub(crate) fn merge(samples: &mut [AxisSample]) -> f64 {
     let mut order: Vec<usize> = (0..samples.len()).collect();
     order.sort_by(|a, b| samples[*a].position.total_cmp(&samples[*b].position));
     let sorted: Vec<f64> = order.iter().map(|i| samples[*i].position).collect();
@@ -47,7 +47,7 @@ fn target(group: &[f64]) -> f64 {
 
 /// True if named runs take turns in the rows, reading by reading: the rows are then sorted, and not in the order of
 /// time.
-pub(crate) fn take_turns<'s>(samples: impl Iterator<Item = &'s Sample>) -> bool {
+pub(crate) fn take_turns<'s>(samples: impl Iterator<Item = &'s AxisSample>) -> bool {
     let mut runs: Vec<&str> = samples.map(|sample| sample.run.as_str()).collect();
     runs.dedup();
     let count = runs.len();
@@ -57,12 +57,12 @@ pub(crate) fn take_turns<'s>(samples: impl Iterator<Item = &'s Sample>) -> bool 
 }
 
 /// True if the rows of an error show there and back within its runs, which gives the directions.
-pub(crate) fn go_there_and_back(samples: &[Sample], error: usize) -> bool {
+pub(crate) fn go_there_and_back(samples: &[AxisSample], error: usize) -> bool {
     ways(samples, &passes_of(samples, error)).is_some()
 }
 
 /// Gives the runs of an error alternating directions, forward first: two passes are one run.
-pub(crate) fn alternate(samples: &mut [Sample], error: usize) {
+pub(crate) fn alternate(samples: &mut [AxisSample], error: usize) {
     let mut runs: IndexMap<String, ()> = IndexMap::new();
     for sample in samples.iter_mut().filter(|sample| sample.error == error) {
         let pass = runs.insert_full(sample.run.clone(), ()).0;
@@ -88,7 +88,7 @@ pub(crate) fn passes(import: &mut Import) {
 
 /// Returns the readings of one error, as indices, by pass: within each run (and direction, if it is known), up to where
 /// the position jumps back to the start.
-fn passes_of(samples: &[Sample], error: usize) -> Vec<Vec<usize>> {
+fn passes_of(samples: &[AxisSample], error: usize) -> Vec<Vec<usize>> {
     let mut runs: IndexMap<(&str, Option<bool>), Vec<usize>> = IndexMap::new();
     let mut targets = Vec::new();
     for (i, sample) in samples.iter().enumerate().filter(|(_, sample)| sample.error == error) {
@@ -102,12 +102,9 @@ fn passes_of(samples: &[Sample], error: usize) -> Vec<Vec<usize>> {
     let mut passes = Vec::new();
     for run in runs.into_values() {
         let steps: Vec<usize> = run.iter().map(|i| step(samples[*i].position)).collect();
-        let ends = starts(&steps).into_iter().skip(1).chain([run.len()]);
-        let mut from = 0;
-        for end in ends {
-            passes.push(run[from..end].to_vec());
-            from = end;
-        }
+        let starts = starts(&steps);
+        let ends = starts.iter().skip(1).copied().chain([run.len()]);
+        passes.extend(starts.iter().zip(ends).map(|(start, end)| run[*start..end].to_vec()));
     }
     passes
 }
@@ -115,25 +112,26 @@ fn passes_of(samples: &[Sample], error: usize) -> Vec<Vec<usize>> {
 /// Returns the indices at which passes begin, of readings at targets by number. A step to the next target is a measured
 /// one; a step back over several targets to the start of the pass, or beyond, is not.
 fn starts(targets: &[usize]) -> Vec<usize> {
-    // Two targets in turns are two readings to a pass: there and back, the far one is read twice.
-    let turns = |pair: &[usize]| pair == &targets[..2] && pair[0] != pair[1];
-    if targets.len() >= 4 && targets.chunks(2).all(turns) {
+    // Of two targets in turns a pass has two readings; there and back, the far one would be read twice.
+    let alternates = |pair: &[usize]| pair == &targets[..2] && pair[0] != pair[1];
+    if targets.len() >= 4 && targets.chunks(2).all(alternates) {
         return (0..targets.len()).step_by(2).collect();
     }
-    let (mut starts, mut turn, mut rising) = (vec![0], 0, None);
+    // The index at which the present way began, and its direction once it is known.
+    let (mut starts, mut way_start, mut rising) = (vec![0], 0, None);
     for k in 1..targets.len() {
         let (before, now) = (targets[k - 1], targets[k]);
         if before == now {
             continue;
         }
         let up = now > before;
-        let back = rising.is_some_and(|rising: bool| rising != up);
-        let reaches = if up { now >= targets[turn] } else { now <= targets[turn] };
-        if back && reaches && before.abs_diff(now) > 1 {
+        let turns_back = rising.is_some_and(|rising: bool| rising != up);
+        let reaches_start = if up { now >= targets[way_start] } else { now <= targets[way_start] };
+        if turns_back && reaches_start && before.abs_diff(now) > 1 {
             starts.push(k);
-            (turn, rising) = (k, None);
+            (way_start, rising) = (k, None);
         } else {
-            turn = if back { k - 1 } else { turn };
+            way_start = if turns_back { k - 1 } else { way_start };
             rising = Some(up);
         }
     }
@@ -142,7 +140,7 @@ fn starts(targets: &[usize]) -> Vec<usize> {
 
 /// Returns the direction of approach of every reading by pass; `None` unless both directions were measured and all are
 /// known.
-fn ways(samples: &[Sample], passes: &[Vec<usize>]) -> Option<Vec<Vec<ColumnDirection>>> {
+fn ways(samples: &[AxisSample], passes: &[Vec<usize>]) -> Option<Vec<Vec<ColumnDirection>>> {
     let mut all: Vec<Vec<ColumnDirection>> = Vec::new();
     for pass in passes {
         let at: Vec<f64> = pass.iter().map(|i| samples[*i].position).collect();
@@ -170,7 +168,7 @@ fn ways_of(at: &[f64]) -> Option<Vec<ColumnDirection>> {
 }
 
 /// Numbers the runs, if the file names none: every way back and forth is one.
-fn number(samples: &mut [Sample], passes: &[Vec<usize>], ways: Option<&[Vec<ColumnDirection>]>) {
+fn number(samples: &mut [AxisSample], passes: &[Vec<usize>], ways: Option<&[Vec<ColumnDirection>]>) {
     let mut run = 0;
     for (k, pass) in passes.iter().enumerate() {
         let mut seen: Vec<ColumnDirection> = Vec::new();
@@ -194,7 +192,7 @@ fn number(samples: &mut [Sample], passes: &[Vec<usize>], ways: Option<&[Vec<Colu
 }
 
 /// Takes positions modulo 360 deg. Two readings of one run a whole turn apart become their mean: the seam.
-pub(crate) fn wrap(samples: &mut Vec<Sample>, near: f64) {
+pub(crate) fn wrap(samples: &mut Vec<AxisSample>, near: f64) {
     let programmed: Vec<f64> = samples.iter().map(|sample| sample.position).collect();
     for sample in samples.iter_mut() {
         let position = sample.position.rem_euclid(360.0);
@@ -202,18 +200,18 @@ pub(crate) fn wrap(samples: &mut Vec<Sample>, near: f64) {
     }
     // -0.3 and 359.7 are one place, but for arithmetic.
     merge(samples);
-    let place = |sample: &Sample| (sample.error, sample.direction.map(|way| way as u8), sample.position.to_bits());
+    let place = |sample: &AxisSample| (sample.error, sample.direction.map(|way| way as u8), sample.position.to_bits());
     let mut count: IndexMap<_, usize> = IndexMap::new();
-    let mut readings: IndexMap<_, Vec<Sample>> = IndexMap::new();
+    let mut readings: IndexMap<_, Vec<AxisSample>> = IndexMap::new();
     for (sample, programmed) in samples.drain(..).zip(programmed) {
         let key = (place(&sample), sample.run.clone());
         let times = count.entry((key.clone(), programmed.to_bits())).or_default();
         *times += 1;
         readings.entry((key, *times)).or_default().push(sample);
     }
-    let mean = |group: Vec<Sample>| {
+    let mean = |group: Vec<AxisSample>| {
         let value = group.iter().map(|sample| sample.value).sum::<f64>() / group.len() as f64;
-        group.into_iter().next().map(|first| Sample { value, ..first })
+        group.into_iter().next().map(|first| AxisSample { value, ..first })
     };
     samples.extend(readings.into_values().filter_map(mean));
 }

@@ -7,7 +7,7 @@ use crate::syntax::ColumnDirection;
 
 /// One reading (mm or rad) at a position (mm or deg).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub struct AxisSample {
     /// Error, as an index in [`Import::errors`].
     pub error: usize,
     /// The target; modulo 360 deg on an axis that turns without end.
@@ -78,7 +78,7 @@ pub struct Import {
     /// The errors found.
     pub errors: Vec<ErrorId>,
     /// All readings, in the order of the file.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<AxisSample>,
     /// Entries before the table, `key: value`.
     pub metadata: Vec<(String, String)>,
     /// Rows that were not used.

@@ -7,12 +7,12 @@ use crate::units::{self, Dimension};
 
 /// A unit of readings: factor to mm or rad, and dimension.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Unit {
+pub(super) struct ReadingUnit {
     pub factor: f64,
     dimension: Dimension,
 }
 
-impl Unit {
+impl ReadingUnit {
     /// True if the error can be measured in this unit. Angles may be ratios (`um/m`).
     pub fn fits(&self, error: &ErrorId) -> bool {
         match self.dimension {
@@ -24,8 +24,8 @@ impl Unit {
 }
 
 /// Returns the unit of readings with this name.
-pub(super) fn reading_unit(unit: &str) -> Result<Unit, ExportFailure> {
-    let found = units::unit(unit).map(|(factor, dimension)| Unit { factor, dimension });
+pub(super) fn reading_unit(unit: &str) -> Result<ReadingUnit, ExportFailure> {
+    let found = units::unit(unit).map(|(factor, dimension)| ReadingUnit { factor, dimension });
     found.map_err(|_| ExportFailure::NotUnit(unit.to_owned()))
 }
 
