@@ -201,7 +201,7 @@ impl Solution {
     }
 
     /// Adds covariances by what readings share: the form of the axes, and what is common to all.
-    pub fn combine_shared(mut self, form: Option<&FormCovariance>, common: DMatrix<f64>) -> Self {
+    pub fn add_covariances(mut self, form: Option<&FormCovariance>, common: DMatrix<f64>) -> Self {
         let none = || DMatrix::zeros(self.units.len(), self.units.len());
         let form = form.cloned().unwrap_or_else(|| FormCovariance { all: none(), unmodelled: none() });
         self.shared = SharedCovariance { form, common };
@@ -211,7 +211,7 @@ impl Solution {
 
     /// Takes over what the readings share in another solution of the same linear problem, to which this one adds
     /// knowledge: that moves this one less.
-    pub(super) fn combine_shared_of(mut self, other: &Self, fit: &ParameterFit) -> Self {
+    pub(super) fn add_covariances_of(mut self, other: &Self, fit: &ParameterFit) -> Self {
         let seen = with_known(&fit.reduced, &fit.known, self.sigma).r;
         let root = self.covariance_root();
         self.shared = other.shared.through(&(&root * (&seen * &root).tr_mul(&seen)));

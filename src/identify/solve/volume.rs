@@ -52,7 +52,7 @@ impl Prediction {
         let length = |i: usize| deviations.fixed_view::<3, 1>(3 * i, 0).norm();
         let deviation = (0..volume.rows.len()).map(length).fold(0.0, f64::max);
         let bounded = fit_with_bounds(model, fit);
-        let sharing = |held: &ParameterFit| Solution::of(held, model.parameters()).combine_shared_of(solution, fit);
+        let sharing = |held: &ParameterFit| Solution::of(held, model.parameters()).add_covariances_of(solution, fit);
         let held = bounded.as_ref().map(sharing);
         let solution = held.as_ref().unwrap_or(solution);
         let (columns, free) = solution.covariance_with(&jacobian);

@@ -221,7 +221,7 @@ pub(crate) fn solve_problem(
         let solution = solution.with_first_order_rank(&model, data, fit, &found.motion_parameters);
         let form = form_uncertainty(&model, data, fit, &solution);
         let common = common(&model, data, fit, &solution, &problem.type_b);
-        let solution = solution.combine_shared(form.as_ref().map(|form| &form.covariance), common);
+        let solution = solution.add_covariances(form.as_ref().map(|form| &form.covariance), common);
         let in_datum = in_datum(&model, data, fit, &solution, &conditions);
         let (solution, removed) = in_datum.map_or((solution, None), |(solution, removed)| (solution, Some(removed)));
         (solution, form, removed)
