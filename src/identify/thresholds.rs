@@ -1,13 +1,13 @@
 //! Every number that decides what a fit says: one table, used by all files of the stage.
 //!
-//! A share is a ratio to the largest of its kind. Each entry states what goes wrong if it is too small ("below") and too
-//! large ("above"), and the reason for its value or the source. Values without a source were chosen between the two
-//! failures by the simulated campaigns of the tests.
+//! A share is a ratio to the largest of its kind. Entries state what goes wrong with a smaller value ("below") and a larger
+//! one ("above"), and reason or source. Values without a source are a choice between the two failures; the simulated
+//! campaigns of `tests/it/coverage.rs` measure what they do to the stated intervals.
 
 // Rank and null space.
 
 /// Singular values below this share count as zero. Below: rounding of the model counts as rank; above: a direction that
-/// the data do show is reported as free. Rows are exact to some 1e-13 of their size.
+/// the data do show is reported as free.
 pub const RANK_TOLERANCE: f64 = 1e-10;
 /// [`RANK_TOLERANCE`] of a step of the fit, which may follow weaker directions than the report states.
 pub const STEP_RANK_TOLERANCE: f64 = 1e-12;
@@ -67,13 +67,13 @@ pub const CONVERGED_OFFSET: f64 = 1e-3;
 pub const LINEAR_OFFSET: f64 = 0.1;
 /// Predicted reduction of the sum of squares, as a share, below which there is no step: rounding of the sum.
 pub const MIN_REDUCTION_SHARE: f64 = 1e-15;
-/// Predicted reduction per reading (mm^2) below which there is no step: rounding of positions of a metre.
+/// Predicted reduction per reading (mm^2) below which there is no step: rounding of positions.
 pub const MIN_REDUCTION_MM2: f64 = 1e-22;
 /// Damping of the first step, as a share of the largest squared singular value.
 pub const FIRST_DAMPING: f64 = 1e-12;
 /// Damping at which the search is given up.
 pub const MAX_DAMPING: f64 = 1e6;
-/// Condition up to which normal equations give the step: they lose twice the digits of the condition.
+/// Condition up to which normal equations give the step: they square it.
 pub const MAX_NORMAL_CONDITION: f64 = 1e5;
 /// Iterations by which scatter and prior are weighed against each other in a step.
 pub const STEP_SCATTER_ITERATIONS: usize = 6;
@@ -110,8 +110,8 @@ pub const MAX_DEPENDENT_SHARE: f64 = 1e-5;
 pub const MAX_DEPENDENT_MOTION_SHARE: f64 = 1e-9;
 /// Displacement of points (mm) by a unit displacement of an unknown up to which it is without effect.
 pub const MAX_IDLE_EFFECT_MM: f64 = 1e-9;
-/// Singular values, as a share, that a step to the exact model in a datum uses. Below: the step follows directions that
-/// change between first order and exact model by their noise.
+/// Singular values, as a share, that a step to the exact model in a datum uses. Below: the step follows directions in
+/// which exact model and first order differ by rounding.
 pub const DATUM_STEP_TOLERANCE: f64 = 1e-4;
 /// Steps to the exact model in a datum, and of a rigid alignment.
 pub const DATUM_ITERATIONS: usize = 4;
@@ -137,7 +137,8 @@ pub const MEDIAN_OVER_SIGMA: f64 = 0.6745;
 /// Degrees of freedom of the median of absolute values over those of the standard deviation: 0.37 of many readings, more
 /// of few, where the upper of two middle values errs to the safe side.
 pub const MEDIAN_EFFICIENCY: f64 = 0.5;
-/// Redundancy below which a quantity takes the common variance: its own would be known by less than half.
+/// Redundancy below which a quantity takes the common variance: its own standard deviation would be known to
+/// `1 / sqrt(2 f)` only, 41 % at f = 3.
 pub const MIN_REDUNDANCY: f64 = 3.0;
 /// Largest number of reweightings.
 pub const MAX_REWEIGHTINGS: usize = 30;
@@ -216,12 +217,6 @@ pub const MAX_SCATTER_RATIO: f64 = 2.0;
 pub const MAX_MEDIAN_MM: f64 = 5.0;
 /// Median deviation (mm) below which the readings are in another unit: no instrument reads so finely.
 pub const MIN_MEDIAN_MM: f64 = 1e-5;
-/// Size (mm) of errors that need no entry in the machine file.
-pub const MAX_USUAL_MM: f64 = 10.0;
-/// Largest length (mm) that a machine file may state as plausible.
-pub const MAX_PLAUSIBLE_MM: f64 = 500.0;
-/// The same of an angle (mrad).
-pub const MAX_PLAUSIBLE_MRAD: f64 = 500.0;
 /// Uncertainty over the largest deviation predicted up to which a prediction is of use ...
 pub const MAX_UNCERTAINTY_SHARE: f64 = 0.5;
 /// ... or uncertainty over the RMS of the residuals.

@@ -44,7 +44,7 @@ pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
 pub use kind::ErrorKind;
 pub use model::{Grid, Machine, MachineParts, MovedLine, Pose, Provenance, SetUp, Tool};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId, MAIN_AXES};
-pub use resolve::{largest, no_origin, parse_error_name, resolve};
+pub use resolve::{largest, largest_stated, no_origin, parse_error_name, resolve};
 pub use tolerances::{FRAME_KEYS, FrameTolerances, Tolerances};
 pub use uncertainty::{JointUncertainty, UncertainPart};
 pub use written::machine_file;

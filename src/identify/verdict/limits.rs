@@ -4,23 +4,22 @@
 use super::fitted::FitDiagnosis;
 use crate::identify::DeviationUncertainty;
 use crate::identify::data::LEVER_MM;
-use crate::identify::thresholds::{
-    MAX_PLAUSIBLE_MM, MAX_PLAUSIBLE_MRAD, MAX_UNCERTAINTY_OVER_RESIDUALS, MAX_UNCERTAINTY_SHARE, MAX_USUAL_MM,
-    PLAUSIBLE_OVER_RMS,
-};
+use crate::identify::thresholds::{MAX_UNCERTAINTY_OVER_RESIDUALS, MAX_UNCERTAINTY_SHARE, PLAUSIBLE_OVER_RMS};
+use crate::machine::{Direction, largest, largest_stated};
 use crate::syntax::{IdentifyEntry, PlausibleEntry, Scalar};
 use crate::units::significant;
 
 /// Returns the request with the sizes of errors that the readings show (mm); `None` if they show none beyond the usual.
-pub(crate) fn plausible_request(request: &IdentifyEntry, shown: f64) -> Option<IdentifyEntry> {
-    let reach = PLAUSIBLE_OVER_RMS * shown;
-    if reach <= MAX_USUAL_MM {
+pub(crate) fn plausible_request(request: &IdentifyEntry, initial_rms: f64) -> Option<IdentifyEntry> {
+    let reach = PLAUSIBLE_OVER_RMS * initial_rms;
+    if reach <= largest(Direction::X) {
         return None;
     }
     // To two digits, upwards.
     let up = |value: f64| significant(1.05 * value, 2);
-    let length = Some(Scalar::Text(format!("{} mm", up(reach.min(MAX_PLAUSIBLE_MM / 1.1)))));
-    let angle = (reach / LEVER_MM * 1e3).max(100.0).min(MAX_PLAUSIBLE_MRAD / 1.1);
+    let length = Some(Scalar::Text(format!("{} mm", up(reach.min(largest_stated(Direction::X) / 1.1)))));
+    let [usual, stated] = [largest, largest_stated].map(|of| of(Direction::A) * 1e3);
+    let angle = (reach / LEVER_MM * 1e3).max(usual).min(stated / 1.1);
     let plausible = Some(PlausibleEntry { length, angle: Some(Scalar::Text(format!("{} mrad", up(angle)))) });
     Some(IdentifyEntry { plausible, ..request.clone() })
 }
