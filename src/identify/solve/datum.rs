@@ -1,5 +1,5 @@
-//! The datum of the errors. Curves of all axes hold the rigid motions of the whole and the choice of every axis's zero:
-//! directions that change nothing but where the workpiece stands. Conditions on the curves (their line, their zero)
+//! The datum of the errors. Curves of all axes include the rigid motions of the whole and the choice of every axis's
+//! zero: directions that only move the workpiece frame. Conditions on the curves (their line, their zero)
 //! choose among these equivalent machines; nothing that is predicted changes but by a rigid motion. Values and
 //! covariance are those of the S-transformation (Baarda 1973) to these conditions, carried on to the exact model.
 
@@ -91,7 +91,7 @@ impl Gauge {
         let parameters = model.parameters();
         let sizes = sizes(parameters);
         let volume = Volume::first_order(model, data);
-        // A curve without any effect is no matter of the datum.
+        // A curve without effect on the volume has no datum, and follows no other error.
         let effect = |j: usize| volume.jacobian.column(j).norm() / sizes[j];
         let error = |j: usize| match parameters[j].terms.first().map(|t| t.source.place) {
             Some(ErrorSite::Location(_)) => true,
@@ -99,7 +99,6 @@ impl Gauge {
             _ => false,
         };
         let errors: Vec<bool> = (0..parameters.len()).map(error).collect();
-        // Nor does such a curve follow the others.
         let follows = |j: &usize| match parameters[*j].terms.first().map(|t| t.source.place) {
             Some(ErrorSite::Tool | ErrorSite::Workpiece) | None => true,
             Some(ErrorSite::Location(_) | ErrorSite::Component(_)) => false,

@@ -1,5 +1,6 @@
 //! The columns of an instrument's tables by hand: a small file that is kept with the instrument.
 
+use super::layout::RunLabel;
 use super::options::{FileContents, RunApproach};
 use super::unit::{component_error, position_unit, reading_unit};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Reason, codes, shown};
@@ -33,7 +34,7 @@ pub(super) enum MappedColumn {
     Readings {
         error: ErrorId,
         unit: Option<String>,
-        label: (Option<ColumnDirection>, String),
+        label: RunLabel,
         flip: bool,
         reached: bool,
     },
@@ -186,7 +187,7 @@ impl ColumnMap {
             Some(RunName::Text(text)) => text,
         };
         let (flip, reached) = (entry.flip, entry.reached);
-        Ok(MappedColumn::Readings { error, unit: entry.unit, label: (direction, run), flip, reached })
+        Ok(MappedColumn::Readings { error, unit: entry.unit, label: RunLabel { direction, run }, flip, reached })
     }
 
     /// Returns the errors that columns show.

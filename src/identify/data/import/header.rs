@@ -195,7 +195,7 @@ enum RunColumns {
 }
 
 /// Refuses two columns of one run: their mean would be no reading of any run.
-fn no_run_twice(header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailure> {
+fn check_runs(header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailure> {
     let run = |role: &ColumnRole| role.series().map(|series| (series.error, series.label.clone()));
     let runs: Vec<Option<(usize, RunLabel)>> =
         header.roles.iter().map(|role| run(role).filter(|(_, label)| !label.run.is_empty())).collect();
@@ -308,8 +308,8 @@ impl HeaderReader<'_> {
                 if k == position { ColumnRole::Position(header.factor) } else { self.role(header, title, &runs)? };
             header.roles.push(role);
         }
-        self.nothing_unknown_between(header, titles)?;
-        no_run_twice(header, titles)?;
+        self.check_between_runs(header, titles)?;
+        check_runs(header, titles)?;
         self.check_names(header, titles)?;
         header.unused =
             titles.iter().zip(&header.roles).filter_map(|(title, role)| unused_column(title, role)).collect();
@@ -319,7 +319,7 @@ impl HeaderReader<'_> {
     }
 
     /// Refuses a column between runs that no rule has: it could be one of them.
-    fn nothing_unknown_between(&self, header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailure> {
+    fn check_between_runs(&self, header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailure> {
         let is_run = |role: &ColumnRole| role.series().is_some();
         let (Some(first), Some(last)) = (header.roles.iter().position(is_run), header.roles.iter().rposition(is_run))
         else {
@@ -474,18 +474,12 @@ impl HeaderReader<'_> {
         {
             return Err(ExportFailure::OtherUnit(title.name.clone(), own.to_owned(), mapped.to_owned()));
         }
-        let label = RunLabel { direction: label.0, run: label.1.clone() };
         if *reached {
             own_axis(error, &header.axis)?;
-            let error = index_of(&mut header.errors, error.clone());
-            return Ok(ColumnRole::Reached(Series { error, label, factor: header.factor }));
+            return Ok(Self::reached_role(header, error, label.clone()));
         }
         let known = Title { unit: title.unit.clone().or(unit.clone()), ..Title::new(&title.cell) };
-        let mut role = self.deviation(header, &known, error.clone(), label)?;
-        if let (ColumnRole::Deviation(series), true) = (&mut role, *flip) {
-            series.factor = -series.factor;
-        }
-        Ok(role)
+        self.deviation(header, &known, error.clone(), label.clone(), *flip)
     }
 
     fn role_by_channel(&self, header: &mut ImportHeader, title: &Title) -> Result<ColumnRole, ExportFailure> {
@@ -505,11 +499,7 @@ impl HeaderReader<'_> {
         let flipped = self.wanted.flipped.iter().any(|name| ColumnMap::names(name, &title.name, &title.cell));
         let negative = negative != flipped;
         header.channels.push(NamedChannel { title: title.cell.clone(), error: error.clone(), negative });
-        let mut role = self.deviation(header, title, error, label)?;
-        if let (ColumnRole::Deviation(series), true) = (&mut role, negative) {
-            series.factor = -series.factor;
-        }
-        Ok(role)
+        self.deviation(header, title, error, label, negative)
     }
 
     fn role_by_error(&self, header: &mut ImportHeader, title: &Title) -> Result<ColumnRole, ExportFailure> {
@@ -519,7 +509,7 @@ impl HeaderReader<'_> {
             Approach::Reverse => ColumnDirection::Reverse,
             _ => ColumnDirection::Forward,
         });
-        self.deviation(header, title, error, RunLabel { direction, run: String::new() })
+        self.deviation(header, title, error, RunLabel { direction, run: String::new() }, false)
     }
 
     fn role_by_run(
@@ -530,10 +520,7 @@ impl HeaderReader<'_> {
     ) -> Result<ColumnRole, ExportFailure> {
         let reached = self.actual_position_label(header, title);
         let error = match (runs, reached) {
-            (RunColumns::Reached(error), Some(label)) => {
-                let error = index_of(&mut header.errors, error.clone());
-                return Ok(ColumnRole::Reached(Series { error, label, factor: header.factor }));
-            }
+            (RunColumns::Reached(error), Some(label)) => return Ok(Self::reached_role(header, error, label)),
             (RunColumns::NotReached, _) | (RunColumns::OtherError, None) => self.error()?,
             (RunColumns::Deviations(error), None) if self.layout.is_deviation(&title.lower) => Some(error.clone()),
             _ => return Ok(self.not_a_reading(title)),
@@ -549,7 +536,7 @@ impl HeaderReader<'_> {
         };
         let error = error.ok_or_else(|| ExportFailure::NoError(Some(title.name.clone())))?;
         let open = self.layout.is_open(&title.lower) && own_error(&header.axis).as_ref() == Some(&error);
-        Ok(match self.deviation(header, title, error, label)? {
+        Ok(match self.deviation(header, title, error, label, false)? {
             ColumnRole::Deviation(series) if open => ColumnRole::Open(series),
             role => role,
         })
@@ -566,12 +553,20 @@ impl HeaderReader<'_> {
         self.wanted.error.as_deref().or(self.entry("error")).map(component_error).transpose()
     }
 
+    /// Returns the role of positions that were reached, in the unit of the targets.
+    fn reached_role(header: &mut ImportHeader, error: &ErrorId, label: RunLabel) -> ColumnRole {
+        let error = index_of(&mut header.errors, error.clone());
+        ColumnRole::Reached(Series { error, label, factor: header.factor })
+    }
+
+    /// Returns the role of deviations; `negative`: of readings with the other sign.
     fn deviation(
         &self,
         header: &mut ImportHeader,
         title: &Title,
         error: ErrorId,
         label: RunLabel,
+        negative: bool,
     ) -> Result<ColumnRole, ExportFailure> {
         own_axis(&error, &header.axis)?;
         let text = self.unit(title).ok_or_else(|| ExportFailure::NoUnit(title.name.clone()))?;
@@ -579,7 +574,8 @@ impl HeaderReader<'_> {
         if !unit.fits(&error) {
             return Err(ExportFailure::NotUnitOf(text.to_owned(), error));
         }
-        Ok(ColumnRole::Deviation(Series { error: index_of(&mut header.errors, error), label, factor: unit.factor }))
+        let factor = if negative { -unit.factor } else { unit.factor };
+        Ok(ColumnRole::Deviation(Series { error: index_of(&mut header.errors, error), label, factor }))
     }
 }
 
