@@ -6,8 +6,8 @@ use super::request::{ConversionRequest, TINY, only_bounded};
 use super::shape::shape;
 use crate::diagnostic::Diagnostic;
 use crate::machine::{
-    Approach, Axis, AxisName, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, Grid, JointErrors, Machine,
-    MachineParts, Travel,
+    Axis, AxisName, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, Grid, JointErrors, Machine, MachineParts,
+    Travel,
 };
 
 /// An error that no curve of the language holds exactly.
@@ -114,7 +114,7 @@ fn component(
 
 /// The errors whose terms differ between a machine and its conversion; those of the set-up as `tool.X`, `workpiece.A`.
 pub fn changes(old: &Machine, new: &MachineParts) -> Vec<Change> {
-    let constant = |term: &Option<ErrorTerm>| term.as_ref().map_or(0.0, |t| t.value(0.0, Approach::Mean));
+    let constant = |term: &Option<ErrorTerm>| term.as_ref().map_or(0.0, |t| t.value(&0.0.into()));
     let before = |name: &AxisName| match old.axis_index(name.as_str()) {
         Some(i) => old.axis_errors(i).clone(),
         None => old.spindle_errors().cloned().unwrap_or_default(),

@@ -90,7 +90,7 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
 
 /// Content of the page for a machine.
 fn drawn(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Result<(MachineData, Pictures), MapFailure> {
-    let view = View { approach: given.approach, frame: Frame::Workpiece };
+    let view = View { conditions: given.conditions, frame: Frame::Workpiece };
     if let Some(bounded) = given.bounded() {
         let data = MachineData::of_bounds(number, given, &bounded);
         advance(given.poses.0)?;
@@ -101,7 +101,7 @@ fn drawn(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Resul
     let map = map(&bare, &poses, view, advance)?;
     // As `map` does by default.
     let besides = worst(&map.deviations, MapOptions::default().worst);
-    let intervals = field_bands(&bare, &poses, (map.statistics, &besides), given.approach, given.poses.1);
+    let intervals = field_bands(&bare, &poses, (map.statistics, &besides), given.conditions, given.poses.1);
     let data = MachineData::new(number, given, &map).with_uncertainty(given, json!(intervals));
     let pictures = Pictures::new(given, &data);
     Ok((data, pictures))
@@ -165,7 +165,7 @@ impl<'a> Subject<'a> {
             machine: self.file,
             file: self.file.path(),
             order: order_of(self.file, options.order),
-            approach: options.approach,
+            conditions: options.approach.into(),
             poses: (self.work.as_ref().map_or(options.poses, |(poses, _)| poses.len()), options.seed),
             work: self.work.as_ref().map(|(poses, work)| (poses.as_slice(), work)),
             written: &self.written,
@@ -189,7 +189,7 @@ fn work(
     let machine: &Machine = file;
     let reached = tool_poses::read(call, machine, path)?.reached(call, machine)?;
     let bare = Bare { machine, order: order_of(machine, options.order) };
-    let view = View { approach: options.approach, frame: Frame::Workpiece };
+    let view = View { conditions: options.approach.into(), frame: Frame::Workpiece };
     let features = match bounded {
         Some(drawn) => {
             let found = drawn.at(call, machine, &Poses::Listed(reached.poses.clone()), view.frame)?;
