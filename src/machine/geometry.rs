@@ -2,10 +2,12 @@
 //! from the side on which each axis stands.
 
 use super::{AxisName, Branch, ErrorFamily, JointErrors, Travel};
+use petgraph::algo::toposort;
+use petgraph::graphmap::DiGraphMap;
 use std::collections::BTreeMap;
 
 /// The point that a position is relative to.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Anchor {
     /// Machine zero.
     Bed,
@@ -87,32 +89,42 @@ pub struct Geometry {
 /// The side of each axis of a chain.
 pub type Sides = BTreeMap<AxisName, Branch>;
 
+/// Origins of the axes and of the workpiece in machine coordinates (mm), at the zero pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Origins(BTreeMap<Anchor, [f64; 3]>);
+
+impl Origins {
+    /// Returns the origin of an axis; machine zero for one that is not declared.
+    pub fn axis(&self, name: &AxisName) -> [f64; 3] {
+        self.0.get(&Anchor::Axis(name.clone())).copied().unwrap_or_default()
+    }
+
+    /// Returns the origin of the workpiece.
+    pub fn workpiece(&self) -> [f64; 3] {
+        self.0.get(&Anchor::Workpiece).copied().unwrap_or_default()
+    }
+}
+
 impl Geometry {
-    /// Returns a position in machine coordinates (mm) with the axes on these sides.
-    pub fn point(&self, position: &Position, sides: &Sides) -> [f64; 3] {
-        // A reference leads over each axis once, and over the workpiece.
-        self.resolved(position, sides, self.axes.len() + 2)
-    }
-
-    fn resolved(&self, position: &Position, sides: &Sides, depth: usize) -> [f64; 3] {
-        let from = match &position.from {
-            Anchor::Bed => return position.at,
-            Anchor::Workpiece => Some(&self.workpiece),
-            Anchor::Axis(name) => self.axes.get(name).map(|axis| &axis.on(side(sides, name)).origin),
+    /// Returns the origins with the axes on these sides, each after the one that it is relative to; machine zero if
+    /// references lead in a circle.
+    pub fn origins(&self, sides: &Sides) -> Origins {
+        let of_axis = |(name, axis): (&AxisName, &AxisGeometry)| {
+            (Anchor::Axis(name.clone()), axis.on(side(sides, name)).origin.clone())
         };
-        match from.filter(|_| depth > 0) {
-            Some(from) => {
-                let base = self.resolved(from, sides, depth - 1);
-                std::array::from_fn(|i| base[i] + position.at[i])
-            }
-            None => position.at,
+        let workpiece = (Anchor::Workpiece, self.workpiece.clone());
+        let positions: BTreeMap<Anchor, Position> = self.axes.iter().map(of_axis).chain([workpiece]).collect();
+        let references: DiGraphMap<&Anchor, ()> = positions.iter().map(|(of, position)| (&position.from, of)).collect();
+        let mut origins: BTreeMap<Anchor, [f64; 3]> = BTreeMap::new();
+        for of in toposort(&references, None).unwrap_or_default() {
+            let Some(Position { from, at }) = positions.get(of) else { continue };
+            let origin = match origins.get(from) {
+                Some(base) => std::array::from_fn(|i| base[i] + at[i]),
+                None => *at,
+            };
+            let _ = origins.insert(of.clone(), origin);
         }
-    }
-
-    /// Returns the origin of an axis (mm) with the axes on these sides.
-    pub fn origin(&self, axis: &AxisName, sides: &Sides) -> [f64; 3] {
-        let geometry = self.axes.get(axis).map(|geometry| &geometry.on(side(sides, axis)).origin);
-        geometry.map_or([0.0; 3], |position| self.point(position, sides))
+        Origins(origins)
     }
 
     /// Returns why the geometry of an axis is not stated for the side on which it stands; `None` if it is.
