@@ -164,6 +164,15 @@ impl ReducedSystem {
     }
 }
 
+/// A home position that attracts a step.
+#[derive(Debug, Clone, Copy)]
+pub struct HomePull<'a> {
+    /// Distance of the present position from home.
+    pub away: &'a DVector<f64>,
+    /// Weight of the squared distance.
+    pub pull: f64,
+}
+
 /// `A = U diag(values) V^T` with values in falling order; right vectors are complete, also for values of 0.
 #[derive(Debug, Clone)]
 pub struct Svd {
@@ -225,15 +234,10 @@ impl Svd {
 
     /// Returns the x that minimises `|A x - right|^2 + pull |x + away|^2 + damping |x|^2`: a damped step from the
     /// distance `away` to a home position that attracts it; the `rank` largest values are in use.
-    pub fn step(
-        &self,
-        right: &DVector<f64>,
-        rank: usize,
-        (away, pull): (&DVector<f64>, f64),
-        damping: f64,
-    ) -> DVector<f64> {
+    pub fn step(&self, right: &DVector<f64>, rank: usize, home: HomePull<'_>, damping: f64) -> DVector<f64> {
         let mut x = DVector::zeros(self.v.nrows());
         for k in 0..rank {
+            let HomePull { away, pull } = home;
             let stiffness = self.values[k] * self.values[k] + pull + damping;
             let force = self.values[k] * self.u.column(k).dot(right) - pull * self.v.column(k).dot(away);
             x.axpy(force / stiffness, &self.v.column(k), 1.0);

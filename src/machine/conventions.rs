@@ -117,7 +117,7 @@ impl Conventions {
     /// file, `linear: before, rotary: rotating`; what is not named stays.
     pub fn amended(&self, text: &str) -> Result<Self, ConventionsFailure> {
         let items: Vec<String> = text.split(',').map(|item| keyed(item.trim())).collect::<Result<_, _>>()?;
-        let words: Words =
+        let words: ConventionWords =
             from_yaml(&format!("{{{}}}", items.join(", "))).map_err(|e| ConventionsFailure::Keys(e.to_string()))?;
         let base = match &words.preset {
             Some(name) => Self::preset(name).ok_or_else(|| ConventionsFailure::Preset(name.clone()))?,
@@ -219,7 +219,7 @@ fn keyed(item: &str) -> Result<String, ConventionsFailure> {
 /// Keys as in a machine file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-struct Words {
+struct ConventionWords {
     preset: Option<String>,
     location: Option<Location>,
     linear: Option<LinearOrder>,

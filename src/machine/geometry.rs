@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 /// The point that a position is relative to.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Anchor {
+pub enum ReferencePoint {
     /// Machine zero.
     Bed,
     /// The origin of the workpiece.
@@ -21,7 +21,7 @@ pub enum Anchor {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Position {
     /// The point it is relative to.
-    pub from: Anchor,
+    pub from: ReferencePoint,
     /// Coordinates from there.
     pub at: [f64; 3],
 }
@@ -29,7 +29,7 @@ pub struct Position {
 impl Position {
     /// A position in machine coordinates.
     pub fn absolute(at: [f64; 3]) -> Self {
-        Self { from: Anchor::Bed, at }
+        Self { from: ReferencePoint::Bed, at }
     }
 }
 
@@ -91,17 +91,17 @@ pub type Sides = BTreeMap<AxisName, Branch>;
 
 /// Origins of the axes and of the workpiece in machine coordinates (mm), at the zero pose.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Origins(BTreeMap<Anchor, [f64; 3]>);
+pub struct Origins(BTreeMap<ReferencePoint, [f64; 3]>);
 
 impl Origins {
     /// Returns the origin of an axis; machine zero for one that is not declared.
     pub fn axis(&self, name: &AxisName) -> [f64; 3] {
-        self.0.get(&Anchor::Axis(name.clone())).copied().unwrap_or_default()
+        self.0.get(&ReferencePoint::Axis(name.clone())).copied().unwrap_or_default()
     }
 
     /// Returns the origin of the workpiece.
     pub fn workpiece(&self) -> [f64; 3] {
-        self.0.get(&Anchor::Workpiece).copied().unwrap_or_default()
+        self.0.get(&ReferencePoint::Workpiece).copied().unwrap_or_default()
     }
 }
 
@@ -110,12 +110,13 @@ impl Geometry {
     /// references lead in a circle.
     pub fn origins(&self, sides: &Sides) -> Origins {
         let of_axis = |(name, axis): (&AxisName, &AxisGeometry)| {
-            (Anchor::Axis(name.clone()), axis.on(side(sides, name)).origin.clone())
+            (ReferencePoint::Axis(name.clone()), axis.on(side(sides, name)).origin.clone())
         };
-        let workpiece = (Anchor::Workpiece, self.workpiece.clone());
-        let positions: BTreeMap<Anchor, Position> = self.axes.iter().map(of_axis).chain([workpiece]).collect();
-        let references: DiGraphMap<&Anchor, ()> = positions.iter().map(|(of, position)| (&position.from, of)).collect();
-        let mut origins: BTreeMap<Anchor, [f64; 3]> = BTreeMap::new();
+        let workpiece = (ReferencePoint::Workpiece, self.workpiece.clone());
+        let positions: BTreeMap<ReferencePoint, Position> = self.axes.iter().map(of_axis).chain([workpiece]).collect();
+        let references: DiGraphMap<&ReferencePoint, ()> =
+            positions.iter().map(|(of, position)| (&position.from, of)).collect();
+        let mut origins: BTreeMap<ReferencePoint, [f64; 3]> = BTreeMap::new();
         for of in toposort(&references, None).unwrap_or_default() {
             let Some(Position { from, at }) = positions.get(of) else { continue };
             let origin = match origins.get(from) {
@@ -135,7 +136,9 @@ impl Geometry {
             return Some(Unstated::Side(branch));
         }
         match &geometry.origin.from {
-            Anchor::Axis(other) if sides.get(other) != Some(&branch) => Some(Unstated::Reference(other.clone())),
+            ReferencePoint::Axis(other) if sides.get(other) != Some(&branch) => {
+                Some(Unstated::Reference(other.clone()))
+            }
             _ => None,
         }
     }
@@ -143,7 +146,7 @@ impl Geometry {
     /// Returns the axis that the workpiece's origin is relative to, if that axis does not carry the workpiece.
     pub fn unstated_workpiece(&self, sides: &Sides) -> Option<&AxisName> {
         match &self.workpiece.from {
-            Anchor::Axis(axis) if sides.get(axis) != Some(&Branch::Workpiece) => Some(axis),
+            ReferencePoint::Axis(axis) if sides.get(axis) != Some(&Branch::Workpiece) => Some(axis),
             _ => None,
         }
     }

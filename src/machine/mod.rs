@@ -40,7 +40,7 @@ pub use difference::{ErrorSizes, MachineProperty};
 pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
 pub use form::ResidualForm;
 pub use frame::{Frames, JointFrame};
-pub use geometry::{Anchor, AxisGeometry, Geometry, Origins, Position, SideGeometry, Sides, Unstated};
+pub use geometry::{AxisGeometry, Geometry, Origins, Position, ReferencePoint, SideGeometry, Sides, Unstated};
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
 pub use kind::ErrorKind;
 pub use model::{Grid, Machine, MachineParts, MovedLine, Pose, Provenance, SetUp, Tool};

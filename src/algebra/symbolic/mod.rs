@@ -9,7 +9,7 @@ mod rules;
 #[cfg(test)]
 mod tests;
 
-pub use rules::{Kind, MAX_PRODUCTS, Rules};
+pub use rules::{MAX_PRODUCTS, Rules, SymbolKind};
 
 use super::Algebra;
 use super::weil::Monomial;

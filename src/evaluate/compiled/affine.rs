@@ -12,9 +12,9 @@
 //! The last term is a product of errors: order 1 drops it, at order 2 it is of second degree, the exact model keeps it.
 //! The rotation relative to the nominal one is 1 + G A^T.
 
-use super::chain::{CompiledChain, CompiledJoint, Motion};
+use super::chain::{CompiledChain, CompiledJoint, NominalMotion};
 use super::curves::Six;
-use super::lookup::Inputs;
+use super::lookup::LaneInputs;
 use super::pass::MAX_SQUARED_HALF_ANGLE;
 use super::vector::{cross, dot, minus, plus, plus_cross, plus_times, times};
 
@@ -43,7 +43,7 @@ pub struct Node {
     pub six: Six,
 }
 
-impl Inputs<f64> for Node {
+impl LaneInputs<f64> for Node {
     fn position(self, _: usize) -> f64 {
         self.position
     }
@@ -224,8 +224,8 @@ const UNIT: Linear = Linear { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 
 /// Returns the nominal motion of a joint in coordinates about a base; true if it rotates.
 fn moved(link: &CompiledJoint, base: Vector3, at: &Node) -> (Linear, bool) {
     match link.motion {
-        Motion::Slide(u) => (Linear { shift: times(u, at.position), ..UNIT }, false),
-        Motion::Turn(about) => {
+        NominalMotion::Slide(u) => (Linear { shift: times(u, at.position), ..UNIT }, false),
+        NominalMotion::Turn(about) => {
             let columns = UNIT.columns.map(|e| about.turned(at.turn, e));
             let arm = minus(link.origin, base);
             (Linear { columns, shift: minus(arm, about.turned(at.turn, arm)) }, true)

@@ -1,7 +1,7 @@
 //! Deviations in other frames: rotated by the nominal motions of the joints passed.
 
 use super::batch::{Batch, Output, Slices};
-use super::chain::{Motion, RotationAxis};
+use super::chain::{NominalMotion, RotationAxis};
 use super::lanes::run;
 use super::model::CompiledModel;
 use super::simd::{Kernel, Lanes};
@@ -56,7 +56,9 @@ impl CompiledModel {
         let passed = |axis: usize| frame == Frame::Tool || self.machine.axes()[axis].branch == Branch::Workpiece;
         let turns = chain.joints.iter().enumerate().filter(|(axis, _)| passed(*axis));
         let joints: Vec<(usize, RotationAxis)> = turns
-            .filter_map(|(axis, link)| if let Motion::Turn(about) = link.motion { Some((axis, about)) } else { None })
+            .filter_map(
+                |(axis, link)| if let NominalMotion::Turn(about) = link.motion { Some((axis, about)) } else { None },
+            )
             .collect();
         let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };
         run(self.width, FrameRotation { joints: &joints, poses, out });

@@ -5,7 +5,7 @@
 //! undamped step is a large turn, the model is not linear over it, and the iteration runs to and fro. For the
 //! same reason there is a weak prior.
 
-use crate::algebra::linear::{ReducedSystem, Svd};
+use crate::algebra::linear::{HomePull, ReducedSystem, Svd};
 use crate::identify::data::{Measurement, ReadingKind};
 use crate::identify::model::Model;
 use crate::identify::model::Prior;
@@ -276,7 +276,12 @@ impl Problem {
         match &self.solver {
             Solver::Singular(svd, rank) => {
                 let largest = svd.values.iter().copied().fold(0.0, f64::max);
-                svd.step(&self.right, *rank, (&self.home, self.pull), damping * largest * largest)
+                svd.step(
+                    &self.right,
+                    *rank,
+                    HomePull { away: &self.home, pull: self.pull },
+                    damping * largest * largest,
+                )
             }
             Solver::Normal(normal, largest) => {
                 let n = normal.ncols();

@@ -35,7 +35,7 @@ impl ChainLinks {
 }
 
 /// A word of the chain and where it stands.
-struct Token {
+struct ChainWord {
     text: String,
     place: Option<Place>,
 }
@@ -147,7 +147,7 @@ fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) 
     for (branch, key, list) in [(Branch::Workpiece, "workpiece", workpiece), (Branch::Tool, "tool", tool)] {
         for (i, text) in list.iter().enumerate() {
             let at = below(&keys(["branches", key]), i);
-            let token = Token { text: text.trim().to_owned(), place: context.document.places.value(&at) };
+            let token = ChainWord { text: text.trim().to_owned(), place: context.document.places.value(&at) };
             let last = branch == Branch::Tool && i + 1 == list.len();
             link(context, &token, Some(branch), last, &mut links);
         }
@@ -156,7 +156,13 @@ fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) 
 }
 
 /// One axis or spindle. `side` is the branch it stands in, if that is settled.
-fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_spindle: bool, links: &mut ChainLinks) {
+fn link(
+    context: &mut Context<'_>,
+    token: &ChainWord,
+    side: Option<Branch>,
+    may_be_spindle: bool,
+    links: &mut ChainLinks,
+) {
     let inner = token.text.strip_prefix('(').and_then(|t| t.strip_suffix(')'));
     let bare = inner.unwrap_or(&token.text);
     let unprimed = bare.trim_end_matches(['\'', '’', '′']);
@@ -185,7 +191,7 @@ fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_s
     links.axes.push(ChainLink { name, branch, place: token.place.clone() });
 }
 
-fn refuse_name(context: &mut Context<'_>, token: &Token) {
+fn refuse_name(context: &mut Context<'_>, token: &ChainWord) {
     let message = format!("`{}` is not the name of an axis", shown(&token.text));
     let help = "a name is a capital letter, then up to seven capitals or digits: X, C1, J6";
     context.diagnostics.push(Diagnostic::new(codes::E0301, message).at(token.place.clone(), "").help(help));
@@ -219,7 +225,7 @@ fn walk(context: &mut Context<'_>, text: &str) -> Option<ChainLinks> {
     (context.diagnostics.count() == before).then_some(links)
 }
 
-fn left_of_bed(context: &mut Context<'_>, token: &Token, links: &mut ChainLinks) {
+fn left_of_bed(context: &mut Context<'_>, token: &ChainWord, links: &mut ChainLinks) {
     let primed = token.text.ends_with(['\'', '’', '′']);
     if !primed && AxisName::new(&token.text).is_some() {
         let message = format!("axis `{}` stands on the workpiece side of the bed without a prime", token.text);
@@ -232,7 +238,7 @@ fn left_of_bed(context: &mut Context<'_>, token: &Token, links: &mut ChainLinks)
 
 /// Words between spaces, dashes and the outer brackets; a letter before the bracket (V, H) says how
 /// the spindle stands and is not part of the walk.
-fn tokens(context: &Context<'_>, text: &str) -> Vec<Token> {
+fn tokens(context: &Context<'_>, text: &str) -> Vec<ChainWord> {
     let body = match text.find('[') {
         Some(open) if matches!(text[..open].trim(), "" | "V" | "H") => open + 1..text.rfind(']').unwrap_or(text.len()),
         _ => 0..text.len(),
@@ -253,7 +259,7 @@ fn tokens(context: &Context<'_>, text: &str) -> Vec<Token> {
                 Place { source: place.source, range: start..start + word.len() }
             };
             let place = as_written.map(part).or_else(|| whole.clone());
-            tokens.push(Token { text: word.to_owned(), place });
+            tokens.push(ChainWord { text: word.to_owned(), place });
         }
         start += piece.len();
     }

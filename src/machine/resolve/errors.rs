@@ -32,14 +32,14 @@ pub struct Errors {
 }
 
 /// The errors to read.
-pub struct Scope<'a> {
+pub struct ErrorScope<'a> {
     /// Those that the block of a side replaces.
     pub replaced: &'a BTreeSet<ErrorId>,
     /// The axes to read errors of; all of them by default.
     pub axes: Option<&'a BTreeSet<AxisName>>,
 }
 
-impl Scope<'_> {
+impl ErrorScope<'_> {
     fn skips(&self, error: &ErrorId) -> bool {
         self.replaced.contains(error) || self.axes.is_some_and(|axes| !axes.contains(&error.axis))
     }
@@ -59,7 +59,7 @@ impl Errors {
 }
 
 /// All error terms under `errors` and in tables that are in scope.
-pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &Scope<'_>) -> Errors {
+pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &ErrorScope<'_>) -> Errors {
     let document = context.document;
     let mut errors = Errors::default();
     for (name, entry) in &document.errors {
@@ -70,7 +70,7 @@ pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &Scope<'_
             continue;
         }
         if let Some(entry) = entry {
-            given(context, &mut errors, &spelling, entry, (known, &at));
+            put_term(context, &mut errors, &spelling, entry, known, &at);
         }
     }
     for (name, entry) in &document.tolerances {
@@ -87,18 +87,19 @@ pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &Scope<'_
         }
     }
     for (i, path) in document.measured.iter().enumerate() {
-        measured(context, &mut errors, &below(&keys(["measured"]), i), path, (known, scope));
+        measured(context, &mut errors, &below(&keys(["measured"]), i), path, known, scope);
     }
     errors
 }
 
 /// Puts a term and its uncertainty.
-pub fn given(
+pub fn put_term(
     context: &mut Context<'_>,
     errors: &mut Errors,
     spelling: &Spelling,
     entry: &TermEntry,
-    (known, at): (&JointNames<'_>, &Keys),
+    known: &JointNames<'_>,
+    at: &Keys,
 ) {
     let term = term(context, spelling, entry, known, at);
     errors.put(&spelling.error, term);
@@ -302,7 +303,8 @@ fn measured(
     errors: &mut Errors,
     at: &Keys,
     path: &str,
-    (known, scope): (&JointNames<'_>, &Scope<'_>),
+    known: &JointNames<'_>,
+    scope: &ErrorScope<'_>,
 ) {
     let Some(table) = context.table(at, path) else { return };
     if table.columns.len() < 2 {

@@ -3,7 +3,7 @@
 
 use super::axes::{AxisDraft, block_entry, block_key};
 use super::context::{Context, dotted};
-use super::errors::{Errors, Scope, given, named, once, plain};
+use super::errors::{ErrorScope, Errors, named, once, plain, put_term};
 use super::uses::JointNames;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{AxisName, Branch, ErrorId, JointErrors, Sides};
@@ -23,7 +23,7 @@ pub fn errors(context: &mut Context<'_>, known: &JointNames<'_>, sides: &Sides) 
         let on_side = |branch: Branch| block(branch).places.keys().filter(move |e| of(&e.axis, other) == branch);
         Branch::BOTH.into_iter().flat_map(on_side).cloned().collect()
     };
-    let mut errors = plain(context, known, &Scope { replaced: &replaced(false), axes: None });
+    let mut errors = plain(context, known, &ErrorScope { replaced: &replaced(false), axes: None });
     spelled_alike(context, known, &blocks);
     let differing: BTreeSet<AxisName> = known
         .declared
@@ -40,7 +40,7 @@ pub fn errors(context: &mut Context<'_>, known: &JointNames<'_>, sides: &Sides) 
         let standing = |axis: &AxisDraft| axis.standing_on(of(&axis.name, true));
         let declared: Vec<AxisDraft> = known.declared.iter().map(standing).collect();
         let there = JointNames { declared: &declared, spindle: known.spindle };
-        let scope = Scope { replaced: &replaced(true), axes: Some(&differing) };
+        let scope = ErrorScope { replaced: &replaced(true), axes: Some(&differing) };
         let mut other = plain(context, &there, &scope);
         context.diagnostics.forget_repeats(found);
         differing.iter().for_each(|axis| other.take(block(of(axis, true)), axis));
@@ -89,7 +89,7 @@ fn blocks(context: &mut Context<'_>, known: &JointNames<'_>, branch: Branch) -> 
                 let help = format!("a block of axis `{name}` holds its own errors; move it to the axis it belongs to");
                 context.at_key(codes::E0415, &at, message, help);
             } else if once(context, &mut errors, &spelling.error, place) {
-                given(context, &mut errors, &spelling, entry, (&there, &at));
+                put_term(context, &mut errors, &spelling, entry, &there, &at);
             }
         }
     }

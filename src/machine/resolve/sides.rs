@@ -4,10 +4,10 @@ use super::axes::AxisDraft;
 use super::chain::side_in;
 use super::context::Context;
 use super::errors::Errors;
-use super::positions::{PositionDraft, line_to_write};
+use super::positions::{NamedPoint, PositionDraft, line_to_write};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{
-    Anchor, AxisGeometry, AxisName, Branch, Geometry, Machine, Position, SideGeometry, Sides, Tool, Unstated,
+    AxisGeometry, AxisName, Branch, Geometry, Machine, Position, ReferencePoint, SideGeometry, Sides, Tool, Unstated,
 };
 use crate::syntax::keys;
 use crate::units::significant;
@@ -67,11 +67,11 @@ pub fn warn(context: &mut Context<'_>, machine: &Machine) {
             reason(&why)
         );
         let from = match axis.branch {
-            Branch::Tool => ("gauge", gauge),
-            Branch::Workpiece if matches!(machine.geometry().workpiece.from, Anchor::Bed) => {
-                ("workpiece", machine.workpiece())
+            Branch::Tool => NamedPoint { name: "gauge", point: gauge },
+            Branch::Workpiece if matches!(machine.geometry().workpiece.from, ReferencePoint::Bed) => {
+                NamedPoint { name: "workpiece", point: machine.workpiece() }
             }
-            Branch::Workpiece => ("bed", [0.0; 3]),
+            Branch::Workpiece => NamedPoint { name: "bed", point: [0.0; 3] },
         };
         let line = line_to_write(&axis.name, axis.branch, axis.origin, from);
         let help = format!("write under `axes` where it lies on this side; `{line}` is where it lies now");

@@ -107,7 +107,7 @@ pub fn frames(context: &mut Context<'_>, known: &JointNames<'_>, errors: &Errors
         let (at, Some(entry)) = (keys(["tolerances", name]), entry) else { continue };
         match meaning(name, known) {
             Named::Error => {}
-            Named::Joint(axis) => joint(context, &axis, entry, (known, &at), errors, &mut all),
+            Named::Joint(axis) => joint(context, &axis, entry, known, &at, errors, &mut all),
             Named::Pair => pair(context, name, entry, &at, errors, &mut all),
         }
     }
@@ -119,7 +119,8 @@ fn joint(
     context: &mut Context<'_>,
     axis: &AxisName,
     entry: &BoundEntry,
-    (known, at): (&JointNames<'_>, &Keys),
+    known: &JointNames<'_>,
+    at: &Keys,
     errors: &Errors,
     all: &mut Tolerances,
 ) {
