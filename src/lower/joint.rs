@@ -60,7 +60,7 @@ impl<S: Algebra> JointPosition<S> {
     }
 
     /// Returns the motion in the sense in which the axis moves the tool relative to the workpiece.
-    fn sensed(&self, axis: &Axis) -> Self {
+    fn in_sense(&self, axis: &Axis) -> Self {
         match self.clone() {
             Self::Linear(travel) => Self::Linear(travel.scaled(axis.sign())),
             Self::Rotary(sine, cosine) => Self::Rotary(sine.scaled(axis.sign()), cosine),
@@ -94,7 +94,7 @@ pub fn joint<S: Algebra>(
 
 /// N(q): translation along, or rotation about, the axis direction.
 pub(super) fn nominal<S: Algebra>(axis: &Axis, position: &JointPosition<S>) -> Htm<S> {
-    match position.sensed(axis) {
+    match position.in_sense(axis) {
         JointPosition::Linear(travel) => Htm::translation(Vector3::from(axis.direction).map(|u| travel.scaled(u))),
         JointPosition::Rotary(sine, cosine) => {
             Htm { linear: rotation_about(&axis.direction, (sine, cosine)), ..Htm::identity() }

@@ -46,7 +46,7 @@ impl Rules {
     }
 
     /// True if the products exceeded the limit.
-    pub fn exhausted(&self) -> bool {
+    pub fn is_exhausted(&self) -> bool {
         self.products.load(Ordering::Relaxed) > self.max_products
     }
 

@@ -66,7 +66,7 @@ pub fn equations(machine: &Machine, declared: &DeclaredAlgebra, options: Options
         }
     }
     let equations = collected(machine, &actual, &nominal);
-    if alphabet.rules.exhausted() {
+    if alphabet.rules.is_exhausted() {
         return Err(too_long());
     }
     let equations = equations.ok_or_else(no_number)?;

@@ -171,7 +171,7 @@ fn motion(axis: &Axis, convention: &JointConvention) -> NominalMotion {
 impl RotationAxis {
     /// Returns a vector rotated by the angle with this sine and cosine.
     #[inline(always)]
-    pub fn turned<V: Lanes>(&self, (s, c): (V, V), v: Vector<V>) -> Vector<V> {
+    pub fn rotate<V: Lanes>(&self, (s, c): (V, V), v: Vector<V>) -> Vector<V> {
         match *self {
             Self::Principal(0, sense) => {
                 let s = s * V::splat(sense);
@@ -195,9 +195,9 @@ impl RotationAxis {
 
     /// Returns a point rotated about an origin; of a machine axis, the component along it stays as it is.
     #[inline(always)]
-    pub fn turned_about<V: Lanes>(&self, turn: (V, V), origin: &[f64; 3], point: Vector<V>) -> Vector<V> {
+    pub fn rotate_about<V: Lanes>(&self, turn: (V, V), origin: &[f64; 3], point: Vector<V>) -> Vector<V> {
         let o = splat(origin);
-        let [x, y, z] = plus(self.turned(turn, minus(point, o)), o);
+        let [x, y, z] = plus(self.rotate(turn, minus(point, o)), o);
         match self {
             Self::Principal(0, _) => [point[0], y, z],
             Self::Principal(1, _) => [x, point[1], z],

@@ -71,7 +71,9 @@ impl CompiledCurves {
         let (mut curves, mut parts, mut tables) = (Self::default(), Vec::new(), Vec::new());
         for (column, term) in errors.component.iter().enumerate() {
             match term {
-                Some(ErrorTerm::Component(component)) => parts.extend(weighted(column, component, conditions.approach)),
+                Some(ErrorTerm::Component(component)) => {
+                    parts.extend(weighted_curves(column, component, conditions.approach))
+                }
                 Some(ErrorTerm::Constant(value)) => curves.constant[column] += value,
                 Some(ErrorTerm::Tolerance(_)) | None => {}
             }
@@ -121,7 +123,7 @@ impl CompiledCurves {
     }
 
     /// Returns the curves of the errors that a linear map makes of these six.
-    pub fn mapped(mut self, map: impl Fn(&Six) -> Six) -> Self {
+    pub fn map_errors(mut self, map: impl Fn(&Six) -> Six) -> Self {
         self.constant = map(&self.constant);
         self.powers.iter_mut().for_each(|row| *row = map(row));
         self.harmonics.iter_mut().flatten().for_each(|row| *row = map(row));
@@ -259,7 +261,7 @@ struct WeightedCurve<C> {
 }
 
 /// Returns the curves that make up a component error approached from a side: two halves for the mean.
-fn weighted(column: usize, component: &ComponentError, approach: Approach) -> Vec<WeightedCurve<&Curve>> {
+fn weighted_curves(column: usize, component: &ComponentError, approach: Approach) -> Vec<WeightedCurve<&Curve>> {
     let one = |weight, curve| WeightedCurve { column, weight, curve };
     match (component, approach) {
         (ComponentError::Single(curve), _) => vec![one(1.0, curve)],

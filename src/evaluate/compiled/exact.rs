@@ -77,7 +77,7 @@ trait RelativeRotation<V: Lanes>: Copy {
     fn none() -> Self;
     /// Returns the error motion of six errors, and its squared half angle (rad^2).
     fn motion(six: [V; 6], inverse: bool) -> (LaneErrorMotion<V>, V);
-    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self;
+    fn rotate(self, about: &RotationAxis, turn: (V, V)) -> Self;
     /// Returns the rotation after an error motion.
     fn after(self, motion: &LaneErrorMotion<V>) -> Self;
     fn vector(self) -> (Vector<V>, V);
@@ -113,8 +113,8 @@ impl<V: Lanes> RelativeRotation<V> for Quaternion<V> {
     }
 
     #[inline(always)]
-    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self {
-        Self(self.0, about.turned(turn, self.1))
+    fn rotate(self, about: &RotationAxis, turn: (V, V)) -> Self {
+        Self(self.0, about.rotate(turn, self.1))
     }
 
     #[inline(always)]
@@ -136,7 +136,7 @@ impl<V: Lanes> RelativeRotation<V> for Quaternion<V> {
 struct Matrix<V>([Vector<V>; 3]);
 
 #[inline(always)]
-fn transposed<V: Lanes>([a, b, c]: [Vector<V>; 3]) -> [Vector<V>; 3] {
+fn transpose<V: Lanes>([a, b, c]: [Vector<V>; 3]) -> [Vector<V>; 3] {
     [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]]
 }
 
@@ -157,10 +157,10 @@ impl<V: Lanes> RelativeRotation<V> for Matrix<V> {
     }
 
     #[inline(always)]
-    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self {
+    fn rotate(self, about: &RotationAxis, turn: (V, V)) -> Self {
         let [a, b, c] = self.0;
-        let [a, b, c] = transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]);
-        Self(transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]))
+        let [a, b, c] = transpose([about.rotate(turn, a), about.rotate(turn, b), about.rotate(turn, c)]);
+        Self(transpose([about.rotate(turn, a), about.rotate(turn, b), about.rotate(turn, c)]))
     }
 
     #[inline(always)]
@@ -169,7 +169,7 @@ impl<V: Lanes> RelativeRotation<V> for Matrix<V> {
         for k in 0..3 {
             let mut whole = columns[k];
             whole[k] = whole[k] + V::splat(1.0);
-            columns[k] = plus(columns[k], motion.moved(whole));
+            columns[k] = plus(columns[k], motion.displacement_of(whole));
         }
         Self(columns)
     }
@@ -185,7 +185,7 @@ impl<V: Lanes> RelativeRotation<V> for Matrix<V> {
 impl<V: Lanes> LaneErrorMotion<V> {
     /// Returns K y.
     #[inline(always)]
-    fn moved(&self, y: Vector<V>) -> Vector<V> {
+    fn displacement_of(&self, y: Vector<V>) -> Vector<V> {
         let once = cross(self.turn, y);
         plus_times(times(once, self.a), cross(self.turn, once), self.b)
     }
@@ -245,9 +245,9 @@ impl<V: Lanes, R: RelativeRotation<V>> ExactWalk<V, R> {
     fn apply(&mut self, motion: &LaneErrorMotion<V>, about: &[f64; 3]) {
         let arm = plus(minus(self.point, splat(about)), self.displacement);
         let added = if motion.inverse {
-            minus(motion.moved(minus(arm, motion.shift)), motion.shift)
+            minus(motion.displacement_of(minus(arm, motion.shift)), motion.shift)
         } else {
-            plus(motion.moved(arm), motion.shift)
+            plus(motion.displacement_of(arm), motion.shift)
         };
         self.displacement = plus(self.displacement, added);
         self.relative = self.relative.after(motion);
@@ -317,7 +317,7 @@ impl<V: Lanes, R: RelativeRotation<V>> ExactWalk<V, R> {
             self.displacement = plus_times(self.displacement, splat(direction), added);
         }
         if let Some(location) = around {
-            let bent = location.motion.moved(*direction);
+            let bent = location.motion.displacement_of(*direction);
             self.displacement = plus_times(self.displacement, splat(&bent), command);
         }
     }
@@ -335,9 +335,9 @@ impl<V: Lanes, R: RelativeRotation<V>> ExactWalk<V, R> {
         if let Some(location) = around {
             self.apply(&location.inverse.splat(), origin);
         }
-        self.point = about.turned_about(turn, origin, self.point);
-        self.displacement = about.turned(turn, self.displacement);
-        self.relative = self.relative.turned(about, turn);
+        self.point = about.rotate_about(turn, origin, self.point);
+        self.displacement = about.rotate(turn, self.displacement);
+        self.relative = self.relative.rotate(about, turn);
         if let Some(added) = added {
             self.rotate_on(about, added, origin);
         }
@@ -412,7 +412,7 @@ impl Sections for ExactModel {
         &self.chain
     }
 
-    fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
+    fn displacement_past(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
         let (displacement, squared_half_angle) = match self.chain.linearised {
             true => self.past::<Matrix<f64>>(section, point),
             false => self.past::<Quaternion<f64>>(section, point),

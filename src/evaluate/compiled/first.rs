@@ -45,10 +45,10 @@ impl FirstOrder {
         states.begin::<V>(self, chunk.count);
         for step in &self.steps {
             if let Some(axis) = step.motion {
-                states.moved::<V>(&self.joints[axis], step, &axes[axis], chunk.positions(axis));
+                states.pass_joint::<V>(&self.joints[axis], step, &axes[axis], chunk.positions(axis));
             }
             if let Some(sum) = &step.sum {
-                states.summed::<V>(sum, axes, chunk);
+                states.add_sum::<V>(sum, axes, chunk);
             }
             if let Some((axis, _)) = &step.errors {
                 states.add_errors::<V>(&axes[*axis], chunk.count);
@@ -163,25 +163,25 @@ impl WalkStates {
 
     /// Passes the nominal motion of a joint.
     #[inline(always)]
-    fn moved<V: Lanes>(&mut self, joint: &TwistJoint, step: &WalkStep, lookup: &AxisLookup, positions: &[f64]) {
+    fn pass_joint<V: Lanes>(&mut self, joint: &TwistJoint, step: &WalkStep, lookup: &AxisLookup, positions: &[f64]) {
         match joint.motion {
             NominalMotion::Slide(direction) => self.slid::<V>(&direction, joint.bend.as_ref(), step.rotated, positions),
             // One call per machine axis: the compiler drops the component that stays as it is.
             NominalMotion::Turn(RotationAxis::Principal(0, sense)) => {
-                self.turned::<V>(&RotationAxis::Principal(0, sense), lookup, positions.len());
+                self.rotate::<V>(&RotationAxis::Principal(0, sense), lookup, positions.len());
             }
             NominalMotion::Turn(RotationAxis::Principal(1, sense)) => {
-                self.turned::<V>(&RotationAxis::Principal(1, sense), lookup, positions.len());
+                self.rotate::<V>(&RotationAxis::Principal(1, sense), lookup, positions.len());
             }
             NominalMotion::Turn(RotationAxis::Principal(_, sense)) => {
-                self.turned::<V>(&RotationAxis::Principal(2, sense), lookup, positions.len());
+                self.rotate::<V>(&RotationAxis::Principal(2, sense), lookup, positions.len());
             }
             NominalMotion::Turn(RotationAxis::Oblique(direction)) => {
-                self.turned::<V>(&RotationAxis::Oblique(direction), lookup, positions.len());
+                self.rotate::<V>(&RotationAxis::Oblique(direction), lookup, positions.len());
             }
         }
         if let Some(shift) = &step.shift {
-            self.shifted::<V>(shift, positions.len());
+            self.shift_points::<V>(shift, positions.len());
         }
     }
 
@@ -206,7 +206,7 @@ impl WalkStates {
 
     /// Moves the point of reference.
     #[inline(always)]
-    fn shifted<V: Lanes>(&mut self, by: &[f64; 3], count: usize) {
+    fn shift_points<V: Lanes>(&mut self, by: &[f64; 3], count: usize) {
         for k in 0..3 {
             let mut i = 0;
             while by[k] != 0.0 && i < count {
@@ -230,20 +230,20 @@ impl WalkStates {
 
     /// Rotates about an axis through the point of reference.
     #[inline(always)]
-    fn turned<V: Lanes>(&mut self, about: &RotationAxis, lookup: &AxisLookup, count: usize) {
+    fn rotate<V: Lanes>(&mut self, about: &RotationAxis, lookup: &AxisLookup, count: usize) {
         let mut i = 0;
         while i < count {
             let turn = lookup.turn::<V>(i);
-            self.point.put(i, about.turned(turn, self.point.get(i)));
-            self.displacement.put(i, about.turned(turn, self.displacement.get(i)));
-            self.rotation.put(i, about.turned(turn, self.rotation.get(i)));
+            self.point.put(i, about.rotate(turn, self.point.get(i)));
+            self.displacement.put(i, about.rotate(turn, self.displacement.get(i)));
+            self.rotation.put(i, about.rotate(turn, self.rotation.get(i)));
             i += V::COUNT;
         }
     }
 
     /// Adds the errors of several axes: rows summed, then transposed once.
     #[inline(always)]
-    fn summed<V: Lanes>(&mut self, sum: &Sum, axes: &[AxisLookup], chunk: Chunk<'_>) {
+    fn add_sum<V: Lanes>(&mut self, sum: &Sum, axes: &[AxisLookup], chunk: Chunk<'_>) {
         let mut i = 0;
         while i < chunk.count {
             let mut rows = sum.first.1.rows::<V, CHUNK>(axes[sum.first.0].table_vector(i));

@@ -39,7 +39,7 @@ impl FrameRotation<'_, '_> {
         for (axis, about) in self.joints {
             let (s, c) = sin_cos(V::load(&self.poses.axes[*axis][at..]));
             let back = (V::splat(0.0) - s, c);
-            (d, w) = (about.turned(back, d), about.turned(back, w));
+            (d, w) = (about.rotate(back, d), about.rotate(back, w));
         }
         for k in 0..3 {
             d[k].store(&mut self.out.position[k][at..]);

@@ -100,7 +100,7 @@ impl Inner {
                 numbers.push(column);
             }
         };
-        let displaced = |node: &Affine| node.displaced(tool, products);
+        let displaced = |node: &Affine| node.displacement_past(tool, products);
         padded(&mut inner.displacement, &|node| node.nominal.shift);
         match products {
             ErrorProducts::Dropped => {
@@ -160,7 +160,7 @@ trait LineForm<const D: usize, const R: usize> {
 
     /// Returns the rotation vector of the sum.
     #[inline(always)]
-    fn finished<V: Lanes>(sum: [V; 3]) -> [V; 3] {
+    fn finish<V: Lanes>(sum: [V; 3]) -> [V; 3] {
         sum
     }
 }
@@ -226,7 +226,7 @@ impl<const ARC: bool> LineForm<6, 9> for ExactLine<ARC> {
     }
 
     #[inline(always)]
-    fn finished<V: Lanes>(sum: [V; 3]) -> [V; 3] {
+    fn finish<V: Lanes>(sum: [V; 3]) -> [V; 3] {
         if !ARC {
             return sum;
         }
@@ -257,7 +257,7 @@ impl Lines<'_, '_> {
         while i < inner.count {
             let d = sum::<V, D>(&of.displacement, &of.shift, &inner.displacement, i);
             let w = sum::<V, R>(&of.rotation, &of.turn, &inner.rotation, i);
-            write(&mut self.out, line * inner.count + i, d, O::finished(w));
+            write(&mut self.out, line * inner.count + i, d, O::finish(w));
             i += V::COUNT;
         }
     }

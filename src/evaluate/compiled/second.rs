@@ -81,10 +81,10 @@ impl<V: Lanes> SecondOrderWalk<V> {
         if let Some(location) = around {
             self.placed(location, true);
         }
-        self.point = about.turned_about(turn, origin, self.point);
+        self.point = about.rotate_about(turn, origin, self.point);
         let ([d, dd], [w, ww]) = (self.displacement, self.rotation);
-        self.displacement = [about.turned(turn, d), about.turned(turn, dd)];
-        self.rotation = [about.turned(turn, w), about.turned(turn, ww)];
+        self.displacement = [about.rotate(turn, d), about.rotate(turn, dd)];
+        self.rotation = [about.rotate(turn, w), about.rotate(turn, ww)];
         if let Some(location) = around {
             self.placed(location, false);
         }
@@ -129,7 +129,7 @@ impl Sections for SecondOrder {
         &self.chain
     }
 
-    fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
+    fn displacement_past(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
         let mut state = SecondOrderWalk::at(&self.chain, point, [0.0; 3]);
         match section {
             Section::Joint(axis, at) => state.link(&self.chain.joints[axis], axis, at),

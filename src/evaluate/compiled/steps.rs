@@ -126,7 +126,7 @@ impl StepBuilder<'_> {
     fn errors(&mut self, axis: usize, end: usize) {
         let Some(curves) = self.joints[axis].curves.clone() else { return };
         let about = reference(self.joints, end);
-        let curves = curves.mapped(|six| about_point(six, about));
+        let curves = curves.map_errors(|six| about_point(six, about));
         if !curves.is_linear_table() {
             if self.last().errors.is_some() {
                 self.steps.push(WalkStep::default());
@@ -154,7 +154,7 @@ impl StepBuilder<'_> {
         let mut sum = self.steps[at].sum.clone()?;
         match (&passed[..], sum.slide) {
             ([], _) => {}
-            ([slide], None) => sum.passed(*slide, self.joints[*slide].motion)?,
+            ([slide], None) => sum.pass_slide(*slide, self.joints[*slide].motion)?,
             _ => return None,
         }
         self.steps[at].sum = None;
@@ -164,7 +164,7 @@ impl StepBuilder<'_> {
 
 impl Sum {
     /// Moves the sum past a slide; returns `None` if that is not along a machine axis.
-    fn passed(&mut self, axis: usize, motion: NominalMotion) -> Option<()> {
+    fn pass_slide(&mut self, axis: usize, motion: NominalMotion) -> Option<()> {
         let NominalMotion::Slide(u) = motion else { return None };
         let along = (0..3).find(|k| (0..3).all(|j| j == *k || u[j] == 0.0))?;
         for (_, curves) in std::iter::once(&mut self.first).chain(&mut self.others) {

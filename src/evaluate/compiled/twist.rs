@@ -64,7 +64,7 @@ impl TwistChain {
         for link in &chain.joints {
             let [outer, inner] = constants(link);
             let sign = if link.inverse { -1.0 } else { 1.0 };
-            let mut curves = link.curves.clone().mapped(|six| twist(six, &link.origin, sign));
+            let mut curves = link.curves.clone().map_errors(|six| twist(six, &link.origin, sign));
             let mut before = add(pending, outer);
             pending = inner;
             if !curves.is_zero() {

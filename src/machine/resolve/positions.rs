@@ -1,7 +1,7 @@
 //! Positions: three coordinates, or the same from a named point; their references form no circle.
 
 use super::axes::{AxisDraft, block_key};
-use super::context::{Context, dotted};
+use super::context::{Context, dotted_path};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{AxisName, Branch, Position, ReferencePoint, Tool};
 use crate::syntax::{Keys, PositionEntry, RelativeEntry, below, keys};
@@ -34,10 +34,10 @@ pub fn position(context: &mut Context<'_>, written: &PositionEntry, entry: &Keys
         PositionEntry::Point(list) => (Some(WrittenReference::Bed), context.vector(list, entry)),
         PositionEntry::Relative(RelativeEntry { from, at }) => {
             let from = match from {
-                Some(word) => named(context, word, &below(entry, "from")),
+                Some(word) => reference(context, word, &below(entry, "from")),
                 None => {
                     if !context.document.places.is_marred(entry) {
-                        let message = format!("`{}` does not say from where", dotted(entry));
+                        let message = format!("`{}` does not say from where", dotted_path(entry));
                         let help = "add `from:` with gauge, tip, workpiece, bed or the name of an axis";
                         context.at_key(codes::E0203, entry, message, help);
                     }
@@ -54,7 +54,7 @@ pub fn position(context: &mut Context<'_>, written: &PositionEntry, entry: &Keys
     Some(PositionDraft { from: from?, at: at?, entry: entry.clone() })
 }
 
-fn named(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<WrittenReference> {
+fn reference(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<WrittenReference> {
     let document = context.document;
     match word {
         "bed" => return Some(WrittenReference::Bed),
@@ -76,7 +76,7 @@ fn named(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<WrittenRefe
 
 impl PositionDraft {
     /// The position; gauge point and tip are those of the default tool, whichever tool is in use.
-    pub fn settled(&self, tool: &Tool) -> Position {
+    pub fn resolve_points(&self, tool: &Tool) -> Position {
         let from = |base: [f64; 3]| Position::absolute(std::array::from_fn(|i| base[i] + self.at[i]));
         let relative = |from: ReferencePoint| Position { from, at: self.at };
         match &self.from {

@@ -21,7 +21,7 @@ pub fn geometry(
     workpiece: Option<&PositionDraft>,
 ) -> Geometry {
     let settled = |position: Option<&PositionDraft>| {
-        position.map_or_else(|| Position::absolute([0.0; 3]), |position| position.settled(tool))
+        position.map_or_else(|| Position::absolute([0.0; 3]), |position| position.resolve_points(tool))
     };
     let both = |draft: &AxisDraft| {
         let mut other_side = errors.other_side.remove(&draft.name);
@@ -31,7 +31,7 @@ pub fn geometry(
                 direction: of.direction?,
                 origin: settled(of.origin.as_ref()),
                 travel: of.travel?,
-                stated: stated(context, draft, branch),
+                stated: is_stated(context, draft, branch),
                 origin_written: of.origin.is_some(),
                 errors: other_side.take_if(|(side, _)| *side == branch).map(|(_, errors)| errors),
             })
@@ -44,7 +44,7 @@ pub fn geometry(
 
 /// True if the file states the geometry for the side: in the block of the side; by the plain keys beside the block of
 /// the other side; or by the plain keys alone, if the file that wrote them has the axis on this side.
-fn stated(context: &Context<'_>, draft: &AxisDraft, branch: Branch) -> bool {
+fn is_stated(context: &Context<'_>, draft: &AxisDraft, branch: Branch) -> bool {
     let [here, there] = [branch, branch.opposite()].map(|side| draft.block(side).origin.is_some());
     let (plain, name) = (draft.plain.origin.is_some(), draft.name.as_str());
     let home = || context.document.chains.of(name).find_map(|chain| side_in(chain, name));
