@@ -210,7 +210,7 @@ impl Machine {
 
     /// The same machine with other nominal lines of rotary axes and their location errors, another axis (unit vector)
     /// and tip (mm) of the tool in use, and other location errors of the spindle, if it has one.
-    pub fn with_lines(&self, lines: &[MovedLine], tool: ([f64; 3], [f64; 3]), spindle: [f64; 6]) -> Self {
+    pub fn with_lines(&self, lines: &[MovedLine], direction: [f64; 3], tip: [f64; 3], spindle: [f64; 6]) -> Self {
         let mut moved = self.clone();
         for line in lines {
             let axis = &mut moved.parts.axes[line.axis];
@@ -220,7 +220,7 @@ impl Machine {
         let of_spindle = moved.parts.errors.get_mut(self.parts.axes.len());
         of_spindle.into_iter().for_each(|errors| errors.set_location(spindle));
         let own = &mut moved.parts.tools[self.tool];
-        (own.direction, own.tip) = tool;
+        (own.direction, own.tip) = (direction, tip);
         moved
     }
 
