@@ -274,10 +274,10 @@ impl Composition {
         let tables = self.tables_under_test();
         let module = KinematicsModule::KinematicParameters(self.parameters.clone());
         let (both, field) = (self.both(), tables.beside(file, &module));
-        let mut report = CertificateReport::new(file, &both, &certificate, (&field, depth), self.files.clone());
+        let mut report = CertificateReport::new(file, &both, certificate, (&field, depth), self.files.clone());
         let step = |target: String, compensated| CertificateStep { target, compensated };
         report.steps =
-            vec![step(self.target.manifest.target.clone(), first), step(both.manifest.target, certificate.compensated)];
+            vec![step(self.target.manifest.target.clone(), first), step(both.manifest.target, report.compensated)];
         Ok(report)
     }
 

@@ -52,8 +52,6 @@ mod report;
 pub mod results;
 mod run;
 pub mod sets;
-#[allow(dead_code, reason = "only the schema of these structures is taken")]
-mod shapes;
 mod share;
 mod show;
 mod sources;

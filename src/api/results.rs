@@ -1,10 +1,12 @@
 //! Results of the functions, and their parts. Serde writes results in the shapes that docs/formats.md describes.
 
 pub use super::bounded::{AddedByBounds, AddedDeviation};
-pub use super::budget::BudgetResult;
+pub use super::budget::{BudgetResult, ContributionsAt};
 pub use super::budget_parts::BudgetShard;
-pub use super::budgets::ComparedBudgets;
-pub use super::certificate::{CertificateReport, CertificateStep};
+pub use super::budgets::{
+    BudgetDifference, ComparedBudget, ComparedBudgets, ComparedContribution, DeviationBudgetDifference, DrawnDifference,
+};
+pub use super::certificate::{AtReference, CertificateReport, CertificateStep, ReferenceShift};
 pub use super::check::CheckedFile;
 pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
 pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
@@ -15,16 +17,18 @@ pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitS
 pub use super::diff::{AxisDifference, SetDifference};
 pub use super::diff_machines::{MachineDifference, PropertyDifference};
 pub use super::effects::{ErrorEffect, Neglected};
-pub use super::enumerate::{EnumerateResult, RankedArrangements, StudyProgress};
-pub use super::equations::EquationsResult;
+pub use super::enumerate::{Arrangement, EnumerateResult, RankedArrangements, RankingRounds, StudyProgress};
+pub use super::equations::{
+    EquationSymbol, EquationUnits, EquationsResult, Polynomial, PolynomialMatrix, PolynomialTerm,
+};
 pub use super::eval::{EvalResult, EvalUnits, PoseResult};
 pub use super::explain::Explanation;
 pub use super::features::{DominatingError, FeatureResult};
 pub use super::figures::{
-    BothSenses, CauseTest, CircleTest, DiagonalTest, DiagonalsTest, DriftOf, DriftTest, MotionTest, RotationTest,
-    SpikeTest, TemperatureRange, TestFigures, TurningTest, UncertainValue,
+    CauseTest, CircleTest, DiagonalTest, DiagonalsTest, DriftOf, DriftTest, MotionTest, RotationTest, SpikeTest,
+    TemperatureRange, TestFigures, TurningTest, UncertainValue,
 };
-pub use super::goal::{NewTolerance, ToleranceGoal};
+pub use super::goal::{GoalCost, GoalTolerance, ToleranceGoal};
 pub use super::identify::{
     ExpectedParameter, FittedDatum, FittedError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue,
     LackOfFit, MeasurementPlan, MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares,
@@ -34,7 +38,7 @@ pub use super::identify::{
 pub use super::import::{
     ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, ReferenceMaterial, StraightnessReference,
 };
-pub use super::instrument::{InstrumentResult, Readings};
+pub use super::instrument::{InstrumentResult, LaserReadings, Readings};
 pub use super::locate::{AxisLine, LocateResult, LocatedAxis, LocatedError};
 pub use super::machine_file::InputFile;
 pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
@@ -52,14 +56,14 @@ pub use super::tool_poses::{BeyondTravel, Lack, MissedToolPose, NeededTravel, Re
 pub use super::uncertainty::{CertificateBands, ComparedBands, PoseUncertainty};
 pub use crate::analysis::Status as LocationStatus;
 pub use crate::analysis::budget::{
-    Binding, Bound, BoundedDeviation, BoundedLength, Budget, BudgetPart, CheapestTolerances, Contribution, PERCENTS,
-    PairedDifference, Percentile, Role, Totals, Verdict, VersusFirst,
+    Binding, Bound, BoundedDeviation, BoundedLength, PairedDifference, Percentile, Role, Verdict, VersusFirst,
 };
-pub use crate::analysis::enumerate::{NeededRange, Ranking, RoundCount, Row as ArrangementRow};
-pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
+pub use crate::analysis::enumerate::RoundCount;
+pub use crate::analysis::instrument::{BallBar, Diagonal, RTest, RTestReading};
 pub use crate::analysis::{Bands, SummaryBand};
 pub use crate::controller::{
-    Certificate, CompensationDegree, ControllerTarget, Figures, ProgrammingFigures, ROUNDING_UM, SingleErrorResidual,
+    CompensationDegree, ControllerTarget, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure, SingleErrorResidual,
+    Strongest, ToolDirection,
 };
 pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};
@@ -70,6 +74,9 @@ pub use crate::report::record::{
     NoValue, Person, Place, Plate, RecordData, RecordedFigure, RecordedFigures, RecordedSet, StateValue, Temperature,
     TwoLetters,
 };
-pub use crate::report::{BoundedFigures, LengthDifference, Picture, PictureFailure, RssDifference};
-pub use crate::standards::{Conformity, LimitSides};
+pub use crate::report::{
+    BoundedContribution, BoundedFigures, BoundedLengths, BudgetFigures, DeviationBudget, DrawSettings,
+    DrawnMachineFigures, LengthStatistics, PercentileInterval, Picture, PictureFailure, RssDifference, Tightening,
+};
+pub use crate::standards::{BothSenses, Conformity, LimitSides};
 pub use crate::syntax::{FolderEntry, ReadFailure};

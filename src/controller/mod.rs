@@ -22,7 +22,7 @@ mod single_errors;
 
 pub use certificate::{
     Certificate, CompensationDegree, Depth, Effect, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure,
-    SingleErrorResidual, TablesUnderTest, ZeroShift, micro,
+    SingleErrorResidual, Strongest, TablesUnderTest, ToolDirection, ZeroShift, micro,
 };
 pub use emit::{Hashed, LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile, sha256};
 pub use kinematics::{KinematicsModule, Model, ModuleField, Parameters, RotaryLine, Transformation};

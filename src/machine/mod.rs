@@ -42,7 +42,7 @@ pub use frame::{Frames, JointFrame};
 pub use geometry::{Anchor, AxisGeometry, Geometry, Position, SideGeometry, Sides, Unstated};
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
 pub use kind::ErrorKind;
-pub use model::{Grid, Machine, MachineParts, MovedLine, Pose, Provenance, SetUp, Tool};
+pub use model::{AxisPositions, Grid, Machine, MachineParts, MovedLine, Pose, Provenance, SetUp, Tool, axis_positions};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId, MAIN_AXES};
 pub use resolve::{largest, no_origin, parse_error_name, resolve};
 pub use tolerances::{FRAME_KEYS, FrameTolerances, Tolerances};
