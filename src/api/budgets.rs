@@ -1,6 +1,5 @@
 //! Budgets of several machines on the same work.
 
-use super::run::{Call, Refused};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
     Bound, BoundedError, Budget, BudgetPart, PairedTest, Request, Totals, Verdict, VersusFirst, budget, round_sizes,
@@ -9,6 +8,7 @@ use crate::analysis::budget::{
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::report::{DeviationBudget, DrawSettings};
+use crate::run::{Call, Refused};
 use schemars::JsonSchema;
 use serde::Serialize;
 

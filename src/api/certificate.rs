@@ -1,14 +1,13 @@
 //! A certificate with the machine, the target and the files that it holds for.
 
-use super::compensation::verdict;
-use super::poses::AxisPositions;
 use super::uncertainty::CertificateBands;
 use crate::controller::{
     Certificate, ControllerTarget, Depth, Figures, ProgrammingFigures, RaisedFigure, SingleErrorResidual, Strongest,
     ZeroShift, micro,
 };
 use crate::evaluate::{Field, Summary};
-use crate::machine::{Approach, AxisKind, Machine};
+use crate::file_set::verdict;
+use crate::machine::{Approach, AxisKind, AxisPositions, Machine};
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Serialize;

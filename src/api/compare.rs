@@ -3,22 +3,21 @@
 use super::bounded::{AddedByBounds, DrawnBounds, added};
 use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
 use super::compiled_model::PoseDeviation;
-use super::machine_file::{MachineFile, sources_of};
-use super::order_of;
-use super::poses::check;
-use super::run::{Answer, Call, Count, Refused, Run};
 use super::tolerances::ToleranceOptions;
-use super::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
-use super::uncertainty::{ComparedBands, compared_bands};
 use crate::analysis::budget::{BoundedDeviation, PoseByPose};
+use crate::analysis::figure_bands::{ComparedBands, compared_bands};
 use crate::analysis::{
     Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
     contributions as contributions_of,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{Bare, Difference, Field, Frame, Order, Poses, Statistics, Summary};
+use crate::job::machine_file::{MachineFile, order_of, sources_of};
+use crate::job::poses::check;
+use crate::job::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};
+use crate::run::{Answer, Call, Count, Refused, Run};
 use std::path::PathBuf;
 
 /// Options of [`compare`].
@@ -197,7 +196,7 @@ fn side_by_side(
         Some(asked) => Work::Listed(asked.list(first)),
         None => Work::random(first, options.poses, options.seed),
     };
-    let comparison = call.stage(work.len(), |advance| compared(&fields, &work, options.approach, advance));
+    let comparison = call.stage(work.len(), |advance| compared(&fields, &work, options.approach.into(), advance));
     let sides: Vec<(&Machine, Vec<Pose>)> =
         files.iter().zip(&comparison.machines).map(|(file, side)| (&**file, poses(side))).collect();
     let mut missed = vec![None; sides.len()];
@@ -211,7 +210,7 @@ fn side_by_side(
             missed[i] = Some(rows);
         }
     }
-    let contributions = contributions_of(&sides, options.approach);
+    let contributions = contributions_of(&sides, options.approach.into());
     if comparison.common.is_empty() {
         return call.refuse(nothing_in_common(files, &comparison));
     }
@@ -231,7 +230,8 @@ fn side_by_side(
     call.checked()?;
     // Figures from bounds have no uncertainty: they are one.
     let measured = bounded.iter().all(Option::is_none);
-    let uncertainty = if measured { compared_bands(&sides, &comparison, (options.approach, seed)) } else { None };
+    let uncertainty =
+        if measured { compared_bands(&sides, &comparison, (options.approach.into(), seed)) } else { None };
     let machines = (0..files.len()).map(|i| compared_machine(files, &comparison, order(&files[i]), (i, &bounded)));
     let travel = |(i, missed): (usize, &Option<Vec<_>>)| {
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
@@ -322,7 +322,7 @@ fn row(comparison: &Comparison, bounded: &[Option<Bounded>], index: usize) -> Co
     ComparedPose { tip_mm: target.tip.into(), direction: target.direction.into(), deviations, bounded }
 }
 
-pub(super) fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {
+pub(crate) fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {
     let missed = |(file, side): (&MachineFile, &MachineResult)| format!("{} misses {}", file.path(), side.unreachable);
     let help = files.iter().zip(&comparison.machines).map(missed).collect::<Vec<_>>().join("; ");
     let message = format!("none of the {} tool poses is reached by all machines", comparison.asked);

@@ -1,14 +1,14 @@
 //! `diff`: how far two sets of compensation files are apart.
 
-use super::compensation::effect::found_effect;
-use super::compensation::options::CompensationOptions;
-use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Count, Run};
 use crate::compensation::{Correction, Jacobian};
 use crate::controller::micro;
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Summary, random_poses};
+use crate::file_set::effect::found_effect;
+use crate::file_set::options::CompensationOptions;
+use crate::job::machine_file::MachineFile;
 use crate::machine::Approach;
+use crate::run::{Answer, Call, Count, Run};
 use serde::ser::SerializeMap;
 use std::path::Path;
 
@@ -86,7 +86,7 @@ pub fn diff(
         for pose in random_poses(file, options.poses, options.seed) {
             let jacobian = Jacobian::at(file, &pose);
             for approach in [Approach::Forward, Approach::Reverse] {
-                let [a, b] = [0, 1].map(|i: usize| added[i](&pose, approach));
+                let [a, b] = [0, 1].map(|i: usize| added[i](&approach.at(&pose)));
                 let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
                 axes.iter_mut().zip(&difference).for_each(|(all, d)| all.push(*d));
                 moved.push(jacobian.displacement(&Correction(difference)) * 1000.0);

@@ -1,16 +1,16 @@
 //! The closed forms: joint matrices, E_VE and deviations as polynomials in the errors.
 
 use super::algebra;
-use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Refused, Run};
 use crate::algebra::symbolic::Symbolic;
 use crate::algebra::weil::Monomial;
 use crate::algebra::{Algebra, Htm};
 use crate::analysis::{Equations, Meaning, Naming, Options, Symbol, equations as closed_forms};
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::Frame;
+use crate::job::machine_file::MachineFile;
 use crate::machine::Machine;
 use crate::report::equations as print;
+use crate::run::{Answer, Call, Refused, Run};
 use indexmap::IndexMap;
 use nalgebra::{Matrix4, Vector3};
 use schemars::JsonSchema;

@@ -1,13 +1,13 @@
 //! The cheapest tolerances for a goal.
 
 use super::budget::BudgetOptions;
-use super::run::{Call, Refused};
 use crate::analysis::budget::{
     Binding, Bound, CheapestTolerances, CostModel, GoalAnswer, GoalRequest, Percentile, Price, cheapest,
 };
 use crate::diagnostic::{Diagnostic, Reason, codes, shown};
 use crate::machine::{ErrorKind, Machine, Pose};
 use crate::report::tolerance_unit;
+use crate::run::{Call, Refused};
 use crate::syntax::{from_yaml, read_text};
 use crate::units::significant;
 use schemars::JsonSchema;
@@ -83,7 +83,7 @@ pub struct GoalTolerance {
 }
 
 /// Returns the cheapest tolerances for the goal of the options (mm).
-pub(super) fn goal(
+pub(crate) fn goal(
     call: &mut Call<'_>,
     machine: &Machine,
     options: &BudgetOptions,

@@ -1,16 +1,16 @@
 //! Readings of measuring instruments on a machine.
 
-use super::machine_file::{MachineFile, bounded_only};
-use super::poses::{AxisPositions, axis_positions, check, pose_at};
-use super::run::{Answer, Call, Count, Refused, Run};
 use crate::analysis::Unreachable;
 use crate::analysis::instrument::{
     BallBar, CirclePlane, Diagonal, RTest, RTestReading, ball_bar, diagonals, r_test, within,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::Frame;
+use crate::job::machine_file::{MachineFile, bounded_only};
+use crate::job::poses::{AxisPositions, axis_positions, check, pose_at};
 use crate::machine::{Axis, AxisKind, Machine, Pose};
 use crate::report::{DiagonalPicture, DialPanel, Picture, PolarPicture, RTestPicture};
+use crate::run::{Answer, Call, Count, Refused, Run};
 use crate::units::significant;
 use schemars::JsonSchema;
 use serde::Serialize;

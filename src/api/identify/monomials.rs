@@ -1,10 +1,11 @@
 //! The fit of Holub and others 2015: monomials of order 2, each component for itself, pseudo-inverse.
 
-use super::{IdentifyOptions, Problem};
-use crate::api::machine_file::MachineFile;
-use crate::api::run::{Answer, Call, Run};
+use super::IdentifyOptions;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::identify::{Coefficient, Component, moore_penrose};
+use crate::identify::verdict::problem::Problem;
+use crate::identify::{MonomialComponent, moore_penrose};
+use crate::job::machine_file::MachineFile;
+use crate::run::{Answer, Call, Run};
 use serde::Serialize;
 
 /// Maximum number of parameters whose products are unknowns.
@@ -24,65 +25,6 @@ pub struct MonomialFit {
     pub machine: String,
 }
 
-/// One component of the deviation.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct MonomialComponent {
-    /// `dx`, `dy` or `dz`.
-    pub component: &'static str,
-    /// Number of readings.
-    pub readings: usize,
-    /// Number of monomials.
-    pub columns: usize,
-    /// Rank of the problem.
-    pub rank: usize,
-    /// Root mean square of the readings.
-    pub rms_um: Rms,
-    /// The coefficients.
-    pub coefficients: Vec<MonomialCoefficient>,
-}
-
-/// Root mean square of readings, um.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Rms {
-    /// As measured.
-    pub before: f64,
-    /// After the fit.
-    pub after: f64,
-}
-
-/// The coefficient of a monomial.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct MonomialCoefficient {
-    /// Name such as `EX0C` or `EA0C*EB0C`.
-    pub monomial: String,
-    /// Value, in `unit`.
-    pub value: f64,
-    /// Unit of the value.
-    pub unit: String,
-    /// True if the data tell it from the others.
-    pub determined: bool,
-}
-
-impl MonomialComponent {
-    fn of(component: &Component) -> Self {
-        Self {
-            component: ["dx", "dy", "dz"][component.index.min(2)],
-            readings: component.readings,
-            columns: component.coefficients.len(),
-            rank: component.rank,
-            rms_um: Rms { before: component.rms[0] * 1e3, after: component.rms[1] * 1e3 },
-            coefficients: component.coefficients.iter().map(MonomialCoefficient::of).collect(),
-        }
-    }
-}
-
-impl MonomialCoefficient {
-    fn of(coefficient: &Coefficient) -> Self {
-        let Coefficient { name, value, unit, determined, .. } = coefficient.clone();
-        Self { monomial: name, value, unit, determined }
-    }
-}
-
 /// Fits monomials of the errors to measured deviations, each component for itself.
 ///
 /// Fails as [`identify`](super::identify) does, for other readings than deviations, and for options that need a fitted
@@ -93,14 +35,15 @@ pub fn fit_monomials(
     run: Run,
 ) -> Result<Answer<MonomialFit>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
-        let problem = Problem::read(call, file, options)?;
+        let inputs = options.inputs();
+        let problem = Problem::read(call, file, &inputs)?;
         if options.machine_file || options.pictures || options.robust || options.folds.is_some() {
             return call.usage(
                 "`--method moore-penrose` gives coefficients of monomials, no machine: no --out, --svg, --robust, \
                  --folds",
             );
         }
-        let model = problem.model(file, options.order());
+        let model = problem.model(file, inputs.order);
         if model.own() > MAX_FACTORS {
             let message = format!("{} parameters have too many products for the papers' way", model.own());
             let help = format!("at most {MAX_FACTORS}; the joint fit takes more");
@@ -111,7 +54,6 @@ pub fn fit_monomials(
             let message = "the papers' way takes deviations dx, dy, dz only";
             return call.refuse(Diagnostic::new(codes::E0510, message).help(help));
         };
-        let components = components.iter().map(MonomialComponent::of).collect();
         Ok(MonomialFit { method: "moore-penrose", order: 2, components, machine: file.name().to_owned() })
     })
 }

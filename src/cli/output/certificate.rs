@@ -28,7 +28,7 @@ impl CertificateView<'_> {
     }
 
     /// Returns the effect of a new reference position where tables must vanish at it.
-    fn shifted(&self) -> String {
+    fn reference_shift(&self) -> String {
         let Some(shifted) = &self.report.reference_shift else { return String::new() };
         let ReferenceShift { shift_um, shift_urad, position_um, without_tables_um } = shifted;
         let one = |axis: &Axis| {
@@ -105,7 +105,8 @@ impl CertificateView<'_> {
             bands::text(&[("uncompensated".to_owned(), &of.uncompensated), ("compensated".to_owned(), &of.compensated)])
         });
         let steps = self.steps();
-        format!("{table}\n{bands}{steps}{}{raised}{}", ratio(&before.position_um, &after.position_um), self.shifted())
+        let ratio = ratio(&before.position_um, &after.position_um);
+        format!("{table}\n{bands}{steps}{ratio}{raised}{}", self.reference_shift())
     }
 
     /// Returns the figures after each step of a composed set.

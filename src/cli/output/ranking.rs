@@ -71,7 +71,7 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
                 .map_or(String::new(), |source| format!(", class {}: {source}", of.class.as_deref().unwrap_or("")))
         ),
     };
-    text += &arrangements(of, &of.ranked, (true, top));
+    text += &arrangements(of, &of.ranked, true, top);
     text += &standing(of);
     if of.ranked.len() > top {
         text += &format!("... and {} more (`--top {}`, or `--format csv`)\n", of.ranked.len() - top, of.ranked.len());
@@ -82,14 +82,14 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
             of.reach_less.len(),
             significant(of.reach * 100.0, 4)
         );
-        text += &arrangements(of, &of.reach_less, (false, top));
+        text += &arrangements(of, &of.reach_less, false, top);
     }
     if !of.geometry_not_stated.is_empty() {
         text += &format!(
             "\n{} have axes whose geometry is not stated for the side where they stand; they are not ranked:\n",
             of.geometry_not_stated.len()
         );
-        text += &arrangements(of, &of.geometry_not_stated, (false, top));
+        text += &arrangements(of, &of.geometry_not_stated, false, top);
     }
     let cannot_turn = &of.cannot_turn_the_tool;
     if !cannot_turn.is_empty() {
@@ -126,7 +126,7 @@ fn standing(of: &RankedArrangements) -> String {
     )
 }
 
-fn arrangements(of: &RankedArrangements, rows: &[Arrangement], (numbered, top): (bool, usize)) -> String {
+fn arrangements(of: &RankedArrangements, rows: &[Arrangement], numbered: bool, top: usize) -> String {
     let budget = of.by == JudgedBy::Budget;
     let mut header = vec![if numbered { "rank" } else { "" }, "arrangement", "reached", "um"];
     if budget {

@@ -4,6 +4,7 @@ mod bounded;
 mod budget;
 pub mod equations;
 mod positions;
+mod properties;
 
 pub use bounded::{BoundedFigures, BoundedLengths, LengthStatistics, RssDifference};
 pub use budget::{
@@ -11,3 +12,5 @@ pub use budget::{
     Tightening, contributions, tolerance, tolerance_unit,
 };
 pub(super) use positions::pose_words;
+pub use properties::{MachineDifference, PropertyDifference};
+pub(crate) use properties::{described, rotation_words};
