@@ -43,7 +43,7 @@ pub use frame::{Frames, JointFrame};
 pub use geometry::{AxisGeometry, Geometry, Origins, Position, ReferencePoint, SideGeometry, Sides, Unstated};
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
 pub use kind::ErrorKind;
-pub use model::{Grid, Machine, MachineParts, MovedLine, Pose, Provenance, SetUp, Tool};
+pub use model::{AxisPositions, Grid, Machine, MachineParts, MovedLine, Pose, Provenance, SetUp, Tool, axis_positions};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId, MAIN_AXES};
 pub use operating_point::{CurveArgument, OperatingConditions, OperatingPoint, OperatingState};
 pub use resolve::{largest, largest_stated, no_origin, parse_error_name, resolve};

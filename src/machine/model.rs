@@ -5,11 +5,21 @@ use super::{
     JointUncertainty, KinematicChain, NamedClass, ResidualForm, Tolerances, Travel, sin_cos_degrees,
 };
 use crate::algebra::rotation_about;
+use indexmap::IndexMap;
 use nalgebra::Matrix3;
 use std::collections::BTreeMap;
 
 /// Positions of all axes as programmed (mm, deg), in the order of [`Machine::axes`].
 pub type Pose = Vec<f64>;
+
+/// Positions by the names of the axes, in the order of the chain; mm and deg.
+pub type AxisPositions = IndexMap<String, f64>;
+
+/// Returns the positions of a pose by name.
+pub fn axis_positions(machine: &Machine, pose: &[f64]) -> AxisPositions {
+    // Adding zero turns -0 into 0.
+    machine.axes().iter().zip(pose).map(|(axis, q)| (axis.name.to_string(), q + 0.0)).collect()
+}
 
 /// A tool: two points (mm) and its axis, in machine coordinates at the zero pose.
 #[derive(Debug, Clone, PartialEq)]
