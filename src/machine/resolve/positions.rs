@@ -1,20 +1,20 @@
 //! Positions: three coordinates, or the same from a named point; their references form no circle.
 
-use super::context::{Context, dotted};
+use super::context::{Context, dotted_path};
 use crate::diagnostic::{codes, did_you_mean, shown};
-use crate::machine::{Anchor, AxisName, Branch, Position, Tool};
+use crate::machine::{AxisName, Branch, Position, ReferencePoint, Tool};
 use crate::syntax::{Keys, PositionEntry, RelativeEntry, below, keys};
 
 /// A position as written, with the keys of its entry.
 #[derive(Debug, Clone)]
 pub struct PositionDraft {
-    from: From,
+    from: WrittenReference,
     at: [f64; 3],
     pub(super) entry: Keys,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum From {
+enum WrittenReference {
     Bed,
     Gauge,
     Tip,
@@ -28,13 +28,13 @@ const POINTS: [&str; 4] = ["gauge", "tip", "workpiece", "bed"];
 /// Reads a position.
 pub fn position(context: &mut Context<'_>, written: &PositionEntry, entry: &Keys) -> Option<PositionDraft> {
     let (from, at) = match written {
-        PositionEntry::Point(list) => (Some(From::Bed), context.vector(list, entry)),
+        PositionEntry::Point(list) => (Some(WrittenReference::Bed), context.vector(list, entry)),
         PositionEntry::Relative(RelativeEntry { from, at }) => {
             let from = match from {
-                Some(word) => named(context, word, &below(entry, "from")),
+                Some(word) => reference(context, word, &below(entry, "from")),
                 None => {
                     if !context.document.places.is_marred(entry) {
-                        let message = format!("`{}` does not say from where", dotted(entry));
+                        let message = format!("`{}` does not say from where", dotted_path(entry));
                         let help = "add `from:` with gauge, tip, workpiece, bed or the name of an axis";
                         context.at_key(codes::E0203, entry, message, help);
                     }
@@ -51,17 +51,17 @@ pub fn position(context: &mut Context<'_>, written: &PositionEntry, entry: &Keys
     Some(PositionDraft { from: from?, at: at?, entry: entry.clone() })
 }
 
-fn named(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<From> {
+fn reference(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<WrittenReference> {
     let document = context.document;
     match word {
-        "bed" => return Some(From::Bed),
-        "gauge" => return Some(From::Gauge),
-        "tip" => return Some(From::Tip),
-        "workpiece" => return Some(From::Workpiece),
+        "bed" => return Some(WrittenReference::Bed),
+        "gauge" => return Some(WrittenReference::Gauge),
+        "tip" => return Some(WrittenReference::Tip),
+        "workpiece" => return Some(WrittenReference::Workpiece),
         _ => {}
     }
     if let Some(axis) = AxisName::new(word).filter(|_| document.axes.contains_key(word)) {
-        return Some(From::Axis(axis));
+        return Some(WrittenReference::Axis(axis));
     }
     if !document.places.is_lost(&keys(["axes"])) {
         let known: Vec<&str> = POINTS.into_iter().chain(document.axes.keys().map(String::as_str)).collect();
@@ -73,24 +73,24 @@ fn named(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<From> {
 
 impl PositionDraft {
     /// The position; gauge point and tip are those of the default tool, whichever tool is in use.
-    pub fn settled(&self, tool: &Tool) -> Position {
+    pub fn resolve_points(&self, tool: &Tool) -> Position {
         let from = |base: [f64; 3]| Position::absolute(std::array::from_fn(|i| base[i] + self.at[i]));
-        let relative = |from: Anchor| Position { from, at: self.at };
+        let relative = |from: ReferencePoint| Position { from, at: self.at };
         match &self.from {
-            From::Bed => Position::absolute(self.at),
-            From::Gauge => from(tool.gauge),
-            From::Tip => from(tool.tip),
-            From::Workpiece => relative(Anchor::Workpiece),
-            From::Axis(axis) => relative(Anchor::Axis(axis.clone())),
+            WrittenReference::Bed => Position::absolute(self.at),
+            WrittenReference::Gauge => from(tool.gauge),
+            WrittenReference::Tip => from(tool.tip),
+            WrittenReference::Workpiece => relative(ReferencePoint::Workpiece),
+            WrittenReference::Axis(axis) => relative(ReferencePoint::Axis(axis.clone())),
         }
     }
 
     /// The node of the graph of references that it leads to.
     pub(super) fn target(&self) -> Option<&str> {
         match &self.from {
-            From::Workpiece => Some("workpiece"),
-            From::Axis(axis) => Some(axis.as_str()),
-            From::Bed | From::Gauge | From::Tip => None,
+            WrittenReference::Workpiece => Some("workpiece"),
+            WrittenReference::Axis(axis) => Some(axis.as_str()),
+            WrittenReference::Bed | WrittenReference::Gauge | WrittenReference::Tip => None,
         }
     }
 }
@@ -100,9 +100,15 @@ pub fn block_key(branch: Branch) -> &'static str {
     if branch == Branch::Tool { "on_tool" } else { "on_workpiece" }
 }
 
+/// A point (mm) that positions can be relative to.
+pub struct NamedPoint<'a> {
+    pub name: &'a str,
+    pub point: [f64; 3],
+}
+
 /// The line to write for an axis whose geometry is not stated, with the position that it has now.
-pub fn line_to_write(axis: &AxisName, branch: Branch, origin: [f64; 3], from: (&str, [f64; 3])) -> String {
-    let at: Vec<String> = (0..3).map(|i| crate::units::significant(origin[i] - from.1[i], 7)).collect();
-    let (key, name) = (block_key(branch), from.0);
+pub fn line_to_write(axis: &AxisName, branch: Branch, origin: [f64; 3], from: NamedPoint<'_>) -> String {
+    let at: Vec<String> = (0..3).map(|i| crate::units::significant(origin[i] - from.point[i], 7)).collect();
+    let (key, name) = (block_key(branch), from.name);
     format!("{axis}: {{ {key}: {{ origin: {{ from: {name}, at: [{}] }} }} }}", at.join(", "))
 }
