@@ -1,19 +1,6 @@
 //! The errors of one joint: six location and six component errors, any of them absent.
 
-use super::{AxisName, Curve, CurveArgument, Direction, ErrorFamily, ErrorId};
-
-/// The side from which a position is approached; curves may differ (reversal).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Approach {
-    /// The mean of forward and reverse.
-    #[default]
-    Mean,
-    /// Rising position.
-    Forward,
-    /// Falling position.
-    Reverse,
-}
+use super::{Approach, AxisName, Curve, CurveArgument, Direction, ErrorFamily, ErrorId};
 
 /// A component error: a curve, or one for each direction of approach.
 #[derive(Debug, Clone, PartialEq)]
