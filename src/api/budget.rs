@@ -61,7 +61,7 @@ impl Default for BudgetOptions {
     }
 }
 
-/// A budget with what it is of. Serialises as docs/formats.md describes.
+/// A budget with what it is of. Serialises as docs/formats/designs.md describes.
 #[derive(Debug, Clone)]
 pub struct BudgetResult {
     machine: Machine,

@@ -24,7 +24,8 @@ pub(crate) struct DrawnMachines<'a> {
     pub seed: u64,
 }
 
-/// A budget for each machine, and the contribution of each error to each. Serialises as docs/formats.md describes.
+/// A budget for each machine, and the contribution of each error to each. Serialises as docs/formats/designs.md
+/// describes.
 #[derive(Debug, Clone)]
 pub struct ComparedBudgets {
     machines: Vec<Machine>,

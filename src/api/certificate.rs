@@ -51,7 +51,7 @@ impl CertificateReport {
         verdict::raised(&self.certificate)
     }
 
-    /// The contract of `compile` and `verify` in docs/formats.md.
+    /// The contract of `compile` and `verify` in docs/formats/sets.md.
     fn json(&self) -> serde_json::Value {
         let Self { machine, target, certificate, files, steps, uncertainty } = self;
         let summary = |f: &Figures| {

@@ -115,7 +115,7 @@ pub struct StudyProgress {
     pub walks: usize,
 }
 
-/// Arrangements in order. Serialises as docs/formats.md describes.
+/// Arrangements in order. Serialises as docs/formats/designs.md describes.
 #[derive(Debug, Clone)]
 pub struct RankedArrangements {
     /// Name of the machine.

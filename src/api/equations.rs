@@ -27,7 +27,7 @@ pub struct EquationsOptions {
     pub tool_length: bool,
 }
 
-/// The closed forms of a machine; mm and rad, workpiece frame. Serialises as docs/formats.md describes.
+/// The closed forms of a machine; mm and rad, workpiece frame. Serialises as docs/algebra.md describes.
 #[derive(Debug, Clone)]
 pub struct EquationsResult {
     machine: Machine,

@@ -55,7 +55,7 @@ impl Default for FiguresOptions {
     }
 }
 
-/// Figures of a test. Serialises as docs/formats.md describes.
+/// Figures of a test. Serialises as docs/formats/measurements.md describes.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(tag = "test", rename_all = "snake_case")]
 pub enum TestFigures {

@@ -23,7 +23,7 @@ const MIN_PROOF: usize = 8000;
 /// Seeds of the correction and of the proof, from that of the search.
 const NEXT_SEEDS: [u64; 2] = [0x9E37_79B9_7F4A_7C15, 0xD1B5_4A32_D192_ED03];
 
-/// Tolerances for a goal. Serialises as docs/formats.md describes.
+/// Tolerances for a goal. Serialises as docs/formats/designs.md describes.
 #[derive(Debug, Clone)]
 pub struct ToleranceGoal {
     /// The goal of the 95 % value, um.

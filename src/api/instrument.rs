@@ -60,7 +60,7 @@ pub enum Instrument {
     StepDiagonals,
 }
 
-/// Readings of an instrument on a machine, exact model. Serialises as docs/formats.md describes.
+/// Readings of an instrument on a machine, exact model. Serialises as docs/formats/designs.md describes.
 #[derive(Debug, Clone)]
 pub struct InstrumentResult {
     machine: Machine,

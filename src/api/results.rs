@@ -1,4 +1,4 @@
-//! Results of the functions, and their parts. Serde writes results in the shapes that docs/formats.md describes.
+//! Results of the functions, and their parts. Serde writes results in the shapes that docs/formats/json.md describes.
 
 pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::budget::BudgetResult;

@@ -1,5 +1,5 @@
-//! Shapes of the results whose JSON is put together by hand, as JSON Schema: the fields that docs/formats.md describes,
-//! for faces whose types are generated. `python/tests` holds them to what the program prints.
+//! Shapes of the results whose JSON is put together by hand, as JSON Schema: the fields that docs/formats/json.md
+//! describes, for faces whose types are generated. `python/tests` holds them to what the program prints.
 
 use super::budget::BudgetResult;
 use super::budgets::ComparedBudgets;

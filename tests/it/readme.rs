@@ -1,4 +1,4 @@
-//! README.md and docs/*.md are true: their commands run, their output is the program's, their links lead somewhere.
+//! README.md and the pages in docs are true: their commands run, their output is the program's, their links lead somewhere.
 //!
 //! In a block fenced as `console`, lines after `$ ` are commands and run in order in a copy of `configs` and `docs`,
 //! one copy for each document. The other lines must be in the output of the command above them, in that order; `[...]`
@@ -25,13 +25,20 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// README.md and everything in docs, as paths from the top.
+/// README.md and every page in docs and its folders, as paths from the top.
 fn documents() -> Vec<PathBuf> {
-    let docs = fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().file_name());
-    let pages =
-        docs.map(|name| Path::new("docs").join(name)).filter(|path| path.extension().is_some_and(|e| e == "md"));
-    let mut all: Vec<PathBuf> =
-        pages.chain(["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(PathBuf::from)).collect();
+    let mut all = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(PathBuf::from).to_vec();
+    let mut folders = vec![PathBuf::from("docs")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(root().join(&folder)).unwrap().map(Result::unwrap) {
+            let path = folder.join(entry.file_name());
+            match path.extension() {
+                Some(ending) if ending == "md" => all.push(path),
+                _ if entry.file_type().unwrap().is_dir() => folders.push(path),
+                _ => {}
+            }
+        }
+    }
     all.sort();
     all
 }
