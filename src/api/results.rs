@@ -1,4 +1,77 @@
 //! Results of the functions, and their parts. Serde writes results in the shapes that docs/formats/json.md describes.
+//!
+//! ## `check`, `show`
+//! [`ChainResult`], [`CheckedFile`], [`InputFile`], [`Arm`], [`ChainAxis`], [`ChainTool`], [`LocationError`],
+//! [`LocationErrors`], [`OtherSide`], [`AxisSummary`], [`ErrorCounts`], [`MachineSummary`], [`LocationStatus`].
+//! ## `eval`
+//! [`EvalResult`], [`PoseResult`], [`DeviationColumns`], [`DeviationSlices`], [`PoseDeviation`], [`ErrorEffect`],
+//! [`Neglected`], [`EvalUnits`].
+//! ## `equations`, `classify`
+//! [`EquationsResult`], [`Classification`], [`MotionWithErrors`], [`NoMotion`], [`SixErrors`].
+//! ## `convert`
+//! [`ConvertResult`], [`ConversionProof`], [`ConvertedError`], [`MisfitSize`].
+//! ## `map`
+//! [`FeatureResult`], [`MapResult`], [`AddedByBounds`], [`AddedDeviation`], [`DominatingError`], [`BodyDiagonal`],
+//! [`Uncompensated`], [`WorstPose`], [`MapFromBounds`], [`WorstBoundedPose`], [`AxisPositions`].
+//! ## `reach`
+//! [`ReachResult`], [`ReachDirections`].
+//! ## `sources`
+//! [`ErrorSource`], [`ErrorSources`].
+//! ## `compare`
+//! [`CompareResult`], [`ComparedBudgets`], [`ComparedBounds`], [`ComparedMachine`], [`ComparedPose`],
+//! [`ErrorContribution`].
+//! ## `budget`
+//! [`BudgetResult`], [`BudgetShard`], [`NewTolerance`], [`ToleranceGoal`], [`Binding`], [`Bound`],
+//! [`BoundedDeviation`], [`BoundedLength`], [`Budget`], [`BudgetPart`], [`CheapestTolerances`], [`Contribution`],
+//! [`PERCENTS`], [`PairedDifference`], [`Percentile`], [`Role`], [`Totals`], [`Verdict`], [`VersusFirst`].
+//! ## `enumerate`
+//! [`EnumerateResult`], [`RankedArrangements`], [`StudyProgress`], [`NeededRange`], [`Ranking`], [`RoundCount`],
+//! [`ArrangementRow`].
+//! ## `instrument`
+//! [`InstrumentResult`], [`Readings`], [`BallBar`], [`Diagonal`], [`RTest`].
+//! ## `import`
+//! [`ImportResult`], [`ImportedChannel`], [`ImportedError`], [`LeftOutColumn`], [`LeftOutRow`], [`ReferenceMaterial`],
+//! [`StraightnessReference`], [`AccuracyUncertainties`], [`MeasuredTarget`], [`OneWayAccuracy`], [`OneWayBoth`],
+//! [`ReadAtTarget`].
+//! ## `figures`
+//! [`BothSenses`], [`CauseTest`], [`CircleTest`], [`DiagonalTest`], [`DiagonalsTest`], [`DriftOf`], [`DriftTest`],
+//! [`MotionTest`], [`RotationTest`], [`SpikeTest`], [`TemperatureRange`], [`TestFigures`], [`TurningTest`],
+//! [`UncertainValue`].
+//! ## `identify`
+//! [`IdentifyResult`], [`ExpectedParameter`], [`FittedDatum`], [`FittedError`], [`FittedParameter`], [`FormOfAxis`],
+//! [`KindResidual`], [`KnownValue`], [`LackOfFit`], [`MeasurementPlan`], [`MonomialCoefficient`],
+//! [`MonomialComponent`], [`MonomialFit`], [`NamedSvg`], [`OrderShares`], [`OutlierPlace`], [`PlannedPose`],
+//! [`PredictedUncertainty`], [`RepeatedReadings`], [`ResidualTest`], [`Rms`], [`RmsBeforeAfter`], [`ScatterOfKind`],
+//! [`SharedUncertainty`].
+//! ## `locate`
+//! [`LocateResult`], [`AxisLine`], [`LocatedAxis`], [`LocatedError`].
+//! ## `record`
+//! [`AlarmState`], [`ErrorTrend`], [`Record`], [`RecordCheck`], [`RecordTrend`], [`TrendPoint`], [`TrendRecord`],
+//! [`TrendStep`], [`AlarmLimit`], [`Contact`], [`CopiedFile`], [`Dates`], [`Day`], [`ErrorCurve`], [`ErrorRow`],
+//! [`Instrument`], [`LimitDecision`], [`Line`], [`MachineState`], [`NoValue`], [`Person`], [`Place`], [`Plate`],
+//! [`RecordData`], [`RecordedFigure`], [`RecordedFigures`], [`RecordedSet`], [`StateValue`], [`Temperature`],
+//! [`TwoLetters`], [`Conformity`], [`LimitSides`].
+//! ## `compile`, `verify`
+//! [`CertificateReport`], [`CertificateStep`], [`CompiledSet`], [`ComposedPart`], [`ComposedSet`], [`Certificate`],
+//! [`CompensationDegree`], [`ControllerTarget`], [`Figures`], [`ProgrammingFigures`], [`ROUNDING_UM`],
+//! [`SingleErrorResidual`].
+//! ## `diff`
+//! [`AxisDifference`], [`SetDifference`], [`MachineDifference`], [`PropertyDifference`].
+//! ## `report`
+//! [`Report`], [`RenderedPage`], [`BoundedFigures`], [`LengthDifference`], [`Picture`], [`PictureFailure`],
+//! [`RssDifference`].
+//! ## `explain`, `targets`
+//! [`Explanation`], [`TargetCertainty`], [`TargetSummary`].
+//! ## Tool poses
+//! [`BeyondTravel`], [`Lack`], [`MissedToolPose`], [`NeededTravel`], [`ReachedToolPoses`].
+//! ## Uncertainty
+//! [`CertificateBands`], [`ComparedBands`], [`PoseUncertainty`], [`Bands`], [`SummaryBand`].
+//! ## Statistics
+//! [`Difference`], [`Statistics`], [`Summary`].
+//! ## The machine
+//! [`Axis`], [`AxisKind`], [`Branch`], [`ErrorId`], [`ErrorKind`], [`ErrorTerm`], [`Machine`], [`Sense`], [`Travel`].
+//! ## Files and diagnostics
+//! [`Severity`], [`Sources`], [`FolderEntry`], [`ReadFailure`].
 
 pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::budget::BudgetResult;
@@ -73,3 +146,23 @@ pub use crate::report::record::{
 pub use crate::report::{BoundedFigures, LengthDifference, Picture, PictureFailure, RssDifference};
 pub use crate::standards::{Conformity, LimitSides};
 pub use crate::syntax::{FolderEntry, ReadFailure};
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    /// The headings of the module name every type once.
+    #[test]
+    fn every_result_stands_under_a_verb() {
+        let text = include_str!("results.rs");
+        let (head, exports) = text.split_once("\npub use ").unwrap();
+        let named: Vec<&str> = head.split("[`").skip(1).filter_map(|rest| rest.split_once("`]")).map(|x| x.0).collect();
+        let exports = exports.split("#[cfg(test)]").next().unwrap();
+        let words = exports.split(|c: char| !c.is_alphanumeric() && c != '_' && c != ' ').map(str::trim);
+        let types = words
+            .filter_map(|word| word.rsplit(' ').next())
+            .filter(|word| word.starts_with(|c: char| c.is_ascii_uppercase()));
+        assert_eq!(named.iter().copied().collect::<BTreeSet<_>>(), types.collect());
+        assert_eq!(named.len(), named.iter().collect::<BTreeSet<_>>().len(), "a type stands twice");
+    }
+}
