@@ -5,7 +5,7 @@ use crate::algebra::{Htm, rotation_vector, skew_vector};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::lower::{error_motion, invert_if};
 use crate::machine::{
-    Approach, Axis, AxisKind, AxisName, Branch, Direction, ErrorTerm, JointErrors, Joints, KinematicChain, Location,
+    Axis, AxisKind, AxisName, Branch, Direction, ErrorTerm, JointErrors, Joints, KinematicChain, Location,
     LocationAction, Machine, MachineParts, MotionSide,
 };
 use nalgebra::Vector3;
@@ -260,7 +260,7 @@ fn locate(errors: &mut JointErrors, six: &[f64; 6]) {
     let six = tidied(six, &errors.location_values());
     for (slot, direction) in errors.location.iter_mut().zip(Direction::ALL) {
         let value = six[direction.index()];
-        let kept = slot.as_ref().is_some_and(|term| term.value(0.0, Approach::Mean) == value);
+        let kept = slot.as_ref().is_some_and(|term| term.value(&0.0.into()) == value);
         if !kept {
             *slot = (value.abs() > TINY[usize::from(direction.is_rotation())]).then_some(ErrorTerm::Constant(value));
         }

@@ -97,7 +97,7 @@ fn joint_part(parts: &MachineParts, parameters: &[Parameter], amounts: &[f64]) -
 /// True if no error that the part moves would be refused, with room for what lies between the sites.
 fn is_plausible(part: &JointUncertainty, machine: &Machine) -> bool {
     let small = |axis: &Axis, direction: Direction, term: &ErrorTerm| {
-        let both = |q: f64| [Approach::Forward, Approach::Reverse].map(|from| term.value(q, from).abs());
+        let both = |q: f64| [Approach::Forward, Approach::Reverse].map(|from| term.value(&from.at_position(q)).abs());
         sites(Some(axis)).into_iter().flat_map(both).all(|size| size <= 0.5 * crate::machine::largest(direction))
     };
     let errors = |axis: &Axis| part.errors.get(&axis.name).into_iter().flat_map(JointErrors::iter).collect::<Vec<_>>();

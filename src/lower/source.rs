@@ -1,7 +1,7 @@
 //! Error values at a pose, and how they enter an algebra.
 
 use crate::algebra::{Algebra, Dual};
-use crate::machine::{Approach, Direction, LocationOrder, Machine};
+use crate::machine::{Direction, LocationOrder, Machine, OperatingPoint};
 use nalgebra::Vector3;
 
 /// The part of the machine to which an error belongs.
@@ -70,14 +70,14 @@ pub struct ErrorValues {
     pub workpiece: [f64; 6],
 }
 
-/// Looks up every error at a pose (mm, deg).
-pub fn values(machine: &Machine, pose: &[f64], approach: Approach) -> ErrorValues {
-    let axis = |(i, q): (usize, &f64)| {
+/// Looks up every error at an operating point.
+pub fn values(machine: &Machine, at: &OperatingPoint<'_>) -> ErrorValues {
+    let axis = |i: usize| {
         let errors = machine.axis_errors(i);
-        (errors.location_values(), errors.component_values(*q, approach))
+        (errors.location_values(), errors.component_values(&at.argument(i)))
     };
     ErrorValues {
-        axes: pose.iter().enumerate().map(axis).collect(),
+        axes: (0..at.axes.len()).map(axis).collect(),
         spindle: machine.spindle_errors().map(crate::machine::JointErrors::location_values),
         tool: machine.setup().tool,
         workpiece: machine.setup().workpiece,

@@ -8,8 +8,8 @@
 
 use crate::algebra::rotation_about;
 use crate::machine::{
-    Axis, AxisKind, Conventions, ErrorFactor, ErrorFamily, ErrorId, LocationAction, Machine, MotionSide,
-    sin_cos_degrees,
+    Axis, AxisKind, Conventions, CurveArgument, ErrorFactor, ErrorFamily, ErrorId, LocationAction, Machine, MotionSide,
+    OperatingPoint, sin_cos_degrees,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -187,9 +187,9 @@ impl JointError {
         Self { joint, letter: error.direction.index(), weights }
     }
 
-    /// Returns the position of its axis at a pose; 0 for the spindle.
-    pub fn position(&self, pose: &[f64]) -> f64 {
-        pose.get(self.joint).copied().unwrap_or_default()
+    /// Returns what its curve depends on at an operating point.
+    pub fn argument<'a>(&self, at: &OperatingPoint<'a>) -> CurveArgument<'a> {
+        at.argument(self.joint)
     }
 
     /// Returns the effect of one unit of it (per mm or rad), unturned workpiece frame.

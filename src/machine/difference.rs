@@ -219,9 +219,9 @@ fn sampled(term: Option<&ErrorTerm>, positions: &[f64]) -> Vec<f64> {
         }
         _ => true,
     };
-    let value = |approach| {
+    let value = |approach: Approach| {
         move |position: &f64| match term {
-            Some(term) if defined(*position) => term.value(*position, approach),
+            Some(term) if defined(*position) => term.value(&approach.at_position(*position)),
             _ => 0.0,
         }
     };

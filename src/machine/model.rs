@@ -1,7 +1,7 @@
 //! [`Machine`] and what it is made of.
 
 use super::{
-    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Conventions, ErrorId, ErrorTerm, Geometry, JointErrors,
+    AlgebraChoice, Axis, AxisKind, AxisName, Conventions, CurveArgument, ErrorId, ErrorTerm, Geometry, JointErrors,
     JointUncertainty, KinematicChain, NamedClass, ResidualForm, Tolerances, Travel, sin_cos_degrees,
 };
 use crate::algebra::rotation_about;
@@ -350,9 +350,9 @@ impl Machine {
         self.errors().any(|(_, term)| matches!(term, ErrorTerm::Component(Bidirectional { .. })))
     }
 
-    /// Component errors of an axis at a position (mm, rad).
-    pub fn component_values(&self, axis: usize, position: f64, approach: Approach) -> [f64; 6] {
-        self.parts.errors[axis].component_values(position, approach)
+    /// Component errors of an axis where it stands (mm, rad).
+    pub fn component_values(&self, axis: usize, at: &CurveArgument<'_>) -> [f64; 6] {
+        self.parts.errors[axis].component_values(at)
     }
 
     /// True if the axis is rotary and without ends.

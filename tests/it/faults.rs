@@ -40,7 +40,7 @@ fn straight_pieces_in_place_of_a_spline() {
                   coefficients: [0 urad, 60 urad, -40 urad, 50 urad, -60 urad] } }";
     let machine = crate::loaded::machine(&with_table(&folder, "spline.yaml", spline));
     let c = machine.axis_index("C").unwrap();
-    let at = |q: f64| machine.component_values(c, q, Approach::Mean)[5];
+    let at = |q: f64| machine.component_values(c, &Approach::Mean.at_position(q))[5];
     let points = KNOTS.map(|q| format!("[{q} deg, {:.12} urad]", at(q) * 1e6)).join(", ");
     let straight =
         crate::loaded::machine(&with_table(&folder, "straight.yaml", &format!("ECC: {{ points: [{points}] }}")));

@@ -142,7 +142,7 @@ fn both_directions_are_found_and_written() {
     let poses = five_poses(&mut Random::new(93), 60);
     let one = |(i, pose): (usize, &Vec<f64>)| {
         let approach = [Approach::Forward, Approach::Reverse, Approach::Mean][i % 3];
-        let d = abbe::evaluate::evaluate(&truth, pose, Order::Exact, approach, abbe::evaluate::Frame::Workpiece);
+        let d = abbe::evaluate::evaluate(&truth, &approach.at(pose), Order::Exact, abbe::evaluate::Frame::Workpiece);
         Measurement { approach, ..measured(pose, d.deviation.position.into()) }
     };
     let data: Vec<Measurement> = poses.iter().enumerate().map(one).collect();
@@ -153,7 +153,9 @@ fn both_directions_are_found_and_written() {
     }
     let fitted = silent(&[("machine.yaml", &fitted_text(&blank, &unknowns, &found))]);
     for approach in [Approach::Forward, Approach::Reverse, Approach::Mean] {
-        let at = |machine: &Machine| machine.component_values(machine.axis_index("X").unwrap(), 300.0, approach)[0];
+        let at = |machine: &Machine| {
+            machine.component_values(machine.axis_index("X").unwrap(), &approach.at_position(300.0))[0]
+        };
         assert!((at(&fitted) - at(&truth)).abs() < 1e-9);
     }
 }
@@ -197,7 +199,7 @@ fn a_bounded_slope_keeps_a_curve_flat_where_nothing_was_measured() {
     let at_end = |wanted: &IdentifyEntry| {
         let (unknowns, found) = solved(&blank, wanted, &data);
         let fitted = silent(&[("machine.yaml", &fitted_text(&blank, &unknowns, &found))]);
-        (fitted.component_values(3, 500.0, Approach::Mean)[0] - 5e-3).abs()
+        (fitted.component_values(3, &Approach::Mean.at_position(500.0))[0] - 5e-3).abs()
     };
     let mut bounded = request(&["EXX:poly5"]);
     let loose = at_end(&bounded);

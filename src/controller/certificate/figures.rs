@@ -1,7 +1,7 @@
 //! Figures of a machine over poses, without and with files, by the general algebra.
 
 use crate::evaluate::{Deviation, Field, Statistics, Summary, tool_axis_tilt};
-use crate::machine::{Approach, AxisKind, Machine, Pose};
+use crate::machine::{Approach, AxisKind, Machine, OperatingConditions, Pose};
 use rayon::prelude::*;
 
 /// Statistics of a field over poses.
@@ -54,7 +54,7 @@ pub(crate) struct Judgement {
 /// Compares a machine without and with files over poses.
 pub(crate) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judgement {
     let one = |approach: Approach| {
-        let (uncompensated, compensated) = (figures(bare, poses, approach), figures(with, poses, approach));
+        let [uncompensated, compensated] = [bare, with].map(|field| figures(field, poses, approach.into()));
         Judgement { approach, raised: raised(approach, &uncompensated, &compensated), uncompensated, compensated }
     };
     let p95 = |judgement: &Judgement| judgement.compensated.all.position_um.p95;
@@ -75,12 +75,12 @@ pub(crate) fn approaches(machine: &Machine) -> &'static [Approach] {
 
 /// Returns the deviations at poses, one by one and in their order: no evaluator of many poses at once, which tables may
 /// have been filled with.
-pub(crate) fn deviations(field: &dyn Field, poses: &[Pose], approach: Approach) -> Vec<Deviation> {
-    poses.par_iter().map(|pose| field.deviation(pose, approach)).collect()
+pub(crate) fn deviations(field: &dyn Field, poses: &[Pose], conditions: OperatingConditions) -> Vec<Deviation> {
+    poses.par_iter().map(|pose| field.deviation(&conditions.at(pose))).collect()
 }
 
-pub(crate) fn figures(field: &dyn Field, poses: &[Pose], approach: Approach) -> Figures {
-    figures_of(field.machine(), poses, &deviations(field, poses, approach))
+pub(crate) fn figures(field: &dyn Field, poses: &[Pose], conditions: OperatingConditions) -> Figures {
+    figures_of(field.machine(), poses, &deviations(field, poses, conditions))
 }
 
 /// Returns the figures of deviations at poses.

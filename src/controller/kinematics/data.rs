@@ -2,8 +2,8 @@
 //! to flags of each joint.
 
 use crate::machine::{
-    Approach, Axis, AxisKind, Branch, ComponentError, Curve, Direction, ErrorTerm, JointErrors, Joints, Location,
-    LocationAction, Machine, MotionSide,
+    Axis, AxisKind, Branch, ComponentError, Curve, Direction, ErrorTerm, JointErrors, Joints, Location, LocationAction,
+    Machine, MotionSide,
 };
 
 /// Letters of the world's nine coordinates, in the controller's order.
@@ -186,7 +186,7 @@ fn curves_of(errors: &JointErrors, all: &mut Vec<CurveData>) -> [[Option<usize>;
             [keep(forward, all), keep(reverse, all)]
         }
         Some(term @ ErrorTerm::Constant(_)) => {
-            let numbers = vec![term.value(0.0, Approach::Mean)];
+            let numbers = vec![term.value(&0.0.into())];
             all.push(CurveData { form: Form::Polynomial, period: 0.0, numbers });
             [Some(all.len() - 1), None]
         }

@@ -5,7 +5,7 @@ use super::lookup::{Chunk, Lookup, LookupRequest};
 use super::simd::Lanes;
 use super::vector::{Vector, cross, dot, minus, plus, plus_times, splat, times};
 use crate::machine::{
-    Approach, Axis, AxisKind, JointConvention, Joints, LocationAction, LocationOrder, Machine, MotionSide,
+    Axis, AxisKind, JointConvention, Joints, LocationAction, LocationOrder, Machine, MotionSide, OperatingConditions,
 };
 
 /// A machine's chain, ready for the walk of any order. Lengths in mm, angles in rad, positions of rotary axes in deg.
@@ -100,9 +100,9 @@ pub enum RotationAxis {
 
 impl CompiledChain {
     /// Returns `None` if the error curves cannot be compiled.
-    pub fn new(machine: &Machine, approach: Approach) -> Option<Self> {
+    pub fn new(machine: &Machine, conditions: OperatingConditions) -> Option<Self> {
         let conventions = machine.conventions();
-        let link = |(i, axis): (usize, &Axis)| link(machine, i, axis, approach);
+        let link = |(i, axis): (usize, &Axis)| link(machine, i, axis, conditions);
         let placed = |six: Six, about, inverse| (six != [0.0; 6]).then_some(ErrorsAtPoint { six, about, inverse });
         let spindle = machine.spindle_errors().map(|errors| errors.location_values());
         Some(Self {
@@ -129,11 +129,11 @@ impl CompiledChain {
     }
 }
 
-fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Option<CompiledJoint> {
+fn link(machine: &Machine, index: usize, axis: &Axis, conditions: OperatingConditions) -> Option<CompiledJoint> {
     let convention = axis.convention(machine.conventions());
     let errors = machine.axis_errors(index);
     let six = errors.location_values();
-    let (motion, curves) = (motion(axis, &convention), Curves::new(errors, approach)?);
+    let (motion, curves) = (motion(axis, &convention), Curves::new(errors, conditions)?);
     let (location_effect, inverse) = match convention.location {
         LocationAction::Displaces => (LocationEffect::Around, false),
         LocationAction::Factor(factor) if factor.side == MotionSide::Outer => {

@@ -10,7 +10,7 @@ use super::intervals::{IntervalPoint, Intervals, find_by_bucket, find_by_search}
 use super::lanes::RowOffsets;
 use super::simd::{Lanes, MAX_LANES, RowVector, TableRow};
 use super::trigonometry::nearest;
-use crate::machine::{Approach, BSpline, ComponentError, Curve, ErrorTerm, JointErrors, Knots};
+use crate::machine::{Approach, BSpline, ComponentError, Curve, ErrorTerm, JointErrors, Knots, OperatingConditions};
 
 /// Six errors: translations along x, y, z (mm), then rotations about them (rad).
 pub type Six = [f64; 6];
@@ -67,11 +67,11 @@ impl<const N: usize> TablePositions<N> {
 impl Curves {
     /// Compiles the component errors of an axis. Returns `None` if periodic tables are combined with others, or if a
     /// B-spline is not piecewise cubic.
-    pub fn new(errors: &JointErrors, approach: Approach) -> Option<Self> {
+    pub fn new(errors: &JointErrors, conditions: OperatingConditions) -> Option<Self> {
         let (mut curves, mut parts, mut tables) = (Self::default(), Vec::new(), Vec::new());
         for (column, term) in errors.component.iter().enumerate() {
             match term {
-                Some(ErrorTerm::Component(component)) => parts.extend(weighted(column, component, approach)),
+                Some(ErrorTerm::Component(component)) => parts.extend(weighted(column, component, conditions.approach)),
                 Some(ErrorTerm::Constant(value)) => curves.constant[column] += value,
                 Some(ErrorTerm::Tolerance(_)) | None => {}
             }

@@ -295,7 +295,7 @@ fn six(machine: &Machine, joint: usize) -> impl Iterator<Item = Parameter> + '_ 
 
 fn location(machine: &Machine, error: &ErrorId) -> Parameter {
     let term = |id: &ErrorId| machine.errors().find(|(known, _)| known == id).map(|(_, term)| term.clone());
-    let start = term(error).map_or(0.0, |term| term.value(0.0, Approach::Mean));
+    let start = term(error).map_or(0.0, |term| term.value(&0.0.into()));
     Parameter::single(machine, error.to_string(), source(machine, error), Basis::Constant, start)
 }
 

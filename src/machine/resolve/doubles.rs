@@ -6,8 +6,8 @@ use super::errors::Errors;
 use crate::algebra::rotation_about;
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{
-    Approach, Axis, AxisKind, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, JointConvention, LocationAction,
-    MachineParts, MotionSide, Travel, sin_cos_degrees,
+    Axis, AxisKind, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, JointConvention, LocationAction, MachineParts,
+    MotionSide, Travel, sin_cos_degrees,
 };
 use crate::syntax::{DatumEntry, DatumLine, SquarenessSite};
 use crate::units;
@@ -94,7 +94,7 @@ impl Doubles<'_> {
 
     fn value(&self, direction: Direction, position: f64) -> f64 {
         let term = &self.parts.errors[self.index].component[direction.index()];
-        term.as_ref().map_or(0.0, |term| term.value(position, Approach::Mean))
+        term.as_ref().map_or(0.0, |term| term.value(&position.into()))
     }
 
     /// (position, value) over the travel.

@@ -45,7 +45,7 @@ impl ComparisonData {
         let first = given.first().filter(|_| given.len() > 1)?;
         let bare: Vec<Bare<'_>> = given.iter().map(|g| Bare { machine: g.machine, order: g.order }).collect();
         let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-        let comparison = compare(&fields, &Work::OfPoses(first.sample()), first.approach, &|_| {});
+        let comparison = compare(&fields, &Work::OfPoses(first.sample()), first.conditions, &|_| {});
         let poses = |c: &MachineResult| c.reached.iter().map(|(pose, _)| pose.clone()).collect();
         let sides = given.iter().zip(&comparison.machines).map(|(g, c)| (g.machine, poses(c))).collect();
         Some((comparison, sides))
@@ -75,9 +75,9 @@ impl ComparisonData {
             let minus: Vec<f64> = (0..e.um.len()).map(|i| e.minus_first(i)).collect();
             json!({"error": e.error, "um": e.um, "minus_first": minus})
         };
-        let (approach, seed) = given.first().map_or_else(Default::default, |first| (first.approach, first.poses.1));
+        let (conditions, seed) = given.first().map_or_else(Default::default, |first| (first.conditions, first.poses.1));
         Self {
-            errors: contributions(sides, approach).into_iter().take(ERRORS).map(error).collect(),
+            errors: contributions(sides, conditions).into_iter().take(ERRORS).map(error).collect(),
             budgets,
             asked: comparison.asked,
             poses: comparison.common.len(),

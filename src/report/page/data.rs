@@ -9,7 +9,7 @@ use crate::analysis::error_statistics;
 use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, levers, rest};
 use crate::controller::CompensationDegree;
 use crate::evaluate::{Bare, Frame, Order, Statistics, Summary, worst};
-use crate::machine::{Approach, Axis, ErrorId, ErrorTerm, Machine, ResidualForm, Travel};
+use crate::machine::{Approach, Axis, ErrorId, ErrorTerm, Machine, OperatingConditions, ResidualForm, Travel};
 use crate::report::pictures::{Bar, ParetoPicture, Picture};
 use crate::report::text::{BudgetReport, positions};
 use serde::Serialize;
@@ -100,8 +100,11 @@ impl MachineData {
             statistics: statistics(&map.statistics),
             worst: bad.iter().map(named).collect(),
             source_poses: few.0,
-            sources: error_statistics(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),
-            diagonals: diagonals(&bare, given.approach),
+            sources: error_statistics(&bare, &few_poses, &given.conditions.at(&worst_pose))
+                .iter()
+                .map(source)
+                .collect(),
+            diagonals: diagonals(&bare, given.conditions),
             certificates: given.written.iter().map(|written| certificate(machine, written)).collect(),
             ..Self::described(number, given, FieldData::new(given))
         }
@@ -156,7 +159,7 @@ impl MachineData {
             workpiece_origin_mm: machine.workpiece(),
             workpiece_rotation_deg: machine.workpiece_angles(),
             order: if given.bounded().is_some() { "first order".to_owned() } else { order_word(given.order) },
-            direction: given.approach,
+            direction: given.conditions.approach,
             poses: given.poses.0,
             seed: given.poses.1,
             axes: axes(machine),
@@ -286,7 +289,7 @@ fn source(source: &ErrorStatistics) -> Value {
         "p95_urad": source.rotation.p95, "at_worst_um": source.along + 0.0})
 }
 
-fn diagonals(bare: &Bare<'_>, approach: Approach) -> Vec<Value> {
+fn diagonals(bare: &Bare<'_>, conditions: OperatingConditions) -> Vec<Value> {
     let machine = bare.machine;
     let of = |d: &crate::analysis::Diagonal| {
         let deviations: Vec<f64> = d.deviations.iter().map(|x| x * 1e3 + 0.0).collect();
@@ -294,7 +297,7 @@ fn diagonals(bare: &Bare<'_>, approach: Approach) -> Vec<Value> {
             "length_mm": d.length, "range_um": d.range() * 1e3, "end_um": deviations.last(),
                 "deviations_um": deviations})
     };
-    body_diagonals(bare, &rest(machine), DIAGONAL_STEPS, approach).iter().map(of).collect()
+    body_diagonals(bare, &conditions.at(&rest(machine)), DIAGONAL_STEPS).iter().map(of).collect()
 }
 
 fn certificate(machine: &Machine, written: &TargetResult) -> Value {

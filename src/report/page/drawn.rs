@@ -39,8 +39,8 @@ impl Pictures {
 
 /// A plane as a map and as a grid, and after each compensation with the same colours.
 fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
-    let MachineInput { machine, order, approach, .. } = *given;
-    let view = View { approach, frame: Frame::Workpiece };
+    let MachineInput { machine, order, conditions, .. } = *given;
+    let view = View { conditions, frame: Frame::Workpiece };
     let names = axes.map(|i| machine.axes()[i].name.to_string());
     let heading = format!("{}-{} plane", names[0], names[1]);
     if let Some(bounded) = given.bounded() {

@@ -4,7 +4,7 @@ use super::instruments::Instruments;
 use crate::analysis::budget::{Draws, PoseByPose, PosesRequest, is_measured, pose_by_pose};
 use crate::controller::{Certificate, ControllerTarget, Effect};
 use crate::evaluate::{Frame, Order, Poses, Random};
-use crate::machine::{Approach, Machine, Pose};
+use crate::machine::{Machine, OperatingConditions, Pose};
 use crate::report::text::{BoundedFigures, BudgetReport};
 use serde_json::Value;
 
@@ -17,8 +17,8 @@ pub struct MachineInput<'a> {
     pub file: &'a str,
     /// Order of the errors.
     pub order: Order,
-    /// Side of approach.
-    pub approach: Approach,
+    /// Operating conditions.
+    pub conditions: OperatingConditions,
     /// Number of poses of the statistics, and the seed of random ones.
     pub poses: (usize, u64),
     /// The poses for the tool poses of a file instead of random ones, and what the page says of the file.

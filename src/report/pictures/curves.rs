@@ -152,7 +152,7 @@ fn drawn(component: &ComponentError, interval: (f64, f64), factor: f64) -> Vec<P
         let within = |p: &f64| (interval.0..=interval.1).contains(p);
         let mut places: Vec<f64> = even.chain(points.iter().map(|p| p.0).filter(within)).collect();
         places.sort_by(f64::total_cmp);
-        let line = places.iter().map(|p| (*p, component.value(*p, approach) * factor)).collect();
+        let line = places.iter().map(|p| (*p, component.value(&approach.at_position(*p)) * factor)).collect();
         PanelKind { line, points: points.into_iter().filter(|p| within(&p.0)).collect() }
     };
     approaches.into_iter().zip(component.curves()).map(of).collect()

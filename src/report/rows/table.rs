@@ -132,7 +132,7 @@ impl Rows<'_> {
             Order::Exact => "exact".to_owned(),
             Order::Degree(n) => n.to_string(),
         };
-        let direction = match self.view.approach {
+        let direction = match self.view.conditions.approach {
             Approach::Mean => "mean",
             Approach::Forward => "forward",
             Approach::Reverse => "reverse",
