@@ -102,8 +102,9 @@ pub mod options {
     pub use crate::wire::workbench::{CompareWith, Question, WorkOptions, WorkbenchRequest};
 }
 
-#[doc = include_str!("api/results.md")]
 pub mod results {
+    #![doc = include_str!("api/results.md")]
+
     pub use crate::api::results::*;
     pub use crate::wire::report::Report;
 }
