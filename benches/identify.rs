@@ -6,7 +6,7 @@
 use abbe::algebra::linear::Triangle;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{Frame, Order, evaluate, random_poses};
-use abbe::identify::{Measurement, Model, Parameter, Reading, Solution, fit, parameters};
+use abbe::identify::{FitModel, Measurement, Parameter, Reading, Solution, fit, parameters};
 use abbe::machine::{self, Approach, Machine};
 use abbe::syntax::Disk;
 use abbe::syntax::{self, IdentifyEntry};
@@ -62,7 +62,7 @@ fn said(what: &str, (best, median): (f64, f64)) {
 fn fits(name: &str, machine: &Machine, words: &[&str], poses: usize) {
     let unknowns = wanted(machine, words);
     let rows = data(machine, poses);
-    let model = Model::new(machine, &unknowns);
+    let model = FitModel::new(machine, &unknowns);
     let weights = vec![1.0; rows.len()];
     let whole = || {
         let found = fit(&model, &rows, weights.clone());

@@ -1,7 +1,7 @@
 //! Error values at a pose, and how they enter an algebra.
 
 use crate::algebra::{Algebra, Dual};
-use crate::machine::{Direction, LocationOrder, Machine, OperatingPoint};
+use crate::machine::{Direction, ErrorFamily, ErrorId, LocationOrder, Machine, OperatingPoint};
 use nalgebra::Vector3;
 
 /// The part of the machine to which an error belongs.
@@ -24,6 +24,19 @@ pub struct Source {
     pub place: ErrorSite,
     /// The direction of the error.
     pub direction: Direction,
+}
+
+impl Source {
+    /// Returns the error at this place of a machine; `None` for set-up errors.
+    pub fn error(&self, machine: &Machine) -> Option<ErrorId> {
+        let (joint, family) = match self.place {
+            ErrorSite::Location(joint) => (joint, ErrorFamily::Location),
+            ErrorSite::Component(joint) => (joint, ErrorFamily::Component),
+            ErrorSite::Tool | ErrorSite::Workpiece => return None,
+        };
+        let axis = machine.axes().get(joint).map(|axis| &axis.name).or_else(|| machine.chain().spindle()).cloned()?;
+        Some(ErrorId { axis, family, direction: self.direction })
+    }
 }
 
 /// The conversion of an error of a given size (mm or rad) to an element of the algebra.

@@ -38,7 +38,7 @@ pub use conventions::{Conventions, ErrorsAre, Joints, LinearOrder, Location, Loc
 pub use curve::{Curve, Knots, KnotsFailure, sin_cos_degrees};
 pub use difference::{ErrorSizes, MachineProperty};
 pub use errors::{Approach, ComponentError, ErrorTerm, JointErrors};
-pub use form::ResidualForm;
+pub use form::{MAX_EIGEN_STEPS, MIN_MODE_SHARE, ResidualForm};
 pub use frame::{Frames, JointFrame};
 pub use geometry::{Anchor, AxisGeometry, Geometry, Position, SideGeometry, Sides, Unstated};
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};
@@ -46,7 +46,7 @@ pub use kind::ErrorKind;
 pub use model::{Grid, Machine, MachineParts, MovedLine, Pose, Provenance, SetUp, Tool};
 pub use name::{AxisName, Direction, ErrorFamily, ErrorId, MAIN_AXES};
 pub use operating_point::{CurveArgument, OperatingConditions, OperatingPoint, OperatingState};
-pub use resolve::{largest, no_origin, parse_error_name, resolve};
+pub use resolve::{largest, largest_stated, no_origin, parse_error_name, resolve};
 pub use tolerances::{FRAME_KEYS, FrameTolerances, Tolerances};
 pub use uncertainty::{JointUncertainty, UncertainPart};
 pub use written::machine_file;

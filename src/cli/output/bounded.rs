@@ -76,8 +76,8 @@ pub(crate) fn worst(file: &MachineFile, of: &MapFromBounds) -> String {
     of.worst.iter().enumerate().map(line).collect()
 }
 
-/// What bounds add to measured errors, in a sentence.
-pub(crate) fn added(of: &AddedByBounds) -> String {
+/// Describes the contribution of bounded errors beside measured ones in a sentence.
+pub(crate) fn bounded_contribution(of: &AddedByBounds) -> String {
     let [rss, p95] = [of.position_um.rss, of.position_um.p95].map(|x| significant(x, 4));
     let errors = if of.errors == 1 { "1 error".to_owned() } else { format!("{} errors", of.errors) };
     format!(

@@ -28,7 +28,7 @@ pub(crate) struct OutputArgs {
 }
 
 impl OutputArgs {
-    fn wanted(&self) -> impl Iterator<Item = (TableForm, &PathBuf)> {
+    fn files(&self) -> impl Iterator<Item = (TableForm, &PathBuf)> {
         let all = [
             (TableForm::Csv, &self.csv),
             (TableForm::Json, &self.json),
@@ -40,13 +40,13 @@ impl OutputArgs {
 
     /// Returns the paths of the files.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.wanted().map(|(_, path)| path)
+        self.files().map(|(_, path)| path)
     }
 
     /// Begins all files.
-    pub(crate) fn staged(&self) -> Result<StagedTables, Diagnostic> {
+    pub(crate) fn begin(&self) -> Result<StagedTables, Diagnostic> {
         let begin = |(form, path): (TableForm, &PathBuf)| Ok((form, path.display().to_string(), Staged::new(path)?));
-        Ok(StagedTables(self.wanted().map(begin).collect::<Result<_, _>>()?))
+        Ok(StagedTables(self.files().map(begin).collect::<Result<_, _>>()?))
     }
 }
 

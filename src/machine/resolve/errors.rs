@@ -357,6 +357,11 @@ pub fn largest(direction: Direction) -> f64 {
     if direction.is_rotation() { MAX_ROTATION } else { MAX_TRANSLATION }
 }
 
+/// Returns the size (mm or rad) up to which a file may state that errors are plausible.
+pub fn largest_stated(direction: Direction) -> f64 {
+    if direction.is_rotation() { LARGEST_ROTATION } else { LARGEST_TRANSLATION }
+}
+
 impl Context<'_> {
     /// The size (mm or rad) beyond which an error is a mistake: larger where the file says that its machine has such
     /// errors.
@@ -367,9 +372,8 @@ impl Context<'_> {
             units::quantity(&scalar.as_ref()?.to_string()).ok()
         });
         let wanted = if direction.is_rotation() { Dimension::ANGLE } else { Dimension::LENGTH };
-        let cap = if direction.is_rotation() { LARGEST_ROTATION } else { LARGEST_TRANSLATION };
         let given = given.filter(|given| given.dimension == wanted).map_or(0.0, |given| given.value);
-        largest(direction).max(given.min(cap))
+        largest(direction).max(given.min(largest_stated(direction)))
     }
 
     /// Refuses what can only be a mistake of unit.

@@ -19,7 +19,7 @@ mod tolerances;
 mod uses;
 mod volume;
 
-pub use errors::largest;
+pub use errors::{largest, largest_stated};
 pub use names::parse_error_name;
 pub use sides::no_origin;
 
