@@ -1,5 +1,7 @@
-"""Makes the package readable for mkdocstrings: roles are links, the texts of annotated fields are text, and results have
-their fields themselves."""
+"""Makes the package readable for mkdocstrings.
+
+Roles of Sphinx are links, the texts of annotated fields are text, and results have their fields themselves.
+"""
 
 import re
 from typing import Any
