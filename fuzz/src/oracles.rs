@@ -140,7 +140,7 @@ pub fn compiled(file: &MachineFile, options: &CompileOptions, files: &dyn Files)
     let both = Both(&stored, files);
     let found = accepted("the own set", abbe::verify(file, folder, &verify, Run::with(&both)));
     let figures = |certificate: &abbe::results::CertificateReport| {
-        let all = &certificate.certificate.compensated.all;
+        let all = &certificate.compensated;
         [all.position_um.max, all.position_um.rms, all.position_um.p95]
     };
     let (written, found) = (figures(&set.certificate), figures(&found));

@@ -205,10 +205,10 @@ impl Svd {
                 break;
             }
         }
-        Self::sorted(&a, &v)
+        Self::in_falling_order(&a, &v)
     }
 
-    fn sorted(a: &DMatrix<f64>, v: &DMatrix<f64>) -> Self {
+    fn in_falling_order(a: &DMatrix<f64>, v: &DMatrix<f64>) -> Self {
         let norms: Vec<f64> = a.column_iter().map(|column| column.norm()).collect();
         let mut order: Vec<usize> = (0..norms.len()).collect();
         order.sort_by(|i, j| norms[*j].total_cmp(&norms[*i]).then(i.cmp(j)));

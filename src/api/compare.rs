@@ -177,7 +177,7 @@ pub fn compare(
     options: &CompareOptions,
     run: Run<'_>,
 ) -> Result<Answer<CompareResult>, Diagnostics> {
-    Call::answer_by_hand(run, &sources_of(files), |call| side_by_side(call, files, options))
+    Call::answer(run, &sources_of(files), |call| side_by_side(call, files, options))
 }
 
 fn side_by_side(

@@ -29,8 +29,8 @@ impl CertificateBands {
             field_bands(field, &poses, (whole, &[]), certificate.approach.into(), depth.seed)
         };
         Some(Self {
-            uncompensated: of(&bare, certificate.uncompensated.all)?,
-            compensated: of(field, certificate.compensated.all)?,
+            uncompensated: of(&bare, certificate.uncompensated.statistics(certificate.poses))?,
+            compensated: of(field, certificate.compensated.statistics(certificate.poses))?,
         })
     }
 }

@@ -5,7 +5,7 @@ use super::nodes::{Columns, Curves, interval};
 use super::{CorrectionTable, CorrectionTables, TableRules};
 use crate::algebra::skew_vector;
 use crate::evaluate::Deviation;
-use crate::lower::{JointElements, Position, joint};
+use crate::lower::{JointElements, JointPosition, joint};
 use crate::machine::{Approach, AxisKind, Direction, Machine, OperatingConditions};
 use nalgebra::Vector3;
 
@@ -22,7 +22,7 @@ fn own_axis_deviation(machine: &Machine, axis: usize, sent: Sent, conditions: Op
     let this = &machine.axes()[axis];
     let none = JointElements { location: None, component: None };
     let component = Some(machine.component_values(axis, &conditions.at_position(sent.command)));
-    let at = |position| Position::at(this, position);
+    let at = |position| JointPosition::at(this, position);
     let actual = joint(this, machine.conventions(), &at(sent.command), &JointElements { location: None, component });
     let nominal = joint(this, machine.conventions(), &at(sent.nominal), &none);
     Deviation {

@@ -3,7 +3,7 @@
 use super::changes_side;
 use super::constants::{inverse, six_of};
 use crate::algebra::Htm;
-use crate::lower::{JointElements, Position, error_motion, invert_if, joint};
+use crate::lower::{JointElements, JointPosition, error_motion, invert_if, joint};
 use crate::machine::{Axis, AxisKind, JointConvention, Joints, Machine, MachineParts, MotionSide, OperatingConditions};
 
 /// The errors of one axis under old and new conventions.
@@ -100,6 +100,6 @@ impl<'a> ComponentErrors<'a> {
     fn nominal(&self, position: f64) -> Htm<f64> {
         let axis = Axis { origin: [0.0; 3], ..self.axis().clone() };
         let none = JointElements { location: None, component: None };
-        joint(&axis, self.machine.conventions(), &Position::at(&axis, position), &none)
+        joint(&axis, self.machine.conventions(), &JointPosition::at(&axis, position), &none)
     }
 }

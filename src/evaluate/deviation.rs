@@ -110,24 +110,24 @@ pub struct Evaluation {
 /// Returns the evaluation at an operating point, its vectors in `frame`. Order 0 counts as 1, orders above
 /// `MAX_DUAL_ORDER` as that.
 pub fn evaluate(machine: &Machine, at: &OperatingPoint<'_>, order: Order, frame: Frame) -> Evaluation {
-    framed(unturned(machine, at, order), machine, at.axes, frame)
+    in_frame(evaluate_unturned(machine, at, order), machine, at.axes, frame)
 }
 
 /// Returns the deviation at an operating point in the unturned workpiece frame, which the rotation of the workpiece
 /// does not touch.
 pub fn unturned_deviation(machine: &Machine, at: &OperatingPoint<'_>, order: Order) -> Deviation {
-    unturned(machine, at, order).deviation
+    evaluate_unturned(machine, at, order).deviation
 }
 
-fn unturned(machine: &Machine, at: &OperatingPoint<'_>, order: Order) -> Evaluation {
+fn evaluate_unturned(machine: &Machine, at: &OperatingPoint<'_>, order: Order) -> Evaluation {
     match order {
-        Order::Exact => unturned_over::<f64>(machine, at, &Exact),
-        Order::Degree(0 | 1) => unturned_over::<Dual<2>>(machine, at, &OrderN),
-        Order::Degree(2) => unturned_over::<Dual<3>>(machine, at, &OrderN),
-        Order::Degree(3) => unturned_over::<Dual<4>>(machine, at, &OrderN),
-        Order::Degree(4) => unturned_over::<Dual<5>>(machine, at, &OrderN),
-        Order::Degree(5) => unturned_over::<Dual<6>>(machine, at, &OrderN),
-        Order::Degree(_) => unturned_over::<Dual<7>>(machine, at, &OrderN),
+        Order::Exact => evaluate_unturned_over::<f64>(machine, at, &Exact),
+        Order::Degree(0 | 1) => evaluate_unturned_over::<Dual<2>>(machine, at, &OrderN),
+        Order::Degree(2) => evaluate_unturned_over::<Dual<3>>(machine, at, &OrderN),
+        Order::Degree(3) => evaluate_unturned_over::<Dual<4>>(machine, at, &OrderN),
+        Order::Degree(4) => evaluate_unturned_over::<Dual<5>>(machine, at, &OrderN),
+        Order::Degree(5) => evaluate_unturned_over::<Dual<6>>(machine, at, &OrderN),
+        Order::Degree(_) => evaluate_unturned_over::<Dual<7>>(machine, at, &OrderN),
     }
 }
 
@@ -139,10 +139,14 @@ pub fn evaluate_over<S: Algebra>(
     lift: &impl ErrorLift<S>,
     frame: Frame,
 ) -> Evaluation {
-    framed(unturned_over(machine, at, lift), machine, at.axes, frame)
+    in_frame(evaluate_unturned_over(machine, at, lift), machine, at.axes, frame)
 }
 
-fn unturned_over<S: Algebra>(machine: &Machine, at: &OperatingPoint<'_>, lift: &impl ErrorLift<S>) -> Evaluation {
+fn evaluate_unturned_over<S: Algebra>(
+    machine: &Machine,
+    at: &OperatingPoint<'_>,
+    lift: &impl ErrorLift<S>,
+) -> Evaluation {
     let origin = machine.workpiece();
     let actual = Chain::actual(machine, at.axes, &values(machine, at), lift).tool_in_workpiece(&origin);
     let nominal = Chain::<f64>::nominal(machine, at.axes).tool_in_workpiece(&origin);
@@ -188,7 +192,7 @@ pub fn response<S: Algebra>(
 }
 
 /// Returns the evaluation of the unturned workpiece frame with its vectors in a frame, and E_VE from the part's.
-fn framed(evaluation: Evaluation, machine: &Machine, pose: &[f64], frame: Frame) -> Evaluation {
+fn in_frame(evaluation: Evaluation, machine: &Machine, pose: &[f64], frame: Frame) -> Evaluation {
     let e_ve = match machine.workpiece_rotation() {
         Some(rotation) => evaluation.e_ve * rotation.to_homogeneous(),
         None => evaluation.e_ve,

@@ -73,7 +73,7 @@ impl CompiledField {
         Self { machine: machine.clone(), order, models: Default::default() }
     }
 
-    fn compiled(&self, conditions: OperatingConditions) -> &CompiledModel {
+    fn model(&self, conditions: OperatingConditions) -> &CompiledModel {
         let slot = match conditions.approach {
             Approach::Mean => 0,
             Approach::Forward => 1,
@@ -89,15 +89,15 @@ impl Field for CompiledField {
     }
 
     fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation {
-        self.compiled(at.conditions).deviation(at.axes)
+        self.model(at.conditions).deviation(at.axes)
     }
 
     fn deviations(&self, poses: &Batch<'_>, conditions: OperatingConditions, out: Output<'_>) {
-        self.compiled(conditions).deviations(poses, out);
+        self.model(conditions).deviations(poses, out);
     }
 
     fn compiled_model(&self, conditions: OperatingConditions) -> Option<&CompiledModel> {
-        Some(self.compiled(conditions))
+        Some(self.model(conditions))
     }
 }
 

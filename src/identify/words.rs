@@ -1,10 +1,7 @@
 //! Directions among parameters, in words: the null space, and directions below noise.
 
 use super::model::Parameter;
-use crate::identify::thresholds::{
-    IMPLAUSIBLE_DISPLACEMENT_MM, MAX_STRAIGHT_SHARE, MIN_NULL_PART_SHARE, MIN_WEAK_EFFECT_SHARE, MIN_WEAK_PART_SHARE,
-    TIE_RATIO,
-};
+use crate::identify::thresholds::*;
 use crate::units::significant;
 use nalgebra::{DMatrix, DVector};
 

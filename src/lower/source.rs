@@ -70,11 +70,20 @@ impl<const M: usize> ErrorLift<Dual<M>> for OrderN {
     }
 }
 
+/// The errors of one axis at a pose, in mm and rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisErrorValues {
+    /// Its location errors.
+    pub location: [f64; 6],
+    /// Its component errors.
+    pub component: [f64; 6],
+}
+
 /// The errors of a machine at a pose, in mm and rad.
 #[derive(Debug, Clone)]
 pub struct ErrorValues {
     /// Location and component errors of each axis, in the order of [`Machine::axes`].
-    pub axes: Vec<([f64; 6], [f64; 6])>,
+    pub axes: Vec<AxisErrorValues>,
     /// Location errors of the spindle.
     pub spindle: Option<[f64; 6]>,
     /// Displacement of the tip.
@@ -87,7 +96,7 @@ pub struct ErrorValues {
 pub fn values(machine: &Machine, at: &OperatingPoint<'_>) -> ErrorValues {
     let axis = |i: usize| {
         let errors = machine.axis_errors(i);
-        (errors.location_values(), errors.component_values(&at.argument(i)))
+        AxisErrorValues { location: errors.location_values(), component: errors.component_values(&at.argument(i)) }
     };
     ErrorValues {
         axes: (0..at.axes.len()).map(axis).collect(),
@@ -103,10 +112,10 @@ impl ErrorValues {
         let direction = source.direction.index();
         match source.place {
             ErrorSite::Location(i) => match self.axes.get(i) {
-                Some((location, _)) => location[direction],
+                Some(axis) => axis.location[direction],
                 None => self.spindle.map_or(0.0, |six| six[direction]),
             },
-            ErrorSite::Component(i) => self.axes.get(i).map_or(0.0, |(_, component)| component[direction]),
+            ErrorSite::Component(i) => self.axes.get(i).map_or(0.0, |axis| axis.component[direction]),
             ErrorSite::Tool => self.tool.get(direction).copied().unwrap_or(0.0),
             ErrorSite::Workpiece => self.workpiece[direction],
         }

@@ -174,7 +174,7 @@ impl<'a> Subject<'a> {
             warnings: &self.warnings,
             words: &self.words,
             instruments: &self.instruments,
-            budget: self.budget.as_ref().map(BudgetResult::report),
+            budget: self.budget.as_ref().map(|result| &result.budget),
             bounds_add: &self.bounds_add,
             type_b: self.file.identify.as_ref().map_or(&[], |section| section.type_b.as_slice()),
         }

@@ -82,9 +82,9 @@ fn tangents_are_the_derivatives_of_the_actual_point() {
                 let mut changed = at.clone();
                 let k = source.direction.index();
                 match source.place {
-                    ErrorSite::Location(i) if i < pose.len() => changed.axes[i].0[k] += by,
+                    ErrorSite::Location(i) if i < pose.len() => changed.axes[i].location[k] += by,
                     ErrorSite::Location(_) => changed.spindle.as_mut().unwrap()[k] += by,
-                    ErrorSite::Component(i) => changed.axes[i].1[k] += by,
+                    ErrorSite::Component(i) => changed.axes[i].component[k] += by,
                     ErrorSite::Workpiece => changed.workpiece[k] += by,
                     ErrorSite::Tool => changed.tool[k] += by,
                 }

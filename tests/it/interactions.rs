@@ -5,7 +5,7 @@ use crate::configs;
 use abbe::algebra::Dual;
 use abbe::analysis::interactions;
 use abbe::evaluate::{Frame, Order, evaluate, random_poses, response};
-use abbe::lower::{ErrorLift, ErrorValues, Source, sensitivities};
+use abbe::lower::{AxisErrorValues, ErrorLift, ErrorValues, Source, sensitivities};
 use abbe::machine::{Approach, ErrorId, LocationOrder, Machine};
 use nalgebra::Vector3;
 use serde_json::Value;
@@ -26,11 +26,11 @@ impl ErrorLift<Dual<2>> for FirstOrder {
 
 /// Displacement and rotation by a unit of one error: the first degree of the whole model over the dual numbers.
 pub fn unit_response(machine: &Machine, pose: &[f64], error: &ErrorId) -> [Vector3<f64>; 2] {
-    let axes = vec![([0.0; 6], [0.0; 6]); machine.axes().len()];
+    let axes = vec![AxisErrorValues { location: [0.0; 6], component: [0.0; 6] }; machine.axes().len()];
     let mut values = ErrorValues { axes, spindle: None, tool: [0.0; 3], workpiece: [0.0; 6] };
     let place = match machine.axis_index(error.axis.as_str()) {
-        Some(i) if error.is_location() => &mut values.axes[i].0,
-        Some(i) => &mut values.axes[i].1,
+        Some(i) if error.is_location() => &mut values.axes[i].location,
+        Some(i) => &mut values.axes[i].component,
         None => values.spindle.insert([0.0; 6]),
     };
     place[error.direction.index()] = 1.0;

@@ -1,7 +1,7 @@
 //! The certificate of a kinematics module.
 
 use super::Certificate;
-use super::content::ProgrammingFigures;
+use super::content::{ProgrammingFigures, ToolDirection};
 use super::depth::{Depth, single_error_poses};
 use super::figures::{Judgement, deviations, figures, figures_of, judge};
 use super::sign_test::strongest_at;
@@ -97,7 +97,7 @@ fn programming(
         let away_from_poles = (at_poles > 0 && !away.is_empty()).then(|| figures_of(machine, &away, &found));
         let tool = machine.tool().name.clone();
         ProgrammingFigures {
-            vectors,
+            tool_direction: if vectors { ToolDirection::Vector } else { ToolDirection::RotaryAxes },
             tool,
             longer_mm: *longer_mm,
             uncompensated,

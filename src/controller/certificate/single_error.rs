@@ -26,17 +26,21 @@ pub enum CompensationDegree {
     No,
 }
 
-/// One error in the certificate.
-#[derive(Debug, Clone, PartialEq)]
+/// An error in a certificate.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[schemars(rename = "CertifiedError")]
 pub struct SingleErrorResidual {
     /// The error.
+    #[serde(skip)]
     pub error: ErrorId,
-    /// Degree of its compensation.
+    /// Degree to which the files correct it.
+    #[serde(rename = "handled")]
     pub degree: CompensationDegree,
-    /// 95 % position deviation with this error alone, uncompensated, um.
-    pub alone_um: f64,
-    /// 95 % position deviation after compensation, um.
+    /// 95 % position deviation that the files leave of it alone, um.
+    #[serde(rename = "left_um")]
     pub residual_um: f64,
+    /// The same without the files, um.
+    pub alone_um: f64,
 }
 
 /// A pose with the place of the nominal tool at it, which is the same for every single error.

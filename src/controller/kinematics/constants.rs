@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 const POSES: usize = 1000;
 
 /// joint = C axis, for X, Y, Z.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct LinearMap {
     /// Row by row.
     pub matrix: [f64; 9],

@@ -10,7 +10,7 @@ use crate::machine::{
 pub const WORLD: &str = "XYZABCUVW";
 
 /// The meaning of the words of a program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum ModuleWords {
     /// X Y Z are the tip of the tool, the others axes.
     Tip = 0,
@@ -26,7 +26,7 @@ impl ModuleWords {
 }
 
 /// A machine as numbers.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Model {
     /// The meaning of the words of its programs.
     pub words: ModuleWords,
@@ -59,7 +59,7 @@ pub struct Model {
 }
 
 /// A joint.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Joint {
     /// Index in [`WORLD`] of the coordinate that is its position; none if the tip's place determines it.
     pub letter: Option<usize>,
@@ -88,7 +88,7 @@ pub struct Joint {
 }
 
 /// The form of a curve; the numbers are those in the files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum Form {
     /// Positions, then values.
     Linear = 0,
@@ -115,7 +115,7 @@ impl Form {
 }
 
 /// An error curve: argument in mm or deg, value in mm or rad.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct CurveData {
     /// The meaning of its numbers.
     pub form: Form,

@@ -130,7 +130,7 @@ impl Transformation {
         let own_turn = self.tool.cross(&actual.tool);
         let spindle = six(Vector3::new(spindle[0], spindle[1], spindle[2]), own_turn);
         let tip = self.tip_vector(machine) + Vector3::from(machine.tool().gauge);
-        Ok(machine.with_lines(&moved.collect::<Vec<_>>(), (self.tool.into(), tip.into()), spindle))
+        Ok(machine.with_lines(&moved.collect::<Vec<_>>(), self.tool.into(), tip.into(), spindle))
     }
 
     /// The vector from the gauge point to the tip of a tool along this tool axis.

@@ -1,9 +1,7 @@
 //! Poses that were measured more than once: how well they repeat, and whether they contradict each other.
 
 use super::measurement::{Measurement, Reading, ReadingKind};
-use crate::identify::thresholds::{
-    CONTRADICTION_DEVIATIONS, MIN_OTHER_REPEATS, MIN_REPEATED_POSES, OPPOSITE_SIGN_CORRELATION,
-};
+use crate::identify::thresholds::*;
 use std::collections::BTreeMap;
 
 /// Repeatability of readings of one kind.

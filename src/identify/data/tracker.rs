@@ -12,24 +12,9 @@ use std::fmt;
 
 /// Number of lines before the header that may be metadata.
 const MAX_PREAMBLE_LINES: usize = 40;
-/// Titles of the names of points, in lower case.
-const NAMES: [&str; 15] = [
-    "point",
-    "name",
-    "point name",
-    "pointname",
-    "point id",
-    "pointid",
-    "point no",
-    "id",
-    "label",
-    "target",
-    "punkt",
-    "punktname",
-    "punkt-nr",
-    "punktnr",
-    "messpunkt",
-];
+/// Titles of the names of points, in lower case, with a stroke between.
+const NAMES: &str = "point|name|point name|pointname|point id|pointid|point no|id|label|target|punkt|punktname|\
+                     punkt-nr|punktnr|messpunkt";
 /// Titles of groups of points.
 const GROUPS: [&str; 5] = ["group", "collection", "job", "gruppe", "sammlung"];
 /// Words beside the letter of a coordinate.
@@ -84,7 +69,7 @@ fn columns_by_title(index: usize, line: &str) -> Option<PointColumns> {
     sheet::drop_empty(&mut cells, 0);
     let titles: Vec<(String, Option<String>)> = cells.iter().map(|cell| sheet::title(cell)).collect();
     let lower: Vec<String> = titles.iter().map(|(name, _)| name.to_lowercase()).collect();
-    let name = lower.iter().position(|title| NAMES.contains(&title.as_str()))?;
+    let name = lower.iter().position(|title| NAMES.split('|').any(|name| name == title))?;
     let coordinate = |letter: &str| {
         let mut found = (0..lower.len()).filter(|k| is_coordinate(&lower[*k], letter));
         found.next().filter(|_| found.next().is_none())

@@ -11,9 +11,7 @@ use super::prediction::FitModel;
 use super::volume::Volume;
 use crate::algebra::linear::{Svd, Triangle};
 use crate::identify::data::{Measurement, Reading};
-use crate::identify::thresholds::{
-    MAX_MOTION_RESIDUAL, MIN_STRETCH_PARAMETER_SHARE, MIN_STRETCH_PART_SHARE, SAME_POINT_MM, VOLUME_RANK_TOLERANCE,
-};
+use crate::identify::thresholds::*;
 use crate::units::significant;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 

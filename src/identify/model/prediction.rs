@@ -382,9 +382,9 @@ pub(crate) fn zero_unread(m: &Measurement, v: Vector3<f64>) -> Vector3<f64> {
 fn slot(errors: &mut ErrorValues, source: Source) -> &mut f64 {
     let k = source.direction.index();
     match source.place {
-        ErrorSite::Location(i) if i < errors.axes.len() => &mut errors.axes[i].0[k],
+        ErrorSite::Location(i) if i < errors.axes.len() => &mut errors.axes[i].location[k],
         ErrorSite::Location(_) => &mut errors.spindle.get_or_insert([0.0; 6])[k],
-        ErrorSite::Component(i) => &mut errors.axes[i].1[k],
+        ErrorSite::Component(i) => &mut errors.axes[i].component[k],
         ErrorSite::Tool => &mut errors.tool[k % 3],
         ErrorSite::Workpiece => &mut errors.workpiece[k],
     }

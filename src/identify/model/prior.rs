@@ -9,10 +9,7 @@ use super::prediction::FitModel;
 use crate::algebra::linear::{ReducedSystem, Svd, Triangle};
 use crate::evaluate::Order;
 use crate::identify::data::{Measurement, lever};
-use crate::identify::thresholds::{
-    METRIC_SITES, MIN_FIRST_ORDER_SHARE, MIN_METRIC_SHARE, MIN_PRIOR_SIGMA_MM, MIN_SAMPLE_ROWS, PLAUSIBLE_OVER_RMS,
-    RANK_TOLERANCE, SAMPLE_ROWS_PER_UNKNOWN, SECOND_ORDER_READINGS, SECOND_ORDER_SIGMA_MM,
-};
+use crate::identify::thresholds::*;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::Approach;
 use nalgebra::{DMatrix, DVector};

@@ -10,10 +10,7 @@ use crate::identify::data::{LEVER_MM, Measurement, lever};
 use crate::identify::model::{
     BasisFunction, FitModel, Parameter, ParameterTerm, Volume, approach_weight, middle, sizes,
 };
-use crate::identify::thresholds::{
-    DATUM_ITERATIONS, DATUM_SITES, DATUM_STEP_TOLERANCE, DESIGN_RANK_TOLERANCE, MAX_DEPENDENT_SHARE,
-    MAX_IDLE_EFFECT_MM, MAX_RIGID_SHARE, MAX_TURNING_SHARE, RANK_TOLERANCE,
-};
+use crate::identify::thresholds::*;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, Axis, AxisKind, Direction};
 use crate::syntax::{DatumEntry, DatumLine, DatumZero, SquarenessSite};

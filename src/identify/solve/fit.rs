@@ -8,10 +8,7 @@ use crate::algebra::linear::{ReducedSystem, Svd};
 use crate::identify::data::{Measurement, ReadingKind};
 use crate::identify::model::FitModel;
 use crate::identify::model::Prior;
-use crate::identify::thresholds::{
-    CONVERGED_OFFSET, FIRST_DAMPING, LINEAR_OFFSET, MAX_DAMPING, MAX_FIT_STEPS, MAX_NORMAL_CONDITION,
-    MIN_REDUCTION_MM2, MIN_REDUCTION_SHARE, STEP_RANK_TOLERANCE, STEP_SCATTER_ITERATIONS,
-};
+use crate::identify::thresholds::*;
 use nalgebra::{DMatrix, DVector};
 
 /// Scatter of the readings of one quantity.
@@ -51,6 +48,24 @@ pub struct ParameterFit {
 }
 
 impl ParameterFit {
+    /// Returns a fit that has not converged, before any scatter is weighed.
+    pub(super) fn new(model: &FitModel<'_>, theta: Vec<f64>, reduced: ReducedSystem, weights: Vec<f64>) -> Self {
+        let has_bound = |column: nalgebra::DVectorView<'_, f64>| column.iter().any(|x| *x != 0.0);
+        Self {
+            squares: reduced.right_norm() * reduced.right_norm(),
+            theta,
+            reduced,
+            weights,
+            scatter: Vec::new(),
+            parameter_freedom: Vec::new(),
+            known: model.known_rows().0,
+            initial_rms: 0.0,
+            slope_bounded: model.slope_rows().column_iter().map(has_bound).collect(),
+            steps: 0,
+            converged: false,
+        }
+    }
+
     /// Returns the fit with the linear problem at other values of the parameters.
     pub fn at(&self, model: &FitModel<'_>, data: &[Measurement], theta: Vec<f64>) -> Self {
         let reduced = model.triangle(data, &self.weights, &theta);
@@ -105,20 +120,8 @@ impl<'a> FitSearch<'a> {
             Descent { linear: &linear, prior, theta, reduced, damping: FIRST_DAMPING, steps: 0, last_reduction: None };
         let converged = descent.run();
         let Descent { theta, reduced, steps, .. } = descent;
-        let has_bound = |column: nalgebra::DVectorView<'_, f64>| column.iter().any(|x| *x != 0.0);
-        ParameterFit {
-            squares: reduced.right_norm() * reduced.right_norm(),
-            theta,
-            reduced,
-            weights,
-            scatter: Vec::new(),
-            parameter_freedom: Vec::new(),
-            known: self.model.known_rows().0,
-            initial_rms: prior.initial_rms,
-            slope_bounded: self.model.slope_rows().column_iter().map(has_bound).collect(),
-            steps,
-            converged,
-        }
+        let initial_rms = prior.initial_rms;
+        ParameterFit { initial_rms, steps, converged, ..ParameterFit::new(self.model, theta, reduced, weights) }
     }
 }
 

@@ -6,9 +6,7 @@ use super::sums::parallel_sum;
 use crate::algebra::linear::Svd;
 use crate::identify::data::{DistanceEnd, Measurement, Reading, lever};
 use crate::identify::model::{BasisFunction, FitModel, Parameter, ParameterTerm, volume_poses};
-use crate::identify::thresholds::{
-    DESIGN_RANK_TOLERANCE, MIN_FORM_POSITIONS, MIN_FORM_SPAN_SHARE, SAME_POSITION_SHARE, VOLUME_RANK_TOLERANCE,
-};
+use crate::identify::thresholds::*;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Axis, AxisKind, AxisName, Curve, Direction, Knots};
 use nalgebra::{DMatrix, DVector, Vector3};

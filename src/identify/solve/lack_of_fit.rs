@@ -12,10 +12,7 @@ use super::form::{FORM_KNOTS, FormBlock, FormedAxis, Sums, VolumeForms, axes_wit
 use super::solution::{FormCovariance, Solution};
 use crate::identify::data::{LEVER_MM, Measurement};
 use crate::identify::model::FitModel;
-use crate::identify::thresholds::{
-    CORRELATION_LENGTHS, FORM_SIZES, MIN_FORM_FREEDOM, MIN_FORM_PROBABILITY, MIN_FORM_SHARE, MIN_FORM_SQUARES,
-    MIN_RESIDUAL_SHARE, MIN_SCATTER_MM, PRIOR_PROBABILITY_NO_FORM,
-};
+use crate::identify::thresholds::*;
 use crate::machine::{AxisKind, AxisName, MAX_EIGEN_STEPS, MIN_MODE_SHARE, ResidualForm};
 use crate::units::significant;
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};

@@ -74,19 +74,8 @@ fn update(covariance: &mut DMatrix<f64>, rows: &DMatrix<f64>) {
 fn expected_solution(model: &FitModel<'_>, poses: &[Measurement], theta: &[f64], noise: f64) -> Solution {
     let weights = vec![1.0; poses.len()];
     let reduced = model.triangle(poses, &weights, theta);
-    let mut fit = ParameterFit {
-        theta: theta.to_vec(),
-        reduced,
-        squares: 0.0,
-        weights,
-        scatter: Vec::new(),
-        parameter_freedom: Vec::new(),
-        known: model.known_rows().0,
-        initial_rms: 0.0,
-        slope_bounded: vec![false; theta.len()],
-        steps: 0,
-        converged: true,
-    };
+    let blank = ParameterFit::new(model, theta.to_vec(), reduced, weights);
+    let mut fit = ParameterFit { squares: 0.0, converged: true, ..blank };
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let rest = Solution::of(&fit, model.parameters()).degrees_of_freedom.max(1);
     fit.squares = noise * noise * rest as f64;

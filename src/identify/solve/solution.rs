@@ -8,10 +8,7 @@ use crate::algebra::linear::{ReducedSystem, Svd, beside, over_columns};
 use crate::evaluate::Order;
 use crate::identify::data::Measurement;
 use crate::identify::model::{FitModel, Parameter, sizes};
-use crate::identify::thresholds::{
-    MAX_NULL_SPACE_SHARE, MIN_COLUMN_SHARE, MIN_COVARIANCE_SHARE, MIN_FREE_LENGTH, MIN_NEW_MOTION_SHARE,
-    MIN_SCATTER_MM, RANK_TOLERANCE, REPORT_SCATTER_ITERATIONS, TIE_RATIO,
-};
+use crate::identify::thresholds::*;
 use crate::identify::words::{describe_null, describe_weak, join_names, main_parts, reduced_echelon};
 use crate::lower::Source;
 use crate::machine::JointUncertainty;
@@ -21,7 +18,7 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 /// Parts named of a direction that changes nothing, for people.
 const MAX_LISTED: usize = 12;
 /// A parameter's value and its uncertainty, in the parameter's kept unit (mm, rad, degrees of position).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Estimate {
     /// The value. In the null space it is the part of the shortest solution.
     pub value: f64,
@@ -156,14 +153,9 @@ impl Solution {
         let by_parameter = |j: usize| fit.parameter_freedom.get(j).copied().unwrap_or(degrees_of_freedom as f64);
         let parameter_freedom: Vec<f64> = (0..parameters.len()).map(by_parameter).collect();
         let mut student = Coverage::default();
-        let estimate = |(j, value): (usize, f64)| Estimate {
-            value,
-            sigma: None,
-            scatter: None,
-            form: 0.0,
-            common: 0.0,
-            coverage: (degrees_of_freedom > 0).then(|| student.reach(parameter_freedom[j])),
-            observability: 0.0,
+        let estimate = |(j, value): (usize, f64)| {
+            let coverage = (degrees_of_freedom > 0).then(|| student.reach(parameter_freedom[j]));
+            Estimate { value, coverage, ..Estimate::default() }
         };
         let theta = reset_without_effect(fit, &null_echelon, parameters);
         let estimates: Vec<Estimate> = theta.into_iter().enumerate().map(estimate).collect();

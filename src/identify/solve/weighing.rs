@@ -7,10 +7,7 @@ use crate::algebra::linear::{ReducedSystem, Triangle};
 use crate::identify::data::{Measurement, ReadingKind};
 use crate::identify::lists::index_of;
 use crate::identify::model::{FitModel, sizes};
-use crate::identify::thresholds::{
-    HUBER_CONSTANT, MAX_REWEIGHTINGS, MAX_VARIANCE_ITERATIONS, MEDIAN_EFFICIENCY, MEDIAN_OVER_SIGMA, MIN_REDUNDANCY,
-    MIN_SCATTER_MM, MIN_SCATTER_SHARE, RANK_TOLERANCE, SETTLED_WEIGHT_CHANGE,
-};
+use crate::identify::thresholds::*;
 use nalgebra::{DMatrix, Vector3};
 
 /// Fits the unknowns to the data with weights by the scatter of the readings; `robust` gives outliers less weight.

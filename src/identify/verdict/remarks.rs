@@ -4,9 +4,7 @@ use super::fitted::FitDiagnosis;
 use super::limits;
 use super::result::place;
 use crate::diagnostic::{Diagnostic, Sources, codes};
-use crate::identify::thresholds::{
-    MAX_MEDIAN_MM, MAX_NOISE_PROBABILITY, MAX_SCATTER_RATIO, MIN_DRIFT_CORRELATION, MIN_MEDIAN_MM, MIN_REPEAT_FREEDOM,
-};
+use crate::identify::thresholds::*;
 use crate::identify::{
     BasisFunction, DeviationUncertainty, Measurement, Parameter, ParameterTerm, Prediction, Reading, ReadingKind,
     Repeats, largest_uncertainty, lever,

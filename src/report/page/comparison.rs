@@ -32,8 +32,8 @@ pub type Sides<'a> = Vec<(&'a Machine, Vec<Pose>)>;
 /// What the bounds of a machine lead to at its poses for the work, where nothing is measured.
 fn of_bounds((given, (_, poses)): (&MachineInput<'_>, &(&Machine, Vec<Pose>))) -> Option<BoundedFigures> {
     let bounded = given.bounded().filter(|_| !poses.is_empty())?;
-    let found = given.at(&bounded, &Poses::Listed(poses.clone()), Frame::Workpiece);
-    Some(MachineInput::figures(&bounded, &found))
+    let found = given.at(bounded, &Poses::Listed(poses.clone()), Frame::Workpiece);
+    Some(MachineInput::figures(bounded, &found))
 }
 
 /// Number of these errors.
@@ -63,8 +63,8 @@ impl ComparisonData {
             let (own, first) = (bounded[i].as_ref(), bounded[0].as_ref());
             let minus = (own.is_some() == first.is_some()).then(|| statistics[i].minus(&statistics[0]));
             let bounds = own.map(|own| {
-                let mut json = own.json();
-                let _ = json.insert("rss_minus_first".to_owned(), json!(first.map(|first| own.rss_minus(first))));
+                let mut json = json!(own);
+                json["rss_minus_first"] = json!(first.map(|first| own.rss_minus(first)));
                 json
             });
             json!({"name": g.machine.name(), "file": g.file, "chain": g.machine.chain().to_string(),

@@ -151,7 +151,7 @@ impl Rows<'_> {
                 ("samples", drawn.samples.to_string()),
                 ("seed", drawn.seed.to_string()),
                 ("distribution", drawn.distribution.name().to_owned()),
-                ("class", drawn.class.as_ref().map_or_else(String::new, |(name, _)| name.clone())),
+                ("class", drawn.class.clone().unwrap_or_default()),
             ]);
         }
         facts
