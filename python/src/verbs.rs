@@ -8,9 +8,9 @@ use crate::request::{Request, TextsAndDisk};
 use abbe::options::{MapTable, Starter, StudyFile, TableForm};
 use abbe::results::{
     BudgetResult, CertificateReport, ChainResult, Classification, CompareResult, CompiledSet, ComposedPart,
-    ConvertResult, EquationsResult, ErrorSources, EvalResult, IdentifyResult, ImportResult, InstrumentResult, LocateResult,
-    MachineDifference, MachineSummary, MapResult, MeasurementPlan, MonomialFit, RankedArrangements, ReachResult,
-    Record as CalibrationRecord, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures,
+    ConvertResult, EquationsResult, ErrorSources, EvalResult, IdentifyResult, ImportResult, InstrumentResult,
+    LocateResult, MachineDifference, MachineSummary, MapResult, MeasurementPlan, MonomialFit, RankedArrangements,
+    ReachResult, Record as CalibrationRecord, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures,
 };
 use abbe::sets::LOCK_NAME;
 use abbe::{

@@ -4,6 +4,7 @@ use super::{AxisName, Curve, CurveArgument, Direction, ErrorFamily, ErrorId};
 
 /// The side from which a position is approached; curves may differ (reversal).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Approach {
     /// The mean of forward and reverse.
