@@ -26,6 +26,7 @@ fn _abbe(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(verbs::run, module)?)?;
     module.add_function(wrap_pyfunction!(verbs::verbs, module)?)?;
     module.add_function(wrap_pyfunction!(verbs::results, module)?)?;
+    module.add_function(wrap_pyfunction!(verbs::answers, module)?)?;
     module.add_function(wrap_pyfunction!(machine::length_mm, module)?)?;
     module.add_function(wrap_pyfunction!(readings::csv, module)?)?;
     Ok(())
