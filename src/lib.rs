@@ -102,15 +102,16 @@ pub mod options {
     pub use crate::wire::workbench::{CompareWith, Question, WorkOptions, WorkbenchRequest};
 }
 
-/// Results of the functions, and their parts. Serde writes results in the shapes that docs/formats.md describes.
 pub mod results {
+    #![doc = include_str!("api/results.md")]
+
     pub use crate::api::results::*;
     pub use crate::wire::report::Report;
 }
 
 /// The verbs as data, for whoever speaks JSON; the page's requests in parts.
 pub mod verbs {
-    pub use crate::wire::verbs::{VERBS, Verb, VerbAnswer, VerbRequest, options, results};
+    pub use crate::wire::verbs::{VERBS, Verb, VerbAnswer, VerbRequest, answers, options, results};
     pub use crate::wire::workbench::{workbench_of_parts, workbench_part};
 }
 

@@ -5,7 +5,7 @@ use crate::interrupt::run_owned;
 use crate::machine::NativeMachine;
 use crate::outcome::NativeOutcome;
 use crate::request::{Request, TextsAndDisk};
-use abbe::verbs::{Verb, options, results as results_of_verbs};
+use abbe::verbs::{Verb, answers as answers_of_page, options, results as results_of_verbs};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 
@@ -44,4 +44,10 @@ pub fn verbs() -> String {
 #[pyfunction]
 pub fn results() -> String {
     results_of_verbs().to_string()
+}
+
+/// Returns the JSON Schemas of the answers that the page of the workbench gets, by the names of their types.
+#[pyfunction]
+pub fn answers() -> String {
+    answers_of_page().to_string()
 }

@@ -39,7 +39,7 @@ pub(crate) struct Global {
 pub(crate) enum FormatArg {
     /// Text for people.
     Text,
-    /// JSON for programs; see the contracts in docs/formats.md.
+    /// JSON for programs; see the contracts in docs/formats/json.md.
     Json,
     /// CSV for spreadsheets.
     Csv,

@@ -24,7 +24,7 @@ pub enum Curve {
 }
 
 impl Curve {
-    /// A cubic spline through the knots.
+    /// Returns a cubic spline through the knots.
     pub fn cubic(knots: Knots) -> Self {
         let second = second_derivatives(&knots);
         Self::Cubic(knots, second)
@@ -48,7 +48,7 @@ impl Curve {
         knots.positions.first().copied().zip(knots.positions.last().copied())
     }
 
-    /// The points between which it is one polynomial, if there are any.
+    /// Returns the points between which it is one polynomial, if there are any.
     pub fn knots(&self) -> Option<&Knots> {
         match self {
             Self::Linear(knots) | Self::Cubic(knots, _) => Some(knots),

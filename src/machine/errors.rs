@@ -27,7 +27,7 @@ impl ComponentError {
         }
     }
 
-    /// Its one or two curves.
+    /// Returns its one or two curves.
     pub fn curves(&self) -> impl Iterator<Item = &Curve> {
         let (first, second) = match self {
             Self::Single(curve) => (curve, None),
@@ -85,12 +85,12 @@ impl JointErrors {
         }
     }
 
-    /// The six location errors (mm, rad).
+    /// Returns the six location errors (mm, rad).
     pub fn location_values(&self) -> [f64; 6] {
         std::array::from_fn(|i| self.location[i].as_ref().map_or(0.0, |t| t.value(&0.0.into())))
     }
 
-    /// The six component errors where the axis stands (mm, rad).
+    /// Returns the six component errors where the axis stands (mm, rad).
     pub fn component_values(&self, at: &CurveArgument<'_>) -> [f64; 6] {
         std::array::from_fn(|i| self.component[i].as_ref().map_or(0.0, |t| t.value(at)))
     }
@@ -116,7 +116,7 @@ impl JointErrors {
         self.component[3..].iter().any(Option::is_some)
     }
 
-    /// The terms that are given, with family and direction.
+    /// Returns the terms that are given, with family and direction.
     pub fn iter(&self) -> impl Iterator<Item = (ErrorFamily, Direction, &ErrorTerm)> {
         ErrorFamily::ALL.into_iter().flat_map(move |family| {
             let six = self.six(family);

@@ -32,6 +32,7 @@ use crate::api::map_tables::MapTable;
 use crate::api::reach::{ReachOptions, ReachResult, reach};
 use crate::api::record::{RecordOptions, check_record, record, record_trend};
 use crate::api::show::{ChainResult, show};
+use crate::api::sources::ErrorSources;
 use crate::api::starter::{Starter, schema, starter};
 use crate::api::summary::MachineSummary;
 use crate::api::targets::{TargetSummary, targets};
@@ -217,6 +218,26 @@ pub fn results() -> Value {
     let of = |verb: &Verb| Some((verb.name.to_owned(), verb.result?(&mut generator).to_value()));
     let found: Map<String, Value> = VERBS.iter().filter_map(of).collect();
     json!({"results": found, "definitions": generator.take_definitions(true)})
+}
+
+/// Returns the JSON Schemas of the answers that the page of the workbench gets, by the names of their types.
+pub fn answers() -> Value {
+    let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
+    for result in [
+        SchemaGenerator::subschema_for::<MachineSummary> as fn(&mut SchemaGenerator) -> Schema,
+        SchemaGenerator::subschema_for::<ChainResult>,
+        SchemaGenerator::subschema_for::<MapResult>,
+        SchemaGenerator::subschema_for::<ErrorSources>,
+        SchemaGenerator::subschema_for::<BudgetResult>,
+        SchemaGenerator::subschema_for::<EvalResult>,
+        SchemaGenerator::subschema_for::<ReachResult>,
+        SchemaGenerator::subschema_for::<CompareResult>,
+        SchemaGenerator::subschema_for::<InstrumentResult>,
+        SchemaGenerator::subschema_for::<TargetSummary>,
+    ] {
+        let _ = result(&mut generator);
+    }
+    Value::Object(generator.take_definitions(true))
 }
 
 const fn of<O, R>(

@@ -14,7 +14,7 @@ const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"]
 /// Families of basis functions, each with its order behind it.
 const BASES: [&str; 5] = ["poly", "fourier", "spline", "bspline", "blocks"];
 
-/// The section `algebra`.
+/// Returns the section `algebra`.
 pub fn algebra(context: &mut Context<'_>, known: &JointNames<'_>) -> Option<AlgebraChoice> {
     let entry = context.document.algebra.as_ref()?;
     let at = keys(["algebra"]);
@@ -138,7 +138,7 @@ fn is_setup(name: &str) -> bool {
         || letters("workpiece").is_some_and(|l| ["X", "Y", "Z", "A", "B", "C"].contains(&l))
 }
 
-/// An error's name without the direction of approach that may stand behind it.
+/// Returns an error's name without the direction of approach that may stand behind it.
 fn without_direction(name: &str) -> &str {
     ["+-", "+", "-"].iter().find_map(|sign| name.strip_suffix(sign)).unwrap_or(name).trim()
 }
