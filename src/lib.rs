@@ -111,7 +111,9 @@ pub mod results {
 
 /// The verbs as data, for whoever speaks JSON; the page's requests in parts.
 pub mod verbs {
-    pub use crate::wire::verbs::{VERBS, Verb, VerbAnswer, VerbRequest, answers, options, results};
+    pub use crate::wire::verbs::{
+        ResultSchema, VERBS, Verb, VerbAnswer, VerbCall, VerbRequest, answers, options, results,
+    };
     pub use crate::wire::workbench::{workbench_of_parts, workbench_part};
 }
 

@@ -90,6 +90,12 @@ pub struct VerbAnswer {
 
 type Found = Result<VerbAnswer, Diagnostics>;
 
+/// Returns the schema of a result.
+pub type ResultSchema = fn(&mut SchemaGenerator) -> Schema;
+
+/// The call of a verb.
+pub type VerbCall = fn(&VerbRequest<'_>, Run<'_>) -> Result<VerbAnswer, Diagnostics>;
+
 /// A verb.
 pub struct Verb {
     /// Its name.
@@ -97,11 +103,11 @@ pub struct Verb {
     /// Returns `{"schema": ..., "default": ...}` of the options; `None` for a verb without a struct of options.
     pub options: Option<fn() -> Value>,
     /// Returns the schema of the result; `None` where the document has no type.
-    pub result: Option<fn(&mut SchemaGenerator) -> Schema>,
+    pub result: Option<ResultSchema>,
     /// Names of the texts beside the document that have one; files of sets and records have names of their own.
     pub texts: &'static [&'static str],
     /// Calls it.
-    pub run: fn(&VerbRequest<'_>, Run<'_>) -> Found,
+    pub run: VerbCall,
 }
 
 /// All verbs.
@@ -223,8 +229,8 @@ pub fn results() -> Value {
 /// Returns the JSON Schemas of the answers that the page of the workbench gets, by the names of their types.
 pub fn answers() -> Value {
     let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
-    for result in [
-        SchemaGenerator::subschema_for::<MachineSummary> as fn(&mut SchemaGenerator) -> Schema,
+    let answers: [ResultSchema; 10] = [
+        SchemaGenerator::subschema_for::<MachineSummary>,
         SchemaGenerator::subschema_for::<ChainResult>,
         SchemaGenerator::subschema_for::<MapResult>,
         SchemaGenerator::subschema_for::<ErrorSources>,
@@ -234,17 +240,14 @@ pub fn answers() -> Value {
         SchemaGenerator::subschema_for::<CompareResult>,
         SchemaGenerator::subschema_for::<InstrumentResult>,
         SchemaGenerator::subschema_for::<TargetSummary>,
-    ] {
+    ];
+    for result in answers {
         let _ = result(&mut generator);
     }
     Value::Object(generator.take_definitions(true))
 }
 
-const fn of<O, R>(
-    name: &'static str,
-    texts: &'static [&'static str],
-    run: fn(&VerbRequest<'_>, Run<'_>) -> Found,
-) -> Verb
+const fn of<O, R>(name: &'static str, texts: &'static [&'static str], run: VerbCall) -> Verb
 where
     O: Default + Serialize + JsonSchema,
     R: JsonSchema,
@@ -252,11 +255,7 @@ where
     Verb { name, options: Some(described::<O>), result: Some(SchemaGenerator::subschema_for::<R>), texts, run }
 }
 
-const fn plain(
-    name: &'static str,
-    result: Option<fn(&mut SchemaGenerator) -> Schema>,
-    run: fn(&VerbRequest<'_>, Run<'_>) -> Found,
-) -> Verb {
+const fn plain(name: &'static str, result: Option<ResultSchema>, run: VerbCall) -> Verb {
     Verb { name, options: None, result, texts: &[], run }
 }
 
