@@ -70,7 +70,9 @@ impl UncertainDeviations {
     pub fn of(
         machine: &Machine,
         parts: &[UncertainPart],
-        (poses, values, whole): (&[Pose], Vec<Deviation>, Statistics),
+        poses: &[Pose],
+        values: Vec<Deviation>,
+        whole: Statistics,
         approach: Approach,
     ) -> Self {
         let own = machine.uncertain_parts();

@@ -7,7 +7,7 @@ use super::poses::{axis_positions, check, pose_option};
 use super::run::{Answer, Call, Count, Refused, Run};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use super::tool_poses::{self, ReachedToolPoses};
-use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_of_drawn, budget_poses, known};
+use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_from_samples, budget_poses, known};
 use crate::diagnostic::Diagnostics;
 use crate::machine::{Machine, Pose};
 use crate::report::{BudgetReport, DrawSettings, Picture};
@@ -231,7 +231,7 @@ pub(super) fn budget_of(
     let request = work.request(machine, options, (&bounds, at.as_deref()));
     let drawn = budget_parts::merged(call, options, request)?;
     let steps = if drawn.is_some() { 0 } else { 2 * options.samples };
-    let budget = call.stage(steps, |advance| budget_of_drawn(request, drawn, advance));
+    let budget = call.stage(steps, |advance| budget_from_samples(request, drawn, advance));
     let goal = match options.goal_mm {
         Some(goal_mm) => Some(goal(call, machine, options, (&bounds, &work.poses), goal_mm)?),
         None => None,

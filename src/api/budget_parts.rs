@@ -3,7 +3,7 @@
 use super::budget::BudgetOptions;
 use super::run::{Call, Refused};
 use super::study::why;
-use crate::analysis::budget::{DrawnSamples, Request, SAMPLE_LANES, drawn};
+use crate::analysis::budget::{DrawnSamples, Request, SAMPLE_LANES, draw_samples};
 use crate::controller::sha256;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::syntax::ReadFailure;
@@ -63,7 +63,7 @@ pub(super) fn drawn_part(
         Ok(None) => {}
         Err(refusal) => return call.refuse(refusal),
     }
-    let drawn = call.stage(2 * range.len(), |advance| drawn(request, range, advance));
+    let drawn = call.stage(2 * range.len(), |advance| draw_samples(request, range, advance));
     Ok(BudgetShard { abbe_budget: FORM.to_owned(), fingerprint, samples, first, drawn })
 }
 

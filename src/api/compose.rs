@@ -13,8 +13,8 @@ use super::run::{Answer, Call, Count, Refused, Run};
 use super::verify::{VerifyOptions, warn_edited, warn_other_inputs, warn_other_tool};
 use crate::compensation::CorrectionTables;
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Effect, Figures, Hashed, KinematicsModule, LOCK_NAME, Lock, Parameters,
-    RenderedFile, TablesUnderTest, certify_composed, sha256,
+    Certificate, ControllerEffect, ControllerTarget, Depth, Figures, Hashed, KinematicsModule, LOCK_NAME, Lock,
+    Parameters, RenderedFile, TablesUnderTest, certify_sets, sha256,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
@@ -133,7 +133,7 @@ pub(in crate::api) fn composed_effect(
     targets: &[String],
     options: &CompensationOptions,
     depth: Depth,
-) -> Result<(ControllerTarget, Effect, Certificate), Refused> {
+) -> Result<(ControllerTarget, ControllerEffect, Certificate), Refused> {
     let targets = split(call, targets, options)?;
     let options = CompileOptions { compensation: options.clone(), ..CompileOptions::default() };
     let (composition, _) = compiled(call, machine, targets, &options)?;
@@ -255,7 +255,7 @@ impl Composition {
         call: &mut Call,
     ) -> Result<(Certificate, Figures), Refused> {
         let sets = ((&self.target, &self.parameters), self.tables_under_test());
-        let found = certify_composed(machine, &self.rest, sets, how.scope(), depth);
+        let found = certify_sets(machine, &self.rest, sets, how.scope(), depth);
         call.extend(verdict::warnings(&found.0));
         call.checked()?;
         Ok(found)
@@ -302,9 +302,9 @@ impl Composition {
     }
 
     /// The effect of both, and the target whose tables it has.
-    fn effect(&self) -> (Effect, ControllerTarget) {
+    fn effect(&self) -> (ControllerEffect, ControllerTarget) {
         let module = KinematicsModule::KinematicParameters(self.parameters.clone());
-        (Effect::Module(Box::new(module), self.tables.clone()), self.tables_target.clone())
+        (ControllerEffect::Module(Box::new(module), self.tables.clone()), self.tables_target.clone())
     }
 }
 
@@ -407,7 +407,7 @@ pub(in crate::api) fn found_composed(
     machine: &Machine,
     folder: &Path,
     options: &CompensationOptions,
-) -> Result<(ControllerTarget, Effect), Refused> {
+) -> Result<(ControllerTarget, ControllerEffect), Refused> {
     let (effect, target) = found(call, machine, folder, options, (None, None))?.effect();
     Ok((target, effect))
 }

@@ -8,8 +8,8 @@ use super::tool_poses::{self, ReachedToolPoses};
 use crate::analysis::Work;
 use crate::analysis::budget::{Bound, Statistic, Verdict, known};
 use crate::analysis::enumerate::{
-    Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, Ranking, RoundCount, RoundStep, Rounds, Row, Rule, RuleFailure,
-    Standing, Standings, Study, StudyEnd, TooMany, Walk, ranked, standings, walks,
+    ArrangementRow, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, Ranking, RoundCount, RoundStep, Rounds, Rule,
+    RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk, rank, standings, walks,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
@@ -163,7 +163,9 @@ impl RankedArrangements {
 
     /// Returns the number of ranked arrangements with a verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
-        let is = |row: &&Row| row.result.and_then(|result| result.versus_first).is_some_and(|v| v.verdict == verdict);
+        let is = |row: &&ArrangementRow| {
+            row.result.and_then(|result| result.versus_first).is_some_and(|v| v.verdict == verdict)
+        };
         self.ranking.ranked.iter().filter(is).count()
     }
 
@@ -189,7 +191,7 @@ impl RankedArrangements {
                 "done": self.rounds, "drawn": drawn, "drawn_without_elimination": without,
             })
         });
-        let number = |(i, row): (usize, &Row)| {
+        let number = |(i, row): (usize, &ArrangementRow)| {
             let mut json = row_json(row);
             if let Some(object) = json.as_object_mut() {
                 let _ = object.insert("rank".to_owned(), (i + 1).into());
@@ -220,7 +222,7 @@ impl Serialize for RankedArrangements {
     }
 }
 
-fn row_json(row: &Row) -> Value {
+fn row_json(row: &ArrangementRow) -> Value {
     let judged = row.standing == Standing::Judged;
     let mut json = json!({
         "chain": row.chain, "on_table": row.table, "reached": row.reached, "unreachable": row.unreachable,
@@ -292,7 +294,7 @@ fn studied(
     };
     let begun = study::begun(call, options.state.as_deref(), empty)?;
     let begun = study::merged(call, &options.merge, begun)?;
-    let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work).sized(options.size);
+    let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work).with_travel(options.size);
     let end = match computed(call, options, (&study, &rounds), (begun, file))? {
         Computed::End(end) => end,
         Computed::Part(progress) => return Ok(EnumerateResult::Part(progress)),
@@ -317,7 +319,7 @@ fn studied(
         seed: options.seed,
         statistic: options.tolerances.statistic,
         reach_percent: options.reach_percent,
-        ranking: ranked(end.rows, end.reach),
+        ranking: rank(end.rows, end.reach),
         tool_poses,
     })))
 }

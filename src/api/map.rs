@@ -15,8 +15,10 @@ use super::share::shared_deviations;
 use super::tolerances::ToleranceOptions;
 use super::tool_poses::{self, ReachedToolPoses};
 use super::uncertainty::field_bands;
-use crate::analysis::{self, Bands, Diagonal, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, rest};
-use crate::controller::{ControllerTarget, Depth, Effect};
+use crate::analysis::{
+    self, Bands, DiagonalRun, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, rest,
+};
+use crate::controller::{ControllerEffect, ControllerTarget, Depth};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{
     CompiledField, Deviation, Field, Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary, Tally, worst,
@@ -338,7 +340,7 @@ fn compensation(
     machine: &Machine,
     options: &MapOptions,
     order: Order,
-) -> Result<Option<(ControllerTarget, Effect)>, Refused> {
+) -> Result<Option<(ControllerTarget, ControllerEffect)>, Refused> {
     let Some(name) = &options.target else { return Ok(None) };
     if order != Order::Exact {
         return call
@@ -376,7 +378,7 @@ fn found(
     Ok(Survey { statistics, worst })
 }
 
-fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[Diagonal]) -> MapResult {
+fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[DiagonalRun]) -> MapResult {
     let Rows { machine, poses, .. } = *rows;
     let worst = |(i, deviation): &(usize, Deviation)| WorstPose {
         axes: axis_positions(machine, &poses.get(*i)),
@@ -384,7 +386,7 @@ fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[Diagonal]) -> MapResult
         deviation_um: (deviation.position * 1e3).map(|x| x + 0.0).into(),
         length_um: deviation.position.norm() * 1e3,
     };
-    let diagonal = |d: &Diagonal| {
+    let diagonal = |d: &DiagonalRun| {
         let [from, to] = [&d.ends[0], &d.ends[1]].map(|pose| axis_positions(machine, pose));
         let deviations_um = d.deviations.iter().map(|x| x * 1e3 + 0.0).collect();
         let (length_mm, range_um) = (d.length, d.range() * 1e3);

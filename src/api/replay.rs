@@ -4,7 +4,7 @@ use super::compensation::table_set::FoundTables;
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Refused, Run};
 use super::verify::{VerifyOptions, opened, tables};
-use crate::controller::{AssignedAxis, Replay, assigned_letters, by_number};
+use crate::controller::{AssignedAxis, Replay, axis_letters, by_number};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::machine::Approach;
 use crate::syntax::read_text;
@@ -90,7 +90,7 @@ pub fn replay(
         }
         let (FoundTables { target, tables, .. }, _) = tables(call, file, folder, set, options)?;
         let replay = Replay::new(file, &target, &tables);
-        let letters = assigned_letters(file, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        let letters = axis_letters(file, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
         positions.iter().map(|at| added(call, file, &replay, &letters, at)).collect()
     })
 }
@@ -114,5 +114,5 @@ fn added(
     };
     let mut command = vec![0.0; file.axes().len()];
     command[*axis] = at.position;
-    Ok(replay.added(&command, at.approach)[*axis])
+    Ok(replay.addition(&command, at.approach)[*axis])
 }

@@ -55,7 +55,7 @@ pub use crate::analysis::budget::{
     Binding, Bound, BoundedDeviation, BoundedLength, Budget, BudgetPart, CheapestTolerances, Contribution, PERCENTS,
     PairedDifference, Percentile, Role, Totals, Verdict, VersusFirst,
 };
-pub use crate::analysis::enumerate::{NeededRange, Ranking, RoundCount, Row as ArrangementRow};
+pub use crate::analysis::enumerate::{ArrangementRow, NeededRange, Ranking, RoundCount};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
 pub use crate::analysis::{Bands, SummaryBand};
 pub use crate::controller::{

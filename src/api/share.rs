@@ -60,9 +60,8 @@ pub(super) fn shared_deviations(
     poses: &Poses,
     view: View,
 ) -> Result<Vec<Deviation>, Refused> {
-    let computed = |range: Range<usize>| {
-        call.stage(range.len(), |advance| deviations(field, (poses, range.clone()), view, advance))
-    };
+    let computed =
+        |range: Range<usize>| call.stage(range.len(), |advance| deviations(field, poses, range.clone(), view, advance));
     match call.run.share {
         MapShare::All => Ok(computed(0..poses.len())),
         MapShare::Part(part) => {

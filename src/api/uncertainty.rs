@@ -99,7 +99,7 @@ pub(super) fn field_bands(
     }
     let places: Vec<Pose> = band_places(poses.len(), besides).into_iter().map(|i| poses.get(i)).collect();
     let values = places.par_iter().map(|pose| field.deviation(pose, approach)).collect();
-    let deviations = UncertainDeviations::of(machine, &parts, (&places, values, whole), approach);
+    let deviations = UncertainDeviations::of(machine, &parts, &places, values, whole, approach);
     bands(&[deviations], seed).0.pop()
 }
 
@@ -116,7 +116,7 @@ pub(super) fn compared_bands(
     let places = band_places(comparison.common.len(), &[]);
     let one = |((machine, _), side): (&(&Machine, Vec<Pose>), &MachineResult)| {
         let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|i| side.reached[*i].clone()).unzip();
-        UncertainDeviations::of(machine, &parts, (&poses, values, side.statistics), approach)
+        UncertainDeviations::of(machine, &parts, &poses, values, side.statistics, approach)
     };
     let machines: Vec<UncertainDeviations> = sides.iter().zip(&comparison.machines).map(one).collect();
     let (own, differences) = bands(&machines, seed);

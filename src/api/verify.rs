@@ -11,7 +11,7 @@ use super::compose;
 use super::machine_file::MachineFile;
 use super::run::{Answer, Call, Count, Refused, Run};
 use crate::controller::{
-    ControllerTarget, Depth, Effect, LOCK_NAME, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics,
+    ControllerEffect, ControllerTarget, Depth, LOCK_NAME, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics,
     is_plain_name,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
@@ -126,11 +126,11 @@ fn module(
     let request = ModuleRequest { before, ..ModuleRequest::plain(how.orientation()) };
     let (module, beside) = module_set::found(call, file, target, folder, request, texts)?;
     let depth = Depth { poses: options.poses, seed: options.seed };
-    let certificate = certify_kinematics(file, target, (&module, &beside), depth);
+    let certificate = certify_kinematics(file, target, &module, &beside, depth);
     call.extend(verdict::warnings(&certificate));
     call.checked()?;
     let names = texts.iter().map(|text: &ReadBack| text.found.clone()).collect();
-    let effect = Effect::Module(Box::new(module), beside);
+    let effect = ControllerEffect::Module(Box::new(module), beside);
     Ok(CertificateReport::new(file, target, &certificate, (&*effect.field(file, target), depth), names))
 }
 

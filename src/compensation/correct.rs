@@ -28,12 +28,12 @@ pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope
     let mut correction = Correction::none(machine);
     let nominal = NominalPose::at(machine, pose).pose;
     let jacobian = Jacobian::at(machine, pose);
-    let mut residual = command_deviation(machine, &nominal, &correction.applied(pose), approach);
+    let mut residual = command_deviation(machine, &nominal, &correction.corrected_command(pose), approach);
     for _ in 0..MAX_STEPS {
         let step = jacobian.correction(&residual, &correction, scope);
         correction.0.iter_mut().zip(&step.0).for_each(|(c, s)| *c += s);
-        residual = command_deviation(machine, &nominal, &correction.applied(pose), approach);
-        if step.0.iter().all(|s| s.abs() < SMALL_STEP) || settled(&residual, scope) {
+        residual = command_deviation(machine, &nominal, &correction.corrected_command(pose), approach);
+        if step.0.iter().all(|s| s.abs() < SMALL_STEP) || is_settled(&residual, scope) {
             break;
         }
     }
@@ -41,6 +41,6 @@ pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope
 }
 
 /// True if the residual is far below any controller's increment in all that the scope corrects.
-pub(super) fn settled(residual: &Deviation, scope: Scope) -> bool {
+pub(super) fn is_settled(residual: &Deviation, scope: Scope) -> bool {
     scope.goal == Goal::Position && residual.position.amax() < 1e-10
 }

@@ -56,7 +56,7 @@ impl<'a> ComponentErrors<'a> {
     }
 
     /// True if the six are the same numbers as before.
-    pub fn unchanged(&self) -> bool {
+    pub fn keeps_numbers(&self) -> bool {
         let [was, is] = self.conventions.map(|convention| convention.component.inverse);
         !self.changes_side && !self.moved && was == is && self.joints[0] == self.joints[1]
     }
@@ -74,7 +74,7 @@ impl<'a> ComponentErrors<'a> {
     pub fn six(&self, position: f64, approach: Approach) -> [f64; 6] {
         let (position, approach) = self.old(position, approach);
         let old = self.machine.component_values(self.index, position, approach);
-        if self.unchanged() {
+        if self.keeps_numbers() {
             return old;
         }
         let [was, is] = self.conventions.map(|convention| convention.component);

@@ -64,7 +64,7 @@ fn largest(a: f64, b: f64) -> f64 {
 fn difference(old: &Machine, new: &Machine, pose: &Pose, approach: Approach) -> [f64; 2] {
     let over: Vec<bool> = old.axes().iter().zip(new.axes()).map(|(a, b)| a.sign() != b.sign()).collect();
     let turned: Pose = pose.iter().zip(&over).map(|(q, over)| if *over { -q } else { *q }).collect();
-    let errors = approached(new, &turned, approach, &over);
+    let errors = values_at(new, &turned, approach, &over);
     let before = Chain::actual(old, pose, &values(old, pose, approach), &Exact).tool_in_workpiece(&old.workpiece());
     let after = Chain::actual(new, &turned, &errors, &Exact).tool_in_workpiece(&new.workpiece());
     let nominal = [(old, pose), (new, &turned)]
@@ -74,7 +74,7 @@ fn difference(old: &Machine, new: &Machine, pose: &Pose, approach: Approach) -> 
 }
 
 /// A rising position of an axis that counts in the opposite sense is a falling one.
-fn approached(machine: &Machine, pose: &Pose, approach: Approach, over: &[bool]) -> ErrorValues {
+fn values_at(machine: &Machine, pose: &Pose, approach: Approach, over: &[bool]) -> ErrorValues {
     let opposite = match approach {
         Approach::Mean => Approach::Mean,
         Approach::Forward => Approach::Reverse,

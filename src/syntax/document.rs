@@ -286,7 +286,7 @@ pub struct IdentifyEntry {
     pub parameters: IndexMap<String, IndexMap<String, Vec<Scalar>>>,
     /// Errors that follow others: `EBY: { EBX: -1 }` is EBY = -EBX.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
-    #[schemars(schema_with = "super::schema::tied")]
+    #[schemars(schema_with = "super::schema::tie_schema")]
     pub tied: IndexMap<String, IndexMap<String, Scalar>>,
     /// Standard deviation of the slope of a fitted curve: `EXX: 20 um/m`.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
@@ -414,7 +414,9 @@ impl Reader<'_> {
     fn entries<T: DeserializeOwned>(&mut self, key: &str) -> Entries<T> {
         let at = keys([key]);
         match self.map.remove(key) {
-            Some(Value::Mapping(map)) => map.into_iter().map(|(name, value)| self.named(&at, name, value)).collect(),
+            Some(Value::Mapping(map)) => {
+                map.into_iter().map(|(name, value)| self.parse_named(&at, name, value)).collect()
+            }
             Some(_) => {
                 self.places.mar(&at);
                 let refusal = Diagnostic::new(codes::E0202, format!("`{key}` must be a mapping of names to entries"));
@@ -426,7 +428,7 @@ impl Reader<'_> {
         }
     }
 
-    fn named<T: DeserializeOwned>(&mut self, at: &Keys, name: Value, value: Value) -> (String, Option<T>) {
+    fn parse_named<T: DeserializeOwned>(&mut self, at: &Keys, name: Value, value: Value) -> (String, Option<T>) {
         let name = name.as_str().unwrap_or_default().to_owned();
         let at = below(at, &name);
         let entry = entry(value, &at, &mut self.places, self.diagnostics);

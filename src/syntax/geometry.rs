@@ -136,7 +136,7 @@ fn chain(map: &Mapping) -> Option<WrittenChain> {
 }
 
 /// The entries of a base that plain keys of a variant displace: the same keys in the blocks of a side.
-pub(super) fn displaced(base: &Mapping, over: &Mapping) -> Vec<Keys> {
+pub(super) fn displaced_entries(base: &Mapping, over: &Mapping) -> Vec<Keys> {
     let plain = over.get("errors").and_then(Value::as_mapping);
     let mut entries = Vec::new();
     for (name, axis) in axes(base) {
@@ -154,7 +154,7 @@ pub(super) fn displaced(base: &Mapping, over: &Mapping) -> Vec<Keys> {
 }
 
 /// True for an entry that a variant replaces whole: a position, a rotation, or an error in the block of a side.
-pub(super) fn replaced_whole(at: &[String]) -> bool {
+pub(super) fn replaces_whole(at: &[String]) -> bool {
     match at.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["workpiece", "origin" | "rotation"] | ["axes", _, "origin"] => true,
         ["axes", _, side, "origin"] | ["axes", _, side, "errors", _] => SIDES.contains(&side),

@@ -80,7 +80,7 @@ impl Indexer<'_> {
             Event::DocumentStart(_) => {
                 self.documents += 1;
                 if self.documents > 1 {
-                    return Err(unsupported("a second document", place, "keep one machine in a file"));
+                    return Err(refusal("a second document", place, "keep one machine in a file"));
                 }
             }
             Event::Scalar(text, _, _, tag) => {
@@ -127,7 +127,7 @@ impl Indexer<'_> {
 
     fn key(&mut self, text: &str, place: Place) -> Result<(), Refused> {
         if text == "<<" {
-            return Err(unsupported("a merge key `<<`", place, "write the entries out, or use `extends: base.yaml`"));
+            return Err(refusal("a merge key `<<`", place, "write the entries out, or use `extends: base.yaml`"));
         }
         if let Some(OpenNode { kind: NodeKind::Map(seen, waiting), .. }) = self.frames.last_mut() {
             if let Some(first) = seen.get(text) {
@@ -166,7 +166,7 @@ impl Indexer<'_> {
 
     fn open(&mut self, kind: NodeKind, place: Place) -> Result<(), Refused> {
         if self.expects_key() {
-            return Err(unsupported("a list or mapping as a key", place, "keys are plain words"));
+            return Err(refusal("a list or mapping as a key", place, "keys are plain words"));
         }
         self.enter();
         self.frames.push(OpenNode { start: place.range.start, last: place.range.end, kind });
@@ -182,7 +182,7 @@ impl Indexer<'_> {
 
     fn alias(&mut self, place: Place) -> Result<(), Refused> {
         if self.expects_key() {
-            return Err(unsupported("an alias as a key", place, "keys are plain words"));
+            return Err(refusal("an alias as a key", place, "keys are plain words"));
         }
         self.enter();
         self.leave(place);
@@ -202,12 +202,12 @@ impl Indexer<'_> {
 
 fn tagless(tag: Option<Cow<'_, Tag>>, place: &Place) -> Result<(), Refused> {
     match tag {
-        Some(_) => Err(unsupported("a YAML tag", place.clone(), "remove the `!...`; put text in quotes")),
+        Some(_) => Err(refusal("a YAML tag", place.clone(), "remove the `!...`; put text in quotes")),
         None => Ok(()),
     }
 }
 
-fn unsupported(what: &str, place: Place, help: &str) -> Refused {
+fn refusal(what: &str, place: Place, help: &str) -> Refused {
     Box::new(
         Diagnostic::new(codes::E0108, format!("{what} is not part of the machine language"))
             .at(Some(place), "")

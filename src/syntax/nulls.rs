@@ -61,7 +61,7 @@ impl<'a> Walk<'a> {
         let mut objects = Vec::new();
         schemas.iter().for_each(|schema| self.objects(schema, DEPTH, &mut objects));
         for (key, value) in map {
-            let Some(name) = written(key) else { continue };
+            let Some(name) = key_text(key) else { continue };
             let here = below(at, &name);
             let of_key: Vec<&Schema> = objects.iter().filter_map(|object| member(object, &name)).collect();
             match value {
@@ -102,7 +102,7 @@ impl<'a> Walk<'a> {
 }
 
 /// A key as text: harmonics are numbers.
-fn written(key: &Value) -> Option<String> {
+fn key_text(key: &Value) -> Option<String> {
     key.as_str().map(str::to_owned).or_else(|| key.as_u64().map(|number| number.to_string()))
 }
 

@@ -14,7 +14,7 @@ const STILL_MM: f64 = 1e-9;
 
 /// Returns the candidates with one more axis turned so that the place lies in the plane of the linear axes; nearest to
 /// the reference first.
-pub fn turned(machine: &Machine, tip: &Vector3<f64>, candidates: &[Pose], reference: &[f64]) -> Vec<Pose> {
+pub fn turn_into_plane(machine: &Machine, tip: &Vector3<f64>, candidates: &[Pose], reference: &[f64]) -> Vec<Pose> {
     if candidates.first().is_none_or(|pose| linear::normal(machine.axes(), pose).is_none()) {
         return Vec::new();
     }

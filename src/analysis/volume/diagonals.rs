@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 /// One diagonal, run from end to end with the other axes at rest.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Diagonal {
+pub struct DiagonalRun {
     /// Its direction by the signs of the three axes' motions: `ppp`, `npp`, `pnp`, `nnp`.
     pub name: String,
     /// Start and end (mm, deg).
@@ -18,7 +18,7 @@ pub struct Diagonal {
     pub deviations: Vec<f64>,
 }
 
-impl Diagonal {
+impl DiagonalRun {
     /// Returns the largest minus the smallest deviation, mm.
     pub fn range(&self) -> f64 {
         let (min, max) =
@@ -43,7 +43,7 @@ const SENSES: [Sense; 4] = [
 
 /// Returns the body diagonals over the volume of [`space_axes`], `steps` intervals each; none without three such axes.
 /// `at` is the pose of the other axes (mm, deg).
-pub fn body_diagonals(field: &dyn Field, at: &[f64], steps: usize, approach: Approach) -> Vec<Diagonal> {
+pub fn body_diagonals(field: &dyn Field, at: &[f64], steps: usize, approach: Approach) -> Vec<DiagonalRun> {
     let machine = field.machine();
     let Ok(axes) = <[usize; 3]>::try_from(space_axes(machine)) else { return Vec::new() };
     SENSES.iter().map(|sense| diagonal(field, at, steps.max(1), approach, &axes, sense)).collect()
@@ -56,7 +56,7 @@ fn diagonal(
     approach: Approach,
     axes: &[usize; 3],
     sense: &Sense,
-) -> Diagonal {
+) -> DiagonalRun {
     let machine = field.machine();
     let pose = |fraction: f64| {
         let mut pose = at.to_vec();
@@ -73,7 +73,12 @@ fn diagonal(
     let along: Vector3<f64> = travel.try_normalize(0.0).unwrap_or_default();
     let start = field.deviation(&ends[0], approach).position;
     let step = |i| (field.deviation(&pose(i as f64 / steps as f64), approach).position - start).dot(&along);
-    Diagonal { name: sense.name.to_owned(), ends, length: travel.norm(), deviations: (0..=steps).map(step).collect() }
+    DiagonalRun {
+        name: sense.name.to_owned(),
+        ends,
+        length: travel.norm(),
+        deviations: (0..=steps).map(step).collect(),
+    }
 }
 
 /// Returns up to three linear axes with an interval in the volume that span space, sorted by name; of several parallel

@@ -40,7 +40,7 @@ pub struct SurveyTask<'a> {
 
 /// Consecutive poses of a survey with their deviations.
 #[derive(Clone, Copy)]
-pub struct Block<'a> {
+pub struct SurveyBlock<'a> {
     /// Index of the first pose.
     pub first: usize,
     poses: &'a Batch<'a>,
@@ -48,7 +48,7 @@ pub struct Block<'a> {
     len: usize,
 }
 
-impl Block<'_> {
+impl SurveyBlock<'_> {
     /// Returns the poses (mm, deg) with their deviations (mm, rad).
     pub fn rows(&self) -> impl Iterator<Item = (Pose, Deviation)> {
         (0..self.len).map(|i| (self.poses.pose(i), self.columns.get(i)))
@@ -72,14 +72,14 @@ pub fn survey(task: SurveyTask<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey
         }
         run.dismiss(worker);
     });
-    run.finished()
+    run.finish()
 }
 
 /// Returns the survey of a field, and calls `make` with every block, on any thread, and `sink` with the results in the
 /// order of the poses. Returns `None` as soon as `sink` returns false.
 pub fn survey_with_rows<T: Send>(
     task: SurveyTask<'_>,
-    make: &(dyn Fn(Block<'_>) -> T + Sync),
+    make: &(dyn Fn(SurveyBlock<'_>) -> T + Sync),
     sink: &mut dyn FnMut(T) -> bool,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Option<Survey> {
@@ -91,7 +91,7 @@ pub fn survey_with_rows<T: Send>(
             let mut worker = run.worker();
             let range = run.block(&mut worker, block);
             let (first, len) = (range.start, range.len());
-            let made = make(Block { first, poses: &worker.poses.batch(), columns: &worker.columns, len });
+            let made = make(SurveyBlock { first, poses: &worker.poses.batch(), columns: &worker.columns, len });
             run.dismiss(worker);
             made
         };
@@ -102,7 +102,7 @@ pub fn survey_with_rows<T: Send>(
             }
         }
     }
-    Some(run.finished())
+    Some(run.finish())
 }
 
 /// The state shared by all threads.
@@ -159,7 +159,7 @@ impl<'a> Run<'a> {
     }
 
     /// Returns the survey of all tallies.
-    fn finished(self) -> Survey {
+    fn finish(self) -> Survey {
         let workers = self.idle.into_inner().unwrap_or_else(PoisonError::into_inner);
         let tallies = workers.into_iter().map(|worker| worker.tally);
         let tally = tallies.reduce(Tally::merged).unwrap_or_else(|| Tally::new(self.task.worst));

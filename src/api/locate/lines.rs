@@ -3,7 +3,7 @@
 use crate::controller::{RotaryLine, Transformation};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::Machine;
-use crate::syntax::sheet::{Decimals, Line, Sheet, cells, drop_empty, number, separator, title};
+use crate::syntax::sheet::{Decimals, Sheet, SheetLine, cells, drop_empty, number, separator, title};
 use crate::units::{self, Dimension, FARTHEST, significant};
 use nalgebra::Vector3;
 
@@ -82,7 +82,7 @@ pub(super) fn found_lines(
     let [first, rows @ ..] = lines.as_slice() else {
         return Err(refusal("the file is empty").at(Some(sheet.start()), ""));
     };
-    let at = |line: &Line, why: Diagnostic| why.at(Some(line.place.clone()), "");
+    let at = |line: &SheetLine, why: Diagnostic| why.at(Some(line.place.clone()), "");
     let (header, left_out) = header(&first.text).map_err(|why| at(first, why))?;
     let mut found: Vec<FoundLine> = Vec::new();
     let mut decimals = Decimals::default();

@@ -77,7 +77,7 @@ pub(crate) fn worst(file: &MachineFile, of: &MapFromBounds) -> String {
 }
 
 /// What bounds add to measured errors, in a sentence.
-pub(crate) fn added(of: &AddedByBounds) -> String {
+pub(crate) fn addition_text(of: &AddedByBounds) -> String {
     let [rss, p95] = [of.position_um.rss, of.position_um.p95].map(|x| significant(x, 4));
     let errors = if of.errors == 1 { "1 error".to_owned() } else { format!("{} errors", of.errors) };
     format!(

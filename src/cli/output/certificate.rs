@@ -28,7 +28,7 @@ impl CertificateView<'_> {
     }
 
     /// Returns the effect of a new reference position where tables must vanish at it.
-    fn shifted(&self) -> String {
+    fn shift_text(&self) -> String {
         let Some(shifted) = &self.report.certificate.shifted else { return String::new() };
         let one = |(axis, shift): (&Axis, &f64)| {
             let (scale, unit) = micro(axis.kind);
@@ -108,7 +108,7 @@ impl CertificateView<'_> {
         format!(
             "{table}\n{bands}{steps}{}{raised}{}",
             ratio(&before.all.position_um, &after.all.position_um),
-            self.shifted()
+            self.shift_text()
         )
     }
 

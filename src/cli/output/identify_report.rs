@@ -38,9 +38,9 @@ pub(crate) fn text(result: &IdentifyResult) -> String {
     }
     let mut text = format!("{}: fitted to {} points\n{rows}\n{}", result.machine, result.points, fit(result));
     text += &residuals(result);
-    text += &shared(result);
+    text += &shared_lines(result);
     text += &prediction(result);
-    text += &undetermined(result);
+    text += &undetermined_lines(result);
     text += &outliers(result);
     text + &datum(result)
 }
@@ -121,7 +121,7 @@ fn residuals(r: &IdentifyResult) -> String {
 }
 
 /// Returns the lines on what readings share: the form of the axes beside the curves, and uncertainties of type B.
-fn shared(r: &IdentifyResult) -> String {
+fn shared_lines(r: &IdentifyResult) -> String {
     let mut text = String::new();
     if let Some(lack) = r.lack_of_fit.as_ref().filter(|lack| !lack.forms.is_empty()) {
         let form = |f: &FormOfAxis| {
@@ -170,7 +170,7 @@ fn prediction(r: &IdentifyResult) -> String {
     text
 }
 
-fn undetermined(r: &IdentifyResult) -> String {
+fn undetermined_lines(r: &IdentifyResult) -> String {
     let mut text = String::new();
     r.free.iter().for_each(|words| text += &format!("free       {words}\n"));
     r.drowned.iter().take(MAX_LINES).for_each(|words| text += &format!("drowned    {words}\n"));

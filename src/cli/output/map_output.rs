@@ -3,7 +3,7 @@
 use super::session::Session;
 use crate::cli::Outcome;
 use crate::cli::arguments::{PictureFile, help, png, svg};
-use crate::cli::store::write::Staged;
+use crate::cli::store::write::StagedFile;
 use abbe::Diagnostic;
 use abbe::options::{MapTable, PlaneComponent, PlaneDrawing, PlaneOptions, TableForm};
 use abbe::results::Picture;
@@ -28,7 +28,7 @@ pub(crate) struct OutputArgs {
 }
 
 impl OutputArgs {
-    fn wanted(&self) -> impl Iterator<Item = (TableForm, &PathBuf)> {
+    fn forms(&self) -> impl Iterator<Item = (TableForm, &PathBuf)> {
         let all = [
             (TableForm::Csv, &self.csv),
             (TableForm::Json, &self.json),
@@ -40,23 +40,24 @@ impl OutputArgs {
 
     /// Returns the paths of the files.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.wanted().map(|(_, path)| path)
+        self.forms().map(|(_, path)| path)
     }
 
     /// Begins all files.
-    pub(crate) fn staged(&self) -> Result<StagedTables, Diagnostic> {
-        let begin = |(form, path): (TableForm, &PathBuf)| Ok((form, path.display().to_string(), Staged::new(path)?));
-        Ok(StagedTables(self.wanted().map(begin).collect::<Result<_, _>>()?))
+    pub(crate) fn stage(&self) -> Result<StagedTables, Diagnostic> {
+        let begin =
+            |(form, path): (TableForm, &PathBuf)| Ok((form, path.display().to_string(), StagedFile::new(path)?));
+        Ok(StagedTables(self.forms().map(begin).collect::<Result<_, _>>()?))
     }
 }
 
 /// The files of a map in the making.
-pub(crate) struct StagedTables(Vec<(TableForm, String, Staged)>);
+pub(crate) struct StagedTables(Vec<(TableForm, String, StagedFile)>);
 
 impl StagedTables {
     /// The files as tables to be filled.
     pub(crate) fn tables(&self) -> Result<Vec<MapTable<'static>>, Diagnostic> {
-        let table = |(form, name, staged): &(TableForm, String, Staged)| {
+        let table = |(form, name, staged): &(TableForm, String, StagedFile)| {
             let sink = Box::new(BufWriter::new(staged.writer()?));
             Ok(MapTable { name: name.clone(), form: *form, sink })
         };

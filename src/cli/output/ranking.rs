@@ -80,7 +80,7 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
                 .map_or(String::new(), |source| format!(", class {}: {source}", of.class.as_deref().unwrap_or("")))
         ),
     };
-    text += &arrangements(of, &r.ranked, (true, top));
+    text += &arrangements(of, &r.ranked, true, top);
     text += &standing(of);
     if r.ranked.len() > top {
         text += &format!("... and {} more (`--top {}`, or `--format csv`)\n", r.ranked.len() - top, r.ranked.len());
@@ -88,14 +88,14 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
     if !r.short.is_empty() {
         text +=
             &format!("\n{} reach less than {} % of the tool poses:\n", r.short.len(), significant(of.reach_percent, 4));
-        text += &arrangements(of, &r.short, (false, top));
+        text += &arrangements(of, &r.short, false, top);
     }
     if !r.not_stated.is_empty() {
         text += &format!(
             "\n{} have axes whose geometry is not stated for the side where they stand; they are not ranked:\n",
             r.not_stated.len()
         );
-        text += &arrangements(of, &r.not_stated, (false, top));
+        text += &arrangements(of, &r.not_stated, false, top);
     }
     if !r.cannot_turn.is_empty() {
         let few: Vec<&str> = r.cannot_turn.iter().take(3).map(|row| row.chain.as_str()).collect();
@@ -129,7 +129,7 @@ fn standing(of: &RankedArrangements) -> String {
     )
 }
 
-fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], (numbered, top): (bool, usize)) -> String {
+fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], numbered: bool, top: usize) -> String {
     let budget = of.by == JudgedBy::Budget;
     let mut header = vec![if numbered { "rank" } else { "" }, "arrangement", "reached", "um"];
     if budget {

@@ -117,12 +117,12 @@ fn circle(test: &CircleTest) -> Figures {
         line("F clockwise", ends(f.clockwise), blank(), "um"),
     ];
     let [u, v] = test.plane.directions().map(|i| ["X", "Y", "Z"][i]);
-    rows.extend(test.causes.iter().flat_map(|causes| caused(causes, [u, v])));
+    rows.extend(test.causes.iter().flat_map(|causes| cause_rows(causes, [u, v])));
     (vec!["figure", "value", "u", "unit"], rows)
 }
 
 /// The causes of a circle in a plane of two directions.
-fn caused(causes: &CauseTest, [u, v]: [&str; 2]) -> Vec<Vec<String>> {
+fn cause_rows(causes: &CauseTest, [u, v]: [&str; 2]) -> Vec<Vec<String>> {
     let line = |name: String, of: UncertainValue, unit: &str| vec![name, n(of.value), maybe(of.sigma), unit.to_owned()];
     let [first, second] = causes.reversal_um;
     let mut rows = vec![

@@ -95,7 +95,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.refuse(no_table(count));
     }
     let mut printed = Cursor::new(Vec::new());
-    let staged = args.outputs.staged().or_else(|d| session.refuse(d))?;
+    let staged = args.outputs.stage().or_else(|d| session.refuse(d))?;
     let mut tables = staged.tables().or_else(|d| session.refuse(d))?;
     if session.format() == Format::Csv {
         tables.push(MapTable {
@@ -133,7 +133,7 @@ fn no_table(count: usize) -> Diagnostic {
 
 fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     if let Some(of) = &result.bounds {
-        return bounded_text(file, args, (result, of));
+        return text_of_bounds(file, args, result, of);
     }
     let mut text = format!(
         "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{} poses ({})\n{}\n",
@@ -147,7 +147,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     if let Some(uncertainty) = &result.uncertainty {
         text.push_str(&bands::text(&[(String::new(), uncertainty)]));
     }
-    text.push_str(&result.bounds_add.as_ref().map_or_else(String::new, bounded::added));
+    text.push_str(&result.bounds_add.as_ref().map_or_else(String::new, bounded::addition_text));
     for (i, worst) in result.worst.iter().enumerate() {
         let [x, y, z] = worst.deviation_um.map(|v| significant(v, 4));
         let length = significant(worst.length_um, 4);
@@ -167,7 +167,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
 }
 
 /// The map of a machine of which nothing is measured.
-fn bounded_text(file: &MachineFile, args: &Args, (result, of): (&MapResult, &MapFromBounds)) -> String {
+fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapFromBounds) -> String {
     let mut text = format!(
         "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{} poses ({}), {} \
          frame, first order\n{}\n{}\n{}{}",

@@ -153,7 +153,7 @@ impl Bench {
     /// Returns the text of the file as it is now, and how often a file that answers were computed from has changed.
     fn follow(&self) -> PageResponse {
         let mut inputs = self.inputs.lock().unwrap_or_else(PoisonError::into_inner);
-        if inputs.read.changed() {
+        if inputs.read.has_changed() {
             *inputs = Inputs { read: self.files(), changes: inputs.changes + 1 };
         }
         answer(StatusCode::OK, &json!({"text": self.text(), "changes": inputs.changes}))
@@ -162,7 +162,7 @@ impl Bench {
     fn open(&self) -> PageResponse {
         match self.text() {
             Some(text) => answer(StatusCode::OK, &json!({"machine": self.machine, "text": text})),
-            None => failed(StatusCode::NOT_FOUND, "the file cannot be read as text"),
+            None => failure(StatusCode::NOT_FOUND, "the file cannot be read as text"),
         }
     }
 
@@ -171,10 +171,10 @@ impl Bench {
         match self.text() {
             Some(text) if text == request.before => match replace_whole(&self.machine, request.text.as_bytes()) {
                 Ok(()) => answer(StatusCode::OK, &json!({"saved": true})),
-                Err(diagnostic) => failed(StatusCode::INTERNAL_SERVER_ERROR, &diagnostic.message),
+                Err(diagnostic) => failure(StatusCode::INTERNAL_SERVER_ERROR, &diagnostic.message),
             },
-            Some(_) => failed(StatusCode::CONFLICT, "the file on the disk has changed since the page read it"),
-            None => failed(StatusCode::CONFLICT, "the file on the disk can no longer be read"),
+            Some(_) => failure(StatusCode::CONFLICT, "the file on the disk has changed since the page read it"),
+            None => failure(StatusCode::CONFLICT, "the file on the disk can no longer be read"),
         }
     }
 }
@@ -183,7 +183,7 @@ fn answer(status: StatusCode, value: &Value) -> PageResponse {
     PageResponse { status, media: "application/json", body: value.to_string().into_bytes().into() }
 }
 
-fn failed(status: StatusCode, message: &str) -> PageResponse {
+fn failure(status: StatusCode, message: &str) -> PageResponse {
     answer(status, &json!({"failure": message}))
 }
 

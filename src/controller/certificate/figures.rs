@@ -35,7 +35,7 @@ pub(crate) fn is_worse(before: f64, after: f64) -> bool {
 }
 
 /// Returns the figures of the position deviation that a set raises, approached from one side.
-pub(crate) fn raised(approach: Approach, before: &Figures, after: &Figures) -> Vec<RaisedFigure> {
+pub(crate) fn raised_figures(approach: Approach, before: &Figures, after: &Figures) -> Vec<RaisedFigure> {
     let (before, after) = (before.all.position_um, after.all.position_um);
     let figures = [("95 %", before.p95, after.p95), ("rms", before.rms, after.rms), ("max", before.max, after.max)];
     let worse = figures.into_iter().filter(|(_, before, after)| is_worse(*before, *after));
@@ -55,7 +55,12 @@ pub(crate) struct Judgement {
 pub(crate) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judgement {
     let one = |approach: Approach| {
         let (uncompensated, compensated) = (figures(bare, poses, approach), figures(with, poses, approach));
-        Judgement { approach, raised: raised(approach, &uncompensated, &compensated), uncompensated, compensated }
+        Judgement {
+            approach,
+            raised: raised_figures(approach, &uncompensated, &compensated),
+            uncompensated,
+            compensated,
+        }
     };
     let p95 = |judgement: &Judgement| judgement.compensated.all.position_um.p95;
     let (mut worse, mut raised) = (None, Vec::new());

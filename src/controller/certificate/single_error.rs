@@ -112,7 +112,7 @@ impl SetOfTables<'_> {
         let tables = set.tables.tables.iter().filter(|table| !is_zero(table)).cloned().collect();
         let tables = CorrectionTables { tables, errors: set.tables.errors.clone() };
         let replay = Replay::new(&alone, self.target, &tables);
-        judge_one(set.error.clone(), &alone, poses, |_, pose, approach| replay.added(pose, approach))
+        judge_one(set.error.clone(), &alone, poses, |_, pose, approach| replay.addition(pose, approach))
     }
 }
 
@@ -136,7 +136,7 @@ impl Cells<'_> {
         let corners: Vec<Corners> = poses.iter().map(|place| self.corners(place.pose)).collect();
         let one = |(error, values): &(ErrorId, Vec<f64>)| {
             let alone = machine.filtered(|id| id == error);
-            judge_one(error.clone(), &alone, poses, |number, _, _| self.added(axes, &corners[number], values))
+            judge_one(error.clone(), &alone, poses, |number, _, _| self.addition(axes, &corners[number], values))
         };
         self.cells.errors.par_iter().map(one).collect()
     }
@@ -147,7 +147,7 @@ impl Cells<'_> {
         self.replay.lattice_corners(pose).into_iter().filter_map(place).collect()
     }
 
-    fn added(&self, axes: usize, corners: &Corners, values: &[f64]) -> Vec<f64> {
+    fn addition(&self, axes: usize, corners: &Corners, values: &[f64]) -> Vec<f64> {
         let mut added = vec![0.0; axes];
         for (place, weight) in corners {
             let row = &values[place * self.lattice.corrected.len()..];

@@ -57,7 +57,7 @@ pub(in crate::controller) fn judge_tables(
     let fixed = |rules: &TableRules| rules.reference == Reference::Zero || rules.spacing == Spacing::Line;
     let vanishing = target.manifest.mechanism.iter().any(|(_, rules)| fixed(rules));
     let shifted = || {
-        let added = |pose: &Pose| compensated.replay.added(pose, approach);
+        let added = |pose: &Pose| compensated.replay.addition(pose, approach);
         let nothing = |pose: &Pose| vec![0.0; pose.len()];
         let (shift, position_um) = Shiftable { field: &compensated, added: &added }.best_shift(&poses, approach);
         ZeroShift {
@@ -76,10 +76,10 @@ pub(in crate::controller) fn judge_tables(
         compensated: left,
         errors,
         single_error_poses,
-        at_reference: [Approach::Forward, Approach::Reverse].map(|a| replay.added(&zero, a)),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|a| replay.addition(&zero, a)),
         shifted: vanishing.then(shifted),
         raised,
         programming: Vec::new(),
-        strongest: strongest(machine, tables, &poses, |pose, approach| replay.added(pose, approach)),
+        strongest: strongest(machine, tables, &poses, |pose, approach| replay.addition(pose, approach)),
     }
 }

@@ -33,7 +33,7 @@ impl Transformation {
         }
         let left = self.from(&Self::actual(&found.on(machine)?)?, machine)?;
         if !left.numbers().all(|x| x.abs() <= CLOSED) {
-            return Err(unreached());
+            return Err(unreached_diagnostic());
         }
         Ok(found.errors(machine))
     }
@@ -54,7 +54,7 @@ impl Transformation {
     }
 }
 
-fn unreached() -> Diagnostic {
+fn unreached_diagnostic() -> Diagnostic {
     Diagnostic::new(codes::E0751, "no location errors of this machine lead to the lines of the rotary axes").help(
         "check points and directions; under conventions that displace bodies, `abbe convert` writes the machine \
                with `location: axis_only`",

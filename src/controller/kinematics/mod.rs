@@ -34,7 +34,7 @@ mod topology;
 mod transformation;
 
 pub use carry::KinematicsModule;
-pub use data::{CurveData, Form, Joint, Model, ModuleWords};
+pub use data::{CurveData, Form, ModuleJoint, ModuleModel, ModuleWords};
 pub use driven::ModuleField;
 pub use parameters::Parameters;
 pub use solve::World;

@@ -17,7 +17,7 @@ pub(super) type Fields = BTreeMap<String, FieldValue>;
 
 /// The fields of one table in a file.
 #[derive(Debug, Default)]
-pub(super) struct Record {
+pub(super) struct TableFields {
     /// Its name, empty if the file holds one only.
     pub name: String,
     /// The first line that spoke of it.
@@ -38,10 +38,10 @@ const OF_POINTS: [&str; 9] =
 const MAX_POINTS: usize = 5_000_000;
 
 /// Reads the lines of a file.
-pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> Result<Vec<Record>, Fault> {
+pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> Result<Vec<TableFields>, Fault> {
     let patterns: Vec<(Vec<Piece>, &LineSpec)> = specs.iter().map(|spec| (pieces(&spec.line), spec)).collect();
     let mut met = vec![false; specs.len()];
-    let mut records: Vec<Record> = Vec::new();
+    let mut records: Vec<TableFields> = Vec::new();
     let mut current = 0;
     let mut open: Option<usize> = None;
     for (number, line) in text.lines().enumerate() {
@@ -50,7 +50,7 @@ pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> 
             continue;
         }
         let fits = |(pieces, spec): &(Vec<Piece>, &LineSpec)| {
-            spec.at.is_none_or(|at| at == number + 1).then(|| matched(pieces, bare)).flatten()
+            spec.at.is_none_or(|at| at == number + 1).then(|| match_pattern(pieces, bare)).flatten()
         };
         let Some((which, fields)) = patterns.iter().enumerate().find_map(|(i, p)| Some((i, fits(p)?))) else {
             return Err(Fault::new(number, "the controller would not understand this line"));
@@ -78,7 +78,7 @@ pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> 
 
 /// Puts the fields of a line where they belong: to the record that the line names, else to the last one.
 fn take(
-    records: &mut Vec<Record>,
+    records: &mut Vec<TableFields>,
     current: &mut usize,
     said: impl Iterator<Item = (String, String)>,
     line: usize,
@@ -95,7 +95,7 @@ fn take(
     };
     let at = known.unwrap_or(records.len());
     if known.is_none() {
-        records.push(Record { name: name.unwrap_or_default(), line, ..Record::default() });
+        records.push(TableFields { name: name.unwrap_or_default(), line, ..TableFields::default() });
     }
     *current = at;
     let record = &mut records[at];
@@ -133,12 +133,12 @@ fn index(said: &mut BTreeMap<String, String>, next: usize, line: usize) -> Resul
 
 /// True if a line fits a pattern from end to end.
 pub(super) fn fits(pattern: &str, line: &str) -> bool {
-    matched(&pieces(pattern), line).is_some()
+    match_pattern(&pieces(pattern), line).is_some()
 }
 
 /// The fields of a line that fits a pattern from end to end.
 pub(super) fn fields(pattern: &str, line: &str) -> Option<Vec<(String, String)>> {
-    matched(&pieces(pattern), line)
+    match_pattern(&pieces(pattern), line)
 }
 
 /// A piece of a pattern.
@@ -173,7 +173,7 @@ fn pieces(pattern: &str) -> Vec<Piece> {
 }
 
 /// The fields of a line that fits a pattern from end to end.
-fn matched(pieces: &[Piece], line: &str) -> Option<Vec<(String, String)>> {
+fn match_pattern(pieces: &[Piece], line: &str) -> Option<Vec<(String, String)>> {
     let mut fields = Vec::new();
     let mut rest = line;
     for (i, piece) in pieces.iter().enumerate() {

@@ -5,7 +5,7 @@ use super::lookup::{between, cell, period, single_precision};
 use super::model;
 use crate::compensation::{CorrectionTable, CorrectionTables, Spacing};
 use crate::controller::manifest::ControllerTarget;
-use crate::controller::manifest::{Arithmetic, Controller, Lookup, OutsideTable};
+use crate::controller::manifest::{Arithmetic, Controller, LookupPosition, OutsideTable};
 use crate::evaluate::{Deviation, Field, commanded_deviation};
 use crate::machine::{Approach, Machine};
 
@@ -39,21 +39,21 @@ impl<'a> Replay<'a> {
     }
 
     /// Returns the motions that the controller adds to a command (mm, deg) approached from one side.
-    pub fn added(&self, command: &[f64], approach: Approach) -> Vec<f64> {
+    pub fn addition(&self, command: &[f64], approach: Approach) -> Vec<f64> {
         let mut added = vec![0.0; command.len()];
         if !self.tables.errors.is_empty() {
             added = model::motion(self.machine, command, &self.tables.errors);
         }
         match self.controller.lookup {
-            Lookup::Command => self.add_tables(command, approach, &mut added, |_| true),
-            Lookup::LinesThenPlanes => {
+            LookupPosition::Command => self.add_tables(command, approach, &mut added, |_| true),
+            LookupPosition::LinesThenPlanes => {
                 let line = |table: &CorrectionTable| table.axes.len() == 1;
                 self.add_tables(command, approach, &mut added, line);
                 let at: Vec<f64> = command.iter().zip(&added).map(|(q, c)| q + c).collect();
                 self.add_tables(&at, approach, &mut added, |table| !line(table));
             }
             // Klipper and Marlin: y' = y - z*yz, then x' = x - y'*xy - z*xz.
-            Lookup::Corrected => {
+            LookupPosition::Corrected => {
                 let mut order: Vec<usize> = self.tables.tables.iter().map(|t| t.corrected[0]).collect();
                 order.sort_by_key(|axis| std::cmp::Reverse(self.machine.axes()[*axis].name.clone()));
                 order.dedup();
@@ -64,7 +64,7 @@ impl<'a> Replay<'a> {
             }
         }
         if let Some(installed) = &self.installed {
-            let before = installed.added(command, approach);
+            let before = installed.addition(command, approach);
             added.iter_mut().zip(before).for_each(|(a, b)| *a -= b);
         }
         added
@@ -74,7 +74,7 @@ impl<'a> Replay<'a> {
         let looked_up = self.modulo.iter().zip(&self.factors);
         for (table, (modulo, factor)) in self.tables.tables.iter().zip(looked_up).filter(|(table, _)| keep(table)) {
             if let ([axis], [corrected]) = (&table.axes[..], &table.corrected[..]) {
-                let position = self.turned(table, 0, *axis, at[*axis], *modulo);
+                let position = self.lookup_position(table, 0, *axis, at[*axis], *modulo);
                 let outside = if *factor { OutsideTable::Extrapolate } else { self.controller.outside };
                 added[*corrected] += self.curve(table, position, approach, outside);
                 continue;
@@ -101,7 +101,7 @@ impl<'a> Replay<'a> {
     }
 
     /// Returns the position at which a table is looked up.
-    fn turned(&self, table: &CorrectionTable, place: usize, axis: usize, position: f64, modulo: bool) -> f64 {
+    fn lookup_position(&self, table: &CorrectionTable, place: usize, axis: usize, position: f64, modulo: bool) -> f64 {
         let nodes = &table.nodes[place];
         let first = nodes[0];
         if modulo && self.machine.is_continuous(axis) {
@@ -117,7 +117,7 @@ impl<'a> Replay<'a> {
     pub fn corners(&self, lattice: &CorrectionTable, command: &[f64], modulo: bool) -> Vec<(usize, f64)> {
         let mut corners = vec![(0, 1.0)];
         for (place, (axis, nodes)) in lattice.axes.iter().zip(&lattice.nodes).enumerate() {
-            let position = self.turned(lattice, place, *axis, command[*axis], modulo);
+            let position = self.lookup_position(lattice, place, *axis, command[*axis], modulo);
             let Some((low, high, fraction)) = cell(nodes, position, self.controller.outside) else { return Vec::new() };
             corners = corners
                 .iter()
@@ -153,7 +153,7 @@ impl Field for Compensated<'_> {
     }
 
     fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
-        let added = self.replay.added(pose, approach);
+        let added = self.replay.addition(pose, approach);
         let command: Vec<f64> = pose.iter().zip(&added).map(|(q, c)| q + c).collect();
         commanded_deviation(self.machine, pose, &command, approach)
     }

@@ -10,7 +10,7 @@ use crate::evaluate::Frame;
 use crate::lower::{NominalPose, Source};
 use crate::machine::{Approach, Direction, Machine, Pose};
 use crate::syntax::Files;
-use crate::syntax::sheet::{self, Decimals, Line, read_sheet};
+use crate::syntax::sheet::{self, Decimals, SheetLine, read_sheet};
 use crate::units::{FARTHEST, counted};
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
@@ -233,7 +233,7 @@ impl Reader<'_> {
     }
 
     /// Takes the points of a tracker.
-    fn read_points(&mut self, columns: &PointColumns, lines: &[Line], diagnostics: &mut Diagnostics) {
+    fn read_points(&mut self, columns: &PointColumns, lines: &[SheetLine], diagnostics: &mut Diagnostics) {
         let first = lines.first().map(|line| line.place.clone());
         let mut refuse = |message: String, place: Option<Place>| {
             diagnostics.push(Diagnostic::new(codes::E0501, message).at(place, "").help(POINTS));
@@ -266,7 +266,7 @@ impl Reader<'_> {
     fn body(
         &mut self,
         columns: &[Column],
-        lines: impl Iterator<Item = Line>,
+        lines: impl Iterator<Item = SheetLine>,
         separator: char,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Draft>> {
@@ -311,7 +311,7 @@ impl Reader<'_> {
     fn draft(
         &self,
         columns: &[Column],
-        line: &Line,
+        line: &SheetLine,
         separator: char,
         decimals: &mut Decimals,
     ) -> Result<Draft, RowFailure> {

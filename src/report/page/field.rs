@@ -120,13 +120,13 @@ impl FieldData {
         let machine = given.machine;
         let axes = grid_axes(machine);
         let poses = stations(machine, &axes);
-        let groups = bounded_groups(machine, bounded);
+        let groups = bound_groups(machine, bounded);
         let count = BOUNDED_NODES;
         let lattice = Lattice { given, axes, count };
         let nodes: Vec<Pose> =
             poses.iter().flat_map(|station| (0..lattice.len()).map(|node| lattice.pose(station, node))).collect();
         let found = given.at(bounded, &Poses::Listed(nodes.clone()), Frame::Workpiece);
-        let rows: Vec<Vec<f64>> = nodes.par_iter().map(|pose| squared_effects(machine, bounded, pose)).collect();
+        let rows: Vec<Vec<f64>> = nodes.par_iter().map(|pose| effect_squares(machine, bounded, pose)).collect();
         let of = |lengths: Vec<f64>| lengths.chunks(lattice.len()).map(|at| lattice.of_lengths(at)).collect();
         let group = |(id, label, group, members): &BoundedGroup| Layer {
             id: id.clone(),
@@ -157,7 +157,7 @@ impl FieldData {
 }
 
 /// Squared effects of the bounds alone on the position at a pose, mm^2, in their order.
-fn squared_effects(machine: &Machine, bounded: &BudgetReport<'_>, pose: &[f64]) -> Vec<f64> {
+fn effect_squares(machine: &Machine, bounded: &BudgetReport<'_>, pose: &[f64]) -> Vec<f64> {
     let mut squares = vec![0.0; bounded.bounds.len()];
     effects_at(machine, bounded.bounds, pose).into_iter().for_each(|(i, length)| squares[i] = length * length);
     squares
@@ -167,7 +167,7 @@ fn squared_effects(machine: &Machine, bounded: &BudgetReport<'_>, pose: &[f64]) 
 type BoundedGroup = (String, String, &'static str, Vec<usize>);
 
 /// Groups of bounds by kind, by axis, and one by one.
-fn bounded_groups(machine: &Machine, bounded: &BudgetReport<'_>) -> Vec<BoundedGroup> {
+fn bound_groups(machine: &Machine, bounded: &BudgetReport<'_>) -> Vec<BoundedGroup> {
     let members = |keep: &dyn Fn(&Bound) -> bool| -> Vec<usize> {
         bounded.bounds.iter().enumerate().filter(|(_, bound)| keep(bound)).map(|(i, _)| i).collect()
     };
@@ -343,10 +343,10 @@ impl Lattice<'_> {
             heads.push((format!("after-{name}"), format!("after {name}"), "after"));
             heads.push((format!("removed-{name}"), format!("removed by {name}"), "removed"));
         }
-        heads.into_iter().enumerate().map(|(k, head)| self.layer(k, head, stations)).collect()
+        heads.into_iter().enumerate().map(|(k, (id, label, group))| self.layer(k, id, label, group, stations)).collect()
     }
 
-    fn layer(&self, k: usize, (id, label, group): (String, String, &'static str), stations: &[Sampled]) -> Layer {
+    fn layer(&self, k: usize, id: String, label: String, group: &'static str, stations: &[Sampled]) -> Layer {
         let at = stations.iter().map(|station| self.layer_at(k, station)).collect();
         Layer { id, label, group, at }
     }

@@ -2,7 +2,7 @@
 
 use super::instruments::Instruments;
 use crate::analysis::budget::{Draws, PoseByPose, PosesRequest, is_measured, pose_by_pose};
-use crate::controller::{Certificate, ControllerTarget, Effect};
+use crate::controller::{Certificate, ControllerEffect, ControllerTarget};
 use crate::evaluate::{Frame, Order, Poses, Random};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::text::{BoundedFigures, BudgetReport};
@@ -45,14 +45,14 @@ pub struct TargetResult {
     /// The controller.
     pub target: ControllerTarget,
     /// Its tables, or its kinematics.
-    pub effect: Effect,
+    pub effect: ControllerEffect,
     /// Certificate of the residual.
     pub certificate: Certificate,
 }
 
 impl<'a> MachineInput<'a> {
     /// The bounds of a machine of which nothing is measured, with the machines drawn.
-    pub fn bounded(&self) -> Option<BudgetReport<'a>> {
+    pub fn budget(&self) -> Option<BudgetReport<'a>> {
         self.budget.filter(|_| !is_measured(self.machine))
     }
 

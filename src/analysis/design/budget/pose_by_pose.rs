@@ -178,12 +178,12 @@ impl Place {
         std::array::from_fn(|q| {
             let deviations = self.effects[q].deviations(drawn);
             let squares = squares(&deviations);
-            extremes.0[q].take(&self.turned(deviations), &squares);
+            extremes.0[q].take(&self.turn(deviations), &squares);
             squares
         })
     }
 
-    fn turned(&self, d: [SampleLanes; 3]) -> [SampleLanes; 3] {
+    fn turn(&self, d: [SampleLanes; 3]) -> [SampleLanes; 3] {
         let Some(turn) = &self.turn else { return d };
         let row =
             |i: usize, lane: usize| turn[(i, 0)] * d[0][lane] + turn[(i, 1)] * d[1][lane] + turn[(i, 2)] * d[2][lane];

@@ -1,16 +1,16 @@
 //! Results walk by walk as text: a line that identifies the study, then a line for each round and walk. Parts of a
 //! study, made on other machines or before an interruption, are put together from these.
 
-use super::ranking::Row;
+use super::ranking::ArrangementRow;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// What one round gives of an arrangement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Record {
+pub struct RoundRecord {
     /// The arrangement; without a result, which needs all rounds.
-    pub row: Row,
+    pub row: ArrangementRow,
     /// Position error of each machine drawn in the round, in their order, um; by the errors given a single one.
     pub values: Vec<f64>,
     /// The ranked value of the machine as its file has it, on the same tool poses and all machines drawn so far, um;
@@ -35,7 +35,7 @@ pub struct Journal {
     /// Number of walks.
     pub steps: usize,
     /// Records of the finished walks.
-    pub done: BTreeMap<RoundStep, Vec<Record>>,
+    pub done: BTreeMap<RoundStep, Vec<RoundRecord>>,
 }
 
 /// The reason why text is not a journal.
@@ -60,7 +60,7 @@ struct Head {
 struct Step {
     round: usize,
     step: usize,
-    records: Vec<Record>,
+    records: Vec<RoundRecord>,
 }
 
 /// Version of the text's form.
@@ -73,7 +73,7 @@ impl Journal {
     }
 
     /// Returns the records of a round with their walks, walk by walk.
-    pub fn round(&self, round: usize) -> impl Iterator<Item = (usize, &Record)> {
+    pub fn round(&self, round: usize) -> impl Iterator<Item = (usize, &RoundRecord)> {
         let range = RoundStep { round, step: 0 }..RoundStep { round: round + 1, step: 0 };
         self.done.range(range).flat_map(|(at, records)| records.iter().map(|record| (at.step, record)))
     }

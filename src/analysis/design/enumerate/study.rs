@@ -1,8 +1,8 @@
 //! A study: every walk on the same tool poses, judged by a budget or by the errors that have a value.
 
 use super::arrangement::Walk;
-use super::journal::Record;
-use super::ranking::{NeededRange, Row, Standing};
+use super::journal::RoundRecord;
+use super::ranking::{ArrangementRow, NeededRange, Standing};
 use super::side_draws::SideDraws;
 use super::walk_budget;
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
@@ -69,7 +69,7 @@ impl<'a> Study<'a> {
     }
 
     /// The same study, which also tells the travel that the work needs of each arrangement.
-    pub fn sized(self, sized: bool) -> Self {
+    pub fn with_travel(self, sized: bool) -> Self {
         Self { sized, ..self }
     }
 
@@ -109,7 +109,7 @@ impl<'a> Study<'a> {
 
 impl StudyRound<'_> {
     /// Returns the records of the arrangements of one walk that have so many axes on the table: `None` for all.
-    pub fn step(&self, index: usize, tables: Option<&[usize]>) -> Vec<Record> {
+    pub fn step(&self, index: usize, tables: Option<&[usize]>) -> Vec<RoundRecord> {
         let (walk, machine) = (&self.study.walks[index], self.study.machine);
         let wanted = |table: &usize| tables.is_none_or(|tables| tables.contains(table));
         let (tables, machines): (Vec<usize>, Vec<Machine>) = walk
@@ -129,10 +129,10 @@ impl StudyRound<'_> {
     }
 
     /// Returns the records of arrangements with the same nominal machine.
-    fn alike(&self, walk: &Walk, machines: &[Machine], tables: &[usize]) -> Vec<Record> {
+    fn alike(&self, walk: &Walk, machines: &[Machine], tables: &[usize]) -> Vec<RoundRecord> {
         let study = self.study;
         let nominal = &machines[0];
-        let row = |(machine, table): (&Machine, &usize), standing, missed: UnreachableCount| Row {
+        let row = |(machine, table): (&Machine, &usize), standing, missed: UnreachableCount| ArrangementRow {
             chain: machine.chain().to_string(),
             table: *table,
             standing,
@@ -143,7 +143,7 @@ impl StudyRound<'_> {
             travel: Vec::new(),
         };
         let each = || machines.iter().zip(tables);
-        let apart = |row: Row| Record { row, values: Vec::new(), file: None };
+        let apart = |row: ArrangementRow| RoundRecord { row, values: Vec::new(), file: None };
         if freedom(nominal) < study.freedom {
             let all = study.work.len();
             let missed = UnreachableCount { total: all, direction: all, ..UnreachableCount::default() };
@@ -151,15 +151,15 @@ impl StudyRound<'_> {
         }
         let found: Vec<Result<Pose, Miss>> = inverse_all(nominal, &study.work);
         let missed = UnreachableCount::count(found.iter().filter_map(|pose| Some(&pose.as_ref().err()?.why)));
-        let travel = if study.sized { needed(nominal, &found) } else { Vec::new() };
+        let travel = if study.sized { travel_needs(nominal, &found) } else { Vec::new() };
         let (reached, poses): (Vec<usize>, Vec<Pose>) =
             found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
         if poses.is_empty() {
             return each().map(|of| apart(row(of, Standing::ReachesNothing, missed))).collect();
         }
         let (values, file) = self.values(walk, machines, tables, &reached, &poses);
-        let judged = each().zip(values).map(|(of, values)| Record {
-            row: Row { travel: travel.clone(), ..row(of, Standing::Judged, missed) },
+        let judged = each().zip(values).map(|(of, values)| RoundRecord {
+            row: ArrangementRow { travel: travel.clone(), ..row(of, Standing::Judged, missed) },
             values,
             file: Some(file),
         });
@@ -201,7 +201,7 @@ impl StudyRound<'_> {
 }
 
 /// Returns the travel that the work needs of each axis.
-fn needed(machine: &Machine, found: &[Result<Pose, Miss>]) -> Vec<NeededRange> {
+fn travel_needs(machine: &Machine, found: &[Result<Pose, Miss>]) -> Vec<NeededRange> {
     let ranges = Needs::of(found.iter().map(|pose| pose.as_ref())).ranges;
     let of = |(axis, (min, max)): (&Axis, (f64, f64))| NeededRange { axis: axis.name.to_string(), min, max };
     machine.axes().iter().zip(ranges).map(of).collect()

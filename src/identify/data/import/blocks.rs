@@ -8,7 +8,7 @@ use super::sample::{Import, Sample, UnusedColumn, refusal};
 use super::unit::component_error;
 use crate::diagnostic::{Diagnostic, shown};
 use crate::machine::{ErrorId, parse_error_name};
-use crate::syntax::sheet::Line;
+use crate::syntax::sheet::SheetLine;
 use crate::units;
 
 /// The entry of a constant, and the one that opens the rows of a curve.
@@ -31,7 +31,7 @@ fn entry(line: &str) -> Option<(String, &str)> {
 }
 
 /// True for a file of this layout.
-pub(super) fn is(lines: &[Line]) -> bool {
+pub(super) fn is(lines: &[SheetLine]) -> bool {
     lines.windows(2).any(|pair| {
         let known = |(key, _): (String, &str)| key == CONSTANT || key == CURVE;
         block(&pair[0].text).and_then(parse_error_name).is_some() && entry(&pair[1].text).is_some_and(known)
@@ -46,7 +46,7 @@ struct Blocks {
     constants: Vec<(ErrorId, f64)>,
 }
 
-pub(super) fn read(lines: &[Line], wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
+pub(super) fn read(lines: &[SheetLine], wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
     let first = lines.first().map(|line| line.place.clone());
     let refuse = |message: String| Box::new(refusal(message, first.clone()));
     let blocks = blocks(lines)?;
@@ -104,7 +104,7 @@ pub(super) fn read(lines: &[Line], wanted: &ImportRequest) -> Result<Import, Box
     gather::finish(import, wanted, &[], &place)
 }
 
-fn blocks(lines: &[Line]) -> Result<Blocks, Box<Diagnostic>> {
+fn blocks(lines: &[SheetLine]) -> Result<Blocks, Box<Diagnostic>> {
     let mut found = Blocks::default();
     let mut name: Option<ErrorId> = None;
     let mut points: Option<Vec<(f64, f64)>> = None;

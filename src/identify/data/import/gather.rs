@@ -13,13 +13,13 @@ use crate::identify::data::error_name::parse_component_error;
 use crate::identify::lists::index_of;
 use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
-use crate::syntax::sheet::{self, Decimals, Line};
+use crate::syntax::sheet::{self, Decimals, SheetLine};
 use crate::units::FARTHEST;
 
 /// Largest readings (mm, rad) that are believed.
 const LARGEST: (f64, f64) = (10.0, 0.1);
 
-pub(super) fn gather(lines: &[Line], header: &Header, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
+pub(super) fn gather(lines: &[SheetLine], header: &Header, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
     let by_row = header.roles.contains(&Role::Other(Meaning::Direction));
     let mut import = Import {
         errors: header.errors.clone(),

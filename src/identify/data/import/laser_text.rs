@@ -11,7 +11,7 @@ use super::unit::{self, Unit, component_error, own_axis, reading_unit};
 use crate::diagnostic::{Diagnostic, Place, Reason, shown};
 use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
-use crate::syntax::sheet::{self, Decimals, Line};
+use crate::syntax::sheet::{self, Decimals, SheetLine};
 use std::path::Path;
 
 /// Quantities by the ending of a file's name: unit of the deviations where it is known, and true for the positioning
@@ -29,7 +29,7 @@ const RUN_COUNT: (&str, &str) = ("RUNS", "run-count");
 const DEVIATIONS: (&str, &str) = ("DEVIATIONS", "run target data");
 
 /// True for a file of this layout.
-pub(super) fn is(lines: &[Line]) -> bool {
+pub(super) fn is(lines: &[SheetLine]) -> bool {
     lines.first().is_some_and(|line| section(&line.text).is_some())
         && lines.iter().any(|line| section(&line.text) == Some(DEVIATIONS.0))
 }
@@ -49,7 +49,7 @@ struct Contents {
     metadata: Vec<(String, String)>,
 }
 
-pub(super) fn read(lines: &[Line], wanted: &ImportRequest, path: &Path) -> Result<Import, Box<Diagnostic>> {
+pub(super) fn read(lines: &[SheetLine], wanted: &ImportRequest, path: &Path) -> Result<Import, Box<Diagnostic>> {
     let first = lines.first().map(|line| line.place.clone());
     let refuse = |message: String| Box::new(refusal(message, first.clone()));
     let contents = contents(lines)?;
@@ -74,7 +74,7 @@ pub(super) fn read(lines: &[Line], wanted: &ImportRequest, path: &Path) -> Resul
 }
 
 /// Reads section by section.
-fn contents(lines: &[Line]) -> Result<Contents, Box<Diagnostic>> {
+fn contents(lines: &[SheetLine]) -> Result<Contents, Box<Diagnostic>> {
     let mut found = Contents::default();
     let (mut current, mut list) = (String::new(), String::new());
     let mut decimals = Decimals::default();
