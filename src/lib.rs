@@ -92,6 +92,21 @@
 #![cfg_attr(small_engine, feature(optimize_attribute))]
 
 pub use api::*;
+pub use wire::report::report;
+pub use wire::report_options::ReportOptions;
+pub use wire::workbench::{workbench, workbench_of_parts, workbench_part};
+
+/// Types of the fields of options.
+pub mod options {
+    pub use crate::api::options::*;
+    pub use crate::wire::workbench::{CompareWith, Question, WorkOptions, WorkbenchRequest};
+}
+
+/// Results of the functions, and their parts. Serde writes results in the shapes that docs/formats.md describes.
+pub mod results {
+    pub use crate::api::results::*;
+    pub use crate::wire::report::Report;
+}
 
 #[doc(hidden)]
 pub mod algebra;
@@ -110,16 +125,28 @@ pub mod diagnostic;
 #[doc(hidden)]
 pub mod evaluate;
 #[doc(hidden)]
+pub mod file_set;
+#[doc(hidden)]
 pub mod identify;
+#[doc(hidden)]
+pub mod job;
 #[doc(hidden)]
 pub mod lower;
 #[doc(hidden)]
 pub mod machine;
 #[doc(hidden)]
+pub mod record;
+#[doc(hidden)]
 pub mod report;
+#[doc(hidden)]
+pub mod run;
+#[doc(hidden)]
+pub mod shards;
 #[doc(hidden)]
 pub mod standards;
 #[doc(hidden)]
 pub mod syntax;
 #[doc(hidden)]
 pub mod units;
+#[doc(hidden)]
+pub mod wire;

@@ -10,11 +10,13 @@
 //! - `closed_form`: equations over polynomials in symbols ([`equations()`]), interactions of errors
 //!   ([`interactions()`]), first-order effects joint by joint ([`twists`](crate::lower::twists)), and the minimal
 //!   set of location errors ([`LocationSet`]).
-//! - `uncertainty`: intervals of the figures of a map by the uncertainty of the errors ([`bands()`]).
+//! - `uncertainty`: intervals of the figures of a map by the uncertainty of the errors ([`bands()`]); [`figure_bands`]:
+//!   those of a field, of machines side by side, and of single poses.
 //! - [`instrument`]: the readings of a ball bar, an R-test, or a laser along the diagonals.
 
 mod closed_form;
 mod design;
+pub mod figure_bands;
 pub mod instrument;
 mod inverse;
 mod uncertainty;

@@ -1,9 +1,9 @@
 //! The algebra asked for: in the words of the machine file's section `algebra`, or that section itself.
 
-use super::run::{Call, Refused};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::lower::{DeclaredAlgebra, WeilLift};
 use crate::machine::{AlgebraChoice, Machine};
+use crate::run::{Call, Refused};
 use crate::syntax::{AlgebraEntry, from_yaml};
 
 /// The algebra declared by a text (empty: by the machine file), with its generators.

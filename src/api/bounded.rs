@@ -1,6 +1,5 @@
 //! The effect of the bounds of a machine where nothing is measured.
 
-use super::run::{Call, Refused};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
     Bound, Draws, PoseByPose, PosesRequest, Request, adding, budget, budget_poses, is_measured, pose_by_pose,
@@ -8,6 +7,7 @@ use crate::analysis::budget::{
 use crate::evaluate::{Frame, Poses};
 use crate::machine::{Machine, Pose};
 use crate::report::{BoundedFigures, DrawSettings};
+use crate::run::{Call, Refused};
 use serde::Serialize;
 
 /// The bounds of a machine, and how machines are drawn between them.

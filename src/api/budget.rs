@@ -1,16 +1,16 @@
 //! From tolerances to the volumetric error.
 
-use super::budget_parts::{self, BudgetShard};
 use super::goal::{ToleranceGoal, goal};
-use super::machine_file::MachineFile;
-use super::poses::{axis_positions, check, pose_option};
-use super::run::{Answer, Call, Count, Refused, Run};
 use super::tolerances::{ClassSource, ToleranceOptions};
-use super::tool_poses::{self, ReachedToolPoses};
 use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_from_samples, budget_poses, known};
 use crate::diagnostic::Diagnostics;
+use crate::job::machine_file::MachineFile;
+use crate::job::poses::{axis_positions, check, pose_option};
+use crate::job::tool_poses::{self, ReachedToolPoses};
 use crate::machine::{Machine, Pose};
 use crate::report::{BudgetReport, DrawSettings, Picture};
+use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::shards::budget_parts::{self, BudgetShard, Division};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
@@ -61,6 +61,17 @@ impl Default for BudgetOptions {
     }
 }
 
+impl BudgetOptions {
+    /// Returns what drawn machines depend on.
+    fn drawn_by(&self) -> impl std::fmt::Debug {
+        (self.seed, self.samples, &self.tolerances)
+    }
+
+    fn division<'a>(&'a self, drawn_by: &'a dyn std::fmt::Debug) -> Division<'a> {
+        Division { shard: self.shard, merge: &self.merge, drawn_by }
+    }
+}
+
 /// A budget with what it is of. Serialises as docs/formats.md describes.
 #[derive(Debug, Clone)]
 pub struct BudgetResult {
@@ -80,7 +91,7 @@ pub struct BudgetResult {
 }
 
 impl BudgetResult {
-    pub(super) fn report(&self) -> BudgetReport<'_> {
+    pub(crate) fn report(&self) -> BudgetReport<'_> {
         let Self { machine, bounds, budget, drawing, .. } = self;
         BudgetReport { machine, bounds, budget, poses: self.poses, drawing }
     }
@@ -163,7 +174,8 @@ pub fn budget_part(
         let at = fitting(call, file, options)?;
         let (bounds, _) = options.tolerances.bounds(call, file)?;
         let work = BudgetWork::of(call, file, options)?;
-        budget_parts::drawn_part(call, options, work.request(file, options, (&bounds, at.as_deref())))
+        let request = work.request(file, options, (&bounds, at.as_deref()));
+        budget_parts::drawn_part(call, options.division(&options.drawn_by()), request)
     })
 }
 
@@ -220,7 +232,7 @@ impl BudgetWork {
 }
 
 /// Budgets bounds, given with their class.
-pub(super) fn budget_of(
+pub(crate) fn budget_of(
     call: &mut Call<'_>,
     machine: &Machine,
     options: &BudgetOptions,
@@ -229,7 +241,7 @@ pub(super) fn budget_of(
 ) -> Result<BudgetResult, Refused> {
     let work = BudgetWork::of(call, machine, options)?;
     let request = work.request(machine, options, (&bounds, at.as_deref()));
-    let drawn = budget_parts::merged(call, options, request)?;
+    let drawn = budget_parts::merged(call, options.division(&options.drawn_by()), request)?;
     let steps = if drawn.is_some() { 0 } else { 2 * options.samples };
     let budget = call.stage(steps, |advance| budget_from_samples(request, drawn, advance));
     let goal = match options.goal_mm {

@@ -1,6 +1,5 @@
 //! Budgets of several machines on the same work.
 
-use super::run::{Call, Refused};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
     Bound, BoundedError, Budget, PairedTest, Request, Verdict, VersusFirst, budget, round_sizes, side_by_side,
@@ -8,6 +7,7 @@ use crate::analysis::budget::{
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::report::{BudgetReport, DrawSettings, budgets_json};
+use crate::run::{Call, Refused};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 

@@ -1,9 +1,9 @@
 //! A certificate with the machine, the target and the files that it holds for.
 
-use super::compensation::verdict;
 use super::uncertainty::CertificateBands;
 use crate::controller::{Certificate, ControllerTarget, Depth, Figures, RaisedFigure, ZeroShift, micro};
 use crate::evaluate::Field;
+use crate::file_set::verdict;
 use crate::machine::{AxisKind, Machine};
 use serde_json::{Map, Value, json};
 

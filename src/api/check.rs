@@ -1,9 +1,9 @@
 //! Machine files checked one by one.
 
-use super::machine_file::{LoadOptions, MachineFile, load};
-use super::run::Run;
 use super::summary::{MachineSummary, summary};
 use crate::diagnostic::{Diagnostics, WarningRecord};
+use crate::job::machine_file::{LoadOptions, MachineFile, load};
+use crate::run::Run;
 use serde::{Serialize, Serializer};
 use std::path::Path;
 

@@ -1,8 +1,8 @@
 //! The motion and the errors of a 4x4 matrix over the dual numbers.
 
-use super::run::{Answer, Call, Refused, Run};
 use crate::algebra::{AdmissibilityFailure, Split, skew_vector, split};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
+use crate::run::{Answer, Call, Refused, Run};
 use crate::syntax::{from_yaml, read_text};
 use crate::units::significant;
 use nalgebra::Matrix4;

@@ -3,22 +3,21 @@
 use super::bounded::{AddedByBounds, DrawnBounds, added};
 use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
 use super::compiled_model::PoseDeviation;
-use super::machine_file::{MachineFile, sources_of};
-use super::order_of;
-use super::poses::check;
-use super::run::{Answer, Call, Count, Refused, Run};
 use super::tolerances::ToleranceOptions;
-use super::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
-use super::uncertainty::{ComparedBands, compared_bands};
 use crate::analysis::budget::{BoundedDeviation, PoseByPose};
+use crate::analysis::figure_bands::{ComparedBands, compared_bands};
 use crate::analysis::{
     Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
     contributions as contributions_of,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{Bare, Difference, Field, Frame, Order, Poses, Statistics, Summary};
+use crate::job::machine_file::{MachineFile, order_of, sources_of};
+use crate::job::poses::check;
+use crate::job::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};
+use crate::run::{Answer, Call, Count, Refused, Run};
 use std::path::PathBuf;
 
 /// Options of [`compare`].
@@ -322,7 +321,7 @@ fn row(comparison: &Comparison, bounded: &[Option<Bounded>], index: usize) -> Co
     ComparedPose { tip_mm: target.tip.into(), direction: target.direction.into(), deviations, bounded }
 }
 
-pub(super) fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {
+pub(crate) fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {
     let missed = |(file, side): (&MachineFile, &MachineResult)| format!("{} misses {}", file.path(), side.unreachable);
     let help = files.iter().zip(&comparison.machines).map(missed).collect::<Vec<_>>().join("; ");
     let message = format!("none of the {} tool poses is reached by all machines", comparison.asked);

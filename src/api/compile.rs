@@ -1,18 +1,18 @@
 //! `compile`: the files of a controller, with their certificate.
 
 use super::certificate::CertificateReport;
-use super::compensation::module_set::{self, ModuleRequest};
-use super::compensation::options::CompensationOptions;
-use super::compensation::table_set::{self, TableRequest};
-use super::compensation::verdict;
-use super::machine_file::{MachineFile, bounded_only};
-use super::run::{Answer, Call, Count, Refused, Run};
 use crate::controller::{
-    Certificate, ControllerEffect, ControllerTarget, Depth, Hashed, Limits, Lock, NAMES, RenderedFile, TablesUnderTest,
+    Certificate, ControllerEffect, ControllerTarget, Depth, Limits, Lock, NAMES, RenderedFile, TablesUnderTest,
     certify, certify_kinematics,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::Field;
+use crate::file_set::module_set::{self, ModuleRequest};
+use crate::file_set::options::CompensationOptions;
+use crate::file_set::table_set::{self, TableRequest};
+use crate::file_set::verdict;
+use crate::job::machine_file::{MachineFile, bounded_only};
+use crate::run::{Answer, Call, Count, Hashed, Refused, Run};
 use std::path::PathBuf;
 
 /// Options of [`compile`].
@@ -157,7 +157,7 @@ fn compiled(
 
 /// A format that rests on memory alone is written only for those who accept it. A folder of one's own needs no such
 /// option: who wrote its manifest knows.
-pub(super) fn refuse_unverified(call: &mut Call, target: &ControllerTarget, accepted: bool) -> Result<(), Refused> {
+pub(crate) fn refuse_unverified(call: &mut Call, target: &ControllerTarget, accepted: bool) -> Result<(), Refused> {
     let name = &target.manifest.target;
     if accepted || !target.manifest.rests_on_memory() || !NAMES.contains(&&**name) {
         return Ok(());

@@ -1,9 +1,9 @@
 //! A machine compiled for many poses.
 
-use super::machine_file::MachineFile;
-use super::poses::known;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{self, Batch, Columns, Frame, Order, Output, frame_rotation};
+use crate::job::machine_file::MachineFile;
+use crate::job::poses::known;
 use crate::machine::Approach;
 
 /// A machine compiled for an order and a side of approach. Deviations are actual minus nominal, in the workpiece frame.

@@ -1,10 +1,10 @@
 //! The same machine under other conventions, proved by comparing both.
 
-use super::machine_file::{MachineFile, read_back};
-use super::run::{Answer, Call, Refused, Run};
 use crate::convert::{Change, Conversion, ConversionRequest, Misfit, Proof, ROUNDING, changes, prove};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::job::machine_file::{MachineFile, read_back};
 use crate::machine::{Axis, AxisName, Conventions, Machine, MachineParts, machine_file};
+use crate::run::{Answer, Call, Refused, Run};
 use crate::units::{angle, length, significant};
 use serde::Serialize;
 

@@ -1,14 +1,14 @@
 //! `diff`: how far two sets of compensation files are apart.
 
-use super::compensation::effect::found_effect;
-use super::compensation::options::CompensationOptions;
-use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Count, Run};
 use crate::compensation::{Correction, Jacobian};
 use crate::controller::micro;
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Summary, random_poses};
+use crate::file_set::effect::found_effect;
+use crate::file_set::options::CompensationOptions;
+use crate::job::machine_file::MachineFile;
 use crate::machine::Approach;
+use crate::run::{Answer, Call, Count, Run};
 use serde::ser::SerializeMap;
 use std::path::Path;
 

@@ -1,17 +1,17 @@
 //! Effects beside deviations: of errors one by one and two by two, and motions of the axes that undo the errors.
 
-use super::poses::AxisPositions;
-use super::run::{Call, Refused};
 use crate::algebra::difference;
 use crate::analysis::{Interactions, Inverse, ProductEffect, interactions};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::random_poses;
+use crate::job::poses::AxisPositions;
 use crate::lower::{WeilLift, values};
 use crate::machine::{Approach, AxisKind, Machine, Pose};
+use crate::run::{Call, Refused};
 use nalgebra::Vector3;
 
 /// Poses of the volume over which the bound is taken, besides those asked for.
-pub(super) const BOUND_POSES: usize = 64;
+pub(crate) const BOUND_POSES: usize = 64;
 
 /// Maximum number of effects that are held.
 const MAX_EFFECTS: usize = 250_000;
@@ -52,14 +52,14 @@ impl Neglected {
 }
 
 /// Effects at one pose.
-pub(super) struct Effects {
+pub(crate) struct Effects {
     pub sensitivity: Vec<ErrorEffect>,
     pub interactions: Option<Vec<ErrorEffect>>,
     pub neglected: Option<Neglected>,
 }
 
 /// Returns the effects at each pose, and the bound of the terms that order 1 neglects over them and over the volume.
-pub(super) fn effects(
+pub(crate) fn effects(
     call: &mut Call<'_>,
     (machine, poses): (&Machine, &[Pose]),
     approach: Approach,
@@ -105,7 +105,7 @@ fn list(effects: &[ProductEffect]) -> Vec<ErrorEffect> {
 }
 
 /// Returns by how much the axes move to undo the errors, over an algebra: mm and deg, by axis.
-pub(super) fn inverse(
+pub(crate) fn inverse(
     call: &mut Call<'_>,
     (machine, pose): (&Machine, &Pose),
     lift: &WeilLift,

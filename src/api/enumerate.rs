@@ -1,10 +1,6 @@
 //! All arrangements of the axes on the two sides of the bed, ranked on the same work.
 
-use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Count, Refused, Run};
-use super::study::{self, StudyFile};
 use super::tolerances::{ClassSource, ToleranceOptions};
-use super::tool_poses::{self, ReachedToolPoses};
 use crate::analysis::Work;
 use crate::analysis::budget::{Bound, Statistic, Verdict, known};
 use crate::analysis::enumerate::{
@@ -12,7 +8,11 @@ use crate::analysis::enumerate::{
     RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk, rank, standings, walks,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::job::machine_file::MachineFile;
+use crate::job::tool_poses::{self, ReachedToolPoses};
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
+use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::shards::study::{self, StudyFile};
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};

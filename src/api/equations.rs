@@ -1,14 +1,14 @@
 //! The closed forms: joint matrices, E_VE and deviations as polynomials in the errors.
 
 use super::algebra;
-use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Refused, Run};
 use crate::algebra::symbolic::Symbolic;
 use crate::algebra::{Algebra, Htm};
 use crate::analysis::{Equations, Naming, Options, Symbol, SymbolMeaning, equations as closed_forms};
 use crate::diagnostic::Diagnostics;
+use crate::job::machine_file::MachineFile;
 use crate::machine::Machine;
 use crate::report::equations as print;
+use crate::run::{Answer, Call, Refused, Run};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 

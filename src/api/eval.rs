@@ -1,15 +1,15 @@
 //! Deviation and E_VE at poses.
 
+use super::algebra;
 use super::effects::{ErrorEffect, Neglected, effects, inverse};
-use super::machine_file::{MachineFile, bounded_only};
-use super::poses::{AxisPositions, axis_positions, poses};
-use super::run::{Answer, Call, Refused, Run};
-use super::uncertainty::PoseUncertainty;
-use super::{algebra, order_of};
+use crate::analysis::figure_bands::PoseUncertainty;
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Evaluation, Frame, Order, evaluate, evaluate_over};
+use crate::job::machine_file::{MachineFile, bounded_only, order_of};
+use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::lower::WeilLift;
 use crate::machine::{Approach, Machine, Pose};
+use crate::run::{Answer, Call, Refused, Run};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 

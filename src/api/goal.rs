@@ -1,13 +1,13 @@
 //! The cheapest tolerances for a goal.
 
 use super::budget::BudgetOptions;
-use super::run::{Call, Refused};
 use crate::analysis::budget::{
     Binding, Bound, CheapestTolerances, CostModel, GoalAnswer, GoalRequest, Price, cheapest,
 };
 use crate::diagnostic::{Diagnostic, Reason, codes, shown};
 use crate::machine::{ErrorKind, Machine, Pose};
 use crate::report::tolerance_unit;
+use crate::run::{Call, Refused};
 use crate::syntax::{from_yaml, read_text};
 use crate::units::significant;
 use serde::{Serialize, Serializer};
@@ -84,7 +84,7 @@ impl ToleranceGoal {
 }
 
 /// Returns the cheapest tolerances for the goal of the options (mm).
-pub(super) fn goal(
+pub(crate) fn goal(
     call: &mut Call<'_>,
     machine: &Machine,
     options: &BudgetOptions,

@@ -1,15 +1,15 @@
 //! Readings of measuring instruments on a machine.
 
-use super::machine_file::{MachineFile, bounded_only};
-use super::poses::{axes_text, axis_positions, check, pose_at};
-use super::run::{Answer, Call, Count, Refused, Run};
 use crate::analysis::Unreachable;
 use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::job::machine_file::{MachineFile, bounded_only};
+use crate::job::poses::{axes_text, axis_positions, check, pose_at};
 use crate::machine::{Axis, AxisKind, Machine, Pose};
 use crate::report::{
     DiagonalPicture, DialPanel, Picture, PolarPicture, RTestPicture, circle_json, line_json, turn_json,
 };
+use crate::run::{Answer, Call, Count, Refused, Run};
 use crate::units::significant;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};

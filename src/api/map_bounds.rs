@@ -1,44 +1,22 @@
 //! The map of a machine of which nothing is measured: what its bounds lead to.
 
 use super::bounded::DrawnBounds;
-use super::features::bounded_features;
-use super::map::{MapOptions, MapPoses, MapResult};
+use super::map_result::{MapFromBounds, MapOptions, MapPoses, MapResult, WorstBoundedPose};
 use super::map_tables::{MapTable, Tables};
-use super::plane_picture::BoundedSubject;
-use super::poses::{AxisPositions, axis_positions};
-use super::run::{Call, Refused};
-use super::tool_poses::{self, ReachedToolPoses};
 use crate::analysis::budget::{BoundedDeviation, PoseByPose};
 use crate::analysis::{MAX_POSES, View};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Order, Poses};
-use crate::machine::Machine;
-use crate::report::{BoundedFigures, Rows};
-use serde::Serialize;
-
-/// What the bounds of a machine lead to over a map.
-#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
-pub struct MapFromBounds {
-    /// Its figures, with the machines drawn.
-    #[serde(flatten)]
-    pub figures: BoundedFigures,
-    /// The worst poses, largest 95 % value of the position deviation first.
-    pub worst: Vec<WorstBoundedPose>,
-}
-
-/// A pose with a large 95 % value.
-#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
-pub struct WorstBoundedPose {
-    /// The pose, mm and deg.
-    pub axes: AxisPositions,
-    /// Root of the sum of squares of the bounds' effects on the functional point, um.
-    pub rss_um: f64,
-    /// The position deviation that 95 % of the machines drawn do not exceed, um.
-    pub p95_um: f64,
-}
+use crate::job::features::bounded_features;
+use crate::job::poses::axis_positions;
+use crate::job::tool_poses;
+use crate::machine::{Machine, Pose};
+use crate::report::plane_picture::BoundedSubject;
+use crate::report::{Rows, WorkRows};
+use crate::run::{Call, Refused};
 
 /// Maps what bounds lead to, and writes the tables.
-pub(super) fn volume(
+pub(crate) fn volume(
     call: &mut Call<'_>,
     machine: &Machine,
     options: &MapOptions,
@@ -55,16 +33,20 @@ pub(super) fn volume(
         return call.refuse(too_many(poses.len()));
     }
     let view = View { approach: options.approach, frame: options.frame };
-    let work = tool_poses.as_ref().map(ReachedToolPoses::work_rows);
+    let work = tool_poses.as_ref().map(WorkRows::of);
     let order = Order::Degree(1);
     let rows =
         Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawn.drawing) };
     let tables = Tables::new(rows, tables).or_else(|refusal| call.refuse(refusal))?;
     let found = drawn.at(call, machine, &poses, view.frame);
     tables.write(&found.poses).or_else(|refusal| call.refuse(refusal))?;
-    let subject = BoundedSubject { machine, drawn, view };
+    let p95 = |poses: Vec<Pose>| {
+        let found = drawn.at(call, machine, &Poses::Listed(poses), view.frame);
+        found.poses.iter().map(|pose| pose.position.p95).collect()
+    };
+    let subject = BoundedSubject { machine, view, drawing: &drawn.drawing, p95: &p95 };
     let drawn_picture = options.picture.as_ref().zip(place.as_ref());
-    let picture = drawn_picture.map(|(picture, place)| picture.bounded_picture(call, place, &subject));
+    let picture = drawn_picture.map(|(picture, place)| picture.bounded_picture(place, &subject));
     let features = tool_poses.as_ref().map(|reached| bounded_features(machine, reached, &drawn.bounds, &found));
     let figures = drawn.figures(&found);
     let result = MapResult::empty(&rows, figures.statistics(poses.len()));

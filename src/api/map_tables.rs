@@ -1,10 +1,10 @@
 //! Tables of a map: every pose with its deviation, written side by side while the map is made.
 
-use super::finite::not_finite;
-use super::run::{Call, Refused};
 use crate::analysis::{Survey, SurveyBlock, SurveyTask, survey, survey_with_rows};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::report::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream};
+use crate::run::finite::not_finite;
+use crate::run::{Call, Refused};
 
 /// A table of every pose with its deviation, and where it goes. Positions are in mm and deg, deviations in um and urad.
 pub struct MapTable<'a> {
@@ -20,7 +20,7 @@ pub struct MapTable<'a> {
 const BLOCK: usize = 1 << 14;
 
 /// Tables in the making.
-pub(super) struct Tables<'a> {
+pub(crate) struct Tables<'a> {
     rows: Rows<'a>,
     forms: Vec<RowFormat>,
     streams: Vec<(String, Box<dyn Stream + 'a>)>,
@@ -28,7 +28,7 @@ pub(super) struct Tables<'a> {
 
 impl<'a> Tables<'a> {
     /// Begins the tables.
-    pub(super) fn new(rows: Rows<'a>, tables: Vec<MapTable<'a>>) -> Result<Self, Diagnostic> {
+    pub(crate) fn new(rows: Rows<'a>, tables: Vec<MapTable<'a>>) -> Result<Self, Diagnostic> {
         let forms = tables.iter().map(|table| table.form).collect();
         let begin = |MapTable { name, form, sink }: MapTable<'a>| match rows.stream(form, sink) {
             Ok(stream) => Ok((name, stream)),
@@ -55,7 +55,7 @@ impl<'a> Tables<'a> {
     }
 
     /// Writes a map that is held.
-    pub(super) fn write(mut self, values: &[impl RowValues + Copy]) -> Result<(), Diagnostic> {
+    pub(crate) fn write(mut self, values: &[impl RowValues + Copy]) -> Result<(), Diagnostic> {
         let count = if self.streams.is_empty() { 0 } else { values.len() };
         for (k, block) in values[..count].chunks(BLOCK).enumerate() {
             let first = k * BLOCK;
@@ -68,7 +68,7 @@ impl<'a> Tables<'a> {
     }
 
     /// Surveys a field and writes its rows as they come: the deviations are not kept.
-    pub(super) fn surveyed(mut self, call: &mut Call<'_>, task: SurveyTask<'_>) -> Result<Survey, Refused> {
+    pub(crate) fn surveyed(mut self, call: &mut Call<'_>, task: SurveyTask<'_>) -> Result<Survey, Refused> {
         if self.streams.is_empty() {
             return Ok(call.stage(task.poses.len(), |advance| survey(task, advance)));
         }

@@ -7,70 +7,55 @@
 //! Nothing here prints, writes a file, reads the clock or the environment. A job hands its files over as bytes or
 //! writes into the sinks that the caller gave it.
 
-mod algebra;
-mod bounded;
-mod budget;
-mod budget_parts;
-mod budgets;
-mod certificate;
-mod check;
-mod classify;
-mod compare;
-mod compensation;
-mod compile;
-mod compiled_model;
-mod compose;
-mod convert;
-mod diff;
-mod diff_machines;
-mod effects;
-mod enumerate;
-mod equations;
-mod eval;
-mod explain;
-mod features;
-mod figures;
-mod finite;
-mod goal;
-mod identify;
-mod import;
-mod instrument;
-mod locate;
-mod machine_file;
-mod mailed;
-mod map;
-mod map_bounds;
-mod map_tables;
+pub(crate) mod algebra;
+pub(crate) mod bounded;
+pub(crate) mod budget;
+pub(crate) mod budgets;
+pub(crate) mod certificate;
+pub(crate) mod check;
+pub(crate) mod classify;
+pub(crate) mod compare;
+pub(crate) mod compile;
+pub(crate) mod compiled_model;
+pub(crate) mod compose;
+pub(crate) mod convert;
+pub(crate) mod diff;
+pub(crate) mod diff_machines;
+pub(crate) mod effects;
+pub(crate) mod enumerate;
+pub(crate) mod equations;
+pub(crate) mod eval;
+pub(crate) mod explain;
+pub(crate) mod figures;
+pub(crate) mod goal;
+pub(crate) mod identify;
+pub(crate) mod import;
+pub(crate) mod instrument;
+pub(crate) mod locate;
+pub(crate) mod map;
+pub(crate) mod map_bounds;
+pub(crate) mod map_result;
+pub(crate) mod map_tables;
 pub mod options;
-mod plane_picture;
-mod poses;
-mod positioning;
-mod reach;
-mod record;
-mod replay;
-mod report;
+pub(crate) mod reach;
+pub(crate) mod record;
+pub(crate) mod replay;
 pub mod results;
-mod run;
 pub mod sets;
 #[allow(dead_code, reason = "only the schema of these structures is taken")]
-mod shapes;
-mod share;
-mod show;
-mod sources;
-mod starter;
-mod study;
-mod summary;
-mod targets;
+pub(crate) mod shapes;
+pub(crate) mod show;
+pub(crate) mod sources;
+pub(crate) mod starter;
+pub(crate) mod summary;
+pub(crate) mod targets;
 pub mod text;
-mod tolerances;
-mod tool_poses;
-mod uncertainty;
-mod verify;
-mod workbench;
+pub(crate) mod tolerances;
+pub(crate) mod uncertainty;
+pub(crate) mod verify;
 
-use crate::evaluate::Order;
-use crate::machine::Machine;
-
+pub use crate::job::machine_file::{LoadOptions, MachineFile, load, loads};
+pub use crate::run::{Answer, Cancellation, Cancelled, Monitor, Run};
 pub use budget::{BudgetOptions, budget, budget_part};
 pub use check::check;
 pub use classify::{ClassifyOptions, classify};
@@ -90,26 +75,17 @@ pub use identify::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_m
 pub use import::{ImportOptions, import};
 pub use instrument::{InstrumentOptions, instrument};
 pub use locate::{LocateOptions, locate};
-pub use machine_file::{LoadOptions, MachineFile, load, loads};
-pub use map::{MapOptions, map, map_tables};
+pub use map::{map, map_tables};
+pub use map_result::MapOptions;
 pub use reach::{ReachOptions, reach};
 pub use record::{RecordOptions, check_record, record, record_trend};
 pub use replay::replay;
-pub use report::{ReportOptions, report};
-pub use run::{Answer, Cancellation, Cancelled, Monitor, Run};
-pub use share::{MapPart, MapShare};
 pub use show::show;
 pub use sources::{SourcesOptions, sources};
 pub use starter::{schema, starter};
 pub use summary::summary;
 pub use targets::targets;
 pub use verify::{VerifyOptions, verify};
-pub use workbench::{workbench, workbench_part};
 
 pub use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 pub use crate::syntax::{Disk, Files, MemoryFiles};
-
-/// The order asked for, or the one that the conventions of the machine name.
-fn order_of(machine: &Machine, order: Option<Order>) -> Order {
-    order.unwrap_or_else(|| machine.conventions().default_order.map_or(Order::Exact, Order::Degree))
-}

@@ -1,24 +1,23 @@
 //! Types of the fields of options.
 
-pub use super::compensation::options::{CompensationOptions, CorrectingAxes};
 pub use super::enumerate::JudgedBy;
 pub use super::figures::StandardTest;
 pub use super::import::{FileContents, RunApproach, StraightnessLine};
 pub use super::instrument::Instrument;
-pub use super::map::MapPoses;
+pub use super::map_result::MapPoses;
 pub use super::map_tables::MapTable;
-pub use super::plane_picture::{PlaneComponent, PlaneDrawing, PlaneOptions};
 pub use super::replay::ReplayPosition;
 pub use super::starter::Starter;
-pub use super::study::StudyFile;
 pub use super::tolerances::ToleranceOptions;
-pub use super::workbench::{CompareWith, Question, WorkOptions, WorkbenchRequest};
 pub use crate::analysis::Naming;
 pub use crate::analysis::budget::{Distribution, Statistic};
 pub use crate::analysis::instrument::CirclePlane;
 pub use crate::compensation::{Fit, Goal, Stored};
 pub use crate::controller::Limits;
 pub use crate::evaluate::{Frame, Order};
+pub use crate::file_set::options::{CompensationOptions, CorrectingAxes};
 pub use crate::machine::Approach;
 pub use crate::report::page::{BenchPage, EngineFile};
+pub use crate::report::plane_picture::{PlaneComponent, PlaneDrawing, PlaneOptions};
 pub use crate::report::{RowFormat as TableForm, Sink};
+pub use crate::shards::study::StudyFile;

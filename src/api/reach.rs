@@ -1,16 +1,16 @@
 //! The workspace: which part of a grid of tips and tool directions the nominal machine reaches.
 
-use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Refused, Run};
 use super::text::parse_length;
-use super::tool_poses::{Lack, Lacks, MissedToolPose};
 use crate::analysis::{
     DirectionKind, Miss, ReachGrid, ToolDirections, Unreachable, UnreachableCount, reach as reached,
     rotary_axes_place_tip,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::job::machine_file::MachineFile;
+use crate::job::tool_poses::{Lack, Lacks, MissedToolPose};
 use crate::machine::{Machine, Pose};
 use crate::report::{Picture, ReachPicture, structured_grid};
+use crate::run::{Answer, Call, Refused, Run};
 use crate::units::{FARTHEST, number, significant};
 
 /// Options of [`reach`].

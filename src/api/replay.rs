@@ -1,12 +1,12 @@
 //! Corrections of a controller at single positions, with which a test of a real controller compares.
 
-use super::compensation::table_set::FoundTables;
-use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Refused, Run};
 use super::verify::{VerifyOptions, opened, tables};
 use crate::controller::{AssignedAxis, Replay, axis_letters, by_number};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
+use crate::file_set::table_set::FoundTables;
+use crate::job::machine_file::MachineFile;
 use crate::machine::Approach;
+use crate::run::{Answer, Call, Refused, Run};
 use crate::syntax::read_text;
 use crate::units::{FARTHEST, number};
 use std::path::Path;

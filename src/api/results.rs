@@ -2,7 +2,6 @@
 
 pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::budget::BudgetResult;
-pub use super::budget_parts::BudgetShard;
 pub use super::budgets::ComparedBudgets;
 pub use super::certificate::{CertificateReport, CertificateStep};
 pub use super::check::CheckedFile;
@@ -13,17 +12,11 @@ pub use super::compiled_model::{DeviationColumns, DeviationSlices, PoseDeviation
 pub use super::compose::{ComposedPart, ComposedSet};
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
 pub use super::diff::{AxisDifference, SetDifference};
-pub use super::diff_machines::{MachineDifference, PropertyDifference};
 pub use super::effects::{ErrorEffect, Neglected};
 pub use super::enumerate::{EnumerateResult, RankedArrangements, StudyProgress};
 pub use super::equations::EquationsResult;
 pub use super::eval::{EvalResult, EvalUnits, PoseResult};
 pub use super::explain::Explanation;
-pub use super::features::{DominatingError, FeatureResult};
-pub use super::figures::{
-    BothSenses, CauseTest, CircleTest, DiagonalTest, DiagonalsTest, DriftOf, DriftTest, MotionTest, RotationTest,
-    SpikeTest, TemperatureRange, TestFigures, TurningTest, UncertainValue,
-};
 pub use super::goal::{NewTolerance, ToleranceGoal};
 pub use super::identify::{
     ExpectedParameter, FittedDatum, FittedError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue,
@@ -31,45 +24,53 @@ pub use super::identify::{
     OutlierPlace, PlannedPose, PredictedUncertainty, RepeatedReadings, ResidualTest, Rms, RmsBeforeAfter,
     ScatterOfKind, SharedUncertainty,
 };
-pub use super::import::{
-    ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, ReferenceMaterial, StraightnessReference,
-};
 pub use super::instrument::{InstrumentResult, Readings};
 pub use super::locate::{AxisLine, LocateResult, LocatedAxis, LocatedError};
-pub use super::machine_file::InputFile;
-pub use super::map::{BodyDiagonal, MapResult, Uncompensated, WorstPose};
-pub use super::map_bounds::{MapFromBounds, WorstBoundedPose};
-pub use super::poses::AxisPositions;
-pub use super::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayAccuracy, OneWayBoth, ReadAtTarget};
+pub use super::map_result::{BodyDiagonal, MapFromBounds, MapResult, Uncompensated, WorstBoundedPose, WorstPose};
 pub use super::reach::{ReachDirections, ReachResult};
-pub use super::record::{AlarmState, ErrorTrend, Record, RecordCheck, RecordTrend, TrendPoint, TrendRecord, TrendStep};
-pub use super::report::Report;
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
 pub use super::sources::{ErrorSource, ErrorSources};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
-pub use super::tool_poses::{BeyondTravel, Lack, MissedToolPose, NeededTravel, ReachedToolPoses};
-pub use super::uncertainty::{CertificateBands, ComparedBands, PoseUncertainty};
-pub use crate::analysis::Status as LocationStatus;
+pub use super::uncertainty::CertificateBands;
 pub use crate::analysis::budget::{
     Binding, Bound, BoundedDeviation, BoundedLength, Budget, BudgetPart, CheapestTolerances, Contribution, PERCENTS,
     PairedDifference, Percentile, Role, Totals, Verdict, VersusFirst,
 };
 pub use crate::analysis::enumerate::{ArrangementRow, NeededRange, Ranking, RoundCount};
+pub use crate::analysis::figure_bands::{ComparedBands, PoseUncertainty};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
-pub use crate::analysis::{Bands, SummaryBand};
+pub use crate::analysis::{Bands, Status as LocationStatus, SummaryBand};
 pub use crate::controller::{
     Certificate, CompensationDegree, ControllerTarget, Figures, ProgrammingFigures, ROUNDING_UM, SingleErrorResidual,
 };
 pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};
+pub use crate::job::features::{DominatingError, FeatureResult};
+pub use crate::job::machine_file::InputFile;
+pub use crate::job::poses::AxisPositions;
+pub use crate::job::tool_poses::{BeyondTravel, Lack, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorKind, ErrorTerm, Machine, Sense, Travel};
-pub use crate::report::page::RenderedPage;
-pub use crate::report::record::{
+pub use crate::record::check::RecordCheck;
+pub use crate::record::make::Record;
+pub use crate::record::trend::{AlarmState, ErrorTrend, RecordTrend, TrendPoint, TrendRecord, TrendStep};
+pub use crate::record::{
     AlarmLimit, Contact, CopiedFile, Dates, Day, ErrorCurve, ErrorRow, Instrument, LimitDecision, Line, MachineState,
     NoValue, Person, Place, Plate, RecordData, RecordedFigure, RecordedFigures, RecordedSet, StateValue, Temperature,
     TwoLetters,
 };
-pub use crate::report::{BoundedFigures, LengthDifference, Picture, PictureFailure, RssDifference};
+pub use crate::report::imported::{
+    ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, ReferenceMaterial, StraightnessReference,
+};
+pub use crate::report::page::RenderedPage;
+pub use crate::report::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayAccuracy, OneWayBoth, ReadAtTarget};
+pub use crate::report::standard_tests::{
+    BothSenses, CauseTest, CircleTest, DiagonalTest, DiagonalsTest, DriftOf, DriftTest, MotionTest, RotationTest,
+    SpikeTest, TemperatureRange, TestFigures, TurningTest, UncertainValue,
+};
+pub use crate::report::{
+    BoundedFigures, LengthDifference, MachineDifference, Picture, PictureFailure, PropertyDifference, RssDifference,
+};
+pub use crate::shards::budget_parts::BudgetShard;
 pub use crate::standards::{Conformity, LimitSides};
 pub use crate::syntax::{FolderEntry, ReadFailure};

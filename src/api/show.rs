@@ -1,10 +1,9 @@
 //! The kinematic chain: frames, lever arms, and the location errors it needs.
 
-use super::machine_file::{InputFile, MachineFile};
 use crate::analysis::{Lever, LocationSet, Status, arm_shares, levers};
+use crate::job::machine_file::{InputFile, MachineFile};
 use crate::machine::{Axis, AxisKind, Branch, Conventions, ErrorId, Machine, Sense, Travel};
-use crate::report::{self, Picture};
-use crate::units::significant;
+use crate::report::{self, Picture, rotation_words};
 
 /// The kinematic chain of a machine.
 #[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
@@ -124,14 +123,6 @@ impl ChainResult {
     pub fn workpiece_rotation(&self) -> Option<String> {
         rotation_words(&self.workpiece_rotation_deg)
     }
-}
-
-/// Returns the rotation of a workpiece by its angles about X, Y, Z (deg) in words; `None` without one.
-pub(crate) fn rotation_words(angles: &[f64; 3]) -> Option<String> {
-    let turns = ["A", "B", "C"].iter().zip(angles).filter(|(_, degrees)| **degrees != 0.0);
-    let words: Vec<String> =
-        turns.map(|(letter, degrees)| format!("{letter} {} deg", significant(*degrees, 7))).collect();
-    (!words.is_empty()).then(|| words.join(", "))
 }
 
 /// Returns the kinematic chain of a machine.

@@ -1,13 +1,12 @@
 //! Each error alone over the volume: which of them dominate.
 
-use super::machine_file::{MachineFile, bounded_only};
-use super::order_of;
-use super::poses::{AxisPositions, axis_positions, poses};
-use super::run::{Answer, Call, Count, Refused, Run};
 use crate::analysis::{ErrorStatistics, View, error_statistics, map, rest};
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{CompiledField, Frame, Order, Poses, Random, worst};
+use crate::job::machine_file::{MachineFile, bounded_only, order_of};
+use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::machine::{Approach, AxisKind, Direction, ErrorFamily, ErrorId, Machine, Pose};
+use crate::run::{Answer, Call, Count, Refused, Run};
 use crate::syntax::{component_words, location_words};
 use indexmap::IndexMap;
 
@@ -122,7 +121,7 @@ fn source(machine: &Machine, of: ErrorStatistics) -> ErrorSource {
 }
 
 /// Returns what each error is that an axis or the spindle can have, in words, by name in the order of the chain.
-pub(super) fn all_words(machine: &Machine) -> IndexMap<String, String> {
+pub(crate) fn all_words(machine: &Machine) -> IndexMap<String, String> {
     let both: &[ErrorFamily] = &[ErrorFamily::Component, ErrorFamily::Location];
     let axes = machine.axes().iter().map(|axis| (&axis.name, both));
     let spindle = machine.chain().spindle().map(|name| (name, &both[1..]));
@@ -139,7 +138,7 @@ pub(super) fn all_words(machine: &Machine) -> IndexMap<String, String> {
 }
 
 /// Returns what an error is, in words; an axis that is not of the chain is the spindle.
-pub(super) fn words(machine: &Machine, error: &ErrorId) -> String {
+pub(crate) fn words(machine: &Machine, error: &ErrorId) -> String {
     let axis = machine.axes().iter().find(|axis| axis.name == error.axis);
     let rotary = axis.is_none_or(|axis| axis.kind == AxisKind::Rotary);
     let direction = axis.map_or(machine.tool().direction, |axis| axis.direction);

@@ -1,7 +1,7 @@
 //! The machine in short: axes, tools, conventions and how many errors it has.
 
-use super::machine_file::{InputFile, MachineFile};
 use super::show::{Arm, arms};
+use crate::job::machine_file::{InputFile, MachineFile};
 use crate::machine::{AxisKind, Branch, Conventions, ErrorId, ErrorTerm, Travel};
 use indexmap::IndexMap;
 
@@ -97,7 +97,7 @@ pub struct ErrorNumber {
 }
 
 /// Returns the errors that are one number, wherever the machine was read from, by name in the order of the chain.
-pub(super) fn error_numbers(file: &MachineFile) -> IndexMap<String, ErrorNumber> {
+pub(crate) fn error_numbers(file: &MachineFile) -> IndexMap<String, ErrorNumber> {
     let number = |(error, term): (ErrorId, &ErrorTerm)| {
         let (value, bound) = match term {
             ErrorTerm::Constant(value) => (*value, false),

@@ -1,10 +1,10 @@
 //! Bounds of errors: those of the machine file, and those of a class of machines.
 
-use super::run::{Call, Refused};
 use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{AxisName, Machine, no_origin};
 use crate::report::DrawSettings;
+use crate::run::{Call, Refused};
 
 /// Draws of errors between their bounds, and the statistic of their effect.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]

@@ -1,20 +1,18 @@
 //! `verify`: files replayed as the controller would, and the residual.
 
 use super::certificate::CertificateReport;
-use super::compensation::folder::Folder;
-use super::compensation::found_set::{FoundSet, found_set};
-use super::compensation::module_set::{self, ModuleRequest};
-use super::compensation::options::CompensationOptions;
-use super::compensation::table_set::{self, FoundTables};
-use super::compensation::verdict;
 use super::compose;
-use super::machine_file::MachineFile;
-use super::run::{Answer, Call, Count, Refused, Run};
-use crate::controller::{
-    ControllerEffect, ControllerTarget, Depth, LOCK_NAME, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics,
-    is_plain_name,
-};
+use crate::controller::{ControllerEffect, Depth, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::file_set::differences::{warn_edited, warn_other_inputs, warn_other_tool};
+use crate::file_set::folder::Folder;
+use crate::file_set::found_set::{FoundSet, found_set};
+use crate::file_set::module_set::{self, ModuleRequest};
+use crate::file_set::options::CompensationOptions;
+use crate::file_set::table_set::{self, FoundTables};
+use crate::file_set::{composition, verdict};
+use crate::job::machine_file::MachineFile;
+use crate::run::{Answer, Call, Count, Refused, Run};
 use std::path::{Path, PathBuf};
 
 /// Options of [`verify`] and [`replay`](super::replay()).
@@ -55,8 +53,10 @@ pub fn verify(
 ) -> Result<Answer<CertificateReport>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
         call.bounded(&[Count::Poses(options.poses)])?;
-        if compose::is_composed(folder, call) {
-            return compose::verify_composed(call, file, folder, options);
+        if composition::is_composed(folder, call) {
+            let depth = Depth { poses: options.poses, seed: options.seed };
+            let installed = options.installed.as_deref();
+            return compose::verify_composed(call, file, folder, &options.compensation, installed, depth);
         }
         let set = opened(call, file, folder, options)?;
         if set.target.manifest.kinematics().is_some() {
@@ -74,7 +74,7 @@ pub fn verify(
 }
 
 /// Finds the set in the folder, and warns of differences from its manifest.
-pub(super) fn opened(
+pub(crate) fn opened(
     call: &mut Call,
     file: &MachineFile,
     path: &Path,
@@ -82,7 +82,7 @@ pub(super) fn opened(
 ) -> Result<FoundSet, Refused> {
     let folder = Folder::new(path, call.run.files);
     let lock = folder.lock();
-    if lock.as_ref().is_some_and(compose::is_beside) {
+    if lock.as_ref().is_some_and(composition::is_beside) {
         let message = format!("the tables in `{}` are for what kinematic parameters beside them leave", path.display());
         let help = "name the folder above, whose manifest lists both";
         return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
@@ -98,7 +98,7 @@ pub(super) fn opened(
 }
 
 /// Reads the tables of a set, and those that were installed before.
-pub(super) fn tables(
+pub(crate) fn tables(
     call: &mut Call,
     file: &MachineFile,
     folder: &Path,
@@ -132,40 +132,4 @@ fn module(
     let names = texts.iter().map(|text: &ReadBack| text.found.clone()).collect();
     let effect = ControllerEffect::Module(Box::new(module), beside);
     Ok(CertificateReport::new(file, target, &certificate, (&*effect.field(file, target), depth), names))
-}
-
-/// Tables made from other files than those just read are judged all the same.
-pub(super) fn warn_other_inputs(call: &mut Call, file: &MachineFile, lock: Option<&Lock>) {
-    if lock.is_some_and(|lock| lock.inputs != file.inputs()) {
-        let message = "the tables were made from another machine file, or from other error tables, than these";
-        call.warn(Diagnostic::new(codes::W0702, message).help("compile again if the machine file has changed"));
-    }
-}
-
-/// Tables that hold for one tool, judged with another.
-pub(super) fn warn_other_tool(call: &mut Call, file: &MachineFile, target: &ControllerTarget, lock: Option<&Lock>) {
-    let Some(lock) = lock else { return };
-    let name = &file.tool().name;
-    if target.manifest.tool_dependent() && lock.tool != *name {
-        let message = format!("the tables were made for the tool `{}` and are judged with `{name}`", lock.tool);
-        let help = "the figures are those of the wrong tool at the machine; to load tables for it, compile with --tool";
-        call.warn(Diagnostic::new(codes::W0706, message).help(help));
-    }
-}
-
-/// Warns of files that are no longer as the manifest of the set states; they are read all the same.
-pub(super) fn warn_edited(call: &mut Call, folder: &Folder, lock: Option<&Lock>) {
-    let Some(lock) = lock else {
-        let message =
-            format!("`{}` has no readable {LOCK_NAME}: edits of its files cannot be detected", folder.path.display());
-        call.warn(Diagnostic::new(codes::W0703, message).help("files found on a machine are judged as they are"));
-        return;
-    };
-    for file in lock.files.iter().filter(|file| is_plain_name(&file.name)) {
-        // A missing file has been refused.
-        let Some(bytes) = folder.bytes(&file.name) else { continue };
-        if !lock.wrote(&file.name, &bytes) {
-            call.warn(Diagnostic::new(codes::W0701, format!("`{}` has been edited since abbe wrote it", file.name)));
-        }
-    }
 }

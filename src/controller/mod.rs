@@ -24,7 +24,8 @@ pub use certificate::{
     Certificate, CompensationDegree, ControllerEffect, Depth, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure,
     SingleErrorResidual, TablesUnderTest, ZeroShift, micro,
 };
-pub use emit::{Hashed, LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile, sha256};
+pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile};
+pub(crate) use kinematics::{FoundLine, found_lines};
 pub use kinematics::{KinematicsModule, ModuleField, ModuleModel, Parameters, RotaryLine, Transformation};
 pub use manifest::{
     AssignedAxis, Certainty, Controller, ControllerTarget, NAMES, axis_letters, by_number, is_plain_name,

@@ -21,6 +21,7 @@ mod fitted_file;
 mod lists;
 mod model;
 mod solve;
+pub(crate) mod verdict;
 mod words;
 
 pub(crate) use data::lever;

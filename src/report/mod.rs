@@ -2,7 +2,6 @@
 //! every time.
 //!
 //! - [`page`]: the report, one self-contained HTML page.
-//! - [`record`]: the record of a calibration for print; [`dcc`]: the same as a digital calibration certificate.
 //! - [`PlanePicture`]: the deviation over a plane of two linear axes; [`before_after`]: in two states.
 //! - [`FitPicture`]: prediction against data over such a plane.
 //! - [`all_curves`]: curves of the component errors as small multiples.
@@ -13,13 +12,17 @@
 //! - [`Rows`]: a map pose by pose as CSV, JSON, Parquet and VTK, streamed.
 //! - [`equations`]: the closed forms as text and as LaTeX.
 
-pub mod dcc;
+pub(crate) mod fit_planes;
+pub mod imported;
 pub mod page;
 mod pictures;
-pub mod record;
+pub mod plane_picture;
+pub(crate) mod positioning;
 mod rows;
+pub mod standard_tests;
 mod text;
 
+pub(crate) use pictures::axis_curves;
 pub use pictures::{
     DiagonalPicture, DialMark, DialPanel, FitPicture, FitPoint, LinePanel, LinePicture, Picture, PictureFailure,
     PlanePicture, PlaneQuantity, PlaneStyle, PolarPicture, RTestPicture, ReachPicture, RunCurves, RunPanel, RunPicture,
@@ -27,6 +30,7 @@ pub use pictures::{
 };
 pub use rows::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows, structured_grid};
 pub use text::{
-    BoundedFigures, BudgetReport, DrawSettings, LengthDifference, RssDifference, budgets_json, circle_json, equations,
-    line_json, positions, tolerance, tolerance_unit, turn_json,
+    BoundedFigures, BudgetReport, DrawSettings, LengthDifference, MachineDifference, PropertyDifference, RssDifference,
+    budgets_json, circle_json, equations, line_json, positions, tolerance, tolerance_unit, turn_json,
 };
+pub(crate) use text::{described, rotation_words};

@@ -6,7 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Stages without circles of files.
-const STAGES: [&str; 5] = ["controller", "evaluate", "analysis", "compensation", "identify"];
+const STAGES: [&str; 8] =
+    ["controller", "evaluate", "analysis", "compensation", "identify", "job", "file_set", "shards"];
 
 /// The rooms of `controller`: each may import those before it.
 const ROOMS: [&str; 7] = ["manifest", "replay", "emit", "read", "kinematics", "certificate", "single_errors"];

@@ -1,10 +1,11 @@
 //! The fit of Holub and others 2015: monomials of order 2, each component for itself, pseudo-inverse.
 
-use super::{IdentifyOptions, Problem};
-use crate::api::machine_file::MachineFile;
-use crate::api::run::{Answer, Call, Run};
+use super::IdentifyOptions;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::identify::verdict::problem::Problem;
 use crate::identify::{Coefficient, Component, moore_penrose};
+use crate::job::machine_file::MachineFile;
+use crate::run::{Answer, Call, Run};
 use serde::Serialize;
 
 /// Maximum number of parameters whose products are unknowns.
@@ -93,14 +94,15 @@ pub fn fit_monomials(
     run: Run,
 ) -> Result<Answer<MonomialFit>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
-        let problem = Problem::read(call, file, options)?;
+        let inputs = options.inputs();
+        let problem = Problem::read(call, file, &inputs)?;
         if options.machine_file || options.pictures || options.robust || options.folds.is_some() {
             return call.usage(
                 "`--method moore-penrose` gives coefficients of monomials, no machine: no --out, --svg, --robust, \
                  --folds",
             );
         }
-        let model = problem.model(file, options.order());
+        let model = problem.model(file, inputs.order);
         if model.own() > MAX_FACTORS {
             let message = format!("{} parameters have too many products for the papers' way", model.own());
             let help = format!("at most {MAX_FACTORS}; the joint fit takes more");

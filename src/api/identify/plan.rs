@@ -1,10 +1,10 @@
 //! Poses worth measuring, and how well they determine the parameters.
 
-use super::{Requested, priors};
-use crate::api::machine_file::MachineFile;
-use crate::api::run::{Answer, Call, Run};
 use crate::diagnostic::Diagnostics;
+use crate::identify::verdict::problem::{Requested, priors};
 use crate::identify::{Estimate, Measurement, Model, Parameter, plan};
+use crate::job::machine_file::MachineFile;
+use crate::run::{Answer, Call, Run};
 use indexmap::IndexMap;
 use serde::Serialize;
 

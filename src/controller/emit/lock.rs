@@ -2,7 +2,7 @@
 //! earlier files are distinguished from foreign and hand-edited ones.
 
 use crate::machine::Machine;
-use sha2::{Digest, Sha256};
+use crate::run::{Hashed, sha256};
 
 /// Name of the manifest of a file set.
 pub const LOCK_NAME: &str = "abbe.lock.json";
@@ -34,27 +34,6 @@ pub struct Lock {
     /// Files of earlier sets that were still in the folder.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stale: Vec<Hashed>,
-}
-
-/// A file and its hash.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-pub struct Hashed {
-    /// Its name.
-    pub name: String,
-    /// SHA-256 of its bytes, hexadecimal.
-    pub sha256: String,
-}
-
-/// SHA-256, hexadecimal.
-pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-impl Hashed {
-    /// Hashes bytes.
-    pub fn new(name: impl Into<String>, bytes: &[u8]) -> Self {
-        Self { name: name.into(), sha256: sha256(bytes) }
-    }
 }
 
 impl Lock {

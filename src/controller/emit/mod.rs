@@ -17,7 +17,7 @@ mod stored;
 
 pub use limits::Limits;
 pub(super) use limits::RAISE_LIMIT;
-pub use lock::{Hashed, LOCK_NAME, Lock, sha256};
+pub use lock::{LOCK_NAME, Lock};
 pub use number::{decimal_text, exact};
 pub use render::{MAX_FILE_BYTES, RenderedFile};
 pub use stored::{StoredColumn, StoredPosition};

@@ -98,7 +98,7 @@ impl BenchPage<'_> {
 }
 
 /// Returns the source of a style or script in a content security policy.
-pub(in crate::report) fn source_hash(text: &str) -> String {
+pub(crate) fn source_hash(text: &str) -> String {
     format!("'sha256-{}'", BASE64.encode(Sha256::digest(text.as_bytes())))
 }
 

@@ -18,7 +18,7 @@ mod given;
 mod instruments;
 mod render;
 
-pub(super) use bench::source_hash;
+pub(crate) use bench::source_hash;
 pub use bench::{BenchPage, EngineFile};
 pub use comparison::ComparisonData;
 pub use data::{MachineData, PageData};

@@ -2,8 +2,8 @@
 
 use super::bench::{BenchPage, EngineFile};
 use super::data::PageData;
-use crate::controller::sha256;
 use crate::report::pictures::escape;
+use crate::run::sha256;
 use crate::units::significant;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;

@@ -1,5 +1,6 @@
 //! The rows of a file of tool poses behind the poses of a table: their lines, features, and those that are not reached.
 
+use crate::job::tool_poses::{MissedToolPose, ReachedToolPoses};
 use serde_json::{Map, Value, json};
 
 /// A row of the file.
@@ -35,6 +36,19 @@ pub struct WorkRows {
 }
 
 impl WorkRows {
+    /// Returns the rows of the file behind the poses of a table.
+    pub fn of(tool_poses: &ReachedToolPoses) -> Self {
+        let row = |(line, feature): &(usize, Option<String>)| WorkRow { line: *line, feature: feature.clone() };
+        let unreached = |miss: &MissedToolPose| UnreachedRow {
+            line: miss.line,
+            feature: miss.feature.clone(),
+            words: miss.words(),
+            json: json!(miss),
+        };
+        let (reached, unreached) = (tool_poses.lines.iter().map(row), tool_poses.rows.iter().map(unreached));
+        Self::new(reached.collect(), unreached.collect())
+    }
+
     /// Returns the rows of the poses of a table, and the others; both in the order of the file.
     pub fn new(reached: Vec<WorkRow>, unreached: Vec<UnreachedRow>) -> Self {
         let of_others = unreached.iter().any(|row| row.feature.is_some());

@@ -6,7 +6,7 @@
 // Exported names are the only unsafe attribute; no pointer is followed here.
 #![allow(unsafe_code, reason = "names of the exports")]
 
-use abbe::{MapShare, MemoryFiles, Run, workbench, workbench_part};
+use abbe::{MemoryFiles, Run, workbench_of_parts, workbench_part};
 use std::cell::RefCell;
 
 /// What the page and the engine hand each other.
@@ -16,7 +16,7 @@ struct Engine {
     input: Vec<u8>,
     output: Vec<u8>,
     /// Parts of a map, one behind the other.
-    parts: RefCell<Vec<u8>>,
+    parts: Vec<u8>,
 }
 
 thread_local! {
@@ -49,9 +49,8 @@ pub extern "C" fn put(name_length: usize) {
 pub extern "C" fn ask() -> usize {
     ENGINE.with_borrow_mut(|engine| {
         let request = String::from_utf8_lossy(&engine.input);
-        let share = MapShare::Given(&engine.parts);
-        engine.output = workbench(&request, Run { share, ..Run::with(&engine.files) }).to_string().into_bytes();
-        engine.parts.take();
+        let parts = std::mem::take(&mut engine.parts);
+        engine.output = workbench_of_parts(&request, parts, Run::with(&engine.files)).to_string().into_bytes();
         engine.output.len()
     })
 }
@@ -70,7 +69,7 @@ pub extern "C" fn part(index: usize, count: usize) -> usize {
 /// Takes the bytes of the next part of the map that is asked for next.
 #[unsafe(no_mangle)]
 pub extern "C" fn take() {
-    ENGINE.with_borrow_mut(|engine| engine.parts.borrow_mut().append(&mut engine.input));
+    ENGINE.with_borrow_mut(|engine| engine.parts.append(&mut engine.input));
 }
 
 /// Returns the output.

@@ -1,0 +1,97 @@
+//! Intervals of the headline figures by the uncertainty that a machine file states of its errors.
+
+use super::{Bands, Comparison, MachineResult, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
+use crate::evaluate::{Field, Frame, Poses, Statistics, frame_rotation};
+use crate::machine::{Approach, Machine, Pose};
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Expanded uncertainty (k = 2) of the deviation at a pose, component by component, to first order.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, schemars::JsonSchema)]
+pub struct PoseUncertainty {
+    /// Uncertainty of the position of the functional point, mm.
+    pub deviation: [f64; 3],
+    /// Uncertainty of the orientation of the tool, rad.
+    pub rotation: [f64; 3],
+}
+
+impl PoseUncertainty {
+    /// Returns the uncertainty at poses (mm, deg) in a frame. `None` where the machine states none.
+    pub(crate) fn at(machine: &Machine, poses: &[Pose], approach: Approach, frame: Frame) -> Option<Vec<Self>> {
+        let parts = machine.uncertain_parts();
+        if parts.is_empty() {
+            return None;
+        }
+        let models = part_models(machine, &parts, approach);
+        let one = |pose: &Pose| {
+            let turned = frame_rotation(machine, pose, frame);
+            let mut squares = [Vector3::zeros(); 2];
+            for model in &models {
+                let unturned = model.deviation(pose);
+                let effect = turned.map_or(unturned, |rotation| unturned.rotated(&rotation));
+                squares[0] += effect.position.component_mul(&effect.position);
+                squares[1] += effect.rotation.component_mul(&effect.rotation);
+            }
+            let [deviation, rotation] = squares.map(|sum| sum.map(|x| 2.0 * x.sqrt()).into());
+            Self { deviation, rotation }
+        };
+        Some(poses.par_iter().map(one).collect())
+    }
+}
+
+/// Intervals of the statistics of a machine beside another. Machines share the uncertainty that both files state.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ComparedBands {
+    /// Those of the machine.
+    #[serde(flatten)]
+    pub own: Bands,
+    /// Those of its statistics minus the first machine's.
+    pub minus_first: Bands,
+    /// True if the 95 % position deviation differs from the first machine's by more than the uncertainty.
+    pub told_apart: bool,
+}
+
+/// Returns the intervals of the figures of a field over poses, of which `whole` are the statistics and `besides` the
+/// indices of poses not to be left out. `None` where the machine states no uncertainty.
+pub(crate) fn field_bands(
+    field: &dyn Field,
+    poses: &Poses,
+    (whole, besides): (Statistics, &[usize]),
+    approach: Approach,
+    seed: u64,
+) -> Option<Bands> {
+    let machine = field.machine();
+    let parts = uncertain_parts([machine]);
+    if parts.is_empty() {
+        return None;
+    }
+    let places: Vec<Pose> = band_places(poses.len(), besides).into_iter().map(|i| poses.get(i)).collect();
+    let values = places.par_iter().map(|pose| field.deviation(pose, approach)).collect();
+    let deviations = UncertainDeviations::of(machine, &parts, &places, values, whole, approach);
+    bands(&[deviations], seed).0.pop()
+}
+
+/// Returns the intervals of all machines; `None` where no file states an uncertainty.
+pub(crate) fn compared_bands(
+    sides: &[(&Machine, Vec<Pose>)],
+    comparison: &Comparison,
+    (approach, seed): (Approach, u64),
+) -> Option<Vec<ComparedBands>> {
+    let parts = uncertain_parts(sides.iter().map(|(machine, _)| *machine));
+    if parts.is_empty() {
+        return None;
+    }
+    let places = band_places(comparison.common.len(), &[]);
+    let one = |((machine, _), side): (&(&Machine, Vec<Pose>), &MachineResult)| {
+        let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|i| side.reached[*i].clone()).unzip();
+        UncertainDeviations::of(machine, &parts, &poses, values, side.statistics, approach)
+    };
+    let machines: Vec<UncertainDeviations> = sides.iter().zip(&comparison.machines).map(one).collect();
+    let (own, differences) = bands(&machines, seed);
+    let both = own.into_iter().zip(differences).map(|(own, minus_first)| {
+        let [low, high] = minus_first.position_um.p95;
+        ComparedBands { own, minus_first, told_apart: low > 0.0 || high < 0.0 }
+    });
+    Some(both.collect())
+}

@@ -1,0 +1,99 @@
+//! A fit of error parameters to measurements.
+
+use crate::diagnostic::Diagnostics;
+use crate::evaluate::{Frame, Order};
+use crate::identify::verdict::inputs::FitInputs;
+use crate::identify::verdict::problem::{Draw, Problem, enough, solved};
+use crate::identify::verdict::result::IdentifyResult;
+use crate::job::machine_file::MachineFile;
+use crate::report::fit_planes::drawn;
+use crate::run::{Answer, Call, Run};
+use std::path::PathBuf;
+
+/// Options of [`identify`] and [`fit_monomials`](super::fit_monomials).
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default)]
+pub struct IdentifyOptions {
+    /// Files of measurements, read through `run.files`: CSV with a column for each axis and `dx [um]`, `dy [um]`,
+    /// `dz [um]`, or lengths, ball readings, lines, single errors (docs/identification.md).
+    pub data: Vec<PathBuf>,
+    /// Files of measurements by name and text; they come after `data`.
+    pub texts: Vec<(String, String)>,
+    /// Parameters to fit: `location`, `tool`, `workpiece`, `spindle`, `linear`, error names, `EXX:poly3`; if empty,
+    /// the section `identify` of the machine file.
+    pub fit: Vec<String>,
+    /// Parameters that keep their value although a group names them.
+    pub fixed: Vec<String>,
+    /// Values known before the data, with a standard uncertainty: `ball b1 50 um`, `EC0Y 5 urad`, `constant S = 150
+    /// mm 1 um`; `file`: what the machine file states. They come after those of the section `identify`.
+    pub priors: Vec<String>,
+    /// Standard uncertainties that all readings share: `laser 0.4 um/m` (a scale), `set-up 2 um` (an offset),
+    /// `material 0.5 K x 11.7 um/m/K`. They come after those of the section `identify`.
+    pub type_b: Vec<String>,
+    /// Frame in which the deviations were measured.
+    pub frame: Frame,
+    /// The poses of points that a laser tracker's export has by name: a table with a column for each axis, and `point`.
+    pub axis_poses: Option<PathBuf>,
+    /// Model to fit: exact by default, or of order 1 or 2.
+    pub order: Option<Order>,
+    /// Gives readings that stand out less weight (Huber).
+    pub robust: bool,
+    /// Checks the prediction: leaves out every measurement once, in this many parts.
+    pub folds: Option<usize>,
+    /// Also writes the fitted machine file; fails if it is one that would be refused.
+    pub machine_file: bool,
+    /// Writes the machine file although it holds values whose uncertainty is larger than any error of a machine.
+    pub accept_undetermined: bool,
+    /// Also draws prediction and data over the planes of the linear axes.
+    pub pictures: bool,
+}
+
+impl IdentifyOptions {
+    /// Returns what a fit is asked for.
+    pub(super) fn inputs(&self) -> FitInputs<'_> {
+        FitInputs {
+            fit: &self.fit,
+            fixed: &self.fixed,
+            priors: &self.priors,
+            type_b: &self.type_b,
+            paths: self.paths(),
+            texts: &self.texts,
+            frame: self.frame,
+            axis_poses: self.axis_poses.as_deref(),
+            order: self.order.unwrap_or(Order::Exact),
+            robust: self.robust,
+            folds: self.folds,
+            accept_undetermined: self.accept_undetermined,
+        }
+    }
+
+    /// All files of measurements, in their order.
+    fn paths(&self) -> Vec<PathBuf> {
+        self.data.iter().cloned().chain(self.texts.iter().map(|(name, _)| PathBuf::from(name))).collect()
+    }
+}
+
+/// Fits error parameters of a machine to measurements.
+///
+/// Fails if the data cannot be read, contradict the machine's axes, or hold fewer readings than there are unknowns, and
+/// if the parameters asked for are not those of the machine.
+pub fn identify(
+    file: &MachineFile,
+    options: &IdentifyOptions,
+    run: Run,
+) -> Result<Answer<IdentifyResult>, Diagnostics> {
+    Call::answer(run, file.sources(), |call| {
+        let inputs = options.inputs();
+        let problem = Problem::read(call, file, &inputs)?;
+        enough(call, &problem)?;
+        let monitor = call.run.monitor;
+        monitor.begin(0);
+        let progress = |readings| monitor.advance(readings);
+        let result = {
+            let draw: Option<Draw<'_>> = if options.pictures { Some(&drawn) } else { None };
+            solved(call, file, &inputs, (&problem, &progress), (options.machine_file, draw))
+        };
+        monitor.end();
+        result
+    })
+}

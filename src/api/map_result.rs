@@ -1,0 +1,263 @@
+//! Options of a map, and the map as a value.
+
+use super::bounded::AddedByBounds;
+use super::tolerances::ToleranceOptions;
+use crate::analysis::{Bands, MAX_POSES, MAX_SURVEYED};
+use crate::evaluate::{Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary};
+use crate::file_set::options::CompensationOptions;
+use crate::job::features::FeatureResult;
+use crate::job::machine_file::MachineFile;
+use crate::job::poses::{AxisPositions, poses};
+use crate::job::tool_poses::ReachedToolPoses;
+use crate::machine::{Approach, Machine, Pose};
+use crate::report::plane_picture::PlaneOptions;
+use crate::report::{BoundedFigures, Picture, Rows};
+use crate::run::{Call, Refused};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Options of [`map`](super::map()).
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default)]
+pub struct MapOptions {
+    /// The poses.
+    pub poses: MapPoses,
+    /// Seed of random and low-discrepancy poses.
+    pub seed: u64,
+    /// Order of the errors; exact by default, unless the conventions of the machine name an order.
+    pub order: Option<Order>,
+    /// Side of approach, where forward and reverse curves were given.
+    pub approach: Approach,
+    /// Frame of the vectors.
+    pub frame: Frame,
+    /// Number of the worst poses to name.
+    pub worst: usize,
+    /// Draws the deviation over a plane.
+    pub picture: Option<PlaneOptions>,
+    /// Maps the residual of this target's compensation, by the files that `compile` would write.
+    pub target: Option<String>,
+    /// Options of the compensation for the target.
+    pub compensation: CompensationOptions,
+    /// Bounds and draws of errors, for a machine that bounds some; its figure is the largest deviation over the poses.
+    #[serde(flatten)]
+    pub tolerances: ToleranceOptions,
+    /// Number of machines that are drawn, at least 2.
+    pub samples: usize,
+}
+
+impl Default for MapOptions {
+    fn default() -> Self {
+        Self {
+            poses: MapPoses::Grid,
+            seed: 1,
+            order: None,
+            approach: Approach::default(),
+            frame: Frame::default(),
+            worst: 5,
+            picture: None,
+            target: None,
+            compensation: CompensationOptions::default(),
+            tolerances: ToleranceOptions::default(),
+            samples: 1000,
+        }
+    }
+}
+
+/// Poses of a map; at most 1e9.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MapPoses {
+    /// The grid of the volume of the machine.
+    #[default]
+    Grid,
+    /// Random poses over the volume: their number.
+    Random(usize),
+    /// Low-discrepancy poses over the volume: their number.
+    LowDiscrepancy(usize),
+    /// The poses for the tool poses of a file, workpiece frame: CSV with columns X, Y, Z (mm) and I, J, K or rotary
+    /// axes (deg), or APT CL data.
+    ToolPoses(PathBuf),
+    /// Poses as numbers, mm and deg, each as long as the machine has axes and in the order of the chain.
+    #[schemars(skip)]
+    Listed(Vec<Pose>),
+}
+
+impl MapPoses {
+    /// Largest number of poses of which a map is held as a whole; above it quantiles are approximate.
+    pub const MAX_HELD: usize = MAX_POSES;
+    /// Largest number of poses.
+    pub const MAX: usize = MAX_SURVEYED;
+
+    /// Returns the number of poses; `None` where a file decides.
+    pub fn count(&self, file: &MachineFile) -> Option<usize> {
+        match self {
+            Self::Grid => Some(Nodes::of(file).len()),
+            Self::Random(count) | Self::LowDiscrepancy(count) => Some(*count),
+            Self::Listed(list) => Some(list.len()),
+            Self::ToolPoses(_) => None,
+        }
+    }
+
+    pub(crate) fn of(
+        &self,
+        call: &mut Call<'_>,
+        (machine, seed): (&Machine, u64),
+        reached: Option<&ReachedToolPoses>,
+    ) -> Result<Poses, Refused> {
+        Ok(match self {
+            Self::Grid => Poses::Nodes(Nodes::of(machine)),
+            Self::Random(count) => Poses::Random(Random::of(machine, *count, seed)),
+            Self::LowDiscrepancy(count) => Poses::Spread(Spread::of(machine, *count, seed)),
+            Self::ToolPoses(_) => Poses::Listed(reached.map_or_else(Vec::new, |reached| reached.poses.clone())),
+            Self::Listed(list) => Poses::Listed(poses(call, machine, (&[], list, None))?),
+        })
+    }
+}
+
+/// A map of deviations, actual minus nominal; of a machine of which nothing is measured, of what its bounds lead to.
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
+pub struct MapResult {
+    /// Name of the machine.
+    pub machine: String,
+    /// `exact`, or a degree.
+    pub order: Order,
+    /// Frame of the vectors.
+    pub frame: Frame,
+    /// Side of approach.
+    pub direction: Approach,
+    /// Number of poses.
+    pub poses: usize,
+    /// `bounds` where nothing is measured: then the statistics are of the 95 % value at each pose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub from: Option<&'static str>,
+    /// What the bounds lead to, where nothing is measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<MapFromBounds>,
+    /// What bounds of errors without a value add to the measured ones.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bounds_add: Option<AddedByBounds>,
+    /// Statistics of the deviation of the functional point, um.
+    pub position_um: Summary,
+    /// Statistics of the deviation of the orientation of the tool, urad.
+    pub rotation_urad: Summary,
+    /// Intervals of the statistics, where the machine file states uncertainties of errors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<Bands>,
+    /// The worst poses, largest deviation of the functional point first.
+    pub worst: Vec<WorstPose>,
+    /// The body diagonals of the volume.
+    pub diagonals: Vec<BodyDiagonal>,
+    /// Relative error of the 95 % values, for a map of more than [`MapPoses::MAX_HELD`] poses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p95_relative_error: Option<f64>,
+    /// Tool poses of a file, with those that the machine reaches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tool_poses: Option<ReachedToolPoses>,
+    /// The features of the file, where it names some: the largest deviation on each.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub features: Vec<FeatureResult>,
+    /// The target whose compensation is in the map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<String>,
+    /// The same without compensation, for a map with.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncompensated: Option<Uncompensated>,
+    /// Numbers of nodes along the axes, for the grid of the volume.
+    #[serde(skip)]
+    pub grid: Option<Vec<usize>>,
+    /// The picture that was asked for.
+    #[serde(skip)]
+    pub picture: Option<Picture>,
+}
+
+impl MapResult {
+    /// Returns a map that has statistics and nothing else.
+    pub(crate) fn empty(rows: &Rows<'_>, statistics: Statistics) -> Self {
+        Self {
+            machine: rows.machine.name().to_owned(),
+            order: rows.order,
+            frame: rows.view.frame,
+            direction: rows.view.approach,
+            poses: statistics.poses,
+            from: None,
+            bounds: None,
+            bounds_add: None,
+            position_um: statistics.position_um,
+            rotation_urad: statistics.rotation_urad,
+            uncertainty: None,
+            worst: Vec::new(),
+            diagonals: Vec::new(),
+            p95_relative_error: None,
+            tool_poses: None,
+            features: Vec::new(),
+            target: None,
+            uncompensated: None,
+            grid: if let Poses::Nodes(nodes) = rows.poses { Some(nodes.counts().collect()) } else { None },
+            picture: None,
+        }
+    }
+
+    /// Returns the statistics of the map.
+    pub fn statistics(&self) -> Statistics {
+        Statistics { poses: self.poses, position_um: self.position_um, rotation_urad: self.rotation_urad }
+    }
+}
+
+/// What the bounds of a machine lead to over a map.
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
+pub struct MapFromBounds {
+    /// Its figures, with the machines drawn.
+    #[serde(flatten)]
+    pub figures: BoundedFigures,
+    /// The worst poses, largest 95 % value of the position deviation first.
+    pub worst: Vec<WorstBoundedPose>,
+}
+
+/// A pose with a large 95 % value.
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
+pub struct WorstBoundedPose {
+    /// The pose, mm and deg.
+    pub axes: AxisPositions,
+    /// Root of the sum of squares of the bounds' effects on the functional point, um.
+    pub rss_um: f64,
+    /// The position deviation that 95 % of the machines drawn do not exceed, um.
+    pub p95_um: f64,
+}
+
+/// Statistics of a machine without compensation.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct Uncompensated {
+    /// Displacement of the functional point, um.
+    pub position_um: Summary,
+    /// Rotation of the tool, urad.
+    pub rotation_urad: Summary,
+}
+
+/// A pose with a large deviation.
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
+pub struct WorstPose {
+    /// The pose, mm and deg.
+    pub axes: AxisPositions,
+    /// Deviation of the functional point, um.
+    pub deviation_um: [f64; 3],
+    /// Length of the deviation, um.
+    #[serde(skip)]
+    pub length_um: f64,
+}
+
+/// Displacement along a body diagonal.
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
+pub struct BodyDiagonal {
+    /// Senses of the axes along it, such as `ppp`.
+    pub name: String,
+    /// The pose at its beginning, mm and deg.
+    pub from: AxisPositions,
+    /// The pose at its end, mm and deg.
+    pub to: AxisPositions,
+    /// Length, mm.
+    pub length_mm: f64,
+    /// Maximum minus minimum of the displacement, um.
+    pub range_um: f64,
+    /// Displacement along the diagonal at equal intervals, um.
+    pub deviations_um: Vec<f64>,
+}

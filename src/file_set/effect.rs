@@ -1,0 +1,83 @@
+//! ControllerEffect of a set of files on a machine: of one that `compile` would write, or of one found in a folder.
+
+use super::found_set::found_set;
+use super::module_set::{self, ModuleRequest};
+use super::options::CompensationOptions;
+use super::table_set::{self, FoundTables, TableRequest};
+use super::{composition, verdict};
+use crate::controller::{
+    Certificate, ControllerEffect, ControllerTarget, Depth, TablesUnderTest, certify, certify_kinematics,
+};
+use crate::diagnostic::{Diagnostic, codes};
+use crate::machine::Machine;
+use crate::run::{Call, Refused};
+use std::path::Path;
+
+/// Returns the effect of a target on a machine by the files that `compile` would write, and their certificate. Nothing
+/// is written.
+fn compiled_effect(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    options: &CompensationOptions,
+    depth: Depth,
+) -> Result<(ControllerEffect, Certificate), Refused> {
+    let (effect, certificate) = if target.manifest.kinematics().is_some() {
+        let set = module_set::rendered(call, machine, target, ModuleRequest::plain(options.orientation()))?;
+        let (module, beside) = (set.module, set.beside);
+        let certificate = certify_kinematics(machine, target, &module, &beside, depth);
+        (ControllerEffect::Module(Box::new(module), beside), certificate)
+    } else {
+        let request = TableRequest::plain(options.scope());
+        let tables = table_set::rendered(call, machine, target, &request, None)?.tables;
+        let judged = TablesUnderTest { target, tables: &tables, installed: None };
+        let certificate = certify(machine, judged, options.scope(), depth.poses, depth.seed);
+        (ControllerEffect::CorrectionTables(tables), certificate)
+    };
+    call.extend(verdict::warnings(&certificate));
+    call.checked()?;
+    Ok((effect, certificate))
+}
+
+/// Returns the effect of a target by its name, or of two whose names are joined by a plus sign: kinematic parameters
+/// and tables for what they leave.
+pub(crate) fn named_effect(
+    call: &mut Call,
+    machine: &Machine,
+    name: &str,
+    options: &CompensationOptions,
+    depth: Depth,
+) -> Result<(ControllerTarget, ControllerEffect, Certificate), Refused> {
+    if !cfg!(feature = "controllers") {
+        let refusal = Diagnostic::new(codes::E0701, "this build of the library has no controllers");
+        return call.refuse(refusal.help("ask the program: abbe map MACHINE --target NAME, or abbe workbench MACHINE"));
+    }
+    let names: Vec<String> = name.split('+').map(str::to_owned).collect();
+    if names.len() > 1 {
+        return composition::composed_effect(call, machine, &names, options, depth);
+    }
+    let target = options.target(call, name)?;
+    let (effect, certificate) = compiled_effect(call, machine, &target, options, depth)?;
+    Ok((target, effect, certificate))
+}
+
+/// Returns the effect of the set in a folder, of whatever target it is.
+pub(crate) fn found_effect(
+    call: &mut Call,
+    machine: &Machine,
+    folder: &Path,
+    options: &CompensationOptions,
+) -> Result<(ControllerTarget, ControllerEffect), Refused> {
+    if composition::is_composed(folder, call) {
+        return composition::found_composed(call, machine, folder, options);
+    }
+    let set = found_set(call, machine, folder, None, options)?;
+    call.checked()?;
+    if set.target.manifest.kinematics().is_none() {
+        let FoundTables { target, tables, .. } = table_set::tables_of(call, machine, folder, set)?;
+        return Ok((target, ControllerEffect::CorrectionTables(tables)));
+    }
+    let request = ModuleRequest::plain(options.orientation());
+    let (module, beside) = module_set::found(call, machine, &set.target, folder, request, &set.files)?;
+    Ok((set.target, ControllerEffect::Module(Box::new(module), beside)))
+}

@@ -1,0 +1,127 @@
+//! The target of the files in a folder: the one that is named, or that the set's manifest names; else the one whose
+//! files are there by name; else the one that their content identifies.
+
+use super::folder::{Folder, ignored};
+use super::options::CompensationOptions;
+use crate::controller::{ControllerTarget, LOCK_NAME, Lock, NAMES, ReadBack, RecognisedSet, recognise};
+use crate::diagnostic::{Diagnostic, codes};
+use crate::machine::Machine;
+use crate::run::{Call, Refused};
+use std::path::Path;
+
+/// A set's files, in their places.
+pub(crate) struct FoundSet {
+    pub target: ControllerTarget,
+    pub files: Vec<ReadBack>,
+}
+
+/// Finds the set in a folder; `named` is its target if the caller knows it.
+pub(crate) fn found_set(
+    call: &mut Call,
+    machine: &Machine,
+    path: &Path,
+    named: Option<&str>,
+    options: &CompensationOptions,
+) -> Result<FoundSet, Refused> {
+    let folder = Folder::new(path, call.run.files);
+    let lock = folder.lock();
+    if let Some(lock) = &lock {
+        folder.refuse_odd(lock, &mut call.diagnostics);
+        call.checked()?;
+    }
+    let options = &options.as_in(lock.as_ref());
+    let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
+    let candidates = match named {
+        Some(name) => vec![options.target(call, &name)?],
+        None => all_targets(call, options)?,
+    };
+    if let [target] = &candidates[..] {
+        refuse_assumed_axes(call, machine, target)?;
+    }
+    if let ([target], Some(lock)) = (&candidates[..], &lock) {
+        let tables = target.table_files(machine);
+        refuse_incomplete(call, &folder, lock, &tables)?;
+        // A set that had nothing to compensate.
+        if lock.target == target.manifest.target
+            && !lock.files.iter().any(|file| tables.contains(&file.name))
+            && !tables.iter().any(|name| folder.has(name))
+        {
+            return Ok(FoundSet { target: target.clone(), files: Vec::new() });
+        }
+    }
+    let there = |target: &&ControllerTarget| target.table_files(machine).iter().any(|name| folder.has(name));
+    let by_name: Vec<&ControllerTarget> = candidates.iter().filter(there).collect();
+    if let [target] = by_name[..] {
+        refuse_assumed_axes(call, machine, target)?;
+        let wanted = [target.table_files(machine), target.index_files()].concat();
+        let files = folder.read(&wanted, &mut call.diagnostics);
+        for name in target.foreign_files(machine).into_iter().filter(|name| folder.has(name)) {
+            call.warn(ignored(&name, "the machine has no axis for it"));
+        }
+        return Ok(FoundSet { target: target.clone(), files });
+    }
+    // Several targets by their names: those are the ones to choose from.
+    let candidates = if by_name.is_empty() { candidates } else { by_name.into_iter().cloned().collect() };
+    by_content(call, machine, &folder, candidates)
+}
+
+/// Those of the binary, then those of the user's folder.
+fn all_targets(call: &mut Call, options: &CompensationOptions) -> Result<Vec<ControllerTarget>, Refused> {
+    let mut names: Vec<String> = NAMES.iter().map(|name| (*name).to_owned()).collect();
+    names.extend(options.own_targets(call.run.files).into_iter().filter(|own| !NAMES.contains(&&**own)));
+    names.into_iter().map(|name| options.target(call, &name)).collect()
+}
+
+/// Refuses axes of the machine whose letter or number in the target's files would be an assumption.
+pub(crate) fn refuse_assumed_axes(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+) -> Result<(), Refused> {
+    let Some(letters) = &target.manifest.axis_letters else { return Ok(()) };
+    call.extend(letters.refusal(machine, &target.manifest.target));
+    call.checked()
+}
+
+/// A table that the set's manifest lists is part of it, whether or not its target could do without.
+fn refuse_incomplete(call: &mut Call, folder: &Folder, lock: &Lock, tables: &[String]) -> Result<(), Refused> {
+    let listed = lock.files.iter().filter(|file| tables.contains(&file.name));
+    for file in listed.filter(|file| !folder.has(&file.name)) {
+        let message = format!("the file `{}` is missing", file.name);
+        let help = format!("{LOCK_NAME} lists it: a set of compensation files is only whole with all of them");
+        call.diagnostics.push(Diagnostic::new(codes::E0705, message).help(help));
+    }
+    call.checked()
+}
+
+/// Files of any name.
+fn by_content(
+    call: &mut Call,
+    machine: &Machine,
+    folder: &Folder,
+    targets: Vec<ControllerTarget>,
+) -> Result<FoundSet, Refused> {
+    let only = match &targets[..] {
+        [target] => Some((target.manifest.target.clone(), target.table_files(machine).join(", "))),
+        _ => None,
+    };
+    let texts = folder.texts(&mut call.diagnostics);
+    if let Some(RecognisedSet { target, files }) = recognise(machine, targets, &texts, &mut call.diagnostics) {
+        refuse_assumed_axes(call, machine, &target)?;
+        return Ok(FoundSet { target, files });
+    }
+    call.checked()?;
+    let Some((target, files)) = only else { return call.refuse(nothing_found(folder.path)) };
+    let message =
+        format!("there are no files of target `{target}` in `{}`, by name or by content", folder.path.display());
+    call.refuse(Diagnostic::new(codes::E0705, message).help(format!("its tables are in {files}")))
+}
+
+/// Refuses a folder without a set.
+pub(crate) fn nothing_found(folder: &Path) -> Diagnostic {
+    Diagnostic::new(
+        codes::E0705,
+        format!("there are no compensation files of a known target in `{}`", folder.display()),
+    )
+    .help("name the folder that `compile --out` was given, and the target with --target")
+}

@@ -1,0 +1,151 @@
+//! Kinematics modules, for targets that replace the controller's kinematics: rendered and read back, or found in a
+//! folder.
+
+use super::options::CompensationOptions;
+use super::{found_set, misread};
+use crate::compensation::CorrectionTables;
+use crate::controller::{ControllerTarget, KinematicsModule, Limits, ReadBack, RenderedFile};
+use crate::machine::Machine;
+use crate::run::{Call, Refused, finite};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The files of a module, and the numbers that the controller reads from them.
+pub(crate) struct ModuleFiles {
+    pub(crate) rendered: Vec<RenderedFile>,
+    /// Data of the module.
+    pub(crate) module: KinematicsModule,
+    /// The tables beside it.
+    pub(crate) beside: CorrectionTables,
+}
+
+/// The purpose of a module, and what it stands on.
+#[derive(Debug, Clone)]
+pub(crate) struct ModuleRequest {
+    /// True if the direction of the tool is corrected too.
+    pub(crate) orientation: bool,
+    /// Limits on corrections.
+    pub(crate) limits: Limits,
+    /// Kinematic parameters with which the machine was measured, mm and components of unit vectors; the nominal
+    /// machine's if there are none.
+    pub(crate) before: Option<Vec<f64>>,
+}
+
+impl ModuleRequest {
+    /// Returns the request of a module on its own that nobody is to load.
+    pub(crate) fn plain(orientation: bool) -> Self {
+        Self { orientation, limits: Limits::LARGEST, before: None }
+    }
+}
+
+/// Renders a module and reads it back.
+pub(crate) fn rendered(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    request: ModuleRequest,
+) -> Result<ModuleFiles, Refused> {
+    let limits = request.limits;
+    let meant = carried(call, machine, target, request)?;
+    call.extend(finite::refusal_of_content(&meant));
+    call.checked()?;
+    let reversal = Arc::new(target.reversal_tables(machine));
+    call.extend(limits.excesses(machine, &reversal));
+    call.checked()?;
+    let rendered = call.templates(|call| target.render_kinematics(machine, &meant, &reversal, &mut call.diagnostics));
+    let rendered = rendered.ok_or(Refused)?;
+    call.checked()?;
+    let (module, beside) = read_back(call, machine, target, &rendered, (&meant, &reversal))?;
+    Ok(ModuleFiles { rendered, module, beside })
+}
+
+/// Reads the kinematic parameters that were in force when the machine was measured. Other modules take the place of
+/// what was there, and nothing adds up.
+pub(crate) fn installed(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    options: &CompensationOptions,
+    folder: Option<&Path>,
+) -> Result<Option<Vec<f64>>, Refused> {
+    let Some(folder) = folder else { return Ok(None) };
+    if target.manifest.kinematics().is_none_or(|mechanism| mechanism.machines.is_empty()) {
+        return call.usage(
+            "--installed: a kinematics module takes the place of the one before and adds nothing to it: measure \
+             without it, and compile without --installed",
+        );
+    }
+    let meant = carried(call, machine, target, ModuleRequest::plain(options.orientation()))?;
+    let named = Some(target.manifest.target.as_str());
+    let set =
+        call.about(&folder.display().to_string(), |call| found_set::found_set(call, machine, folder, named, options))?;
+    let Some(file) = set.files.first() else { return call.refuse(found_set::nothing_found(folder)) };
+    let values = target.read_parameters(machine, &meant, file, &mut call.diagnostics);
+    values.map_or(Err(Refused), |values| Ok(Some(values)))
+}
+
+/// A module's numbers and the tables beside it, read from the files of a folder.
+pub(crate) fn found(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    folder: &Path,
+    request: ModuleRequest,
+    texts: &[ReadBack],
+) -> Result<(KinematicsModule, CorrectionTables), Refused> {
+    if texts.is_empty() {
+        return call.refuse(found_set::nothing_found(folder));
+    }
+    let meant = carried(call, machine, target, request)?;
+    let Some(read) = target.read_kinematics(machine, &meant, texts, &mut call.diagnostics) else {
+        return Err(Refused);
+    };
+    let beside = beside(call, machine, target, texts)?;
+    Ok((read.with_tool_of(machine), beside))
+}
+
+fn carried(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    request: ModuleRequest,
+) -> Result<KinematicsModule, Refused> {
+    match KinematicsModule::of(machine, target, request.orientation) {
+        Ok(carried) => {
+            call.extend(carried.warnings(machine));
+            Ok(request.before.into_iter().fold(carried, KinematicsModule::on_top_of))
+        }
+        Err(refusal) => call.refuse(refusal),
+    }
+}
+
+/// The tables of the files beside a module; none if there are no such files.
+fn beside(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    texts: &[ReadBack],
+) -> Result<CorrectionTables, Refused> {
+    let tables = target.read_beside(machine, texts, &mut call.diagnostics);
+    call.checked()?;
+    Ok(tables)
+}
+
+/// Reads the rendered bytes back as `verify` would, and refuses any difference from the intended module.
+fn read_back(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    files: &[RenderedFile],
+    (meant, reversal): (&KinematicsModule, &CorrectionTables),
+) -> Result<(KinematicsModule, CorrectionTables), Refused> {
+    let text = |file: &RenderedFile| ReadBack::new(&*file.name, String::from_utf8_lossy(&file.bytes));
+    let texts: Vec<_> = files.iter().map(text).collect();
+    let read = target.read_kinematics(machine, meant, &texts, &mut call.diagnostics);
+    call.checked()?;
+    let beside = beside(call, machine, target, &texts)?;
+    match read {
+        Some(read) if read == *meant && beside.same_effect(reversal) => Ok((read, beside)),
+        _ => call.refuse(misread(target)),
+    }
+}

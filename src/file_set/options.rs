@@ -1,0 +1,163 @@
+//! Options of the compensation of a machine: `compile`, `verify`, `diff`, `map` and `report` share them.
+
+use crate::compensation::{Fit, Goal, Scope, Stored};
+use crate::controller::{ControllerTarget, Lock, is_plain_name};
+use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::machine::{AxisName, ControllerAxis};
+use crate::run::{Call, Refused};
+use crate::syntax::{EntryKind, Files};
+use std::path::{Path, PathBuf};
+
+/// Options of the compensation of a machine.
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default)]
+pub struct CompensationOptions {
+    /// Goal of the correction; by default the position for tables, the pose for a kinematics module.
+    pub correct: Option<Goal>,
+    /// Axes that correct. By default the linear ones for the position, all for the pose.
+    pub with: Option<CorrectingAxes>,
+    /// A folder with targets of one's own, each a folder with a `target.yaml`.
+    pub templates: Option<PathBuf>,
+    /// Meaning of stored numbers, `correction` or `error`, where the manual does not state it; by default the
+    /// manifest's.
+    pub stored: Option<Stored>,
+    /// Kinds of tables to leave out although the controller has them: product, plane, cross_axis, own_axis.
+    pub without: Vec<String>,
+    /// Content of own-axis tables; by default the manifest's.
+    pub fit: Option<Fit>,
+    /// Letters and numbers of axes in the controller, such as `A=AX6` or `X1=U`, over those of the machine file.
+    pub map: Vec<String>,
+}
+
+/// Axes that correct.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum CorrectingAxes {
+    /// The linear axes.
+    Linear,
+    /// All axes.
+    All,
+}
+
+/// Sine of the angle from a singular pose below which the rotary axes' correction is bounded: lattice cells are about
+/// 15 deg wide, and faster changes cannot be interpolated.
+const LATTICE_DAMPING: f64 = 0.15;
+
+/// The word for a meaning of stored numbers in the manifest of a set.
+fn stored_word(stored: Stored) -> &'static str {
+    match stored {
+        Stored::Correction => "stored correction",
+        Stored::Error => "stored error",
+        Stored::Command => "stored command",
+    }
+}
+
+/// Returns the meaning of stored numbers that the manifest of a set states.
+fn stored_of(options: &[String]) -> Option<Stored> {
+    let known = [Stored::Correction, Stored::Error];
+    known.into_iter().find(|stored| options.iter().any(|option| option == stored_word(*stored)))
+}
+
+/// What the manifest of a set says before an entry of [`CompensationOptions::map`].
+const MAP: &str = "map ";
+
+/// Reads entries such as `A=AX6`; one axis may have a letter and a number. `Err`: the entry that is none.
+fn axis_words(map: &[String]) -> Result<Vec<(String, ControllerAxis)>, &String> {
+    let mut all: Vec<(String, ControllerAxis)> = Vec::new();
+    for entry in map {
+        let read = || entry.split_once('=').and_then(|(name, word)| Some((name, ControllerAxis::parse(word)?)));
+        let read = || read().filter(|(name, _)| AxisName::new(name).is_some());
+        let (name, word) = read().ok_or(entry)?;
+        match all.iter_mut().find(|(known, _)| known == name) {
+            Some((_, words)) => *words = words.and(word).ok_or(entry)?,
+            None => all.push((name.to_owned(), word)),
+        }
+    }
+    Ok(all)
+}
+
+impl CompensationOptions {
+    /// These options, and what the manifest of a set states where they do not.
+    pub(crate) fn as_in(&self, lock: Option<&Lock>) -> Self {
+        let Some(lock) = lock else { return self.clone() };
+        let of_lock = || lock.options.iter().filter_map(|option| option.strip_prefix(MAP)).map(str::to_owned);
+        let map = if self.map.is_empty() { of_lock().collect() } else { self.map.clone() };
+        Self { stored: self.stored.or_else(|| stored_of(&lock.options)), map, ..self.clone() }
+    }
+
+    pub(crate) fn scope(&self) -> Scope {
+        let goal = self.correct.unwrap_or(Goal::Position);
+        let usual = if goal == Goal::Pose { CorrectingAxes::All } else { CorrectingAxes::Linear };
+        Scope { goal, rotary: self.with.unwrap_or(usual) == CorrectingAxes::All, damping: LATTICE_DAMPING }
+    }
+
+    /// True if a kinematics module corrects the direction of the tool axis too.
+    pub(crate) fn orientation(&self) -> bool {
+        self.correct != Some(Goal::Position) && self.with != Some(CorrectingAxes::Linear)
+    }
+
+    /// Returns the options as the manifest of a set states them.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let scope = self.scope();
+        let goal = if scope.goal == Goal::Pose { "pose" } else { "position" };
+        let axes = if scope.rotary { "all" } else { "linear" };
+        let mut words = vec![format!("correct {goal}"), format!("with {axes} axes")];
+        words.extend(self.stored.map(|stored| stored_word(stored).to_owned()));
+        words.extend(self.without.iter().map(|kind| format!("without {kind}")));
+        words.extend(self.map.iter().map(|entry| format!("{MAP}{entry}")));
+        words.extend(self.fit.map(|fit| match fit {
+            Fit::Axis => "fit axis".to_owned(),
+            Fit::FunctionalPoint => "fit functional-point".to_owned(),
+        }));
+        words
+    }
+
+    /// Returns the names of the targets in the user's folder, sorted.
+    pub(crate) fn own_targets(&self, files: &dyn Files) -> Vec<String> {
+        let Some(folder) = &self.templates else { return Vec::new() };
+        let has_manifest = |name: &String| {
+            let entries = files.entries(&folder.join(name));
+            entries.iter().any(|entry| entry.name == "target.yaml" && entry.kind != EntryKind::Other)
+        };
+        let names = files.entries(folder).into_iter().map(|entry| entry.name);
+        names.filter(|name| is_plain_name(name) && has_manifest(name)).collect()
+    }
+
+    /// Finds a target by name and adapts it to the options.
+    pub(crate) fn target(&self, call: &mut Call, name: &str) -> Result<ControllerTarget, Refused> {
+        if let Some(folder) = self.templates.as_deref().filter(|_| is_plain_name(name)) {
+            refuse_links(call, &folder.join(name))?;
+        }
+        let target = ControllerTarget::find(name, self.templates.as_deref(), call.run.files, &mut call.diagnostics);
+        let mut target = target.ok_or(Refused)?;
+        if let Some(stored) = self.stored {
+            target.manifest.mechanism.store(stored);
+        }
+        for kind in &self.without {
+            if !target.manifest.mechanism.leave_out(kind) {
+                let kind = kind.escape_debug();
+                return call.usage(format!("--without: the target `{name}` has no tables `{kind}`, or no others"));
+            }
+        }
+        if let Some(fit) = self.fit {
+            target.manifest.mechanism.fit(fit);
+        }
+        let given = match axis_words(&self.map) {
+            Ok(given) => given,
+            Err(entry) => {
+                let (entry, expected) = (entry.escape_debug(), ControllerAxis::EXPECTED);
+                return call.usage(format!("--map: `{entry}` is not an axis, `=` and {expected}"));
+            }
+        };
+        target.manifest.axis_letters.iter_mut().for_each(|letters| letters.given.clone_from(&given));
+        Ok(target)
+    }
+}
+
+/// A link in a target's folder would carry a file from anywhere into the set.
+fn refuse_links(call: &mut Call, folder: &Path) -> Result<(), Refused> {
+    let entries = call.run.files.entries(folder);
+    let Some(link) = entries.iter().find(|entry| entry.kind == EntryKind::Link) else { return Ok(()) };
+    let message = format!("`{}` is a link", shown(&folder.join(&link.name).display().to_string()));
+    call.refuse(Diagnostic::new(codes::E0703, message).help("copy the file: a target's folder holds its own files"))
+}

@@ -1,0 +1,269 @@
+//! Sets of tables: filled, rendered and read back, or found in a folder.
+
+use super::found_set::{self, FoundSet};
+use super::misread;
+use super::options::CompensationOptions;
+use crate::compensation::{CorrectionTables, Fit, LatticeRequest, Scope, thinned_axes};
+use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile, axis_letters};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::machine::{AxisKind, Machine};
+use crate::run::finite::not_finite;
+use crate::run::{Call, Refused};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A set of files before it is written, and the tables that the controller reads from it.
+pub(crate) struct RenderedTables {
+    pub rendered: Vec<RenderedFile>,
+    pub tables: CorrectionTables,
+}
+
+/// Tables to be filled.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TableRequest<'a> {
+    /// Names of the axes that span a lattice; all if empty.
+    pub lattice: &'a [String],
+    /// Maximum number of lattice nodes.
+    pub max_nodes: usize,
+    pub scope: Scope,
+    pub limits: Limits,
+}
+
+impl TableRequest<'_> {
+    /// Everything by default, for a scope; nobody is to load the tables.
+    pub fn plain(scope: Scope) -> Self {
+        Self { lattice: &[], max_nodes: usize::MAX, scope, limits: Limits::LARGEST }
+    }
+}
+
+/// Fills the tables of a target on top of those installed, renders its files and reads them back as `verify` would.
+/// With installed tables goes the target with all of its mechanisms: they may be of a kind that no new table is to be
+/// of.
+pub(crate) fn rendered(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    request: &TableRequest,
+    installed: Option<(&CorrectionTables, &ControllerTarget)>,
+) -> Result<RenderedTables, Refused> {
+    if let Some(refusal) = target.refusal(machine) {
+        return call.refuse(refusal);
+    }
+    refuse_no_letter(call, machine, target)?;
+    found_set::refuse_assumed_axes(call, machine, target)?;
+    refuse_short_travel(call, machine, target)?;
+    let TableRequest { scope, limits, .. } = *request;
+    let axes = lattice_axes(call, machine, request.lattice)?;
+    let request = LatticeRequest { axes, max_nodes: request.max_nodes, scope };
+    refuse_impossible_lattice(call, machine, target, &request)?;
+    let (planner, target) = (target, installed.map_or(target, |(_, target)| target));
+    let (tables, left_out) = match installed {
+        Some((installed, target)) => target.tables_over(planner, machine, &request, installed),
+        None => (target.tables(machine, &request), Vec::new()),
+    };
+    let tables = Arc::new(tables);
+    call.extend(left_out);
+    call.extend(target.name_warning(machine));
+    if !tables.is_finite() {
+        return call.refuse(not_finite("correction"));
+    }
+    warn_left_out(call, machine, target, &tables);
+    let losses = installed.map(|(old, _)| target.resampling_losses(machine, &tables, old)).unwrap_or_default();
+    call.extend(losses);
+    call.extend(limits.excesses(machine, &tables));
+    call.extend(target.violations(machine, &tables));
+    call.checked()?;
+    let rendered = call.templates(|call| target.render(machine, &tables, &mut call.diagnostics)).ok_or(Refused)?;
+    call.checked()?;
+    let tables = read_back(call, machine, target, &rendered, &tables)?;
+    Ok(RenderedTables { rendered, tables })
+}
+
+/// Refuses axes for which the controller has no letter, before tables are filled.
+fn refuse_no_letter(call: &mut Call, machine: &Machine, target: &ControllerTarget) -> Result<(), Refused> {
+    let mut found = Diagnostics::default();
+    if axis_letters(machine, target.manifest.axis_letters.as_ref(), Some(&mut found)).is_none() {
+        call.extend(found.iter().cloned());
+    }
+    call.checked()
+}
+
+/// Refuses a travel that the target's tables cannot hold: two positions of it would be written as one.
+fn refuse_short_travel(call: &mut Call, machine: &Machine, target: &ControllerTarget) -> Result<(), Refused> {
+    for axis in machine.axes() {
+        let (min, max) = axis.travel.interval();
+        let steps = target.manifest.mechanism.iter().map(|(_, rules)| rules.increment.min_position(axis.kind));
+        let coarsest = steps.fold(0.0, f64::max);
+        if max - min < coarsest {
+            let (unit, name) = (axis.unit(), &target.manifest.target);
+            let message = format!(
+                "the travel of `{}`, {} {unit}, is below the increment of positions of `{name}`, {coarsest} {unit}",
+                axis.name,
+                max - min
+            );
+            call.extend([Diagnostic::new(codes::E0708, message).help("check the unit of the travel")]);
+        }
+    }
+    call.checked()
+}
+
+/// Indices of the axes that span a lattice: those named, in the order of the chain, or all.
+fn lattice_axes(call: &mut Call, machine: &Machine, named: &[String]) -> Result<Vec<usize>, Refused> {
+    let all = 0..machine.axes().len();
+    if let Some(unknown) = named.iter().find(|name| machine.axis_index(name).is_none()) {
+        return call.usage(format!("--lattice: the chain has no axis `{}`", unknown.escape_debug()));
+    }
+    if let Some((_, twice)) = named.iter().enumerate().find(|(i, name)| named[..*i].contains(name)) {
+        return call.usage(format!("--lattice: `{}` is there twice", twice.escape_debug()));
+    }
+    let wanted = |axis: &usize| named.is_empty() || named.iter().any(|name| machine.axis_index(name) == Some(*axis));
+    Ok(all.filter(wanted).collect())
+}
+
+/// Refuses a lattice with fewer than two nodes on an axis, or with nothing to correct.
+fn refuse_impossible_lattice(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    request: &LatticeRequest,
+) -> Result<(), Refused> {
+    let free = target.manifest.mechanism.lattice.as_ref().filter(|rules| rules.inputs.is_empty());
+    let Some(rules) = free else { return Ok(()) };
+    let max = request.max_nodes.min(rules.table.max_points);
+    let min = 2_usize.checked_pow(u32::try_from(request.axes.len()).unwrap_or(u32::MAX)).unwrap_or(usize::MAX);
+    if min > max {
+        let message =
+            format!("a lattice over {} axes has {min} nodes or more, above the limit of {max}", request.axes.len());
+        let help = "span it over fewer axes with --lattice X,Y,Z, or allow more with --nodes";
+        return call.refuse(Diagnostic::new(codes::E0603, message).help(help));
+    }
+    let linear = machine.axes().iter().any(|axis| axis.kind == AxisKind::Linear);
+    let able = linear || (request.scope.rotary && rules.corrects_rotary);
+    if !able {
+        let message = "the machine has no linear axis to correct the position with";
+        let help = "let the rotary axes correct: --with all, or --correct pose";
+        return call.refuse(Diagnostic::new(codes::E0603, message).help(help));
+    }
+    Ok(())
+}
+
+/// Warns of points beyond the format's limit, and of travel beyond the volume.
+fn warn_left_out(call: &mut Call, machine: &Machine, target: &ControllerTarget, tables: &CorrectionTables) {
+    let own = target.manifest.mechanism.own_axis.as_ref().map(|own| &own.table);
+    if let Some(rules) = own.filter(|rules| rules.fit == Fit::Axis) {
+        for (axis, points) in thinned_axes(machine, rules) {
+            let (name, max) = (&machine.axes()[axis].name, rules.max_points);
+            let message =
+                format!("the curves of `{name}` have {points} points, the format holds {max}: they were thinned_axes");
+            let help = "thin the curve out yourself if certain points matter";
+            call.warn(Diagnostic::new(codes::W0604, message).help(help));
+        }
+    }
+    let free = target.manifest.mechanism.lattice.as_ref().is_some_and(|rules| rules.inputs.is_empty());
+    let Some(lattice) = tables.tables.first().filter(|_| free) else { return };
+    for axis in &lattice.axes {
+        let (this, grid) = (&machine.axes()[*axis], machine.volume()[*axis]);
+        let (min, max) = this.travel.interval();
+        let within = grid.max - grid.min < (max - min) * (1.0 - 1e-9);
+        if within {
+            let message = format!(
+                "the lattice covers `{}` from {} to {} {}, its travel is larger: outside the value at the end is held",
+                this.name,
+                grid.min,
+                grid.max,
+                this.unit()
+            );
+            let help = "leave the bounds out of `volume:` to cover the whole travel";
+            call.warn(Diagnostic::new(codes::W0605, message).help(help));
+        }
+    }
+}
+
+/// Reads the rendered bytes back as `verify` would, and insists that they are the tables we meant.
+fn read_back(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    files: &[RenderedFile],
+    meant: &CorrectionTables,
+) -> Result<CorrectionTables, Refused> {
+    let text = |file: &RenderedFile| ReadBack::new(&*file.name, String::from_utf8_lossy(&file.bytes));
+    let wanted = [target.table_files(machine), target.index_files()].concat();
+    let texts: Vec<_> = files.iter().filter(|file| wanted.contains(&file.name)).map(text).collect();
+    let read = target.read(machine, &texts, &mut call.diagnostics);
+    call.checked()?;
+    // Nothing to compensate may mean no files of tables.
+    let tables = target.table_files(machine);
+    let none = !files.iter().any(|file| tables.contains(&file.name));
+    match read.or_else(|| none.then(CorrectionTables::default)) {
+        Some(read) if read.same_effect(meant) => Ok(read),
+        _ => call.refuse(misread(target)),
+    }
+}
+
+/// A set found in a folder.
+pub(crate) struct FoundTables {
+    pub target: ControllerTarget,
+    pub tables: CorrectionTables,
+    pub files: Vec<String>,
+}
+
+/// The tables in a folder, of whatever target they are.
+pub(crate) fn found(
+    call: &mut Call,
+    machine: &Machine,
+    folder: &Path,
+    options: &CompensationOptions,
+) -> Result<FoundTables, Refused> {
+    let set = found_set::found_set(call, machine, folder, None, options)?;
+    tables_of(call, machine, folder, set)
+}
+
+/// The tables of a set.
+pub(crate) fn tables_of(
+    call: &mut Call,
+    machine: &Machine,
+    folder: &Path,
+    set: FoundSet,
+) -> Result<FoundTables, Refused> {
+    let FoundSet { target, files } = set;
+    if target.manifest.kinematics().is_some() {
+        let message = format!("`{}` holds a kinematics module, which has no tables", folder.display());
+        let help = "a module is written anew from the machine file, not on top of another one";
+        return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
+    }
+    let read = target.read(machine, &files, &mut call.diagnostics);
+    call.checked()?;
+    let read = read.or_else(|| files.is_empty().then(CorrectionTables::default));
+    let indices = target.index_files();
+    let names = files.into_iter().filter(|file| !indices.contains(&file.name)).map(|file| file.found).collect();
+    match read {
+        Some(tables) => {
+            call.extend(target.coverage_warnings(machine, &tables));
+            Ok(FoundTables { target, tables, files: names })
+        }
+        None => call.refuse(found_set::nothing_found(folder)),
+    }
+}
+
+/// The tables that were in force when the machine was measured.
+pub(crate) fn installed(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    options: &CompensationOptions,
+    folder: Option<&Path>,
+) -> Result<Option<CorrectionTables>, Refused> {
+    let Some(folder) = folder else { return Ok(None) };
+    // What is installed is there, whatever new tables are to be without.
+    let options = CompensationOptions { without: Vec::new(), ..options.clone() };
+    let set = found(call, machine, folder, &options)?;
+    call.checked()?;
+    if set.target.manifest.target == target.manifest.target {
+        return Ok(Some(set.tables));
+    }
+    let (old, new) = (&set.target.manifest.target, &target.manifest.target);
+    let message = format!("the files in `{}` are of target `{old}`, not of `{new}`", folder.display());
+    let help = "only tables of the same target can be written on top of each other";
+    call.refuse(Diagnostic::new(codes::E0711, message).help(help))
+}

@@ -1,0 +1,61 @@
+//! A fit with all that is known of it, and its datum.
+
+use crate::identify::{
+    Fit, Known, Measurement, Misfit, Moved, Parameter, Prediction, Randomness, Repeats, Residuals, Solution, TypeB,
+};
+use crate::machine::Machine;
+use crate::syntax::DatumEntry;
+use serde::Serialize;
+
+/// The datum of the fitted errors.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct FittedDatum {
+    /// Reference line, zero and place of the squareness.
+    #[serde(flatten)]
+    pub entry: DatumEntry,
+    /// Number of conditions: each fixes a combination of errors that changes nothing but where the workpiece stands.
+    pub conditions: usize,
+    /// Translation of the whole that was taken out of the errors, um.
+    pub translation_um: [f64; 3],
+    /// Rotation of the whole that was taken out, about the middle of the volume, urad.
+    pub rotation_urad: [f64; 3],
+}
+
+impl FittedDatum {
+    pub(crate) fn of(entry: DatumEntry, moved: &Moved) -> Self {
+        let Moved { conditions, translation, rotation, .. } = *moved;
+        let (translation_um, rotation_urad) = (translation.map(|x| x * 1e3), rotation.map(|x| x * 1e6));
+        Self { entry, conditions, translation_um, rotation_urad }
+    }
+}
+
+/// A fit with all that is known of it.
+pub(crate) struct Fitted<'a> {
+    pub(crate) machine: &'a Machine,
+    /// The machine's parameters first.
+    pub(crate) unknowns: &'a [Parameter],
+    /// Number of the machine's parameters.
+    pub(crate) own: usize,
+    pub(crate) data: &'a [Measurement],
+    pub(crate) solution: Solution,
+    pub(crate) residuals: Residuals,
+    pub(crate) randomness: Vec<Randomness>,
+    pub(crate) held_out: Option<f64>,
+    pub(crate) prediction: Prediction,
+    /// Rigid motions of the whole machine that no reading notices.
+    pub(crate) motions: Vec<String>,
+    pub(crate) repeats: Vec<Repeats>,
+    /// Values known before the data.
+    pub(crate) known: &'a [Known],
+    pub(crate) type_b: &'a [TypeB],
+    /// The form of the axes beside the curves; `None` if the readings cannot show it.
+    pub(crate) misfit: Option<Misfit>,
+    pub(crate) datum: Option<FittedDatum>,
+    pub(crate) fit: &'a Fit,
+}
+
+impl Fitted<'_> {
+    pub(crate) fn rows(&self) -> usize {
+        self.fit.reduced.rows
+    }
+}

@@ -1,0 +1,32 @@
+//! What a fit is asked for, whatever face asks.
+
+use crate::evaluate::{Frame, Order};
+use std::path::{Path, PathBuf};
+
+/// What a fit is asked for.
+pub(crate) struct FitInputs<'a> {
+    /// Parameters to fit; if empty, those of the machine file.
+    pub fit: &'a [String],
+    /// Parameters that keep their value.
+    pub fixed: &'a [String],
+    /// Values known before the data, in words.
+    pub priors: &'a [String],
+    /// Standard uncertainties that all readings share, in words.
+    pub type_b: &'a [String],
+    /// Files of measurements, in their order.
+    pub paths: Vec<PathBuf>,
+    /// Those of them that are texts, by name.
+    pub texts: &'a [(String, String)],
+    /// Frame in which the deviations were measured.
+    pub frame: Frame,
+    /// The poses of named points.
+    pub axis_poses: Option<&'a Path>,
+    /// Model to fit.
+    pub order: Order,
+    /// Gives readings that stand out less weight.
+    pub robust: bool,
+    /// Number of parts of the check of the prediction.
+    pub folds: Option<usize>,
+    /// Writes the machine file although it holds values that are not determined.
+    pub accept_undetermined: bool,
+}

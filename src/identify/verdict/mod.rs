@@ -1,0 +1,16 @@
+//! What a fit is worth: its values as a result, the limits that they must keep, and the warnings.
+//!
+//! - [`problem`]: the parameters, what is known of them, the readings, and the passes of the fit;
+//! - [`fitted`]: a fit with all that is known of it;
+//! - [`datum`]: the conditions of its datum, and every fitted error in it;
+//! - [`limits`]: sizes of errors and uncertainties that follow from the readings;
+//! - [`result`]: the fit as a value; [`remarks`]: its warnings.
+
+pub(crate) mod datum;
+pub(crate) mod fitted;
+pub(crate) mod inputs;
+pub(crate) mod limits;
+pub(crate) mod problem;
+pub(crate) mod provenance;
+pub(crate) mod remarks;
+pub(crate) mod result;

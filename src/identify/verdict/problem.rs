@@ -1,0 +1,308 @@
+//! The problem of a fit, and its passes: the parameters and what is known of them, the readings, the solution in its
+//! datum, what the readings contradict, and the machine file.
+
+use super::fitted::{Fitted, FittedDatum};
+use super::inputs::FitInputs;
+use super::result::{IdentifyResult, NamedSvg};
+use super::{datum, limits, provenance, remarks};
+use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::evaluate::Order;
+use crate::identify::{
+    FileNotes, Fit, Known, Measurement, MeasurementSet, Model, Parameter, Prediction, ReadingContext, Residuals,
+    SlopeBound, Solution, TypeB, common, fitted_file, held_out, in_datum, invariances, known, misfit, overruled,
+    parameters, randomness, read_measurements, repeats, slope_bounds, solve, type_b, unused,
+};
+use crate::job::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
+use crate::job::poses;
+use crate::machine::Machine;
+use crate::run::{Call, Refused, sha256};
+use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
+use crate::units::counted;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Maximum number of unknowns of a fit: time grows with their third power.
+const MAX_UNKNOWNS: usize = 500;
+
+/// Draws prediction and data.
+pub(crate) type Draw<'a> = &'a dyn Fn(&Model<'_>, &[Measurement], &[f64]) -> Result<Vec<NamedSvg>, Diagnostic>;
+
+/// The unknowns and the data of a fit.
+pub(crate) struct Problem {
+    pub request: IdentifyEntry,
+    pub unknowns: Vec<Parameter>,
+    pub bounds: Vec<SlopeBound>,
+    pub known: Vec<Known>,
+    pub type_b: Vec<TypeB>,
+    pub rows: Vec<Measurement>,
+    /// SHA-256 of the files of measurements, by path.
+    pub hashes: BTreeMap<PathBuf, String>,
+}
+
+impl Problem {
+    pub(crate) fn read(call: &mut Call<'_>, file: &MachineFile, inputs: &FitInputs<'_>) -> Result<Self, Refused> {
+        let Requested { request, own, bounds } = Requested::of(call, file, inputs.fit, inputs.fixed)?;
+        let (mut data, hashes) = measurements(call, file, inputs)?;
+        call.extend(remarks::left_out(file, &data.leave_out(&own)));
+        let mut known: Vec<Known> = Vec::new();
+        for (j, place) in data.nuisances.iter().enumerate() {
+            let (unknown, value) = (own.len() + j, place.start);
+            known.extend(place.known.map(|sigma| Known { unknown, value, sigma }));
+        }
+        let unknowns: Vec<Parameter> = own.into_iter().chain(data.nuisances.into_iter().map(Parameter::from)).collect();
+        for prior in priors(call, file, &request, inputs.priors, &unknowns)? {
+            // What is said of a place goes before the uncertainty that its file gives.
+            known.retain(|other| other.unknown != prior.unknown);
+            known.push(prior);
+        }
+        let mut request = request;
+        request.priors.extend(inputs.priors.iter().cloned());
+        request.type_b.extend(inputs.type_b.iter().cloned());
+        let shared: Result<Vec<TypeB>, _> = request.type_b.iter().map(|words| type_b(words)).collect();
+        let type_b = shared.or_else(|refusal| call.refuse(*refusal))?;
+        Ok(Self { request, unknowns, bounds, known, type_b, rows: data.rows, hashes })
+    }
+
+    pub(crate) fn model(&self, machine: &Machine, order: Order) -> Model<'_> {
+        Model::new(machine, &self.unknowns).bounded(&self.bounds).knowing(&self.known).to_order(order)
+    }
+}
+
+/// The parameters asked for.
+pub(crate) struct Requested {
+    pub request: IdentifyEntry,
+    pub own: Vec<Parameter>,
+    pub bounds: Vec<SlopeBound>,
+}
+
+impl Requested {
+    pub(crate) fn of(
+        call: &mut Call<'_>,
+        file: &MachineFile,
+        fit: &[String],
+        fixed: &[String],
+    ) -> Result<Self, Refused> {
+        let request = overruled(file, file.identify.clone().unwrap_or_default(), fit, fixed);
+        let own = parameters(file, &request).or_else(|refusal| call.refuse(*refusal))?;
+        let bounds = slope_bounds(file, &request, &own).or_else(|refusal| call.refuse(*refusal))?;
+        // A list of one's own takes what it needs of the section.
+        if fit.is_empty() {
+            call.extend(remarks::unused(&unused(file, &request, &own)));
+        }
+        Ok(Self { request, own, bounds })
+    }
+}
+
+/// What is known of the unknowns before the data. A prior of the section that names nothing here has no effect.
+pub(crate) fn priors(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    request: &IdentifyEntry,
+    options: &[String],
+    unknowns: &[Parameter],
+) -> Result<Vec<Known>, Refused> {
+    let mut list: Vec<Known> = Vec::new();
+    let mut idle = Vec::new();
+    for (k, words) in request.priors.iter().chain(options).enumerate() {
+        match known(words, file, unknowns) {
+            Ok(found) => found.into_iter().for_each(|one| {
+                list.retain(|other| other.unknown != one.unknown);
+                list.push(one);
+            }),
+            Err(_) if k < request.priors.len() => idle.push(format!("prior {}", shown(words))),
+            Err(refusal) => return call.refuse(*refusal),
+        }
+    }
+    call.extend(remarks::unused(&idle));
+    Ok(list)
+}
+
+/// Files that remember the hashes of what is read.
+struct Recording<'a> {
+    files: &'a dyn Files,
+    hashes: RefCell<BTreeMap<PathBuf, String>>,
+}
+
+impl Files for Recording<'_> {
+    fn read(&self, path: &Path) -> Result<Vec<u8>, ReadFailure> {
+        let bytes = self.files.read(path)?;
+        let _ = self.hashes.borrow_mut().insert(path.to_owned(), sha256(&bytes));
+        Ok(bytes)
+    }
+
+    fn read_at_most(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
+        let bytes = self.files.read_at_most(path, limit)?;
+        let _ = self.hashes.borrow_mut().insert(path.to_owned(), sha256(&bytes));
+        Ok(bytes)
+    }
+}
+
+/// The measurements, and the hashes of their files.
+fn measurements(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    inputs: &FitInputs<'_>,
+) -> Result<(MeasurementSet, BTreeMap<PathBuf, String>), Refused> {
+    let texts = inputs.texts.iter().fold(MemoryFiles::default(), |files, (name, text)| files.with(name, text.as_str()));
+    let overlay = Overlay { text: texts, files: call.run.files };
+    let recording = Recording { files: &overlay, hashes: RefCell::default() };
+    let paths = &inputs.paths;
+    let context = ReadingContext { frame: inputs.frame, axis_poses: inputs.axis_poses.map(Path::to_owned) };
+    let data = read_measurements(paths, file, &context, &recording, &mut call.diagnostics);
+    call.checked()?;
+    let hashes = recording.hashes.into_inner();
+    refuse_copies(call, paths, &hashes)?;
+    poses::check(call, file, data.rows.iter().flat_map(Measurement::poses))?;
+    Ok((data, hashes))
+}
+
+/// Files with the same contents would count twice.
+fn refuse_copies(call: &mut Call<'_>, list: &[PathBuf], hashes: &BTreeMap<PathBuf, String>) -> Result<(), Refused> {
+    let mut met: BTreeMap<Option<&String>, &PathBuf> = BTreeMap::new();
+    for file in list {
+        if let Some(known) = met.insert(hashes.get(file), file) {
+            let names = [known, file].map(|path| shown(&path.display().to_string()));
+            let message = format!("`{}` and `{}` hold the same readings, which would count twice", names[0], names[1]);
+            return call.refuse(Diagnostic::new(codes::E0501, message).help("name every file once"));
+        }
+    }
+    Ok(())
+}
+
+pub(crate) fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refused> {
+    let unknowns = problem.unknowns.len();
+    let readings: usize = problem.rows.iter().map(Measurement::readings).sum();
+    let instruments = problem.unknowns.iter().filter(|p| p.is_nuisance()).count();
+    if unknowns > MAX_UNKNOWNS {
+        let message = format!("{unknowns} unknowns, {instruments} of them of instruments, are too many");
+        let help = "at most 500: fit less, or take runs of the same set-up together under one name";
+        return call.refuse(Diagnostic::new(codes::E0508, message).help(help));
+    }
+    if readings + problem.known.len() >= unknowns {
+        return Ok(());
+    }
+    let also = if instruments > 0 {
+        format!(" and {} of the instruments", counted(instruments, "unknown"))
+    } else {
+        String::new()
+    };
+    let own = counted(unknowns - instruments, "parameter");
+    let message = format!("{} cannot determine {own}{also}", counted(readings, "reading"));
+    call.refuse(Diagnostic::new(codes::E0503, message).help("measure more poses, or fit less"))
+}
+
+pub(crate) fn solved(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    inputs: &FitInputs<'_>,
+    (problem, progress): (&Problem, &(dyn Fn(usize) + Sync)),
+    (with_machine_file, draw): (bool, Option<Draw<'_>>),
+) -> Result<IdentifyResult, Refused> {
+    let (model, data) = (problem.model(file, inputs.order).reporting(progress), &problem.rows);
+    let found = invariances(&model, data);
+    if let Some(refusal) = remarks::shrinking(&found.stretches) {
+        return call.refuse(refusal);
+    }
+    let fit = solve(&model, data, inputs.robust);
+    let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
+    let examined = |fit: &Fit| {
+        let solution = Solution::of(fit, &problem.unknowns).compared(&model, data, fit, &found.moving);
+        let misfit = misfit(&model, data, fit, &solution);
+        let common = common(&model, data, (fit, &solution), &problem.type_b);
+        let solution = solution.sharing(misfit.as_ref().map(|misfit| [&misfit.covariance, &misfit.apart]), common);
+        let in_datum = in_datum(&model, data, fit, &solution, &conditions);
+        let (solution, moved) = in_datum.map_or((solution, None), |(solution, moved)| (solution, Some(moved)));
+        (solution, misfit, moved)
+    };
+    let (solution, misfit, moved) = examined(&fit);
+    let datum = moved.map(|moved| FittedDatum::of(conditions.entry, &moved));
+    // Uncertainties by the linear problem at the values that are stated.
+    let (fit, solution, misfit) = if moved.is_some_and(|moved| moved.far) {
+        let there = fit.at(&model, data, solution.theta());
+        let (solution, misfit, _) = examined(&there);
+        (there, solution, misfit)
+    } else {
+        (fit, solution, misfit)
+    };
+    let forms = misfit.as_ref().map_or(&[][..], |misfit| &misfit.forms);
+    // In the datum: products of what a datum takes out are no deviation.
+    let prediction = Prediction::of(&model, data, (&fit, &solution), forms);
+    let theta = solution.theta();
+    let fitted = Fitted {
+        machine: file,
+        unknowns: &problem.unknowns,
+        own: model.own(),
+        data,
+        residuals: Residuals::of(&model, data, &theta),
+        randomness: randomness(data, &model.residuals(data, &theta), &fit.weights),
+        prediction,
+        datum,
+        motions: found.motions,
+        solution,
+        held_out: inputs.folds.and_then(|folds| held_out(&model, data, folds, inputs.robust)),
+        repeats: repeats(data),
+        known: &problem.known,
+        type_b: &problem.type_b,
+        misfit,
+        fit: &fit,
+    };
+    let sources = &call.diagnostics.sources;
+    let remarks = remarks::all(&fitted, sources);
+    let mut result = IdentifyResult::of(&fitted, sources);
+    call.extend(remarks);
+    if with_machine_file {
+        result.machine_file = Some(machine_file(call, file, inputs, problem, &fitted)?);
+    } else if let Err(why) = plausible(file, inputs, problem, &fitted, false) {
+        call.extend([remarks::implausible(&why)]);
+    }
+    if let Some(draw) = draw {
+        let drawn = draw(&model, data, &theta).or_else(|refusal| call.refuse(refusal));
+        result.pictures = drawn?;
+    }
+    Ok(result)
+}
+
+/// The text of the fitted machine file, if it is one that the program itself would take.
+fn machine_file(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    inputs: &FitInputs<'_>,
+    problem: &Problem,
+    fitted: &Fitted<'_>,
+) -> Result<String, Refused> {
+    call.extend(remarks::written(fitted));
+    let refusals = [remarks::undetermined(fitted), remarks::unheld(fitted)];
+    let refusals: Vec<Diagnostic> = refusals.into_iter().flatten().collect();
+    // What is not determined has no covariance that would mean anything.
+    let joint = refusals.is_empty();
+    if let ([first, others @ ..], false) = (&refusals[..], inputs.accept_undetermined) {
+        call.extend(others.iter().cloned());
+        return call.refuse(first.clone());
+    }
+    plausible(file, inputs, problem, fitted, joint).or_else(|why| call.refuse(remarks::refused(&why)))
+}
+
+/// The text of the fitted machine file, or why the program itself would not take it.
+fn plausible(
+    file: &MachineFile,
+    inputs: &FitInputs<'_>,
+    problem: &Problem,
+    fitted: &Fitted<'_>,
+    joint: bool,
+) -> Result<String, ReadBackFailure> {
+    let provenance = provenance::entries(file, inputs, (&problem.request, &problem.hashes), fitted);
+    let own_parameters = &fitted.unknowns[..fitted.own];
+    let text = |request: &IdentifyEntry| {
+        let notes = FileNotes { provenance: &provenance, request, joint, misfit: fitted.misfit.as_ref() };
+        fitted_file(file, own_parameters, &fitted.solution, notes)
+    };
+    let first = text(&problem.request);
+    let refused = match read_back(&first) {
+        Ok(_) => return Ok(first),
+        Err(why) => why,
+    };
+    // A machine whose readings show larger errors than usual may have them.
+    let shown = limits::shown(&problem.request, fitted.fit.shown);
+    shown.map(|request| text(&request)).filter(|text| read_back(text).is_ok()).ok_or(refused)
+}

@@ -1,0 +1,487 @@
+//! A fit as a value: parameters with their uncertainty, what the data do not determine, and the residuals.
+
+use super::datum::{self, FittedError};
+use super::fitted::{Fitted, FittedDatum};
+use super::limits;
+use crate::diagnostic::Sources;
+use crate::identify::{
+    Estimate, Known, Misfit, Outlier, Parameter, Prediction, Randomness, ReadingKind, Repeats, Scatter, SharedEffect,
+    Spread, TypeB,
+};
+use crate::job::poses::{AxisPositions, axis_positions};
+use crate::machine::{AxisName, Machine, ResidualForm};
+use crate::units::significant;
+use serde::Serialize;
+
+/// A picture with the name of its file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamedSvg {
+    /// Name such as `fit-xy.svg`.
+    pub name: String,
+    /// Text of the SVG file.
+    pub svg: String,
+}
+
+/// A parameter with its value.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct FittedParameter {
+    /// Name such as `EX0C`.
+    pub name: String,
+    /// Value, in `unit`.
+    pub value: f64,
+    /// Combined standard uncertainty, in `unit`; none if the data leave the value free or nothing scatters.
+    pub sigma: Option<f64>,
+    /// The part of it that the scatter of the readings makes, as if each were independent (type A).
+    pub type_a: Option<f64>,
+    /// The part of it that the form of the axes makes, which readings near each other share.
+    pub lack_of_fit: f64,
+    /// The part of it that all readings share, as the user states it (type B).
+    pub type_b: f64,
+    /// Unit of the value and of its uncertainties.
+    pub unit: String,
+    /// Standard uncertainties that a 95 % interval reaches to either side.
+    pub coverage_factor_95: Option<f64>,
+    /// Standard deviation of a reading over that of the parameter's effect on a usual reading; 0 if the value is free.
+    pub valuation: f64,
+}
+
+impl FittedParameter {
+    fn of((parameter, estimate): (&Parameter, &Estimate)) -> Self {
+        Self {
+            name: parameter.name.clone(),
+            value: parameter.shown(estimate.value) + 0.0,
+            sigma: estimate.sigma.map(|sigma| parameter.shown(sigma)),
+            type_a: estimate.scatter.map(|sigma| parameter.shown(sigma)),
+            lack_of_fit: parameter.shown(estimate.form),
+            type_b: parameter.shown(estimate.common),
+            unit: parameter.unit.clone(),
+            coverage_factor_95: estimate.coverage,
+            valuation: estimate.valuation,
+        }
+    }
+}
+
+/// A value that was known before the data.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct KnownValue {
+    /// Name of the unknown.
+    pub name: String,
+    /// Value, in `unit`.
+    pub value: f64,
+    /// Standard uncertainty, in `unit`.
+    pub sigma: f64,
+    /// Unit of the value and of its uncertainties.
+    pub unit: String,
+}
+
+impl KnownValue {
+    fn of(unknowns: &[Parameter], known: &Known) -> Self {
+        let parameter = &unknowns[known.unknown];
+        Self {
+            name: parameter.name.clone(),
+            value: parameter.shown(known.value) + 0.0,
+            sigma: parameter.shown(known.sigma),
+            unit: parameter.unit.clone(),
+        }
+    }
+}
+
+/// A standard uncertainty that all readings share (type B).
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct SharedUncertainty {
+    /// Its name.
+    pub name: String,
+    /// Scale of all lengths, um/m.
+    pub scale_um_per_m: Option<f64>,
+    /// Offset of every component, um.
+    pub offset_um: Option<f64>,
+}
+
+impl SharedUncertainty {
+    fn of(of: &TypeB) -> Self {
+        let (scale_um_per_m, offset_um) = match of.effect {
+            SharedEffect::Scale(ratio) => (Some(ratio * 1e6), None),
+            SharedEffect::Offset(size) => (None, Some(um(size))),
+        };
+        Self { name: of.name.clone(), scale_um_per_m, offset_um }
+    }
+}
+
+/// The form of the axes that the fitted curves leave.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct LackOfFit {
+    /// Probability that there is any, with odds of one to three before the data.
+    pub probability: f64,
+    /// The axes with their forms, if one is likelier than none.
+    pub forms: Vec<FormOfAxis>,
+}
+
+/// The form of an axis beside its fitted curves.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct FormOfAxis {
+    /// The axis.
+    pub axis: String,
+    /// Standard deviation of what the fitted curves leave of each displacement, um; 0 if none is stated.
+    pub size_um: f64,
+    /// Standard deviation of what the fitted curves leave of each rotation, urad; 0 if none is stated.
+    pub rotation_urad: f64,
+    /// Correlation length, in `unit`.
+    pub length: f64,
+    /// mm or deg.
+    pub unit: &'static str,
+}
+
+impl LackOfFit {
+    fn of(machine: &Machine, misfit: &Misfit) -> Self {
+        let unit = |name: &AxisName| machine.axis_index(name.as_str()).map_or("mm", |i| machine.axes()[i].unit());
+        let form = |ResidualForm { axis, size, rotation, length }: &ResidualForm| FormOfAxis {
+            axis: axis.to_string(),
+            size_um: um(*size),
+            rotation_urad: rotation * 1e6,
+            length: *length,
+            unit: unit(axis),
+        };
+        Self { probability: misfit.probability, forms: misfit.forms.iter().map(form).collect() }
+    }
+}
+
+/// Root mean square of the readings, um.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct RmsBeforeAfter {
+    /// Against the machine file as it was.
+    pub before: f64,
+    /// Against the fitted machine.
+    pub after: f64,
+    /// Against fits without the readings that they predict, if asked for.
+    pub held_out: Option<f64>,
+}
+
+/// Scatter of one kind of reading.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ScatterOfKind {
+    /// Kind of reading, or `uncertainties given`.
+    pub of: String,
+    /// Standard deviation of a reading of weight 1, um.
+    pub sigma_um: f64,
+    /// The same in words, in the unit of the kind.
+    #[serde(skip)]
+    pub words: String,
+}
+
+/// Scatter of readings of one kind in poses that were measured again.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct RepeatedReadings {
+    /// Kind of reading.
+    pub of: String,
+    /// Standard deviation of a reading of weight 1, um.
+    pub sigma_um: f64,
+    /// Degrees of freedom behind it.
+    pub degrees_of_freedom: usize,
+}
+
+/// Deviations by the order of the errors that make them, root mean square over the readings, um.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct OrderShares {
+    /// First order.
+    pub first: f64,
+    /// Second order.
+    pub second: f64,
+    /// All higher orders.
+    pub higher: f64,
+    /// Residual of the model of order 1.
+    pub left_by_first: f64,
+    /// Residual of the model of order 2.
+    pub left_by_second: f64,
+}
+
+/// Residual of one kind of reading.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct KindResidual {
+    /// Kind of reading.
+    pub kind: String,
+    /// Number of readings.
+    pub rows: usize,
+    /// Root mean square of their residuals, um.
+    pub rms_um: f64,
+    /// The same in words, in the unit of the kind.
+    #[serde(skip)]
+    pub words: String,
+}
+
+/// Tests of residuals for randomness; the probabilities hold if the residuals are noise.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ResidualTest {
+    /// Readings tested.
+    pub of: String,
+    /// Number of residuals.
+    pub count: usize,
+    /// Probability of residuals so far from a normal distribution.
+    pub normality: f64,
+    /// Probability of so few or so many runs of one sign.
+    pub runs: f64,
+    /// Correlation of a residual with the one before it.
+    pub lag1: f64,
+}
+
+impl ResidualTest {
+    fn of(test: &Randomness) -> Self {
+        let Randomness { count, normality, runs, lag1, .. } = *test;
+        Self { of: test.name(), count, normality, runs, lag1 }
+    }
+}
+
+/// A reading that stands out.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct OutlierPlace {
+    /// File and line.
+    pub place: String,
+    /// Its residual, um.
+    pub residual_um: f64,
+    /// The same in standard deviations.
+    pub deviations: f64,
+}
+
+/// The uncertainty of the deviation over the volume, after the best rigid motion of the workpiece frame.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct PredictedUncertainty {
+    /// The largest standard uncertainty, um, along the direction in which it is largest; none if the data leave the
+    /// deviation free, or nothing scatters.
+    pub largest_um: Option<f64>,
+    /// True if the data leave it free somewhere: the uncertainty is infinite.
+    pub infinite: bool,
+    /// A combination of parameters that changes the deviation and no reading, in words.
+    pub combination: Option<String>,
+    /// Pose at which it is largest, mm and deg.
+    pub at: AxisPositions,
+    /// The tool there.
+    pub tool: String,
+    /// The largest deviation predicted, um.
+    pub deviation_um: f64,
+    /// True if the data hold the prediction, so that a machine file is written.
+    pub held: bool,
+}
+
+impl PredictedUncertainty {
+    fn of(fitted: &Fitted<'_>) -> Self {
+        let Prediction { spread, pose, tool, deviation } = &fitted.prediction;
+        let (largest_um, combination) = match spread {
+            Spread::Known(size) => (Some(um(*size)), None),
+            Spread::Unknown => (None, None),
+            Spread::Free(words) => (None, Some(words.clone())),
+        };
+        Self {
+            largest_um,
+            infinite: combination.is_some(),
+            combination,
+            at: axis_positions(fitted.machine, pose),
+            tool: fitted.machine.tools().get(*tool).map_or_else(String::new, |tool| tool.name.clone()),
+            deviation_um: um(*deviation),
+            held: limits::held(fitted),
+        }
+    }
+}
+
+/// A fit.
+#[derive(Debug, Clone, Serialize, schemars::JsonSchema)]
+pub struct IdentifyResult {
+    /// Number of readings.
+    pub rows: usize,
+    /// Number of measurements.
+    pub points: usize,
+    /// The machine's parameters.
+    pub parameters: Vec<FittedParameter>,
+    /// Unknowns of the instruments, such as places of stations.
+    pub instruments: Vec<FittedParameter>,
+    /// Values that were known before the data.
+    pub known: Vec<KnownValue>,
+    /// Standard uncertainties that all readings share.
+    pub type_b: Vec<SharedUncertainty>,
+    /// The form of the axes beside the fitted curves; none if the readings cannot show it: fewer than 20 to spare, or
+    /// no axis at six positions.
+    pub lack_of_fit: Option<LackOfFit>,
+    /// Numerical rank of the problem.
+    pub rank: usize,
+    /// The rank of the model to first order in the errors: what the readings show without products of errors.
+    pub rank_first_order: usize,
+    /// Number of unknowns.
+    pub unknowns: usize,
+    /// Number of independent combinations above the noise.
+    pub well_determined: usize,
+    /// Combinations without effect on the data, in words.
+    pub null_space: Vec<String>,
+    /// Combinations below the noise, in words.
+    pub drowned: Vec<String>,
+    /// Ratio of the largest singular value to the smallest that counts.
+    pub condition: f64,
+    /// Least valuation of the machine's parameters that have a value.
+    pub valuation: f64,
+    /// Singular values of the column-scaled problem.
+    pub singular_values: Vec<f64>,
+    /// Root mean square of the readings.
+    pub rms_um: RmsBeforeAfter,
+    /// Standard deviation of a reading of weight 1, um; none where kinds scatter differently.
+    pub sigma_um: Option<f64>,
+    /// Readings beyond the rank.
+    pub degrees_of_freedom: usize,
+    /// Scatter kind by kind, where kinds scatter differently.
+    pub scatter: Vec<ScatterOfKind>,
+    /// Scatter of repeated poses, um: that of the first kind.
+    pub repeatability_um: Option<f64>,
+    /// Scatter of repeated poses, kind by kind.
+    pub repeats: Vec<RepeatedReadings>,
+    /// Deviations by order.
+    pub orders_um: OrderShares,
+    /// Residuals kind by kind.
+    pub kinds: Vec<KindResidual>,
+    /// Tests of the residuals.
+    pub residual_tests: Vec<ResidualTest>,
+    /// Readings that stand out, farthest first.
+    pub outliers: Vec<OutlierPlace>,
+    /// Uncertainty of the fit's prediction over the volume.
+    pub prediction: PredictedUncertainty,
+    /// Rigid motions of the whole machine that no reading notices, such as `along X`.
+    pub invariances: Vec<String>,
+    /// The datum of the errors, where curves are fitted.
+    pub datum: Option<FittedDatum>,
+    /// Every fitted error of an axis over its travel.
+    pub errors: Vec<FittedError>,
+    /// Steps of the fit.
+    pub steps: usize,
+    /// False if the fit was stopped before it had settled.
+    pub settled: bool,
+    /// Name of the machine.
+    #[serde(skip)]
+    pub machine: String,
+    /// Scatter of a reading, in words.
+    #[serde(skip)]
+    pub reading_scatter: String,
+    /// Smallest and largest coverage factor of a 95 % interval.
+    #[serde(skip)]
+    pub coverage: Option<(f64, f64)>,
+    /// Combinations without effect, in words for people: shortened.
+    #[serde(skip)]
+    pub free: Vec<String>,
+    /// Text of the fitted machine file, if asked for.
+    #[serde(skip)]
+    pub machine_file: Option<String>,
+    /// Pictures of prediction and data, if asked for.
+    #[serde(skip)]
+    pub pictures: Vec<NamedSvg>,
+}
+
+fn um(mm: f64) -> f64 {
+    mm * 1e3
+}
+
+/// A size (mm) in the unit of a kind of reading.
+fn in_unit(kind: ReadingKind, mm: f64) -> String {
+    let (unit, factor) = kind.unit();
+    format!("{} {unit}", significant(mm * factor, 5))
+}
+
+/// File and line of a measurement.
+pub(crate) fn place(fitted: &Fitted<'_>, sources: &Sources, row: usize) -> String {
+    let place = &fitted.data[row].place;
+    format!("{}:{}", sources.name(place.source), sources.line_column(place).0)
+}
+
+/// The fit in a line.
+pub(crate) fn in_short(fitted: &Fitted<'_>) -> String {
+    let (rank, unknowns, rows) = (fitted.solution.rank_first_order, fitted.unknowns.len(), fitted.rows());
+    let [before, after] = [fitted.residuals.before, fitted.residuals.after].map(|rms| significant(um(rms), 5));
+    format!("rank {rank} of {unknowns} parameters from {rows} readings; rms {before} um before, {after} um after")
+}
+
+impl IdentifyResult {
+    pub(crate) fn of(fitted: &Fitted<'_>, sources: &Sources) -> Self {
+        let (s, r) = (&fitted.solution, &fitted.residuals);
+        let all: Vec<_> = fitted.unknowns.iter().zip(&s.estimates).map(FittedParameter::of).collect();
+        let (parameters, instruments) = all.split_at(fitted.own);
+        let outlier = |o: &Outlier| OutlierPlace {
+            place: place(fitted, sources, o.row),
+            residual_um: um(o.residual),
+            deviations: o.deviations,
+        };
+        Self {
+            rows: fitted.rows(),
+            points: fitted.data.len(),
+            parameters: parameters.to_vec(),
+            instruments: instruments.to_vec(),
+            known: fitted.known.iter().map(|known| KnownValue::of(fitted.unknowns, known)).collect(),
+            type_b: fitted.type_b.iter().map(SharedUncertainty::of).collect(),
+            lack_of_fit: fitted.misfit.as_ref().map(|misfit| LackOfFit::of(fitted.machine, misfit)),
+            rank: s.rank,
+            rank_first_order: s.rank_first_order,
+            unknowns: fitted.unknowns.len(),
+            well_determined: s.well_determined,
+            null_space: s.null_space.clone(),
+            drowned: s.drowned.clone(),
+            condition: s.condition,
+            valuation: s.valuation,
+            singular_values: s.singular_values.clone(),
+            rms_um: RmsBeforeAfter { before: um(r.before), after: um(r.after), held_out: fitted.held_out.map(um) },
+            sigma_um: fitted.fit.scatter.is_empty().then(|| um(s.sigma)),
+            degrees_of_freedom: s.freedom,
+            scatter: fitted.fit.scatter.iter().map(scatter_of_kind).collect(),
+            repeatability_um: fitted.repeats.first().map(|r| um(r.sigma)),
+            repeats: fitted.repeats.iter().map(repeated).collect(),
+            orders_um: OrderShares {
+                first: um(r.parts[0]),
+                second: um(r.parts[1]),
+                higher: um(r.parts[2]),
+                left_by_first: um(r.left[0]),
+                left_by_second: um(r.left[1]),
+            },
+            kinds: r.kinds.iter().map(kind_residual).collect(),
+            residual_tests: fitted.randomness.iter().map(ResidualTest::of).collect(),
+            outliers: r.outliers.iter().map(outlier).collect(),
+            prediction: PredictedUncertainty::of(fitted),
+            invariances: fitted.motions.clone(),
+            datum: fitted.datum.clone(),
+            errors: datum::errors(fitted),
+            steps: fitted.fit.steps,
+            settled: fitted.fit.settled,
+            machine: fitted.machine.name().to_owned(),
+            reading_scatter: reading_scatter(fitted),
+            coverage: s.coverage(),
+            free: s.free(),
+            machine_file: None,
+            pictures: Vec::new(),
+        }
+    }
+}
+
+fn repeated(repeats: &Repeats) -> RepeatedReadings {
+    RepeatedReadings {
+        of: repeats.of.word().to_owned(),
+        sigma_um: um(repeats.sigma),
+        degrees_of_freedom: repeats.freedom,
+    }
+}
+
+fn kind_residual((kind, rows, rms): &(ReadingKind, usize, f64)) -> KindResidual {
+    KindResidual { kind: kind.word().to_owned(), rows: *rows, rms_um: um(*rms), words: in_unit(*kind, *rms) }
+}
+
+fn times_given(sigma: f64) -> String {
+    format!("{} times the uncertainty given", significant(um(sigma), 4))
+}
+
+fn scatter_of_kind(scatter: &Scatter) -> ScatterOfKind {
+    let sigma = scatter.sigma;
+    let (of, words) = match scatter.of {
+        Some(kind) => (kind.word(), format!("{} of {}", in_unit(kind, sigma), kind.word())),
+        None => ("uncertainties given", times_given(sigma)),
+    };
+    ScatterOfKind { of: of.to_owned(), sigma_um: um(sigma), words }
+}
+
+/// Scatter of a reading, in words, where all kinds scatter alike.
+fn reading_scatter(fitted: &Fitted<'_>) -> String {
+    let kind = match &fitted.residuals.kinds[..] {
+        [(kind, ..)] => *kind,
+        _ => ReadingKind::Deviation,
+    };
+    let sigma = fitted.solution.sigma;
+    if fitted.data.iter().all(|m| m.known) { times_given(sigma) } else { in_unit(kind, sigma) }
+}

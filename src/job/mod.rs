@@ -1,0 +1,11 @@
+//! What a job is about: the machine, and the poses at which it works.
+//!
+//! - [`machine_file`]: a machine with the files that it was read from;
+//! - [`poses`]: positions of the axes, as a caller gives them and as results name them;
+//! - [`tool_poses`]: tool poses of a file, with those that the machine does not reach and the travel that they need;
+//! - [`features`]: the features of such a file, and the largest deviation on each.
+
+pub mod features;
+pub mod machine_file;
+pub mod poses;
+pub mod tool_poses;

@@ -1,0 +1,214 @@
+//! Poses from text (`X=100,C=90`), from numbers and from CSV files.
+
+use crate::diagnostic::{Diagnostic, Place, SourceId, codes};
+use crate::machine::{Axis, AxisKind, Machine, Pose};
+use crate::run::{Call, Refused};
+use crate::syntax::read_text;
+use crate::units;
+use indexmap::IndexMap;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Largest number of poses of a file.
+const MAX_POSES: usize = 200_000;
+
+/// Positions by the names of the axes, in the order of the chain; mm and deg.
+pub type AxisPositions = IndexMap<String, f64>;
+
+/// Returns the positions of a pose by name.
+pub(crate) fn axis_positions(machine: &Machine, pose: &[f64]) -> AxisPositions {
+    // Adding zero turns -0 into 0.
+    machine.axes().iter().zip(pose).map(|(axis, q)| (axis.name.to_string(), q + 0.0)).collect()
+}
+
+/// Returns positions in the order of the axes as text, such as `X = 100 mm, C = 90 deg`.
+pub fn axes_text<'q>(machine: &Machine, pose: impl IntoIterator<Item = &'q f64>) -> String {
+    let entry = |(axis, q): (&Axis, &f64)| format!("{} = {} {}", axis.name, units::significant(*q, 7), axis.unit());
+    machine.axes().iter().zip(pose).map(entry).collect::<Vec<_>>().join(", ")
+}
+
+/// Returns the poses of texts, then those given in numbers, then those of the file; the zero pose if there are none.
+pub(crate) fn poses(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    (texts, numbers, file): (&[String], &[Pose], Option<&PathBuf>),
+) -> Result<Vec<Pose>, Refused> {
+    let mut list = Vec::new();
+    for text in texts {
+        list.push(pose_at(machine, text).or_else(|refusal| call.refuse(refusal))?);
+    }
+    for pose in numbers {
+        let axes = machine.axes().len();
+        if pose.len() != axes {
+            return call.usage(format!("a pose has {} positions; the machine has {axes} axes", pose.len()));
+        }
+        list.push(pose.clone());
+    }
+    if let Some(path) = file {
+        list.extend(from_file(call, machine, path)?);
+    } else if list.is_empty() {
+        list.push(vec![0.0; machine.axes().len()]);
+    }
+    check(call, machine, &list)?;
+    Ok(list)
+}
+
+/// Returns the pose of an option, if it is given.
+pub(crate) fn pose_option(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    text: Option<&String>,
+) -> Result<Option<Pose>, Refused> {
+    text.map(|text| pose_at(machine, text).or_else(|refusal| call.refuse(refusal))).transpose()
+}
+
+/// Returns the pose of `X=100,C=90`; omitted axes are at 0.
+pub(crate) fn pose_at(machine: &Machine, text: &str) -> Result<Pose, Diagnostic> {
+    let mut pose = vec![0.0; machine.axes().len()];
+    let mut seen = vec![false; pose.len()];
+    for part in text.split(',').filter(|part| !part.trim().is_empty()) {
+        let (name, value) = part.split_once('=').ok_or_else(|| unfit(format!("`{part}`: write AXIS=POSITION")))?;
+        let axis = machine.axis_index(name.trim()).ok_or_else(|| unfit(unknown_axis(machine, name.trim())))?;
+        if std::mem::replace(&mut seen[axis], true) {
+            return Err(unfit(format!("axis `{}` is given twice", name.trim())));
+        }
+        pose[axis] = position(machine, axis, value)?;
+    }
+    Ok(pose)
+}
+
+/// A bare number (mm or deg) or a quantity with its unit.
+fn position(machine: &Machine, axis: usize, text: &str) -> Result<f64, Diagnostic> {
+    let failure = match units::number(text) {
+        Ok(value) => return Ok(value),
+        Err(failure) => failure,
+    };
+    let quantity = units::quantity(text).map_err(|_| unfit(failure.to_string()))?;
+    let linear = machine.axes()[axis].kind == AxisKind::Linear;
+    let value = if linear { quantity.as_length() } else { quantity.as_angle().map(f64::to_degrees) };
+    value.ok_or_else(|| {
+        let unit = machine.axes()[axis].unit();
+        unfit(format!("`{text}` is {}, not a position in {unit}", quantity.dimension.word()))
+    })
+}
+
+fn unfit(message: String) -> Diagnostic {
+    Diagnostic::new(codes::E0818, message)
+}
+
+fn unknown_axis(machine: &Machine, name: &str) -> String {
+    let known: Vec<_> = machine.axes().iter().map(|axis| axis.name.as_str()).collect();
+    format!("the chain has no axis `{name}`; its axes are {}", known.join(", "))
+}
+
+/// A column of a pose file: which axis, and the factor to mm or deg.
+struct Column {
+    axis: usize,
+    factor: f64,
+}
+
+fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<Pose>, Refused> {
+    let read = read_text(path, None, call.run.files, &mut call.diagnostics);
+    let Some((source, text)) = read else { return Err(Refused) };
+    let parsed = parse(machine, &text);
+    parsed.or_else(|(line, refusal)| {
+        let place = Some(line_place(source, &text, line));
+        let help = "a pose file has a header of axis names (`X, Y, C` or `X [mm]`) and one pose a line, mm and deg";
+        call.refuse(refusal.at(place, "").help(help))
+    })
+}
+
+fn line_place(source: SourceId, text: &str, line: usize) -> Place {
+    let start: usize = text.split_inclusive('\n').take(line).map(str::len).sum();
+    let length = text.get(start..).and_then(|rest| rest.lines().next()).map_or(0, str::len);
+    Place { source, range: start..start + length }
+}
+
+fn wrong(message: impl Into<String>) -> Diagnostic {
+    Diagnostic::new(codes::E0802, message)
+}
+
+/// Returns the poses, or the 0-based line with its refusal.
+fn parse(machine: &Machine, text: &str) -> Result<Vec<Pose>, (usize, Diagnostic)> {
+    let data = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with('#');
+    let mut lines = text.lines().enumerate().filter(|(_, line)| data(line));
+    let (number, header) = lines.next().ok_or((0, wrong("the file has no header")))?;
+    let columns = header_columns(machine, header).map_err(|refusal| (number, refusal))?;
+    let mut poses = Vec::new();
+    for (number, line) in lines {
+        poses.push(row(machine, &columns, line).map_err(|refusal| (number, refusal))?);
+        if poses.len() > MAX_POSES {
+            return Err((number, wrong(format!("more than {MAX_POSES} poses; use `map` for a whole volume"))));
+        }
+    }
+    if poses.is_empty() { Err((number, wrong("the file has no poses"))) } else { Ok(poses) }
+}
+
+fn header_columns(machine: &Machine, header: &str) -> Result<Vec<Column>, Diagnostic> {
+    let mut columns: Vec<Column> = Vec::new();
+    for cell in header.split(',') {
+        let (name, unit) = units::header(cell);
+        let axis = machine.axis_index(name).ok_or_else(|| wrong(unknown_axis(machine, name)))?;
+        if columns.iter().any(|column| column.axis == axis) {
+            return Err(wrong(format!("column `{name}` is there twice")));
+        }
+        columns.push(Column { axis, factor: unit.map_or(Ok(1.0), |unit| factor(machine, axis, unit))? });
+    }
+    Ok(columns)
+}
+
+fn factor(machine: &Machine, axis: usize, unit: &str) -> Result<f64, Diagnostic> {
+    let (factor, dimension) = units::unit(unit).map_err(|failure| wrong(failure.to_string()))?;
+    match machine.axes()[axis].kind {
+        AxisKind::Linear if dimension == units::Dimension::LENGTH => Ok(factor),
+        // Degrees stay degrees: no detour over radians that would cost a bit.
+        AxisKind::Rotary if unit == "deg" || unit == "°" => Ok(1.0),
+        AxisKind::Rotary if dimension == units::Dimension::ANGLE => Ok(factor.to_degrees()),
+        _ => {
+            let name = &machine.axes()[axis].name;
+            Err(wrong(format!("`{unit}` is {}, not a unit for `{name}`", dimension.word())))
+        }
+    }
+}
+
+fn row(machine: &Machine, columns: &[Column], line: &str) -> Result<Pose, Diagnostic> {
+    let cells: Vec<&str> = line.split(',').collect();
+    if cells.len() != columns.len() {
+        return Err(wrong(format!("{} cells under {} columns", cells.len(), columns.len())));
+    }
+    let mut pose = vec![0.0; machine.axes().len()];
+    for (cell, column) in cells.iter().zip(columns) {
+        pose[column.axis] = units::number(cell).map_err(|failure| wrong(failure.to_string()))? * column.factor;
+    }
+    Ok(pose)
+}
+
+/// Refuses poses where an error curve is not defined; warns about those beyond the travel.
+pub(crate) fn check<'p>(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    poses: impl IntoIterator<Item = &'p Pose>,
+) -> Result<(), Refused> {
+    let mut beyond: BTreeSet<&str> = BTreeSet::new();
+    for pose in poses {
+        known(machine, pose).or_else(|refusal| call.refuse(refusal))?;
+        beyond.extend(machine.beyond_travel(pose).map(|axis| axis.name.as_str()));
+    }
+    for name in beyond {
+        call.warn(Diagnostic::new(codes::W0801, format!("poses beyond the travel of `{name}` were evaluated")));
+    }
+    call.checked()
+}
+
+/// Refuses a pose where an error curve is not defined.
+pub(crate) fn known(machine: &Machine, pose: &[f64]) -> Result<(), Diagnostic> {
+    if pose.iter().any(|q| q.is_nan() || q.abs() > units::FARTHEST) {
+        let message = "a position is beyond 1000000 mm or deg: no machine goes there";
+        return Err(Diagnostic::new(codes::E0802, message).help("positions are in mm and deg"));
+    }
+    let Some(outside) = machine.outside(pose) else { return Ok(()) };
+    let message = format!("{} is not known at {} = {}", outside.error, outside.error.axis, outside.position);
+    let (from, to) = outside.domain;
+    let help = format!("its table covers {from} to {to}; a table is never extrapolated");
+    Err(Diagnostic::new(codes::E0803, message).help(help))
+}

@@ -1,0 +1,210 @@
+//! Tool poses from a file, as the work of a machine: the functional point in the workpiece frame with the
+//! direction of the tool axis, or with positions of the rotary axes.
+//!
+//! `columns` reads CSV, `apt` APT CL data. Rows that a machine cannot reach are left out, counted, and told with what
+//! they lack (`missed`).
+
+mod apt;
+mod columns;
+mod missed;
+
+use super::poses::check;
+use crate::analysis::{Miss, Needs, ToolPose, Unreachable, UnreachableCount, inverse_all, place, rest, tool_pose};
+use crate::diagnostic::{Diagnostic, Place, codes};
+use crate::machine::{AxisKind, Machine, Pose};
+use crate::run::{Call, Refused};
+use crate::syntax::sheet::read_sheet;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+use missed::DirectionGaps;
+pub use missed::{BeyondTravel, Lack, MissedToolPose, NeededTravel};
+pub(crate) use missed::{Lacks, needed_travel};
+
+/// Largest number of tool poses of a file.
+const MAX_TOOL_POSES: usize = 1_000_000;
+
+/// Direction of the tool.
+#[derive(Debug, Clone)]
+enum Aim {
+    /// Unit vector from the tip to the holder, workpiece frame.
+    Axis(Vector3<f64>),
+    /// The machine's rotary axes as given (deg), all others at 0.
+    Rotary(Pose),
+}
+
+/// A row of the file.
+#[derive(Debug, Clone)]
+struct Row {
+    /// Place of the row in the file.
+    place: Place,
+    /// 1-based.
+    line: usize,
+    tip: Vector3<f64>,
+    aim: Aim,
+    /// Turn of the tool about its axis, rad.
+    spin_rad: Option<f64>,
+    /// Name of the feature to which the row belongs.
+    feature: Option<String>,
+}
+
+impl Row {
+    /// Returns the tip and the positions of the rotary axes, if the row gives these.
+    fn rotary(&self) -> Option<(&Vector3<f64>, &Pose)> {
+        match &self.aim {
+            Aim::Rotary(pose) => Some((&self.tip, pose)),
+            Aim::Axis(_) => None,
+        }
+    }
+
+    /// Returns the tool pose, as the nominal `machine` holds it if the row gives positions of its rotary axes.
+    fn tool_pose(&self, machine: &Machine) -> ToolPose {
+        let direction = match &self.aim {
+            Aim::Axis(direction) => *direction,
+            Aim::Rotary(pose) => tool_pose(machine, pose).direction,
+        };
+        ToolPose { spin_rad: self.spin_rad, ..ToolPose::new(self.tip, direction) }
+    }
+}
+
+/// The rows of a file.
+#[derive(Debug, Clone)]
+pub(crate) struct ToolPoses {
+    file: String,
+    rows: Vec<Row>,
+}
+
+/// Tool poses of a file that a machine reaches.
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
+pub struct ReachedToolPoses {
+    /// Name of the file.
+    pub file: String,
+    /// Number of tool poses in the file.
+    pub asked: usize,
+    /// Number of tool poses that the machine reaches.
+    pub reached: usize,
+    /// Number of the others, by reason.
+    pub unreachable: UnreachableCount,
+    /// The others, row by row.
+    pub rows: Vec<MissedToolPose>,
+    /// The travel that the tool poses need, axis by axis.
+    pub travel: Vec<NeededTravel>,
+    /// The poses of the machine (mm, deg), in the order of the rows.
+    #[serde(skip)]
+    pub(crate) poses: Vec<Pose>,
+    /// Lines of these poses in the file, from 1, with their features.
+    #[serde(skip)]
+    pub(crate) lines: Vec<(usize, Option<String>)>,
+}
+
+/// The place of a row of a file.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub(crate) struct RowTip {
+    /// Line of the file, from 1.
+    line: usize,
+    /// Functional point from the workpiece origin, mm, workpiece frame.
+    tip_mm: [f64; 3],
+}
+
+/// Returns the place of every row of a file, reached or not.
+pub(crate) fn tips(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<RowTip>, Refused> {
+    let tip = |row: &Row| RowTip { line: row.line, tip_mm: row.tip.into() };
+    Ok(read(call, machine, path)?.rows.iter().map(tip).collect())
+}
+
+/// Reads a file; rotary columns are those of `machine`.
+pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<ToolPoses, Refused> {
+    let Some(sheet) = read_sheet(path, call.run.files, &mut call.diagnostics) else { return Err(Refused) };
+    let rows = if apt::is_cl_data(&sheet) { apt::rows(&sheet) } else { columns::rows(machine, &sheet) };
+    match rows {
+        Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows }),
+        Err(refusal) => call.refuse(refusal),
+    }
+}
+
+/// The poses for the tool poses of a file, if there is one.
+pub(crate) fn asked(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    path: Option<&PathBuf>,
+) -> Result<Option<ReachedToolPoses>, Refused> {
+    path.map(|path| read(call, machine, path)?.reached(call, machine)).transpose()
+}
+
+impl ToolPoses {
+    /// Returns poses of the tool, as the nominal `machine` holds it; the file may give positions of its rotary axes.
+    pub(crate) fn list(&self, machine: &Machine) -> Vec<ToolPose> {
+        self.rows.iter().map(|row| row.tool_pose(machine)).collect()
+    }
+
+    /// Returns the pose of a machine for every row, or what is missing.
+    fn found(&self, machine: &Machine) -> Vec<Result<Pose, Miss>> {
+        // The header decides: all rows give positions of rotary axes, or none does.
+        let Some(rows) = self.rows.iter().map(Row::rotary).collect::<Option<Vec<_>>>() else {
+            return inverse_all(machine, &self.list(machine));
+        };
+        let at_rest = rest(machine);
+        rows.into_par_iter().map(|(tip, rotary)| placed(machine, tip, rotary, &at_rest)).collect()
+    }
+
+    /// Returns the poses of a machine for all rows that it reaches. Reports the others; refuses a file without a
+    /// reachable row.
+    pub(crate) fn reached(&self, call: &mut Call<'_>, machine: &Machine) -> Result<ReachedToolPoses, Refused> {
+        let found = self.found(machine);
+        let travel = needed_travel(machine, &Needs::of(found.iter().map(Result::as_ref)));
+        let missed: Vec<_> =
+            found.iter().enumerate().filter_map(|(i, pose)| Some((i, pose.as_ref().err()?.clone()))).collect();
+        let rows = self.missed(machine, &missed);
+        self.say(call, machine, &rows)?;
+        let name = |row: &Row| (row.line, row.feature.clone());
+        let lines = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok()).map(|(row, _)| name(row)).collect();
+        let poses: Vec<Pose> = found.into_iter().filter_map(Result::ok).collect();
+        check(call, machine, &poses)?;
+        let unreachable = UnreachableCount::count(rows.iter().map(|row| &row.why));
+        let (file, asked, reached) = (self.file.clone(), self.rows.len(), poses.len());
+        Ok(ReachedToolPoses { file, asked, reached, unreachable, rows, travel, poses, lines })
+    }
+
+    /// Returns the lines of rows that were missed, with what they lack.
+    pub(crate) fn missed(&self, machine: &Machine, missed: &[(usize, Miss)]) -> Vec<MissedToolPose> {
+        let aim = |(i, miss): &(usize, Miss)| match &self.rows[*i].aim {
+            Aim::Axis(direction) if miss.why == Unreachable::Direction => Some(*direction),
+            _ => None,
+        };
+        let gaps = DirectionGaps::new(machine, missed.iter().filter_map(aim));
+        let of = |at: &(usize, Miss)| {
+            let row = &self.rows[at.0];
+            let off_deg = aim(at).map(|direction| gaps.degrees(&direction));
+            MissedToolPose::new(machine, (row.line, row.feature.clone()), &at.1, off_deg)
+        };
+        missed.iter().map(of).collect()
+    }
+
+    /// Reports the rows that a machine does not reach, in one warning; all of them are refused.
+    pub(crate) fn say(&self, call: &mut Call<'_>, machine: &Machine, missed: &[MissedToolPose]) -> Result<(), Refused> {
+        if let Some(first) = missed.first() {
+            let told = missed::told(machine, missed, self.rows.len());
+            let place = self.rows.iter().find(|row| row.line == first.line).map(|row| row.place.clone());
+            let told = told.at(place, format!("the first of them: {}", first.words()));
+            if missed.len() == self.rows.len() {
+                return call.refuse(told);
+            }
+            call.warn(told);
+        }
+        call.checked()
+    }
+}
+
+/// Returns the pose for a tip (mm) with the rotary axes as given (deg).
+fn placed(machine: &Machine, tip: &Vector3<f64>, rotary: &[f64], at_rest: &[f64]) -> Result<Pose, Miss> {
+    let start = machine.axes().iter().zip(rotary).zip(at_rest);
+    let pose: Pose =
+        start.map(|((axis, turned), rest)| if axis.kind == AxisKind::Rotary { *turned } else { *rest }).collect();
+    let placed = place(machine, tip, &pose)?;
+    if machine.beyond_travel(&placed).next().is_some() { Err(Miss::travel(placed)) } else { Ok(placed) }
+}
+
+fn wrong(message: impl Into<String>) -> Diagnostic {
+    Diagnostic::new(codes::E0817, message)
+}

@@ -1,0 +1,231 @@
+//! Makes the record of a calibration.
+//!
+//! 1. The description is read, and the files that it names are copied.
+//! 2. The errors of both states make the table and the curves; limits judge them.
+//! 3. Installed sets are verified.
+//! 4. The documents are written, and the list of all hashes.
+
+use super::data::{Instrument, LimitDecision, Line, RecordData, RecordedFigures, RecordedSet};
+use super::dcc::certificate;
+use super::decisions::{Figures, decisions, document};
+use super::description::{Description, SetEntry, StateName, unfit};
+use super::errors;
+use super::figures::{figures_in, runs_in};
+use super::files::{JSON_NAME, RecordFiles};
+use super::page::{RecordPictures, record_page, record_pictures};
+use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::job::machine_file::{LoadOptions, MachineFile, load};
+use crate::run::{Call, Refused, finite};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Verifies a set against a machine: the set's folder, and the folder with the files in force before.
+pub(crate) type Verify<'a> = &'a dyn Fn(&mut Call<'_>, &MachineFile, &Path, Option<PathBuf>) -> Result<Value, Refused>;
+
+/// A record in memory.
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
+pub struct Record {
+    /// Its files: name within the folder, `/` between folders, and bytes.
+    #[serde(skip)]
+    pub files: Vec<(String, Vec<u8>)>,
+    /// Its content.
+    #[serde(flatten)]
+    pub data: RecordData,
+}
+
+/// The two states of the machine.
+struct States {
+    found: MachineFile,
+    left: Option<MachineFile>,
+}
+
+impl States {
+    fn of(&self, state: StateName) -> &MachineFile {
+        match (state, &self.left) {
+            (StateName::Left, Some(left)) => left,
+            _ => &self.found,
+        }
+    }
+}
+
+/// Makes the record that a description asks for, with a tool of the machine.
+pub(crate) fn made(
+    call: &mut Call<'_>,
+    path: &Path,
+    load_options: &LoadOptions,
+    verify: Verify<'_>,
+) -> Result<Record, Refused> {
+    let description = Description::read(call, path)?;
+    let base = path.parent().unwrap_or(Path::new(""));
+    let machine = |call: &mut Call<'_>, name: &Line| {
+        let answer = load(base.join(name.as_str()), load_options, call.run);
+        call.taken(answer)
+    };
+    let found = machine(call, &description.as_found)?;
+    let left = description.as_left.as_ref().map(|name| machine(call, name)).transpose()?;
+    let states = States { found, left };
+    let mut files = RecordFiles::default();
+    let as_found = files.machine(call, &states.found, load_options, "as-found")?;
+    let as_left = states.left.as_ref().map(|left| files.machine(call, left, load_options, "as-left")).transpose()?;
+    let mut data = Vec::new();
+    for source in &description.data {
+        data.push(files.copy(call, base, source, "data")?.0);
+    }
+    let (copies, figures) = figures(call, &description, base, &mut files)?;
+    let instruments = instruments(call, &description, base, &mut files)?;
+    let rows = errors::rows(&states.found, states.left.as_deref());
+    if rows.iter().all(|row| row.found.is_none_or(|found| found.bounded)) {
+        let message = format!("`{}` gives no error a value", shown(states.found.path()));
+        return call.refuse(unfit(message, "name a machine file with measured errors, such as `identify` writes"));
+    }
+    let (decisions, alarms) = decisions(call, &description, &rows, &figures)?;
+    let mut sets = Vec::new();
+    for (number, entry) in description.sets.iter().enumerate() {
+        sets.push(set(call, entry, (number + 1, base), (&states, verify), &mut files)?);
+    }
+    let mut curves = errors::curves(&states.found, "found");
+    curves.extend(states.left.iter().flat_map(|left| errors::curves(left, "left")));
+    let Description { id, dates, language, country, place, laboratory, customer, .. } = description;
+    let data = RecordData {
+        record: 1,
+        abbe: env!("CARGO_PKG_VERSION"),
+        id,
+        dates,
+        language,
+        country,
+        place,
+        laboratory,
+        customer,
+        persons: description.persons,
+        machine: states.found.name().to_owned(),
+        chain: states.found.chain().to_string(),
+        plate: description.machine,
+        instruments,
+        temperatures: description.temperatures,
+        standards: description.standards,
+        remarks: description.remarks,
+        as_found,
+        as_left,
+        errors: rows,
+        curves,
+        decisions,
+        alarms,
+        sets,
+        data,
+        figures: copies,
+    };
+    let runs = figures.iter().filter_map(|of| Some((format!("Runs, {}", of.source), runs_in(&of.document)?)));
+    let mut pictures = record_pictures(&states.found, states.left.as_deref());
+    pictures.extend(runs);
+    written(call, data, &pictures, files)
+}
+
+/// Writes the documents.
+fn written(
+    call: &mut Call<'_>,
+    data: RecordData,
+    pictures: &RecordPictures,
+    mut files: RecordFiles,
+) -> Result<Record, Refused> {
+    call.extend(finite::refusal(&data));
+    call.checked()?;
+    let failed = |what: &str, why: String| {
+        Diagnostic::new(codes::E0702, format!("the template of {what} failed: {why}"))
+            .help("report this: it is a fault")
+    };
+    let page = record_page(&data, pictures).or_else(|why| call.refuse(failed("record.html", why.to_string())))?;
+    let xml = match certificate(&data) {
+        Ok(xml) => xml,
+        Err(why) => return call.refuse(failed("certificate.xml", why.to_string())),
+    };
+    let json = serde_json::to_string_pretty(&data).unwrap_or_default() + "\n";
+    for (name, text) in [(JSON_NAME, json), ("record.html", page), ("certificate.xml", xml)] {
+        let _ = files.add(call, name.to_owned(), text.into_bytes())?;
+    }
+    Ok(Record { files: files.finish(), data })
+}
+
+fn figures(
+    call: &mut Call<'_>,
+    description: &Description,
+    base: &Path,
+    files: &mut RecordFiles,
+) -> Result<(Vec<RecordedFigures>, Vec<Figures>), Refused> {
+    let (mut copies, mut figures) = (Vec::new(), Vec::new());
+    for source in &description.figures {
+        let (copy, bytes) = files.copy(call, base, source, "figures")?;
+        let document = document(call, source, &bytes)?;
+        let values = figures_in(&document);
+        figures.push(Figures { source: source.to_string(), file: copy.file.clone(), document });
+        copies.push(RecordedFigures { copy, values });
+    }
+    Ok((copies, figures))
+}
+
+/// The instruments, with the names of the copies of their certificates.
+fn instruments(
+    call: &mut Call<'_>,
+    description: &Description,
+    base: &Path,
+    files: &mut RecordFiles,
+) -> Result<Vec<Instrument>, Refused> {
+    let mut all = description.instruments.clone();
+    for instrument in &mut all {
+        if let Some(due) = instrument.due.as_ref().filter(|due| **due < description.dates.end) {
+            let message = format!("the certificate of `{}` ended on {}", instrument.name, due.as_str());
+            call.warn(Diagnostic::new(codes::W0820, message).help("its calibration does not cover the last day"));
+        }
+        if instrument.calibrated > description.dates.begin {
+            let message = format!("`{}` was calibrated on {}", instrument.name, instrument.calibrated.as_str());
+            call.warn(Diagnostic::new(codes::W0820, message).help("its calibration does not cover the first day"));
+        }
+        let Some(source) = &instrument.file else { continue };
+        let copy = files.copy(call, base, source, "instruments")?.0;
+        instrument.file = Line::try_from(copy.file).ok();
+    }
+    Ok(all)
+}
+
+/// Copies a set, and verifies it if it is installed.
+fn set(
+    call: &mut Call<'_>,
+    entry: &SetEntry,
+    (number, base): (usize, &Path),
+    (states, verify): (&States, Verify<'_>),
+    files: &mut RecordFiles,
+) -> Result<RecordedSet, Refused> {
+    let path = base.join(entry.folder.as_str());
+    let folder = format!("sets/{number}");
+    let (lock, copied) = files.set(call, &path, &folder)?;
+    let compile = match &entry.compile {
+        None => None,
+        Some(source) => {
+            let (_, bytes) = files.copy(call, base, source, "certificates")?;
+            let compile = document(call, source, &bytes)?;
+            if compile.pointer("/compensated/position_um/p95").is_none_or(|p95| !p95.is_number()) {
+                let message = format!("`{source}` is no certificate of `compile`");
+                return call.refuse(unfit(message, "write it with `abbe compile ... --format json`"));
+            }
+            Some(compile)
+        }
+    };
+    let installed = || entry.installed.as_ref().map(|folder| base.join(folder.as_str()));
+    let machine = states.of(entry.verify_with);
+    let verified = (!entry.replaced).then(|| verify(call, machine, &path, installed())).transpose()?;
+    Ok(RecordedSet {
+        folder,
+        installed: !entry.replaced,
+        target: lock.target,
+        files: copied,
+        verified_with: verified.is_some().then(|| entry.verify_with.word()),
+        verify: verified,
+        compile,
+    })
+}
+
+impl Record {
+    /// Returns the decisions.
+    pub fn decisions(&self) -> &[LimitDecision] {
+        &self.data.decisions
+    }
+}

@@ -1,0 +1,270 @@
+//! The frame of a call: access to files, progress, diagnostics.
+
+use super::finite;
+use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
+use crate::syntax::{Disk, Files, MemoryFiles};
+use std::fmt;
+use std::ops::Deref;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Hears of the progress of a long job. All methods do nothing by default.
+///
+/// [`Monitor::advance`] may cancel the job by `std::panic::resume_unwind`: the job leaves nothing behind, and the
+/// caller catches it by `std::panic::catch_unwind` around the call.
+pub trait Monitor: Sync {
+    /// A stage of `total` steps begins; 0 if nobody knows how many there will be.
+    fn begin(&self, _total: usize) {}
+    /// `steps` more of them are done. May be called from several threads.
+    fn advance(&self, _steps: usize) {}
+    /// The stage has ended.
+    fn end(&self) {}
+    /// Templates of a target begin to run: from here on the program may bound the time that they take.
+    fn begin_templates(&self) {}
+    /// They have ended.
+    fn end_templates(&self) {}
+}
+
+/// A flag that ends a job when it next reports progress, as [`Monitor::advance`] may. Clones share it.
+#[derive(Debug, Clone, Default)]
+pub struct Cancellation(Arc<AtomicBool>);
+
+/// Payload with which a cancelled job unwinds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cancelled;
+
+impl Cancellation {
+    /// True if the job is to end.
+    pub fn is_asked(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// Has the job end.
+    pub fn ask(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Monitor for Cancellation {
+    fn begin(&self, _total: usize) {
+        self.advance(0);
+    }
+
+    fn advance(&self, _steps: usize) {
+        if self.is_asked() {
+            // No panic: no hook hears of it.
+            resume_unwind(Box::new(Cancelled));
+        }
+    }
+}
+
+/// Hears nothing.
+struct Silent;
+
+impl Monitor for Silent {}
+
+/// The surroundings of a call. The default has no files and reports no progress.
+#[derive(Clone, Copy)]
+pub struct Run<'a> {
+    /// Access to files.
+    pub files: &'a dyn Files,
+    /// Receiver of progress.
+    pub monitor: &'a dyn Monitor,
+    /// True if a warning refuses the input.
+    pub deny_warnings: bool,
+}
+
+impl Run<'static> {
+    /// Reads files from the disk.
+    pub fn on_disk() -> Self {
+        Self { files: &Disk, monitor: &Silent, deny_warnings: false }
+    }
+}
+
+impl<'a> Run<'a> {
+    /// Reads files through `files`.
+    pub fn with(files: &'a dyn Files) -> Self {
+        Self { files, monitor: &Silent, deny_warnings: false }
+    }
+}
+
+impl Default for Run<'_> {
+    fn default() -> Self {
+        static NO_FILES: MemoryFiles = MemoryFiles::new();
+        Self { files: &NO_FILES, monitor: &Silent, deny_warnings: false }
+    }
+}
+
+/// A value, and the warnings that were found on the way to it.
+#[derive(Debug, Clone)]
+pub struct Answer<T> {
+    /// The value.
+    pub value: T,
+    /// The warnings, with the sources of their places.
+    pub warnings: Diagnostics,
+}
+
+impl<T> Deref for Answer<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+/// The input is refused; the reasons are among the call's diagnostics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Refused;
+
+/// A count that a caller gives.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Count {
+    /// Poses that are held or drawn.
+    Poses(usize),
+    /// Machines that are drawn where errors are bounded.
+    Machines(usize),
+    /// The same until they are told apart.
+    MaxMachines(usize),
+    /// Readings of an instrument along a path.
+    Points(usize),
+}
+
+/// The state of a call.
+pub(crate) struct Call<'a> {
+    pub run: Run<'a>,
+    /// Everything found wrong so far.
+    pub diagnostics: Diagnostics,
+}
+
+impl<'a> Call<'a> {
+    /// Makes a call: `job` collects diagnostics, and its value is returned with the warnings if nothing refuses it.
+    /// `sources` are the files that places of its diagnostics may point into.
+    /// A value with a number that is not finite is refused: E0542.
+    pub fn answer<T: serde::Serialize>(
+        run: Run<'a>,
+        sources: &Sources,
+        job: impl FnOnce(&mut Self) -> Result<T, Refused>,
+    ) -> Result<Answer<T>, Diagnostics> {
+        Self::answer_judged(run, sources, finite::refusal, job)
+    }
+
+    /// The same for a value whose JSON is made by hand.
+    pub fn answer_by_hand<T: fmt::Debug>(
+        run: Run<'a>,
+        sources: &Sources,
+        job: impl FnOnce(&mut Self) -> Result<T, Refused>,
+    ) -> Result<Answer<T>, Diagnostics> {
+        Self::answer_judged(run, sources, finite::refusal_of_content, job)
+    }
+
+    fn answer_judged<T>(
+        run: Run<'a>,
+        sources: &Sources,
+        refusal: impl Fn(&T) -> Option<Diagnostic>,
+        job: impl FnOnce(&mut Self) -> Result<T, Refused>,
+    ) -> Result<Answer<T>, Diagnostics> {
+        Self::answer_of(run, sources, |call| {
+            let value = job(call)?;
+            call.extend(refusal(&value));
+            Ok(value)
+        })
+    }
+
+    /// The same for a value whose numbers are checked elsewhere: a machine, or content that is checked before.
+    pub fn answer_of<T>(
+        run: Run<'a>,
+        sources: &Sources,
+        job: impl FnOnce(&mut Self) -> Result<T, Refused>,
+    ) -> Result<Answer<T>, Diagnostics> {
+        let mut call = Self { run, diagnostics: Diagnostics::about(sources.clone()) };
+        let value = job(&mut call);
+        match (value, call.checked()) {
+            (Ok(value), Ok(())) => Ok(Answer { value, warnings: call.diagnostics }),
+            _ => Err(call.diagnostics),
+        }
+    }
+
+    /// Adds a warning.
+    pub fn warn(&mut self, warning: Diagnostic) {
+        self.diagnostics.push(warning);
+    }
+
+    /// Does a job about one of several files: what it finds names the file.
+    pub fn about<T>(&mut self, file: &str, job: impl FnOnce(&mut Self) -> T) -> T {
+        let count = self.diagnostics.count();
+        let value = job(self);
+        self.diagnostics.name_file(count, file);
+        self.diagnostics.forget_repeats(count);
+        value
+    }
+
+    /// Adds warnings, or refusals that the next [`Self::checked`] stops at.
+    pub fn extend(&mut self, list: impl IntoIterator<Item = Diagnostic>) {
+        list.into_iter().for_each(|diagnostic| self.diagnostics.push(diagnostic));
+    }
+
+    /// Adds a refusal and stops.
+    pub fn refuse<T>(&mut self, refusal: Diagnostic) -> Result<T, Refused> {
+        self.diagnostics.push(refusal);
+        Err(Refused)
+    }
+
+    /// Refuses options that make no sense for this machine or together.
+    pub fn usage<T>(&mut self, message: impl Into<String>) -> Result<T, Refused> {
+        self.refuse(Diagnostic::new(codes::E0818, message))
+    }
+
+    /// Refuses counts beyond what the program takes: a caller may pass on any number.
+    pub fn bounded(&mut self, counts: &[Count]) -> Result<(), Refused> {
+        let counts = counts.iter().map(|count| match *count {
+            Count::Poses(count) => ("poses", count, 1..=1_000_000),
+            Count::Machines(count) => ("machines to draw", count, 2..=100_000),
+            Count::MaxMachines(count) => ("machines to draw at most", count, 2..=800_000),
+            Count::Points(count) => ("points", count, 3..=100_000),
+        });
+        let mut beyond = counts.into_iter().filter(|(_, count, range)| !range.contains(count));
+        let Some((what, count, range)) = beyond.next() else { return Ok(()) };
+        self.usage(format!("{count} {what}: {} to {} are taken", range.start(), range.end()))
+    }
+
+    /// Stops if anything so far refuses the input, or warns where warnings are denied.
+    pub fn checked(&mut self) -> Result<(), Refused> {
+        if self.run.deny_warnings && self.diagnostics.warnings() > 0 {
+            self.diagnostics.deny_warnings();
+        }
+        if self.diagnostics.refused() { Err(Refused) } else { Ok(()) }
+    }
+
+    /// Takes over the warnings or the refusal of another call.
+    pub fn taken<T>(&mut self, answer: Result<Answer<T>, Diagnostics>) -> Result<T, Refused> {
+        match answer {
+            Ok(answer) => {
+                self.diagnostics.absorb(answer.warnings);
+                Ok(answer.value)
+            }
+            Err(refusal) => {
+                self.diagnostics.absorb(refusal);
+                Err(Refused)
+            }
+        }
+    }
+
+    /// Reports that templates run while `job` does.
+    pub fn templates<T>(&mut self, job: impl FnOnce(&mut Self) -> T) -> T {
+        let monitor = self.run.monitor;
+        monitor.begin_templates();
+        let value = job(self);
+        monitor.end_templates();
+        value
+    }
+
+    /// Reports a stage of `total` steps while `job` runs.
+    pub fn stage<T>(&self, total: usize, job: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
+        let monitor = self.run.monitor;
+        monitor.begin(total);
+        let value = job(&|steps| monitor.advance(steps));
+        monitor.end();
+        value
+    }
+}

@@ -1,0 +1,156 @@
+//! Collects the start of a report's workbench: the files, the questions that the page asks, and their answers.
+//!
+//! The page looks a question up here by its content; what is not here it asks its engine, if it has one.
+
+use super::report_options::ReportOptions;
+use super::workbench::workbench;
+use crate::api::sources::SourcesOptions;
+use crate::api::{MachineFile, MapOptions};
+use crate::job::machine_file::{Overlay, bounded_only, sources_of};
+use crate::machine::Travel;
+use crate::run::{Call, Run};
+use crate::syntax::{Files, MemoryFiles};
+use serde_json::{Map, Value, json};
+
+/// Maximum number of poses whose deviations the page knows by itself.
+const MAX_POSES: usize = 200;
+
+/// Number of machines that the page draws for what bounds lead to at a pose.
+const POSE_SAMPLES: usize = 300;
+
+/// Returns the content of the element `start` of a page with these machines.
+pub(crate) fn start(call: &Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Value {
+    let mut texts: Map<String, Value> =
+        sources_of(files).iter().map(|(name, text)| (name.to_owned(), json!(text))).collect();
+    if let Some(path) = &options.tool_poses
+        && let Ok(bytes) = call.run.files.read(path)
+    {
+        let _ = texts.insert(path.display().to_string(), json!(String::from_utf8_lossy(&bytes)));
+    }
+    let memory = texts
+        .iter()
+        .fold(MemoryFiles::new(), |memory, (name, text)| memory.with(name.as_str(), text.as_str().unwrap_or_default()));
+    let files_of = Overlay { text: memory, files: call.run.files };
+    let settings = settings(options);
+    let asked: Vec<Value> = files.iter().map(|file| asked(file, options, &settings, &files_of)).collect();
+    json!({"abbe": env!("CARGO_PKG_VERSION"), "settings": settings, "files": texts,
+        "machines": asked, "place": {"work": options.tool_poses, "target": options.targets.first()}})
+}
+
+/// Options of the figures that the page shows first, in the words of the questions.
+fn settings(options: &ReportOptions) -> Value {
+    let ReportOptions { seed, order, approach, poses, samples, .. } = options;
+    let bounds = json!(options.tolerances);
+    let with_bounds = |mut of: Value| {
+        if let (Some(of), Some(bounds)) = (of.as_object_mut(), bounds.as_object()) {
+            of.extend(bounds.clone());
+        }
+        of
+    };
+    json!({
+        "poses": poses, "samples": samples,
+        "map": with_bounds(json!({"seed": seed, "order": order, "approach": approach})),
+        "sources": {"seed": seed, "order": order, "approach": approach},
+        "budget": with_bounds(json!({"seed": seed, "poses": poses})),
+    })
+}
+
+/// A machine with the answers to what the page asks of it.
+fn asked(file: &MachineFile, options: &ReportOptions, settings: &Value, files: &dyn Files) -> Value {
+    let tool = (file.tools().len() > 1).then(|| file.tool().name.clone());
+    let ask = |questions: &[Value]| -> Vec<Value> {
+        let request = json!({"machine": file.path(), "tool": tool, "questions": questions});
+        match workbench(&request.to_string(), Run::with(files))["answers"].take() {
+            Value::Array(answers) => answers,
+            _ => Vec::new(),
+        }
+    };
+    let questions = questions(options, settings);
+    let answers = ask(&questions);
+    let poses = poses(file, &answers);
+    let deviations = ask(&[json!({"eval": {"poses": poses}})]).pop();
+    let rows = json!({"rows": {"poses": {"listed": poses}, "samples": POSE_SAMPLES}});
+    let rows = bounded_only(file).and_then(|_| ask(&[rows]).pop());
+    let text = file.sources().iter().next().map_or("", |(_, text)| text);
+    let known: Vec<Value> = questions.iter().zip(&answers).map(|(q, a)| json!({"question": q, "answer": a})).collect();
+    json!({"machine": file.path(), "tool": tool, "text": text, "known": known,
+        "eval": {"poses": poses, "answer": deviations, "samples": POSE_SAMPLES, "rows": rows}})
+}
+
+/// Returns the questions of the page when it is opened, and those of its panels.
+fn questions(options: &ReportOptions, settings: &Value) -> Vec<Value> {
+    let of = |key: &str, own: Value| {
+        let mut all = settings[key].clone();
+        if let (Some(all), Value::Object(own)) = (all.as_object_mut(), own) {
+            all.extend(own);
+        }
+        json!({key: all})
+    };
+    let (poses, samples) = (options.poses, options.samples);
+    let worst = MapOptions::default().worst;
+    let mut questions = vec![
+        json!("show"),
+        json!("words"),
+        json!("numbers"),
+        of("map", json!({"poses": {"random": poses}, "worst": worst, "samples": samples})),
+        of("sources", json!({"poses": poses.min(SourcesOptions::MAX_POSES)})),
+        of("budget", json!({"samples": samples})),
+        json!({"reach": {}}),
+        json!("targets"),
+        json!("schema"),
+    ];
+    // The panels ask for as many poses as the page does of a machine that is edited.
+    let few = ReportOptions::default().poses;
+    questions.extend(options.targets.iter().map(|name| json!({"map": {"poses": {"random": few}, "target": name}})));
+    let instruments = ["ball_bar", "r_test", "diagonals"];
+    questions.extend(instruments.map(|instrument| json!({"instrument": {"instrument": instrument}})));
+    questions.extend(options.tool_poses.iter().map(|path| json!({"work": {"tool_poses": path}})));
+    questions
+}
+
+/// Poses that the page leads to: zero, the worst of the volume, those of the part.
+fn poses(file: &MachineFile, answers: &[Value]) -> Vec<Vec<f64>> {
+    let row = |at: &Value| -> Vec<f64> {
+        file.axes().iter().map(|axis| at[axis.name.as_str()].as_f64().unwrap_or_default()).collect()
+    };
+    let zero = file.axes().iter().map(|axis| match axis.travel {
+        Travel::Range(min, max) => 0.0_f64.max(min).min(max),
+        Travel::Continuous => 0.0,
+    });
+    let mut poses = vec![zero.collect()];
+    let lists = ["/worst", "/bounds/worst", "/rows/poses"];
+    for entry in lists.iter().flat_map(|list| answers.iter().filter_map(|answer| answer.pointer(list)?.as_array())) {
+        poses.extend(entry.iter().map(|of| &of["axes"]).filter(|at| at.is_object()).map(row));
+    }
+    poses.truncate(MAX_POSES);
+    poses
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{LoadOptions, load, report};
+
+    #[test]
+    fn a_page_knows_the_answers_of_the_workbench() {
+        let machine = load("configs/trunnion.yaml", &LoadOptions::default(), Run::on_disk()).unwrap().value;
+        let options = ReportOptions { poses: 30, samples: 20, ..ReportOptions::default() };
+        let report = report(std::slice::from_ref(&machine), &options, Run::on_disk()).unwrap();
+        let start = report.value.start();
+        let known = start["machines"][0]["known"].as_array().unwrap();
+        assert!(
+            known.len() == 12
+                && known.iter().all(|of| of["answer"]["refused"].is_null() || of["question"]["budget"].is_object())
+        );
+        let map = &known.iter().find(|of| of["question"]["map"].is_object()).unwrap();
+        let own = crate::map(
+            &machine,
+            &MapOptions { poses: crate::options::MapPoses::Random(30), ..MapOptions::default() },
+            Run::default(),
+        );
+        assert_eq!(map["answer"]["position_um"], json!(own.unwrap().value.position_um));
+        let eval = &start["machines"][0]["eval"];
+        assert_eq!(eval["poses"].as_array().unwrap().len(), eval["answer"]["poses"].as_array().unwrap().len());
+        assert!(start["files"].as_object().unwrap().len() > 5, "the tables travel with the page");
+    }
+}

@@ -1,0 +1,261 @@
+//! `report`: one self-contained HTML page for a design review.
+
+use super::mailed;
+use super::report_options::ReportOptions;
+use crate::analysis::figure_bands::field_bands;
+use crate::analysis::{MAX_POSES, TooManyPoses, View, map};
+use crate::api::bounded::{DrawnBounds, added};
+use crate::api::budget::{BudgetOptions, BudgetResult, budget_of};
+use crate::api::budgets::{DrawnMachines, budgets};
+use crate::api::map_result::MapOptions;
+use crate::api::sources::all_words;
+use crate::controller::Depth;
+use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::evaluate::{Bare, Frame, Poses, worst};
+use crate::file_set::effect::named_effect;
+use crate::job::features::{bounded_features, features};
+use crate::job::machine_file::{MachineFile, order_of, sources_of};
+use crate::job::tool_poses;
+use crate::machine::{Machine, Pose};
+use crate::report::page::{
+    ComparisonData, EngineFile, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
+    TargetResult, colours,
+};
+use crate::run::{Answer, Call, Count, Refused, Run, finite};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// Content of a page: what its workbench starts with, and numbers and pictures of its appendices. The default shows no
+/// machine.
+#[derive(Debug, Clone)]
+pub struct Report {
+    data: PageData,
+    pictures: Vec<Pictures>,
+    start: Value,
+}
+
+impl Default for Report {
+    fn default() -> Self {
+        let abbe = env!("CARGO_PKG_VERSION");
+        let data = PageData { abbe, machines: Vec::new(), comparison: None, colours: colours() };
+        Self { data, pictures: Vec::new(), start: Value::Null }
+    }
+}
+
+impl Report {
+    /// Returns the page. With the library as WebAssembly it answers what-ifs by itself, without it only shows; of
+    /// several variants it holds the first, and the others while it stays small enough for mail.
+    ///
+    /// Fails if a number has no JSON.
+    pub fn page(&self, engines: &[EngineFile]) -> Result<RenderedPage, Diagnostic> {
+        let page = Page { data: &self.data, pictures: &self.pictures, start: &self.start, engines };
+        page.html().map_err(|why| Diagnostic::new(codes::E0632, format!("the page cannot be rendered: {why}")))
+    }
+
+    /// Returns the start of the page's workbench.
+    #[cfg(test)]
+    pub(crate) fn start(&self) -> &Value {
+        &self.start
+    }
+}
+
+/// Computes a page about machines; several are compared on the tool poses of the first.
+///
+/// Fails for targets and classes that are not there, and where [`compile`](crate::api::compile()) fails for a target.
+pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Result<Answer<Report>, Diagnostics> {
+    Call::answer_of(run, &sources_of(files), |call| {
+        let report = reported(call, files, options)?;
+        call.extend(finite::refusal(&report.data));
+        Ok(report)
+    })
+}
+
+fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
+    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+    let subjects: Vec<Subject<'_>> =
+        files.iter().map(|file| Subject::one_of(call, files, (file, options))).collect::<Result<_, _>>()?;
+    let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.given(options)).collect();
+    let mut report = Report::default();
+    report.data.comparison = comparison(call, options, &given)?;
+    let drawn = call.stage(given.iter().map(|given| given.poses.0).sum(), |advance| {
+        given.iter().enumerate().map(|(i, given)| drawn(i + 1, given, advance)).collect::<Result<Vec<_>, _>>()
+    });
+    let Ok(drawn) = drawn else { return call.usage(format!("a report takes {MAX_POSES} poses at most")) };
+    (report.data.machines, report.pictures) = drawn.into_iter().unzip();
+    report.start = mailed::start(call, files, options);
+    Ok(report)
+}
+
+/// Content of the page for a machine.
+fn drawn(
+    number: usize,
+    given: &MachineInput<'_>,
+    advance: &(dyn Fn(usize) + Sync),
+) -> Result<(MachineData, Pictures), TooManyPoses> {
+    let view = View { approach: given.approach, frame: Frame::Workpiece };
+    if let Some(bounded) = given.budget() {
+        let data = MachineData::of_bounds(number, given, &bounded);
+        advance(given.poses.0);
+        let pictures = Pictures::new(given, &data);
+        return Ok((data, pictures));
+    }
+    let (bare, poses) = (Bare { machine: given.machine, order: given.order }, given.sample());
+    let map = map(&bare, &poses, view, advance)?;
+    // As `map` does by default.
+    let besides = worst(&map.deviations, MapOptions::default().worst);
+    let intervals = field_bands(&bare, &poses, (map.statistics, &besides), given.approach, given.poses.1);
+    let data = MachineData::new(number, given, &map).with_uncertainty(given, json!(intervals));
+    let pictures = Pictures::new(given, &data);
+    Ok((data, pictures))
+}
+
+/// A machine with all that was found out about it.
+struct Subject<'a> {
+    file: &'a MachineFile,
+    written: Vec<TargetResult>,
+    warnings: Vec<String>,
+    /// Each error in words, by its name.
+    words: Value,
+    instruments: Instruments,
+    budget: Option<BudgetResult>,
+    /// What bounds add to the measured errors; null where they add nothing.
+    bounds_add: Value,
+    /// The tool poses of the file that the machine reaches, and what the page says of them.
+    work: Option<(Vec<Pose>, Value)>,
+}
+
+impl<'a> Subject<'a> {
+    /// The subject of one of the files; with several, what is found names the file.
+    fn one_of(
+        call: &mut Call<'_>,
+        files: &[MachineFile],
+        (file, options): (&'a MachineFile, &ReportOptions),
+    ) -> Result<Self, Refused> {
+        match files {
+            [_] => Self::of(call, file, options),
+            _ => call.about(file.path(), |call| Self::of(call, file, options)),
+        }
+    }
+
+    fn of(call: &mut Call<'_>, file: &'a MachineFile, options: &ReportOptions) -> Result<Self, Refused> {
+        let seen = call.diagnostics.count();
+        let settings = (&options.tolerances, options.samples, options.seed);
+        let bounded = DrawnBounds::of(call, file, settings)?;
+        let targets = if bounded.is_some() { &[][..] } else { &options.targets };
+        if targets.len() < options.targets.len() {
+            call.warn(nothing_to_compensate(file));
+        }
+        call.checked()?;
+        let path = options.tool_poses.as_ref();
+        let work = path.map(|path| work(call, file, path, (options, bounded.as_ref()))).transpose()?;
+        let mut written = Vec::new();
+        for name in targets {
+            written.extend(compensated(call, file, name, options)?);
+        }
+        let reached = work.as_ref().map(|(poses, _)| poses.as_slice());
+        let bounds_add = added(call, file, settings, reached)?.map_or(Value::Null, |added| json!(added));
+        let found = file.warnings().iter().chain(call.diagnostics.iter().skip(seen));
+        let warnings = found.map(Diagnostic::to_string).collect();
+        let instruments = if bounded.is_some() { Instruments::none(file) } else { Instruments::new(file) };
+        let budget = own_budget(call, file, options)?;
+        let words = json!(all_words(file));
+        Ok(Self { file, written, warnings, words, instruments, budget, bounds_add, work })
+    }
+
+    fn given(&self, options: &ReportOptions) -> MachineInput<'_> {
+        MachineInput {
+            machine: self.file,
+            file: self.file.path(),
+            order: order_of(self.file, options.order),
+            approach: options.approach,
+            poses: (self.work.as_ref().map_or(options.poses, |(poses, _)| poses.len()), options.seed),
+            work: self.work.as_ref().map(|(poses, work)| (poses.as_slice(), work)),
+            written: &self.written,
+            warnings: &self.warnings,
+            words: &self.words,
+            instruments: &self.instruments,
+            budget: self.budget.as_ref().map(BudgetResult::report),
+            bounds_add: &self.bounds_add,
+            type_b: self.file.identify.as_ref().map_or(&[], |section| section.type_b.as_slice()),
+        }
+    }
+}
+
+/// Returns the poses of a machine for the tool poses of a file, and what the page says of them.
+fn work(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    path: &Path,
+    (options, bounded): (&ReportOptions, Option<&DrawnBounds>),
+) -> Result<(Vec<Pose>, Value), Refused> {
+    let machine: &Machine = file;
+    let reached = tool_poses::read(call, machine, path)?.reached(call, machine)?;
+    let bare = Bare { machine, order: order_of(machine, options.order) };
+    let view = View { approach: options.approach, frame: Frame::Workpiece };
+    let features = match bounded {
+        Some(drawn) => {
+            let found = drawn.at(call, machine, &Poses::Listed(reached.poses.clone()), view.frame);
+            bounded_features(machine, &reached, &drawn.bounds, &found)
+        }
+        None => features(&bare, &reached, view, true),
+    };
+    let work = json!({"file": reached.file, "asked": reached.asked, "reached": reached.reached,
+        "travel": reached.travel, "features": features});
+    Ok((reached.poses, work))
+}
+
+/// The warning for a machine of which nothing is measured, and a target.
+fn nothing_to_compensate(file: &MachineFile) -> Diagnostic {
+    let message = format!("nothing of `{}` is measured: no compensation of it is shown", shown(file.path()));
+    Diagnostic::new(codes::W0802, message).help("give values for measured errors, or omit `--target`")
+}
+
+/// Returns the effect of the files that `compile` would write for a target, and their certificate; of two targets
+/// joined by a plus sign after the parameters, and after both.
+fn compensated(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    name: &str,
+    options: &ReportOptions,
+) -> Result<Vec<TargetResult>, Refused> {
+    let (how, depth) = (&options.compensation, Depth { poses: options.poses, seed: options.seed });
+    let (target, effect, certificate) = named_effect(call, machine, name, how, depth)?;
+    let parameters = target.manifest.target.split_once('+').map(|(first, _)| first.to_owned());
+    let mut steps = Vec::new();
+    if let Some(first) = parameters {
+        steps.extend(compensated(call, machine, &first, options)?);
+    }
+    steps.push(TargetResult { target, effect, certificate });
+    Ok(steps)
+}
+
+/// Returns the budget that [`budget`](crate::api::budget()) would give; `None` if no error is bounded.
+fn own_budget(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    options: &ReportOptions,
+) -> Result<Option<BudgetResult>, Refused> {
+    let ReportOptions { tolerances, samples, seed, poses, .. } = options;
+    let bounded = tolerances.bounds_if_any(call, machine)?;
+    if bounded.0.is_empty() {
+        return Ok(None);
+    }
+    let (tolerances, samples, seed, poses) = (tolerances.clone(), *samples, *seed, *poses);
+    let options = BudgetOptions { tolerances, samples, seed, poses, ..BudgetOptions::default() };
+    budget_of(call, machine, &options, None, bounded).map(Some)
+}
+
+/// Several machines on the same work, with their budgets where all have one.
+fn comparison(
+    call: &mut Call<'_>,
+    options: &ReportOptions,
+    given: &[MachineInput<'_>],
+) -> Result<Option<ComparisonData>, Refused> {
+    let Some((comparison, sides)) = ComparisonData::work(given) else { return Ok(None) };
+    let (samples, seed) = (options.samples, options.seed);
+    let names: Vec<&str> = given.iter().map(|given| given.file).collect();
+    let drawn = DrawnMachines { tolerances: &options.tolerances, files: &names, samples, max_samples: samples, seed };
+    let budgets = budgets(call, &sides, drawn)?;
+    let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
+    Ok(Some(ComparisonData::new(given, &comparison, &sides, json)))
+}

@@ -1,0 +1,47 @@
+//! Options of the report.
+
+use crate::api::tolerances::ToleranceOptions;
+use crate::evaluate::Order;
+use crate::file_set::options::CompensationOptions;
+use crate::machine::Approach;
+use std::path::PathBuf;
+
+/// Options of [`report`](super::report::report()).
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default)]
+pub struct ReportOptions {
+    /// Controllers whose compensation and certificate are shown.
+    pub targets: Vec<String>,
+    /// Options of the compensation.
+    pub compensation: CompensationOptions,
+    /// Number of poses of maps and certificates.
+    pub poses: usize,
+    /// A file of tool poses, of which statistics and comparison are taken: CSV or APT CL data.
+    pub tool_poses: Option<PathBuf>,
+    /// Seed of the poses, and of the errors that are drawn.
+    pub seed: u64,
+    /// Order of the errors; exact by default, unless the conventions of a machine name an order.
+    pub order: Option<Order>,
+    /// Side of approach, where forward and reverse curves were given.
+    pub approach: Approach,
+    /// Bounds, draws and statistic of errors, where a machine bounds some.
+    pub tolerances: ToleranceOptions,
+    /// Number of machines that are drawn for a budget, at least 2.
+    pub samples: usize,
+}
+
+impl Default for ReportOptions {
+    fn default() -> Self {
+        Self {
+            targets: Vec::new(),
+            compensation: CompensationOptions::default(),
+            poses: 2000,
+            tool_poses: None,
+            seed: 1,
+            order: None,
+            approach: Approach::default(),
+            tolerances: ToleranceOptions::default(),
+            samples: 1000,
+        }
+    }
+}
