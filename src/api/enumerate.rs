@@ -11,12 +11,11 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::job::machine_file::MachineFile;
 use crate::job::tool_poses::{self, ReachedToolPoses};
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Answer, Call, Count, Refused, Run, sha256};
 use crate::shards::study::{self, StudyFile};
 use rayon::prelude::*;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::path::PathBuf;
 
 /// Options of [`enumerate`].
@@ -461,7 +460,7 @@ fn fingerprint(
     let listed = if options.tool_poses.is_some() { format!(" {work:?}") } else { String::new() };
     let drawn = (options.rotary, options.poses, options.seed, options.tolerances.statistic);
     let text = format!("{} {machine:?} {rules:?} {bounds} {drawn:?}{listed}", env!("CARGO_PKG_VERSION"));
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    sha256(text.as_bytes())
 }
 
 /// Walks with the numbers of axes on the table; `None` for all.
