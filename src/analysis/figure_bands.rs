@@ -57,7 +57,8 @@ pub struct ComparedBands {
 pub(crate) fn field_bands(
     field: &dyn Field,
     poses: &Poses,
-    (whole, besides): (Statistics, &[usize]),
+    whole: Statistics,
+    besides: &[usize],
     approach: Approach,
     seed: u64,
 ) -> Option<Bands> {
@@ -76,7 +77,8 @@ pub(crate) fn field_bands(
 pub(crate) fn compared_bands(
     sides: &[(&Machine, Vec<Pose>)],
     comparison: &Comparison,
-    (approach, seed): (Approach, u64),
+    approach: Approach,
+    seed: u64,
 ) -> Option<Vec<ComparedBands>> {
     let parts = uncertain_parts(sides.iter().map(|(machine, _)| *machine));
     if parts.is_empty() {

@@ -134,7 +134,7 @@ fn volume(
     let before_field = replayed.is_some().then_some(&bare as &dyn Field);
     let subject = Subject { field, state: &state, before: before_field };
     let drawn = options.picture.as_ref().zip(place.as_ref());
-    let picture = drawn.map(|(picture, place)| picture.picture(place, &subject, (view, order)));
+    let picture = drawn.map(|(picture, place)| picture.picture(place, &subject, view, order));
     let features = tool_poses.as_ref().map(|reached| features(field, reached, view, replayed.is_none()));
     let features = features.unwrap_or_default();
     let bounds_add = added(call, machine, settings, tool_poses.as_ref().map(|reached| reached.poses.as_slice()))?;
@@ -142,7 +142,7 @@ fn volume(
     let result = result(&rows, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
     let besides: Vec<usize> = survey.worst.iter().map(|(i, _)| *i).collect();
-    let uncertainty = field_bands(field, &poses, (survey.statistics, &besides), view.approach, options.seed);
+    let uncertainty = field_bands(field, &poses, survey.statistics, &besides, view.approach, options.seed);
     let target = options.target.clone();
     Ok(MapResult { picture, tool_poses, features, bounds_add, target, uncompensated, uncertainty, ..result })
 }

@@ -101,7 +101,7 @@ pub(super) struct Traits {
 }
 
 /// Rows of means by the axes and the nodes that they are over.
-type Known = Vec<((Vec<usize>, Vec<Vec<f64>>), Vec<Vec<f64>>)>;
+type MeanRows = Vec<((Vec<usize>, Vec<Vec<f64>>), Vec<Vec<f64>>)>;
 
 /// Fills tables; one look at the machine serves the tables of all corrected axes over the same nodes.
 pub(super) struct Filler<'a> {
@@ -109,8 +109,8 @@ pub(super) struct Filler<'a> {
     wanted: Demand<'a>,
     background: Vec<Pose>,
     mean: Vec<f64>,
-    means: Known,
-    halves: Known,
+    means: MeanRows,
+    halves: MeanRows,
 }
 
 /// Places where a straight line is fitted.
@@ -190,7 +190,7 @@ impl<'a> Filler<'a> {
     }
 }
 
-fn columns_of(all: &mut Known, table: &CorrectionTable, fresh: impl FnOnce() -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+fn columns_of(all: &mut MeanRows, table: &CorrectionTable, fresh: impl FnOnce() -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let key = (&table.axes, &table.nodes);
     if let Some((_, rows)) = all.iter().find(|((axes, nodes), _)| (axes, nodes) == key) {
         return rows.clone();
@@ -218,13 +218,13 @@ fn line(places: &[f64], table: &CorrectionTable, rows: &[Vec<f64>]) -> Vec<Vec<f
 }
 
 /// A row of numbers at each of many poses.
-type Rows<'a> = dyn Fn(&[Pose]) -> Vec<Vec<f64>> + Sync + 'a;
+type RowsAt<'a> = dyn Fn(&[Pose]) -> Vec<Vec<f64>> + Sync + 'a;
 
 /// Poses that are solved at once, or a few more.
 const BLOCK: usize = 256;
 
 /// The mean over the background at each node of a table.
-fn effect(table: &CorrectionTable, background: &[Pose], at: &Rows) -> Vec<Vec<f64>> {
+fn effect(table: &CorrectionTable, background: &[Pose], at: &RowsAt) -> Vec<Vec<f64>> {
     let block = |numbers: &[usize]| {
         let rows = at(&numbers.iter().flat_map(|number| poses_at(table, *number, background)).collect::<Vec<Pose>>());
         rows.chunks(background.len()).map(mean).collect::<Vec<_>>()

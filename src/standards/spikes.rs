@@ -108,7 +108,7 @@ pub(super) struct Judged {
 }
 
 /// A pulse laid at a turning point, with its height and variance.
-struct Candidate {
+struct SpikeCandidate {
     pulse: Pulse,
     laid: Laid,
     height: f64,
@@ -234,9 +234,9 @@ impl AnglePath {
                 let laid = self.pulse_weights(at, pulse, senses);
                 let variance = control + fit(&laid.weights);
                 let height = height(&laid.weights, left);
-                Some(Candidate { pulse: *pulse, laid, height, control, variance, freedom })
+                Some(SpikeCandidate { pulse: *pulse, laid, height, control, variance, freedom })
             };
-            pulses.iter().filter_map(one).collect::<Vec<Candidate>>()
+            pulses.iter().filter_map(one).collect::<Vec<SpikeCandidate>>()
         });
         let count: usize = candidates.iter().map(Vec::len).sum();
         candidates.map(|list| judged(list, count as f64))
@@ -267,10 +267,10 @@ impl Controls<'_> {
 
 /// Judges the candidates of a turning point, of so many at all of them: each counts as a trial of its own
 /// (Bonferroni).
-fn judged(list: Vec<Candidate>, trials: f64) -> Judged {
-    let limit = |c: &Candidate| quantile(FALSE_ALARM / trials, c.freedom) * libm::sqrt(c.variance);
+fn judged(list: Vec<SpikeCandidate>, trials: f64) -> Judged {
+    let limit = |c: &SpikeCandidate| quantile(FALSE_ALARM / trials, c.freedom) * libm::sqrt(c.variance);
     let limit = list.iter().map(limit).reduce(f64::max);
-    let explained = |c: &Candidate| c.laid.gain * c.height * c.height;
+    let explained = |c: &SpikeCandidate| c.laid.gain * c.height * c.height;
     let best = list.into_iter().reduce(|a, b| if explained(&b) > explained(&a) { b } else { a });
     let spike = best.and_then(|c| {
         let ratio = c.height / libm::sqrt(c.variance);

@@ -1,13 +1,13 @@
 //! Geometry as written: positions, absolute or from a named point, and what holds on one side of the bed.
 
 use super::document::{Branches, TravelEntry};
-use super::forms::{Forms, forms};
+use super::forms::{Forms, deserialize_by_forms};
 use super::places::{Keys, keys};
 use super::scalar::Scalar;
 use super::term::TermEntry;
 use indexmap::IndexMap;
+use serde::de::MapAccess;
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, MapAccess};
 use serde::{Deserialize, Serialize};
 use serde_yaml::{Mapping, Value};
 use std::collections::BTreeMap;
@@ -63,12 +63,6 @@ impl Forms for PositionEntry {
 
     fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
         RelativeEntry::deserialize(MapAccessDeserializer::new(map)).map(Self::Relative)
-    }
-}
-
-impl<'de> Deserialize<'de> for PositionEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        forms(deserializer)
     }
 }
 
@@ -161,3 +155,5 @@ pub(super) fn replaces_whole(at: &[String]) -> bool {
         _ => false,
     }
 }
+
+deserialize_by_forms!(PositionEntry);

@@ -103,7 +103,7 @@ fn drawn(
     let map = map(&bare, &poses, view, advance)?;
     // As `map` does by default.
     let besides = worst(&map.deviations, MapOptions::default().worst);
-    let intervals = field_bands(&bare, &poses, (map.statistics, &besides), given.approach, given.poses.1);
+    let intervals = field_bands(&bare, &poses, map.statistics, &besides, given.approach, given.poses.1);
     let data = MachineData::new(number, given, &map).with_uncertainty(given, json!(intervals));
     let pictures = Pictures::new(given, &data);
     Ok((data, pictures))

@@ -68,7 +68,7 @@ pub fn interactions(machine: &Machine, degree: u8) -> Result<Calculation<'_>, Di
 impl Calculation<'_> {
     /// Returns the effects at a pose (mm, deg), approached from a side.
     pub fn at(&self, pose: &[f64], approach: Approach) -> Interactions {
-        let response = response(self.machine, pose, &self.units, &Unit(&self.lift));
+        let response = response(self.machine, pose, &self.units, &UnitErrors(&self.lift));
         let errors = values(self.machine, pose, approach);
         let sizes = self.sizes(&errors);
         let names = self.lift.declared().names();
@@ -101,9 +101,9 @@ impl Calculation<'_> {
 }
 
 /// Errors as large as their generators.
-struct Unit<'a>(&'a WeilLift);
+struct UnitErrors<'a>(&'a WeilLift);
 
-impl ErrorLift<Weil> for Unit<'_> {
+impl ErrorLift<Weil> for UnitErrors<'_> {
     fn lift(&self, source: Source, value: f64) -> Weil {
         if value == 0.0 { Weil::Constant(0.0) } else { self.0.lift(source, 1.0) }
     }

@@ -47,7 +47,7 @@ impl LocationSet {
     pub fn of(machine: &Machine) -> Self {
         let candidates = candidates(machine, |axis, letter| letter.index() % 3 == nearest(axis));
         let displacements: Vec<Displacement> = candidates.iter().map(Displacement::of).collect();
-        let columns = Columns::new(machine, &displacements);
+        let columns = SensitivityColumns::new(machine, &displacements);
         let chosen = columns.independent_candidates();
         let given: Vec<usize> = (0..candidates.len()).filter(|i| term_of(machine, &candidates[*i]).is_some()).collect();
         let covered = |i: usize| columns.rank(&[&given[..], &[i]].concat()) == columns.rank(&given);
@@ -90,7 +90,7 @@ pub fn minimal_set(
     displacement: impl Fn(&ErrorId) -> Displacement,
 ) -> Vec<ErrorId> {
     let candidates = candidates(machine, along);
-    let columns = Columns::new(machine, &candidates.iter().map(displacement).collect::<Vec<_>>());
+    let columns = SensitivityColumns::new(machine, &candidates.iter().map(displacement).collect::<Vec<_>>());
     columns.independent_candidates().into_iter().map(|i| candidates[i].clone()).collect()
 }
 
@@ -157,12 +157,12 @@ fn letters_of(machine: &Machine, index: usize, of: &Displacement) -> Vec<(usize,
 
 /// The sensitivities by each candidate, and by each of the six errors of the set-up, at all poses: unit columns (zero
 /// without effect).
-struct Columns {
+struct SensitivityColumns {
     setup: Vec<Vec<f64>>,
     candidates: Vec<Vec<f64>>,
 }
 
-impl Columns {
+impl SensitivityColumns {
     fn new(machine: &Machine, candidates: &[Displacement]) -> Self {
         let mut columns = vec![Vec::new(); candidates.len()];
         let letters: Vec<(usize, f64, JointError)> =

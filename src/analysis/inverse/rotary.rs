@@ -72,7 +72,7 @@ impl RotaryDirections {
     /// Returns the candidates nearest to the reference for a direction of the tool (unit vector, unturned).
     pub fn nearest(&self, direction: &Vector3<f64>) -> Candidates {
         let start: Vec<f64> = self.turns.iter().map(|turn| turn.reference).collect();
-        let mut search = Search::new(self, direction);
+        let mut search = DirectionSearch::new(self, direction);
         search.around(&start);
         if self.turns.len() > 2 {
             (1..SAMPLES).for_each(|sample| search.around(&self.sample(sample)));
@@ -90,7 +90,7 @@ impl RotaryDirections {
 
     /// Returns candidates whose free axes are away from their reference.
     pub fn others(&self, direction: &Vector3<f64>) -> Vec<Pose> {
-        let mut search = Search::new(self, direction);
+        let mut search = DirectionSearch::new(self, direction);
         let samples = if self.turns.len() > 2 { MANY_SAMPLES } else { SAMPLES };
         (1..samples).for_each(|sample| search.around(&self.sample(sample)));
         self.poses(search.found)
@@ -241,7 +241,7 @@ pub fn least_beyond(travel: Travel, angle: f64) -> f64 {
 }
 
 /// The search for one direction, with the solutions found so far.
-struct Search<'a> {
+struct DirectionSearch<'a> {
     directions: &'a RotaryDirections,
     direction: &'a Vector3<f64>,
     found: Vec<Vec<f64>>,
@@ -250,7 +250,7 @@ struct Search<'a> {
     free: bool,
 }
 
-impl<'a> Search<'a> {
+impl<'a> DirectionSearch<'a> {
     fn new(directions: &'a RotaryDirections, direction: &'a Vector3<f64>) -> Self {
         Self { directions, direction, found: Vec::new(), beyond: None, free: false }
     }

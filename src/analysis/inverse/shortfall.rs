@@ -1,4 +1,4 @@
-//! What machines lack for a work: the tool axis that they cannot hold, and the travel that the work needs.
+//! Shortfalls of machines for a work: the tool axis that they cannot hold, and the travel that the work needs.
 
 use super::tool_pose::{Miss, excess, rest, unturned_tool_pose};
 use crate::evaluate::radical_inverse;

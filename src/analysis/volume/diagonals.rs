@@ -28,17 +28,17 @@ impl DiagonalRun {
 }
 
 /// A diagonal by the senses in which the three axes move.
-struct Sense {
+struct DiagonalSenses {
     name: &'static str,
     positive: [bool; 3],
 }
 
 /// The four diagonals; the last axis always moves in its positive sense.
-const SENSES: [Sense; 4] = [
-    Sense { name: "ppp", positive: [true, true, true] },
-    Sense { name: "npp", positive: [false, true, true] },
-    Sense { name: "pnp", positive: [true, false, true] },
-    Sense { name: "nnp", positive: [false, false, true] },
+const SENSES: [DiagonalSenses; 4] = [
+    DiagonalSenses { name: "ppp", positive: [true, true, true] },
+    DiagonalSenses { name: "npp", positive: [false, true, true] },
+    DiagonalSenses { name: "pnp", positive: [true, false, true] },
+    DiagonalSenses { name: "nnp", positive: [false, false, true] },
 ];
 
 /// Returns the body diagonals over the volume of [`space_axes`], `steps` intervals each; none without three such axes.
@@ -55,7 +55,7 @@ fn diagonal(
     steps: usize,
     approach: Approach,
     axes: &[usize; 3],
-    sense: &Sense,
+    sense: &DiagonalSenses,
 ) -> DiagonalRun {
     let machine = field.machine();
     let pose = |fraction: f64| {

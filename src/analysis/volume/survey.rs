@@ -58,7 +58,7 @@ impl SurveyBlock<'_> {
 /// Returns the survey of a field. Memory does not grow with the number of poses, and no bit depends on the number of
 /// threads. Calls `progress` with the number of poses done since its last call.
 pub fn survey(task: SurveyTask<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
-    let run = Run::new(task, progress, false);
+    let run = SurveyState::new(task, progress, false);
     // A thread takes the next block when it has finished one: none waits for another, and each has one tally.
     let (next, count) = (AtomicUsize::new(0), run.blocks());
     (0..rayon::current_num_threads().min(count)).into_par_iter().with_max_len(1).for_each(|_| {
@@ -83,7 +83,7 @@ pub fn survey_with_rows<T: Send>(
     sink: &mut dyn FnMut(T) -> bool,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Option<Survey> {
-    let run = Run::new(task, progress, true);
+    let run = SurveyState::new(task, progress, true);
     let round = 8 * rayon::current_num_threads();
     for start in (0..run.blocks()).step_by(round) {
         let blocks = start..(start + round).min(run.blocks());
@@ -106,7 +106,7 @@ pub fn survey_with_rows<T: Send>(
 }
 
 /// The state shared by all threads.
-struct Run<'a> {
+struct SurveyState<'a> {
     task: SurveyTask<'a>,
     count: usize,
     /// Poses of a block: of a grid whole lines.
@@ -128,7 +128,7 @@ struct Worker {
     columns: Columns,
 }
 
-impl<'a> Run<'a> {
+impl<'a> SurveyState<'a> {
     fn new(task: SurveyTask<'a>, progress: &'a (dyn Fn(usize) + Sync), rows: bool) -> Self {
         let grid = match task.poses {
             Poses::Nodes(nodes) => task.field.compiled_model(task.view.approach).and_then(|model| model.grid(nodes)),

@@ -147,7 +147,7 @@ fn shared_lines(r: &IdentifyResult) -> String {
     text
 }
 
-/// What the fit is worth over the volume.
+/// Standard uncertainty of the fit over the volume.
 fn prediction(r: &IdentifyResult) -> String {
     let p = &r.prediction;
     let at: Vec<String> = p.at.iter().map(|(axis, q)| format!("{axis}={}", significant(*q, 4))).collect();

@@ -70,7 +70,7 @@ impl Replacement<'_> {
         let run = before.iter().map(|(run, _)| *run).max().unwrap_or(0).saturating_add(1);
         let manifest = manifest(&self.lock);
         let all: Vec<&RenderedFile> = self.files.iter().chain([&manifest]).collect();
-        let staged = Staged::write(folder, &all, run)?;
+        let staged = StagedFiles::write(folder, &all, run)?;
         let files = all.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
         staged.decide(folder, &Decided { run, files })?;
         between().map_err(|refusal| refusal.help(HALF))?;
@@ -218,12 +218,12 @@ fn leftovers(folder: &Path) -> Vec<(u32, PathBuf)> {
 }
 
 /// Files under temporary names, removed when it is dropped undecided.
-struct Staged {
+struct StagedFiles {
     run: u32,
     paths: Vec<PathBuf>,
 }
 
-impl Staged {
+impl StagedFiles {
     fn write(folder: &Path, files: &[&RenderedFile], run: u32) -> Result<Self, Diagnostic> {
         let mut staged = Self { run, paths: Vec::new() };
         for file in files {
@@ -254,7 +254,7 @@ impl Staged {
     }
 }
 
-impl Drop for Staged {
+impl Drop for StagedFiles {
     fn drop(&mut self) {
         for path in &self.paths {
             let _ = fs::remove_file(path);

@@ -33,7 +33,7 @@ pub(crate) struct Args {
     correction: bool,
     /// Approach of runs without a direction.
     #[arg(long, value_enum, value_name = "HOW")]
-    runs: Option<Runs>,
+    runs: Option<RunOrder>,
     /// Direction of the beam of a six-degree instrument, from the launch to the receiver, such as `+X`.
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, requires = "vertical")]
     beam: Option<String>,
@@ -51,7 +51,7 @@ pub(crate) struct Args {
     continuous: bool,
     /// The line that is taken off a straightness.
     #[arg(long, value_enum, value_name = "RULE", default_value = "least-squares")]
-    line: Line,
+    line: ReferenceLine,
     /// Keep the line of a straightness: it was read against an artefact of the machine.
     #[arg(long, conflicts_with = "line")]
     keep_line: bool,
@@ -79,7 +79,7 @@ enum ContentsArg {
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Runs {
+enum RunOrder {
     /// All from the same side.
     OneWay,
     /// The first forward, the second in reverse, and so on.
@@ -87,7 +87,7 @@ enum Runs {
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Line {
+enum ReferenceLine {
     /// Line of least squares over the targets.
     LeastSquares,
     /// Through the first and the last target.
@@ -109,16 +109,16 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         unit: args.unit.clone(),
         contents: contents(args),
         runs: args.runs.map(|runs| match runs {
-            Runs::OneWay => RunApproach::OneWay,
-            Runs::Alternating => RunApproach::Alternating,
+            RunOrder::OneWay => RunApproach::OneWay,
+            RunOrder::Alternating => RunApproach::Alternating,
         }),
         beam: args.beam.clone(),
         vertical: args.vertical.clone(),
         flip: args.flip.clone(),
         columns: args.columns.clone(),
         line: match args.line {
-            Line::LeastSquares => StraightnessLine::LeastSquares,
-            Line::EndPoints => StraightnessLine::EndPoints,
+            ReferenceLine::LeastSquares => StraightnessLine::LeastSquares,
+            ReferenceLine::EndPoints => StraightnessLine::EndPoints,
         },
         keep_line: args.keep_line,
         continuous: args.continuous,

@@ -13,11 +13,11 @@ pub(crate) struct Args {
     file: PathBuf,
     /// The kind of machine to begin with.
     #[arg(long, value_enum, default_value = "trunnion")]
-    from: From,
+    from: InitSource,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum From {
+enum InitSource {
     /// Three linear axes, C-frame: `w X' Y' b Z t`.
     ThreeAxis,
     /// Five axes, both rotary ones under the workpiece: `w C' A' Y' b X Z t`.
@@ -28,7 +28,7 @@ enum From {
     HeadHead,
 }
 
-impl From {
+impl InitSource {
     fn kind(self) -> Starter {
         match self {
             Self::ThreeAxis => Starter::ThreeAxis,

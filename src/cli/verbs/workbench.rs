@@ -75,18 +75,18 @@ struct Bench {
     /// Held while the file is compared and replaced.
     saving: Mutex<()>,
     /// Sources of the answers.
-    inputs: Mutex<Inputs>,
+    inputs: Mutex<InputFiles>,
 }
 
 /// The files that were read for answers since the last change of one of them.
 #[derive(Default)]
-struct Inputs {
+struct InputFiles {
     read: Recorded,
     /// Number of changes so far.
     changes: u64,
 }
 
-/// What the page sends to save the file.
+/// Request of the page to save the file.
 #[derive(Deserialize)]
 struct SaveRequest {
     /// The text to write.
@@ -154,7 +154,7 @@ impl Bench {
     fn follow(&self) -> PageResponse {
         let mut inputs = self.inputs.lock().unwrap_or_else(PoisonError::into_inner);
         if inputs.read.has_changed() {
-            *inputs = Inputs { read: self.files(), changes: inputs.changes + 1 };
+            *inputs = InputFiles { read: self.files(), changes: inputs.changes + 1 };
         }
         answer(StatusCode::OK, &json!({"text": self.text(), "changes": inputs.changes}))
     }

@@ -94,7 +94,7 @@ impl SetOfTables<'_> {
             (SingleErrors::Lattice(cells), [lattice]) => {
                 let replay = Replay::new(self.machine, self.target, self.tables);
                 let poses = &poses[..LatticeSubset::of(&replay, poses).poses];
-                let cells = Cells { lattice, replay: &replay, cells };
+                let cells = ErrorCells { lattice, replay: &replay, cells };
                 (cells.judge(self.machine, &nominal(self.machine, poses)), poses.len())
             }
             // Cells of a lattice that the set does not have.
@@ -121,7 +121,7 @@ fn is_zero(table: &CorrectionTable) -> bool {
 }
 
 /// Parts of a lattice for single errors.
-struct Cells<'a> {
+struct ErrorCells<'a> {
     lattice: &'a CorrectionTable,
     replay: &'a Replay<'a>,
     cells: &'a LatticeCells,
@@ -130,7 +130,7 @@ struct Cells<'a> {
 /// Corners of a cell: where a node is among those filled, with its weight.
 type Corners = Vec<(usize, f64)>;
 
-impl Cells<'_> {
+impl ErrorCells<'_> {
     fn judge(&self, machine: &Machine, poses: &[NominalAt]) -> Vec<SingleErrorResidual> {
         let axes = machine.axes().len();
         let corners: Vec<Corners> = poses.iter().map(|place| self.corners(place.pose)).collect();

@@ -65,12 +65,12 @@ impl From<minijinja::Error> for TemplateFailure {
 
 /// The text that a template has written so far, up to a limit and the first number that is not finite.
 #[derive(Default)]
-struct Bounded {
+struct BoundedText {
     text: Vec<u8>,
     not_finite: bool,
 }
 
-impl std::io::Write for Bounded {
+impl std::io::Write for BoundedText {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         self.not_finite |= bytes.contains(&(NOT_FINITE as u8));
         if self.not_finite || self.text.len() + bytes.len() > MAX_FILE_BYTES {
@@ -244,7 +244,7 @@ fn render_file(
 ) -> Result<RenderedFile, TemplateFailure> {
     let name = file_name(spec, context.clone())?;
     let compiled = environment.template_from_str(template)?;
-    let mut text = Bounded::default();
+    let mut text = BoundedText::default();
     match compiled.render_captured_to(context, &mut text) {
         Ok(_) => Ok(RenderedFile { name, bytes: text.text }),
         Err(_) if text.not_finite => Err(TemplateFailure::NotFinite(name)),

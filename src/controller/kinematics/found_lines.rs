@@ -127,7 +127,7 @@ fn header(text: &str) -> Result<(Header, Vec<String>), Diagnostic> {
     Ok((Header { axis, columns, separator }, left_out))
 }
 
-/// What a number of a column is times, to be in mm or rad.
+/// Factor from the numbers of a column to mm or rad.
 fn factor(column: Column, title: &str, unit: Option<&str>) -> Result<f64, Diagnostic> {
     let dimension = match column {
         Column::Direction(_) if unit.is_none() => return Ok(1.0),

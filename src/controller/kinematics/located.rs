@@ -38,7 +38,7 @@ impl Transformation {
         Ok(found.errors(machine))
     }
 
-    /// What leads from other lines to these: shifts across the nominal lines, and turns.
+    /// The motion from other lines to these: shifts across the nominal lines, and turns.
     fn from(&self, other: &Self, machine: &Machine) -> Result<Located, Diagnostic> {
         let nominal = Self::nominal(machine)?;
         let all = |of: &Self| of.table.iter().chain(&of.head).cloned().collect::<Vec<_>>();

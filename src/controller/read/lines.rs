@@ -39,7 +39,7 @@ const MAX_POINTS: usize = 5_000_000;
 
 /// Reads the lines of a file.
 pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> Result<Vec<TableFields>, Fault> {
-    let patterns: Vec<(Vec<Piece>, &LineSpec)> = specs.iter().map(|spec| (pieces(&spec.line), spec)).collect();
+    let patterns: Vec<(Vec<PatternPiece>, &LineSpec)> = specs.iter().map(|spec| (pieces(&spec.line), spec)).collect();
     let mut met = vec![false; specs.len()];
     let mut records: Vec<TableFields> = Vec::new();
     let mut current = 0;
@@ -49,7 +49,7 @@ pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> 
         if bare.is_empty() && comment.is_some() {
             continue;
         }
-        let fits = |(pieces, spec): &(Vec<Piece>, &LineSpec)| {
+        let fits = |(pieces, spec): &(Vec<PatternPiece>, &LineSpec)| {
             spec.at.is_none_or(|at| at == number + 1).then(|| match_pattern(pieces, bare)).flatten()
         };
         let Some((which, fields)) = patterns.iter().enumerate().find_map(|(i, p)| Some((i, fits(p)?))) else {
@@ -143,7 +143,7 @@ pub(super) fn fields(pattern: &str, line: &str) -> Option<Vec<(String, String)>>
 
 /// A piece of a pattern.
 #[derive(Debug, Clone, PartialEq)]
-enum Piece {
+enum PatternPiece {
     /// Literal letters.
     Text(String),
     /// Any blanks.
@@ -152,20 +152,20 @@ enum Piece {
     Field(String),
 }
 
-fn pieces(pattern: &str) -> Vec<Piece> {
+fn pieces(pattern: &str) -> Vec<PatternPiece> {
     let mut pieces = Vec::new();
     let mut rest = pattern.trim();
     while let Some(first) = rest.chars().next() {
         if first.is_whitespace() {
             rest = rest.trim_start();
-            pieces.push(Piece::Blank);
+            pieces.push(PatternPiece::Blank);
         } else if let Some((field, after)) = rest.strip_prefix('<').and_then(|r| r.split_once('>')) {
-            pieces.push(Piece::Field(field.to_owned()));
+            pieces.push(PatternPiece::Field(field.to_owned()));
             rest = after;
         } else {
             let tail = &rest[first.len_utf8()..];
             let end = tail.find(|c: char| c.is_whitespace() || c == '<').unwrap_or(tail.len()) + first.len_utf8();
-            pieces.push(Piece::Text(rest[..end].to_owned()));
+            pieces.push(PatternPiece::Text(rest[..end].to_owned()));
             rest = &rest[end..];
         }
     }
@@ -173,21 +173,21 @@ fn pieces(pattern: &str) -> Vec<Piece> {
 }
 
 /// The fields of a line that fits a pattern from end to end.
-fn match_pattern(pieces: &[Piece], line: &str) -> Option<Vec<(String, String)>> {
+fn match_pattern(pieces: &[PatternPiece], line: &str) -> Option<Vec<(String, String)>> {
     let mut fields = Vec::new();
     let mut rest = line;
     for (i, piece) in pieces.iter().enumerate() {
         match piece {
-            Piece::Text(text) => rest = rest.strip_prefix(&**text)?,
-            Piece::Blank => {
+            PatternPiece::Text(text) => rest = rest.strip_prefix(&**text)?,
+            PatternPiece::Blank => {
                 let after = rest.trim_start();
                 (after.len() < rest.len()).then_some(())?;
                 rest = after;
             }
-            Piece::Field(name) => {
+            PatternPiece::Field(name) => {
                 let end = match pieces.get(i + 1) {
                     _ if name == "row" || name == "any" && i + 1 == pieces.len() => rest.len(),
-                    Some(Piece::Text(next)) => rest.find(&**next)?,
+                    Some(PatternPiece::Text(next)) => rest.find(&**next)?,
                     _ => rest.find(char::is_whitespace).unwrap_or(rest.len()),
                 };
                 let value = rest[..end].trim();

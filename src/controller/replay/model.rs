@@ -27,31 +27,31 @@ pub(super) fn motion(machine: &Machine, command: &[f64], curves: &[AxisErrorCurv
 
 /// Returns the displacement of the functional point (mm, unturned workpiece frame) by all curves.
 fn displacement(machine: &Machine, command: &[f64], curves: &[AxisErrorCurve]) -> Vector3<f64> {
-    let terms: Vec<Term> = curves.iter().flat_map(|curve| terms(machine, command, curve)).collect();
+    let terms: Vec<ModelTerm> = curves.iter().flat_map(|curve| terms(machine, command, curve)).collect();
     let errors: Vec<ErrorId> = terms.iter().map(|term| term.error.clone()).collect();
     let units = sensitivities_to(machine, command, &errors);
     units.iter().zip(&terms).map(|(unit, term)| unit.deviation * term.value).sum()
 }
 
 /// A value (mm or rad) of an error, about the origin of its axis.
-struct Term {
+struct ModelTerm {
     error: ErrorId,
     value: f64,
 }
 
 /// Returns the terms of a curve at a command: its own error and, of a turn about the machine's zero, the translation of
 /// the axis's origin.
-fn terms(machine: &Machine, command: &[f64], curve: &AxisErrorCurve) -> Vec<Term> {
+fn terms(machine: &Machine, command: &[f64], curve: &AxisErrorCurve) -> Vec<ModelTerm> {
     let Some(index) = machine.axis_index(curve.error.axis.as_str()) else { return Vec::new() };
     let axis = &machine.axes()[index];
     let value = look_up(curve, command[index], machine.is_continuous(index));
-    let mut all = vec![Term { error: curve.error.clone(), value }];
+    let mut all = vec![ModelTerm { error: curve.error.clone(), value }];
     if axis.kind == AxisKind::Linear && curve.error.direction.is_rotation() {
         let turn = Vector3::from_fn(|i, _| if i == curve.error.direction.index() - 3 { value } else { 0.0 });
         let moved = turn.cross(&Vector3::from(axis.origin));
         let along = |(i, value): (usize, &f64)| {
             let error = ErrorId { direction: Direction::ALL[i], ..curve.error.clone() };
-            Term { error, value: *value }
+            ModelTerm { error, value: *value }
         };
         all.extend(moved.iter().enumerate().filter(|(_, value)| **value != 0.0).map(along));
     }

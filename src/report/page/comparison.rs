@@ -29,7 +29,7 @@ pub struct ComparisonData {
 /// Machines with their poses at the tool poses that all of them reach.
 pub type MachinePoses<'a> = Vec<(&'a Machine, Vec<Pose>)>;
 
-/// What the bounds of a machine lead to at its poses for the work, where nothing is measured.
+/// Returns the effect of the bounds of a machine at its poses for the work, where nothing is measured.
 fn of_bounds(given: &MachineInput<'_>, poses: &[Pose]) -> Option<BoundedFigures> {
     let bounded = given.budget().filter(|_| !poses.is_empty())?;
     let found = given.at(&bounded, &Poses::Listed(poses.to_vec()), Frame::Workpiece);

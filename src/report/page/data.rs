@@ -144,7 +144,7 @@ impl MachineData {
         Self { uncertainty, ..self }
     }
 
-    /// What does not hang on deviations.
+    /// Returns the data that do not depend on deviations.
     fn describe(number: usize, given: &MachineInput<'_>, field: FieldData) -> Self {
         let machine = given.machine;
         Self {

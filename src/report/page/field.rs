@@ -22,9 +22,9 @@ pub struct FieldData {
     /// Axes of the grid, the first running fastest.
     grid: Vec<GridAxis>,
     /// Positions of the other axes.
-    stations: Vec<Station>,
+    stations: Vec<FieldStation>,
     /// Fields on it.
-    layers: Vec<Layer>,
+    layers: Vec<FieldLayer>,
     /// Factors to choose from.
     exaggerations: Vec<f64>,
     /// Index of the factor to begin with.
@@ -41,7 +41,7 @@ struct GridAxis {
 
 /// One set of positions of the other axes.
 #[derive(Debug, Clone, Serialize)]
-struct Station {
+struct FieldStation {
     label: String,
     /// Nominal tip at each node, relative to the workpiece origin in machine directions, mm; three numbers a node.
     nominal_mm: Vec<f64>,
@@ -49,7 +49,7 @@ struct Station {
 
 /// A field on the grid.
 #[derive(Debug, Clone, Serialize)]
-struct Layer {
+struct FieldLayer {
     id: String,
     label: String,
     /// `total`, `axis`, `kind`, `error`, `after` or `removed`.
@@ -128,13 +128,13 @@ impl FieldData {
         let found = given.at(bounded, &Poses::Listed(nodes.clone()), Frame::Workpiece);
         let rows: Vec<Vec<f64>> = nodes.par_iter().map(|pose| effect_squares(machine, bounded, pose)).collect();
         let of = |lengths: Vec<f64>| lengths.chunks(lattice.len()).map(|at| lattice.of_lengths(at)).collect();
-        let group = |(id, label, group, members): &BoundedGroup| Layer {
+        let group = |(id, label, group, members): &BoundedGroup| FieldLayer {
             id: id.clone(),
             label: label.clone(),
             group,
             at: of(rows.iter().map(|row| members.iter().map(|i| row[*i]).sum::<f64>().sqrt() * 1e3).collect()),
         };
-        let total = |id: &str, label: &str, length: fn(&BoundedLength) -> f64| Layer {
+        let total = |id: &str, label: &str, length: fn(&BoundedLength) -> f64| FieldLayer {
             id: id.to_owned(),
             label: label.to_owned(),
             group: "total",
@@ -221,7 +221,7 @@ fn stations(machine: &Machine, grid: &[usize]) -> Vec<Pose> {
 }
 
 /// A choice of errors: id, label, group, and the errors.
-struct Group {
+struct LayerGroup {
     id: String,
     label: String,
     group: &'static str,
@@ -229,10 +229,10 @@ struct Group {
 }
 
 /// Groups of errors by kind, by axis, and one by one.
-fn groups(machine: &Machine) -> Vec<Group> {
+fn groups(machine: &Machine) -> Vec<LayerGroup> {
     let known: Vec<ErrorId> =
         machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).map(|(id, _)| id).collect();
-    let of = |id: String, label: String, group, keep: &dyn Fn(&ErrorId) -> bool| Group {
+    let of = |id: String, label: String, group, keep: &dyn Fn(&ErrorId) -> bool| LayerGroup {
         id,
         label,
         group,
@@ -297,7 +297,7 @@ impl Lattice<'_> {
         GridAxis { name: of.name.to_string(), unit: of.unit(), positions }
     }
 
-    fn sample(&self, station: &Pose, groups: &[Group]) -> Sampled {
+    fn sample(&self, station: &Pose, groups: &[LayerGroup]) -> Sampled {
         let rows: Vec<_> =
             (0..self.len()).into_par_iter().map(|node| self.node(&self.pose(station, node), groups)).collect();
         let (nominal, nodes) = rows.into_iter().unzip();
@@ -305,13 +305,13 @@ impl Lattice<'_> {
     }
 
     /// Nominal tip, and the deviation of every layer, in machine directions.
-    fn node(&self, pose: &Pose, groups: &[Group]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
+    fn node(&self, pose: &Pose, groups: &[LayerGroup]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
         let MachineInput { machine, order, approach, written, .. } = *self.given;
         let view = View { approach, frame: Frame::Machine };
         let total = deviation_in(&Bare { machine, order }, pose, view).position;
         let alone = error_by_error(machine, pose, approach);
         let turn = frame_rotation(machine, pose, Frame::Machine).unwrap_or_else(nalgebra::Matrix3::identity);
-        let together = |group: &Group| {
+        let together = |group: &LayerGroup| {
             let members = alone.iter().filter(|(id, _)| group.members.contains(id));
             turn * members.map(|(_, d): &(ErrorId, Deviation)| d.position).sum::<Vector3<f64>>()
         };
@@ -325,17 +325,17 @@ impl Lattice<'_> {
         (evaluate(machine, pose, order, approach, Frame::Machine).nominal, row)
     }
 
-    fn stations(&self, poses: &[Pose], sampled: Vec<Sampled>) -> Vec<Station> {
+    fn stations(&self, poses: &[Pose], sampled: Vec<Sampled>) -> Vec<FieldStation> {
         let others: Vec<usize> = (0..poses[0].len()).filter(|axis| !self.axes.contains(axis)).collect();
         let micrometre = |x: &f64| (x * 1e3).round() / 1e3 + 0.0;
-        let station = |(pose, s): (&Pose, Sampled)| Station {
+        let station = |(pose, s): (&Pose, Sampled)| FieldStation {
             label: pose_words(self.given.machine, &others, pose),
             nominal_mm: s.nominal.iter().flat_map(|p| p.iter().map(micrometre).collect::<Vec<_>>()).collect(),
         };
         poses.iter().zip(sampled).map(station).collect()
     }
 
-    fn layers(&self, stations: &[Sampled], groups: &[Group]) -> Vec<Layer> {
+    fn layers(&self, stations: &[Sampled], groups: &[LayerGroup]) -> Vec<FieldLayer> {
         let mut heads = vec![("total".to_owned(), "all errors".to_owned(), "total")];
         heads.extend(groups.iter().map(|g| (g.id.clone(), g.label.clone(), g.group)));
         for written in self.given.written {
@@ -346,9 +346,9 @@ impl Lattice<'_> {
         heads.into_iter().enumerate().map(|(k, (id, label, group))| self.layer(k, id, label, group, stations)).collect()
     }
 
-    fn layer(&self, k: usize, id: String, label: String, group: &'static str, stations: &[Sampled]) -> Layer {
+    fn layer(&self, k: usize, id: String, label: String, group: &'static str, stations: &[Sampled]) -> FieldLayer {
         let at = stations.iter().map(|station| self.layer_at(k, station)).collect();
-        Layer { id, label, group, at }
+        FieldLayer { id, label, group, at }
     }
 
     fn layer_at(&self, k: usize, station: &Sampled) -> LayerAt {

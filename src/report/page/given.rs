@@ -29,7 +29,7 @@ pub struct MachineInput<'a> {
     pub instruments: &'a Instruments,
     /// Its budget, if errors are bounded.
     pub budget: Option<BudgetReport<'a>>,
-    /// What the bounds of errors without a value add to the measured ones; null where they add nothing.
+    /// Effect of the bounds of errors without a value beside the measured ones; null without any.
     pub bounds_add: &'a Value,
     /// Uncertainties that all readings of its fit shared (type B), in words.
     pub type_b: &'a [String],
@@ -56,7 +56,7 @@ impl<'a> MachineInput<'a> {
         self.budget.filter(|_| !is_measured(self.machine))
     }
 
-    /// What bounds lead to at poses, in the frame.
+    /// Returns the effect of bounds at poses, in the frame.
     pub fn at(&self, bounded: &BudgetReport<'_>, poses: &Poses, frame: Frame) -> PoseByPose {
         let draws = Draws::new(bounded.drawing.seed, bounded.drawing.distribution);
         let (machine, bounds, samples) = (self.machine, bounded.bounds, bounded.drawing.samples);

@@ -43,7 +43,7 @@ pub struct Page<'a> {
     pub data: &'a PageData,
     /// The same for each machine.
     pub pictures: &'a [Pictures],
-    /// What the workbench starts with.
+    /// Content with which the workbench starts.
     pub start: &'a serde_json::Value,
     /// The library as WebAssembly; none for a page that only shows.
     pub engines: &'a [EngineFile],

@@ -15,22 +15,22 @@ const TOP: f64 = 92.0;
 const MOTION: &str = "#1d5fa8";
 
 /// A body with its place in the row.
-enum Station<'a> {
+enum ChainBody<'a> {
     Axis(&'a Axis, Lever),
     /// End of the chain: its name, its kind, and a line about it.
     End(String, &'static str, String),
 }
 
-impl Station<'_> {
+impl ChainBody<'_> {
     fn width(&self) -> f64 {
-        if matches!(self, Station::Axis(..)) { BOX.0 } else { SMALL }
+        if matches!(self, ChainBody::Axis(..)) { BOX.0 } else { SMALL }
     }
 }
 
 /// The chain as a picture.
 pub fn chain_picture(machine: &Machine) -> Picture {
     let stations = stations(machine);
-    let row: f64 = stations.iter().map(Station::width).sum::<f64>() + GAP * (stations.len() - 1) as f64;
+    let row: f64 = stations.iter().map(ChainBody::width).sum::<f64>() + GAP * (stations.len() - 1) as f64;
     let width = (row + 2.0 * MARGIN).max(620.0);
     let notes = wrap(NOTE, (width / 6.9) as usize);
     let mut svg = Svg::new(width, TOP + BOX.1 + 40.0 + 17.0 * notes.len() as f64);
@@ -58,27 +58,27 @@ const NOTE: &str = "Blue: motion of the tool relative to the workpiece for a pos
     point about which the axis's angular errors turn to the functional point; an angle of 10 µrad moves it by 1 µm \
     for every 100 mm of arm.";
 
-fn stations(machine: &Machine) -> Vec<Station<'_>> {
+fn stations(machine: &Machine) -> Vec<ChainBody<'_>> {
     let levers = levers(machine);
     let station = |body: &Body| match body {
-        Body::Axis(name) => machine.axis_index(name.as_str()).map(|i| Station::Axis(&machine.axes()[i], levers[i])),
-        Body::Spindle(name) => Some(Station::End(format!("({name})"), "spindle", String::new())),
-        Body::Workpiece => Some(Station::End("w".to_owned(), "workpiece", String::new())),
-        Body::Tool => Some(Station::End("t".to_owned(), "tool", machine.tool().name.clone())),
+        Body::Axis(name) => machine.axis_index(name.as_str()).map(|i| ChainBody::Axis(&machine.axes()[i], levers[i])),
+        Body::Spindle(name) => Some(ChainBody::End(format!("({name})"), "spindle", String::new())),
+        Body::Workpiece => Some(ChainBody::End("w".to_owned(), "workpiece", String::new())),
+        Body::Tool => Some(ChainBody::End("t".to_owned(), "tool", machine.tool().name.clone())),
         Body::Bed => None,
     };
     let side = |branch| machine.chain().branch(branch).into_iter().filter_map(station).collect::<Vec<_>>();
     let mut row = side(Branch::Workpiece);
     row.reverse();
-    row.push(Station::End("b".to_owned(), "bed", String::new()));
+    row.push(ChainBody::End("b".to_owned(), "bed", String::new()));
     row.extend(side(Branch::Tool));
     row
 }
 
-fn draw(svg: &mut Svg, station: &Station<'_>, x: f64) {
+fn draw(svg: &mut Svg, station: &ChainBody<'_>, x: f64) {
     match station {
-        Station::Axis(axis, lever) => draw_axis(svg, axis, *lever, x),
-        Station::End(name, what, remark) => draw_end(svg, name, what, remark, x),
+        ChainBody::Axis(axis, lever) => draw_axis(svg, axis, *lever, x),
+        ChainBody::End(name, what, remark) => draw_end(svg, name, what, remark, x),
     }
 }
 

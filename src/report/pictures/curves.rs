@@ -20,7 +20,7 @@ const SAMPLES: usize = 180;
 
 /// The curves of one axis as a picture, without the notes that explain it; `None` if it has none.
 pub fn axis_curves(machine: &Machine, axis: usize) -> Option<Picture> {
-    let block = Block::new(machine, axis)?;
+    let block = AxisPanels::new(machine, axis)?;
     let mut svg = Svg::new(WIDTH, block.height());
     block.draw(&mut svg, 0.0);
     Some(svg.picture(&format!("{}: component errors of {}", machine.name(), block.axis.name)))
@@ -28,7 +28,8 @@ pub fn axis_curves(machine: &Machine, axis: usize) -> Option<Picture> {
 
 /// The curves of all axes in one picture; `None` if there are none.
 pub fn all_curves(machine: &Machine) -> Option<Picture> {
-    let blocks: Vec<Block<'_>> = (0..machine.axes().len()).filter_map(|axis| Block::new(machine, axis)).collect();
+    let blocks: Vec<AxisPanels<'_>> =
+        (0..machine.axes().len()).filter_map(|axis| AxisPanels::new(machine, axis)).collect();
     let height: f64 = blocks.iter().map(|block| block.height() + 16.0).sum();
     let notes = notes();
     let mut svg = Svg::new(WIDTH, 44.0 + height + 17.0 * notes.len() as f64 + 12.0);
@@ -90,13 +91,13 @@ struct PanelKind {
 }
 
 /// The six panels of an axis.
-struct Block<'a> {
+struct AxisPanels<'a> {
     axis: &'a Axis,
     interval: Interval,
     panels: Vec<Panel>,
 }
 
-impl<'a> Block<'a> {
+impl<'a> AxisPanels<'a> {
     /// `None` if the axis has no curve.
     fn new(machine: &'a Machine, index: usize) -> Option<Self> {
         let axis = &machine.axes()[index];

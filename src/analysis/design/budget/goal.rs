@@ -124,14 +124,14 @@ pub struct Unavoidable {
 }
 
 /// The search.
-struct Search<'a> {
+struct GoalSearch<'a> {
     request: GoalRequest<'a>,
     joints: Vec<JointBounds>,
     poses: Vec<BudgetPose>,
 }
 
 /// The value of machines drawn with some tolerances, mm.
-struct Evaluation {
+struct DrawnValue {
     sorted: Vec<f64>,
     /// Mean of the worst machines.
     worst: f64,
@@ -139,7 +139,7 @@ struct Evaluation {
     parts: Vec<f64>,
 }
 
-impl Evaluation {
+impl DrawnValue {
     fn p95(&self) -> f64 {
         self.sorted[rank(self.sorted.len(), 95) - 1]
     }
@@ -151,7 +151,7 @@ impl Evaluation {
 
 /// Returns the cheapest tolerances; the request has at least one bound, pose and sample.
 pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
-    let search = Search::new(request);
+    let search = GoalSearch::new(request);
     let [_, correcting, proving] = request.draws;
     let finest: Vec<f64> = request.prices.iter().map(|price| price.finest).collect();
     let staying_um = search.staying() * 1e3;
@@ -179,7 +179,7 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
     GoalAnswer::Kept(Box::new(search.answer(tolerances, &present, before, &proof, staying_um, steps)))
 }
 
-impl<'a> Search<'a> {
+impl<'a> GoalSearch<'a> {
     fn new(request: GoalRequest<'a>) -> Self {
         let joints = by_joint(request.machine, request.bounds);
         let at = |pose: &Pose| {
@@ -197,7 +197,7 @@ impl<'a> Search<'a> {
         self.request.statistic.of(&mut lengths)
     }
 
-    fn evaluate(&self, tolerances: &[f64], draws: &Draws, samples: usize) -> Evaluation {
+    fn evaluate(&self, tolerances: &[f64], draws: &Draws, samples: usize) -> DrawnValue {
         let GoalRequest { bounds, statistic, .. } = self.request;
         let bounds: Vec<Bound> = bounds
             .iter()
@@ -210,7 +210,7 @@ impl<'a> Search<'a> {
         let worst = &drawn[drawn.len() - drawn.len().div_ceil(WORST)..];
         let mean = |of: &dyn Fn(&DrawnMachine) -> f64| worst.iter().map(of).sum::<f64>() / worst.len() as f64;
         let parts = (0..bounds.len()).map(|i| mean(&|sample| sample.parts[i])).collect();
-        Evaluation { worst: mean(&|sample| sample.value), parts, sorted: drawn.iter().map(|s| s.value).collect() }
+        DrawnValue { worst: mean(&|sample| sample.value), parts, sorted: drawn.iter().map(|s| s.value).collect() }
     }
 
     /// Moves tolerances to the cheapest ones whose 95 % value is `aim` (mm); returns the number of steps.
@@ -232,7 +232,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the optimum of the model: the square of the value is a sum of squares.
-    fn step(&self, tolerances: &[f64], found: &Evaluation, aim: f64) -> Vec<f64> {
+    fn step(&self, tolerances: &[f64], found: &DrawnValue, aim: f64) -> Vec<f64> {
         let GoalRequest { prices, power, .. } = self.request;
         let value = found.worst;
         let staying = value - found.parts.iter().sum::<f64>();
@@ -264,7 +264,7 @@ impl<'a> Search<'a> {
         tolerances: Vec<f64>,
         present: &[f64],
         before: Percentile,
-        proof: &Evaluation,
+        proof: &DrawnValue,
         staying_um: f64,
         steps: usize,
     ) -> CheapestTolerances {

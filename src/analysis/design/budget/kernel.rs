@@ -163,7 +163,7 @@ pub fn squares(d: &[SampleLanes; 3]) -> SampleLanes {
 /// The effects of all sources at a pose, for any number of samples.
 #[derive(Debug, Clone)]
 pub struct BudgetPose {
-    /// Of location and of component errors of every joint.
+    /// Deviations by location and by component errors of every joint.
     columns: Vec<[SourceEffects; 2]>,
     points: Vec<CurvePoint>,
     /// Deviation that is the same in every sample.

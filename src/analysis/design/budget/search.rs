@@ -43,14 +43,14 @@ pub struct Objective<'a> {
 
 /// The axes of a volume.
 pub struct VolumeSearch<'a> {
-    axes: Vec<Line>,
+    axes: Vec<TravelLine>,
     at: BoundVectors<'a>,
     objective: Objective<'a>,
 }
 
 /// The interval of an axis.
 #[derive(Debug, Clone, Copy)]
-struct Line {
+struct TravelLine {
     min: f64,
     max: f64,
     turns: bool,
@@ -83,7 +83,7 @@ impl<'a> VolumeSearch<'a> {
                 (false, false) => 1,
             };
             let step = (grid.max - grid.min) / (nodes.max(2) - 1) as f64;
-            Line { min: grid.min, max: grid.max, turns, closed: is_closed(axis, grid), step, nodes }
+            TravelLine { min: grid.min, max: grid.max, turns, closed: is_closed(axis, grid), step, nodes }
         };
         Self { axes: machine.axes().iter().zip(machine.volume()).map(line).collect(), at, objective }
     }
@@ -168,7 +168,7 @@ impl<'a> VolumeSearch<'a> {
     }
 
     /// Golden sections around the position of a rotary axis.
-    fn along(&self, axis: usize, line: &Line, pose: &mut Pose, best: &mut f64) {
+    fn along(&self, axis: usize, line: &TravelLine, pose: &mut Pose, best: &mut f64) {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let middle = pose[axis];
         let inside = |q: f64| match line.closed {

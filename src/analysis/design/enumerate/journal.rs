@@ -5,7 +5,7 @@ use super::ranking::ArrangementRow;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What one round gives of an arrangement.
+/// Result of one round for an arrangement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RoundRecord {
@@ -57,7 +57,7 @@ struct Head {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Step {
+struct JournalStep {
     round: usize,
     step: usize,
     records: Vec<RoundRecord>,
@@ -83,7 +83,7 @@ impl Journal {
         let head = Head { abbe_enumerate: FORM.to_owned(), fingerprint: self.fingerprint.clone(), steps: self.steps };
         let mut text = serde_json::json!(head).to_string() + "\n";
         for (RoundStep { round, step }, records) in &self.done {
-            let step = Step { round: *round, step: *step, records: records.clone() };
+            let step = JournalStep { round: *round, step: *step, records: records.clone() };
             text += &serde_json::json!(step).to_string();
             text.push('\n');
         }
@@ -101,7 +101,7 @@ impl Journal {
         }
         let mut journal = Self::new(head.fingerprint, head.steps);
         for (number, line) in lines {
-            let Step { round, step, records } =
+            let JournalStep { round, step, records } =
                 serde_json::from_str(line).map_err(|e| failure(number, e.to_string()))?;
             if step >= journal.steps {
                 return Err(failure(number, format!("walk {step} of {}", journal.steps)));

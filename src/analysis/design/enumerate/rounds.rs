@@ -63,7 +63,7 @@ pub struct RoundCount {
     pub arrangements: usize,
 }
 
-/// What the records of a study lead to.
+/// State of a study by its records.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Standings {
     /// Walks are not done.
@@ -106,7 +106,7 @@ struct Entrant<'a> {
     rivals: usize,
 }
 
-/// What a round decides.
+/// Decision of a round.
 struct Decision {
     /// Rank 1, among the entrants.
     leader: usize,

@@ -47,12 +47,12 @@ pub struct StudyRound<'a> {
     study: &'a Study<'a>,
     samples: Range<usize>,
     drawn: SideDraws,
-    reference: Reference,
+    reference: ReferenceMachine,
 }
 
 /// The machine as its file has it: squared lengths of the deviations (mm^2) at every tool pose.
 #[derive(Debug)]
-enum Reference {
+enum ReferenceMachine {
     /// Chunk by chunk.
     Drawn(Vec<Vec<SampleLanes>>),
     Values(Vec<f64>),
@@ -81,14 +81,14 @@ impl<'a> Study<'a> {
                 study: self,
                 samples,
                 drawn: SideDraws::default(),
-                reference: Reference::Values(values),
+                reference: ReferenceMachine::Values(values),
             };
         };
         let drawn = SideDraws::new(self.machine, bounds, draws, samples.end);
         let axes: Vec<usize> = (0..self.machine.axes().len()).collect();
         let table = self.machine.axes().iter().filter(|a| a.branch == Branch::Workpiece).count();
         let lengths = walk_budget::squared_lengths(self.machine, &axes, table, &self.poses, &drawn);
-        StudyRound { study: self, samples, drawn, reference: Reference::Drawn(lengths) }
+        StudyRound { study: self, samples, drawn, reference: ReferenceMachine::Drawn(lengths) }
     }
 
     /// Returns the tool poses of the work.
@@ -178,7 +178,7 @@ impl StudyRound<'_> {
         let statistic = self.study.statistic;
         let um = |mm: f64| mm * 1e3;
         match &self.reference {
-            Reference::Drawn(own) => {
+            ReferenceMachine::Drawn(own) => {
                 let file = own.iter().flat_map(|lanes| {
                     let same: Vec<SampleLanes> = reached.iter().map(|i| lanes[*i]).collect();
                     walk_budget::over_poses(statistic, &same)
@@ -188,7 +188,7 @@ impl StudyRound<'_> {
                 let rows = walk_budget::statistics(&machines[0], &walk.axes, tables, poses, &round, statistic);
                 (rows.into_iter().map(|row| row.into_iter().map(um).collect()).collect(), percentile_95(&file))
             }
-            Reference::Values(own) => {
+            ReferenceMachine::Values(own) => {
                 let file = statistic.of(&mut reached.iter().map(|i| own[*i]).collect::<Vec<_>>()).sqrt();
                 let value = |machine: &Machine| {
                     let mut squares: Vec<f64> = poses.iter().map(|pose| squared_deviation(machine, pose)).collect();

@@ -47,7 +47,7 @@ pub struct RotaryArm<'a> {
 }
 
 /// Poses that take a tool pose, whatever the travels.
-struct Found {
+struct ArmPoses {
     /// Within the travels.
     within: Vec<Pose>,
     /// Beyond them.
@@ -84,7 +84,7 @@ impl<'a> RotaryArm<'a> {
         let found = match (&self.finite, target.spin_rad) {
             (Some(arm), Some(spin)) => self.branches(arm, target, spin, &reference),
             (Some(arm), None) => self.spun(arm, target, &reference),
-            (None, _) => Found { within: self.sought(target, &reference), beyond: Vec::new() },
+            (None, _) => ArmPoses { within: self.sought(target, &reference), beyond: Vec::new() },
         };
         let nearest =
             |list: Vec<Pose>| list.into_iter().min_by(|a, b| cost(a, &reference).total_cmp(&cost(b, &reference)));
@@ -106,12 +106,12 @@ impl<'a> RotaryArm<'a> {
     }
 
     /// Returns the branches at a spin (rad).
-    fn branches(&self, arm: &FiniteArm, target: &ToolPose, spin: f64, reference: &[f64]) -> Found {
+    fn branches(&self, arm: &FiniteArm, target: &ToolPose, spin: f64, reference: &[f64]) -> ArmPoses {
         let goal = self.goal(target, Some(spin));
         let motion = ScrewMotion { r: goal.attitude, t: goal.tip - goal.attitude * self.chain.tip };
         let mut free: Angles = [0.0; 6];
         free.iter_mut().zip(reference).for_each(|(angle, q)| *angle = q.to_radians());
-        let mut found = Found { within: Vec::new(), beyond: Vec::new() };
+        let mut found = ArmPoses { within: Vec::new(), beyond: Vec::new() };
         for candidate in arm.branches(&motion, &free) {
             let start: Pose = candidate.iter().map(|angle| angle.to_degrees()).collect();
             let Some(refined) = self.chain.refine(&goal, &start, REFINING) else { continue };
@@ -133,8 +133,8 @@ impl<'a> RotaryArm<'a> {
     }
 
     /// Returns the branches over the spins of the tool, with the best of them moved towards the reference.
-    fn spun(&self, arm: &FiniteArm, target: &ToolPose, reference: &[f64]) -> Found {
-        let mut found = Found { within: Vec::new(), beyond: Vec::new() };
+    fn spun(&self, arm: &FiniteArm, target: &ToolPose, reference: &[f64]) -> ArmPoses {
+        let mut found = ArmPoses { within: Vec::new(), beyond: Vec::new() };
         for spins in [SPINS, MANY_SPINS] {
             for k in 0..spins {
                 let at = self.branches(arm, target, TAU * k as f64 / spins as f64, reference);

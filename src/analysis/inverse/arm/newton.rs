@@ -21,7 +21,7 @@ const ROUNDING_MM: f64 = 1e-11;
 /// Part of the way to the reference that a step takes.
 const PULL: f64 = 0.5;
 
-/// What the tool has to do.
+/// The tool pose to reach.
 #[derive(Debug, Clone, Copy)]
 pub struct ToolGoal {
     /// Image of the tip in machine coordinates of the walk, mm.
