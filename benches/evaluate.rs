@@ -90,7 +90,7 @@ impl Bench {
                 let view = View::default();
                 // As with batches: the plan is compiled and the threads exist before the clock starts.
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.parse().ok()?).build().unwrap();
-                let _ = (field.compiled_model(view.approach), pool.broadcast(|_| ()));
+                let _ = (field.compiled_model(view.conditions), pool.broadcast(|_| ()));
                 let task = SurveyTask { field: &field, poses: &poses, view, worst: 5 };
                 Some(clock(poses.len(), &mut || drop(pool.install(|| survey(task, &|_| ())))))
             }

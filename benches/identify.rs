@@ -6,7 +6,7 @@
 use abbe::algebra::linear::Triangle;
 use abbe::diagnostic::Diagnostics;
 use abbe::evaluate::{Frame, Order, evaluate, random_poses};
-use abbe::identify::{Measurement, Model, Parameter, Reading, Solution, fit, parameters};
+use abbe::identify::{FitModel, Measurement, Parameter, Reading, Solution, fit, parameters};
 use abbe::machine::{self, Approach, Machine};
 use abbe::syntax::Disk;
 use abbe::syntax::{self, IdentifyEntry};
@@ -35,7 +35,7 @@ fn data(machine: &Machine, count: usize) -> Vec<Measurement> {
     };
     let place = abbe::diagnostic::Place { source: Diagnostics::default().sources.add("bench", ""), range: 0..0 };
     let one = |pose: Vec<f64>| {
-        let d = evaluate(machine, &pose, Order::Exact, Approach::Mean, Frame::Workpiece).deviation.position;
+        let d = evaluate(machine, &Approach::Mean.at(&pose), Order::Exact, Frame::Workpiece).deviation.position;
         let values = [Some(d.x + noise()), Some(d.y + noise()), Some(d.z + noise())];
         let reading = Reading::Deviation { values, frame: Frame::Workpiece, zero: [None; 3] };
         Measurement::new(pose, reading, place.clone())
@@ -62,7 +62,7 @@ fn said(what: &str, (best, median): (f64, f64)) {
 fn fits(name: &str, machine: &Machine, words: &[&str], poses: usize) {
     let unknowns = wanted(machine, words);
     let rows = data(machine, poses);
-    let model = Model::new(machine, &unknowns);
+    let model = FitModel::new(machine, &unknowns);
     let weights = vec![1.0; rows.len()];
     let whole = || {
         let found = fit(&model, &rows, weights.clone());

@@ -42,8 +42,8 @@
 //! let options = CompileOptions { target: "linuxcnc".to_owned(), poses: 200, ..CompileOptions::default() };
 //! let set = abbe::compile(&machine, &options, Run::default())?;
 //! assert!(set.files.iter().any(|file| file.name == "compensation.inc"));
-//! let certificate = &set.certificate.certificate;
-//! assert!(certificate.compensated.all.position_um.p95 < certificate.uncompensated.all.position_um.p95);
+//! let certificate = &set.certificate;
+//! assert!(certificate.compensated.position_um.p95 < certificate.uncompensated.position_um.p95);
 //! # Ok::<(), abbe::Diagnostics>(())
 //! ```
 //!

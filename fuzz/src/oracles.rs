@@ -80,7 +80,7 @@ fn model(file: &MachineFile, order: Order, approach: Approach, poses: &[Vec<f64>
     let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let Ok(found) = model.deviations(&columns) else { return };
     let general: Vec<Evaluation> =
-        poses.iter().map(|pose| evaluate(file, pose, order, approach, Frame::Workpiece)).collect();
+        poses.iter().map(|pose| evaluate(file, &approach.at(pose), order, Frame::Workpiece)).collect();
     let largest = |of: fn(&Evaluation) -> f64| general.iter().map(of).fold(0.0, f64::max);
     let mm = FRACTION * largest(|at| at.deviation.position.amax()) + ROUNDING * size(file, &general);
     let rad = FRACTION * largest(|at| at.deviation.rotation.amax()) + ROUNDING;
@@ -140,7 +140,7 @@ pub fn compiled(file: &MachineFile, options: &CompileOptions, files: &dyn Files)
     let both = Both(&stored, files);
     let found = accepted("the own set", abbe::verify(file, folder, &verify, Run::with(&both)));
     let figures = |certificate: &abbe::results::CertificateReport| {
-        let all = &certificate.certificate.compensated.all;
+        let all = &certificate.compensated;
         [all.position_um.max, all.position_um.rms, all.position_um.p95]
     };
     let (written, found) = (figures(&set.certificate), figures(&found));

@@ -36,6 +36,11 @@ pub fn beside(mut vector: DVector<f64>, orthonormal: &[DVector<f64>]) -> DVector
     vector
 }
 
+/// Returns a matrix with each column divided by its scale.
+pub fn over_columns(matrix: &DMatrix<f64>, scale: &DVector<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] / scale[j])
+}
+
 impl Triangle {
     /// No rows yet.
     pub fn new(unknowns: usize) -> Self {
@@ -107,6 +112,13 @@ pub struct ReducedSystem {
 }
 
 impl ReducedSystem {
+    /// Reduces all rows of a matrix with their right sides.
+    pub fn of(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Self {
+        let mut triangle = Triangle::new(matrix.ncols());
+        matrix.row_iter().zip(right.iter()).for_each(|(row, right)| triangle.push(row.iter().copied(), *right));
+        triangle.finish()
+    }
+
     /// Euclidean length of the right side, all rows together.
     pub fn right_norm(&self) -> f64 {
         libm::hypot(self.rest, self.right.norm())
@@ -141,7 +153,7 @@ impl ReducedSystem {
     pub fn condition(&self) -> f64 {
         let norms = self.column_norms();
         let n = norms.len();
-        let r = DMatrix::from_fn(n, n, |i, j| self.r[(i, j)] / norms[j]);
+        let r = over_columns(&self.r, &norms);
         let mut x = DVector::from_fn(n, |i, _| if i % 2 == 0 { 1.0 } else { -0.7 } / libm::sqrt(n.max(1) as f64));
         let mut grown = 0.0;
         for _ in 0..12 {
@@ -193,10 +205,10 @@ impl Svd {
                 break;
             }
         }
-        Self::sorted(&a, &v)
+        Self::in_falling_order(&a, &v)
     }
 
-    fn sorted(a: &DMatrix<f64>, v: &DMatrix<f64>) -> Self {
+    fn in_falling_order(a: &DMatrix<f64>, v: &DMatrix<f64>) -> Self {
         let norms: Vec<f64> = a.column_iter().map(|column| column.norm()).collect();
         let mut order: Vec<usize> = (0..norms.len()).collect();
         order.sort_by(|i, j| norms[*j].total_cmp(&norms[*i]).then(i.cmp(j)));
@@ -229,7 +241,8 @@ impl Svd {
         &self,
         right: &DVector<f64>,
         rank: usize,
-        (away, pull): (&DVector<f64>, f64),
+        away: &DVector<f64>,
+        pull: f64,
         damping: f64,
     ) -> DVector<f64> {
         let mut x = DVector::zeros(self.v.nrows());
@@ -298,18 +311,10 @@ mod tests {
         })
     }
 
-    fn reduce(matrix: &DMatrix<f64>, right: &DVector<f64>) -> ReducedSystem {
-        let mut triangle = Triangle::new(matrix.ncols());
-        for i in 0..matrix.nrows() {
-            triangle.push(matrix.row(i).iter().copied().collect::<Vec<_>>(), right[i]);
-        }
-        triangle.finish()
-    }
-
     proptest! {
         #[test]
         fn singular_values_and_vectors_make_up_the_matrix((a, rank, b) in deficient()) {
-            let reduced = reduce(&a, &b);
+            let reduced = ReducedSystem::of(&a, &b);
             let svd = Svd::new(&reduced.r);
             prop_assert!((&reduced.r.transpose() * &reduced.r - a.transpose() * &a).amax() < 1e-12);
             let again = &svd.u * DMatrix::from_diagonal(&svd.values) * svd.v.transpose();
@@ -321,7 +326,7 @@ mod tests {
 
         #[test]
         fn the_solution_is_the_shortest_of_the_best((a, _, b) in deficient()) {
-            let reduced = reduce(&a, &b);
+            let reduced = ReducedSystem::of(&a, &b);
             let svd = Svd::new(&reduced.r);
             let rank = svd.rank(1e-7);
             // Between rank and noise there must be a gap, or the question has no answer.
@@ -346,7 +351,7 @@ mod tests {
             let [mut first, second] = parts;
             first.merge(second);
             prop_assert_eq!(first.rows, a.nrows());
-            let (merged, whole) = (first.finish(), reduce(&a, &b));
+            let (merged, whole) = (first.finish(), ReducedSystem::of(&a, &b));
             prop_assert!((merged.r.transpose() * &merged.r - whole.r.transpose() * &whole.r).amax() < 1e-12);
             prop_assert!((merged.right_norm() - b.norm()).abs() < 1e-12);
             prop_assert!((whole.right_norm() - b.norm()).abs() < 1e-12);

@@ -38,11 +38,11 @@ pub fn solve<S: Algebra>(mut matrix: Vec<Vec<S>>, mut right: Vec<S>) -> Result<V
             right[row] -= step;
         }
     }
-    back_substituted(&matrix, right)
+    back_substitute(&matrix, right)
 }
 
 /// Solves an upper triangular system.
-fn back_substituted<S: Algebra>(matrix: &[Vec<S>], mut x: Vec<S>) -> Result<Vec<S>, Singular> {
+fn back_substitute<S: Algebra>(matrix: &[Vec<S>], mut x: Vec<S>) -> Result<Vec<S>, Singular> {
     for row in (0..x.len()).rev() {
         let known = (row + 1..x.len()).map(|k| matrix[row][k].clone() * x[k].clone()).fold(S::zero(), |a, b| a + b);
         let inverse = matrix[row][row].recip().ok_or(Singular { column: row })?;

@@ -2,7 +2,7 @@
 
 use super::{Bands, Comparison, MachineResult, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
 use crate::evaluate::{Field, Frame, Poses, Statistics, frame_rotation};
-use crate::machine::{Approach, Machine, Pose};
+use crate::machine::{Machine, OperatingConditions, Pose};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -18,12 +18,17 @@ pub struct PoseUncertainty {
 
 impl PoseUncertainty {
     /// Returns the uncertainty at poses (mm, deg) in a frame. `None` where the machine states none.
-    pub(crate) fn at(machine: &Machine, poses: &[Pose], approach: Approach, frame: Frame) -> Option<Vec<Self>> {
+    pub(crate) fn at(
+        machine: &Machine,
+        poses: &[Pose],
+        conditions: OperatingConditions,
+        frame: Frame,
+    ) -> Option<Vec<Self>> {
         let parts = machine.uncertain_parts();
         if parts.is_empty() {
             return None;
         }
-        let models = part_models(machine, &parts, approach);
+        let models = part_models(machine, &parts, conditions);
         let one = |pose: &Pose| {
             let turned = frame_rotation(machine, pose, frame);
             let mut squares = [Vector3::zeros(); 2];
@@ -59,7 +64,7 @@ pub(crate) fn field_bands(
     poses: &Poses,
     whole: Statistics,
     besides: &[usize],
-    approach: Approach,
+    conditions: OperatingConditions,
     seed: u64,
 ) -> Option<Bands> {
     let machine = field.machine();
@@ -68,8 +73,8 @@ pub(crate) fn field_bands(
         return None;
     }
     let places: Vec<Pose> = band_places(poses.len(), besides).into_iter().map(|i| poses.get(i)).collect();
-    let values = places.par_iter().map(|pose| field.deviation(pose, approach)).collect();
-    let deviations = UncertainDeviations::of(machine, &parts, &places, values, whole, approach);
+    let values = places.par_iter().map(|pose| field.deviation(&conditions.at(pose))).collect();
+    let deviations = UncertainDeviations::of(machine, &parts, &places, values, whole, conditions);
     bands(&[deviations], seed).0.pop()
 }
 
@@ -77,7 +82,7 @@ pub(crate) fn field_bands(
 pub(crate) fn compared_bands(
     sides: &[(&Machine, Vec<Pose>)],
     comparison: &Comparison,
-    approach: Approach,
+    conditions: OperatingConditions,
     seed: u64,
 ) -> Option<Vec<ComparedBands>> {
     let parts = uncertain_parts(sides.iter().map(|(machine, _)| *machine));
@@ -87,7 +92,7 @@ pub(crate) fn compared_bands(
     let places = band_places(comparison.common.len(), &[]);
     let one = |((machine, _), side): (&(&Machine, Vec<Pose>), &MachineResult)| {
         let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|i| side.reached[*i].clone()).unzip();
-        UncertainDeviations::of(machine, &parts, &poses, values, side.statistics, approach)
+        UncertainDeviations::of(machine, &parts, &poses, values, side.statistics, conditions)
     };
     let machines: Vec<UncertainDeviations> = sides.iter().zip(&comparison.machines).map(one).collect();
     let (own, differences) = bands(&machines, seed);

@@ -9,7 +9,7 @@
 
 use super::design::budget::Normals;
 use crate::evaluate::{CompiledModel, Deviation, Order, Statistics, Summary};
-use crate::machine::{Approach, Machine, Pose, UncertainPart};
+use crate::machine::{Machine, OperatingConditions, Pose, UncertainPart};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -73,7 +73,7 @@ impl UncertainDeviations {
         poses: &[Pose],
         values: Vec<Deviation>,
         whole: Statistics,
-        approach: Approach,
+        conditions: OperatingConditions,
     ) -> Self {
         let own = machine.uncertain_parts();
         let bare = machine.without_uncertainty();
@@ -81,7 +81,7 @@ impl UncertainDeviations {
             if !own.contains(part) {
                 return Vec::new();
             }
-            let model = part_model(&bare, part, approach);
+            let model = part_model(&bare, part, conditions);
             poses.iter().map(|pose| model.deviation(pose)).collect()
         };
         Self { values, parts: parts.par_iter().map(effect).collect(), whole }
@@ -113,13 +113,13 @@ fn figures(statistics: &Statistics) -> DeviationFigures {
 }
 
 /// Returns the models whose deviations are the effects of one standard uncertainty of each part, to first order.
-pub fn part_models(machine: &Machine, parts: &[UncertainPart], approach: Approach) -> Vec<CompiledModel> {
+pub fn part_models(machine: &Machine, parts: &[UncertainPart], conditions: OperatingConditions) -> Vec<CompiledModel> {
     let bare = machine.without_uncertainty();
-    parts.par_iter().map(|part| part_model(&bare, part, approach)).collect()
+    parts.par_iter().map(|part| part_model(&bare, part, conditions)).collect()
 }
 
-fn part_model(bare: &Machine, part: &UncertainPart, approach: Approach) -> CompiledModel {
-    CompiledModel::new(&bare.moved_by(part), Order::Degree(1), approach)
+fn part_model(bare: &Machine, part: &UncertainPart, conditions: OperatingConditions) -> CompiledModel {
+    CompiledModel::new(&bare.moved_by(part), Order::Degree(1), conditions)
 }
 
 /// Returns the parts of several machines, each once.

@@ -2,17 +2,17 @@
 
 use super::goal::{ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
-use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_from_samples, budget_poses, known};
+use crate::analysis::budget::{Bound, Draws, Request, budget_from_samples, budget_poses};
 use crate::diagnostic::Diagnostics;
 use crate::job::machine_file::MachineFile;
-use crate::job::poses::{axis_positions, check, pose_option};
+use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
 use crate::job::tool_poses::{self, ReachedToolPoses};
 use crate::machine::{Machine, Pose};
-use crate::report::{BudgetReport, DrawSettings, Picture};
+use crate::report::{BoundedContribution, BudgetFigures, Picture, contributions};
 use crate::run::{Answer, Call, Count, Refused, Run};
 use crate::shards::budget_parts::{self, BudgetShard, Division};
-use serde::{Serialize, Serializer};
-use serde_json::{Map, Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::PathBuf;
 
 /// Options of [`budget`].
@@ -72,80 +72,45 @@ impl BudgetOptions {
     }
 }
 
-/// A budget with what it is of. Serialises as docs/formats.md describes.
-#[derive(Debug, Clone)]
+/// A budget with what it is of.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct BudgetResult {
-    machine: Machine,
-    drawing: DrawSettings,
-    at: Option<Pose>,
-    /// The bounds in the order that [`Contribution::bound`](crate::analysis::budget::Contribution) counts.
-    pub bounds: Vec<Bound>,
     /// The budget.
-    pub budget: Budget,
-    /// Number of poses.
-    pub poses: usize,
+    #[serde(flatten)]
+    pub budget: BudgetFigures,
+    /// Name of the machine.
+    pub machine: String,
+    /// The kinematic chain.
+    pub chain: String,
     /// Tool poses of a file that the machine reaches.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_poses: Option<ReachedToolPoses>,
     /// The cheapest tolerances, if a goal was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub goal: Option<ToleranceGoal>,
+    /// Contributions at the pose that was named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<ContributionsAt>,
+}
+
+/// Contributions at a pose.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ContributionsAt {
+    /// The pose, mm and deg.
+    pub axes: AxisPositions,
+    /// Effect of each error at its bound, largest first.
+    pub contributions: Vec<BoundedContribution>,
 }
 
 impl BudgetResult {
-    pub(crate) fn report(&self) -> BudgetReport<'_> {
-        let Self { machine, bounds, budget, drawing, .. } = self;
-        BudgetReport { machine, bounds, budget, poses: self.poses, drawing }
-    }
-
-    /// Returns the number of errors that have values and are left out.
-    pub fn left_out(&self) -> usize {
-        known(&self.machine)
-    }
-
-    /// Returns how machines were drawn.
-    pub fn drawing(&self) -> &DrawSettings {
-        &self.drawing
-    }
-
-    /// Returns indices of the bounds; first the one whose tightening lowers the 95 % value most.
-    pub fn order(&self) -> Vec<usize> {
-        self.report().order()
-    }
-
-    /// Returns a picture of what each error does at its bound: the `top` largest.
+    /// Returns a picture of the effects of the errors at their bounds: the `top` largest, and the sum of all.
     pub fn pareto(&self, top: usize) -> Picture {
-        self.report().pareto(top)
+        self.budget.pareto(&self.machine, top)
     }
 
-    /// Returns a picture of how the budget is used up, tolerance by tolerance: the `top` largest.
+    /// Returns a picture of the use of the budget, tolerance by tolerance: the `top` largest, and the sum of the others.
     pub fn waterfall(&self, top: usize) -> Picture {
-        self.report().waterfall(top)
-    }
-
-    fn contract(&self) -> Map<String, Value> {
-        let report = self.report();
-        let mut json = report.json();
-        json.extend([
-            ("machine".to_owned(), json!(self.machine.name())),
-            ("chain".to_owned(), json!(self.machine.chain().to_string())),
-        ]);
-        if let Some(reached) = &self.tool_poses {
-            let _ = json.insert("tool_poses".to_owned(), json!(reached));
-        }
-        if let Some(goal) = &self.goal {
-            let _ = json.insert("goal".to_owned(), json!(goal));
-        }
-        if let (Some(pose), Some(list)) = (&self.at, &self.budget.at) {
-            let axes = axis_positions(&self.machine, pose);
-            let at = json!({"axes": axes, "contributions": report.contributions(list)});
-            let _ = json.insert("at".to_owned(), at);
-        }
-        json
-    }
-}
-
-impl Serialize for BudgetResult {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.contract().serialize(serializer)
+        self.budget.waterfall(&self.machine, top)
     }
 }
 
@@ -153,7 +118,7 @@ impl Serialize for BudgetResult {
 ///
 /// Fails if no error is bounded, and for poses or classes that do not fit the machine.
 pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Result<Answer<BudgetResult>, Diagnostics> {
-    Call::answer_by_hand(run, file.sources(), |call| {
+    Call::answer(run, file.sources(), |call| {
         if options.shard.is_some() {
             return call.usage("a part of the machines has no budget: put all parts together with `merge`");
         }
@@ -249,7 +214,12 @@ pub(crate) fn budget_of(
         None => None,
     };
     let drawing = options.tolerances.drawing(class, options.samples, options.seed);
+    let at = at.zip(budget.at.as_ref()).map(|(pose, list)| ContributionsAt {
+        axes: axis_positions(machine, &pose),
+        contributions: contributions(&bounds, list),
+    });
     let BudgetWork { poses, tool_poses, .. } = work;
-    let (machine, poses) = (machine.clone(), poses.len());
-    Ok(BudgetResult { machine, drawing, at, bounds, budget, poses, tool_poses, goal })
+    let budget = BudgetFigures::new(machine, bounds, &budget, poses.len(), drawing);
+    let (machine, chain) = (machine.name().to_owned(), machine.chain().to_string());
+    Ok(BudgetResult { budget, machine, chain, tool_poses, goal, at })
 }

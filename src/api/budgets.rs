@@ -2,14 +2,15 @@
 
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
-    Bound, BoundedError, Budget, PairedTest, Request, Verdict, VersusFirst, budget, round_sizes, side_by_side,
+    Bound, BoundedError, Budget, BudgetPart, PairedTest, Request, Totals, Verdict, VersusFirst, budget, round_sizes,
+    side_by_side,
 };
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Pose};
-use crate::report::{BudgetReport, DrawSettings, budgets_json};
+use crate::report::{DeviationBudget, DrawSettings};
 use crate::run::{Call, Refused};
-use serde::{Serialize, Serializer};
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// Draws of machines.
 #[derive(Clone, Copy)]
@@ -24,50 +25,135 @@ pub(crate) struct DrawnMachines<'a> {
     pub seed: u64,
 }
 
-/// A budget for each machine, and the contribution of each error to each. Serialises as docs/formats.md describes.
-#[derive(Debug, Clone)]
+/// Budgets on the same work.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct ComparedBudgets {
-    machines: Vec<Machine>,
-    poses: usize,
-    /// Name and source of the class of each machine.
-    pub classes: Vec<Option<(String, String)>>,
-    /// The bounds of each machine.
-    pub bounds: Vec<Vec<Bound>>,
     /// The budget of each machine.
-    pub budgets: Vec<Budget>,
-    /// The 95 % value of the position of each machine but the first, minus that of the first.
-    pub versus_first: Vec<VersusFirst>,
+    pub machines: Vec<ComparedBudget>,
+    /// Effect of the error that is first in `contributions`, um.
+    pub largest_um: f64,
+    /// Error by error, largest first.
+    pub contributions: Vec<ComparedContribution>,
+    /// Settings of the machines drawn.
+    #[serde(flatten)]
+    pub drawing: DrawSettings,
     /// Number of machines that are drawn at most, if the first ones do not tell the machines apart.
     pub max_samples: usize,
-    /// Error by error, largest first.
-    pub errors: Vec<BoundedError>,
-    /// Settings of the draws.
-    pub drawing: DrawSettings,
+    /// The 95 % value of the position of each machine but the first, minus that of the first.
+    pub versus_first_p95_um: Vec<VersusFirst>,
 }
 
-impl Serialize for ComparedBudgets {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.contract().serialize(serializer)
+/// The budget of a machine beside others.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ComparedBudget {
+    /// Number of bounded errors.
+    pub errors: usize,
+    /// The position deviation, um.
+    pub position_um: DeviationBudget,
+    /// The rotation of the tool, urad.
+    pub rotation_urad: DeviationBudget,
+    /// Minus the figures of the first machine.
+    pub minus_first: BudgetDifference,
+    /// The class that bounds what the machine file does not.
+    pub class: Option<String>,
+    /// Source of the class.
+    pub class_source: Option<String>,
+}
+
+/// Figures of a budget minus those of another.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct BudgetDifference {
+    /// Differences of the position deviation, um.
+    pub position_um: DeviationBudgetDifference,
+    /// Differences of the orientation deviation, urad.
+    pub rotation_urad: DeviationBudgetDifference,
+}
+
+/// Figures of a deviation minus those of another.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct DeviationBudgetDifference {
+    /// Difference of the worst cases.
+    pub worst_case: f64,
+    /// Difference of the RSS values.
+    pub rss: f64,
+    /// Difference of the means of both.
+    pub mean_of_both: f64,
+    /// Differences of the figures of machines drawn.
+    pub monte_carlo: DrawnDifference,
+}
+
+/// Figures of machines drawn minus those of others.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct DrawnDifference {
+    /// Difference of the means.
+    pub mean: f64,
+    /// Difference of the 95 % values.
+    pub p95: f64,
+}
+
+/// An error in several budgets; a list has a value for each machine, none where a machine does not bound it.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ComparedContribution {
+    /// Name of the error.
+    pub error: String,
+    /// `um` or `urad`.
+    pub unit: &'static str,
+    /// Its tolerance, in `unit`.
+    pub tolerance: Vec<Option<f64>>,
+    /// Its part of the 95 % value, um.
+    pub um_of_p95: Vec<Option<f64>>,
+    /// Standard error of that part, um.
+    pub um_of_p95_sigma: Vec<Option<f64>>,
+    /// That part minus that of the first machine, um.
+    pub minus_first: Vec<f64>,
+    /// Its effect averaged over the poses, um.
+    pub average_um: Vec<Option<f64>>,
+}
+
+impl ComparedBudget {
+    fn new(machine: &Machine, (bounds, class): (&[Bound], &Option<ClassSource>), own: &Budget, first: &Budget) -> Self {
+        let (class, class_source) = class.clone().unzip();
+        Self {
+            errors: bounds.len(),
+            position_um: DeviationBudget::new(machine, &own.position),
+            rotation_urad: DeviationBudget::new(machine, &own.rotation),
+            minus_first: BudgetDifference {
+                position_um: DeviationBudgetDifference::new(&own.position, &first.position),
+                rotation_urad: DeviationBudgetDifference::new(&own.rotation, &first.rotation),
+            },
+            class,
+            class_source,
+        }
     }
 }
 
-impl ComparedBudgets {
-    fn contract(&self) -> Value {
-        let (poses, drawing) = (self.poses, &self.drawing);
-        let sides = self.machines.iter().zip(self.bounds.iter().zip(&self.budgets));
-        let reports: Vec<BudgetReport<'_>> =
-            sides.map(|(machine, (bounds, budget))| BudgetReport { machine, bounds, budget, poses, drawing }).collect();
-        let mut json = budgets_json(&reports, &self.errors);
-        if let Some(object) = json.as_object_mut() {
-            object.extend(drawing.json());
-            let _ = object.insert("max_samples".to_owned(), self.max_samples.into());
-            let _ = object.insert("versus_first_p95_um".to_owned(), serde_json::json!(self.versus_first));
+impl DeviationBudgetDifference {
+    fn new(own: &Totals, first: &Totals) -> Self {
+        let p95 = |totals: &Totals| totals.percentile(95).value;
+        Self {
+            worst_case: own.worst_case - first.worst_case,
+            rss: own.rss - first.rss,
+            mean_of_both: own.mean_of_both() - first.mean_of_both(),
+            monte_carlo: DrawnDifference { mean: own.mean.0 - first.mean.0, p95: p95(own) - p95(first) },
         }
-        for (machine, class) in json["machines"].as_array_mut().into_iter().flatten().zip(&self.classes) {
-            let (name, source) = class.clone().unzip();
-            (machine["class"], machine["class_source"]) = (json!(name), json!(source));
+    }
+}
+
+impl ComparedContribution {
+    fn new(of: &BoundedError) -> Self {
+        let (factor, unit) = of.direction.micro();
+        let each = |value: &dyn Fn(&BudgetPart) -> f64| -> Vec<Option<f64>> {
+            of.parts.iter().map(|part| part.as_ref().map(value)).collect()
+        };
+        Self {
+            error: of.error.clone(),
+            unit,
+            tolerance: each(&|part| part.tolerance * factor),
+            um_of_p95: each(&|part| part.of_p95.effect),
+            um_of_p95_sigma: each(&|part| part.of_p95.sigma),
+            minus_first: (0..of.parts.len()).map(|i| of.minus_first(i)).collect(),
+            average_um: each(&|part| part.average),
         }
-        json
     }
 }
 
@@ -100,16 +186,17 @@ pub(crate) fn budgets(
     let common = classes.iter().all(|class| *class == classes[0]).then(|| classes[0].clone()).flatten();
     let pairs: Vec<(&[Bound], &Budget)> = all.iter().map(Vec::as_slice).zip(&list).collect();
     let samples = list.first().map_or(drawn.samples, |budget| budget.position.drawn.len());
+    let errors = side_by_side(&pairs);
+    let one = |(i, (machine, _)): (usize, &(&Machine, Vec<Pose>))| {
+        ComparedBudget::new(machine, (&all[i], &classes[i]), &list[i], &list[0])
+    };
     Ok(Some(ComparedBudgets {
-        machines: sides.iter().map(|(machine, _)| (*machine).clone()).collect(),
-        poses: sides.first().map_or(0, |(_, poses)| poses.len()),
-        errors: side_by_side(&pairs),
-        bounds: all,
-        budgets: list,
-        versus_first,
-        max_samples: drawn.max_samples.max(drawn.samples),
+        machines: sides.iter().enumerate().map(one).collect(),
+        largest_um: errors.first().map_or(0.0, BoundedError::largest),
+        contributions: errors.iter().map(ComparedContribution::new).collect(),
         drawing: drawn.tolerances.drawing(common, samples, drawn.seed),
-        classes,
+        max_samples: drawn.max_samples.max(drawn.samples),
+        versus_first_p95_um: versus_first,
     }))
 }
 

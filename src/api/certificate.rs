@@ -1,35 +1,94 @@
 //! A certificate with the machine, the target and the files that it holds for.
 
 use super::uncertainty::CertificateBands;
-use crate::controller::{Certificate, ControllerTarget, Depth, Figures, RaisedFigure, ZeroShift, micro};
-use crate::evaluate::Field;
+use crate::controller::{
+    Certificate, ControllerTarget, Depth, Figures, ProgrammingFigures, RaisedFigure, SingleErrorResidual, Strongest,
+    ZeroShift, micro,
+};
+use crate::evaluate::{Field, Summary};
 use crate::file_set::verdict;
-use crate::machine::{AxisKind, Machine};
-use serde_json::{Map, Value, json};
+use crate::machine::{Approach, AxisKind, AxisPositions, Machine};
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// Residual of a machine after a controller has applied a set of files.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct CertificateReport {
-    /// The machine, with the tool that the set holds for.
-    pub machine: Machine,
-    /// The controller.
-    pub target: ControllerTarget,
-    /// The figures.
-    pub certificate: Certificate,
+    /// Displacement of the reference that the controller does not see; none for most.
+    pub reference_shift: Option<ReferenceShift>,
+    /// Figures that the files raise.
+    pub raised: Vec<RaisedFigure>,
+    /// Name of the target.
+    pub target: String,
     /// Names of the files.
     pub files: Vec<String>,
-    /// Figures after each step of a composed set, the last for all of it; empty for other sets.
+    /// Number of poses.
+    pub poses: usize,
+    /// The side of approach that is worse.
+    pub direction: Approach,
+    /// Name of the tool; may be empty.
+    pub tool: String,
+    /// Without the files.
+    pub uncompensated: Figures,
+    /// With the files.
+    pub compensated: Figures,
+    /// The errors by name.
+    pub errors: IndexMap<String, SingleErrorResidual>,
+    /// Number of poses for single errors.
+    pub single_error_poses: usize,
+    /// Motions that the files add with all axes at 0.
+    pub at_reference: AtReference,
+    /// Errors that the controller cannot correct, in words.
+    pub cannot: Vec<String>,
+    /// Figures for each form of the tool direction, where the controller transforms.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub programming: Vec<ProgrammingFigures>,
+    /// Figures after each step of a composed set, the last for all of it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<CertificateStep>,
     /// Intervals of the figures, where the machine file states uncertainties of errors.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<CertificateBands>,
+    /// The machine, with the tool that the set holds for.
+    #[serde(skip)]
+    pub machine: Machine,
+    /// The controller.
+    #[serde(skip)]
+    pub controller: ControllerTarget,
+    /// The entry by which the sign is best tested; none if nothing is corrected.
+    #[serde(skip)]
+    pub strongest: Option<Strongest>,
+}
+
+/// Motions that files add with all axes at 0, by axis, mm and deg.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct AtReference {
+    /// Approached forward.
+    pub forward: AxisPositions,
+    /// Approached in reverse.
+    pub reverse: AxisPositions,
+}
+
+/// Displacement of the reference.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ReferenceShift {
+    /// Shifts of the linear axes, um.
+    pub shift_um: AxisPositions,
+    /// Shifts of the rotary axes, urad.
+    pub shift_urad: AxisPositions,
+    /// Position deviation with it, um.
+    pub position_um: Summary,
+    /// Position deviation by it alone, um.
+    pub without_tables_um: Summary,
 }
 
 /// Figures after a step of a composed set.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct CertificateStep {
     /// Names of the targets so far.
     pub target: String,
-    /// Figures with them.
+    /// With their files.
     pub compensated: Figures,
 }
 
@@ -37,92 +96,53 @@ impl CertificateReport {
     pub(crate) fn new(
         machine: &Machine,
         target: &ControllerTarget,
-        certificate: &Certificate,
+        certificate: Certificate,
         (field, depth): (&dyn Field, Depth),
         files: Vec<String>,
     ) -> Self {
-        let uncertainty = CertificateBands::of(machine, certificate, field, depth);
-        let (machine, target, certificate) = (machine.clone(), target.clone(), certificate.clone());
-        Self { machine, target, certificate, files, steps: Vec::new(), uncertainty }
+        let uncertainty = CertificateBands::of(machine, &certificate, field, depth);
+        let [forward, reverse] = certificate.at_reference.map(|added| named(machine, &added));
+        Self {
+            reference_shift: certificate.shifted.map(|shift| ReferenceShift::new(machine, shift)),
+            raised: certificate.raised,
+            target: target.manifest.target.clone(),
+            files,
+            poses: certificate.poses,
+            direction: certificate.approach,
+            tool: machine.tool().name.clone(),
+            uncompensated: certificate.uncompensated,
+            compensated: certificate.compensated,
+            errors: certificate.errors.into_iter().map(|error| (error.error.to_string(), error)).collect(),
+            single_error_poses: certificate.single_error_poses,
+            at_reference: AtReference { forward, reverse },
+            cannot: target.manifest.cannot.clone(),
+            programming: certificate.programming,
+            steps: Vec::new(),
+            uncertainty,
+            machine: machine.clone(),
+            controller: target.clone(),
+            strongest: certificate.strongest,
+        }
     }
 
     /// Returns in words which figures of the position deviation the files raise; `None` if they raise none.
     pub fn raised(&self) -> Option<String> {
-        verdict::raised(&self.certificate)
-    }
-
-    /// The contract of `compile` and `verify` in docs/formats.md.
-    fn json(&self) -> serde_json::Value {
-        let Self { machine, target, certificate, files, steps, uncertainty } = self;
-        let summary = |f: &Figures| {
-            json!({"position_um": f.all.position_um, "rotation_urad": f.all.rotation_urad,
-            "tool_axis_urad": f.tool_axis})
-        };
-        let errors: serde_json::Map<_, _> = certificate
-            .errors
-            .iter()
-            .map(|e| {
-                (e.error.to_string(), json!({"handled": e.degree, "left_um": e.residual_um, "alone_um": e.alone_um}))
-            })
-            .collect();
-        let shifted = certificate.shifted.as_ref();
-        let shift = |s: &ZeroShift| {
-            let of = |kind: AxisKind| -> serde_json::Map<_, _> {
-                let axes = machine.axes().iter().zip(&s.shift).filter(|(axis, _)| axis.kind == kind);
-                axes.map(|(axis, shift)| (axis.name.to_string(), json!(shift * micro(kind).0))).collect()
-            };
-            json!({"shift_um": of(AxisKind::Linear), "shift_urad": of(AxisKind::Rotary),
-                "position_um": s.position_um, "without_tables_um": s.alone_um})
-        };
-        let raised = |r: &RaisedFigure| {
-            json!({"direction": r.approach, "figure": r.figure, "before_um": r.before,
-            "after_um": r.after})
-        };
-        let mut contract = json!({
-            "reference_shift": shifted.map(shift), "raised": certificate.raised.iter().map(raised).collect::<Vec<_>>(),
-            "target": target.manifest.target, "files": files, "poses": certificate.poses,
-            "direction": certificate.approach, "tool": machine.tool().name,
-            "uncompensated": summary(&certificate.uncompensated), "compensated": summary(&certificate.compensated),
-            "errors": errors, "single_error_poses": certificate.single_error_poses,
-            "at_reference": {"forward": named(machine, &certificate.at_reference[0]), "reverse": named(machine,
-                &certificate.at_reference[1])},
-            "cannot": target.manifest.cannot,
-        });
-        let programming: Vec<Value> = certificate
-            .programming
-            .iter()
-            .map(|way| {
-                json!({"tool_direction": if way.vectors { "vector" } else { "rotary axes" }, "tool": way.tool,
-                    "longer_mm": way.longer_mm,
-                    "uncompensated": summary(&way.uncompensated), "compensated": summary(&way.compensated),
-                    "at_poles": way.at_poles, "away_from_poles": way.away_from_poles.as_ref().map(&summary)})
-            })
-            .collect();
-        if let (false, Some(contract)) = (programming.is_empty(), contract.as_object_mut()) {
-            let _ = contract.insert("programming".to_owned(), json!(programming));
-        }
-        let steps: Vec<Value> = steps
-            .iter()
-            .map(|step| json!({"target": step.target, "compensated": summary(&step.compensated)}))
-            .collect();
-        if let (false, Some(contract)) = (steps.is_empty(), contract.as_object_mut()) {
-            let _ = contract.insert("steps".to_owned(), json!(steps));
-        }
-        if let (Some(bands), Some(contract)) = (uncertainty, contract.as_object_mut()) {
-            let _ = contract.insert("uncertainty".to_owned(), json!(bands));
-        }
-        contract
+        verdict::raised(&self.raised)
     }
 }
 
-impl serde::Serialize for CertificateReport {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.json().serialize(serializer)
+impl ReferenceShift {
+    fn new(machine: &Machine, ZeroShift { shift, position_um, alone_um }: ZeroShift) -> Self {
+        let of = |kind: AxisKind| -> AxisPositions {
+            let axes = machine.axes().iter().zip(&shift).filter(|(axis, _)| axis.kind == kind);
+            axes.map(|(axis, shift)| (axis.name.to_string(), shift * micro(kind).0)).collect()
+        };
+        let (shift_um, shift_urad) = (of(AxisKind::Linear), of(AxisKind::Rotary));
+        Self { shift_um, shift_urad, position_um, without_tables_um: alone_um }
     }
 }
 
 /// Values by the names of the axes.
-fn named(machine: &Machine, values: &[f64]) -> Map<String, Value> {
-    let names = machine.axes().iter().map(|axis| axis.name.to_string());
-    names.zip(values).map(|(name, value)| (name, json!(value))).collect()
+fn named(machine: &Machine, values: &[f64]) -> AxisPositions {
+    machine.axes().iter().map(|axis| axis.name.to_string()).zip(values.iter().copied()).collect()
 }

@@ -177,7 +177,7 @@ pub fn compare(
     options: &CompareOptions,
     run: Run<'_>,
 ) -> Result<Answer<CompareResult>, Diagnostics> {
-    Call::answer_by_hand(run, &sources_of(files), |call| side_by_side(call, files, options))
+    Call::answer(run, &sources_of(files), |call| side_by_side(call, files, options))
 }
 
 fn side_by_side(
@@ -196,7 +196,7 @@ fn side_by_side(
         Some(asked) => Work::Listed(asked.list(first)),
         None => Work::random(first, options.poses, options.seed),
     };
-    let comparison = call.stage(work.len(), |advance| compared(&fields, &work, options.approach, advance));
+    let comparison = call.stage(work.len(), |advance| compared(&fields, &work, options.approach.into(), advance));
     let sides: Vec<(&Machine, Vec<Pose>)> =
         files.iter().zip(&comparison.machines).map(|(file, side)| (&**file, poses(side))).collect();
     let mut missed = vec![None; sides.len()];
@@ -210,7 +210,7 @@ fn side_by_side(
             missed[i] = Some(rows);
         }
     }
-    let contributions = contributions_of(&sides, options.approach);
+    let contributions = contributions_of(&sides, options.approach.into());
     if comparison.common.is_empty() {
         return call.refuse(nothing_in_common(files, &comparison));
     }
@@ -230,7 +230,7 @@ fn side_by_side(
     call.checked()?;
     // Figures from bounds have no uncertainty: they are one.
     let measured = bounded.iter().all(Option::is_none);
-    let uncertainty = if measured { compared_bands(&sides, &comparison, options.approach, seed) } else { None };
+    let uncertainty = if measured { compared_bands(&sides, &comparison, options.approach.into(), seed) } else { None };
     let machines = (0..files.len()).map(|i| compared_machine(files, &comparison, order(&files[i]), (i, &bounded)));
     let travel = |(i, missed): (usize, &Option<Vec<_>>)| {
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))

@@ -112,7 +112,7 @@ fn tables(
     call.extend(verdict::warnings(&certificate));
     call.checked()?;
     let depth = Depth { poses: options.poses, seed: options.seed };
-    Ok(compiled((file, target), how.words(), set.rendered, &certificate, (&judged.field(file), depth)))
+    Ok(compiled((file, target), how.words(), set.rendered, certificate, (&judged.field(file), depth)))
 }
 
 /// The files of a kinematics module.
@@ -137,7 +137,7 @@ fn module(
         (file, target),
         vec![goal.to_owned()],
         set.rendered,
-        &certificate,
+        certificate,
         (&*effect.field(file, target), depth),
     ))
 }
@@ -146,7 +146,7 @@ fn compiled(
     (file, target): (&MachineFile, &ControllerTarget),
     words: Vec<String>,
     files: Vec<RenderedFile>,
-    certificate: &Certificate,
+    certificate: Certificate,
     judged: (&dyn Field, Depth),
 ) -> CompiledSet {
     let hashes = files.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();

@@ -93,12 +93,10 @@ fn certificate(
     let tables = composition.tables_under_test();
     let module = KinematicsModule::KinematicParameters(composition.parameters.clone());
     let (both, field) = (composition.both(), tables.beside(file, &module));
-    let mut report = CertificateReport::new(file, &both, &certificate, (&field, depth), composition.files.clone());
+    let mut report = CertificateReport::new(file, &both, certificate, (&field, depth), composition.files.clone());
     let step = |target: String, compensated| CertificateStep { target, compensated };
-    report.steps = vec![
-        step(composition.target.manifest.target.clone(), first),
-        step(both.manifest.target, certificate.compensated),
-    ];
+    report.steps =
+        vec![step(composition.target.manifest.target.clone(), first), step(both.manifest.target, report.compensated)];
     Ok(report)
 }
 

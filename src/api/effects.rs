@@ -6,7 +6,7 @@ use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::random_poses;
 use crate::job::poses::AxisPositions;
 use crate::lower::{WeilLift, values};
-use crate::machine::{Approach, AxisKind, Machine, Pose};
+use crate::machine::{AxisKind, Machine, OperatingConditions, OperatingPoint, Pose};
 use crate::run::{Call, Refused};
 use nalgebra::Vector3;
 
@@ -62,12 +62,12 @@ pub(crate) struct Effects {
 pub(crate) fn effects(
     call: &mut Call<'_>,
     (machine, poses): (&Machine, &[Pose]),
-    approach: Approach,
+    conditions: OperatingConditions,
     interacting: bool,
 ) -> Result<(Vec<Effects>, Option<Neglected>), Refused> {
     let calculation = interactions(machine, 1 + u8::from(interacting)).or_else(|refusal| call.refuse(refusal))?;
     let each = poses.first().map_or(0, |pose| {
-        let one = calculation.at(pose, approach);
+        let one = calculation.at(&conditions.at(pose));
         one.first.len() + one.second.len()
     });
     if each.saturating_mul(poses.len()) > MAX_EFFECTS {
@@ -77,10 +77,10 @@ pub(crate) fn effects(
             poses.len()
         ));
     }
-    let at: Vec<Interactions> = poses.iter().map(|pose| calculation.at(pose, approach)).collect();
+    let at: Vec<Interactions> = poses.iter().map(|pose| calculation.at(&conditions.at(pose))).collect();
     let bound = || {
         let volume = random_poses(machine, BOUND_POSES, 1).into_iter();
-        let volume = volume.map(|pose| Neglected::of(&calculation.at(&pose, approach)));
+        let volume = volume.map(|pose| Neglected::of(&calculation.at(&conditions.at(&pose))));
         let none = Neglected { position_mm: 0.0, rotation_rad: 0.0 };
         volume.chain(at.iter().map(Neglected::of)).fold(none, Neglected::max)
     };
@@ -107,12 +107,12 @@ fn list(effects: &[ProductEffect]) -> Vec<ErrorEffect> {
 /// Returns by how much the axes move to undo the errors, over an algebra: mm and deg, by axis.
 pub(crate) fn inverse(
     call: &mut Call<'_>,
-    (machine, pose): (&Machine, &Pose),
+    machine: &Machine,
+    at: &OperatingPoint<'_>,
     lift: &WeilLift,
-    approach: Approach,
 ) -> Result<AxisPositions, Refused> {
-    let errors = values(machine, pose, approach);
-    let problem = Inverse::new(machine, pose, &errors);
+    let errors = values(machine, at);
+    let problem = Inverse::new(machine, at.axes, &errors);
     let Ok(by) = problem.solve(lift, lift.basis().order()) else {
         let message = "the axes cannot be solved for at this pose: a division by an element whose real part is zero";
         let help = "`--inverse` needs three linear axes that are independent, with or without two rotary ones, at a \

@@ -1,21 +1,22 @@
 //! All arrangements of the axes on the two sides of the bed, ranked on the same work.
 
 use super::tolerances::{ClassSource, ToleranceOptions};
-use crate::analysis::Work;
-use crate::analysis::budget::{Bound, Statistic, Verdict, known};
+use crate::analysis::budget::{Bound, Statistic, Verdict, VersusFirst, known};
 use crate::analysis::enumerate::{
     ArrangementRow, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, Ranking, RoundCount, RoundStep, Rounds, Rule,
     RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk, rank, standings, walks,
 };
+use crate::analysis::{UnreachableCount, Work};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::job::machine_file::MachineFile;
 use crate::job::tool_poses::{self, ReachedToolPoses};
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
 use crate::run::{Answer, Call, Count, Refused, Run, sha256};
 use crate::shards::study::{self, StudyFile};
+use indexmap::IndexMap;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
-use serde_json::{Value, json};
 use std::path::PathBuf;
 
 /// Options of [`enumerate`].
@@ -114,16 +115,16 @@ pub struct StudyProgress {
     pub walks: usize,
 }
 
-/// Arrangements in order. Serialises as docs/formats.md describes.
-#[derive(Debug, Clone)]
+/// Arrangements in order.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct RankedArrangements {
     /// Name of the machine.
     pub machine: String,
-    /// The kinematic chain of the machine as its file has it.
+    /// Its kinematic chain as the file has it.
     pub chain: String,
     /// Criterion of the arrangements.
     pub by: JudgedBy,
-    /// The class of machines that bounds errors, if one was asked for.
+    /// The class that bounds what the machine file does not.
     pub class: Option<String>,
     /// Source of the class.
     pub class_source: Option<String>,
@@ -132,118 +133,133 @@ pub struct RankedArrangements {
     /// Number of tool poses.
     pub poses: usize,
     /// Number of machines drawn of every arrangement.
-    pub samples: usize,
-    /// Maximum number of machines drawn of an arrangement.
-    pub max_samples: usize,
-    /// The rounds: machines drawn, and arrangements that took part.
-    pub rounds: Vec<RoundCount>,
-    /// Number of first ranks that were to be told apart.
-    pub first: usize,
-    /// True if they are.
-    pub told_apart: bool,
+    pub samples: Option<usize>,
+    /// The rounds, where machines are drawn.
+    pub rounds: Option<RankingRounds>,
     /// Seed of poses and errors.
     pub seed: u64,
     /// Statistic of a machine over the poses.
     pub statistic: Statistic,
-    /// Fraction of the tool poses that a ranked arrangement reaches, in percent.
-    pub reach_percent: f64,
-    /// The arrangements in four groups.
-    pub ranking: Ranking,
+    /// Fraction of the tool poses that a ranked arrangement reaches.
+    pub reach: f64,
+    /// Number of arrangements.
+    pub arrangements: usize,
+    /// The arrangements, best first.
+    pub ranked: Vec<Arrangement>,
+    /// Arrangements that reach less.
+    pub reach_less: Vec<Arrangement>,
+    /// Arrangements whose geometry the file does not state.
+    pub geometry_not_stated: Vec<Arrangement>,
+    /// Arrangements that cannot turn the tool: their chains.
+    #[serde(serialize_with = "chains")]
+    #[schemars(with = "Vec<String>")]
+    pub cannot_turn_the_tool: Vec<Arrangement>,
     /// Tool poses of a file that the machine reaches, as its file has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_poses: Option<ReachedToolPoses>,
 }
 
-impl RankedArrangements {
-    /// Returns the number of arrangements.
-    pub fn arrangements(&self) -> usize {
-        let Ranking { ranked, short, not_stated, cannot_turn } = &self.ranking;
-        ranked.len() + short.len() + not_stated.len() + cannot_turn.len()
-    }
+/// Rounds of a ranking.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct RankingRounds {
+    /// Maximum number of machines drawn of an arrangement.
+    pub max_samples: usize,
+    /// Number of first ranks that were to be told apart.
+    pub first: usize,
+    /// True if they are.
+    pub told_apart: bool,
+    /// The rounds done: machines drawn, and arrangements that took part.
+    pub done: Vec<RoundCount>,
+    /// Number of machines drawn of ranked arrangements.
+    pub drawn: usize,
+    /// Their number if all arrangements had as many as the one with most.
+    pub drawn_without_elimination: usize,
+}
 
-    /// Returns the number of ranked arrangements with a verdict.
-    pub fn count(&self, verdict: Verdict) -> usize {
-        let is = |row: &&ArrangementRow| {
-            row.result.and_then(|result| result.versus_first).is_some_and(|v| v.verdict == verdict)
-        };
-        self.ranking.ranked.iter().filter(is).count()
-    }
+/// An arrangement of the axes.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Arrangement {
+    /// Its kinematic chain.
+    pub chain: String,
+    /// Number of axes that carry the workpiece.
+    pub on_table: usize,
+    /// Number of tool poses that it reaches.
+    pub reached: usize,
+    /// Number of tool poses that it does not reach, by reason.
+    pub unreachable: UnreachableCount,
+    /// Its figure, um; none where it is not judged.
+    pub um: Option<f64>,
+    /// Lower end of the confidence interval of the figure, um.
+    pub low: Option<f64>,
+    /// Upper end of the confidence interval of the figure, um.
+    pub high: Option<f64>,
+    /// Mean of the machines drawn, um.
+    pub mean: Option<f64>,
+    /// Its figure minus that of the arrangement of the file, um.
+    pub minus_file: Option<f64>,
+    /// Number of machines drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub samples: Option<usize>,
+    /// Its figure minus that of the best.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub versus_first: Option<VersusFirst>,
+    /// Travel that the work needs by axis, mm or deg: minimum and maximum.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
+    pub travel: IndexMap<String, [f64; 2]>,
+    /// Geometry that the file does not state.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_stated: Vec<String>,
+    /// Its rank, from 1; of ranked arrangements only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rank: Option<usize>,
+}
 
-    /// Returns the number of machines drawn of ranked arrangements, and the number if all of them had as many as the
-    /// one with most.
-    pub fn drawn(&self) -> (usize, usize) {
+fn chains<S: Serializer>(list: &[Arrangement], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(list.iter().map(|arrangement| &arrangement.chain))
+}
+
+impl Arrangement {
+    fn new(row: ArrangementRow, rank: Option<usize>) -> Self {
+        let result = row.result;
+        let judged = result.filter(|_| row.standing == Standing::Judged);
+        Self {
+            chain: row.chain,
+            on_table: row.table,
+            reached: row.reached,
+            unreachable: row.unreachable,
+            um: judged.map(|result| result.um),
+            low: result.and_then(|result| result.low),
+            high: result.and_then(|result| result.high),
+            mean: result.and_then(|result| result.mean),
+            minus_file: result.map(|result| result.minus_file),
+            samples: result.and_then(|result| result.samples),
+            versus_first: result.and_then(|result| result.versus_first),
+            // Adding zero turns -0 into 0.
+            travel: row.travel.into_iter().map(|t| (t.axis, [t.min + 0.0, t.max + 0.0])).collect(),
+            not_stated: row.not_stated,
+            rank,
+        }
+    }
+}
+
+impl RankingRounds {
+    fn new(options: &EnumerateOptions, max_samples: usize, (done, told_apart): (Vec<RoundCount>, bool)) -> Self {
         let mut before = 0;
         let mut drawn = 0;
-        for round in &self.rounds {
+        for round in &done {
             drawn += round.arrangements * (round.samples - before);
             before = round.samples;
         }
-        (drawn, self.rounds.first().map_or(0, |round| round.arrangements * before))
-    }
-
-    fn contract(&self) -> Value {
-        let budget = self.by == JudgedBy::Budget;
-        let samples = budget.then_some(self.samples);
-        let (drawn, without) = self.drawn();
-        let rounds = budget.then(|| {
-            json!({
-                "max_samples": self.max_samples, "first": self.first, "told_apart": self.told_apart,
-                "done": self.rounds, "drawn": drawn, "drawn_without_elimination": without,
-            })
-        });
-        let number = |(i, row): (usize, &ArrangementRow)| {
-            let mut json = row_json(row);
-            if let Some(object) = json.as_object_mut() {
-                let _ = object.insert("rank".to_owned(), (i + 1).into());
-            }
-            json
-        };
-        let mut json = json!({
-            "machine": self.machine, "chain": self.chain, "by": self.by,
-            "class": self.class, "class_source": self.class_source, "errors": self.errors,
-            "poses": self.poses, "samples": samples, "rounds": rounds, "seed": self.seed,
-            "statistic": self.statistic, "reach": self.reach_percent / 100.0,
-            "arrangements": self.arrangements(),
-            "ranked": self.ranking.ranked.iter().enumerate().map(number).collect::<Vec<_>>(),
-            "reach_less": self.ranking.short.iter().map(row_json).collect::<Vec<_>>(),
-            "geometry_not_stated": self.ranking.not_stated.iter().map(row_json).collect::<Vec<_>>(),
-            "cannot_turn_the_tool": self.ranking.cannot_turn.iter().map(|row| row.chain.clone()).collect::<Vec<_>>(),
-        });
-        if let (Some(object), Some(reached)) = (json.as_object_mut(), &self.tool_poses) {
-            let _ = object.insert("tool_poses".to_owned(), json!(reached));
-        }
-        json
+        let drawn_without_elimination = done.first().map_or(0, |round| round.arrangements * before);
+        Self { max_samples, first: options.first, told_apart, done, drawn, drawn_without_elimination }
     }
 }
 
-impl Serialize for RankedArrangements {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.contract().serialize(serializer)
+impl RankedArrangements {
+    /// Returns the number of ranked arrangements with a verdict.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.ranked.iter().filter(|row| row.versus_first.is_some_and(|versus| versus.verdict == verdict)).count()
     }
-}
-
-fn row_json(row: &ArrangementRow) -> Value {
-    let judged = row.standing == Standing::Judged;
-    let mut json = json!({
-        "chain": row.chain, "on_table": row.table, "reached": row.reached, "unreachable": row.unreachable,
-        "um": row.result.filter(|_| judged).map(|r| r.um), "low": row.result.and_then(|r| r.low),
-        "high": row.result.and_then(|r| r.high), "mean": row.result.and_then(|r| r.mean),
-        "minus_file": row.result.map(|r| r.minus_file),
-    });
-    if let Some(object) = json.as_object_mut() {
-        if let Some(result) = row.result {
-            object.extend(result.samples.map(|samples| ("samples".to_owned(), json!(samples))));
-            object.extend(result.versus_first.map(|versus| ("versus_first".to_owned(), json!(versus))));
-        }
-        if !row.travel.is_empty() {
-            let travel: serde_json::Map<String, Value> =
-                row.travel.iter().map(|t| (t.axis.clone(), json!([t.min + 0.0, t.max + 0.0]))).collect();
-            let _ = object.insert("travel".to_owned(), Value::Object(travel));
-        }
-    }
-    if let (Some(object), false) = (json.as_object_mut(), row.not_stated.is_empty()) {
-        let _ = object.insert("not_stated".to_owned(), json!(row.not_stated));
-    }
-    json
 }
 
 /// Travel of linear axes that a work sizes, to either side of zero, mm.
@@ -262,7 +278,7 @@ pub fn enumerate(
     file: Option<&dyn StudyFile>,
     run: Run<'_>,
 ) -> Result<Answer<EnumerateResult>, Diagnostics> {
-    Call::answer_by_hand(run, machine.sources(), |call| studied(call, machine, options, file))
+    Call::answer(run, machine.sources(), |call| studied(call, machine, options, file))
 }
 
 fn studied(
@@ -302,6 +318,10 @@ fn studied(
         return call.refuse(nothing_reached(machine));
     }
     let (class, class_source) = class.unzip();
+    let Ranking { ranked, short, not_stated, cannot_turn } = rank(end.rows, end.reach);
+    let max_samples = rounds.sizes().last().copied().unwrap_or(options.samples);
+    let drawn = (by == JudgedBy::Budget).then(|| RankingRounds::new(options, max_samples, (end.rounds, end.told)));
+    let unranked = |rows: Vec<ArrangementRow>| rows.into_iter().map(|row| Arrangement::new(row, None)).collect();
     Ok(EnumerateResult::Ranked(Box::new(RankedArrangements {
         machine: machine.name().to_owned(),
         chain: machine.chain().to_string(),
@@ -310,15 +330,16 @@ fn studied(
         class_source,
         errors,
         poses: end.reach.work,
-        samples: options.samples,
-        max_samples: rounds.sizes().last().copied().unwrap_or(options.samples),
-        rounds: end.rounds,
-        first: options.first,
-        told_apart: end.told,
+        samples: drawn.is_some().then_some(options.samples),
+        rounds: drawn,
         seed: options.seed,
         statistic: options.tolerances.statistic,
-        reach_percent: options.reach_percent,
-        ranking: rank(end.rows, end.reach),
+        reach: options.reach_percent / 100.0,
+        arrangements: ranked.len() + short.len() + not_stated.len() + cannot_turn.len(),
+        ranked: (1..).zip(ranked).map(|(rank, row)| Arrangement::new(row, Some(rank))).collect(),
+        reach_less: unranked(short),
+        geometry_not_stated: unranked(not_stated),
+        cannot_turn_the_tool: unranked(cannot_turn),
         tool_poses,
     })))
 }

@@ -2,15 +2,19 @@
 
 use super::algebra;
 use crate::algebra::symbolic::Symbolic;
+use crate::algebra::weil::Monomial;
 use crate::algebra::{Algebra, Htm};
 use crate::analysis::{Equations, Naming, Options, Symbol, SymbolMeaning, equations as closed_forms};
 use crate::diagnostic::Diagnostics;
+use crate::evaluate::Frame;
 use crate::job::machine_file::MachineFile;
 use crate::machine::Machine;
 use crate::report::equations as print;
 use crate::run::{Answer, Call, Refused, Run};
-use serde::{Serialize, Serializer};
-use serde_json::{Value, json};
+use indexmap::IndexMap;
+use nalgebra::{Matrix4, Vector3};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// Options of [`equations`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -27,29 +31,114 @@ pub struct EquationsOptions {
     pub tool_length: bool,
 }
 
-/// The closed forms of a machine; mm and rad, workpiece frame. Serialises as docs/formats.md describes.
-#[derive(Debug, Clone)]
+/// The closed forms of a machine; mm and rad, workpiece frame.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct EquationsResult {
-    machine: Machine,
-    degree: u8,
+    /// Name of the machine.
+    pub machine: String,
+    /// Degree of the algebra.
+    pub degree: u8,
+    /// Frame of the vectors: the workpiece frame.
+    pub frame: Frame,
+    /// Units of lengths and angles.
+    pub units: EquationUnits,
+    /// The symbols.
+    pub symbols: Vec<EquationSymbol>,
+    /// The matrix of each joint.
+    pub joints: IndexMap<String, PolynomialMatrix>,
+    /// From the bed to the tool.
+    pub t_tool: PolynomialMatrix,
+    /// From the bed to the workpiece.
+    pub t_work: PolynomialMatrix,
+    /// The volumetric error E_VE.
+    pub e_ve: PolynomialMatrix,
+    /// Displacement of the functional point.
+    pub deviation: Vec<Polynomial>,
+    /// Rotation of the tool.
+    pub rotation: Vec<Polynomial>,
+    #[serde(skip)]
+    of: Machine,
+    #[serde(skip)]
     equations: Equations,
 }
 
+/// A matrix of polynomials, row by row.
+pub type PolynomialMatrix = Vec<Vec<Polynomial>>;
+
+/// Units of closed forms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct EquationUnits {
+    /// `mm`.
+    pub length: &'static str,
+    /// `rad`.
+    pub angle: &'static str,
+}
+
+/// A symbol of closed forms.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct EquationSymbol {
+    /// As it stands in the text.
+    pub symbol: String,
+    /// `error`, `position`, `sine`, `cosine` or `tool_length`.
+    pub kind: &'static str,
+    /// Name of the error or axis.
+    pub of: String,
+    /// 1 or -1.
+    pub sign: f64,
+    /// As LaTeX.
+    pub latex: String,
+}
+
+/// A polynomial in the symbols.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Polynomial {
+    /// As text.
+    pub text: String,
+    /// Its terms.
+    pub terms: Vec<PolynomialTerm>,
+}
+
+/// A term of a polynomial.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct PolynomialTerm {
+    /// Its number.
+    pub coefficient: f64,
+    /// Powers by symbol.
+    pub powers: IndexMap<String, u8>,
+    /// Its order in the errors.
+    pub order: usize,
+}
+
 impl EquationsResult {
+    fn new(of: Machine, degree: u8, equations: Equations) -> Self {
+        let symbols = &equations.symbols;
+        let matrix = |htm: &Htm<Symbolic>| rows(&htm.to_matrix(), symbols);
+        let vector = |v: &Vector3<Symbolic>| v.iter().map(|p| polynomial(p, symbols)).collect();
+        Self {
+            machine: of.name().to_owned(),
+            degree,
+            frame: Frame::Workpiece,
+            units: EquationUnits { length: "mm", angle: "rad" },
+            symbols: symbols.iter().map(|s| symbol(&of, s)).collect(),
+            joints: equations.joints.iter().map(|(name, htm)| (name.clone(), matrix(htm))).collect(),
+            t_tool: matrix(&equations.t_tool),
+            t_work: matrix(&equations.t_work),
+            e_ve: rows(&equations.e_ve, symbols),
+            deviation: vector(&equations.position),
+            rotation: vector(&equations.rotation),
+            of,
+            equations,
+        }
+    }
+
     /// Returns the closed forms as text.
     pub fn text(&self) -> String {
-        print::text(&self.machine, &self.equations)
+        print::text(&self.of, &self.equations)
     }
 
     /// Returns the closed forms as a LaTeX document.
     pub fn latex(&self) -> String {
-        print::latex(&self.machine, &self.equations)
-    }
-}
-
-impl Serialize for EquationsResult {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        contract(&self.machine, self.degree, &self.equations).serialize(serializer)
+        print::latex(&self.of, &self.equations)
     }
 }
 
@@ -61,7 +150,7 @@ pub fn equations(
     options: &EquationsOptions,
     run: Run<'_>,
 ) -> Result<Answer<EquationsResult>, Diagnostics> {
-    Call::answer_by_hand(run, file.sources(), |call| found(call, file, options))
+    Call::answer(run, file.sources(), |call| found(call, file, options))
 }
 
 fn found(call: &mut Call<'_>, machine: &Machine, options: &EquationsOptions) -> Result<EquationsResult, Refused> {
@@ -70,44 +159,28 @@ fn found(call: &mut Call<'_>, machine: &Machine, options: &EquationsOptions) -> 
     let (naming, tool_length) = (options.symbols, options.tool_length);
     let found = closed_forms(machine, &declared, Options { naming, tool_length });
     let equations = found.or_else(|refusal| call.refuse(refusal))?;
-    Ok(EquationsResult { machine: machine.clone(), degree: declared.ideal().degree, equations })
+    Ok(EquationsResult::new(machine.clone(), declared.ideal().degree, equations))
 }
 
-fn contract(machine: &Machine, degree: u8, found: &Equations) -> Value {
-    let symbols = &found.symbols;
-    let matrix = |htm: &Htm<Symbolic>| rows(&htm.to_matrix(), symbols);
-    let joints: serde_json::Map<_, _> = found.joints.iter().map(|(name, htm)| (name.clone(), matrix(htm))).collect();
-    let vector = |v: &nalgebra::Vector3<Symbolic>| -> Vec<Value> { v.iter().map(|p| polynomial(p, symbols)).collect() };
-    json!({
-        "machine": machine.name(), "degree": degree, "frame": "workpiece",
-        "units": {"length": "mm", "angle": "rad"},
-        "symbols": symbols.iter().map(|s| symbol(machine, s)).collect::<Vec<_>>(),
-        "joints": joints, "t_tool": matrix(&found.t_tool), "t_work": matrix(&found.t_work),
-        "e_ve": rows(&found.e_ve, symbols), "deviation": vector(&found.position), "rotation": vector(&found.rotation),
-    })
-}
-
-fn rows(matrix: &nalgebra::Matrix4<Symbolic>, symbols: &[Symbol]) -> Value {
-    let row = |i: usize| (0..4).map(|j| polynomial(&matrix[(i, j)], symbols)).collect::<Vec<_>>();
-    json!((0..4).map(row).collect::<Vec<_>>())
+fn rows(matrix: &Matrix4<Symbolic>, symbols: &[Symbol]) -> PolynomialMatrix {
+    (0..4).map(|i| (0..4).map(|j| polynomial(&matrix[(i, j)], symbols)).collect()).collect()
 }
 
 /// Terms with their order; `powers` by the symbol.
-fn polynomial(polynomial: &Symbolic, symbols: &[Symbol]) -> Value {
-    let of_order = |degree: usize| {
-        let part = polynomial.part(degree);
-        let term = |(monomial, coefficient): (&crate::algebra::weil::Monomial, f64)| {
-            let power = |(index, power): &(u16, u8)| (symbols[usize::from(*index)].text.clone(), json!(power));
-            let powers: serde_json::Map<_, _> = monomial.factors().iter().map(power).collect();
-            json!({"coefficient": coefficient, "powers": powers, "order": degree})
+fn polynomial(polynomial: &Symbolic, symbols: &[Symbol]) -> Polynomial {
+    let of_order = |order: usize| {
+        let part = polynomial.part(order);
+        let term = |(monomial, coefficient): (&Monomial, f64)| {
+            let power = |(index, power): &(u16, u8)| (symbols[usize::from(*index)].text.clone(), *power);
+            PolynomialTerm { coefficient, powers: monomial.factors().iter().map(power).collect(), order }
         };
         part.terms().map(term).collect::<Vec<_>>()
     };
-    let terms: Vec<Value> = (0..=polynomial.order()).flat_map(of_order).collect();
-    json!({"text": print::polynomial_text(polynomial, symbols), "terms": terms})
+    let terms = (0..=polynomial.order()).flat_map(of_order).collect();
+    Polynomial { text: print::polynomial_text(polynomial, symbols), terms }
 }
 
-fn symbol(machine: &Machine, symbol: &Symbol) -> Value {
+fn symbol(machine: &Machine, symbol: &Symbol) -> EquationSymbol {
     let axis = |index: usize| machine.axes()[index].name.as_str();
     let (kind, of) = match symbol.meaning {
         SymbolMeaning::Error(source, _) => {
@@ -119,5 +192,6 @@ fn symbol(machine: &Machine, symbol: &Symbol) -> Value {
         SymbolMeaning::Cosine(i) => ("cosine", axis(i).to_owned()),
         SymbolMeaning::ToolLength => ("tool_length", "Z".to_owned()),
     };
-    json!({"symbol": symbol.text, "kind": kind, "of": of, "sign": symbol.sign(), "latex": symbol.latex})
+    let Symbol { text, latex, .. } = symbol;
+    EquationSymbol { symbol: text.clone(), kind, of, sign: symbol.sign(), latex: latex.clone() }
 }

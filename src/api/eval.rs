@@ -8,7 +8,7 @@ use crate::evaluate::{Evaluation, Frame, Order, evaluate, evaluate_over};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
 use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::lower::WeilLift;
-use crate::machine::{Approach, Machine, Pose};
+use crate::machine::{Approach, Machine, OperatingConditions, Pose};
 use crate::run::{Answer, Call, Refused, Run};
 use nalgebra::Vector3;
 use std::path::PathBuf;
@@ -128,13 +128,13 @@ fn evaluated(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> R
     if options.inverse && lift.is_none() {
         return call.usage("displacements that undo the errors need an algebra");
     }
-    let (order, approach) = (order_of(machine, options.order), options.approach);
+    let (order, conditions) = (order_of(machine, options.order), OperatingConditions::from(options.approach));
     let one = |pose: &Pose| match &lift {
-        Some(lift) => evaluate_over(machine, pose, lift, approach, options.frame),
-        None => evaluate(machine, pose, order, approach, options.frame),
+        Some(lift) => evaluate_over(machine, &conditions.at(pose), lift, options.frame),
+        None => evaluate(machine, &conditions.at(pose), order, options.frame),
     };
     let mut results: Vec<PoseResult> = poses.iter().map(|pose| result(machine, pose, &one(pose))).collect();
-    if let Some(list) = PoseUncertainty::at(machine, &poses, approach, options.frame) {
+    if let Some(list) = PoseUncertainty::at(machine, &poses, conditions, options.frame) {
         results.iter_mut().zip(list).for_each(|(result, uncertainty)| result.uncertainty = Some(uncertainty));
     }
     let neglected = besides(call, (machine, &poses), options, lift.as_ref(), &mut results)?;
@@ -142,7 +142,7 @@ fn evaluated(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> R
         machine: machine.name().to_owned(),
         order: lift.as_ref().map_or_else(|| order.to_string(), algebra::name),
         frame: options.frame,
-        direction: approach,
+        direction: options.approach,
         tool: machine.tool().name.clone(),
         units: UNITS,
         poses: results,
@@ -160,7 +160,7 @@ fn besides(
 ) -> Result<Option<Neglected>, Refused> {
     let mut neglected = None;
     if options.sensitivity || options.interactions {
-        let (list, most) = effects(call, (machine, poses), options.approach, options.interactions)?;
+        let (list, most) = effects(call, (machine, poses), options.approach.into(), options.interactions)?;
         neglected = most;
         for (result, effects) in results.iter_mut().zip(list) {
             result.sensitivity = Some(effects.sensitivity);
@@ -169,7 +169,7 @@ fn besides(
     }
     if let Some(lift) = lift.filter(|_| options.inverse) {
         for (result, pose) in results.iter_mut().zip(poses) {
-            result.inverse = Some(inverse(call, (machine, pose), lift, options.approach)?);
+            result.inverse = Some(inverse(call, machine, &options.approach.at(pose), lift)?);
         }
     }
     Ok(neglected)

@@ -2,7 +2,7 @@
 
 use super::budget::BudgetOptions;
 use crate::analysis::budget::{
-    Binding, Bound, CheapestTolerances, CostModel, GoalAnswer, GoalRequest, Price, cheapest,
+    Binding, Bound, CheapestTolerances, CostModel, GoalAnswer, GoalRequest, Percentile, Price, cheapest,
 };
 use crate::diagnostic::{Diagnostic, Reason, codes, shown};
 use crate::machine::{ErrorKind, Machine, Pose};
@@ -10,8 +10,8 @@ use crate::report::tolerance_unit;
 use crate::run::{Call, Refused};
 use crate::syntax::{from_yaml, read_text};
 use crate::units::significant;
-use serde::{Serialize, Serializer};
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 use std::path::Path;
 
 /// Minimum number of machines drawn for the search.
@@ -23,64 +23,63 @@ const MIN_PROOF: usize = 8000;
 /// Seeds of the correction and of the proof, from that of the search.
 const NEXT_SEEDS: [u64; 2] = [0x9E37_79B9_7F4A_7C15, 0xD1B5_4A32_D192_ED03];
 
-/// Tolerances for a goal. Serialises as docs/formats.md describes.
-#[derive(Debug, Clone)]
+/// The cheapest tolerances for a goal.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ToleranceGoal {
     /// The goal of the 95 % value, um.
     pub goal_um: f64,
-    /// Number of machines drawn for the proof.
+    /// The 95 % value with the old tolerances, um, by the machines of the search.
+    pub before_um: Percentile,
+    /// The 95 % value with the new tolerances, um, of machines drawn anew.
+    pub proof_um: Percentile,
+    /// Number of machines of the proof.
     pub proof_samples: usize,
-    /// Exponent of the tolerance in the cost.
-    pub power: f64,
-    /// The new tolerances, those of the largest part in the 95 % value first.
-    pub tolerances: Vec<NewTolerance>,
-    /// The whole of the result, in the order of the bounds.
-    pub cheapest: CheapestTolerances,
+    /// The 95 % value of what no tolerance of the cost model changes, um.
+    pub staying_um: f64,
+    /// Number of steps of the search.
+    pub steps: usize,
+    /// The cost.
+    pub cost: GoalCost,
+    /// The tolerances, those of the largest part in the 95 % value first.
+    pub tolerances: Vec<GoalTolerance>,
 }
 
-/// The old and the new tolerance of an error.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NewTolerance {
-    /// The error with its old tolerance.
-    pub old: Bound,
-    /// The error with its new tolerance.
-    pub new: Bound,
+/// The cost of tolerances.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct GoalCost {
+    /// Power of the tolerance in the cost.
+    pub power: f64,
+    /// Value with the old tolerances.
+    pub before: f64,
+    /// Value with the new tolerances.
+    pub after: f64,
+    /// Cost of lowering the 95 % value by one um; none if no tolerance is free.
+    pub per_um: Option<f64>,
+}
+
+/// A tolerance for a goal.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct GoalTolerance {
+    /// Name of the error.
+    pub error: String,
     /// The kind by which it is paid for.
     pub kind: ErrorKind,
-    /// The limit that holds it, if one does.
-    pub binding: Binding,
+    /// `um` or `urad`.
+    pub unit: &'static str,
+    /// Before, in `unit`.
+    pub old: f64,
+    /// After, in `unit`.
+    pub new: f64,
+    /// The limit that holds it.
+    pub binds: Binding,
     /// Its part of the 95 % value, um.
-    pub part_um: f64,
+    pub um_of_p95: f64,
     /// Its weight in the cost.
     pub weight: f64,
-    /// Its cost, old and new.
-    pub cost: [f64; 2],
-}
-
-impl Serialize for ToleranceGoal {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.contract().serialize(serializer)
-    }
-}
-
-impl ToleranceGoal {
-    fn contract(&self) -> Value {
-        let CheapestTolerances { cost, cost_per_um, before, proof, staying_um, steps, .. } = &self.cheapest;
-        let tolerance = |of: &NewTolerance| {
-            json!({
-                "error": of.old.to_string(), "kind": of.kind, "unit": tolerance_unit(&of.old.error),
-                "old": crate::report::tolerance(&of.old), "new": crate::report::tolerance(&of.new),
-                "binds": of.binding, "um_of_p95": of.part_um, "weight": of.weight,
-                "cost_before": of.cost[0], "cost_after": of.cost[1],
-            })
-        };
-        json!({
-            "goal_um": self.goal_um, "before_um": before, "proof_um": proof, "proof_samples": self.proof_samples,
-            "staying_um": staying_um, "steps": steps,
-            "cost": {"power": self.power, "before": cost[0], "after": cost[1], "per_um": cost_per_um},
-            "tolerances": self.tolerances.iter().map(tolerance).collect::<Vec<_>>(),
-        })
-    }
+    /// Its cost before.
+    pub cost_before: f64,
+    /// Its cost after.
+    pub cost_after: f64,
 }
 
 /// Returns the cheapest tolerances for the goal of the options (mm).
@@ -123,10 +122,18 @@ pub(crate) fn goal(
     match call.stage(1, |_| cheapest(request)) {
         GoalAnswer::Kept(found) => Ok(ToleranceGoal {
             goal_um: goal_mm * 1e3,
+            before_um: found.before,
+            proof_um: found.proof,
             proof_samples,
-            power: model.power,
+            staying_um: found.staying_um,
+            steps: found.steps,
+            cost: GoalCost {
+                power: model.power,
+                before: found.cost[0],
+                after: found.cost[1],
+                per_um: found.cost_per_um,
+            },
             tolerances: in_order(bounds, &prices, model.power, &found),
-            cheapest: *found,
         }),
         GoalAnswer::OutOfReach(left) => {
             let um = |um: f64| format!("{} um", significant(um, 4));
@@ -147,19 +154,22 @@ pub(crate) fn goal(
     }
 }
 
-fn in_order(bounds: &[Bound], prices: &[Price], power: f64, found: &CheapestTolerances) -> Vec<NewTolerance> {
+fn in_order(bounds: &[Bound], prices: &[Price], power: f64, found: &CheapestTolerances) -> Vec<GoalTolerance> {
     let mut order: Vec<usize> = (0..bounds.len()).collect();
     order.sort_by(|a, b| found.parts_um[*b].total_cmp(&found.parts_um[*a]).then(a.cmp(b)));
     let one = |i: usize| {
         let (old, price, tolerance) = (&bounds[i], &prices[i], found.tolerances[i]);
-        NewTolerance {
-            old: old.clone(),
-            new: Bound { tolerance, ..old.clone() },
+        GoalTolerance {
+            error: old.to_string(),
             kind: price.kind,
-            binding: found.binding[i],
-            part_um: found.parts_um[i],
+            unit: tolerance_unit(&old.error),
+            old: crate::report::tolerance(old),
+            new: crate::report::tolerance(&Bound { tolerance, ..old.clone() }),
+            binds: found.binding[i],
+            um_of_p95: found.parts_um[i],
             weight: price.weight,
-            cost: [price.cost(old.tolerance, power), price.cost(tolerance, power)],
+            cost_before: price.cost(old.tolerance, power),
+            cost_after: price.cost(tolerance, power),
         }
     };
     order.into_iter().map(one).collect()

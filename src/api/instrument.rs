@@ -1,18 +1,19 @@
 //! Readings of measuring instruments on a machine.
 
 use crate::analysis::Unreachable;
-use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::job::machine_file::{MachineFile, bounded_only};
-use crate::job::poses::{axes_text, axis_positions, check, pose_at};
-use crate::machine::{Axis, AxisKind, Machine, Pose};
-use crate::report::{
-    DiagonalPicture, DialPanel, Picture, PolarPicture, RTestPicture, circle_json, line_json, turn_json,
+use crate::analysis::instrument::{
+    BallBar, CirclePlane, Diagonal, RTest, RTestReading, ball_bar, diagonals, r_test, within,
 };
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::evaluate::Frame;
+use crate::job::machine_file::{MachineFile, bounded_only};
+use crate::job::poses::{AxisPositions, axis_positions, check, pose_at};
+use crate::machine::{Axis, AxisKind, Machine, Pose};
+use crate::report::{DiagonalPicture, DialPanel, Picture, PolarPicture, RTestPicture};
 use crate::run::{Answer, Call, Count, Refused, Run};
 use crate::units::significant;
-use serde::{Serialize, Serializer};
-use serde_json::{Value, json};
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// A position that somebody drives to: four decimals.
 fn driven(position: f64) -> f64 {
@@ -60,126 +61,125 @@ pub enum Instrument {
     StepDiagonals,
 }
 
-/// Readings of an instrument on a machine, exact model. Serialises as docs/formats.md describes.
-#[derive(Debug, Clone)]
+/// Readings of an instrument on a machine, exact model.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct InstrumentResult {
-    machine: Machine,
-    at: Pose,
+    /// Name of the machine.
+    pub machine: String,
     /// The readings.
+    #[serde(flatten)]
     pub readings: Readings,
+    #[serde(skip)]
+    axes: Vec<Axis>,
+    #[serde(skip)]
+    at: Pose,
 }
 
 /// Readings of an instrument.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[serde(tag = "instrument", rename_all = "snake_case")]
 pub enum Readings {
     /// Circles of a ball bar.
-    Circles {
+    BallBar {
+        /// Centre of the circles, mm and deg.
+        centre: AxisPositions,
         /// Length of the ball bar, mm.
         radius_mm: f64,
-        /// Plane by plane.
-        circles: Vec<BallBar>,
+        /// The circles, plane by plane.
+        planes: Vec<BallBar>,
     },
-    /// R-tests, axis by axis.
-    Turns(Vec<RTest>),
+    /// R-tests.
+    RTest {
+        /// Pose at which the ball is, mm and deg.
+        ball_at: AxisPositions,
+        /// Frame of the readings: the machine frame.
+        frame: Frame,
+        /// The tests, axis by axis.
+        axes: Vec<RTest>,
+    },
     /// A laser along diagonals.
-    Lines {
-        /// True if one axis moves at a time.
-        stepped: bool,
-        /// Readings diagonal by diagonal, at least one.
-        lines: Vec<Diagonal>,
-    },
+    Diagonals(LaserReadings),
+    /// The same, one axis moving at a time.
+    StepDiagonals(LaserReadings),
+}
+
+/// Readings of a laser along diagonals.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct LaserReadings {
+    /// Pose of the axes that stand, mm and deg.
+    pub at: AxisPositions,
+    /// The diagonals, at least one.
+    pub diagonals: Vec<Diagonal>,
+    /// The largest E_d, um.
+    pub e_um: f64,
 }
 
 impl InstrumentResult {
     /// Returns centre of the circle, place of the ball, or where the other axes are, such as `X = 100 mm, C = 90 deg`.
     pub fn place(&self) -> String {
-        axes_text(&self.machine, &self.at)
+        let entry = |(axis, q): (&Axis, &f64)| format!("{} = {} {}", axis.name, significant(*q, 7), axis.unit());
+        self.axes.iter().zip(&self.at).map(entry).collect::<Vec<_>>().join(", ")
     }
 
     /// Returns the axes that do not move along the diagonals, such as `, A = 0 deg`.
     pub fn standing(&self) -> String {
-        let Readings::Lines { lines, .. } = &self.readings else { return String::new() };
-        let moving = lines.first().map_or(&[][..], |line| &line.axes);
-        let stands = |(i, (axis, q)): (usize, (&Axis, &f64))| {
-            (!moving.contains(&i)).then(|| format!(", {} = {} {}", axis.name, significant(*q, 7), axis.unit()))
+        let (Readings::Diagonals(of) | Readings::StepDiagonals(of)) = &self.readings else { return String::new() };
+        let moving = of.diagonals.first().map_or(&[][..], |line| &line.axes);
+        let stands = |(axis, q): (&Axis, &f64)| {
+            let is_moving = moving.iter().any(|name| axis.name.as_str() == name);
+            (!is_moving).then(|| format!(", {} = {} {}", axis.name, significant(*q, 7), axis.unit()))
         };
-        self.machine.axes().iter().zip(&self.at).enumerate().filter_map(stands).collect()
+        self.axes.iter().zip(&self.at).filter_map(stands).collect()
     }
 
     /// Returns a picture of the readings.
     pub fn picture(&self) -> Picture {
-        let title = self.machine.name();
+        let title = &self.machine;
         match &self.readings {
-            Readings::Circles { radius_mm, circles } => {
+            Readings::BallBar { radius_mm, planes, .. } => {
                 let subtitle = format!("Ball bar of {} mm about {}", significant(*radius_mm, 6), self.place());
-                let panels: Vec<DialPanel> = circles.iter().map(DialPanel::of).collect();
+                let panels: Vec<DialPanel> = planes.iter().map(DialPanel::of).collect();
                 PolarPicture::senses(title, &subtitle, &panels).picture()
             }
-            Readings::Turns(turns) => {
+            Readings::RTest { axes, .. } => {
                 let subtitle = format!("R-test with the ball at {}", self.place());
-                let named = |r: &RTest| (r.name(&self.machine), r.clone());
-                let tests: Vec<(String, RTest)> = turns.iter().map(named).collect();
-                RTestPicture { title, subtitle: &subtitle, tests: &tests }.picture()
+                RTestPicture { title, subtitle: &subtitle, tests: axes }.picture()
             }
-            Readings::Lines { stepped, lines } => {
-                let how = if *stepped { ", one axis at a time" } else { "" };
-                let subtitle = format!("Laser along the diagonals{how}{}", self.standing());
-                DiagonalPicture { title, subtitle: &subtitle, diagonals: lines }.picture()
-            }
+            Readings::Diagonals(of) => self.laser_picture("", of),
+            Readings::StepDiagonals(of) => self.laser_picture(", one axis at a time", of),
         }
+    }
+
+    fn laser_picture(&self, how: &str, of: &LaserReadings) -> Picture {
+        let subtitle = format!("Laser along the diagonals{how}{}", self.standing());
+        DiagonalPicture { title: &self.machine, subtitle: &subtitle, diagonals: &of.diagonals }.picture()
     }
 
     /// Returns the poses of the R-tests as a table to measure by, each there and back in a run of its own: the
     /// positions of all axes, and empty columns for the readings, as `identify` takes them. None of other instruments.
     pub fn sequence(&self) -> Option<String> {
-        let Readings::Turns(turns) = &self.readings else { return None };
-        let machine = &self.machine;
+        let Readings::RTest { axes: turns, .. } = &self.readings else { return None };
         let title = |axis: &Axis| format!("{} [{}]", axis.name, axis.unit());
-        let titles: Vec<String> = machine.axes().iter().map(title).collect();
+        let titles: Vec<String> = self.axes.iter().map(title).collect();
         let mut table = format!(
             "# R-test of {}, ball at {}: tool relative to workpiece, less the first reading of the run\n\
              # directions of the machine: abbe identify --frame machine\n\
              run,{},rel.dx [um],rel.dy [um],rel.dz [um]\n",
-            machine.name(),
+            self.machine,
             self.place(),
             titles.join(",")
         );
         for turn in turns {
-            let name = turn.name(machine);
-            let row = |run: &str, pose: &Pose| {
-                let positions: Vec<String> = pose.iter().map(|q| driven(*q).to_string()).collect();
+            let name = &turn.axis;
+            let row = |run: &str, reading: &RTestReading| {
+                let positions: Vec<String> = reading.axes.values().map(|q| driven(*q).to_string()).collect();
                 format!("{run},{},,,\n", positions.join(","))
             };
-            let there = turn.poses.iter().map(|pose| row(&format!("{name} there"), pose));
-            table.extend(there.chain(turn.poses.iter().rev().map(|pose| row(&format!("{name} back"), pose))));
+            let there = turn.readings.iter().map(|reading| row(&format!("{name} there"), reading));
+            let back = turn.readings.iter().rev().map(|reading| row(&format!("{name} back"), reading));
+            table.extend(there.chain(back));
         }
         Some(table)
-    }
-
-    fn contract(&self) -> Value {
-        let machine = &self.machine;
-        let (name, at) = (machine.name(), axis_positions(machine, &self.at));
-        match &self.readings {
-            Readings::Circles { radius_mm, circles } => json!({
-                "machine": name, "instrument": "ball_bar", "centre": at, "radius_mm": radius_mm,
-                "planes": circles.iter().map(circle_json).collect::<Vec<_>>(),
-            }),
-            Readings::Turns(turns) => json!({
-                "machine": name, "instrument": "r_test", "ball_at": at, "frame": "machine",
-                "axes": turns.iter().map(|r| turn_json(machine, r)).collect::<Vec<_>>(),
-            }),
-            Readings::Lines { stepped, lines } => json!({
-                "machine": name, "instrument": if *stepped { "step_diagonals" } else { "diagonals" },
-                "at": at, "diagonals": lines.iter().map(|d| line_json(machine, d)).collect::<Vec<_>>(),
-                "e_um": lines.iter().map(|d| d.systematic).fold(0.0, f64::max),
-            }),
-        }
-    }
-}
-
-impl Serialize for InstrumentResult {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.contract().serialize(serializer)
     }
 }
 
@@ -191,7 +191,7 @@ pub fn instrument(
     options: &InstrumentOptions,
     run: Run<'_>,
 ) -> Result<Answer<InstrumentResult>, Diagnostics> {
-    Call::answer_by_hand(run, file.sources(), |call| read(call, file, options))
+    Call::answer(run, file.sources(), |call| read(call, file, options))
 }
 
 fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> Result<InstrumentResult, Refused> {
@@ -208,10 +208,10 @@ fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> 
     let readings = match options.instrument {
         Instrument::BallBar => circles(call, machine, &at, options)?,
         Instrument::RTest => turns(call, machine, &at, options)?,
-        Instrument::Diagonals => lines(call, machine, &at, options, false)?,
-        Instrument::StepDiagonals => lines(call, machine, &at, options, true)?,
+        Instrument::Diagonals => Readings::Diagonals(lines(call, machine, &at, options, false)?),
+        Instrument::StepDiagonals => Readings::StepDiagonals(lines(call, machine, &at, options, true)?),
     };
-    Ok(InstrumentResult { machine: machine.clone(), at, readings })
+    Ok(InstrumentResult { machine: machine.name().to_owned(), readings, axes: machine.axes().to_vec(), at })
 }
 
 /// A pose of which only some axes are named.
@@ -248,8 +248,8 @@ fn circles(
             not_driven(&path, why)
         })
     };
-    let circles = planes.into_iter().map(one).collect::<Result<_, _>>().or_else(|refusal| call.refuse(refusal))?;
-    Ok(Readings::Circles { radius_mm, circles })
+    let planes = planes.into_iter().map(one).collect::<Result<_, _>>().or_else(|refusal| call.refuse(refusal))?;
+    Ok(Readings::BallBar { centre: axis_positions(machine, at), radius_mm, planes })
 }
 
 fn turns(call: &mut Call<'_>, machine: &Machine, at: &[f64], options: &InstrumentOptions) -> Result<Readings, Refused> {
@@ -281,8 +281,8 @@ fn turns(call: &mut Call<'_>, machine: &Machine, at: &[f64], options: &Instrumen
         r_test(machine, at, &axes, options.points.unwrap_or(37))
             .map_err(|why| not_driven(&format!("an R-test of {} at this place of the ball", names.join("+")), why))
     };
-    let turns = chosen.into_iter().map(one).collect::<Result<_, _>>().or_else(|refusal| call.refuse(refusal))?;
-    Ok(Readings::Turns(turns))
+    let axes = chosen.into_iter().map(one).collect::<Result<_, _>>().or_else(|refusal| call.refuse(refusal))?;
+    Ok(Readings::RTest { ball_at: axis_positions(machine, at), frame: Frame::Machine, axes })
 }
 
 fn lines(
@@ -291,10 +291,11 @@ fn lines(
     at: &[f64],
     options: &InstrumentOptions,
     stepped: bool,
-) -> Result<Readings, Refused> {
-    let lines = diagonals(machine, at, options.points.unwrap_or(11), stepped);
-    if lines.is_empty() {
+) -> Result<LaserReadings, Refused> {
+    let diagonals = diagonals(machine, at, options.points.unwrap_or(11), stepped);
+    if diagonals.is_empty() {
         return call.refuse(not_driven("a diagonal", Unreachable::Place));
     }
-    Ok(Readings::Lines { stepped, lines })
+    let e_um = diagonals.iter().map(|d| d.e_d_um).fold(0.0, f64::max);
+    Ok(LaserReadings { at: axis_positions(machine, at), diagonals, e_um })
 }

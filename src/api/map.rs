@@ -107,7 +107,7 @@ fn volume(
         return map_bounds::volume(call, machine, options, (&drawn, tables));
     }
     let order = order_of(machine, options.order);
-    let view = View { approach: options.approach, frame: options.frame };
+    let view = View { conditions: options.approach.into(), frame: options.frame };
     let place =
         options.picture.as_ref().map(|picture| picture.place(call, machine, options.target.is_some())).transpose()?;
     let tool_poses = match &options.poses {
@@ -138,11 +138,11 @@ fn volume(
     let features = tool_poses.as_ref().map(|reached| features(field, reached, view, replayed.is_none()));
     let features = features.unwrap_or_default();
     let bounds_add = added(call, machine, settings, tool_poses.as_ref().map(|reached| reached.poses.as_slice()))?;
-    let diagonals = body_diagonals(field, &rest(machine), DIAGONAL_STEPS, view.approach);
+    let diagonals = body_diagonals(field, &view.conditions.at(&rest(machine)), DIAGONAL_STEPS);
     let result = result(&rows, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
     let besides: Vec<usize> = survey.worst.iter().map(|(i, _)| *i).collect();
-    let uncertainty = field_bands(field, &poses, survey.statistics, &besides, view.approach, options.seed);
+    let uncertainty = field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed);
     let target = options.target.clone();
     Ok(MapResult { picture, tool_poses, features, bounds_add, target, uncompensated, uncertainty, ..result })
 }

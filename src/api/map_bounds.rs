@@ -32,7 +32,7 @@ pub(crate) fn volume(
     if poses.len() > MAX_POSES {
         return call.refuse(too_many(poses.len()));
     }
-    let view = View { approach: options.approach, frame: options.frame };
+    let view = View { conditions: options.approach.into(), frame: options.frame };
     let work = tool_poses.as_ref().map(WorkRows::of);
     let order = Order::Degree(1);
     let rows =

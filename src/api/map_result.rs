@@ -177,7 +177,7 @@ impl MapResult {
             machine: rows.machine.name().to_owned(),
             order: rows.order,
             frame: rows.view.frame,
-            direction: rows.view.approach,
+            direction: rows.view.conditions.approach,
             poses: statistics.poses,
             from: None,
             bounds: None,

@@ -42,8 +42,6 @@ pub(crate) mod record;
 pub(crate) mod replay;
 pub mod results;
 pub mod sets;
-#[allow(dead_code, reason = "only the schema of these structures is taken")]
-pub(crate) mod shapes;
 pub(crate) mod show;
 pub(crate) mod sources;
 pub(crate) mod starter;

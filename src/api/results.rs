@@ -1,9 +1,11 @@
 //! Results of the functions, and their parts. Serde writes results in the shapes that docs/formats.md describes.
 
 pub use super::bounded::{AddedByBounds, AddedDeviation};
-pub use super::budget::BudgetResult;
-pub use super::budgets::ComparedBudgets;
-pub use super::certificate::{CertificateReport, CertificateStep};
+pub use super::budget::{BudgetResult, ContributionsAt};
+pub use super::budgets::{
+    BudgetDifference, ComparedBudget, ComparedBudgets, ComparedContribution, DeviationBudgetDifference, DrawnDifference,
+};
+pub use super::certificate::{AtReference, CertificateReport, CertificateStep, ReferenceShift};
 pub use super::check::CheckedFile;
 pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
 pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
@@ -13,18 +15,20 @@ pub use super::compose::{ComposedPart, ComposedSet};
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
 pub use super::diff::{AxisDifference, SetDifference};
 pub use super::effects::{ErrorEffect, Neglected};
-pub use super::enumerate::{EnumerateResult, RankedArrangements, StudyProgress};
-pub use super::equations::EquationsResult;
+pub use super::enumerate::{Arrangement, EnumerateResult, RankedArrangements, RankingRounds, StudyProgress};
+pub use super::equations::{
+    EquationSymbol, EquationUnits, EquationsResult, Polynomial, PolynomialMatrix, PolynomialTerm,
+};
 pub use super::eval::{EvalResult, EvalUnits, PoseResult};
 pub use super::explain::Explanation;
-pub use super::goal::{NewTolerance, ToleranceGoal};
+pub use super::goal::{GoalCost, GoalTolerance, ToleranceGoal};
 pub use super::identify::{
     ExpectedParameter, FittedDatum, FittedError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue,
     LackOfFit, MeasurementPlan, MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares,
     OutlierPlace, PlannedPose, PredictedUncertainty, RepeatedReadings, ResidualTest, Rms, RmsBeforeAfter,
     ScatterOfKind, SharedUncertainty,
 };
-pub use super::instrument::{InstrumentResult, Readings};
+pub use super::instrument::{InstrumentResult, LaserReadings, Readings};
 pub use super::locate::{AxisLine, LocateResult, LocatedAxis, LocatedError};
 pub use super::map_result::{BodyDiagonal, MapFromBounds, MapResult, Uncompensated, WorstBoundedPose, WorstPose};
 pub use super::reach::{ReachDirections, ReachResult};
@@ -34,15 +38,15 @@ pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::uncertainty::CertificateBands;
 pub use crate::analysis::budget::{
-    Binding, Bound, BoundedDeviation, BoundedLength, Budget, BudgetPart, CheapestTolerances, Contribution, PERCENTS,
-    PairedDifference, Percentile, Role, Totals, Verdict, VersusFirst,
+    Binding, Bound, BoundedDeviation, BoundedLength, PairedDifference, Percentile, Role, Verdict, VersusFirst,
 };
-pub use crate::analysis::enumerate::{ArrangementRow, NeededRange, Ranking, RoundCount};
+pub use crate::analysis::enumerate::RoundCount;
 pub use crate::analysis::figure_bands::{ComparedBands, PoseUncertainty};
-pub use crate::analysis::instrument::{BallBar, Diagonal, RTest};
+pub use crate::analysis::instrument::{BallBar, Diagonal, RTest, RTestReading};
 pub use crate::analysis::{Bands, Status as LocationStatus, SummaryBand};
 pub use crate::controller::{
-    Certificate, CompensationDegree, ControllerTarget, Figures, ProgrammingFigures, ROUNDING_UM, SingleErrorResidual,
+    CompensationDegree, ControllerTarget, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure, SingleErrorResidual,
+    Strongest, ToolDirection,
 };
 pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};
@@ -65,12 +69,14 @@ pub use crate::report::imported::{
 pub use crate::report::page::RenderedPage;
 pub use crate::report::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayAccuracy, OneWayBoth, ReadAtTarget};
 pub use crate::report::standard_tests::{
-    BothSenses, CauseTest, CircleTest, DiagonalTest, DiagonalsTest, DriftOf, DriftTest, MotionTest, RotationTest,
-    SpikeTest, TemperatureRange, TestFigures, TurningTest, UncertainValue,
+    CauseTest, CircleTest, DiagonalTest, DiagonalsTest, DriftOf, DriftTest, MotionTest, RotationTest, SpikeTest,
+    TemperatureRange, TestFigures, TurningTest, UncertainValue,
 };
 pub use crate::report::{
-    BoundedFigures, LengthDifference, MachineDifference, Picture, PictureFailure, PropertyDifference, RssDifference,
+    BoundedContribution, BoundedFigures, BoundedLengths, BudgetFigures, DeviationBudget, DrawSettings,
+    DrawnMachineFigures, LengthStatistics, MachineDifference, PercentileInterval, Picture, PictureFailure,
+    PropertyDifference, RssDifference, Tightening,
 };
 pub use crate::shards::budget_parts::BudgetShard;
-pub use crate::standards::{Conformity, LimitSides};
+pub use crate::standards::{BothSenses, Conformity, LimitSides};
 pub use crate::syntax::{FolderEntry, ReadFailure};

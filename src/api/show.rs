@@ -195,7 +195,7 @@ fn other_side(machine: &Machine, axis: &Axis) -> Option<OtherSide> {
     Some(OtherSide {
         side,
         direction: there.direction,
-        origin_mm: geometry.origin(&axis.name, &sides),
+        origin_mm: geometry.origins(&sides).axis(&axis.name),
         travel: [min, max],
         continuous: there.travel == Travel::Continuous,
     })

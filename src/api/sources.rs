@@ -90,7 +90,7 @@ fn found(call: &mut Call<'_>, machine: &Machine, options: &SourcesOptions) -> Re
     call.extend(bounded_only(machine));
     let field = CompiledField::new(machine, order_of(machine, order));
     let volume = Poses::Random(Random::of(machine, count, seed));
-    let view = View { approach, frame: Frame::Workpiece };
+    let view = View { conditions: approach.into(), frame: Frame::Workpiece };
     let at = match &options.at {
         Some(at) => poses(call, machine, (&[], std::slice::from_ref(at), None))?.swap_remove(0),
         None => {
@@ -99,7 +99,7 @@ fn found(call: &mut Call<'_>, machine: &Machine, options: &SourcesOptions) -> Re
             worst(&deviations, 1).first().map_or_else(|| rest(machine), |i| volume.get(*i))
         }
     };
-    let errors = error_statistics(&field, &volume, &at, approach);
+    let errors = error_statistics(&field, &volume, &approach.at(&at));
     Ok(ErrorSources {
         machine: machine.name().to_owned(),
         poses: count,

@@ -5,7 +5,6 @@ pub use crate::controller::micro;
 pub use crate::diagnostic::{Reason, Rendering, render, shown, summary as counts};
 pub use crate::evaluate::UnknownOrder;
 pub use crate::job::poses::axes_text;
-pub use crate::report::{tolerance, tolerance_unit};
 pub use crate::standards::NOT_VERIFIED;
 pub use crate::units::{Failure as UnknownQuantity, angle, counted, length, number, significant};
 

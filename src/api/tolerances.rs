@@ -24,8 +24,9 @@ pub(crate) type ClassSource = (String, String);
 
 impl ToleranceOptions {
     pub(crate) fn drawing(&self, class: Option<ClassSource>, samples: usize, seed: u64) -> DrawSettings {
+        let (class, class_source) = class.unzip();
         let (distribution, statistic) = (self.distribution, self.statistic);
-        DrawSettings { class, samples, seed, distribution, statistic }
+        DrawSettings { class, class_source, samples, seed, distribution, statistic }
     }
 
     pub(crate) fn draws(&self, seed: u64) -> Draws {

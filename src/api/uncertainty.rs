@@ -26,11 +26,11 @@ impl CertificateBands {
         let poses = Poses::Listed(depth.poses(machine));
         let bare = Bare { machine, order: Order::Exact };
         let of = |field: &dyn Field, whole: Statistics| {
-            field_bands(field, &poses, whole, &[], certificate.approach, depth.seed)
+            field_bands(field, &poses, whole, &[], certificate.approach.into(), depth.seed)
         };
         Some(Self {
-            uncompensated: of(&bare, certificate.uncompensated.all)?,
-            compensated: of(field, certificate.compensated.all)?,
+            uncompensated: of(&bare, certificate.uncompensated.statistics(certificate.poses))?,
+            compensated: of(field, certificate.compensated.statistics(certificate.poses))?,
         })
     }
 }

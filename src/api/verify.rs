@@ -69,7 +69,7 @@ pub fn verify(
         call.extend(verdict::warnings(&certificate));
         call.checked()?;
         let depth = Depth { poses: options.poses, seed: options.seed };
-        Ok(CertificateReport::new(file, &target, &certificate, (&judged.field(file), depth), files))
+        Ok(CertificateReport::new(file, &target, certificate, (&judged.field(file), depth), files))
     })
 }
 
@@ -131,5 +131,5 @@ fn module(
     call.checked()?;
     let names = texts.iter().map(|text: &ReadBack| text.found.clone()).collect();
     let effect = ControllerEffect::Module(Box::new(module), beside);
-    Ok(CertificateReport::new(file, target, &certificate, (&*effect.field(file, target), depth), names))
+    Ok(CertificateReport::new(file, target, certificate, (&*effect.field(file, target), depth), names))
 }

@@ -4,7 +4,7 @@ use super::jacobian::Jacobian;
 use super::scope::{Correction, Goal, Scope};
 use crate::evaluate::{Deviation, command_deviation};
 use crate::lower::NominalPose;
-use crate::machine::{Approach, Machine};
+use crate::machine::{Machine, OperatingPoint};
 
 /// The solution for one pose.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,18 +21,21 @@ pub(super) const MAX_STEPS: usize = 12;
 /// A step below this (mm, deg) is rounding.
 pub(super) const SMALL_STEP: f64 = 1e-11;
 
-/// Solves actual(q + c) = nominal(q) for the exact model at a pose (mm, deg). The Jacobian is that of the nominal
+/// Solves actual(q + c) = nominal(q) for the exact model at an operating point. The Jacobian is that of the nominal
 /// machine at q: the chord form of Newton's iteration, whose contraction is the size of the errors. Where the axes are
 /// too few, the solution is that of least squares; then, and near singular poses, a residual remains.
-pub fn correct(machine: &Machine, pose: &[f64], approach: Approach, scope: Scope) -> Corrected {
+pub fn correct(machine: &Machine, at: &OperatingPoint<'_>, scope: Scope) -> Corrected {
     let mut correction = Correction::none(machine);
-    let nominal = NominalPose::at(machine, pose).pose;
-    let jacobian = Jacobian::at(machine, pose);
-    let mut residual = command_deviation(machine, &nominal, &correction.corrected_command(pose), approach);
+    let nominal = NominalPose::at(machine, at.axes).pose;
+    let jacobian = Jacobian::at(machine, at.axes);
+    let deviation = |correction: &Correction| {
+        command_deviation(machine, &nominal, &at.conditions.at(&correction.corrected_command(at.axes)))
+    };
+    let mut residual = deviation(&correction);
     for _ in 0..MAX_STEPS {
         let step = jacobian.correction(&residual, &correction, scope);
         correction.0.iter_mut().zip(&step.0).for_each(|(c, s)| *c += s);
-        residual = command_deviation(machine, &nominal, &correction.corrected_command(pose), approach);
+        residual = deviation(&correction);
         if step.0.iter().all(|s| s.abs() < SMALL_STEP) || is_settled(&residual, scope) {
             break;
         }

@@ -6,7 +6,7 @@
 
 use super::nodes::{AxisCurves, ColumnValues};
 use super::{AxisErrorCurve, TableRules};
-use crate::machine::{Approach, AxisKind, Direction, ErrorFamily, ErrorId, ErrorTerm, LocationAction, Machine};
+use crate::machine::{AxisKind, Direction, ErrorFamily, ErrorId, ErrorTerm, LocationAction, Machine};
 use nalgebra::Vector3;
 
 /// The errors of the machine's axes, sampled: the six curves of an axis over the same positions. The mean
@@ -104,7 +104,7 @@ fn location_errors(machine: &Machine, axis: usize) -> [f64; 6] {
 
 /// Returns the component errors of an axis at a position (mm, rad) about the points that the files know.
 fn component(machine: &Machine, axis: usize, position: f64) -> [f64; 6] {
-    about_zero(machine.component_values(axis, position, Approach::Mean), point(machine, axis, ErrorFamily::Component))
+    about_zero(machine.component_values(axis, &position.into()), point(machine, axis, ErrorFamily::Component))
 }
 
 /// Refers errors about a point to the zero of the machine coordinates: `delta - eps x point`.

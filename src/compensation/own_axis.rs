@@ -5,8 +5,8 @@ use super::nodes::{AxisCurves, ColumnValues, interval};
 use super::{CorrectionTable, CorrectionTables, TableRules};
 use crate::algebra::skew_vector;
 use crate::evaluate::Deviation;
-use crate::lower::{JointElements, Position, joint};
-use crate::machine::{Approach, AxisKind, Direction, Machine};
+use crate::lower::{JointElements, JointPosition, joint};
+use crate::machine::{Approach, AxisKind, Direction, Machine, OperatingConditions};
 use nalgebra::Vector3;
 
 /// Positions of an axis (mm or deg): where it is sent, and where it should be.
@@ -18,11 +18,11 @@ struct Sent {
 
 /// Returns how far an axis is from where it should be, by its own joint alone. Angular errors of a linear axis turn
 /// about its origin and do not count here; location errors move the whole axis and do not count either.
-fn own_axis_deviation(machine: &Machine, axis: usize, sent: Sent, approach: Approach) -> Deviation {
+fn own_axis_deviation(machine: &Machine, axis: usize, sent: Sent, conditions: OperatingConditions) -> Deviation {
     let this = &machine.axes()[axis];
     let none = JointElements { location: None, component: None };
-    let component = Some(machine.component_values(axis, sent.command, approach));
-    let at = |position| Position::at(this, position);
+    let component = Some(machine.component_values(axis, &conditions.at_position(sent.command)));
+    let at = |position| JointPosition::at(this, position);
     let actual = joint(this, machine.conventions(), &at(sent.command), &JointElements { location: None, component });
     let nominal = joint(this, machine.conventions(), &at(sent.nominal), &none);
     Deviation {
@@ -33,10 +33,10 @@ fn own_axis_deviation(machine: &Machine, axis: usize, sent: Sent, approach: Appr
 
 /// Returns the motion of an axis along (mm) or about (deg) its own direction against its own error: the change of its
 /// encoder's reading.
-fn own_axis_step(machine: &Machine, axis: usize, sent: Sent, approach: Approach) -> f64 {
+fn own_axis_step(machine: &Machine, axis: usize, sent: Sent, conditions: OperatingConditions) -> f64 {
     let this = &machine.axes()[axis];
     let direction = Vector3::from(this.direction) * this.sign();
-    let wanted = against(&own_axis_deviation(machine, axis, sent, approach));
+    let wanted = against(&own_axis_deviation(machine, axis, sent, conditions));
     match this.kind {
         AxisKind::Linear => direction.dot(&wanted.displacement),
         AxisKind::Rotary => direction.dot(&wanted.rotation).to_degrees(),
@@ -62,7 +62,7 @@ fn table_of(
     without: impl Fn(f64) -> f64,
 ) -> CorrectionTable {
     let two_sided = rules.directions.is_bidirectional();
-    let at = |q: f64, approach| own_correction(machine, axis, q, approach) - without(q);
+    let at = |q: f64, from: Approach| own_correction(machine, axis, q, from.into()) - without(q);
     let row = |q: f64| match two_sided {
         true => vec![at(q, Approach::Forward), at(q, Approach::Reverse)],
         false => vec![at(q, Approach::Mean)],
@@ -89,7 +89,7 @@ pub fn reversal_tables(machine: &Machine, rules: &TableRules) -> CorrectionTable
     };
     let axes = (0..machine.axes().len()).filter(two_sided);
     let reversal = |axis: usize| {
-        let mean = |q: f64| own_correction(machine, axis, q, Approach::Mean);
+        let mean = |q: f64| own_correction(machine, axis, q, Approach::Mean.into());
         table_of(machine, axis, rules, None, mean)
     };
     let tables = axes.map(reversal).collect();
@@ -101,12 +101,12 @@ pub fn reversal_tables(machine: &Machine, rules: &TableRules) -> CorrectionTable
 }
 
 /// Solves actual(q + c) = nominal(q) for c: the controller looks its table up at the command q.
-fn own_correction(machine: &Machine, axis: usize, position: f64, approach: Approach) -> f64 {
+fn own_correction(machine: &Machine, axis: usize, position: f64, conditions: OperatingConditions) -> f64 {
     const STEPS: usize = 8;
     let mut correction = 0.0;
     for _ in 0..STEPS {
         let sent = Sent { command: position + correction, nominal: position };
-        correction += own_axis_step(machine, axis, sent, approach);
+        correction += own_axis_step(machine, axis, sent, conditions);
     }
     correction
 }

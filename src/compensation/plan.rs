@@ -16,7 +16,7 @@ use super::{
     PlaneGrid, PlaneRules, Reference, Scope, Spacing, TableRules, lattice, own_axis_table,
 };
 use crate::evaluate::{CompiledModel, Order};
-use crate::machine::{Approach, AxisKind, Direction, ErrorTerm, Machine, Pose};
+use crate::machine::{Approach, AxisKind, Direction, ErrorTerm, Machine, OperatingPoint, Pose};
 use crate::units::Interval;
 
 /// Fills the tables of the mechanisms and rounds them to their increments.
@@ -82,21 +82,21 @@ fn close(table: &mut CorrectionTable, place: usize) {
     }
 }
 
-/// Returns the corrections of own-axis tables at a pose, straight lines between their nodes.
-pub(super) fn own_axis_addition(tables: &[CorrectionTable], pose: &[f64], approach: Approach) -> Vec<f64> {
-    let mut added = vec![0.0; pose.len()];
+/// Returns the corrections of own-axis tables at an operating point, straight lines between their nodes.
+pub(super) fn own_axis_addition(tables: &[CorrectionTable], at: &OperatingPoint<'_>) -> Vec<f64> {
+    let mut added = vec![0.0; at.axes.len()];
     for table in tables {
         let (nodes, axis) = (&table.nodes[0], table.axes[0]);
-        let q = pose[axis].clamp(nodes[0], nodes[nodes.len() - 1]);
+        let q = at.axes[axis].clamp(nodes[0], nodes[nodes.len() - 1]);
         let high = nodes.partition_point(|node| *node <= q).clamp(1, nodes.len().max(2) - 1).min(nodes.len() - 1);
         let low = high.saturating_sub(1);
         let fraction = if high > low { (q - nodes[low]) / (nodes[high] - nodes[low]) } else { 0.0 };
-        let at = |values: &[f64]| values[low] * (1.0 - fraction) + values[high] * fraction;
+        let between = |values: &[f64]| values[low] * (1.0 - fraction) + values[high] * fraction;
         let reverse = table.reverse.as_ref().unwrap_or(&table.values);
-        added[axis] += match approach {
-            Approach::Forward => at(&table.values),
-            Approach::Reverse => at(reverse),
-            Approach::Mean => 0.5 * (at(&table.values) + at(reverse)),
+        added[axis] += match at.conditions.approach {
+            Approach::Forward => between(&table.values),
+            Approach::Reverse => between(reverse),
+            Approach::Mean => 0.5 * (between(&table.values) + between(reverse)),
         };
     }
     added
@@ -104,7 +104,7 @@ pub(super) fn own_axis_addition(tables: &[CorrectionTable], pose: &[f64], approa
 
 /// Returns corrections of all axes at poses with the own-error tables in force: the linear axes correct their residual.
 fn corrections_beside(plan: &CompiledModel, own: &[CorrectionTable], poses: &[Pose]) -> Vec<Vec<f64>> {
-    let start = |pose: &Pose| Correction(own_axis_addition(own, pose, plan.approach()));
+    let start = |pose: &Pose| Correction(own_axis_addition(own, &plan.conditions().at(pose)));
     let all = correct_all_from(plan, poses, poses.iter().map(start).collect(), Scope::POSITION);
     // The plan is exact: there is always an answer.
     all.unwrap_or_default().into_iter().map(|corrected| corrected.correction.0).collect()
@@ -262,7 +262,7 @@ impl Planner<'_> {
     /// where straight lines have the smallest residual of those.
     fn positions(&self, axis: usize, rules: &TableRules) -> Vec<f64> {
         let any = |_: Direction| true;
-        let values = |q: f64| self.machine.component_values(axis, q, Approach::Mean).to_vec();
+        let values = |q: f64| self.machine.component_values(axis, &q.into()).to_vec();
         let sines = self.machine.axes()[axis].kind == AxisKind::Rotary;
         AxisCurves { machine: self.machine, axis, counts: &any, sines }
             .positions(rules, &ColumnValues { value: &values, stored: &|x| x })

@@ -9,7 +9,7 @@ use super::{
     SingleErrorTables, SingleErrors, own_axis_table,
 };
 use crate::evaluate::error_by_error;
-use crate::machine::{Approach, AxisKind, ErrorId, ErrorTerm, Machine, Pose};
+use crate::machine::{Approach, AxisKind, ErrorId, ErrorTerm, Machine, OperatingPoint, Pose};
 use rayon::prelude::*;
 
 /// A set whose layout single errors get.
@@ -63,7 +63,7 @@ fn lattice_cells(machine: &Machine, lattice: &CorrectionTable, layout: &SetLayou
         let jacobian = Jacobian::at(machine, &pose);
         let step = |deviation| jacobian.correction(&deviation, &none, scope).0;
         let picked = |all: Vec<f64>| lattice.corrected.iter().map(|axis| all[*axis]).collect();
-        let each = error_by_error(machine, &pose, Approach::Mean).into_iter();
+        let each = error_by_error(machine, &Approach::Mean.at(&pose)).into_iter();
         each.map(|(_, deviation)| picked(step(deviation))).collect()
     };
     let rows: Vec<Vec<Vec<f64>>> = layout.lattice_nodes.par_iter().map(row).collect();
@@ -97,17 +97,17 @@ fn single_error_tables(
             })
         })
         .collect();
-    let linear = |pose: &[f64], approach: Approach| -> Vec<Vec<f64>> {
-        let jacobian = Jacobian::at(machine, pose);
-        let each = error_by_error(machine, pose, approach).into_iter().zip(&alone);
+    let linear = |at: OperatingPoint<'_>| -> Vec<Vec<f64>> {
+        let jacobian = Jacobian::at(machine, at.axes);
+        let each = error_by_error(machine, &at).into_iter().zip(&alone);
         each.map(|((_, mut deviation), own)| {
-            let turned = Correction(own_axis_addition(own, pose, approach));
+            let turned = Correction(own_axis_addition(own, &at));
             deviation.position += jacobian.displacement(&turned);
             jacobian.correction(&deviation, &Correction::none(machine), Scope::POSITION).0
         })
         .collect()
     };
-    let mean = |poses: &[Pose]| poses.iter().map(|pose| linear(pose, Approach::Mean).concat()).collect();
+    let mean = |poses: &[Pose]| poses.iter().map(|pose| linear(Approach::Mean.at(pose)).concat()).collect();
     let two_sided: Vec<bool> =
         machine.axes().iter().map(|axis| machine.filtered(|id| id.axis == axis.name).is_bidirectional()).collect();
     let half_at = |pose: &Pose, axis: usize| {
@@ -115,7 +115,7 @@ fn single_error_tables(
         if !two_sided[axis] {
             return vec![0.0; pose.len() * ids.len()];
         }
-        let (forward, reverse) = (linear(pose, Approach::Forward), linear(pose, Approach::Reverse));
+        let (forward, reverse) = (linear(Approach::Forward.at(pose)), linear(Approach::Reverse.at(pose)));
         let both = ids.iter().zip(forward.iter().zip(&reverse));
         both.flat_map(|(id, (f, r))| {
             let fraction = if id.axis == *name { 0.5 } else { 0.0 };

@@ -22,7 +22,7 @@ mod single_errors;
 
 pub use certificate::{
     Certificate, CompensationDegree, ControllerEffect, Depth, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure,
-    SingleErrorResidual, TablesUnderTest, ZeroShift, micro,
+    SingleErrorResidual, Strongest, TablesUnderTest, ToolDirection, ZeroShift, micro,
 };
 pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile};
 pub(crate) use kinematics::{FoundLine, found_lines};

@@ -3,8 +3,8 @@
 use super::changes_side;
 use super::constants::{inverse, six_of};
 use crate::algebra::Htm;
-use crate::lower::{JointElements, Position, error_motion, invert_if, joint};
-use crate::machine::{Approach, Axis, AxisKind, JointConvention, Joints, Machine, MachineParts, MotionSide};
+use crate::lower::{JointElements, JointPosition, error_motion, invert_if, joint};
+use crate::machine::{Axis, AxisKind, JointConvention, Joints, Machine, MachineParts, MotionSide, OperatingConditions};
 
 /// The errors of one axis under old and new conventions.
 #[derive(Debug)]
@@ -70,10 +70,11 @@ impl<'a> ComponentErrors<'a> {
         }
     }
 
-    /// The new six at a new position (mm or deg), approached from one side.
-    pub fn six(&self, position: f64, approach: Approach) -> [f64; 6] {
-        let (position, approach) = self.old(position, approach);
-        let old = self.machine.component_values(self.index, position, approach);
+    /// The new six at a new position (mm or deg).
+    pub fn six(&self, position: f64, conditions: OperatingConditions) -> [f64; 6] {
+        let at =
+            if self.mirrored { conditions.reversed().at_position(-position) } else { conditions.at_position(position) };
+        let old = self.machine.component_values(self.index, &at);
         if self.keeps_numbers() {
             return old;
         }
@@ -82,7 +83,7 @@ impl<'a> ComponentErrors<'a> {
         let [from, to] = &self.frames;
         let mut frame = to.clone();
         if self.changes_side {
-            let nominal = self.nominal(position);
+            let nominal = self.nominal(at.position);
             // N X = (N X N^-1) N.
             let across = if was.side == MotionSide::Outer { inverse(&nominal) } else { nominal };
             frame = frame.compose(&across);
@@ -95,23 +96,10 @@ impl<'a> ComponentErrors<'a> {
         six_of(&invert_if(is.inverse, error), self.joints[1])
     }
 
-    /// The old position and direction of approach.
-    fn old(&self, position: f64, approach: Approach) -> (f64, Approach) {
-        if !self.mirrored {
-            return (position, approach);
-        }
-        let approach = match approach {
-            Approach::Mean => Approach::Mean,
-            Approach::Forward => Approach::Reverse,
-            Approach::Reverse => Approach::Forward,
-        };
-        (-position, approach)
-    }
-
     /// The nominal motion at an old position, seen from the joint.
     fn nominal(&self, position: f64) -> Htm<f64> {
         let axis = Axis { origin: [0.0; 3], ..self.axis().clone() };
         let none = JointElements { location: None, component: None };
-        joint(&axis, self.machine.conventions(), &Position::at(&axis, position), &none)
+        joint(&axis, self.machine.conventions(), &JointPosition::at(&axis, position), &none)
     }
 }

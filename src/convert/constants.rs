@@ -5,7 +5,7 @@ use crate::algebra::{Htm, rotation_vector, skew_vector};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::lower::{error_motion, invert_if};
 use crate::machine::{
-    Approach, Axis, AxisKind, AxisName, Branch, Direction, ErrorTerm, JointErrors, Joints, KinematicChain, Location,
+    Axis, AxisKind, AxisName, Branch, Direction, ErrorTerm, JointErrors, Joints, KinematicChain, Location,
     LocationAction, Machine, MachineParts, MotionSide,
 };
 use nalgebra::Vector3;
@@ -179,9 +179,7 @@ impl Constants {
                 .help("give all tools one gauge point, their lengths as `offset`"));
         }
         if old.is_none() {
-            let name = new_spindle(machine)?;
-            let outwards = |side| machine.chain().axes(side).into_iter().cloned().collect::<Vec<AxisName>>();
-            parts.chain = KinematicChain::new(&outwards(Branch::Workpiece), &outwards(Branch::Tool), Some(name));
+            parts.chain = with_new_spindle(machine)?;
             parts.errors.push(JointErrors::default());
         }
         if let Some(errors) = parts.errors.last_mut() {
@@ -191,10 +189,10 @@ impl Constants {
     }
 }
 
-/// A name that no axis bears.
-fn new_spindle(machine: &Machine) -> Result<AxisName, Diagnostic> {
-    let names = ["S", "SP", "SPINDLE"].into_iter().filter(|name| machine.axis_index(name).is_none());
-    names.filter_map(AxisName::new).next().ok_or_else(|| {
+/// The chain with a spindle whose name is not that of an axis.
+fn with_new_spindle(machine: &Machine) -> Result<KinematicChain, Diagnostic> {
+    let names = ["S", "SP", "SPINDLE"].into_iter().filter_map(AxisName::new);
+    names.filter_map(|name| machine.chain().with_spindle(&name)).next().ok_or_else(|| {
         let message =
             "a rotation of the tool against the last axis needs a spindle, but `S`, `SP` and `SPINDLE` are axes";
         Diagnostic::new(codes::E0529, message).help("put a spindle into the chain, such as `(C9)` before `t`")
@@ -260,7 +258,7 @@ fn locate(errors: &mut JointErrors, six: &[f64; 6]) {
     let six = keep_old_numbers(six, &errors.location_values());
     for (slot, direction) in errors.location.iter_mut().zip(Direction::ALL) {
         let value = six[direction.index()];
-        let kept = slot.as_ref().is_some_and(|term| term.value(0.0, Approach::Mean) == value);
+        let kept = slot.as_ref().is_some_and(|term| term.value(&0.0.into()) == value);
         if !kept {
             *slot = (value.abs() > TINY[usize::from(direction.is_rotation())]).then_some(ErrorTerm::Constant(value));
         }

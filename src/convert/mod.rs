@@ -23,8 +23,8 @@ pub use shape::shape;
 
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{
-    Approach, Axis, AxisName, Branch, Conventions, Direction, ErrorFamily, ErrorId, ErrorTerm, Grid, JointErrors,
-    Location, Machine, MachineParts, Travel,
+    Axis, AxisName, Branch, Conventions, Direction, ErrorFamily, ErrorId, ErrorTerm, Grid, JointErrors, Location,
+    Machine, MachineParts, Travel,
 };
 
 /// Differences that count as zero: a femtometre, and the same over a metre.
@@ -170,7 +170,7 @@ fn regroups(old: &Conventions, request: &ConversionRequest) -> bool {
 
 /// The errors whose terms differ between a machine and its conversion; those of the set-up as `tool.X`, `workpiece.A`.
 pub fn changes(old: &Machine, new: &MachineParts) -> Vec<Change> {
-    let constant = |term: &Option<ErrorTerm>| term.as_ref().map_or(0.0, |t| t.value(0.0, Approach::Mean));
+    let constant = |term: &Option<ErrorTerm>| term.as_ref().map_or(0.0, |t| t.value(&0.0.into()));
     let before = |name: &AxisName| match old.axis_index(name.as_str()) {
         Some(i) => old.axis_errors(i).clone(),
         None => old.spindle_errors().cloned().unwrap_or_default(),

@@ -3,7 +3,7 @@
 use crate::algebra::{Htm, skew_vector};
 use crate::evaluate::{Nodes, Poses, Random};
 use crate::lower::{Chain, ErrorValues, Exact, values};
-use crate::machine::{Approach, Grid, Machine, Pose};
+use crate::machine::{Approach, Grid, Machine, OperatingPoint, Pose};
 
 /// The largest differences of two machines that should be the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +44,7 @@ pub fn prove(old: &Machine, new: &Machine) -> Proof {
     let mut proof = Proof { poses: [lists[0].len(), lists[1].len()], position: 0.0, rotation: 0.0, one_sided };
     for pose in lists.iter().flat_map(Poses::iter) {
         for &approach in approaches {
-            let [position, rotation] = difference(old, new, &pose, approach);
+            let [position, rotation] = difference(old, new, &approach.at(&pose));
             proof.position = largest(proof.position, position);
             proof.rotation = largest(proof.rotation, rotation);
             if approach != Approach::Mean {
@@ -61,27 +61,23 @@ fn largest(a: f64, b: f64) -> f64 {
     if a >= b || a.is_nan() { a } else { b }
 }
 
-fn difference(old: &Machine, new: &Machine, pose: &Pose, approach: Approach) -> [f64; 2] {
+fn difference(old: &Machine, new: &Machine, at: &OperatingPoint<'_>) -> [f64; 2] {
+    let pose = at.axes;
     let over: Vec<bool> = old.axes().iter().zip(new.axes()).map(|(a, b)| a.sign() != b.sign()).collect();
     let turned: Pose = pose.iter().zip(&over).map(|(q, over)| if *over { -q } else { *q }).collect();
-    let errors = values_at(new, &turned, approach, &over);
-    let before = Chain::actual(old, pose, &values(old, pose, approach), &Exact).tool_in_workpiece(&old.workpiece());
+    let errors = values_at(new, &at.conditions.at(&turned), &over);
+    let before = Chain::actual(old, pose, &values(old, at), &Exact).tool_in_workpiece(&old.workpiece());
     let after = Chain::actual(new, &turned, &errors, &Exact).tool_in_workpiece(&new.workpiece());
-    let nominal = [(old, pose), (new, &turned)]
+    let nominal = [(old, pose), (new, &turned[..])]
         .map(|(machine, pose)| Chain::<f64>::nominal(machine, pose).tool_in_workpiece(&machine.workpiece()));
     let [real, nominal] = [apart(&before, &after), apart(&nominal[0], &nominal[1])];
     [largest(real[0], nominal[0]), largest(real[1], nominal[1])]
 }
 
 /// A rising position of an axis that counts in the opposite sense is a falling one.
-fn values_at(machine: &Machine, pose: &Pose, approach: Approach, over: &[bool]) -> ErrorValues {
-    let opposite = match approach {
-        Approach::Mean => Approach::Mean,
-        Approach::Forward => Approach::Reverse,
-        Approach::Reverse => Approach::Forward,
-    };
-    let mut errors = values(machine, pose, approach);
-    let other = values(machine, pose, opposite);
+fn values_at(machine: &Machine, at: &OperatingPoint<'_>, over: &[bool]) -> ErrorValues {
+    let mut errors = values(machine, at);
+    let other = values(machine, &OperatingPoint { conditions: at.conditions.reversed(), ..*at });
     for ((own, other), over) in errors.axes.iter_mut().zip(other.axes).zip(over) {
         if *over {
             *own = other;

@@ -87,7 +87,7 @@ struct ConvertedForm<'a> {
 
 impl ConvertedForm<'_> {
     fn value(&self, position: f64, approach: Approach) -> f64 {
-        self.errors.six(position, approach)[self.direction.index()]
+        self.errors.six(position, approach.into())[self.direction.index()]
     }
 
     /// The nearest curve and its distance.

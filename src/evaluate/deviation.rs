@@ -2,7 +2,7 @@
 
 use crate::algebra::{Algebra, Dual, Htm, difference, rotation_vector, skew_vector};
 use crate::lower::{Chain, ErrorLift, ErrorValues, Exact, NominalPose, OrderN, into_part, values};
-use crate::machine::{Approach, Joints, Machine};
+use crate::machine::{Joints, Machine, OperatingPoint};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
 /// Highest order of the dedicated dual numbers.
@@ -107,41 +107,58 @@ pub struct Evaluation {
     pub e_ve: Matrix4<f64>,
 }
 
-/// Returns the evaluation at a pose (mm, deg, in the order of the axes), its vectors in `frame`. Order 0 counts as 1,
-/// orders above `MAX_DUAL_ORDER` as that.
-pub fn evaluate(machine: &Machine, pose: &[f64], order: Order, approach: Approach, frame: Frame) -> Evaluation {
-    framed(unturned(machine, pose, order, approach), machine, pose, frame)
+/// Returns the evaluation at an operating point, its vectors in `frame`. Order 0 counts as 1, orders above
+/// `MAX_DUAL_ORDER` as that.
+pub fn evaluate(machine: &Machine, at: &OperatingPoint<'_>, order: Order, frame: Frame) -> Evaluation {
+    in_frame(evaluate_unturned(machine, at, order), machine, at.axes, frame)
 }
 
-/// Returns the deviation at a pose (mm, deg) in the unturned workpiece frame, which the rotation of the workpiece does
-/// not touch.
-pub fn unturned_deviation(machine: &Machine, pose: &[f64], order: Order, approach: Approach) -> Deviation {
-    unturned(machine, pose, order, approach).deviation
+/// Returns the deviation at an operating point in the unturned workpiece frame, which the rotation of the workpiece
+/// does not touch.
+pub fn unturned_deviation(machine: &Machine, at: &OperatingPoint<'_>, order: Order) -> Deviation {
+    evaluate_unturned(machine, at, order).deviation
 }
 
-fn unturned(machine: &Machine, pose: &[f64], order: Order, approach: Approach) -> Evaluation {
-    let at = At { machine, pose, approach };
+fn evaluate_unturned(machine: &Machine, at: &OperatingPoint<'_>, order: Order) -> Evaluation {
     match order {
-        Order::Exact => at.over::<f64>(&Exact),
-        Order::Degree(0 | 1) => at.over::<Dual<2>>(&OrderN),
-        Order::Degree(2) => at.over::<Dual<3>>(&OrderN),
-        Order::Degree(3) => at.over::<Dual<4>>(&OrderN),
-        Order::Degree(4) => at.over::<Dual<5>>(&OrderN),
-        Order::Degree(5) => at.over::<Dual<6>>(&OrderN),
-        Order::Degree(_) => at.over::<Dual<7>>(&OrderN),
+        Order::Exact => evaluate_unturned_over::<f64>(machine, at, &Exact),
+        Order::Degree(0 | 1) => evaluate_unturned_over::<Dual<2>>(machine, at, &OrderN),
+        Order::Degree(2) => evaluate_unturned_over::<Dual<3>>(machine, at, &OrderN),
+        Order::Degree(3) => evaluate_unturned_over::<Dual<4>>(machine, at, &OrderN),
+        Order::Degree(4) => evaluate_unturned_over::<Dual<5>>(machine, at, &OrderN),
+        Order::Degree(5) => evaluate_unturned_over::<Dual<6>>(machine, at, &OrderN),
+        Order::Degree(_) => evaluate_unturned_over::<Dual<7>>(machine, at, &OrderN),
     }
 }
 
-/// Returns the evaluation at a pose (mm, deg) over any algebra: errors enter through `lift`, and all degrees are
+/// Returns the evaluation at an operating point over any algebra: errors enter through `lift`, and all degrees are
 /// summed.
 pub fn evaluate_over<S: Algebra>(
     machine: &Machine,
-    pose: &[f64],
+    at: &OperatingPoint<'_>,
     lift: &impl ErrorLift<S>,
-    approach: Approach,
     frame: Frame,
 ) -> Evaluation {
-    framed(At { machine, pose, approach }.over(lift), machine, pose, frame)
+    in_frame(evaluate_unturned_over(machine, at, lift), machine, at.axes, frame)
+}
+
+fn evaluate_unturned_over<S: Algebra>(
+    machine: &Machine,
+    at: &OperatingPoint<'_>,
+    lift: &impl ErrorLift<S>,
+) -> Evaluation {
+    let origin = machine.workpiece();
+    let actual = Chain::actual(machine, at.axes, &values(machine, at), lift).tool_in_workpiece(&origin);
+    let nominal = Chain::<f64>::nominal(machine, at.axes).tool_in_workpiece(&origin);
+    let turn = rotation(&actual.linear, &nominal.linear.map(S::from_real), machine.conventions().joints);
+    Evaluation {
+        nominal: nominal.translation,
+        deviation: Deviation {
+            position: Vector3::from_fn(|i, _| difference(&actual.translation[i], nominal.translation[i])),
+            rotation: turn.map(|x| difference(&x, 0.0)),
+        },
+        e_ve: e_ve(&actual, &nominal),
+    }
 }
 
 /// The deviations at a pose as elements of an algebra, workpiece frame.
@@ -175,7 +192,7 @@ pub fn response<S: Algebra>(
 }
 
 /// Returns the evaluation of the unturned workpiece frame with its vectors in a frame, and E_VE from the part's.
-fn framed(evaluation: Evaluation, machine: &Machine, pose: &[f64], frame: Frame) -> Evaluation {
+fn in_frame(evaluation: Evaluation, machine: &Machine, pose: &[f64], frame: Frame) -> Evaluation {
     let e_ve = match machine.workpiece_rotation() {
         Some(rotation) => evaluation.e_ve * rotation.to_homogeneous(),
         None => evaluation.e_ve,
@@ -195,42 +212,13 @@ pub fn frame_rotation(machine: &Machine, pose: &[f64], frame: Frame) -> Option<M
     }
 }
 
-/// Returns the exact model at a *command* (mm, deg) minus the `nominal` pose of the tool, unturned workpiece frame.
-pub fn command_deviation(machine: &Machine, nominal: &Htm<f64>, command: &[f64], approach: Approach) -> Deviation {
-    let errors = values(machine, command, approach);
-    let actual = Chain::actual(machine, command, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
+/// Returns the exact model at a *command* minus the `nominal` pose of the tool, unturned workpiece frame.
+pub fn command_deviation(machine: &Machine, nominal: &Htm<f64>, command: &OperatingPoint<'_>) -> Deviation {
+    let errors = values(machine, command);
+    let actual = Chain::actual(machine, command.axes, &errors, &Exact).tool_in_workpiece(&machine.workpiece());
     Deviation {
         position: actual.translation - nominal.translation,
         rotation: rotation(&actual.linear, &nominal.linear, machine.conventions().joints),
-    }
-}
-
-/// A machine at a pose, approached from a side.
-struct At<'a> {
-    machine: &'a Machine,
-    pose: &'a [f64],
-    approach: Approach,
-}
-
-impl At<'_> {
-    fn over<S: Algebra>(&self, lift: &impl ErrorLift<S>) -> Evaluation {
-        let origin = self.machine.workpiece();
-        let errors = values(self.machine, self.pose, self.approach);
-        let actual = Chain::actual(self.machine, self.pose, &errors, lift).tool_in_workpiece(&origin);
-        let nominal = Chain::<f64>::nominal(self.machine, self.pose).tool_in_workpiece(&origin);
-        Evaluation {
-            nominal: nominal.translation,
-            deviation: Deviation {
-                position: Vector3::from_fn(|i, _| difference(&actual.translation[i], nominal.translation[i])),
-                rotation: rotation(
-                    &actual.linear,
-                    &nominal.linear.map(S::from_real),
-                    self.machine.conventions().joints,
-                )
-                .map(|x| difference(&x, 0.0)),
-            },
-            e_ve: e_ve(&actual, &nominal),
-        }
     }
 }
 

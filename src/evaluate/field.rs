@@ -4,7 +4,7 @@ use super::compiled::batch::{Batch, Output};
 use super::compiled::model::CompiledModel;
 use super::deviation::{Deviation, Order, command_deviation, unturned_deviation};
 use crate::lower::{NominalPose, Sensitivity, sensitivities};
-use crate::machine::{Approach, ErrorId, Machine};
+use crate::machine::{Approach, ErrorId, Machine, OperatingConditions, OperatingPoint};
 use nalgebra::Vector3;
 use std::sync::OnceLock;
 
@@ -16,19 +16,19 @@ pub trait Field: Sync {
     /// Returns the machine whose poses these are.
     fn machine(&self) -> &Machine;
 
-    /// Returns actual minus nominal at a pose, approached from a side.
-    fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation;
+    /// Returns actual minus nominal at an operating point.
+    fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation;
 
     /// Computes the deviations at the first `out.len()` poses; one by one, unless the implementation has a faster
     /// method.
-    fn deviations(&self, poses: &Batch<'_>, approach: Approach, mut out: Output<'_>) {
+    fn deviations(&self, poses: &Batch<'_>, conditions: OperatingConditions, mut out: Output<'_>) {
         for i in 0..out.len() {
-            out.put(i, &self.deviation(&poses.pose(i), approach));
+            out.put(i, &self.deviation(&conditions.at(&poses.pose(i))));
         }
     }
 
     /// Returns the compiled model behind the field, if there is one.
-    fn compiled_model(&self, _approach: Approach) -> Option<&CompiledModel> {
+    fn compiled_model(&self, _conditions: OperatingConditions) -> Option<&CompiledModel> {
         None
     }
 }
@@ -47,13 +47,13 @@ impl Field for Bare<'_> {
         self.machine
     }
 
-    fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
-        unturned_deviation(self.machine, pose, self.order, approach)
+    fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation {
+        unturned_deviation(self.machine, at, self.order)
     }
 
     /// Compiles the machine for the batch: faster from about ten poses on.
-    fn deviations(&self, poses: &Batch<'_>, approach: Approach, out: Output<'_>) {
-        CompiledModel::new(self.machine, self.order, approach).deviations(poses, out);
+    fn deviations(&self, poses: &Batch<'_>, conditions: OperatingConditions, out: Output<'_>) {
+        CompiledModel::new(self.machine, self.order, conditions).deviations(poses, out);
     }
 }
 
@@ -73,13 +73,13 @@ impl CompiledField {
         Self { machine: machine.clone(), order, models: Default::default() }
     }
 
-    fn compiled(&self, approach: Approach) -> &CompiledModel {
-        let slot = match approach {
+    fn model(&self, conditions: OperatingConditions) -> &CompiledModel {
+        let slot = match conditions.approach {
             Approach::Mean => 0,
             Approach::Forward => 1,
             Approach::Reverse => 2,
         };
-        self.models[slot].get_or_init(|| CompiledModel::new(&self.machine, self.order, approach))
+        self.models[slot].get_or_init(|| CompiledModel::new(&self.machine, self.order, conditions))
     }
 }
 
@@ -88,36 +88,36 @@ impl Field for CompiledField {
         &self.machine
     }
 
-    fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
-        self.compiled(approach).deviation(pose)
+    fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation {
+        self.model(at.conditions).deviation(at.axes)
     }
 
-    fn deviations(&self, poses: &Batch<'_>, approach: Approach, out: Output<'_>) {
-        self.compiled(approach).deviations(poses, out);
+    fn deviations(&self, poses: &Batch<'_>, conditions: OperatingConditions, out: Output<'_>) {
+        self.model(conditions).deviations(poses, out);
     }
 
-    fn compiled_model(&self, approach: Approach) -> Option<&CompiledModel> {
-        Some(self.compiled(approach))
+    fn compiled_model(&self, conditions: OperatingConditions) -> Option<&CompiledModel> {
+        Some(self.model(conditions))
     }
 }
 
-/// Returns the deviation at a pose when the controller sends another command in its place (both mm, deg), by the exact
-/// model, unturned workpiece frame.
-pub fn commanded_deviation(machine: &Machine, pose: &[f64], command: &[f64], approach: Approach) -> Deviation {
-    command_deviation(machine, &NominalPose::at(machine, pose).pose, command, approach)
-}
-
-/// Returns the deviation by each error alone at a pose (mm, deg), to first order, in the order of [`Machine::errors`];
+/// Returns the deviation at a pose (mm, deg) when the controller sends another command in its place, by the exact model,
 /// unturned workpiece frame.
-pub fn error_by_error(machine: &Machine, pose: &[f64], approach: Approach) -> Vec<(ErrorId, Deviation)> {
+pub fn commanded_deviation(machine: &Machine, pose: &[f64], command: &OperatingPoint<'_>) -> Deviation {
+    command_deviation(machine, &NominalPose::at(machine, pose).pose, command)
+}
+
+/// Returns the deviation by each error alone at an operating point, to first order, in the order of
+/// [`Machine::errors`]; unturned workpiece frame.
+pub fn error_by_error(machine: &Machine, at: &OperatingPoint<'_>) -> Vec<(ErrorId, Deviation)> {
     let values = machine.errors().map(|(id, term)| {
-        let position = machine.axis_index(id.axis.as_str()).map_or(0.0, |axis| pose[axis]);
-        term.value(position, approach)
+        let axis = machine.axis_index(id.axis.as_str()).unwrap_or(machine.axes().len());
+        term.value(&at.argument(axis))
     });
     let effect = |(s, value): (Sensitivity, f64)| {
         (s.error, Deviation { position: s.deviation * value, rotation: s.rotation * value })
     };
-    sensitivities(machine, pose, |_| true).into_iter().zip(values).map(effect).collect()
+    sensitivities(machine, at.axes, |_| true).into_iter().zip(values).map(effect).collect()
 }
 
 /// Returns the part of a rotation vector (rad, unturned workpiece frame) that tilts the tool axis: without the rotation

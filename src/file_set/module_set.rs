@@ -47,7 +47,7 @@ pub(crate) fn rendered(
 ) -> Result<ModuleFiles, Refused> {
     let limits = request.limits;
     let meant = carried(call, machine, target, request)?;
-    call.extend(finite::refusal_of_content(&meant));
+    call.extend(finite::refusal(&meant));
     call.checked()?;
     let reversal = Arc::new(target.reversal_tables(machine));
     call.extend(limits.excesses(machine, &reversal));

@@ -8,7 +8,7 @@ use crate::run::finite;
 use crate::units::significant;
 
 /// Returns in words which figures of the position deviation the files raise; `None` if they raise none.
-pub(crate) fn raised(certificate: &Certificate) -> Option<String> {
+pub(crate) fn raised(figures: &[RaisedFigure]) -> Option<String> {
     let travel = |approach| match approach {
         Approach::Mean => "",
         Approach::Forward => " forward",
@@ -19,39 +19,37 @@ pub(crate) fn raised(certificate: &Certificate) -> Option<String> {
             "{}{} to {} um from {}",
             r.figure,
             travel(r.approach),
-            significant(r.after, 4),
-            significant(r.before, 4)
+            significant(r.after_um, 4),
+            significant(r.before_um, 4)
         )
     };
-    let all: Vec<String> = certificate.raised.iter().map(one).collect();
+    let all: Vec<String> = figures.iter().map(one).collect();
     (!all.is_empty()).then(|| format!("the position deviation: {}", all.join(", ")))
 }
 
 /// Returns the warnings to be read before anybody loads such files.
 pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
     let (before, after) = (&certificate.uncompensated, &certificate.compensated);
-    // The certificate is written as JSON by hand, where such a number would be `null`.
-    let figures = [before, after].map(|field| [field.all.position_um, field.tool_axis]);
-    let mut found: Vec<Diagnostic> = finite::refusal(&figures).into_iter().collect();
+    let mut found: Vec<Diagnostic> = finite::refusal(&[before, after]).into_iter().collect();
     let lessened = |b: &Summary, a: &Summary| a.rms < 0.999 * b.rms;
     let lessens =
-        lessened(&before.all.position_um, &after.all.position_um) || lessened(&before.tool_axis, &after.tool_axis);
+        lessened(&before.position_um, &after.position_um) || lessened(&before.tool_axis_urad, &after.tool_axis_urad);
     if certificate.strongest.is_none() && !lessens {
         let help = "no error of this machine is within the target's reach, or the files hold nothing: a target with \
          a lattice, such as grid-csv, corrects errors that depend on several axes";
         found.push(Diagnostic::new(codes::W0602, "the tables correct nothing").help(help));
-    } else if let Some(words) = raised(certificate) {
+    } else if let Some(words) = raised(&certificate.raised) {
         found.push(Diagnostic::new(codes::W0602, format!("the tables raise {words}")).help(why_raised(certificate)));
     }
     // An increase by a twentieth is within the local changes of any table of angles.
     let turned = |b: &Summary, a: &Summary| a.p95 > b.p95 * 1.05 + ROUNDING_UM;
-    if turned(&before.tool_axis, &after.tool_axis) || turned(&before.all.rotation_urad, &after.all.rotation_urad) {
+    if turned(&before.tool_axis_urad, &after.tool_axis_urad) || turned(&before.rotation_urad, &after.rotation_urad) {
         let message = format!(
             "the orientation gets worse: 95 % {} urad instead of {} (tool axis {} instead of {})",
-            significant(after.all.rotation_urad.p95, 4),
-            significant(before.all.rotation_urad.p95, 4),
-            significant(after.tool_axis.p95, 4),
-            significant(before.tool_axis.p95, 4)
+            significant(after.rotation_urad.p95, 4),
+            significant(before.rotation_urad.p95, 4),
+            significant(after.tool_axis_urad.p95, 4),
+            significant(before.tool_axis_urad.p95, 4)
         );
         found.push(Diagnostic::new(codes::W0603, message).help(
             "rotation about the tool axis matters to tools that \

@@ -1,11 +1,12 @@
 //! A fitted machine as a machine file: self-contained, no `extends`, no tables outside.
 
-use super::model::{Basis, Parameter, Term};
-use super::solve::{Misfit, Solution};
+use super::model::{BasisFunction, Parameter, ParameterTerm};
+use super::solve::{FormUncertainty, Solution};
+use crate::identify::thresholds::UNCERTAINTY_SITES;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
-    Approach, Axis, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, JointUncertainty,
-    Machine, MachineParts, machine_file,
+    Approach, Axis, ComponentError, Curve, Direction, ErrorFamily, ErrorTerm, JointErrors, JointUncertainty, Machine,
+    MachineParts, machine_file,
 };
 use crate::syntax::IdentifyEntry;
 use crate::units::significant;
@@ -21,18 +22,18 @@ pub struct FileNotes<'a> {
     /// Writes the joint covariance of the parameters. Without it only each error's own uncertainty is stated.
     pub joint: bool,
     /// The forms of the axes beside the fitted curves; `None` if the readings cannot show any.
-    pub misfit: Option<&'a Misfit>,
+    pub form: Option<&'a FormUncertainty>,
 }
 
-/// The text of a machine file that says what `machine` says, the fitted parameters with their new values and expanded
-/// uncertainties (k = 2, with few readings to spare as wide as 95 % need; of a curve the largest over the travel).
+/// Returns the text of a machine file with the fitted values and expanded uncertainties (k = 2, wider for few residual
+/// degrees of freedom; of a curve the largest over the travel). Everything else is as in `machine`.
 pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solution, notes: FileNotes<'_>) -> String {
     let mut parts = machine.to_parts();
-    let solution = &solution.clone().widened(parameters);
+    let solution = &solution.clone().with_student_scatter(parameters);
     for ((place, direction), curves) in curves_of(parameters, &solution.theta()) {
-        put(&mut parts, place, direction, curves);
-        let half = expanded(machine, parameters, solution, Source { place, direction });
-        let Some(error) = error_at(&parts, place, direction) else { continue };
+        set_error(&mut parts, place, direction, curves);
+        let half = expanded_uncertainty(machine, parameters, solution, Source { place, direction });
+        let Some(error) = (Source { place, direction }).error(machine) else { continue };
         parts.covariance.iter_mut().for_each(|part| part.remove(&error));
         let _ = match half {
             Some(half) => parts.uncertainty.insert(error, half),
@@ -40,15 +41,15 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
         };
     }
     if notes.joint {
-        let columns = solution.factor(parameters.len());
-        let part = |column: &Vec<f64>| joint_part(&parts, parameters, column);
+        let columns = solution.covariance_factor(parameters.len());
+        let part = |column: &Vec<f64>| joint_part(machine, parameters, column);
         let fitted: Vec<JointUncertainty> = columns.iter().map(part).collect();
         parts.covariance.retain(|part| !part.is_empty());
-        if let Some(misfit) = notes.misfit {
-            parts.forms.retain(|form| !misfit.judged.contains(&form.axis));
-            parts.forms.extend(misfit.forms.iter().cloned());
+        if let Some(form) = notes.form {
+            parts.forms.retain(|known| !form.examined_axes.contains(&known.axis));
+            parts.forms.extend(form.forms.iter().cloned());
         }
-        // Beyond what was measured a curve that only its bounds hold is as good as unknown.
+        // Beyond the readings a curve that only its slope bounds hold is as good as unknown.
         if fitted.iter().all(|part| is_plausible(part, machine)) {
             parts.covariance.extend(fitted);
         }
@@ -56,29 +57,29 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
     for (i, axis) in machine.axes().iter().enumerate() {
         parts.geometry.follow(&axis.name, machine.axis_errors(i), &parts.errors[i]);
     }
-    machine_file(&parts, notes.provenance) + &section(notes.request)
+    machine_file(&parts, notes.provenance) + &identify_section(notes.request)
 }
 
-/// Curves that the parameters make together with these values, by error.
-fn curves_of(parameters: &[Parameter], values: &[f64]) -> BTreeMap<(ErrorSite, Direction), Directed> {
-    let mut curves: BTreeMap<(ErrorSite, Direction), Directed> = BTreeMap::new();
+/// Returns the curves that the parameters make together with these values, by error.
+fn curves_of(parameters: &[Parameter], values: &[f64]) -> BTreeMap<(ErrorSite, Direction), CurvesByApproach> {
+    let mut curves: BTreeMap<(ErrorSite, Direction), CurvesByApproach> = BTreeMap::new();
     for (parameter, value) in parameters.iter().zip(values) {
         for term in &parameter.terms {
             let sum = &mut curves.entry((term.source.place, term.source.direction)).or_default()
                 [approach_index(term.approach)];
-            *sum = Some(join(sum.take(), &term.basis, *value * term.factor));
+            *sum = Some(add_basis(sum.take(), &term.basis, *value * term.factor));
         }
     }
     curves
 }
 
-/// The errors that one standard uncertainty of an independent part changes, `amounts` by parameter.
-fn joint_part(parts: &MachineParts, parameters: &[Parameter], amounts: &[f64]) -> JointUncertainty {
+/// Returns the changes of errors by one standard uncertainty of an independent part, `amounts` by parameter.
+fn joint_part(machine: &Machine, parameters: &[Parameter], amounts: &[f64]) -> JointUncertainty {
     let mut joint = JointUncertainty::default();
     for ((place, direction), curves) in curves_of(parameters, amounts) {
         let constant = curves[0].as_ref().map_or(0.0, |curve| curve.value(0.0));
         let index = direction.index();
-        match (place, error_at(parts, place, direction)) {
+        match (place, Source { place, direction }.error(machine)) {
             (ErrorSite::Tool, _) => joint.setup.tool[index % 3] = constant,
             (ErrorSite::Workpiece, _) => joint.setup.workpiece[index] = constant,
             (_, Some(error)) => {
@@ -94,40 +95,42 @@ fn joint_part(parts: &MachineParts, parameters: &[Parameter], amounts: &[f64]) -
     joint
 }
 
-/// True if no error that the part moves would be refused, with room for what lies between the sites.
+/// True if no error that the part changes would be refused, with a factor of two for positions between the sites.
 fn is_plausible(part: &JointUncertainty, machine: &Machine) -> bool {
     let small = |axis: &Axis, direction: Direction, term: &ErrorTerm| {
-        let both = |q: f64| [Approach::Forward, Approach::Reverse].map(|from| term.value(q, from).abs());
+        let both = |q: f64| [Approach::Forward, Approach::Reverse].map(|from| term.value(&from.at_position(q)).abs());
         sites(Some(axis)).into_iter().flat_map(both).all(|size| size <= 0.5 * crate::machine::largest(direction))
     };
     let errors = |axis: &Axis| part.errors.get(&axis.name).into_iter().flat_map(JointErrors::iter).collect::<Vec<_>>();
     machine.axes().iter().all(|axis| errors(axis).into_iter().all(|(_, direction, term)| small(axis, direction, term)))
 }
 
-/// Positions (mm or deg) of an axis at which curves are looked at; one of a spindle.
+/// Returns even positions (mm or deg) over the travel of an axis; one of a spindle.
 fn sites(axis: Option<&Axis>) -> Vec<f64> {
     axis.map_or_else(
         || vec![0.0],
         |axis| {
             let (min, max) = axis.travel.interval();
-            (0..SITES).map(|i| min + (max - min) * i as f64 / (SITES - 1) as f64).collect()
+            (0..UNCERTAINTY_SITES).map(|i| min + (max - min) * i as f64 / (UNCERTAINTY_SITES - 1) as f64).collect()
         },
     )
 }
 
-/// Places of the travel where the uncertainty of a curve is looked at.
-const SITES: usize = 25;
-
-/// Expanded uncertainty (mm or rad, k = 2) of a fitted error, to three digits: the largest over the travel and both
+/// Returns the expanded uncertainty (mm or rad, k = 2) of a fitted error, to three digits: the largest over the travel and both
 /// directions. `None` if the data leave it free somewhere.
-fn expanded(machine: &Machine, parameters: &[Parameter], solution: &Solution, source: Source) -> Option<f64> {
+fn expanded_uncertainty(
+    machine: &Machine,
+    parameters: &[Parameter],
+    solution: &Solution,
+    source: Source,
+) -> Option<f64> {
     let (largest, _) = largest_uncertainty(machine, parameters, solution, source)?;
     let half: f64 = significant(2.0 * largest, 3).parse().ok()?;
-    // What is uncertain by more than any machine has is not stated.
+    // An uncertainty above the largest error of any machine is not stated.
     (half > 0.0 && half <= crate::machine::largest(source.direction)).then_some(half)
 }
 
-/// The largest standard uncertainty (mm or rad) of a fitted error over the travel and both directions, and the position
+/// Returns the largest standard uncertainty (mm or rad) of a fitted error over the travel and both directions, and the position
 /// (mm or deg) where it is. `None` if the data leave the error free somewhere.
 pub fn largest_uncertainty(
     machine: &Machine,
@@ -138,7 +141,7 @@ pub fn largest_uncertainty(
     let axis = if let ErrorSite::Component(axis) = source.place { machine.axes().get(axis) } else { None };
     let sites = sites(axis);
     let at = |q: f64, from: Approach| {
-        let mine = |t: &&Term| t.source == source && (t.approach == from || t.approach == Approach::Mean);
+        let mine = |t: &&ParameterTerm| t.source == source && (t.approach == from || t.approach == Approach::Mean);
         let factor = |p: &Parameter| p.terms.iter().filter(mine).map(|t| t.factor * t.basis.value(q)).sum::<f64>();
         let sum: Vec<(usize, f64)> = parameters.iter().map(factor).enumerate().collect();
         solution.uncertainty(&sum)
@@ -151,16 +154,8 @@ pub fn largest_uncertainty(
     both.map(|(u, q)| Some((u?, q))).reduce(larger).flatten()
 }
 
-/// The error of a joint at a place; `None` for set-up errors.
-fn error_at(parts: &MachineParts, place: ErrorSite, direction: Direction) -> Option<ErrorId> {
-    let (ErrorSite::Location(joint) | ErrorSite::Component(joint)) = place else { return None };
-    let axis = parts.axes.get(joint).map(|axis| &axis.name).or_else(|| parts.chain.spindle()).cloned()?;
-    let family = if matches!(place, ErrorSite::Location(_)) { ErrorFamily::Location } else { ErrorFamily::Component };
-    Some(ErrorId { axis, family, direction })
-}
-
-/// The section `identify`, in the JSON that is YAML; nothing for nothing.
-fn section(request: &IdentifyEntry) -> String {
+/// Returns the section `identify` in JSON, which is YAML; empty for an empty request.
+fn identify_section(request: &IdentifyEntry) -> String {
     match serde_json::to_string(request) {
         Ok(text) if *request != IdentifyEntry::default() => format!("identify: {text}\n"),
         _ => String::new(),
@@ -168,9 +163,9 @@ fn section(request: &IdentifyEntry) -> String {
 }
 
 /// Curves of mean, forward and reverse approach, as far as they were fitted.
-type Directed = [Option<Curve>; 3];
+type CurvesByApproach = [Option<Curve>; 3];
 
-/// Returns the index of an approach in [`Directed`].
+/// Returns the index of an approach in [`CurvesByApproach`].
 fn approach_index(approach: Approach) -> usize {
     match approach {
         Approach::Mean => 0,
@@ -179,8 +174,8 @@ fn approach_index(approach: Approach) -> usize {
     }
 }
 
-/// A fitted source in its place. A location error that was not given and comes out as 0 stays away.
-fn put(parts: &mut MachineParts, place: ErrorSite, direction: Direction, curves: Directed) {
+/// Sets a fitted error. A location error that the file does not have and that is fitted as 0 stays away.
+fn set_error(parts: &mut MachineParts, place: ErrorSite, direction: Direction, curves: CurvesByApproach) {
     let constant = curves[0].as_ref().map_or(0.0, |curve| curve.value(0.0));
     let index = direction.index();
     match place {
@@ -199,8 +194,8 @@ fn put(parts: &mut MachineParts, place: ErrorSite, direction: Direction, curves:
     }
 }
 
-/// A fitted component error. A direction that was not fitted keeps what the file says.
-fn component(known: Option<ErrorTerm>, [mean, forward, reverse]: Directed) -> ComponentError {
+/// Returns a fitted component error; a direction that was not fitted keeps the curve of the file.
+fn component(known: Option<ErrorTerm>, [mean, forward, reverse]: CurvesByApproach) -> ComponentError {
     let kept = match known {
         Some(ErrorTerm::Component(ComponentError::Single(curve))) => [curve.clone(), curve],
         Some(ErrorTerm::Component(ComponentError::Bidirectional { forward, reverse })) => [forward, reverse],
@@ -215,33 +210,33 @@ fn component(known: Option<ErrorTerm>, [mean, forward, reverse]: Directed) -> Co
     }
 }
 
-/// A curve and `amount` of a basis function.
-fn join(known: Option<Curve>, basis: &Basis, amount: f64) -> Curve {
+/// Adds `amount` of a basis function to a curve.
+fn add_basis(known: Option<Curve>, basis: &BasisFunction, amount: f64) -> Curve {
     match basis {
-        Basis::Constant => power(known, 0, amount),
-        Basis::Power(k) => power(known, usize::from(*k), amount),
-        Basis::Cosine(k) => harmonic(known, usize::from(*k), (amount, 0.0)),
-        Basis::Sine(k) => harmonic(known, usize::from(*k), (0.0, amount)),
-        Basis::Spline(curve) => spline(known, curve, amount),
+        BasisFunction::Constant => add_power(known, 0, amount),
+        BasisFunction::Power(k) => add_power(known, usize::from(*k), amount),
+        BasisFunction::Cosine(k) => add_harmonic(known, usize::from(*k), amount, 0.0),
+        BasisFunction::Sine(k) => add_harmonic(known, usize::from(*k), 0.0, amount),
+        BasisFunction::Spline(curve) => add_spline(known, curve, amount),
     }
 }
 
-fn power(known: Option<Curve>, k: usize, amount: f64) -> Curve {
+fn add_power(known: Option<Curve>, k: usize, amount: f64) -> Curve {
     let mut c = if let Some(Curve::Polynomial(c)) = known { c } else { Vec::new() };
     c.resize(c.len().max(k + 1), 0.0);
     c[k] += amount;
     Curve::Polynomial(c)
 }
 
-fn harmonic(known: Option<Curve>, k: usize, (cosine, sine): (f64, f64)) -> Curve {
+fn add_harmonic(known: Option<Curve>, k: usize, cosine: f64, sine: f64) -> Curve {
     let mut orders = if let Some(Curve::Harmonics(orders)) = known { orders } else { Vec::new() };
     orders.resize(orders.len().max(k + 1), (0.0, 0.0));
     orders[k] = (orders[k].0 + cosine, orders[k].1 + sine);
     Curve::Harmonics(orders)
 }
 
-/// Splines through the same knots add up knot by knot.
-fn spline(known: Option<Curve>, one: &Curve, amount: f64) -> Curve {
+/// Adds splines through the same knots knot by knot.
+fn add_spline(known: Option<Curve>, one: &Curve, amount: f64) -> Curve {
     if let Curve::BSpline(one) = one {
         let before = if let Some(Curve::BSpline(known)) = &known { known.coefficients() } else { &[] };
         let sum = |(i, c): (usize, &f64)| before.get(i).unwrap_or(&0.0) + amount * c;

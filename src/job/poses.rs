@@ -5,21 +5,13 @@ use crate::machine::{Axis, AxisKind, Machine, Pose};
 use crate::run::{Call, Refused};
 use crate::syntax::read_text;
 use crate::units;
-use indexmap::IndexMap;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+pub use crate::machine::{AxisPositions, axis_positions};
+
 /// Largest number of poses of a file.
 const MAX_POSES: usize = 200_000;
-
-/// Positions by the names of the axes, in the order of the chain; mm and deg.
-pub type AxisPositions = IndexMap<String, f64>;
-
-/// Returns the positions of a pose by name.
-pub(crate) fn axis_positions(machine: &Machine, pose: &[f64]) -> AxisPositions {
-    // Adding zero turns -0 into 0.
-    machine.axes().iter().zip(pose).map(|(axis, q)| (axis.name.to_string(), q + 0.0)).collect()
-}
 
 /// Returns positions in the order of the axes as text, such as `X = 100 mm, C = 90 deg`.
 pub fn axes_text<'q>(machine: &Machine, pose: impl IntoIterator<Item = &'q f64>) -> String {

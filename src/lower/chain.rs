@@ -1,7 +1,7 @@
 //! The chain: joints on the walk from workpiece to tool, their product and its halves.
 
-use super::joint::{JointElements, Position, error_motion, invert_if, joint};
-use super::source::{Elements, ErrorLift, ErrorSite, ErrorValues};
+use super::joint::{JointElements, JointPosition, error_motion, invert_if, joint};
+use super::source::{AxisErrorValues, Elements, ErrorLift, ErrorSite, ErrorValues};
 use crate::algebra::{Algebra, Htm};
 use crate::machine::{Branch, Machine};
 use nalgebra::Vector3;
@@ -28,11 +28,16 @@ impl<S: Algebra> Chain<S> {
     }
 
     /// The actual machine at positions that are elements of the algebra themselves.
-    pub fn actual_at(machine: &Machine, at: &[Position<S>], values: &ErrorValues, lift: &impl ErrorLift<S>) -> Self {
+    pub fn actual_at(
+        machine: &Machine,
+        at: &[JointPosition<S>],
+        values: &ErrorValues,
+        lift: &impl ErrorLift<S>,
+    ) -> Self {
         let conventions = machine.conventions();
         let elements = Elements::new(machine, lift);
         let axis = |i: usize| {
-            let (location, component) = &values.axes[i];
+            let AxisErrorValues { location, component } = &values.axes[i];
             let errors = JointElements {
                 location: elements.six(ErrorSite::Location(i), location),
                 component: elements.six(ErrorSite::Component(i), component),
@@ -59,7 +64,7 @@ impl<S: Algebra> Chain<S> {
     }
 
     /// The nominal machine at positions that are elements of the algebra.
-    pub fn nominal_at(machine: &Machine, at: &[Position<S>]) -> Self {
+    pub fn nominal_at(machine: &Machine, at: &[JointPosition<S>]) -> Self {
         let none = JointElements { location: None, component: None };
         let axes = machine.axes().iter().zip(at);
         Self {
@@ -106,8 +111,8 @@ impl<S: Algebra> Chain<S> {
 }
 
 /// A pose (mm, deg) as elements.
-pub fn positions<S: Algebra>(machine: &Machine, pose: &[f64]) -> Vec<Position<S>> {
-    machine.axes().iter().zip(pose).map(|(axis, q)| Position::at(axis, *q)).collect()
+pub fn positions<S: Algebra>(machine: &Machine, pose: &[f64]) -> Vec<JointPosition<S>> {
+    machine.axes().iter().zip(pose).map(|(axis, q)| JointPosition::at(axis, *q)).collect()
 }
 
 fn workpiece_side(machine: &Machine) -> usize {

@@ -1,6 +1,6 @@
 //! The generators of errors: a declared algebra on a machine.
 
-use super::source::{ErrorLift, ErrorSite, ErrorValues, Source};
+use super::source::{AxisErrorValues, ErrorLift, ErrorSite, ErrorValues, Source};
 use crate::algebra::weil::{Basis, BasisFailure, Ideal, Monomial, Weil};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{AlgebraChoice, Direction, ErrorId, Generators, LocationOrder, Machine, parse_error_name};
@@ -52,7 +52,9 @@ pub fn unit_values(machine: &Machine) -> ErrorValues {
     let axes = machine.axes().len();
     let [x, y, z, ..] = has(ErrorSite::Tool);
     ErrorValues {
-        axes: (0..axes).map(|i| (has(ErrorSite::Location(i)), has(ErrorSite::Component(i)))).collect(),
+        axes: (0..axes)
+            .map(|i| AxisErrorValues { location: has(ErrorSite::Location(i)), component: has(ErrorSite::Component(i)) })
+            .collect(),
         spindle: machine.spindle_errors().map(|_| has(ErrorSite::Location(axes))),
         tool: [x, y, z],
         workpiece: has(ErrorSite::Workpiece),

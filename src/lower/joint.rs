@@ -28,14 +28,14 @@ pub struct JointElements<S> {
 /// The nominal motion of an axis, as programmed: the travel of a linear axis (mm), or sine and cosine of a
 /// rotary axis's angle. Elements of any algebra: numbers, unknowns of Newton's iteration, symbols.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Position<S> {
+pub enum JointPosition<S> {
     /// Along the direction.
     Linear(S),
     /// Sine and cosine of the angle about it.
     Rotary(S, S),
 }
 
-impl<S: Algebra> Position<S> {
+impl<S: Algebra> JointPosition<S> {
     /// At a number (mm or deg).
     pub fn at(axis: &Axis, position: f64) -> Self {
         match axis.kind {
@@ -60,7 +60,7 @@ impl<S: Algebra> Position<S> {
     }
 
     /// Returns the motion in the sense in which the axis moves the tool relative to the workpiece.
-    fn sensed(&self, axis: &Axis) -> Self {
+    fn in_sense(&self, axis: &Axis) -> Self {
         match self.clone() {
             Self::Linear(travel) => Self::Linear(travel.scaled(axis.sign())),
             Self::Rotary(sine, cosine) => Self::Rotary(sine.scaled(axis.sign()), cosine),
@@ -72,7 +72,7 @@ impl<S: Algebra> Position<S> {
 pub fn joint<S: Algebra>(
     axis: &Axis,
     conventions: &Conventions,
-    position: &Position<S>,
+    position: &JointPosition<S>,
     errors: &JointElements<S>,
 ) -> Htm<S> {
     let convention = axis.convention(conventions);
@@ -93,10 +93,10 @@ pub fn joint<S: Algebra>(
 }
 
 /// N(q): translation along, or rotation about, the axis direction.
-pub(super) fn nominal<S: Algebra>(axis: &Axis, position: &Position<S>) -> Htm<S> {
-    match position.sensed(axis) {
-        Position::Linear(travel) => Htm::translation(Vector3::from(axis.direction).map(|u| travel.scaled(u))),
-        Position::Rotary(sine, cosine) => {
+pub(super) fn nominal<S: Algebra>(axis: &Axis, position: &JointPosition<S>) -> Htm<S> {
+    match position.in_sense(axis) {
+        JointPosition::Linear(travel) => Htm::translation(Vector3::from(axis.direction).map(|u| travel.scaled(u))),
+        JointPosition::Rotary(sine, cosine) => {
             Htm { linear: rotation_about(&axis.direction, (sine, cosine)), ..Htm::identity() }
         }
     }

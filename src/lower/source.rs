@@ -1,7 +1,7 @@
 //! Error values at a pose, and how they enter an algebra.
 
 use crate::algebra::{Algebra, Dual};
-use crate::machine::{Approach, Direction, LocationOrder, Machine};
+use crate::machine::{Direction, ErrorFamily, ErrorId, LocationOrder, Machine, OperatingPoint};
 use nalgebra::Vector3;
 
 /// The part of the machine to which an error belongs.
@@ -24,6 +24,19 @@ pub struct Source {
     pub place: ErrorSite,
     /// The direction of the error.
     pub direction: Direction,
+}
+
+impl Source {
+    /// Returns the error at this place of a machine; `None` for set-up errors.
+    pub fn error(&self, machine: &Machine) -> Option<ErrorId> {
+        let (joint, family) = match self.place {
+            ErrorSite::Location(joint) => (joint, ErrorFamily::Location),
+            ErrorSite::Component(joint) => (joint, ErrorFamily::Component),
+            ErrorSite::Tool | ErrorSite::Workpiece => return None,
+        };
+        let axis = machine.axes().get(joint).map(|axis| &axis.name).or_else(|| machine.chain().spindle()).cloned()?;
+        Some(ErrorId { axis, family, direction: self.direction })
+    }
 }
 
 /// The conversion of an error of a given size (mm or rad) to an element of the algebra.
@@ -57,11 +70,20 @@ impl<const M: usize> ErrorLift<Dual<M>> for OrderN {
     }
 }
 
+/// The errors of one axis at a pose, in mm and rad.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisErrorValues {
+    /// Its location errors.
+    pub location: [f64; 6],
+    /// Its component errors.
+    pub component: [f64; 6],
+}
+
 /// The errors of a machine at a pose, in mm and rad.
 #[derive(Debug, Clone)]
 pub struct ErrorValues {
     /// Location and component errors of each axis, in the order of [`Machine::axes`].
-    pub axes: Vec<([f64; 6], [f64; 6])>,
+    pub axes: Vec<AxisErrorValues>,
     /// Location errors of the spindle.
     pub spindle: Option<[f64; 6]>,
     /// Displacement of the tip.
@@ -70,14 +92,14 @@ pub struct ErrorValues {
     pub workpiece: [f64; 6],
 }
 
-/// Looks up every error at a pose (mm, deg).
-pub fn values(machine: &Machine, pose: &[f64], approach: Approach) -> ErrorValues {
-    let axis = |(i, q): (usize, &f64)| {
+/// Looks up every error at an operating point.
+pub fn values(machine: &Machine, at: &OperatingPoint<'_>) -> ErrorValues {
+    let axis = |i: usize| {
         let errors = machine.axis_errors(i);
-        (errors.location_values(), errors.component_values(*q, approach))
+        AxisErrorValues { location: errors.location_values(), component: errors.component_values(&at.argument(i)) }
     };
     ErrorValues {
-        axes: pose.iter().enumerate().map(axis).collect(),
+        axes: (0..at.axes.len()).map(axis).collect(),
         spindle: machine.spindle_errors().map(crate::machine::JointErrors::location_values),
         tool: machine.setup().tool,
         workpiece: machine.setup().workpiece,
@@ -90,10 +112,10 @@ impl ErrorValues {
         let direction = source.direction.index();
         match source.place {
             ErrorSite::Location(i) => match self.axes.get(i) {
-                Some((location, _)) => location[direction],
+                Some(axis) => axis.location[direction],
                 None => self.spindle.map_or(0.0, |six| six[direction]),
             },
-            ErrorSite::Component(i) => self.axes.get(i).map_or(0.0, |(_, component)| component[direction]),
+            ErrorSite::Component(i) => self.axes.get(i).map_or(0.0, |axis| axis.component[direction]),
             ErrorSite::Tool => self.tool.get(direction).copied().unwrap_or(0.0),
             ErrorSite::Workpiece => self.workpiece[direction],
         }

@@ -3,8 +3,8 @@
 //! gives all of them. Over D_n the derivatives are those of the model of order n.
 
 use super::chain::{Chain, into_part};
-use super::joint::{Position, error_motion, invert_if, nominal};
-use super::source::{Elements, ErrorLift, ErrorSite, ErrorValues, Exact, Source};
+use super::joint::{JointPosition, error_motion, invert_if, nominal};
+use super::source::{AxisErrorValues, Elements, ErrorLift, ErrorSite, ErrorValues, Exact, Source};
 use crate::algebra::{Algebra, Htm, left_jacobian, product, transform};
 use crate::machine::{AxisKind, Direction, Joints, LocationAction, Machine, MotionSide};
 use nalgebra::{Matrix3, Vector3};
@@ -81,18 +81,18 @@ pub fn position_jacobian<S: Algebra>(
 }
 
 /// An error matrix of a factor, and its derivatives by its six errors.
-struct Motion<S: Algebra> {
+struct FactorMotion<S: Algebra> {
     matrix: Htm<S>,
     jacobian: Option<Matrix3<S>>,
 }
 
 /// A factor of a joint's bracket and the point that it was applied to.
 struct Factor<S: Algebra> {
-    kind: Kind<S>,
+    kind: FactorKind<S>,
     input: Vector3<S>,
 }
 
-enum Kind<S: Algebra> {
+enum FactorKind<S: Algebra> {
     /// The nominal motion.
     Nominal(Htm<S>),
     /// The error motion, or its inverse: 0 for location, 1 for component errors.
@@ -102,14 +102,14 @@ enum Kind<S: Algebra> {
 }
 
 /// A joint: its bracket about an origin.
-struct Joint<S: Algebra> {
+struct JointFactors<S: Algebra> {
     origin: [f64; 3],
-    motions: [Motion<S>; 2],
+    motions: [FactorMotion<S>; 2],
     factors: Vec<Factor<S>>,
 }
 
-impl<S: Algebra> Joint<S> {
-    fn new(origin: [f64; 3], motions: [Motion<S>; 2], kinds: Vec<Kind<S>>) -> Self {
+impl<S: Algebra> JointFactors<S> {
+    fn new(origin: [f64; 3], motions: [FactorMotion<S>; 2], kinds: Vec<FactorKind<S>>) -> Self {
         let zero = Vector3::from_fn(|_, _| S::zero());
         let factors = kinds.into_iter().map(|kind| Factor { kind, input: zero.clone() }).collect();
         Self { origin, motions, factors }
@@ -121,9 +121,9 @@ impl<S: Algebra> Joint<S> {
         let apply = |g: &Htm<S>, x: &Vector3<S>| transform(&g.linear, x) + &g.translation;
         for factor in factors.iter_mut().rev() {
             let image = match &factor.kind {
-                Kind::Nominal(g) | Kind::Error(_, Some(g)) => apply(g, &x),
-                Kind::Error(which, None) => apply(&motions[*which].matrix, &x),
-                Kind::Displaced(shift) => transform(&motions[0].matrix.linear, shift) + &x,
+                FactorKind::Nominal(g) | FactorKind::Error(_, Some(g)) => apply(g, &x),
+                FactorKind::Error(which, None) => apply(&motions[*which].matrix, &x),
+                FactorKind::Displaced(shift) => transform(&motions[0].matrix.linear, shift) + &x,
             };
             factor.input = std::mem::replace(&mut x, image);
         }
@@ -136,13 +136,13 @@ impl<S: Algebra> Joint<S> {
         let mut sum: [[Vector3<S>; 6]; 2] = [zero(), zero()];
         for factor in &self.factors {
             match &factor.kind {
-                Kind::Nominal(g) => *prefix = product(prefix, &g.linear),
-                Kind::Error(which, None) => {
+                FactorKind::Nominal(g) => *prefix = product(prefix, &g.linear),
+                FactorKind::Error(which, None) => {
                     let motion = &self.motions[*which];
                     motion.add(&mut sum[*which], prefix, true, &factor.input, joints);
                     *prefix = product(prefix, &motion.matrix.linear);
                 }
-                Kind::Error(which, Some(inverse)) => {
+                FactorKind::Error(which, Some(inverse)) => {
                     // d(M^-1) x = -M^-1 dM (M^-1 x).
                     let after = product(prefix, &inverse.linear);
                     let image = transform(&inverse.linear, &factor.input) + &inverse.translation;
@@ -150,14 +150,14 @@ impl<S: Algebra> Joint<S> {
                     self.motions[*which].add(&mut sum[*which], &back, true, &image, joints);
                     *prefix = after;
                 }
-                Kind::Displaced(shift) => self.motions[0].add(&mut sum[0], prefix, false, shift, joints),
+                FactorKind::Displaced(shift) => self.motions[0].add(&mut sum[0], prefix, false, shift, joints),
             }
         }
         sum
     }
 }
 
-impl<S: Algebra> Motion<S> {
+impl<S: Algebra> FactorMotion<S> {
     fn new(six: &[S; 6], joints: Joints) -> Self {
         let jacobian = match joints {
             Joints::Orthogonal if six[3..].iter().any(|e| !e.is_zero()) => {
@@ -198,61 +198,61 @@ struct Lowering<'a, L> {
 }
 
 impl<L> Lowering<'_, L> {
-    fn motion<S: Algebra>(&self, place: ErrorSite, six: &[f64; 6]) -> Motion<S>
+    fn motion<S: Algebra>(&self, place: ErrorSite, six: &[f64; 6]) -> FactorMotion<S>
     where
         L: ErrorLift<S>,
     {
         let element = |direction: Direction| self.elements.one(Source { place, direction }, six[direction.index()]);
-        Motion::new(&Direction::ALL.map(element), self.machine.conventions().joints)
+        FactorMotion::new(&Direction::ALL.map(element), self.machine.conventions().joints)
     }
 
-    fn none<S: Algebra>(&self) -> Motion<S> {
-        Motion { matrix: Htm::identity(), jacobian: None }
+    fn none<S: Algebra>(&self) -> FactorMotion<S> {
+        FactorMotion { matrix: Htm::identity(), jacobian: None }
     }
 
-    fn workpiece_setup<S: Algebra>(&self, values: &ErrorValues) -> Joint<S>
+    fn workpiece_setup<S: Algebra>(&self, values: &ErrorValues) -> JointFactors<S>
     where
         L: ErrorLift<S>,
     {
         let motion = self.motion(ErrorSite::Workpiece, &values.workpiece);
         let inverse = invert_if(true, motion.matrix.clone());
-        Joint::new(self.machine.workpiece(), [motion, self.none()], vec![Kind::Error(0, Some(inverse))])
+        JointFactors::new(self.machine.workpiece(), [motion, self.none()], vec![FactorKind::Error(0, Some(inverse))])
     }
 
-    fn spindle<S: Algebra>(&self, values: &ErrorValues) -> Joint<S>
+    fn spindle<S: Algebra>(&self, values: &ErrorValues) -> JointFactors<S>
     where
         L: ErrorLift<S>,
     {
         let motion = self.motion(ErrorSite::Location(values.axes.len()), &values.spindle.unwrap_or_default());
-        Joint::new(self.machine.tool().gauge, [motion, self.none()], vec![Kind::Error(0, None)])
+        JointFactors::new(self.machine.tool().gauge, [motion, self.none()], vec![FactorKind::Error(0, None)])
     }
 
     /// The factors in the order that [`super::joint()`] multiplies them in.
-    fn joint<S: Algebra>(&self, i: usize, position: f64, (location, component): &([f64; 6], [f64; 6])) -> Joint<S>
+    fn joint<S: Algebra>(&self, i: usize, position: f64, errors: &AxisErrorValues) -> JointFactors<S>
     where
         L: ErrorLift<S>,
     {
         let axis = &self.machine.axes()[i];
         let convention = axis.convention(self.machine.conventions());
-        let location = self.motion(ErrorSite::Location(i), location);
-        let component = self.motion(ErrorSite::Component(i), component);
-        let nominal = nominal(axis, &Position::<S>::at(axis, position));
-        let inverse = |wanted: bool, motion: &Motion<S>| wanted.then(|| invert_if(true, motion.matrix.clone()));
+        let location = self.motion(ErrorSite::Location(i), &errors.location);
+        let component = self.motion(ErrorSite::Component(i), &errors.component);
+        let nominal = nominal(axis, &JointPosition::<S>::at(axis, position));
+        let inverse = |wanted: bool, motion: &FactorMotion<S>| wanted.then(|| invert_if(true, motion.matrix.clone()));
         let mut factors = match (convention.location, axis.kind) {
-            (LocationAction::Factor(_), _) => vec![Kind::Nominal(nominal)],
-            (LocationAction::Displaces, AxisKind::Linear) => vec![Kind::Displaced(nominal.translation)],
+            (LocationAction::Factor(_), _) => vec![FactorKind::Nominal(nominal)],
+            (LocationAction::Displaces, AxisKind::Linear) => vec![FactorKind::Displaced(nominal.translation)],
             (LocationAction::Displaces, AxisKind::Rotary) => {
-                let back = Kind::Error(0, inverse(true, &location));
-                vec![Kind::Error(0, None), Kind::Nominal(nominal), back]
+                let back = FactorKind::Error(0, inverse(true, &location));
+                vec![FactorKind::Error(0, None), FactorKind::Nominal(nominal), back]
             }
         };
         let end = |side: MotionSide, count: usize| if side == MotionSide::Outer { 0 } else { count };
-        let error = Kind::Error(1, inverse(convention.component.inverse, &component));
+        let error = FactorKind::Error(1, inverse(convention.component.inverse, &component));
         factors.insert(end(convention.component.side, factors.len()), error);
         if let LocationAction::Factor(factor) = convention.location {
-            let error = Kind::Error(0, inverse(factor.inverse, &location));
+            let error = FactorKind::Error(0, inverse(factor.inverse, &location));
             factors.insert(end(factor.side, factors.len()), error);
         }
-        Joint::new(convention.pivot, [location, component], factors)
+        JointFactors::new(convention.pivot, [location, component], factors)
     }
 }

@@ -8,8 +8,8 @@
 
 use crate::algebra::rotation_about;
 use crate::machine::{
-    Axis, AxisKind, Conventions, ErrorFactor, ErrorFamily, ErrorId, LocationAction, Machine, MotionSide,
-    sin_cos_degrees,
+    Axis, AxisKind, Conventions, CurveArgument, ErrorFactor, ErrorFamily, ErrorId, LocationAction, Machine, MotionSide,
+    OperatingPoint, sin_cos_degrees,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -64,12 +64,12 @@ impl JointSide {
     /// Returns the outer and the inner side of all axes at a pose (mm, deg) on the walk, then of the spindle.
     fn of_all(machine: &Machine, pose: &[f64]) -> Vec<[Self; 2]> {
         let axes = machine.axes();
-        let turns: Vec<Matrix3<f64>> = axes.iter().zip(pose).map(|(axis, q)| turned(axis, *q)).collect();
+        let turns: Vec<Matrix3<f64>> = axes.iter().zip(pose).map(|(axis, q)| rotation_by(axis, *q)).collect();
         let tip = Vector3::from(machine.tool().tip);
         let mut after = vec![tip];
         for ((axis, q), turn) in axes.iter().zip(pose).zip(&turns).rev() {
             let point = after[after.len() - 1];
-            after.push(moved(axis, *q, turn, &point));
+            after.push(image_of(axis, *q, turn, &point));
         }
         after.reverse();
         let mut rotation = Matrix3::identity();
@@ -104,7 +104,7 @@ impl JointSide {
     }
 }
 
-fn turned(axis: &Axis, q: f64) -> Matrix3<f64> {
+fn rotation_by(axis: &Axis, q: f64) -> Matrix3<f64> {
     match axis.kind {
         AxisKind::Linear => Matrix3::identity(),
         AxisKind::Rotary => {
@@ -115,7 +115,7 @@ fn turned(axis: &Axis, q: f64) -> Matrix3<f64> {
 }
 
 /// Applies the nominal motion to a point.
-fn moved(axis: &Axis, q: f64, turn: &Matrix3<f64>, point: &Vector3<f64>) -> Vector3<f64> {
+fn image_of(axis: &Axis, q: f64, turn: &Matrix3<f64>, point: &Vector3<f64>) -> Vector3<f64> {
     match axis.kind {
         AxisKind::Linear => point + Vector3::from(axis.direction) * (axis.sign() * q),
         AxisKind::Rotary => {
@@ -187,9 +187,9 @@ impl JointError {
         Self { joint, letter: error.direction.index(), weights }
     }
 
-    /// Returns the position of its axis at a pose; 0 for the spindle.
-    pub fn position(&self, pose: &[f64]) -> f64 {
-        pose.get(self.joint).copied().unwrap_or_default()
+    /// Returns what its curve depends on at an operating point.
+    pub fn argument<'a>(&self, at: &OperatingPoint<'a>) -> CurveArgument<'a> {
+        at.argument(self.joint)
     }
 
     /// Returns the effect of one unit of it (per mm or rad), unturned workpiece frame.

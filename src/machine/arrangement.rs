@@ -76,17 +76,18 @@ impl Machine {
     /// states none, it keeps what it has. `None` if an axis is not there, or twice, or none is left.
     pub fn rearranged(&self, walk: &[(AxisName, Branch)]) -> Option<Self> {
         let index: Vec<usize> = walk.iter().map(|(name, _)| self.axis_index(name.as_str())).collect::<Option<_>>()?;
-        let twice = index.iter().enumerate().any(|(i, axis)| index[..i].contains(axis));
-        let mixed = walk.windows(2).any(|two| two[0].1 == Branch::Tool && two[1].1 == Branch::Workpiece);
-        if walk.is_empty() || twice || mixed {
+        let side = |branch| walk.iter().filter(move |(_, side)| *side == branch).map(|(name, _)| name.clone());
+        let (workpiece, tool): (Vec<_>, Vec<_>) =
+            (side(Branch::Workpiece).rev().collect(), side(Branch::Tool).collect());
+        let chain = KinematicChain::new(&workpiece, &tool, self.chain().spindle()).ok()?;
+        // An axis that carries the workpiece does not come after one that carries the tool.
+        if walk.is_empty() || !chain.walk().into_iter().eq(walk.iter().map(|(name, branch)| (name, *branch))) {
             return None;
         }
-        let side = |branch| walk.iter().filter(move |(_, side)| *side == branch).map(|(name, _)| name.clone());
-        let outwards: Vec<AxisName> = side(Branch::Workpiece).collect::<Vec<_>>().into_iter().rev().collect();
         let mut parts = self.parts().clone();
-        parts.chain =
-            KinematicChain::new(&outwards, &side(Branch::Tool).collect::<Vec<_>>(), self.chain().spindle().cloned());
+        parts.chain = chain;
         let sides: Sides = walk.iter().cloned().collect();
+        let origins = self.geometry().origins(&sides);
         (parts.axes, parts.errors, parts.volume) = (Vec::new(), Vec::new(), Vec::new());
         for (i, (name, branch)) in index.into_iter().zip(walk) {
             let old = &self.axes()[i];
@@ -104,13 +105,13 @@ impl Machine {
                 let here = geometry.on(*branch);
                 (axis.direction, axis.travel) = (here.direction, here.travel);
             }
-            axis.origin = parts.geometry.origin(name, &sides);
+            axis.origin = origins.axis(name);
             parts.volume.push(within(self.volume()[i], old.travel, axis.travel));
             parts.errors.push(errors);
             parts.axes.push(axis);
         }
         parts.errors.extend(self.spindle_errors().cloned());
-        parts.workpiece = parts.geometry.point(&parts.geometry.workpiece, &sides);
+        parts.workpiece = origins.workpiece();
         // It may name errors that are gone.
         parts.algebra = None;
         Some(self.with_parts(parts))

@@ -56,7 +56,7 @@ impl BSpline {
             return Err(BSplineFailure::Breaks(KnotsFailure::NotFinite(i)));
         }
         let intervals = breaks.len() - 1;
-        let knots = extended(breaks, degree, period);
+        let knots = extend_breaks(breaks, degree, period);
         let coefficients = (0..intervals + degree).map(|i| coefficients[i % count]).collect();
         let mut spline = Self { degree, breaks: blank, knots, coefficients };
         let values: Vec<f64> = breaks.iter().map(|q| spline.value(*q)).collect();
@@ -164,7 +164,7 @@ fn derivative(coefficients: &[f64], knots: &[f64], degree: usize, skipped: usize
 }
 
 /// The breaks with `degree` more knots on either side.
-fn extended(breaks: &[f64], degree: usize, period: Option<f64>) -> Vec<f64> {
+fn extend_breaks(breaks: &[f64], degree: usize, period: Option<f64>) -> Vec<f64> {
     let last = breaks.len() - 1;
     let at = |i: usize| match period {
         // Counted from `degree` intervals before the first break.

@@ -116,8 +116,8 @@ impl Conventions {
     /// These, changed as a text says: the name of a preset, words such as `carried_body`, or keys as in a machine
     /// file, `linear: before, rotary: rotating`; what is not named stays.
     pub fn amended(&self, text: &str) -> Result<Self, ConventionsFailure> {
-        let items: Vec<String> = text.split(',').map(|item| keyed(item.trim())).collect::<Result<_, _>>()?;
-        let words: Words =
+        let items: Vec<String> = text.split(',').map(|item| with_key(item.trim())).collect::<Result<_, _>>()?;
+        let words: ConventionWords =
             from_yaml(&format!("{{{}}}", items.join(", "))).map_err(|e| ConventionsFailure::Keys(e.to_string()))?;
         let base = match &words.preset {
             Some(name) => Self::preset(name).ok_or_else(|| ConventionsFailure::Preset(name.clone()))?,
@@ -207,7 +207,7 @@ const CHOICES: [(&str, &[&str]); 7] = [
 ];
 
 /// A word with its key.
-fn keyed(item: &str) -> Result<String, ConventionsFailure> {
+fn with_key(item: &str) -> Result<String, ConventionsFailure> {
     if item.contains(':') {
         return Ok(item.to_owned());
     }
@@ -219,7 +219,7 @@ fn keyed(item: &str) -> Result<String, ConventionsFailure> {
 /// Keys as in a machine file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-struct Words {
+struct ConventionWords {
     preset: Option<String>,
     location: Option<Location>,
     linear: Option<LinearOrder>,

@@ -4,6 +4,7 @@
 //! table holds the end value, because a corrected command may pass the end of the travel by the
 //! correction. Positions a *user* gives are checked against [`Curve::domain`] before any lookup.
 
+use super::CurveArgument;
 use super::bspline::BSpline;
 use crate::units::FARTHEST;
 
@@ -154,7 +155,8 @@ impl Curve {
     }
 
     /// Value at a programmed position (mm or deg); held at the ends of a table.
-    pub fn value(&self, position: f64) -> f64 {
+    pub fn value<'a>(&self, at: impl Into<CurveArgument<'a>>) -> f64 {
+        let position = at.into().position;
         match self {
             Self::Linear(knots) => knots.linear(position),
             Self::Cubic(knots, second) => knots.cubic(second, position),

@@ -112,7 +112,7 @@ impl Machine {
         let positions = self.positions_of(&id.axis);
         let values = |term: Option<&ErrorTerm>| match term {
             Some(ErrorTerm::Tolerance(bound)) => vec![*bound; 2 * positions.len()],
-            term => sampled(term, &positions),
+            term => samples(term, &positions),
         };
         let [first, second] = terms.map(values);
         let extreme = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| if v.abs() > m.abs() { *v } else { m });
@@ -211,7 +211,7 @@ fn errors_of_both(a: &Machine, b: &Machine) -> Vec<ErrorId> {
 }
 
 /// Values at positions, approached from both sides; zero without a term, and where its curves are not defined.
-fn sampled(term: Option<&ErrorTerm>, positions: &[f64]) -> Vec<f64> {
+fn samples(term: Option<&ErrorTerm>, positions: &[f64]) -> Vec<f64> {
     let defined = |position: f64| match term {
         Some(ErrorTerm::Component(component)) => {
             let inside = |d: (f64, f64)| (d.0..=d.1).contains(&position);
@@ -219,9 +219,9 @@ fn sampled(term: Option<&ErrorTerm>, positions: &[f64]) -> Vec<f64> {
         }
         _ => true,
     };
-    let value = |approach| {
+    let value = |approach: Approach| {
         move |position: &f64| match term {
-            Some(term) if defined(*position) => term.value(*position, approach),
+            Some(term) if defined(*position) => term.value(&approach.at_position(*position)),
             _ => 0.0,
         }
     };

@@ -1,6 +1,6 @@
 //! The errors of one joint: six location and six component errors, any of them absent.
 
-use super::{AxisName, Curve, Direction, ErrorFamily, ErrorId};
+use super::{AxisName, Curve, CurveArgument, Direction, ErrorFamily, ErrorId};
 
 /// The side from which a position is approached; curves may differ (reversal).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -30,15 +30,13 @@ pub enum ComponentError {
 }
 
 impl ComponentError {
-    /// Value (mm or rad) at a programmed position (mm or deg).
-    pub fn value(&self, position: f64, approach: Approach) -> f64 {
-        match (self, approach) {
-            (Self::Single(curve), _) => curve.value(position),
-            (Self::Bidirectional { forward, .. }, Approach::Forward) => forward.value(position),
-            (Self::Bidirectional { reverse, .. }, Approach::Reverse) => reverse.value(position),
-            (Self::Bidirectional { forward, reverse }, Approach::Mean) => {
-                0.5 * (forward.value(position) + reverse.value(position))
-            }
+    /// Value (mm or rad) where its axis stands.
+    pub fn value(&self, at: &CurveArgument<'_>) -> f64 {
+        match (self, at.at.conditions.approach) {
+            (Self::Single(curve), _) => curve.value(at),
+            (Self::Bidirectional { forward, .. }, Approach::Forward) => forward.value(at),
+            (Self::Bidirectional { reverse, .. }, Approach::Reverse) => reverse.value(at),
+            (Self::Bidirectional { forward, reverse }, Approach::Mean) => 0.5 * (forward.value(at) + reverse.value(at)),
         }
     }
 
@@ -65,10 +63,10 @@ pub enum ErrorTerm {
 
 impl ErrorTerm {
     /// Value (mm or rad); a tolerance counts as zero.
-    pub fn value(&self, position: f64, approach: Approach) -> f64 {
+    pub fn value(&self, at: &CurveArgument<'_>) -> f64 {
         match self {
             Self::Constant(value) => *value,
-            Self::Component(component) => component.value(position, approach),
+            Self::Component(component) => component.value(at),
             Self::Tolerance(_) => 0.0,
         }
     }
@@ -102,12 +100,12 @@ impl JointErrors {
 
     /// The six location errors (mm, rad).
     pub fn location_values(&self) -> [f64; 6] {
-        std::array::from_fn(|i| self.location[i].as_ref().map_or(0.0, |t| t.value(0.0, Approach::Mean)))
+        std::array::from_fn(|i| self.location[i].as_ref().map_or(0.0, |t| t.value(&0.0.into())))
     }
 
-    /// The six component errors at a position (mm, rad).
-    pub fn component_values(&self, position: f64, approach: Approach) -> [f64; 6] {
-        std::array::from_fn(|i| self.component[i].as_ref().map_or(0.0, |t| t.value(position, approach)))
+    /// The six component errors where the axis stands (mm, rad).
+    pub fn component_values(&self, at: &CurveArgument<'_>) -> [f64; 6] {
+        std::array::from_fn(|i| self.component[i].as_ref().map_or(0.0, |t| t.value(at)))
     }
 
     /// Replaces the location errors by these (mm, rad), those of 0 by none.

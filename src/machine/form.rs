@@ -7,10 +7,10 @@ use nalgebra::{DMatrix, SymmetricEigen};
 const KNOTS_PER_LENGTH: f64 = 2.0;
 /// Least and largest number of knots over the travel.
 const KNOTS: (usize, usize) = (6, 64);
-/// Modes below this share of the variance of the largest change nothing.
-const FAINT: f64 = 1e-3;
+/// Variance of a mode, as a share of the largest, below which the mode is left out.
+pub const MIN_MODE_SHARE: f64 = 1e-3;
 /// Steps in which a symmetric matrix of this size is diagonal, or never.
-const MAX_STEPS: usize = 10_000;
+pub const MAX_EIGEN_STEPS: usize = 10_000;
 /// A turn, deg.
 const TURN: f64 = 360.0;
 
@@ -57,10 +57,12 @@ impl ResidualForm {
             libm::exp(-0.5 * lengths * lengths)
         };
         let correlations = DMatrix::from_fn(count, count, near);
-        let Some(spectrum) = SymmetricEigen::try_new(correlations, f64::EPSILON, MAX_STEPS) else { return Vec::new() };
+        let Some(spectrum) = SymmetricEigen::try_new(correlations, f64::EPSILON, MAX_EIGEN_STEPS) else {
+            return Vec::new();
+        };
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|a, b| spectrum.eigenvalues[*b].total_cmp(&spectrum.eigenvalues[*a]).then(a.cmp(b)));
-        let kept = order.iter().filter(|k| spectrum.eigenvalues[**k] > FAINT * spectrum.eigenvalues[order[0]]);
+        let kept = order.iter().filter(|k| spectrum.eigenvalues[**k] > MIN_MODE_SHARE * spectrum.eigenvalues[order[0]]);
         let mode = |k: &usize| {
             let scale = size * libm::sqrt(spectrum.eigenvalues[*k]);
             let value = |i: usize| spectrum.eigenvectors[(i % count, *k)] * scale;

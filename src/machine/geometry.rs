@@ -2,11 +2,13 @@
 //! from the side on which each axis stands.
 
 use super::{AxisName, Branch, ErrorFamily, JointErrors, Travel};
+use petgraph::algo::toposort;
+use petgraph::graphmap::DiGraphMap;
 use std::collections::BTreeMap;
 
 /// The point that a position is relative to.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Anchor {
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum ReferencePoint {
     /// Machine zero.
     Bed,
     /// The origin of the workpiece.
@@ -19,7 +21,7 @@ pub enum Anchor {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Position {
     /// The point it is relative to.
-    pub from: Anchor,
+    pub from: ReferencePoint,
     /// Coordinates from there.
     pub at: [f64; 3],
 }
@@ -27,7 +29,7 @@ pub struct Position {
 impl Position {
     /// A position in machine coordinates.
     pub fn absolute(at: [f64; 3]) -> Self {
-        Self { from: Anchor::Bed, at }
+        Self { from: ReferencePoint::Bed, at }
     }
 }
 
@@ -87,32 +89,43 @@ pub struct Geometry {
 /// The side of each axis of a chain.
 pub type Sides = BTreeMap<AxisName, Branch>;
 
+/// Origins of the axes and of the workpiece in machine coordinates (mm), at the zero pose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Origins(BTreeMap<ReferencePoint, [f64; 3]>);
+
+impl Origins {
+    /// Returns the origin of an axis; machine zero for one that is not declared.
+    pub fn axis(&self, name: &AxisName) -> [f64; 3] {
+        self.0.get(&ReferencePoint::Axis(name.clone())).copied().unwrap_or_default()
+    }
+
+    /// Returns the origin of the workpiece.
+    pub fn workpiece(&self) -> [f64; 3] {
+        self.0.get(&ReferencePoint::Workpiece).copied().unwrap_or_default()
+    }
+}
+
 impl Geometry {
-    /// Returns a position in machine coordinates (mm) with the axes on these sides.
-    pub fn point(&self, position: &Position, sides: &Sides) -> [f64; 3] {
-        // A reference leads over each axis once, and over the workpiece.
-        self.resolved(position, sides, self.axes.len() + 2)
-    }
-
-    fn resolved(&self, position: &Position, sides: &Sides, depth: usize) -> [f64; 3] {
-        let from = match &position.from {
-            Anchor::Bed => return position.at,
-            Anchor::Workpiece => Some(&self.workpiece),
-            Anchor::Axis(name) => self.axes.get(name).map(|axis| &axis.on(side(sides, name)).origin),
+    /// Returns the origins with the axes on these sides, each after the one that it is relative to; machine zero if
+    /// references lead in a circle.
+    pub fn origins(&self, sides: &Sides) -> Origins {
+        let of_axis = |(name, axis): (&AxisName, &AxisGeometry)| {
+            (ReferencePoint::Axis(name.clone()), axis.on(side(sides, name)).origin.clone())
         };
-        match from.filter(|_| depth > 0) {
-            Some(from) => {
-                let base = self.resolved(from, sides, depth - 1);
-                std::array::from_fn(|i| base[i] + position.at[i])
-            }
-            None => position.at,
+        let workpiece = (ReferencePoint::Workpiece, self.workpiece.clone());
+        let positions: BTreeMap<ReferencePoint, Position> = self.axes.iter().map(of_axis).chain([workpiece]).collect();
+        let references: DiGraphMap<&ReferencePoint, ()> =
+            positions.iter().map(|(of, position)| (&position.from, of)).collect();
+        let mut origins: BTreeMap<ReferencePoint, [f64; 3]> = BTreeMap::new();
+        for of in toposort(&references, None).unwrap_or_default() {
+            let Some(Position { from, at }) = positions.get(of) else { continue };
+            let origin = match origins.get(from) {
+                Some(base) => std::array::from_fn(|i| base[i] + at[i]),
+                None => *at,
+            };
+            let _ = origins.insert(of.clone(), origin);
         }
-    }
-
-    /// Returns the origin of an axis (mm) with the axes on these sides.
-    pub fn origin(&self, axis: &AxisName, sides: &Sides) -> [f64; 3] {
-        let geometry = self.axes.get(axis).map(|geometry| &geometry.on(side(sides, axis)).origin);
-        geometry.map_or([0.0; 3], |position| self.point(position, sides))
+        Origins(origins)
     }
 
     /// Returns why the geometry of an axis is not stated for the side on which it stands; `None` if it is.
@@ -123,7 +136,9 @@ impl Geometry {
             return Some(Unstated::Side(branch));
         }
         match &geometry.origin.from {
-            Anchor::Axis(other) if sides.get(other) != Some(&branch) => Some(Unstated::Reference(other.clone())),
+            ReferencePoint::Axis(other) if sides.get(other) != Some(&branch) => {
+                Some(Unstated::Reference(other.clone()))
+            }
             _ => None,
         }
     }
@@ -131,7 +146,7 @@ impl Geometry {
     /// Returns the axis that the workpiece's origin is relative to, if that axis does not carry the workpiece.
     pub fn unstated_workpiece(&self, sides: &Sides) -> Option<&AxisName> {
         match &self.workpiece.from {
-            Anchor::Axis(axis) if sides.get(axis) != Some(&Branch::Workpiece) => Some(axis),
+            ReferencePoint::Axis(axis) if sides.get(axis) != Some(&Branch::Workpiece) => Some(axis),
             _ => None,
         }
     }

@@ -1,15 +1,25 @@
 //! [`Machine`] and what it is made of.
 
 use super::{
-    AlgebraChoice, Approach, Axis, AxisKind, AxisName, Conventions, ErrorId, ErrorTerm, Geometry, JointErrors,
+    AlgebraChoice, Axis, AxisKind, AxisName, Conventions, CurveArgument, ErrorId, ErrorTerm, Geometry, JointErrors,
     JointUncertainty, KinematicChain, NamedClass, ResidualForm, Tolerances, Travel, sin_cos_degrees,
 };
 use crate::algebra::rotation_about;
+use indexmap::IndexMap;
 use nalgebra::Matrix3;
 use std::collections::BTreeMap;
 
 /// Positions of all axes as programmed (mm, deg), in the order of [`Machine::axes`].
 pub type Pose = Vec<f64>;
+
+/// Positions by the names of the axes, in the order of the chain; mm and deg.
+pub type AxisPositions = IndexMap<String, f64>;
+
+/// Returns the positions of a pose by name.
+pub fn axis_positions(machine: &Machine, pose: &[f64]) -> AxisPositions {
+    // Adding zero turns -0 into 0.
+    machine.axes().iter().zip(pose).map(|(axis, q)| (axis.name.to_string(), q + 0.0)).collect()
+}
 
 /// A tool: two points (mm) and its axis, in machine coordinates at the zero pose.
 #[derive(Debug, Clone, PartialEq)]
@@ -210,7 +220,7 @@ impl Machine {
 
     /// The same machine with other nominal lines of rotary axes and their location errors, another axis (unit vector)
     /// and tip (mm) of the tool in use, and other location errors of the spindle, if it has one.
-    pub fn with_lines(&self, lines: &[MovedLine], tool: ([f64; 3], [f64; 3]), spindle: [f64; 6]) -> Self {
+    pub fn with_lines(&self, lines: &[MovedLine], direction: [f64; 3], tip: [f64; 3], spindle: [f64; 6]) -> Self {
         let mut moved = self.clone();
         for line in lines {
             let axis = &mut moved.parts.axes[line.axis];
@@ -220,7 +230,7 @@ impl Machine {
         let of_spindle = moved.parts.errors.get_mut(self.parts.axes.len());
         of_spindle.into_iter().for_each(|errors| errors.set_location(spindle));
         let own = &mut moved.parts.tools[self.tool];
-        (own.direction, own.tip) = tool;
+        (own.direction, own.tip) = (direction, tip);
         moved
     }
 
@@ -350,9 +360,9 @@ impl Machine {
         self.errors().any(|(_, term)| matches!(term, ErrorTerm::Component(Bidirectional { .. })))
     }
 
-    /// Component errors of an axis at a position (mm, rad).
-    pub fn component_values(&self, axis: usize, position: f64, approach: Approach) -> [f64; 6] {
-        self.parts.errors[axis].component_values(position, approach)
+    /// Component errors of an axis where it stands (mm, rad).
+    pub fn component_values(&self, axis: usize, at: &CurveArgument<'_>) -> [f64; 6] {
+        self.parts.errors[axis].component_values(at)
     }
 
     /// True if the axis is rotary and without ends.

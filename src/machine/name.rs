@@ -132,6 +132,16 @@ impl fmt::Display for ErrorId {
     }
 }
 
+impl schemars::JsonSchema for ErrorId {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "ErrorId".into()
+    }
+
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        String::json_schema(generator)
+    }
+}
+
 impl serde::Serialize for ErrorId {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)

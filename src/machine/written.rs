@@ -1,9 +1,9 @@
 //! A machine as a machine file: self-contained, no `extends`, no tables outside. The inverse of [`super::resolve()`].
 
 use super::{
-    AlgebraChoice, Anchor, Axis, AxisKind, AxisName, Branch, ComponentError, ControllerAxis, Curve, Direction,
-    ErrorFamily, ErrorId, ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Grid, JointErrors, JointUncertainty,
-    MAIN_AXES, MachineParts, ResidualForm, Sense, SetUp, Tool, Travel,
+    AlgebraChoice, Axis, AxisKind, AxisName, Branch, ComponentError, ControllerAxis, Curve, Direction, ErrorFamily,
+    ErrorId, ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Grid, JointErrors, JointUncertainty, MAIN_AXES,
+    MachineParts, ReferencePoint, ResidualForm, Sense, SetUp, Tool, Travel,
 };
 
 /// The text of a machine file that says what `parts` say; `provenance` are further entries of that section
@@ -78,13 +78,13 @@ fn other_side(axis: &Axis, own: &JointErrors, parts: &MachineParts) -> Option<St
     let key = if branch == Branch::Tool { "on_tool" } else { "on_workpiece" };
     let at = point(&side.origin.at);
     let origin = match &side.origin.from {
-        Anchor::Bed => at,
-        Anchor::Workpiece => format!("{{ from: workpiece, at: {at} }}"),
-        Anchor::Axis(name) if parts.axes.iter().any(|axis| axis.name == *name) => {
+        ReferencePoint::Bed => at,
+        ReferencePoint::Workpiece => format!("{{ from: workpiece, at: {at} }}"),
+        ReferencePoint::Axis(name) if parts.axes.iter().any(|axis| axis.name == *name) => {
             format!("{{ from: {name}, at: {at} }}")
         }
         // The file written does not declare axes outside the chain.
-        Anchor::Axis(_) => return None,
+        ReferencePoint::Axis(_) => return None,
     };
     let (direction, travel) = (point(&side.direction), travel(side.travel, axis.unit()));
     let errors: Vec<String> = side.errors.iter().flat_map(|errors| differing(axis, own, errors)).collect();

@@ -54,7 +54,7 @@ pub(crate) fn curves(machine: &Machine, state: &'static str) -> Vec<ErrorCurve> 
 fn curve(machine: &Machine, state: &'static str, id: &ErrorId, axis: &Axis, component: &ComponentError) -> ErrorCurve {
     let (factor, unit) = id.direction.micro();
     let positions = positions(axis, component);
-    let values = |approach| positions.iter().map(|at| component.value(*at, approach) * factor).collect();
+    let values = |from: Approach| positions.iter().map(|at| component.value(&from.at_position(*at)) * factor).collect();
     let reverse = match component {
         ComponentError::Single(_) => None,
         ComponentError::Bidirectional { .. } => Some(values(Approach::Reverse)),

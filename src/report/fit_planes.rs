@@ -2,7 +2,7 @@
 
 use crate::diagnostic::{Diagnostic, codes};
 use crate::identify::verdict::result::NamedSvg;
-use crate::identify::{Measurement, Model, ReadingKind};
+use crate::identify::{FitModel, Measurement, ReadingKind};
 use crate::machine::AxisKind;
 use crate::report::{FitPicture, FitPoint};
 use crate::units::significant;
@@ -12,7 +12,7 @@ use indexmap::IndexMap;
 type PlaneAxis = (usize, usize);
 
 /// Draws `fit-xy.svg` and so on, one for each pair of linear axes.
-pub(crate) fn drawn(model: &Model<'_>, data: &[Measurement], theta: &[f64]) -> Result<Vec<NamedSvg>, Diagnostic> {
+pub(crate) fn draw(model: &FitModel<'_>, data: &[Measurement], theta: &[f64]) -> Result<Vec<NamedSvg>, Diagnostic> {
     let Some(machine) = model.machines().first() else { return Ok(Vec::new()) };
     let whole: Vec<&Measurement> =
         data.iter().filter(|m| m.kind() == ReadingKind::Deviation && m.readings() == 3).collect();
@@ -32,7 +32,7 @@ pub(crate) fn drawn(model: &Model<'_>, data: &[Measurement], theta: &[f64]) -> R
 }
 
 /// Pairs of linear axes along two of the letters x, y, z.
-fn planes(model: &Model<'_>) -> Vec<[PlaneAxis; 2]> {
+fn planes(model: &FitModel<'_>) -> Vec<[PlaneAxis; 2]> {
     let axes = model.machines().first().map_or(&[][..], |machine| machine.axes());
     let along = |i: usize| (0..3).find(|k| axes[i].direction[*k].abs() > 0.999);
     let linear: Vec<PlaneAxis> = (0..axes.len())
@@ -44,10 +44,10 @@ fn planes(model: &Model<'_>) -> Vec<[PlaneAxis; 2]> {
 }
 
 /// Points of the slice across the third direction that is best filled and nearest to the middle, and its words.
-fn slice(model: &Model<'_>, data: &[&Measurement], theta: &[f64], plane: [PlaneAxis; 2]) -> (String, Vec<FitPoint>) {
+fn slice(model: &FitModel<'_>, data: &[&Measurement], theta: &[f64], plane: [PlaneAxis; 2]) -> (String, Vec<FitPoint>) {
     let (words, rows) = fullest(model, data, plane);
     let point = |m: &&Measurement| {
-        let (measured, predicted) = (m.values(), model.predicted(m, theta));
+        let (measured, predicted) = (m.values(), model.prediction(m, theta));
         let within = |v: &nalgebra::Vector3<f64>| (v[plane[0].1], v[plane[1].1]);
         FitPoint {
             nominal: (m.pose[plane[0].0], m.pose[plane[1].0]),
@@ -58,7 +58,11 @@ fn slice(model: &Model<'_>, data: &[&Measurement], theta: &[f64], plane: [PlaneA
     (words, rows.iter().map(point).collect())
 }
 
-fn fullest<'a>(model: &Model<'_>, data: &[&'a Measurement], plane: [PlaneAxis; 2]) -> (String, Vec<&'a Measurement>) {
+fn fullest<'a>(
+    model: &FitModel<'_>,
+    data: &[&'a Measurement],
+    plane: [PlaneAxis; 2],
+) -> (String, Vec<&'a Measurement>) {
     let axes = model.machines().first().map_or(&[][..], |machine| machine.axes());
     let others: Vec<usize> = (0..axes.len()).filter(|i| *i != plane[0].0 && *i != plane[1].0).collect();
     let key = |m: &Measurement| others.iter().map(|i| m.pose[*i].to_bits()).collect::<Vec<u64>>();

@@ -3,7 +3,7 @@
 use super::positioning::{AccuracyUncertainties, DrawnRuns, MeasuredTarget, OneWayBoth, drawn_runs};
 use super::{Picture, RunPanel};
 use crate::diagnostic::Sources;
-use crate::identify::import::{Import, ImportRequest, ReferenceLine, Sample};
+use crate::identify::import::{AxisSample, Import, ImportRequest, ReferenceLine};
 use crate::machine::ErrorId;
 use crate::standards::{self, AccuracyFigures, Contributor};
 use crate::syntax::ColumnDirection;
@@ -141,8 +141,8 @@ impl ImportedError {
         let error = &found.errors[error];
         let (factor, unit) = error.direction.micro();
         let (per, length) = if found.rotary { (1.0, "deg") } else { (1e3, "m") };
-        let rising = |sample: &Sample| sample.direction.map(|from| from == ColumnDirection::Forward);
-        let reading = |sample: &Sample| (sample.position, sample.value * factor, rising(sample));
+        let rising = |sample: &AxisSample| sample.direction.map(|from| from == ColumnDirection::Forward);
+        let reading = |sample: &AxisSample| (sample.position, sample.value * factor, rising(sample));
         let value = |x: Option<f64>| x.map(|x| x * factor + 0.0);
         Self {
             error: error.to_string(),

@@ -5,7 +5,7 @@
 //! - [`PlanePicture`]: the deviation over a plane of two linear axes; [`before_after`]: in two states.
 //! - [`FitPicture`]: prediction against data over such a plane.
 //! - [`all_curves`]: curves of the component errors as small multiples.
-//! - [`BudgetReport`]: a budget as JSON, as a Pareto chart and as a waterfall; [`PolarPicture`],
+//! - [`BudgetFigures`]: a budget as it stands in JSON, as a Pareto chart and as a waterfall; [`PolarPicture`],
 //!   [`RTestPicture`],
 //!   [`DiagonalPicture`]: what instruments read.
 //! - [`chain_picture`], [`chain_dot`]: the kinematic chain.
@@ -30,7 +30,8 @@ pub use pictures::{
 };
 pub use rows::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows, structured_grid};
 pub use text::{
-    BoundedFigures, BudgetReport, DrawSettings, LengthDifference, MachineDifference, PropertyDifference, RssDifference,
-    budgets_json, circle_json, equations, line_json, positions, tolerance, tolerance_unit, turn_json,
+    BoundedContribution, BoundedFigures, BoundedLengths, BudgetFigures, DeviationBudget, DrawSettings,
+    DrawnMachineFigures, LengthStatistics, MachineDifference, PercentileInterval, PropertyDifference, RssDifference,
+    Tightening, contributions, equations, tolerance, tolerance_unit,
 };
 pub(crate) use text::{described, rotation_words};

@@ -5,8 +5,9 @@ use super::{DialMark, DialPanel, LinePanel, LinePicture, Picture, PolarPicture};
 use crate::analysis::instrument::CirclePlane;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::standards::{
-    self, AccuracyFigures, AngleReading, Caused, CircleCauses, CircleFigures, DriftFigures, ErrorMotion, LEAST_ARC,
-    LEAST_PLACES, MIN_READINGS, NOT_VERIFIED, RadialReading, ReadingsTable, Sense, TurningPoint, arc, causes, rotating,
+    self, AccuracyFigures, AngleReading, BothSenses, Caused, CircleCauses, CircleFigures, DriftFigures, ErrorMotion,
+    LEAST_ARC, LEAST_PLACES, MIN_READINGS, NOT_VERIFIED, RadialReading, ReadingsTable, Sense, TurningPoint, arc,
+    causes, rotating,
 };
 use crate::units::{counted, significant};
 use serde::Serialize;
@@ -53,21 +54,6 @@ impl UncertainValue {
     }
 }
 
-/// Figures of each sense of rotation.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct BothSenses<T> {
-    /// With rising angle.
-    pub counter_clockwise: Option<T>,
-    /// With falling angle.
-    pub clockwise: Option<T>,
-}
-
-impl<T> BothSenses<T> {
-    fn of([counter_clockwise, clockwise]: [Option<T>; 2]) -> Self {
-        Self { counter_clockwise, clockwise }
-    }
-}
-
 /// Figures of a circle after ISO 230-4.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CircleTest {
@@ -80,13 +66,13 @@ pub struct CircleTest {
     /// Number of readings.
     pub readings: usize,
     /// Circular deviation G about the centre of least squares.
-    pub circular_deviation_um: BothSenses<f64>,
+    pub circular_deviation_um: BothSenses<Option<f64>>,
     /// Bidirectional circular deviation G(b).
     pub bidirectional_um: Option<f64>,
     /// Mean bidirectional radial deviation D.
     pub mean_radial_um: Option<f64>,
     /// Radial deviations F about the nominal centre, largest and smallest.
-    pub radial_max_min_um: BothSenses<[f64; 2]>,
+    pub radial_max_min_um: BothSenses<Option<[f64; 2]>>,
     /// Centre of least squares from the nominal one: how the ball stood.
     pub centre_um: [f64; 2],
     /// The circle taken apart; none where the readings do not tell causes apart.
@@ -377,10 +363,10 @@ pub(crate) fn circle(table: &ReadingsTable, setup: &TestSetup) -> Result<CircleT
         radius_mm: setup.radius_mm,
         arc_deg,
         readings: readings.len(),
-        circular_deviation_um: BothSenses::of(found.deviation),
+        circular_deviation_um: BothSenses::new(found.deviation),
         bidirectional_um: found.bidirectional,
         mean_radial_um: found.mean,
-        radial_max_min_um: BothSenses::of(found.extremes),
+        radial_max_min_um: BothSenses::new(found.extremes),
         centre_um: found.centre,
         causes: causes(&readings, setup.radius_mm).map(|found| CauseTest::of(&found, setup)),
         note: NOT_VERIFIED,

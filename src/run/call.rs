@@ -3,7 +3,6 @@
 use super::finite;
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::syntax::{Disk, Files, MemoryFiles};
-use std::fmt;
 use std::ops::Deref;
 use std::panic::resume_unwind;
 use std::sync::Arc;
@@ -146,27 +145,9 @@ impl<'a> Call<'a> {
         sources: &Sources,
         job: impl FnOnce(&mut Self) -> Result<T, Refused>,
     ) -> Result<Answer<T>, Diagnostics> {
-        Self::answer_judged(run, sources, finite::refusal, job)
-    }
-
-    /// The same for a value whose JSON is made by hand.
-    pub fn answer_by_hand<T: fmt::Debug>(
-        run: Run<'a>,
-        sources: &Sources,
-        job: impl FnOnce(&mut Self) -> Result<T, Refused>,
-    ) -> Result<Answer<T>, Diagnostics> {
-        Self::answer_judged(run, sources, finite::refusal_of_content, job)
-    }
-
-    fn answer_judged<T>(
-        run: Run<'a>,
-        sources: &Sources,
-        refusal: impl Fn(&T) -> Option<Diagnostic>,
-        job: impl FnOnce(&mut Self) -> Result<T, Refused>,
-    ) -> Result<Answer<T>, Diagnostics> {
         Self::answer_of(run, sources, |call| {
             let value = job(call)?;
-            call.extend(refusal(&value));
+            call.extend(finite::refusal(&value));
             Ok(value)
         })
     }

@@ -18,6 +18,22 @@ const MIN_OF_TURN: usize = 12;
 /// A turn, deg.
 const TURN: f64 = 360.0;
 
+/// Figures of each sense of rotation.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct BothSenses<T> {
+    /// With rising angle.
+    pub counter_clockwise: T,
+    /// With falling angle.
+    pub clockwise: T,
+}
+
+impl<T> BothSenses<T> {
+    /// Returns the figures, counter-clockwise first.
+    pub fn new([counter_clockwise, clockwise]: [T; 2]) -> Self {
+        Self { counter_clockwise, clockwise }
+    }
+}
+
 /// The sense of rotation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sense {

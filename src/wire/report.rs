@@ -92,7 +92,7 @@ fn drawn(
     given: &MachineInput<'_>,
     advance: &(dyn Fn(usize) + Sync),
 ) -> Result<(MachineData, Pictures), TooManyPoses> {
-    let view = View { approach: given.approach, frame: Frame::Workpiece };
+    let view = View { conditions: given.conditions, frame: Frame::Workpiece };
     if let Some(bounded) = given.budget() {
         let data = MachineData::of_bounds(number, given, &bounded);
         advance(given.poses.0);
@@ -103,7 +103,7 @@ fn drawn(
     let map = map(&bare, &poses, view, advance)?;
     // As `map` does by default.
     let besides = worst(&map.deviations, MapOptions::default().worst);
-    let intervals = field_bands(&bare, &poses, map.statistics, &besides, given.approach, given.poses.1);
+    let intervals = field_bands(&bare, &poses, map.statistics, &besides, given.conditions, given.poses.1);
     let data = MachineData::new(number, given, &map).with_uncertainty(given, json!(intervals));
     let pictures = Pictures::new(given, &data);
     Ok((data, pictures))
@@ -167,14 +167,14 @@ impl<'a> Subject<'a> {
             machine: self.file,
             file: self.file.path(),
             order: order_of(self.file, options.order),
-            approach: options.approach,
+            conditions: options.approach.into(),
             poses: (self.work.as_ref().map_or(options.poses, |(poses, _)| poses.len()), options.seed),
             work: self.work.as_ref().map(|(poses, work)| (poses.as_slice(), work)),
             written: &self.written,
             warnings: &self.warnings,
             words: &self.words,
             instruments: &self.instruments,
-            budget: self.budget.as_ref().map(BudgetResult::report),
+            budget: self.budget.as_ref().map(|result| &result.budget),
             bounds_add: &self.bounds_add,
             type_b: self.file.identify.as_ref().map_or(&[], |section| section.type_b.as_slice()),
         }
@@ -191,7 +191,7 @@ fn work(
     let machine: &Machine = file;
     let reached = tool_poses::read(call, machine, path)?.reached(call, machine)?;
     let bare = Bare { machine, order: order_of(machine, options.order) };
-    let view = View { approach: options.approach, frame: Frame::Workpiece };
+    let view = View { conditions: options.approach.into(), frame: Frame::Workpiece };
     let features = match bounded {
         Some(drawn) => {
             let found = drawn.at(call, machine, &Poses::Listed(reached.poses.clone()), view.frame);

@@ -65,7 +65,7 @@ fn answer(machine: &Machine, pose: &Pose, over: &[bool], approach: Approach) -> 
         let rotary = machine.axes()[i].kind == AxisKind::Rotary;
         State {
             position: if rotary { position.to_radians() } else { position },
-            errors: machine.component_values(i, position, way),
+            errors: machine.component_values(i, &way.at_position(position)),
         }
     };
     let states: Vec<State> = pose.iter().enumerate().map(state).collect();
@@ -248,8 +248,10 @@ fn tables_are_kept() {
             let kept = |q: f64| (q, if turned { -q } else { q });
             if to == "direct" {
                 let (q, r) = kept(axis.travel.interval().0);
-                let (a, b) =
-                    (before.component_values(i, q, Approach::Mean), after.component_values(i, r, Approach::Mean));
+                let (a, b) = (
+                    before.component_values(i, &Approach::Mean.at_position(q)),
+                    after.component_values(i, &Approach::Mean.at_position(r)),
+                );
                 assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15), "{a:?} {b:?}");
             }
         }
@@ -309,7 +311,7 @@ fn yaw_becomes_straightness() {
     );
     let out = folder.path("out.yaml");
     assert_eq!(Run::of(abbe().arg("convert").arg(path).args(["--to", "before", "--out"]).arg(&out)).code, Some(0));
-    let six = crate::loaded::machine(&out).component_values(0, 400.0, Approach::Mean);
+    let six = crate::loaded::machine(&out).component_values(0, &Approach::Mean.at_position(400.0));
     // E N: the error turns the travel already made, so 10 urad x 400 mm = 4 um must be taken back.
     assert!((six[1] + 4e-3).abs() < 1e-12 && (six[5] - 1e-5).abs() < 1e-18, "{six:?}");
 }

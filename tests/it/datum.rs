@@ -144,7 +144,7 @@ fn a_turn_of_the_instrument_stays_out_of_the_errors() {
     assert!(apart(&first, &second, &grid()) < 2e-5 && apart(&first, &truth, &grid()) < 2e-4);
     // Lines and zeros of the default, by the written file: least-squares lines without slope, zero at the start.
     let at = |x: f64| (0..6).map(move |k| (k, x));
-    let values = |x: f64| second.component_values(0, x, abbe::machine::Approach::Mean);
+    let values = |x: f64| second.component_values(0, &abbe::machine::Approach::Mean.at_position(x));
     for (k, x) in at(0.0) {
         assert!(![0, 3, 4, 5].contains(&k) || values(x)[k].abs() < 1e-9, "{k}: {}", values(x)[k]);
     }
@@ -157,7 +157,7 @@ fn a_turn_of_the_instrument_stays_out_of_the_errors() {
     let other = "identify: { datum: { line: end-points, zero: middle } }\n";
     let other = folder.write("other.yaml", &format!("{THREE}{other}"));
     let (_, third) = read(0.0, "c.csv", &other);
-    let values = |x: f64| third.component_values(0, x, abbe::machine::Approach::Mean);
+    let values = |x: f64| third.component_values(0, &abbe::machine::Approach::Mean.at_position(x));
     assert!(values(250.0)[0].abs() < 1e-9 && values(250.0)[5].abs() < 1e-12, "{:?}", values(250.0));
     assert!(values(0.0)[1].abs() < 1e-9 && values(500.0)[2].abs() < 1e-9);
     assert!(apart(&third, &truth, &grid()) < 2e-4);
@@ -196,7 +196,7 @@ fn what_turns_with_a_rotary_axis_is_its_location() {
 /// A table whose radial errors and tilts have no mean, and no part that goes round with it or against it but one.
 fn turns_with_nothing(fitted: &Machine, form: &str) {
     // Over the turn: no mean, and nothing that goes round with the table or against it but one of the two.
-    let values = |i: usize| fitted.component_values(0, f64::from(i as u32), abbe::machine::Approach::Mean);
+    let values = |i: usize| fitted.component_values(0, &abbe::machine::Approach::Mean.at_position(f64::from(i as u32)));
     for first in [0, 3] {
         let scale = if first == 0 { 1e3 } else { 1e6 };
         let mean = |k: usize| (0..360).map(|i| values(i)[k] * scale).sum::<f64>() / 360.0;

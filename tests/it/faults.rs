@@ -40,14 +40,14 @@ fn straight_pieces_in_place_of_a_spline() {
                   coefficients: [0 urad, 60 urad, -40 urad, 50 urad, -60 urad] } }";
     let machine = crate::loaded::machine(&with_table(&folder, "spline.yaml", spline));
     let c = machine.axis_index("C").unwrap();
-    let at = |q: f64| machine.component_values(c, q, Approach::Mean)[5];
+    let at = |q: f64| machine.component_values(c, &Approach::Mean.at_position(q))[5];
     let points = KNOTS.map(|q| format!("[{q} deg, {:.12} urad]", at(q) * 1e6)).join(", ");
     let straight =
         crate::loaded::machine(&with_table(&folder, "straight.yaml", &format!("ECC: {{ points: [{points}] }}")));
     for name in ["linuxcnc", "grid-csv"] {
         let target = ControllerTarget::builtin(name).unwrap();
-        let good = certified(&machine, &target, &filled(&machine, &target)).compensated.all.position_um;
-        let bad = certified(&machine, &target, &filled(&straight, &target)).compensated.all.position_um;
+        let good = certified(&machine, &target, &filled(&machine, &target)).compensated.position_um;
+        let bad = certified(&machine, &target, &filled(&straight, &target)).compensated.position_um;
         assert!(bad.rms > 2.0 * good.rms && bad.max > 1.0, "{name}: {} um, {} um with the fault", good.rms, bad.rms);
     }
 }
@@ -74,15 +74,15 @@ fn a_fault_in_each_kind_of_table_shows() {
             let columns = std::iter::once(&mut table.values).chain(&mut table.reverse);
             columns.flatten().for_each(|value| *value *= 0.5);
         }
-        let rms = |tables: &CorrectionTables| certified(&machine, &target, tables).compensated.all.position_um.rms;
+        let rms = |tables: &CorrectionTables| certified(&machine, &target, tables).compensated.position_um.rms;
         let (good, bad) = (rms(&tables), rms(&faulty));
         assert!(bad > 1.02 * good, "{name}, {kind}: {good} um, {bad} um with the fault");
     }
     let target = ControllerTarget::builtin("isg-volcomp").unwrap();
     let mut tables = filled(&machine, &target);
-    let good = certified(&machine, &target, &tables).compensated.all.position_um.rms;
+    let good = certified(&machine, &target, &tables).compensated.position_um.rms;
     tables.errors.iter_mut().flat_map(|curve| &mut curve.values).for_each(|value| *value *= 0.5);
-    let bad = certified(&machine, &target, &tables).compensated.all.position_um.rms;
+    let bad = certified(&machine, &target, &tables).compensated.position_um.rms;
     assert!(bad > 1.5 * good, "isg-volcomp: {good} um, {bad} um with the fault");
 }
 

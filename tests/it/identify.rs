@@ -10,8 +10,8 @@ use super::oracle::yaml;
 use abbe::diagnostic::{Diagnostics, Place as InFile};
 use abbe::evaluate::{Frame, Order, evaluate};
 use abbe::identify::{
-    FileNotes, Fit, Measurement, Model, Parameter, Reading, ReadingContext, Solution, fit, fitted_file, held_out,
-    parameters, read_measurements, solve as weigh,
+    FileNotes, FitModel, Measurement, Parameter, ParameterFit, Reading, ReadingContext, Solution, fit, fitted_file,
+    held_out, parameters, read_measurements, solve as weigh,
 };
 use abbe::lower::{ErrorSite, Exact, Source, actual_point, position_jacobian, values};
 use abbe::machine::{Approach, Direction, Machine, machine_file};
@@ -31,8 +31,8 @@ pub fn measured(pose: &[f64], d: [f64; 3]) -> Measurement {
     Measurement::new(pose.to_vec(), reading, place)
 }
 
-pub fn solve(machine: &Machine, parameters: &[Parameter], data: &[Measurement]) -> (Fit, Solution) {
-    let model = Model::new(machine, parameters);
+pub fn solve(machine: &Machine, parameters: &[Parameter], data: &[Measurement]) -> (ParameterFit, Solution) {
+    let model = FitModel::new(machine, parameters);
     let found = fit(&model, data, vec![1.0; data.len()]);
     let solution = Solution::of(&found, parameters);
     (found, solution)
@@ -46,9 +46,9 @@ pub fn of_sample(sample: &Sample) -> Machine {
 }
 
 /// The fitted machine file.
-pub fn fitted_text(machine: &Machine, parameters: &[Parameter], found: &Fit) -> String {
+pub fn fitted_text(machine: &Machine, parameters: &[Parameter], found: &ParameterFit) -> String {
     let note = [("fit".to_owned(), "by a test".to_owned())];
-    let notes = FileNotes { provenance: &note, request: &IdentifyEntry::default(), joint: true, misfit: None };
+    let notes = FileNotes { provenance: &note, request: &IdentifyEntry::default(), joint: true, form: None };
     fitted_file(machine, parameters, &Solution::of(found, parameters), notes)
 }
 
@@ -73,7 +73,7 @@ fn tangents_are_the_derivatives_of_the_actual_point() {
             .filter(|s| s.place != ErrorSite::Tool || !s.direction.is_rotation())
             .collect();
         let pose = &sample.poses(&mut random, 1)[0];
-        let at = values(&machine, pose, Approach::Mean);
+        let at = values(&machine, &Approach::Mean.at(pose));
         let found = position_jacobian(&machine, pose, &at, &Exact, &sources);
         assert!((found.point - actual_point(&machine, pose, &at)).norm() < 1e-10);
         for (source, derivative) in sources.iter().zip(&found.derivatives) {
@@ -82,9 +82,9 @@ fn tangents_are_the_derivatives_of_the_actual_point() {
                 let mut changed = at.clone();
                 let k = source.direction.index();
                 match source.place {
-                    ErrorSite::Location(i) if i < pose.len() => changed.axes[i].0[k] += by,
+                    ErrorSite::Location(i) if i < pose.len() => changed.axes[i].location[k] += by,
                     ErrorSite::Location(_) => changed.spindle.as_mut().unwrap()[k] += by,
-                    ErrorSite::Component(i) => changed.axes[i].1[k] += by,
+                    ErrorSite::Component(i) => changed.axes[i].component[k] += by,
                     ErrorSite::Workpiece => changed.workpiece[k] += by,
                     ErrorSite::Tool => changed.tool[k] += by,
                 }
@@ -118,7 +118,7 @@ fn location_errors_of_random_machines_explain_data_of_the_independent_model() {
         let parameters = wanted(&machine, &["location", "tool", "workpiece"]);
         let (train, test) = data.split_at(60);
         let (found, solution) = solve(&machine, &parameters, train);
-        let model = Model::new(&machine, &parameters);
+        let model = FitModel::new(&machine, &parameters);
         let left = rms(model.residuals(test, &found.theta).into_iter());
         assert!(left < 1e-8, "{left:e} mm of points not used; {:?}", solution.null_space);
         // Location, tool and workpiece together are always short by three or more.
@@ -182,7 +182,7 @@ pub fn five_poses(random: &mut Random, count: usize) -> Vec<Vec<f64>> {
 }
 
 pub fn deviation(machine: &Machine, pose: &[f64]) -> [f64; 3] {
-    evaluate(machine, pose, Order::Exact, Approach::Mean, Frame::Workpiece).deviation.position.into()
+    evaluate(machine, &Approach::Mean.at(pose), Order::Exact, Frame::Workpiece).deviation.position.into()
 }
 
 /// A sum of twelve even numbers is normal enough: standard deviation 1.
@@ -208,7 +208,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
         let (_, solution) = solve(&blank, &parameters, &data);
         assert_eq!(solution.rank, 9);
         for ((estimate, parameter), known) in solution.estimates.iter().zip(&parameters).zip(known) {
-            let (value, sigma) = (parameter.shown(estimate.value), parameter.shown(estimate.sigma.unwrap()));
+            let (value, sigma) = (parameter.in_unit(estimate.value), parameter.in_unit(estimate.sigma.unwrap()));
             inside += usize::from((value - known).abs() < 1.98 * sigma);
             all += 1;
         }
@@ -243,13 +243,13 @@ fn what_shows_only_in_products_of_errors_is_not_followed() {
     };
     let (data, fresh) = (draw(6000), draw(200));
     let (found, solution) = solve(&machine, &parameters, &data);
-    assert!(found.settled && found.steps <= 3, "{} steps", found.steps);
-    assert!(solution.rank > solution.well_determined && !solution.drowned.is_empty());
+    assert!(found.converged && found.steps <= 3, "{} steps", found.steps);
+    assert!(solution.rank > solution.well_determined && !solution.below_noise.is_empty());
     let moved = |(p, theta): (&Parameter, &f64)| (theta - p.start).abs() * p.size;
     let farthest = parameters.iter().zip(&found.theta).map(moved).fold(0.0, f64::max);
     assert!(farthest < 0.2, "{farthest} mm");
     // A reading scatters by 1 um, and splines of six knots miss the curves by about as much.
-    let left = rms(Model::new(&machine, &parameters).residuals(&fresh, &found.theta).into_iter());
+    let left = rms(FitModel::new(&machine, &parameters).residuals(&fresh, &found.theta).into_iter());
     assert!((1.7e-3..3.2e-3).contains(&left), "{left} mm");
 }
 
@@ -266,10 +266,10 @@ fn every_kind_of_curve_is_found_again_and_the_fitted_file_says_it() {
         five_poses(&mut random, 120).iter().map(|p| measured(p, deviation(&truth, p))).collect();
     let (found, solution) = solve(&blank, &parameters, &data);
     assert_eq!(solution.rank, parameters.len());
-    assert!(found.settled && found.steps <= 8, "{} steps", found.steps);
+    assert!(found.converged && found.steps <= 8, "{} steps", found.steps);
     let value = |name: &str| {
         let j = parameters.iter().position(|p| p.name == name).unwrap_or_else(|| panic!("{name}"));
-        parameters[j].shown(found.theta[j])
+        parameters[j].in_unit(found.theta[j])
     };
     let expected = [("EC0Y", 12.0), ("EXX:x^3", 30.0), ("ECC:cos1", 20.0), ("ECC:sin2", 5.0), ("EYX:375mm", 1.0)];
     for (name, known) in expected {
@@ -295,7 +295,7 @@ fn a_fitted_file_of_any_machine_says_the_same_as_the_machine() {
         let after = after.unwrap_or_else(|| panic!("{text}\n{:?}", diagnostics.iter().next()));
         for pose in sample.poses(&mut random, 10) {
             for approach in [Approach::Mean, Approach::Forward, Approach::Reverse] {
-                let at = |machine| evaluate(machine, &pose, Order::Exact, approach, Frame::Workpiece).deviation;
+                let at = |machine| evaluate(machine, &approach.at(&pose), Order::Exact, Frame::Workpiece).deviation;
                 assert!((at(&before).position - at(&after).position).norm() < 1e-10, "{text}");
             }
         }
@@ -347,7 +347,7 @@ fn robust_weights_resist_bumped_points_and_held_out_data_are_predicted() {
         .map(|p| measured(p, deviation(&truth, p).map(|d| d + 1e-3 * normal(&mut random))))
         .collect();
     data[10] = measured(&data[10].pose, [0.3, -0.2, 0.1]);
-    let model = Model::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     let robust = weigh(&model, &data, true);
     assert!((robust.theta[0] - 12e-6).abs() < 2e-6 && (robust.theta[1] - 6e-3).abs() < 6e-4, "{:?}", robust.theta);
     let report = abbe::identify::Residuals::of(&model, &data, &robust.theta);
@@ -366,9 +366,9 @@ fn the_ur5_robot_has_rank_27() {
     let mut diagnostics = Diagnostics::default();
     let data = read_measurements(&[folder], &robot, &ReadingContext::default(), &Disk, &mut diagnostics).rows;
     let (found, solution) = solve(&robot, &parameters, &data);
-    assert!(found.settled, "{} steps", found.steps);
+    assert!(found.converged, "{} steps", found.steps);
     assert_eq!((solution.rank, parameters.len(), data.len()), (27, 39, 60));
-    let model = Model::new(&robot, &parameters);
+    let model = FitModel::new(&robot, &parameters);
     let after = rms(model.residuals(&data, &found.theta).into_iter());
     assert!(after < 0.1125, "{after}");
     for axis in 1..=6 {
@@ -512,7 +512,7 @@ fn planned_poses_tell_more_than_random_ones_and_their_uncertainty_is_met() {
         &blank,
         &["EC0Y", "EB0Z", "EA0Z", "EX0C", "EY0C", "EA0C", "EB0C", "EY0A", "EZ0A", "EB0A", "EC0A", "workpiece"],
     );
-    let model = Model::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     let planned = abbe::identify::plan(&model, 16, 1e-3, 7);
     assert_eq!((planned.poses.len(), planned.expected.rank), (16, 17));
     // The determinant of the covariance, by way of the singular values of the design.

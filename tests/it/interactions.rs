@@ -5,7 +5,7 @@ use crate::configs;
 use abbe::algebra::Dual;
 use abbe::analysis::interactions;
 use abbe::evaluate::{Frame, Order, evaluate, random_poses, response};
-use abbe::lower::{ErrorLift, ErrorValues, Source, sensitivities};
+use abbe::lower::{AxisErrorValues, ErrorLift, ErrorValues, Source, sensitivities};
 use abbe::machine::{Approach, ErrorId, LocationOrder, Machine};
 use nalgebra::Vector3;
 use serde_json::Value;
@@ -26,11 +26,11 @@ impl ErrorLift<Dual<2>> for FirstOrder {
 
 /// Displacement and rotation by a unit of one error: the first degree of the whole model over the dual numbers.
 pub fn unit_response(machine: &Machine, pose: &[f64], error: &ErrorId) -> [Vector3<f64>; 2] {
-    let axes = vec![([0.0; 6], [0.0; 6]); machine.axes().len()];
+    let axes = vec![AxisErrorValues { location: [0.0; 6], component: [0.0; 6] }; machine.axes().len()];
     let mut values = ErrorValues { axes, spindle: None, tool: [0.0; 3], workpiece: [0.0; 6] };
     let place = match machine.axis_index(error.axis.as_str()) {
-        Some(i) if error.is_location() => &mut values.axes[i].0,
-        Some(i) => &mut values.axes[i].1,
+        Some(i) if error.is_location() => &mut values.axes[i].location,
+        Some(i) => &mut values.axes[i].component,
         None => values.spindle.insert([0.0; 6]),
     };
     place[error.direction.index()] = 1.0;
@@ -48,7 +48,7 @@ fn the_first_degree_is_the_structured_form() {
         }
         let calculation = interactions(&machine, 1).unwrap();
         for pose in random_poses(&machine, 3, 21) {
-            let first = calculation.at(&pose, Approach::Mean).first;
+            let first = calculation.at(&Approach::Mean.at(&pose)).first;
             for structured in sensitivities(&machine, &pose, |_| true) {
                 let error = structured.error.to_string();
                 let effect = first.iter().find(|e| e.errors == [error.clone()]).unwrap();
@@ -67,12 +67,12 @@ fn effects_sum_to_the_orders_and_bound_what_order_one_neglects() {
     for (name, machine) in configs::all() {
         let calculation = interactions(&machine, 2).unwrap();
         for pose in random_poses(&machine, 2, 22) {
-            let effects = calculation.at(&pose, Approach::Mean);
-            let order = |n| evaluate(&machine, &pose, Order::Degree(n), Approach::Mean, Frame::Workpiece).deviation;
+            let effects = calculation.at(&Approach::Mean.at(&pose));
+            let order = |n| evaluate(&machine, &Approach::Mean.at(&pose), Order::Degree(n), Frame::Workpiece).deviation;
             let second: nalgebra::Vector3<f64> = effects.second.iter().map(|e| e.deviation * e.value).sum();
             let difference = order(2).position - order(1).position;
             assert!((second - difference).amax() < 2e-13, "{name} {second} {difference}");
-            let exact = evaluate(&machine, &pose, Order::Exact, Approach::Mean, Frame::Workpiece).deviation;
+            let exact = evaluate(&machine, &Approach::Mean.at(&pose), Order::Exact, Frame::Workpiece).deviation;
             let (position, rotation) = effects.neglected_bound();
             // The third degree is a thousandth of the second.
             assert!((exact.position - order(1).position).norm() <= 1.01 * position + 1e-13, "{name}");

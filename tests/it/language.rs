@@ -74,10 +74,10 @@ fn the_whole_language_resolves() {
     assert_eq!(names, ["C", "A", "Y", "X", "Z"]);
     assert_eq!(machine.axes()[0].branch, Branch::Workpiece);
     assert_eq!(machine.tool().tip, [250.0, 225.0, -120.0]);
-    let exx = |approach| machine.component_values(3, 250.0, approach)[0];
+    let exx = |approach: Approach| machine.component_values(3, &approach.at_position(250.0))[0];
     assert_eq!((exx(Approach::Forward), exx(Approach::Reverse)), (5.0 * 1e-3, 6.5 * 1e-3));
-    assert!((machine.component_values(3, 500.0, Approach::Mean)[4] - 2e-6).abs() < 1e-18);
-    assert_eq!(machine.component_values(0, 450.0, Approach::Mean)[0], 3.0 * 1e-3);
+    assert!((machine.component_values(3, &Approach::Mean.at_position(500.0))[4] - 2e-6).abs() < 1e-18);
+    assert_eq!(machine.component_values(0, &Approach::Mean.at_position(450.0))[0], 3.0 * 1e-3);
     assert!((machine.axis_errors(2).location_values()[5] - 12e-6).abs() < 1e-18);
     assert!((machine.spindle_errors().unwrap().location_values()[3] - 4e-6).abs() < 1e-18);
     assert_eq!(machine.setup().workpiece[0], 3.0 * 1e-3);
@@ -116,7 +116,7 @@ fn resolved(lines: &str) -> Machine {
 
 /// Component errors of an axis at a position.
 fn component(machine: &Machine, axis: &str, position: f64) -> [f64; 6] {
-    machine.component_values(machine.axis_index(axis).unwrap(), position, Approach::Mean)
+    machine.component_values(machine.axis_index(axis).unwrap(), &Approach::Mean.at_position(position))
 }
 
 fn location(machine: &Machine, axis: &str) -> [f64; 6] {
@@ -292,8 +292,8 @@ fn every_form_of_a_curve() {
     let c = component(&machine, "C", 450.0);
     assert!(near(c[0], 2e-3) && near(c[1], 4e-3) && near(c[2], -1e-3), "{c:?}");
     let z = machine.axis_index("Z").unwrap();
-    assert!(near(machine.component_values(z, -200.0, Approach::Forward)[2], 1e-3));
-    assert!(near(machine.component_values(z, -200.0, Approach::Reverse)[2], 4e-3));
+    assert!(near(machine.component_values(z, &Approach::Forward.at_position(-200.0))[2], 1e-3));
+    assert!(near(machine.component_values(z, &Approach::Reverse.at_position(-200.0))[2], 4e-3));
     assert!(near(component(&machine, "Z", -200.0)[2], 2.5e-3) && component(&machine, "Z", -200.0)[0] == 0.0);
 }
 
@@ -332,7 +332,7 @@ fn tables_come_with_any_separator_unit_and_direction() {
     assert!(near(component(&machine, "X", 125.0)[0], 0.6875e-3));
     let one_way = small("errors: { EXX: { forward: { table: x.csv }, reverse: { table: x.csv } } }");
     let machine = silent(&[("m.yaml", &one_way), ("x.csv", tables[4])]);
-    assert!(near(machine.component_values(1, 250.0, Approach::Forward)[0], 1e-3));
+    assert!(near(machine.component_values(1, &Approach::Forward.at_position(250.0))[0], 1e-3));
     let turn = "C [rad], EXC [um]\n0, 1\n6.283185307179586, 1\n";
     assert!(near(component(&silent(&[("m.yaml", &small("measured: [c.csv]")), ("c.csv", turn)]), "C", 500.0)[0], 1e-3));
 }

@@ -8,7 +8,9 @@ use super::oracle::program::Folder;
 use super::oracle::random::Random;
 use super::oracle::rigid::Frame as OracleFrame;
 use abbe::diagnostic::Diagnostics;
-use abbe::identify::{Fit, MeasurementSet, Model, Parameter, ReadingContext, Solution, fit, read_measurements};
+use abbe::identify::{
+    FitModel, MeasurementSet, Parameter, ParameterFit, ReadingContext, Solution, fit, read_measurements,
+};
 use abbe::machine::Machine;
 use abbe::syntax::Disk;
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -44,10 +46,10 @@ fn read(machine: &Machine, files: &[std::path::PathBuf]) -> MeasurementSet {
     data
 }
 
-fn solved(machine: &Machine, words: &[&str], data: &MeasurementSet) -> (Vec<Parameter>, Fit, Solution) {
+fn solved(machine: &Machine, words: &[&str], data: &MeasurementSet) -> (Vec<Parameter>, ParameterFit, Solution) {
     let unknowns: Vec<Parameter> =
         wanted(machine, words).into_iter().chain(data.nuisances.iter().cloned().map(Parameter::from)).collect();
-    let model = Model::new(machine, &unknowns);
+    let model = FitModel::new(machine, &unknowns);
     let found = fit(&model, &data.rows, data.rows.iter().map(|m| m.weight).collect());
     let solution = Solution::of(&found, &unknowns);
     (unknowns, found, solution)
@@ -124,10 +126,10 @@ fn every_kind_explains_data_of_the_independent_model() {
         for path in everything(&sample, &poses, &folder) {
             let data = read(&machine, std::slice::from_ref(&path));
             let (unknowns, found, _) = solved(&machine, &["location", "tool"], &data);
-            let left = Model::new(&machine, &unknowns).residuals(&data.rows, &found.theta);
+            let left = FitModel::new(&machine, &unknowns).residuals(&data.rows, &found.theta);
             let worst = left.iter().map(|r| r.norm()).fold(0.0, f64::max);
             assert!(worst < 1e-7, "{}: {worst:e}", path.display());
-            assert!(found.settled, "{}", path.display());
+            assert!(found.converged, "{}", path.display());
         }
     }
 }
@@ -157,12 +159,12 @@ fn a_ball_that_is_found_again_in_many_orientations_tells_the_rotary_axes() {
     let path = file(&folder, "balls.csv", &format!("{}ball", header(&sample, "")), rows);
     let data = read(&machine, &[path]);
     let (unknowns, found, solution) = solved(&machine, &["location", "tool"], &data);
-    let left = Model::new(&machine, &unknowns).residuals(&data.rows, &found.theta);
+    let left = FitModel::new(&machine, &unknowns).residuals(&data.rows, &found.theta);
     let worst = left.iter().map(|r| r.norm()).fold(0.0, f64::max);
     // The axes stop where Newton's iteration with differences of 0.5 mm has come to.
-    assert!(worst < 1e-7 && found.settled, "{worst:e}");
+    assert!(worst < 1e-7 && found.converged, "{worst:e}");
     // Without errors the ball would be found off by their effect.
-    let model = Model::new(&machine, &unknowns);
+    let model = FitModel::new(&machine, &unknowns);
     let start: Vec<f64> = unknowns.iter().map(|p| p.start).collect();
     let before = model.residuals(&data.rows, &start).iter().map(|r| r.norm()).fold(0.0, f64::max);
     assert!(before > 1e-3 && solution.rank < unknowns.len(), "{before}");
@@ -236,7 +238,7 @@ fn intervals_of_a_joint_fit_of_several_kinds_cover_the_truth() {
     let clean = read(&blank, &[tracer, relative]);
     let unknowns: Vec<Parameter> =
         wanted(&blank, &words).into_iter().chain(clean.nuisances.iter().cloned().map(Parameter::from)).collect();
-    let model = Model::new(&blank, &unknowns);
+    let model = FitModel::new(&blank, &unknowns);
     for _ in 0..1000 {
         let mut rows = clean.rows.clone();
         for row in &mut rows {
@@ -253,7 +255,7 @@ fn intervals_of_a_joint_fit_of_several_kinds_cover_the_truth() {
         let solution = Solution::of(&found, &unknowns);
         assert_eq!(solution.rank, 11);
         for ((estimate, parameter), known) in solution.estimates.iter().zip(&unknowns).zip(known) {
-            let (value, sigma) = (parameter.shown(estimate.value), parameter.shown(estimate.sigma.unwrap()));
+            let (value, sigma) = (parameter.in_unit(estimate.value), parameter.in_unit(estimate.sigma.unwrap()));
             inside += usize::from((value - known).abs() < 1.99 * sigma);
             all += 1;
         }

@@ -5,7 +5,7 @@ use super::language::{read, silent};
 use super::oracle::program::Folder;
 use super::oracle::random::Random;
 use abbe::evaluate::Order;
-use abbe::identify::{Fit, Measurement, Model, Parameter, fit, parameters, slope_bounds};
+use abbe::identify::{FitModel, Measurement, Parameter, ParameterFit, fit, parameters, slope_bounds};
 use abbe::machine::{Approach, Machine};
 use abbe::syntax::{IdentifyEntry, Scalar};
 
@@ -21,17 +21,17 @@ fn data(truth: &Machine, count: usize, seed: u64) -> Vec<Measurement> {
     five_poses(&mut Random::new(seed), count).iter().map(|p| measured(p, deviation(truth, p))).collect()
 }
 
-fn solved(machine: &Machine, request: &IdentifyEntry, data: &[Measurement]) -> (Vec<Parameter>, Fit) {
+fn solved(machine: &Machine, request: &IdentifyEntry, data: &[Measurement]) -> (Vec<Parameter>, ParameterFit) {
     let unknowns = list(machine, request);
     let bounds = slope_bounds(machine, request, &unknowns).unwrap();
-    let model = Model::new(machine, &unknowns).bounded(&bounds);
+    let model = FitModel::new(machine, &unknowns).with_slope_bounds(&bounds);
     let found = fit(&model, data, vec![1.0; data.len()]);
     (unknowns, found)
 }
 
-fn value(unknowns: &[Parameter], found: &Fit, name: &str) -> f64 {
+fn value(unknowns: &[Parameter], found: &ParameterFit, name: &str) -> f64 {
     let j = unknowns.iter().position(|p| p.name == name).unwrap_or_else(|| panic!("{name}"));
-    unknowns[j].shown(found.theta[j])
+    unknowns[j].in_unit(found.theta[j])
 }
 
 fn number(x: f64) -> Scalar {
@@ -116,7 +116,7 @@ fn b_splines_are_found_and_the_file_says_them() {
         .iter()
         .zip(&found.theta)
         .filter(|(p, _)| p.name.starts_with("ECC"))
-        .map(|(p, t)| p.shown(*t))
+        .map(|(p, t)| p.in_unit(*t))
         .collect();
     assert!(ecc.iter().zip([3.0, 20.0, -10.0, 5.0]).all(|(a, b)| (a - b).abs() < 1e-5), "{ecc:?}");
     let text = fitted_text(&blank, &unknowns, &found);
@@ -142,7 +142,7 @@ fn both_directions_are_found_and_written() {
     let poses = five_poses(&mut Random::new(93), 60);
     let one = |(i, pose): (usize, &Vec<f64>)| {
         let approach = [Approach::Forward, Approach::Reverse, Approach::Mean][i % 3];
-        let d = abbe::evaluate::evaluate(&truth, pose, Order::Exact, approach, abbe::evaluate::Frame::Workpiece);
+        let d = abbe::evaluate::evaluate(&truth, &approach.at(pose), Order::Exact, abbe::evaluate::Frame::Workpiece);
         Measurement { approach, ..measured(pose, d.deviation.position.into()) }
     };
     let data: Vec<Measurement> = poses.iter().enumerate().map(one).collect();
@@ -153,7 +153,9 @@ fn both_directions_are_found_and_written() {
     }
     let fitted = silent(&[("machine.yaml", &fitted_text(&blank, &unknowns, &found))]);
     for approach in [Approach::Forward, Approach::Reverse, Approach::Mean] {
-        let at = |machine: &Machine| machine.component_values(machine.axis_index("X").unwrap(), 300.0, approach)[0];
+        let at = |machine: &Machine| {
+            machine.component_values(machine.axis_index("X").unwrap(), &approach.at_position(300.0))[0]
+        };
         assert!((at(&fitted) - at(&truth)).abs() < 1e-9);
     }
 }
@@ -197,7 +199,7 @@ fn a_bounded_slope_keeps_a_curve_flat_where_nothing_was_measured() {
     let at_end = |wanted: &IdentifyEntry| {
         let (unknowns, found) = solved(&blank, wanted, &data);
         let fitted = silent(&[("machine.yaml", &fitted_text(&blank, &unknowns, &found))]);
-        (fitted.component_values(3, 500.0, Approach::Mean)[0] - 5e-3).abs()
+        (fitted.component_values(3, &Approach::Mean.at_position(500.0))[0] - 5e-3).abs()
     };
     let mut bounded = request(&["EXX:poly5"]);
     let loose = at_end(&bounded);
@@ -214,18 +216,18 @@ fn the_model_of_order_two_is_fitted_with_its_own_derivatives() {
     let theta: Vec<f64> = unknowns.iter().map(|p| 20e-3 / p.size).collect();
     let poses = five_poses(&mut Random::new(98), 12);
     let rows: Vec<Measurement> = poses.iter().map(|p| measured(p, [0.0; 3])).collect();
-    let exact = Model::new(&blank, &unknowns);
+    let exact = FitModel::new(&blank, &unknowns);
     for (order, bound) in [(Order::Degree(1), 1e-4), (Order::Degree(2), 1e-7)] {
-        let model = Model::new(&blank, &unknowns).to_order(order);
+        let model = FitModel::new(&blank, &unknowns).to_order(order);
         let data: Vec<Measurement> =
-            poses.iter().zip(&rows).map(|(p, m)| measured(p, model.predicted(m, &theta).into())).collect();
-        let gap = rows.iter().map(|m| (model.predicted(m, &theta) - exact.predicted(m, &theta)).norm());
+            poses.iter().zip(&rows).map(|(p, m)| measured(p, model.prediction(m, &theta).into())).collect();
+        let gap = rows.iter().map(|m| (model.prediction(m, &theta) - exact.prediction(m, &theta)).norm());
         let gap = gap.fold(0.0, f64::max);
         assert!(gap > 0.0 && gap < bound, "{gap:e}");
         // Newton's last steps are quadratic only with the derivatives of this very model.
         let found = fit(&model, &data, vec![1.0; data.len()]);
         let left = model.residuals(&data, &found.theta).iter().map(|r| r.norm()).fold(0.0, f64::max);
-        assert!(found.settled && found.steps <= 4 && left < 1e-10, "{} steps, {left:e}", found.steps);
+        assert!(found.converged && found.steps <= 4 && left < 1e-10, "{} steps, {left:e}", found.steps);
         // The derivatives against differences of the model itself.
         let reduced = model.triangle(&rows[..4], &[1.0; 4], &theta);
         let column = |j: usize| {
@@ -234,7 +236,7 @@ fn the_model_of_order_two_is_fitted_with_its_own_derivatives() {
                 changed[j] += by / unknowns[j].size;
                 rows[..4]
                     .iter()
-                    .flat_map(|m| model.predicted(m, &changed).iter().copied().collect::<Vec<_>>())
+                    .flat_map(|m| model.prediction(m, &changed).iter().copied().collect::<Vec<_>>())
                     .collect::<Vec<_>>()
             };
             moved(1e-2).iter().zip(moved(-1e-2)).map(|(a, b)| (a - b) / 2e-2).collect::<Vec<f64>>()
@@ -321,7 +323,7 @@ fn sums_of_powers_start_where_the_file_is() {
         let fitted = silent(&[("machine.yaml", &fitted_text(&blank, &unknowns, &found))]);
         let again = list(&fitted, &wanted);
         for ((parameter, theta), before) in again.iter().zip(&found.theta).zip(&unknowns) {
-            let off = parameter.shown(parameter.start) - before.shown(*theta);
+            let off = parameter.in_unit(parameter.start) - before.in_unit(*theta);
             assert!(off.abs() < 1e-6, "{}: {off}", parameter.name);
         }
         assert!(again.iter().any(|p| p.start != 0.0));

@@ -54,7 +54,7 @@ fn deviations_turn_with_the_part_and_the_other_frames_stay() {
         let (plain, turned, r) = both(&machine, random.vector(180.0));
         for pose in random_poses(&plain, 4, 7) {
             for order in [Order::Exact, Order::Degree(2)] {
-                let at = |machine, frame| evaluate(machine, &pose, order, Approach::Mean, frame);
+                let at = |machine, frame| evaluate(machine, &Approach::Mean.at(&pose), order, frame);
                 let (before, after) = (at(&plain, Frame::Workpiece), at(&turned, Frame::Workpiece));
                 // 1e-12 mm of the deviation; the nominal tip is metres away.
                 assert!(near(&after.deviation.position, &(r.transpose() * before.deviation.position), 1e-12), "{name}");
@@ -101,7 +101,7 @@ fn maps_and_surveys_count_in_the_coordinates_of_the_part() {
             (Order::Degree(3), &listed),
         ] {
             for frame in [Frame::Workpiece, Frame::Machine, Frame::Tool] {
-                let view = View { approach: Approach::Mean, frame };
+                let view = View { frame, ..View::default() };
                 let rows = |machine: &Machine| {
                     let field = CompiledField::new(machine, order);
                     let map = map(&field, poses, view, &|_| {}).unwrap();
@@ -161,30 +161,34 @@ fn instruments_read_the_same_but_for_planes_of_the_part() {
     // XY of the part runs from X to -Z of the machine: its ZX circle, a quarter turn on.
     let [part, machine] =
         [(&turned, Plane::XY), (&plain, Plane::ZX)].map(|(m, plane)| ball_bar(m, &centre, plane, 100.0, 360).unwrap());
-    for sense in 0..2 {
+    let senses =
+        [(&part.counter_clockwise_um, &machine.counter_clockwise_um), (&part.clockwise_um, &machine.clockwise_um)];
+    for (sense, (of_part, of_machine)) in senses.into_iter().enumerate() {
         for i in 0..360 {
-            let (a, b) = (part.readings[sense][i], machine.readings[sense][(i + 90) % 360]);
+            let (a, b) = (of_part[i], of_machine[(i + 90) % 360]);
             assert!((a - b).abs() < 1e-7, "{sense} {i}: {a} {b}");
         }
     }
-    assert!(part.deviation[0] > 1.0, "{:?}", part.deviation);
+    let deviation = part.circular_deviation_um.counter_clockwise;
+    assert!(deviation > 1.0, "{deviation}");
     let other = ball_bar(&plain, &centre, Plane::XY, 100.0, 360).unwrap();
-    assert!((other.deviation[0] - part.deviation[0]).abs() > 1e-3);
+    assert!((other.circular_deviation_um.counter_clockwise - deviation).abs() > 1e-3);
     let mut random = Random::new(3);
     let (plain, turned, _) = of_config("trunnion.yaml", random.vector(180.0));
     for axis in [0, 1] {
         let [a, b] = [&plain, &turned].map(|m| r_test(m, &centre, &[axis], 19).unwrap());
         assert_eq!(a.skipped, b.skipped);
-        let apart = a.readings.iter().zip(&b.readings).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        assert!(apart < 1e-7 && a.range[0] > 0.1, "{apart:e} um");
+        let readings = a.readings.iter().zip(&b.readings).map(|(a, b)| [a, b].map(|of| Vector3::from(of.reading_um)));
+        let apart = readings.map(|[a, b]| (a - b).norm()).fold(0.0, f64::max);
+        assert!(apart < 1e-7 && a.range_um[0] > 0.1, "{apart:e} um");
     }
     let read = |m: &Machine| -> Vec<f64> {
-        diagonals(m, &rest(m), 8, false).into_iter().flat_map(|diagonal| diagonal.there).collect()
+        diagonals(m, &rest(m), 8, false).into_iter().flat_map(|diagonal| diagonal.there_um).collect()
     };
     assert_eq!(read(&plain), read(&turned));
     let bodies = |machine: &Machine| -> Vec<f64> {
         let field = Bare { machine, order: Order::Exact };
-        let all = body_diagonals(&field, &rest(machine), 6, Approach::Mean);
+        let all = body_diagonals(&field, &Approach::Mean.at(&rest(machine)), 6);
         all.into_iter().flat_map(|diagonal| diagonal.deviations).collect()
     };
     assert_eq!(bodies(&plain), bodies(&turned));

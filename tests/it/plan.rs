@@ -56,7 +56,7 @@ fn agree(machine: &Machine, poses: &[Vec<f64>], order: Order, rounding: [f64; 2]
     for approach in APPROACHES {
         let plan = CompiledModel::new(machine, order, approach);
         let general: Vec<_> =
-            poses.iter().map(|pose| evaluate(machine, pose, order, approach, Frame::Workpiece).deviation).collect();
+            poses.iter().map(|pose| evaluate(machine, &approach.at(pose), order, Frame::Workpiece).deviation).collect();
         let (size, gap) = (largest(&general), largest(&differences(&planned(&plan, poses), &general)));
         for kind in [0, 1] {
             let tolerance = 1e-12 * size[kind] + rounding[kind];
@@ -295,7 +295,8 @@ fn commands_are_those_of_the_general_algebra() {
         plan.commanded(&at.batch(), &by.batch(), out.output(poses.len())).unwrap();
         for (i, (pose, added)) in poses.iter().zip(&added).enumerate() {
             let command: Vec<f64> = pose.iter().zip(added).map(|(q, c)| q + c).collect();
-            let expected = command_deviation(&machine, &NominalPose::at(&machine, pose).pose, &command, Approach::Mean);
+            let expected =
+                command_deviation(&machine, &NominalPose::at(&machine, pose).pose, &Approach::Mean.at(&command));
             let gap = [out.get(i).position - expected.position, out.get(i).rotation - expected.rotation];
             let gap = gap.map(|v| v.amax());
             // Positions of a metre; curves are looked up at the sum, which is rounded.
@@ -396,7 +397,7 @@ fn a_survey_is_a_map_that_is_not_kept() {
             (grid, Frame::Tool),
             (Poses::Random(abbe::evaluate::Random::of(&machine, 40_000, 3)), Frame::Machine),
         ] {
-            let view = View { approach: Approach::Mean, frame };
+            let view = View { frame, ..View::default() };
             let kept = map(&field, &poses, view, &|_| ()).unwrap();
             let survey = || survey(SurveyTask { field: &field, poses: &poses, view, worst: 4 }, &|_| ());
             let found = survey();
@@ -434,7 +435,7 @@ fn corrections_in_batches_are_those_one_by_one() {
             let all = correct_all(&plan, &poses, scope).unwrap();
             assert_eq!(all.len(), poses.len());
             for (pose, found) in poses.iter().zip(&all) {
-                let one = correct(&machine, pose, Approach::Mean, scope);
+                let one = correct(&machine, &Approach::Mean.at(pose), scope);
                 let gaps = one.correction.0.iter().zip(&found.correction.0).map(|(a, b)| (a - b).abs());
                 // mm and deg; the rounding of positions, and the last step of an iteration that contracts by 1e-4.
                 assert!(gaps.fold(0.0, f64::max) < 1e-9, "{name} {scope:?} {pose:?}: {one:?} {found:?}");

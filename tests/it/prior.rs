@@ -3,7 +3,7 @@
 use super::identify::{deviation, five, five_poses, measured, normal, solve, wanted};
 use super::oracle::random::Random;
 use abbe::evaluate::Frame;
-use abbe::identify::{Fit, Measurement, Model, Reading, fit, slope_bounds};
+use abbe::identify::{FitModel, Measurement, ParameterFit, Reading, fit, slope_bounds};
 use abbe::lower::{ErrorSite, Source};
 use abbe::machine::Direction;
 use abbe::syntax::{IdentifyEntry, Scalar};
@@ -19,7 +19,7 @@ fn best(points: &[(f64, f64)], degree: usize, places: &[f64]) -> Vec<f64> {
     places.iter().map(|x| (0..=degree).map(|k| c[k] * power(*x, k)).sum()).collect()
 }
 
-fn is_the_best_cubic(found: &Fit, points: &[(f64, f64)], places: &[f64], within: f64) {
+fn is_the_best_cubic(found: &ParameterFit, points: &[(f64, f64)], places: &[f64], within: f64) {
     let curve = |x: &f64| found.theta.iter().enumerate().map(|(k, c)| c * x.powi(k as i32)).sum::<f64>();
     for (ours, theirs) in places.iter().map(curve).zip(best(points, 3, places)) {
         assert!((ours - theirs).abs() < within, "{ours} {theirs}");
@@ -114,7 +114,7 @@ fn as_many_readings_as_unknowns_leave_no_uncertainty_to_state() {
     let mut one = measured(&[0.0, 0.0, 300.0, 100.0, 0.0], [0.0; 3]);
     one.reading = Reading::Deviation { values: [Some(3e-3), None, None], frame: Frame::Workpiece, zero: [None; 3] };
     let (_, solution) = solve(&machine, &parameters, &[one]);
-    assert_eq!((solution.rank, solution.freedom), (1, 0));
+    assert_eq!((solution.rank, solution.degrees_of_freedom), (1, 0));
     assert!(solution.estimates[0].sigma.is_none() && solution.estimates[0].value < -5e-6);
 }
 
@@ -126,7 +126,7 @@ fn a_bound_on_the_slope_carries_blocks_and_b_splines_over_what_was_not_measured(
         request.slopes.insert("EXX".to_owned(), Scalar::Text("20 um/m".to_owned()));
         let parameters = abbe::identify::parameters(&machine, &request).unwrap();
         let bounds = slope_bounds(&machine, &request, &parameters).unwrap();
-        let model = Model::new(&machine, &parameters).bounded(&bounds);
+        let model = FitModel::new(&machine, &parameters).with_slope_bounds(&bounds);
         let reading = |x: f64| measured(&[0.0, 0.0, 0.0, x, 0.0], [4e-3 + 1e-3 * (x / 40.0).sin(), 0.0, 0.0]);
         let data: Vec<Measurement> = (0..41).map(|i| reading(100.0 + 5.0 * f64::from(i))).collect();
         let found = fit(&model, &data, vec![1.0; data.len()]);

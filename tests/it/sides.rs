@@ -132,7 +132,7 @@ fn the_block_of_a_side_goes_over_the_plain_keys() {
         assert_eq!(moved.axes(), other.axes());
         let of = |machine: &Machine| {
             let a = machine.axis_index("A").unwrap();
-            (-10..=2).map(|q| machine.component_values(a, f64::from(q) * 10.0, Default::default())).collect::<Vec<_>>()
+            (-10..=2).map(|q| machine.component_values(a, &(f64::from(q) * 10.0).into())).collect::<Vec<_>>()
         };
         assert_eq!(of(&moved), of(other));
     }
@@ -162,9 +162,7 @@ fn plain_keys_of_a_variant_displace_the_blocks_of_its_base() {
         silent(&[("m.yaml", &text), ("base.yaml", &base)])
     };
     let a = |machine: &Machine| machine.axes()[machine.axis_index("A").unwrap()].clone();
-    let error = |machine: &Machine| {
-        machine.component_values(machine.axis_index("A").unwrap(), 0.0, Default::default())[0] * 1e3
-    };
+    let error = |machine: &Machine| machine.component_values(machine.axis_index("A").unwrap(), &0.0.into())[0] * 1e3;
     let unchanged = variant("machine: V\n");
     assert_eq!((a(&unchanged).origin, a(&unchanged).travel), ([250.0, 225.0, 210.0], Travel::Range(-100.0, 20.0)));
     assert!((error(&unchanged) - 7.0).abs() < 1e-12);

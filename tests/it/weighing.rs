@@ -3,7 +3,7 @@
 use super::identify::{deviation, five, five_poses, json, measured, normal, wanted};
 use super::measurements::identified;
 use super::oracle::random::Random;
-use abbe::identify::{Fit, Measurement, Model, Parameter, Reading, ReadingKind, Solution, solve};
+use abbe::identify::{FitModel, Measurement, Parameter, ParameterFit, Reading, ReadingKind, Solution, solve};
 use abbe::lower::{ErrorSite, Source};
 use abbe::machine::{Approach, Direction, Machine};
 
@@ -18,7 +18,7 @@ impl Coverage {
     /// Counts intervals of `reach` standard uncertainties; of the stated number without `reach`.
     fn count(&mut self, parameters: &[Parameter], solution: &Solution, known: &[f64], reach: Option<f64>) {
         for ((estimate, parameter), known) in solution.estimates.iter().zip(parameters).zip(known) {
-            let (value, sigma) = (parameter.shown(estimate.value), parameter.shown(estimate.sigma.unwrap()));
+            let (value, sigma) = (parameter.in_unit(estimate.value), parameter.in_unit(estimate.sigma.unwrap()));
             let reach = reach.or(estimate.coverage).unwrap();
             self.inside += usize::from((value - known).abs() < reach * sigma);
             self.all += 1;
@@ -46,7 +46,7 @@ fn setting(random: &mut Random, count: usize) -> (Machine, Vec<Parameter>, Vec<C
     (blank, parameters, clean)
 }
 
-fn weighed(model: &Model<'_>, data: &[Measurement], robust: bool) -> (Fit, Solution) {
+fn weighed(model: &FitModel<'_>, data: &[Measurement], robust: bool) -> (ParameterFit, Solution) {
     let found = solve(model, data, robust);
     let solution = Solution::of(&found, model.parameters());
     (found, solution)
@@ -56,7 +56,7 @@ fn weighed(model: &Model<'_>, data: &[Measurement], robust: bool) -> (Fit, Solut
 fn robust_intervals_cover_the_truth_with_and_without_bumped_points() {
     let mut random = Random::new(601);
     let (blank, parameters, clean) = setting(&mut random, 60);
-    let model = Model::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     for bumped in [0, 6] {
         let mut coverage = Coverage::default();
         for _ in 0..300 {
@@ -87,7 +87,7 @@ fn single(direction: Direction, x: f64, value: f64) -> Measurement {
 fn unlike_quantities_have_variances_of_their_own() {
     let mut random = Random::new(602);
     let (blank, parameters, clean) = setting(&mut random, 40);
-    let model = Model::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     let (mut coverage, mut sigmas) = (Coverage::default(), [0.0; 3]);
     for robust in [false, true] {
         for _ in 0..200 {
@@ -118,7 +118,7 @@ fn unlike_quantities_have_variances_of_their_own() {
 fn what_hangs_on_few_readings_has_the_students_factor_of_those() {
     let mut random = Random::new(605);
     let (blank, parameters, clean) = setting(&mut random, 40);
-    let model = Model::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     for robust in [false, true] {
         let (mut coverage, mut few) = (Coverage::default(), 0.0_f64);
         for _ in 0..300 {
@@ -151,14 +151,14 @@ fn intervals_from_few_readings_are_students() {
     let mut random = Random::new(603);
     let (truth, blank) = (five("errors: { EC0Y: 12 urad, EX0C: 6 um }\n"), five(""));
     let parameters = wanted(&blank, &["EC0Y", "EX0C"]);
-    let model = Model::new(&blank, &parameters);
+    let model = FitModel::new(&blank, &parameters);
     let (mut student, mut plain) = (Coverage::default(), Coverage::default());
     for _ in 0..2000 {
         let one = |p: &Vec<f64>| measured(p, deviation(&truth, p).map(|d| d + 2e-3 * normal(&mut random)));
         let poses = five_poses(&mut Random::new(604), 2);
         let data: Vec<Measurement> = poses.iter().map(one).collect();
         let (_, solution) = weighed(&model, &data, false);
-        assert_eq!(solution.freedom, 4);
+        assert_eq!(solution.degrees_of_freedom, 4);
         student.count(&parameters, &solution, &[12.0, 6.0], Some(solution.estimates[0].coverage.unwrap()));
         plain.count(&parameters, &solution, &[12.0, 6.0], Some(1.96));
     }

@@ -240,7 +240,7 @@ class IdentifyFields(Record):
     null_space: Annotated[list[str], "Combinations without effect on the data, in words."]
     drowned: Annotated[list[str], "Combinations below the noise, in words."]
     condition: Annotated[float, "Ratio of the largest singular value to the smallest that counts."]
-    valuation: Annotated[float, "Least valuation of the machine's parameters that have a value."]
+    valuation: Annotated[float, "Least observability of the machine's parameters that have a value."]
     singular_values: Annotated[list[float], "Singular values of the column-scaled problem."]
     rms_um: Annotated[RmsBeforeAfter, "Root mean square of the readings."]
     sigma_um: Annotated[Union[float, None], "Standard deviation of a reading of weight 1, um; none where kinds scatter differently."]

@@ -9,7 +9,7 @@ mod rules;
 #[cfg(test)]
 mod tests;
 
-pub use rules::{Kind, MAX_PRODUCTS, Rules};
+pub use rules::{MAX_PRODUCTS, Rules, SymbolKind};
 
 use super::Algebra;
 use super::weil::Monomial;
@@ -96,7 +96,7 @@ impl Symbolic {
         Self { rules: None, terms: terms.into_iter().collect() }
     }
 
-    fn combined(mut self, other: Self, sign: f64) -> Self {
+    fn combine(mut self, other: Self, sign: f64) -> Self {
         self.rules = self.rules_with(&other);
         for (monomial, value) in other.terms {
             let before = self.terms.get(&monomial).copied().unwrap_or(0.0);
@@ -157,14 +157,14 @@ impl Algebra for Symbolic {
 impl Add for Symbolic {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        self.combined(other, 1.0)
+        self.combine(other, 1.0)
     }
 }
 
 impl Sub for Symbolic {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        self.combined(other, -1.0)
+        self.combine(other, -1.0)
     }
 }
 

@@ -9,7 +9,7 @@ pub const MAX_PRODUCTS: u64 = 10_000_000;
 
 /// The meaning of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum SymbolKind {
     /// A number that is not small: a position, a cosine.
     Real,
     /// The sine of an angle whose cosine is another symbol.
@@ -27,7 +27,7 @@ pub enum Kind {
 /// The symbols of a calculation, and which products of them vanish.
 #[derive(Debug)]
 pub struct Rules {
-    symbols: Vec<Kind>,
+    symbols: Vec<SymbolKind>,
     ideal: Ideal,
     products: AtomicU64,
     max_products: u64,
@@ -35,7 +35,7 @@ pub struct Rules {
 
 impl Rules {
     /// Symbols in their order; the ideal is one of the generators.
-    pub fn new(symbols: Vec<Kind>, ideal: Ideal) -> Self {
+    pub fn new(symbols: Vec<SymbolKind>, ideal: Ideal) -> Self {
         Self { symbols, ideal, products: AtomicU64::new(0), max_products: MAX_PRODUCTS }
     }
 
@@ -46,7 +46,7 @@ impl Rules {
     }
 
     /// True if the products exceeded the limit.
-    pub fn exhausted(&self) -> bool {
+    pub fn is_exhausted(&self) -> bool {
         self.products.load(Ordering::Relaxed) > self.max_products
     }
 
@@ -61,13 +61,13 @@ impl Rules {
         &self.ideal
     }
 
-    fn kind(&self, symbol: u16) -> Kind {
-        self.symbols.get(usize::from(symbol)).copied().unwrap_or(Kind::Real)
+    fn kind(&self, symbol: u16) -> SymbolKind {
+        self.symbols.get(usize::from(symbol)).copied().unwrap_or(SymbolKind::Real)
     }
 
     /// Degree in the nilpotent symbols.
     pub fn degree(&self, monomial: &Monomial) -> usize {
-        let nilpotent = |(symbol, _): &&(u16, u8)| matches!(self.kind(*symbol), Kind::Nilpotent { .. });
+        let nilpotent = |(symbol, _): &&(u16, u8)| matches!(self.kind(*symbol), SymbolKind::Nilpotent { .. });
         monomial.factors().iter().filter(nilpotent).map(|(_, power)| usize::from(*power)).sum()
     }
 
@@ -77,7 +77,7 @@ impl Rules {
             return self.degree(monomial) <= usize::from(self.ideal.degree);
         }
         let generator = |(symbol, power): &(u16, u8)| match self.kind(*symbol) {
-            Kind::Nilpotent { generator } => Some((generator, *power)),
+            SymbolKind::Nilpotent { generator } => Some((generator, *power)),
             _ => None,
         };
         self.ideal.keeps(&Monomial::new(monomial.factors().iter().filter_map(generator)))
@@ -86,7 +86,7 @@ impl Rules {
     /// A monomial with the square of a sine as the same without it and the cosine that belongs to it.
     fn sine_square(&self, monomial: &Monomial) -> Option<(Monomial, Monomial)> {
         let square = |(symbol, power): &(u16, u8)| match self.kind(*symbol) {
-            Kind::Sine { cosine } if *power > 1 => Some((*symbol, cosine)),
+            SymbolKind::Sine { cosine } if *power > 1 => Some((*symbol, cosine)),
             _ => None,
         };
         let (sine, cosine) = monomial.factors().iter().find_map(square)?;

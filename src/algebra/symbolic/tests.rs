@@ -5,8 +5,9 @@ use nalgebra::Vector3;
 
 /// Symbols: 0, 1, 2 errors; 3 a position; 4, 5 sine and cosine.
 fn rules(degree: u8) -> Arc<Rules> {
-    let error = |generator| Kind::Nilpotent { generator };
-    let symbols = vec![error(0), error(1), error(2), Kind::Real, Kind::Sine { cosine: 5 }, Kind::Real];
+    let error = |generator| SymbolKind::Nilpotent { generator };
+    let symbols =
+        vec![error(0), error(1), error(2), SymbolKind::Real, SymbolKind::Sine { cosine: 5 }, SymbolKind::Real];
     Arc::new(Rules::new(symbols, Ideal::above(degree)))
 }
 
@@ -58,11 +59,12 @@ fn degrees_are_kept_and_taken_apart() {
 #[test]
 fn products_beyond_the_limit_are_no_numbers() {
     let limited = |max| {
-        let symbols = vec![Kind::Nilpotent { generator: 0 }, Kind::Real, Kind::Nilpotent { generator: 1 }];
+        let symbols =
+            vec![SymbolKind::Nilpotent { generator: 0 }, SymbolKind::Real, SymbolKind::Nilpotent { generator: 1 }];
         let rules = Arc::new(Rules::new(symbols, Ideal::above(2)).within(max));
         let [a, x, b] = [0, 1, 2].map(|k| Symbolic::symbol(&rules, k));
         let product = (a.clone() * b.clone() + a.clone() + x.clone()) * (a + b + x + Symbolic::one());
-        (product.is_polynomial(), product.len(), rules.exhausted())
+        (product.is_polynomial(), product.len(), rules.is_exhausted())
     };
     // One of `a b`, ten of the twelve: `a b a` and `a b b` are above degree 2. a x and a b come twice.
     assert_eq!((limited(11), limited(10).0, limited(10).2), ((true, 8, false), false, true));
@@ -70,9 +72,9 @@ fn products_beyond_the_limit_are_no_numbers() {
 
 #[test]
 fn the_ideal_is_one_of_the_generators() {
-    let one = Kind::Nilpotent { generator: 0 };
+    let one = SymbolKind::Nilpotent { generator: 0 };
     let ideal = Ideal { degree: 3, vanish: vec![Monomial::new([(0, 2)])] };
-    let rules = Arc::new(Rules::new(vec![one, one, Kind::Nilpotent { generator: 1 }], ideal));
+    let rules = Arc::new(Rules::new(vec![one, one, SymbolKind::Nilpotent { generator: 1 }], ideal));
     let [a, b, c] = [0, 1, 2].map(|k| Symbolic::symbol(&rules, k));
     assert!((a.clone() * b).is_empty());
     assert_eq!((a * c).len(), 1);

@@ -49,7 +49,7 @@ impl Monomial {
     }
 
     /// Times a generator that is not below its last one.
-    fn extended(&self, generator: u16) -> Self {
+    fn times_generator(&self, generator: u16) -> Self {
         let mut list = self.0.clone();
         match list.last_mut() {
             Some((last, power)) if *last == generator => *power += 1,
@@ -106,7 +106,7 @@ impl Ideal {
     fn next(&self, monomial: &Monomial, generators: u16) -> impl Iterator<Item = Monomial> {
         let first = monomial.0.last().map_or(0, |(last, _)| *last);
         let last = if monomial.degree() < usize::from(self.degree) { generators } else { first };
-        (first..last).map(|g| monomial.extended(g)).filter(|m| self.keeps(m))
+        (first..last).map(|g| monomial.times_generator(g)).filter(|m| self.keeps(m))
     }
 
     /// Survivors, lowest degree first.

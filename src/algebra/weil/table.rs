@@ -72,13 +72,13 @@ impl Rows {
 /// other, so that the loop over them has a length that the compiler knows.
 #[derive(Debug, PartialEq)]
 pub struct Pairs {
-    runs: Vec<Run>,
+    runs: Vec<ProductRun>,
     products: usize,
 }
 
 /// Monomials of as many pairs.
 #[derive(Debug, PartialEq)]
-struct Run {
+struct ProductRun {
     /// The number of pairs of each.
     length: usize,
     monomials: Vec<u8>,
@@ -98,7 +98,7 @@ impl Pairs {
         // 1, and the monomials that only 1 divides, are made without a table.
         let mut order: Vec<usize> = (1..rows.len()).filter(|k| rows[*k].len() > 2).collect();
         order.sort_by_key(|k| kind(*k));
-        let run = |alike: &[usize]| Run {
+        let run = |alike: &[usize]| ProductRun {
             length: half[alike[0]].len(),
             monomials: alike.iter().map(|k| *k as u8).collect(),
             pairs: alike.iter().flat_map(|k| half[*k].iter().copied()).collect(),
@@ -136,7 +136,7 @@ impl Pairs {
     }
 }
 
-impl Run {
+impl ProductRun {
     #[inline(always)]
     fn add<const N: usize>(&self, both: &[[f64; 2]; 256], out: &mut [f64]) {
         for (k, pairs) in self.monomials.iter().zip(self.pairs.as_chunks::<N>().0) {

@@ -6,12 +6,13 @@
 //! 3. E_VE takes the inverse joint by joint; deviations are those of `eval`, workpiece frame.
 
 use super::symbols::{self, Naming, Symbol, SymbolMeaning};
-use crate::algebra::symbolic::{Kind, MAX_PRODUCTS, Rules, Symbolic};
+use crate::algebra::symbolic::{MAX_PRODUCTS, Rules, SymbolKind, Symbolic};
 use crate::algebra::{Algebra, Htm};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::rotation;
 use crate::lower::{
-    Chain, DeclaredAlgebra, ErrorLift, ErrorSite, NamedSource, Position, Source, into_part, named_sources, unit_values,
+    Chain, DeclaredAlgebra, ErrorLift, ErrorSite, JointPosition, NamedSource, Source, into_part, named_sources,
+    unit_values,
 };
 use crate::machine::{Axis, AxisKind, Joints, Location, LocationOrder, Machine};
 use nalgebra::{Matrix4, Vector3};
@@ -65,7 +66,7 @@ pub fn equations(machine: &Machine, declared: &DeclaredAlgebra, options: Options
         }
     }
     let equations = collect_terms(machine, &actual, &nominal);
-    if alphabet.rules.exhausted() {
+    if alphabet.rules.is_exhausted() {
         return Err(too_long());
     }
     let equations = equations.ok_or_else(no_number)?;
@@ -165,11 +166,11 @@ impl Alphabet {
         symbols.extend(axes.flat_map(|(i, axis)| symbols::position(i, axis, options.naming)));
         let kind = |(index, symbol): (usize, &Symbol)| match symbol.meaning {
             SymbolMeaning::Error(source, _) => {
-                declared.of(source).map_or(Kind::Real, |generator| Kind::Nilpotent { generator })
+                declared.of(source).map_or(SymbolKind::Real, |generator| SymbolKind::Nilpotent { generator })
             }
             // The cosine is the next one.
-            SymbolMeaning::Sine(_) => Kind::Sine { cosine: index as u16 + 1 },
-            _ => Kind::Real,
+            SymbolMeaning::Sine(_) => SymbolKind::Sine { cosine: index as u16 + 1 },
+            _ => SymbolKind::Real,
         };
         let kinds = symbols.iter().enumerate().map(kind).collect();
         let rules = Arc::new(Rules::new(kinds, declared.ideal().clone()));
@@ -181,11 +182,11 @@ impl Alphabet {
         Some(Symbolic::symbol(&self.rules, index as u16))
     }
 
-    fn positions(&self, machine: &Machine) -> Vec<Position<Symbolic>> {
+    fn positions(&self, machine: &Machine) -> Vec<JointPosition<Symbolic>> {
         let symbol = |meaning: SymbolMeaning| self.find(|m| m == meaning).unwrap_or_else(Symbolic::zero);
         let position = |(i, axis): (usize, &Axis)| match axis.kind {
-            AxisKind::Linear => Position::Linear(symbol(SymbolMeaning::Position(i))),
-            AxisKind::Rotary => Position::Rotary(symbol(SymbolMeaning::Sine(i)), symbol(SymbolMeaning::Cosine(i))),
+            AxisKind::Linear => JointPosition::Linear(symbol(SymbolMeaning::Position(i))),
+            AxisKind::Rotary => JointPosition::Rotary(symbol(SymbolMeaning::Sine(i)), symbol(SymbolMeaning::Cosine(i))),
         };
         machine.axes().iter().enumerate().map(position).collect()
     }

@@ -6,7 +6,7 @@ use crate::algebra::weil::Monomial;
 use crate::diagnostic::Diagnostic;
 use crate::evaluate::response;
 use crate::lower::{DeclaredAlgebra, ErrorLift, ErrorValues, Source, WeilLift, named_sources, unit_values, values};
-use crate::machine::{AlgebraChoice, Approach, LocationOrder, Machine};
+use crate::machine::{AlgebraChoice, Approach, LocationOrder, Machine, OperatingPoint};
 use nalgebra::Vector3;
 
 /// The effect of a product of errors: the coefficient of its monomial, in mm and rad.
@@ -58,18 +58,18 @@ pub fn interactions(machine: &Machine, degree: u8) -> Result<Calculation<'_>, Di
     let mut units = unit_values(machine);
     if machine.conventions().location_order == LocationOrder::Real {
         // These are no generators: they are in the real part as they are.
-        let actual = values(machine, &vec![0.0; machine.axes().len()], Approach::Mean);
-        units.axes.iter_mut().zip(&actual.axes).for_each(|(unit, actual)| unit.0 = actual.0);
+        let actual = values(machine, &Approach::Mean.at(&vec![0.0; machine.axes().len()]));
+        units.axes.iter_mut().zip(&actual.axes).for_each(|(unit, actual)| unit.location = actual.location);
         units.spindle = actual.spindle;
     }
     Ok(Calculation { machine, lift, units })
 }
 
 impl Calculation<'_> {
-    /// Returns the effects at a pose (mm, deg), approached from a side.
-    pub fn at(&self, pose: &[f64], approach: Approach) -> Interactions {
-        let response = response(self.machine, pose, &self.units, &UnitErrors(&self.lift));
-        let errors = values(self.machine, pose, approach);
+    /// Returns the effects at an operating point.
+    pub fn at(&self, at: &OperatingPoint<'_>) -> Interactions {
+        let response = response(self.machine, at.axes, &self.units, &UnitErrors(&self.lift));
+        let errors = values(self.machine, at);
         let sizes = self.sizes(&errors);
         let names = self.lift.declared().names();
         let effect = |monomial: &Monomial| {

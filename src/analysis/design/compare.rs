@@ -5,7 +5,7 @@ use crate::analysis::inverse::{Miss, Needs, ToolPose, Unreachable, inverse_all};
 use crate::analysis::volume::Work;
 use crate::analysis::volume::{View, deviation_in};
 use crate::evaluate::{Deviation, Difference, Field, Frame, Statistics};
-use crate::machine::{Approach, Pose};
+use crate::machine::{OperatingConditions, Pose};
 use rayon::prelude::*;
 
 /// Two or more machines over the tool poses that all of them can reach.
@@ -82,7 +82,7 @@ type ComparisonRow = Vec<Result<(Pose, Deviation), Miss>>;
 pub fn compare(
     fields: &[&dyn Field],
     work: &Work,
-    approach: Approach,
+    conditions: OperatingConditions,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Comparison {
     let Some(first) = fields.first() else {
@@ -93,7 +93,7 @@ pub fn compare(
     let row = |index: usize| {
         let at = |(field, found): (&&dyn Field, &Vec<Result<Pose, Miss>>)| {
             let pose = found[index].clone()?;
-            let deviation = deviation_in(*field, &pose, View { approach, frame: Frame::Workpiece });
+            let deviation = deviation_in(*field, &pose, View { conditions, frame: Frame::Workpiece });
             Ok((pose, deviation))
         };
         let row: ComparisonRow = fields.iter().zip(&found).map(at).collect();

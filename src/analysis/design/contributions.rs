@@ -1,7 +1,7 @@
 //! Machines side by side, error by error: the deviation by each error alone on the same work.
 
 use crate::evaluate::{error_by_error, quantile_95};
-use crate::machine::{Approach, ErrorId, ErrorTerm, Machine, Pose};
+use crate::machine::{ErrorId, ErrorTerm, Machine, OperatingConditions, Pose};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -30,10 +30,10 @@ impl ErrorContribution {
 
 /// Returns every error of any of the machines, each machine at its own poses (mm, deg) of the same work; largest first,
 /// then by name.
-pub fn contributions(machines: &[(&Machine, Vec<Pose>)], approach: Approach) -> Vec<ErrorContribution> {
+pub fn contributions(machines: &[(&Machine, Vec<Pose>)], conditions: OperatingConditions) -> Vec<ErrorContribution> {
     let mut by_error: BTreeMap<ErrorId, Vec<Option<f64>>> = BTreeMap::new();
     for (index, (machine, poses)) in machines.iter().enumerate() {
-        for (error, um) in deviation_alone(machine, poses, approach) {
+        for (error, um) in deviation_alone(machine, poses, conditions) {
             let slots = by_error.entry(error).or_insert_with(|| vec![None; machines.len()]);
             slots[index] = Some(um);
         }
@@ -45,9 +45,9 @@ pub fn contributions(machines: &[(&Machine, Vec<Pose>)], approach: Approach) -> 
 }
 
 /// Returns the errors of one machine that have a value, with their 95 % deviation, um.
-fn deviation_alone(machine: &Machine, poses: &[Pose], approach: Approach) -> Vec<(ErrorId, f64)> {
+fn deviation_alone(machine: &Machine, poses: &[Pose], conditions: OperatingConditions) -> Vec<(ErrorId, f64)> {
     let lengths = |pose: &Pose| -> Vec<f64> {
-        error_by_error(machine, pose, approach).into_iter().map(|(_, d)| d.position.norm()).collect()
+        error_by_error(machine, &conditions.at(pose)).into_iter().map(|(_, d)| d.position.norm()).collect()
     };
     let rows: Vec<Vec<f64>> = poses.par_iter().map(lengths).collect();
     let errors = machine.errors().enumerate().filter(|(_, (_, term))| !matches!(term, ErrorTerm::Tolerance(_)));

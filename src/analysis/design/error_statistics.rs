@@ -2,7 +2,7 @@
 
 use crate::evaluate::{Field, Poses, Summary};
 use crate::lower::{JointError, NominalJoints, Quantity};
-use crate::machine::{Approach, ErrorId, ErrorTerm, Pose};
+use crate::machine::{ErrorId, ErrorTerm, OperatingPoint, Pose};
 use rayon::prelude::*;
 
 /// Statistics of the deviations by one error alone.
@@ -20,25 +20,26 @@ pub struct ErrorStatistics {
 }
 
 /// Returns every error with a value, largest 95 % position deviation first; equal ones in the machine's order. `worst`
-/// is the pose (mm, deg) of [`ErrorStatistics::along`].
-pub fn error_statistics(field: &dyn Field, poses: &Poses, worst: &[f64], approach: Approach) -> Vec<ErrorStatistics> {
+/// is the operating point of [`ErrorStatistics::along`]; its conditions are those of all poses.
+pub fn error_statistics(field: &dyn Field, poses: &Poses, worst: &OperatingPoint<'_>) -> Vec<ErrorStatistics> {
     let machine = field.machine();
     let visit = |pose: Pose| (NominalJoints::at(machine, &pose), pose);
     // What hangs on the geometry alone is computed once a pose, for all errors.
     let visits: Vec<Visit> = (0..poses.len()).into_par_iter().map(|i| visit(poses.get(i))).collect();
-    let worst = visit(worst.to_vec());
-    let all = field.deviation(&worst.1, approach).position.try_normalize(0.0).unwrap_or_default();
+    let joints = NominalJoints::at(machine, worst.axes);
+    let at = |pose| worst.conditions.at(pose);
+    let all = field.deviation(worst).position.try_normalize(0.0).unwrap_or_default();
     let valued: Vec<(ErrorId, &ErrorTerm)> =
         machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).collect();
     let source = |(id, term): &(ErrorId, &ErrorTerm)| {
         let error = JointError::new(machine, id);
-        let value = |pose: &Pose| term.value(error.position(pose), approach);
+        let value = |pose| term.value(&error.argument(&at(pose)));
         let values: Vec<f64> = visits.iter().map(|(_, pose)| value(pose)).collect();
         let summary = |quantity, unit: f64| {
             let effect = |((joints, _), value): (&Visit, &f64)| error.effect(joints, quantity) * *value * unit;
             Summary::of(&visits.iter().zip(&values).map(effect).collect::<Vec<_>>())
         };
-        let along = error.effect(&worst.0, Quantity::Position) * value(&worst.1);
+        let along = error.effect(&joints, Quantity::Position) * value(worst.axes);
         ErrorStatistics {
             error: id.clone(),
             position: summary(Quantity::Position, 1e3),

@@ -5,7 +5,7 @@ use super::path::{PosePath, deviation_from, hold};
 use crate::analysis::inverse::{Unreachable, tool_pose};
 use crate::lower::into_part;
 use crate::machine::{Approach, Machine, sin_cos_degrees};
-use crate::standards::range;
+use crate::standards::{BothSenses, range};
 use nalgebra::Vector3;
 
 /// A plane of the workpiece frame; the circle runs from its first to its second direction.
@@ -40,31 +40,32 @@ impl Plane {
     }
 }
 
-/// Readings over a circle, and their evaluation by ISO 230-4; in um unless stated otherwise.
-#[derive(Debug, Clone, PartialEq)]
+/// A circle of a ball bar in both senses, evaluated by ISO 230-4.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct BallBar {
-    /// The plane.
+    /// The plane, workpiece frame.
     pub plane: Plane,
-    /// Nominal radius, mm.
-    pub radius: f64,
-    /// Angles of the readings, deg from the plane's first direction to its second.
-    pub angles: Vec<f64>,
-    /// Length read minus radius, counter-clockwise (rising angle) and clockwise.
-    pub readings: [Vec<f64>; 2],
-    /// Readings about the least-squares centre of both senses together.
-    pub centred: [Vec<f64>; 2],
-    /// Circular deviation G: range about the least-squares centre, in each sense.
-    pub deviation: [f64; 2],
-    /// Bidirectional circular deviation G(b).
-    pub bidirectional: f64,
-    /// Mean bidirectional radial deviation D.
-    pub mean: f64,
-    /// Radial deviations F: largest and smallest reading in each sense.
-    pub extremes: [[f64; 2]; 2],
+    /// Circular deviation G, um: range about the least-squares centre.
+    pub circular_deviation_um: BothSenses<f64>,
+    /// Bidirectional circular deviation G(b), um.
+    pub bidirectional_um: f64,
+    /// Mean bidirectional radial deviation D, um.
+    pub mean_radial_um: f64,
+    /// Radial deviations F, um: largest and smallest reading.
+    pub radial_max_min_um: BothSenses<[f64; 2]>,
     /// Angle between the plane's directions minus 90 deg by the second harmonic, urad.
-    pub squareness: f64,
-    /// Scale of the first direction minus scale of the second, um/m.
-    pub scale_mismatch: f64,
+    pub squareness_urad: f64,
+    /// Scale of the first direction minus that of the second, um/m.
+    pub scale_mismatch_um_per_m: f64,
+    /// Angles of the readings from the plane's first direction to its second, deg.
+    pub angle_deg: Vec<f64>,
+    /// Length read minus radius with rising angle, um.
+    pub counter_clockwise_um: Vec<f64>,
+    /// Length read minus radius with falling angle, um.
+    pub clockwise_um: Vec<f64>,
+    /// Readings of both senses about their common least-squares centre, um.
+    #[serde(skip)]
+    pub centred_um: [Vec<f64>; 2],
 }
 
 /// Returns the readings over a circle about the pose `centre` (mm, deg), at `points` angles in both senses. The ball on
@@ -122,18 +123,21 @@ fn evaluate(plane: Plane, radius: f64, angles: Vec<f64>, readings: [Vec<f64>; 2]
     let extreme = |sense: &Vec<f64>| {
         [sense.iter().copied().fold(f64::NEG_INFINITY, f64::max), sense.iter().copied().fold(f64::INFINITY, f64::min)]
     };
+    let mean_radial_um = readings.iter().flatten().sum::<f64>() / count;
+    let radial_max_min_um = BothSenses::new(readings.each_ref().map(extreme));
+    let [counter_clockwise_um, clockwise_um] = readings;
     BallBar {
         plane,
-        radius,
-        deviation: centred.each_ref().map(|sense| range(sense.iter().copied())),
-        bidirectional: range(centred.iter().flatten().copied()),
-        mean: readings.iter().flatten().sum::<f64>() / count,
-        extremes: readings.each_ref().map(extreme),
-        // An angle above 90 deg by e reads - e radius / 2 sin 2 angle; um and mm make 1e3 urad.
-        squareness: -2.0 * sine_2 / radius * 1e3,
-        scale_mismatch: 2.0 * cosine_2 / radius * 1e3,
-        angles,
-        readings,
-        centred,
+        circular_deviation_um: BothSenses::new(centred.each_ref().map(|sense| range(sense.iter().copied()))),
+        bidirectional_um: range(centred.iter().flatten().copied()),
+        mean_radial_um,
+        radial_max_min_um,
+        // An angle above 90 deg by e reads - e radius / 2 sin 2 angle; um and mm make 1e3 urad. Never -0.
+        squareness_urad: -2.0 * sine_2 / radius * 1e3 + 0.0,
+        scale_mismatch_um_per_m: 2.0 * cosine_2 / radius * 1e3 + 0.0,
+        angle_deg: angles,
+        counter_clockwise_um,
+        clockwise_um,
+        centred_um: centred,
     }
 }

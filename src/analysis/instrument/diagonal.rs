@@ -6,25 +6,25 @@ use crate::lower::NominalPose;
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::standards::range;
 
-/// Readings along one diagonal.
-#[derive(Debug, Clone, PartialEq)]
+/// A laser along a diagonal.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct Diagonal {
     /// Sense of each axis along it: p or n, in the order of `axes`.
     pub name: String,
-    /// Indices of the axes.
-    pub axes: Vec<usize>,
-    /// Nominal displacement along it from the start, mm.
-    pub ways: Vec<f64>,
-    /// Actual minus nominal displacement on the forward run, um; 0 at the start.
-    pub there: Vec<f64>,
-    /// The same on the return run, in the order of `ways`.
-    pub back: Vec<f64>,
-    /// E_d: range of both runs, um: the bidirectional systematic deviation E of ISO 230-2.
-    pub systematic: f64,
-    /// B_d: largest difference of both runs, um.
-    pub reversal: f64,
+    /// Names of the axes.
+    pub axes: Vec<String>,
+    /// E_d, um: range of both runs, the bidirectional systematic deviation E of ISO 230-2.
+    pub e_d_um: f64,
+    /// B_d, um: largest difference of both runs.
+    pub b_d_um: f64,
     /// Sum of the changes of the reading by each axis's motions on the forward run, um; with steps only.
-    pub by_axis: Option<Vec<f64>>,
+    pub by_axis_um: Option<Vec<f64>>,
+    /// Nominal displacement from the start, mm.
+    pub way_mm: Vec<f64>,
+    /// Actual minus nominal on the forward run, um; 0 at the start.
+    pub there_um: Vec<f64>,
+    /// Actual minus nominal on the return run, um, in the order of `way_mm`.
+    pub back_um: Vec<f64>,
 }
 
 /// Returns all diagonals of the box of up to three linear axes, the others at the pose `at` (mm, deg), with `points`
@@ -90,12 +90,12 @@ fn diagonal(machine: &Machine, at: &[f64], axes: &[usize], rises: &[bool], point
     });
     Diagonal {
         name: rises.iter().map(|rises| if *rises { 'p' } else { 'n' }).collect(),
-        axes: axes.to_vec(),
-        systematic: range(there.iter().chain(&back).copied()),
-        reversal: there.iter().zip(&back).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max),
-        ways,
-        there,
-        back,
-        by_axis,
+        axes: axes.iter().map(|axis| machine.axes()[*axis].name.to_string()).collect(),
+        e_d_um: range(there.iter().chain(&back).copied()),
+        b_d_um: there.iter().zip(&back).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max),
+        by_axis_um: by_axis,
+        way_mm: ways,
+        there_um: there,
+        back_um: back,
     }
 }

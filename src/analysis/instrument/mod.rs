@@ -12,4 +12,4 @@ mod r_test;
 pub use ball_bar::{BallBar, Plane as CirclePlane, ball_bar};
 pub use diagonal::{Diagonal, diagonals};
 pub use path::{PosePath, within};
-pub use r_test::{RTest, r_test};
+pub use r_test::{RTest, RTestReading, r_test};

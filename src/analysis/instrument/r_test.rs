@@ -4,34 +4,35 @@
 use super::path::PosePath;
 use crate::analysis::inverse::{Unreachable, place, tool_pose};
 use crate::lower::NominalPose;
-use crate::machine::{Machine, Pose};
+use crate::machine::{AxisPositions, Machine, Pose, axis_positions};
 use crate::standards::range;
 use nalgebra::Vector3;
 
-/// Readings of rotary axes that turn together.
-#[derive(Debug, Clone, PartialEq)]
+/// An R-test of rotary axes that turn together.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct RTest {
-    /// Indices of the axes, at least one.
-    pub axes: Vec<usize>,
-    /// Positions of the first of them, deg.
-    pub positions: Vec<f64>,
-    /// The poses there (mm, deg).
-    pub poses: Vec<Pose>,
-    /// Deviation of the functional point from the ball, tool relative to workpiece, minus that at the
-    /// first position; directions of the machine frame, um.
-    pub readings: Vec<Vector3<f64>>,
-    /// Ranges of the three components, um.
-    pub range: [f64; 3],
+    /// The axes that turn, such as `C` or `A+C`.
+    pub axis: String,
+    /// Ranges of the readings along x, y, z, um.
+    pub range_um: [f64; 3],
+    /// Number of readings.
+    pub count: usize,
     /// Number of positions that the other axes cannot follow.
     pub skipped: usize,
+    /// The readings.
+    pub readings: Vec<RTestReading>,
 }
 
-impl RTest {
-    /// The axes that turn, such as `C` or `A+C`.
-    pub fn name(&self, machine: &Machine) -> String {
-        let names: Vec<&str> = self.axes.iter().map(|axis| machine.axes()[*axis].name.as_str()).collect();
-        names.join("+")
-    }
+/// A reading of an R-test.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct RTestReading {
+    /// Position of the first axis that turns, deg.
+    pub position_deg: f64,
+    /// The pose, mm and deg.
+    pub axes: AxisPositions,
+    /// Deviation of the functional point from the ball, tool relative to workpiece, minus that at the first position,
+    /// um, machine frame.
+    pub reading_um: [f64; 3],
 }
 
 /// Returns the readings of rotary axes at `points` positions, evenly from the beginning to the end of their intervals
@@ -58,13 +59,19 @@ pub fn r_test(machine: &Machine, at: &[f64], axes: &[usize], points: usize) -> R
     let path = PosePath { poses, closed: false };
     let in_machine = |(d, pose): (Vector3<f64>, &Pose)| NominalPose::at(machine, pose).r_work * d * 1e3;
     let seen: Vec<Vector3<f64>> = path.deviations(machine).into_iter().zip(&path.poses).map(in_machine).collect();
-    let readings: Vec<Vector3<f64>> = seen.iter().map(|d| d - seen[0]).collect();
+    let reading = |(pose, d): (&Pose, &Vector3<f64>)| RTestReading {
+        position_deg: axes.first().map_or(0.0, |axis| pose[*axis]),
+        axes: axis_positions(machine, pose),
+        // Never -0.
+        reading_um: (d - seen[0]).map(|x| x + 0.0).into(),
+    };
+    let readings: Vec<RTestReading> = path.poses.iter().zip(&seen).map(reading).collect();
+    let names: Vec<&str> = axes.iter().map(|axis| machine.axes()[*axis].name.as_str()).collect();
     Ok(RTest {
-        positions: path.poses.iter().map(|pose| axes.first().map_or(0.0, |axis| pose[*axis])).collect(),
-        axes: axes.to_vec(),
-        range: std::array::from_fn(|k| range(readings.iter().map(|d| d[k]))),
-        poses: path.poses,
-        readings,
+        axis: names.join("+"),
+        range_um: std::array::from_fn(|k| range(readings.iter().map(|reading| reading.reading_um[k]))),
+        count: readings.len(),
         skipped,
+        readings,
     })
 }

@@ -6,7 +6,7 @@
 //! the pose: their change along the displacement, of second order, is not followed.
 
 use crate::algebra::{Algebra, Singular, Tangent, newton_step, newton_steps};
-use crate::lower::{Chain, ErrorLift, ErrorValues, NominalPose, Position};
+use crate::lower::{Chain, ErrorLift, ErrorValues, JointPosition, NominalPose};
 use crate::machine::{AxisKind, Machine};
 use nalgebra::Vector3;
 
@@ -55,7 +55,8 @@ impl<'a> Inverse<'a> {
         let displacement =
             |axis: usize| self.moved.iter().position(|m| *m == axis).map_or(S::zero(), |k| by[k].clone());
         let axes = self.machine.axes().iter().zip(self.pose).enumerate();
-        let at: Vec<Position<S>> = axes.map(|(i, (axis, q))| Position::displaced(axis, *q, &displacement(i))).collect();
+        let at: Vec<JointPosition<S>> =
+            axes.map(|(i, (axis, q))| JointPosition::displaced(axis, *q, &displacement(i))).collect();
         let real = Chain::actual_at(self.machine, &at, self.errors, lift).tool_in_workpiece(&self.machine.workpiece());
         let place = (0..3).map(|i| real.translation[i].clone() - S::from_real(self.tip[i]));
         let tilt = |across: &Vector3<f64>| {

@@ -2,7 +2,7 @@
 
 use crate::evaluate::Field;
 use crate::lower::NominalPose;
-use crate::machine::{Approach, AxisKind, Machine, Pose};
+use crate::machine::{AxisKind, Machine, OperatingPoint, Pose};
 use nalgebra::Vector3;
 
 /// One diagonal, run from end to end with the other axes at rest.
@@ -42,24 +42,23 @@ const SENSES: [DiagonalSenses; 4] = [
 ];
 
 /// Returns the body diagonals over the volume of [`space_axes`], `steps` intervals each; none without three such axes.
-/// `at` is the pose of the other axes (mm, deg).
-pub fn body_diagonals(field: &dyn Field, at: &[f64], steps: usize, approach: Approach) -> Vec<DiagonalRun> {
+/// `at` has the positions of the other axes.
+pub fn body_diagonals(field: &dyn Field, at: &OperatingPoint<'_>, steps: usize) -> Vec<DiagonalRun> {
     let machine = field.machine();
     let Ok(axes) = <[usize; 3]>::try_from(space_axes(machine)) else { return Vec::new() };
-    SENSES.iter().map(|sense| diagonal(field, at, steps.max(1), approach, &axes, sense)).collect()
+    SENSES.iter().map(|sense| diagonal(field, at, steps.max(1), &axes, sense)).collect()
 }
 
 fn diagonal(
     field: &dyn Field,
-    at: &[f64],
+    at: &OperatingPoint<'_>,
     steps: usize,
-    approach: Approach,
     axes: &[usize; 3],
     sense: &DiagonalSenses,
 ) -> DiagonalRun {
     let machine = field.machine();
     let pose = |fraction: f64| {
-        let mut pose = at.to_vec();
+        let mut pose = at.axes.to_vec();
         for (axis, positive) in axes.iter().zip(&sense.positive) {
             let grid = machine.volume()[*axis];
             let (from, to) = if *positive { (grid.min, grid.max) } else { (grid.max, grid.min) };
@@ -71,8 +70,9 @@ fn diagonal(
     let tip = |pose: &Pose| NominalPose::at(machine, pose).pose.translation;
     let travel = tip(&ends[1]) - tip(&ends[0]);
     let along: Vector3<f64> = travel.try_normalize(0.0).unwrap_or_default();
-    let start = field.deviation(&ends[0], approach).position;
-    let step = |i| (field.deviation(&pose(i as f64 / steps as f64), approach).position - start).dot(&along);
+    let deviation = |pose: &Pose| field.deviation(&at.conditions.at(pose)).position;
+    let start = deviation(&ends[0]);
+    let step = |i| (deviation(&pose(i as f64 / steps as f64)) - start).dot(&along);
     DiagonalRun {
         name: sense.name.to_owned(),
         ends,

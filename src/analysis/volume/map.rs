@@ -4,7 +4,7 @@ use crate::evaluate::{
     Batch, Columns, CompiledModel, Deviation, Field, Frame, Order, Output, PoseColumns, Poses, Statistics,
     frame_rotation,
 };
-use crate::machine::Approach;
+use crate::machine::{Approach, OperatingConditions};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -16,11 +16,11 @@ pub const MAX_POSES: usize = 1_000_000;
 /// Poses per task of a thread, and per step of the progress.
 const BLOCK: usize = 512;
 
-/// Side of approach and frame of a map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// Operating conditions and frame of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct View {
-    /// Side from which the axes approach the poses.
-    pub approach: Approach,
+    /// Conditions in which the machine stands at the poses.
+    pub conditions: OperatingConditions,
     /// Frame of the vectors.
     pub frame: Frame,
 }
@@ -74,7 +74,7 @@ pub(crate) fn deviations(
         let (mut at, mut columns) = (PoseColumns::new(field.machine().axes().len()), Columns::new(chunk.len()));
         let first = range.start + block * BLOCK;
         poses.fill(first..first + chunk.len(), &mut at);
-        field.deviations(&at.batch(), view.approach, columns.output(chunk.len()));
+        field.deviations(&at.batch(), view.conditions, columns.output(chunk.len()));
         into_frame(frames.as_ref(), view.frame, &at.batch(), columns.output(chunk.len()));
         chunk.iter_mut().enumerate().for_each(|(i, deviation)| *deviation = columns.get(i));
         progress(chunk.len());
@@ -96,9 +96,9 @@ pub(crate) fn into_frame(frames: Option<&CompiledModel>, frame: Frame, poses: &B
     }
 }
 
-/// Returns the deviation at a pose (mm, deg), with the approach and in the frame of the view.
+/// Returns the deviation at a pose (mm, deg), in the conditions and the frame of the view.
 pub fn deviation_in(field: &dyn Field, pose: &[f64], view: View) -> Deviation {
-    let deviation = field.deviation(pose, view.approach);
+    let deviation = field.deviation(&view.conditions.at(pose));
     match frame_rotation(field.machine(), pose, view.frame) {
         Some(r) => deviation.rotated(&r),
         None => deviation,

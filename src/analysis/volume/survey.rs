@@ -32,7 +32,7 @@ pub struct SurveyTask<'a> {
     pub field: &'a dyn Field,
     /// The poses.
     pub poses: &'a Poses,
-    /// Side of approach, and frame of the deviations.
+    /// Operating conditions, and frame of the deviations.
     pub view: View,
     /// Number of worst poses to keep.
     pub worst: usize,
@@ -131,7 +131,7 @@ struct Worker {
 impl<'a> SurveyState<'a> {
     fn new(task: SurveyTask<'a>, progress: &'a (dyn Fn(usize) + Sync), rows: bool) -> Self {
         let grid = match task.poses {
-            Poses::Nodes(nodes) => task.field.compiled_model(task.view.approach).and_then(|model| model.grid(nodes)),
+            Poses::Nodes(nodes) => task.field.compiled_model(task.view.conditions).and_then(|model| model.grid(nodes)),
             _ => None,
         };
         let grid = grid.filter(|grid| grid.line() > 1);
@@ -176,7 +176,7 @@ impl<'a> SurveyState<'a> {
         }
         match &self.grid {
             Some(grid) => grid.fill(range.start / grid.line(), columns.output(len)),
-            None => self.task.field.deviations(&poses.batch(), self.task.view.approach, columns.output(len)),
+            None => self.task.field.deviations(&poses.batch(), self.task.view.conditions, columns.output(len)),
         }
         into_frame(self.frames.as_ref(), self.task.view.frame, &poses.batch(), columns.output(len));
         tally.add(range.start, columns, len);

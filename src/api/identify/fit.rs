@@ -3,10 +3,10 @@
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Frame, Order};
 use crate::identify::verdict::inputs::FitInputs;
-use crate::identify::verdict::problem::{Draw, Problem, enough, solved};
+use crate::identify::verdict::problem::{FitOutputs, Problem, enough, solve_problem};
 use crate::identify::verdict::result::IdentifyResult;
 use crate::job::machine_file::MachineFile;
-use crate::report::fit_planes::drawn;
+use crate::report::fit_planes::draw;
 use crate::run::{Answer, Call, Run};
 use std::path::PathBuf;
 
@@ -89,10 +89,9 @@ pub fn identify(
         let monitor = call.run.monitor;
         monitor.begin(0);
         let progress = |readings| monitor.advance(readings);
-        let result = {
-            let draw: Option<Draw<'_>> = if options.pictures { Some(&drawn) } else { None };
-            solved(call, file, &inputs, (&problem, &progress), (options.machine_file, draw))
-        };
+        let draw = if options.pictures { Some(&draw as _) } else { None };
+        let outputs = FitOutputs { progress: &progress, machine_file: options.machine_file, draw };
+        let result = solve_problem(call, file, &inputs, &problem, &outputs);
         monitor.end();
         result
     })

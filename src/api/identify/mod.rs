@@ -11,9 +11,9 @@ pub use crate::identify::verdict::datum::FittedError;
 pub use crate::identify::verdict::fitted::FittedDatum;
 pub use crate::identify::verdict::result::{
     FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue, LackOfFit, NamedSvg, OrderShares,
-    OutlierPlace, PredictedUncertainty, RepeatedReadings, ResidualTest, RmsBeforeAfter, ScatterOfKind,
-    SharedUncertainty,
+    OutlierPlace, PredictedUncertainty, RepeatedReadings, RmsBeforeAfter, ScatterOfKind, SharedUncertainty,
 };
+pub use crate::identify::{MonomialCoefficient, MonomialComponent, ResidualTest, Rms};
 pub use fit::{IdentifyOptions, identify};
-pub use monomials::{MonomialCoefficient, MonomialComponent, MonomialFit, Rms, fit_monomials};
+pub use monomials::{MonomialFit, fit_monomials};
 pub use plan::{ExpectedParameter, MeasurementPlan, PlanOptions, PlannedPose, plan_measurements};

@@ -3,7 +3,7 @@
 use super::IdentifyOptions;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::identify::verdict::problem::Problem;
-use crate::identify::{Coefficient, Component, moore_penrose};
+use crate::identify::{MonomialComponent, moore_penrose};
 use crate::job::machine_file::MachineFile;
 use crate::run::{Answer, Call, Run};
 use serde::Serialize;
@@ -23,65 +23,6 @@ pub struct MonomialFit {
     /// Name of the machine.
     #[serde(skip)]
     pub machine: String,
-}
-
-/// One component of the deviation.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct MonomialComponent {
-    /// `dx`, `dy` or `dz`.
-    pub component: &'static str,
-    /// Number of readings.
-    pub readings: usize,
-    /// Number of monomials.
-    pub columns: usize,
-    /// Rank of the problem.
-    pub rank: usize,
-    /// Root mean square of the readings.
-    pub rms_um: Rms,
-    /// The coefficients.
-    pub coefficients: Vec<MonomialCoefficient>,
-}
-
-/// Root mean square of readings, um.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct Rms {
-    /// As measured.
-    pub before: f64,
-    /// After the fit.
-    pub after: f64,
-}
-
-/// The coefficient of a monomial.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct MonomialCoefficient {
-    /// Name such as `EX0C` or `EA0C*EB0C`.
-    pub monomial: String,
-    /// Value, in `unit`.
-    pub value: f64,
-    /// Unit of the value.
-    pub unit: String,
-    /// True if the data tell it from the others.
-    pub determined: bool,
-}
-
-impl MonomialComponent {
-    fn of(component: &Component) -> Self {
-        Self {
-            component: ["dx", "dy", "dz"][component.index.min(2)],
-            readings: component.readings,
-            columns: component.coefficients.len(),
-            rank: component.rank,
-            rms_um: Rms { before: component.rms[0] * 1e3, after: component.rms[1] * 1e3 },
-            coefficients: component.coefficients.iter().map(MonomialCoefficient::of).collect(),
-        }
-    }
-}
-
-impl MonomialCoefficient {
-    fn of(coefficient: &Coefficient) -> Self {
-        let Coefficient { name, value, unit, determined, .. } = coefficient.clone();
-        Self { monomial: name, value, unit, determined }
-    }
 }
 
 /// Fits monomials of the errors to measured deviations, each component for itself.
@@ -113,7 +54,6 @@ pub fn fit_monomials(
             let message = "the papers' way takes deviations dx, dy, dz only";
             return call.refuse(Diagnostic::new(codes::E0510, message).help(help));
         };
-        let components = components.iter().map(MonomialComponent::of).collect();
         Ok(MonomialFit { method: "moore-penrose", order: 2, components, machine: file.name().to_owned() })
     })
 }

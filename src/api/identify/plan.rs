@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Diagnostics;
 use crate::identify::verdict::problem::{Requested, priors};
-use crate::identify::{Estimate, Measurement, Model, Parameter, plan};
+use crate::identify::{Estimate, FitModel, Measurement, Parameter, plan};
 use crate::job::machine_file::MachineFile;
 use crate::run::{Answer, Call, Run};
 use indexmap::IndexMap;
@@ -53,7 +53,8 @@ pub struct MeasurementPlan {
     /// Combinations without effect, in words.
     pub null_space: Vec<String>,
     /// Combinations below the noise, in words.
-    pub drowned: Vec<String>,
+    #[serde(rename = "drowned")]
+    pub below_noise: Vec<String>,
     /// Ratio of the largest singular value to the smallest that counts.
     pub condition: f64,
     /// Combinations without effect, in words for people: shortened.
@@ -98,16 +99,16 @@ pub fn plan_measurements(
         }
         let Requested { request, own, .. } = Requested::of(call, file, &options.fit, &options.fixed)?;
         let known = priors(call, file, &request, &options.priors, &own)?;
-        let model = Model::new(file, &own).knowing(&known);
+        let model = FitModel::new(file, &own).with_known(&known);
         let plan = plan(&model, options.poses, options.noise_mm, options.seed);
         let s = &plan.expected;
         let parameter = |(p, e): (&Parameter, &Estimate)| ExpectedParameter {
             name: p.name.clone(),
-            sigma: e.sigma.map(|s| p.shown(s)),
+            sigma: e.sigma.map(|s| p.in_unit(s)),
             unit: p.unit.clone(),
         };
         Ok(MeasurementPlan {
-            poses: plan.poses.iter().map(|pose| planned(&model, pose)).collect(),
+            poses: plan.poses.iter().map(|pose| plan_pose(&model, pose)).collect(),
             noise_um: s.sigma * 1e3,
             parameters: own.iter().zip(&s.estimates).map(parameter).collect(),
             rank: s.rank,
@@ -115,31 +116,31 @@ pub fn plan_measurements(
             unknowns: own.len(),
             well_determined: s.well_determined,
             null_space: s.null_space.clone(),
-            drowned: s.drowned.clone(),
+            below_noise: s.below_noise.clone(),
             condition: s.condition,
-            free: s.free(),
+            free: s.null_space_summary(),
             csv: csv(&model, &plan.poses),
         })
     })
 }
 
-fn planned(model: &Model<'_>, pose: &Measurement) -> PlannedPose {
+fn plan_pose(model: &FitModel<'_>, pose: &Measurement) -> PlannedPose {
     let machine = model.machine(pose);
     let axes = machine.axes().iter().zip(&pose.pose);
     PlannedPose {
-        axes: axes.map(|(axis, q)| (axis.name.to_string(), rounded(*q))).collect(),
+        axes: axes.map(|(axis, q)| (axis.name.to_string(), round_position(*q))).collect(),
         tool: machine.tool().name.clone(),
     }
 }
 
-fn csv(model: &Model<'_>, poses: &[Measurement]) -> String {
+fn csv(model: &FitModel<'_>, poses: &[Measurement]) -> String {
     let named = model.machines().len() > 1;
     let axes = model.machines().iter().take(1).flat_map(|machine| machine.axes());
     let header: Vec<String> = axes.map(|axis| format!("{} [{}]", axis.name, axis.unit())).collect();
     let tool = if named { ",tool" } else { "" };
     let mut text = format!("{}{tool},dx [um],dy [um],dz [um]\n", header.join(","));
     for pose in poses {
-        let cells: Vec<String> = pose.pose.iter().map(|q| rounded(*q).to_string()).collect();
+        let cells: Vec<String> = pose.pose.iter().map(|q| round_position(*q).to_string()).collect();
         let tool = if named { format!(",{}", model.machine(pose).tool().name) } else { String::new() };
         text += &format!("{}{tool},,,\n", cells.join(","));
     }
@@ -147,6 +148,6 @@ fn csv(model: &Model<'_>, poses: &[Measurement]) -> String {
 }
 
 /// Positions that a person can type in: 0.01 mm or deg, never `-0`.
-fn rounded(q: f64) -> f64 {
+fn round_position(q: f64) -> f64 {
     (q * 100.0).round() / 100.0 + 0.0
 }

@@ -3,7 +3,7 @@
 use super::view::{axes_text, statistics_rows, table};
 use abbe::MachineFile;
 use abbe::results::{
-    AddedByBounds, BoundedFigures, LengthDifference, MapFromBounds, Percentile, RssDifference, Statistics, Summary,
+    AddedByBounds, BoundedFigures, BoundedLengths, LengthStatistics, MapFromBounds, RssDifference, Statistics,
 };
 use abbe::text::significant;
 use comfy_table::Table;
@@ -22,8 +22,7 @@ pub(crate) fn rows(name: &str, poses: usize, of: &BoundedFigures) -> Vec<Vec<Str
     let [mut position, mut rotation] = statistics_rows(name, &of.statistics(poses));
     position[1] = "position 95 %, um".to_owned();
     rotation[1] = "rotation 95 %, urad".to_owned();
-    let four = |of: &Summary| [of.max, of.mean, of.rms, of.p95];
-    let [of_position, of_rotation] = [0, 1].map(|q| four(&of.rss[q]));
+    let [of_position, of_rotation] = [&of.position_um.rss, &of.rotation_urad.rss].map(four);
     vec![position, rss_row("position RSS, um", of_position), rotation, rss_row("rotation RSS, urad", of_rotation)]
 }
 
@@ -32,11 +31,14 @@ pub(crate) fn difference_rows(name: &str, p95: &Statistics, rss: &RssDifference)
     let [mut position, mut rotation] = statistics_rows(name, p95);
     position[1] = "position 95 %, um".to_owned();
     rotation[1] = "rotation 95 %, urad".to_owned();
-    let four = |of: &LengthDifference| [of.max, of.mean, of.rms, of.p95];
     let rows =
         [rss_row("position RSS, um", four(&rss.position_um)), rss_row("rotation RSS, urad", four(&rss.rotation_urad))];
     let [of_position, of_rotation] = rows;
     vec![position, of_position, rotation, of_rotation]
+}
+
+fn four(of: &LengthStatistics) -> [f64; 4] {
+    [of.max, of.mean, of.rms, of.p95]
 }
 
 fn rss_row(what: &str, rss: [f64; 4]) -> Vec<String> {
@@ -54,15 +56,15 @@ pub(crate) fn statistics(poses: usize, of: &BoundedFigures) -> Table {
 
 /// The largest deviations of the machines drawn.
 pub(crate) fn everywhere(of: &BoundedFigures) -> String {
-    let [position, rotation] = of.everywhere();
-    let interval = |p: &Percentile| {
+    let interval = |of: &BoundedLengths| {
         let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
-        format!("{} ({}..{})", significant(p.value, 4), end(p.low), end(p.high))
+        let (low, high) = of.monte_carlo.percentiles.get("p95").map_or((None, None), |p| (p.low, p.high));
+        format!("{} ({}..{})", significant(of.monte_carlo.p95, 4), end(low), end(high))
     };
     format!(
         "95 % of the machines deviate nowhere by more than {} um and {} urad (in brackets: 95 % confidence).\n",
-        interval(&position),
-        interval(&rotation)
+        interval(&of.position_um),
+        interval(&of.rotation_urad)
     )
 }
 
@@ -76,8 +78,8 @@ pub(crate) fn worst(file: &MachineFile, of: &MapFromBounds) -> String {
     of.worst.iter().enumerate().map(line).collect()
 }
 
-/// Returns a sentence on the effect of bounds beside measured errors.
-pub(crate) fn addition_text(of: &AddedByBounds) -> String {
+/// Describes the contribution of bounded errors beside measured ones of bounds beside measured errors.
+pub(crate) fn bounded_contribution(of: &AddedByBounds) -> String {
     let [rss, p95] = [of.position_um.rss, of.position_um.p95].map(|x| significant(x, 4));
     let errors = if of.errors == 1 { "1 error".to_owned() } else { format!("{} errors", of.errors) };
     format!(

@@ -3,23 +3,23 @@
 use super::ranking::difference;
 use super::view::table;
 use crate::cli::verbs::budget::{TOTALS, TOTALS_NOTE, totals_row};
-use abbe::results::{BudgetPart as Part, ComparedBudgets, Verdict, VersusFirst};
+use abbe::results::{ComparedBudget, ComparedBudgets, Verdict, VersusFirst};
 use abbe::text::significant;
 
 /// Two tables: totals, and the part of each tolerance in the 95 % value.
 pub(crate) fn text(of: &ComparedBudgets, top: usize) -> String {
     let mut rows = table(&TOTALS);
-    for (i, budget) in of.budgets.iter().enumerate() {
-        let _ = rows.add_row(totals_row(&format!("{} position, um", i + 1), &budget.position));
-        let _ = rows.add_row(totals_row("  rotation, urad", &budget.rotation));
+    for (i, budget) in of.machines.iter().enumerate() {
+        let _ = rows.add_row(totals_row(&format!("{} position, um", i + 1), &budget.position_um));
+        let _ = rows.add_row(totals_row("  rotation, urad", &budget.rotation_urad));
     }
-    let named = |class: &Option<(String, String)>| class.as_ref().map_or("none", |(name, _)| name.as_str()).to_owned();
-    let class = match &of.drawing.class {
-        Some((name, source)) => format!(", class {name} ({source})"),
-        None if of.classes.iter().all(Option::is_none) => String::new(),
-        None => format!(", classes {}", of.classes.iter().map(named).collect::<Vec<_>>().join(" and ")),
+    let named = |budget: &ComparedBudget| budget.class.as_deref().unwrap_or("none").to_owned();
+    let class = match (&of.drawing.class, &of.drawing.class_source) {
+        (Some(name), Some(source)) => format!(", class {name} ({source})"),
+        _ if of.machines.iter().all(|budget| budget.class.is_none()) => String::new(),
+        _ => format!(", classes {}", of.machines.iter().map(named).collect::<Vec<_>>().join(" and ")),
     };
-    let counts: Vec<String> = of.bounds.iter().map(|bounds| bounds.len().to_string()).collect();
+    let counts: Vec<String> = of.machines.iter().map(|budget| budget.errors.to_string()).collect();
     format!(
         "\nBudgets on the same tool poses: {} errors bounded{class}; {} machines drawn, {} \
          distribution\n{rows}\n{TOTALS_NOTE}\n{}{}",
@@ -40,29 +40,29 @@ fn versus_first(of: &ComparedBudgets) -> String {
         };
         format!("95 % value of the position, {} - 1: {} um, {words}\n", i + 2, difference(versus.minus_first))
     };
-    of.versus_first.iter().enumerate().map(line).collect()
+    of.versus_first_p95_um.iter().enumerate().map(line).collect()
 }
 
 fn tolerances(of: &ComparedBudgets, top: usize) -> String {
     if top == 0 {
         return String::new();
     }
-    let count = of.budgets.len();
+    let count = of.machines.len();
     let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
     let header: Vec<String> = std::iter::once("of the 95 % value, um".to_owned()).chain(columns).collect();
     let mut rows = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
-    for e in of.errors.iter().take(top) {
-        let part = |p: &Option<Part>| {
-            p.map_or("-".to_owned(), |p| {
-                format!("{} ± {}", significant(p.of_p95.effect, 3), significant(p.of_p95.sigma, 2))
-            })
+    for e in of.contributions.iter().take(top) {
+        let part = |(um, sigma): (&Option<f64>, &Option<f64>)| {
+            let both = um.zip(*sigma);
+            both.map_or("-".to_owned(), |(um, sigma)| format!("{} ± {}", significant(um, 3), significant(sigma, 2)))
         };
-        let minus = (1..count).map(|i| significant(e.minus_first(i), 3));
-        let _ = rows.add_row(std::iter::once(e.error.clone()).chain(e.parts.iter().map(part)).chain(minus));
+        let parts = e.um_of_p95.iter().zip(&e.um_of_p95_sigma).map(part);
+        let minus = e.minus_first.iter().skip(1).map(|um| significant(*um, 3));
+        let _ = rows.add_row(std::iter::once(e.error.clone()).chain(parts).chain(minus));
     }
-    let more = match of.errors.len().saturating_sub(top) {
+    let more = match of.contributions.len().saturating_sub(top) {
         0 => String::new(),
-        n => format!("... and {n} errors more (`--top {}`, or `--format json`)\n", of.errors.len()),
+        n => format!("... and {n} errors more (`--top {}`, or `--format json`)\n", of.contributions.len()),
     };
     format!(
         "\nWhat each tolerance has of the 95 % value of the drawn machines (± standard error); the parts add up to \

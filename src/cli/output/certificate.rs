@@ -6,7 +6,7 @@ use crate::cli::Format;
 use abbe::options::Approach;
 use abbe::results::{
     Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Machine, ROUNDING_UM,
-    SingleErrorResidual, Summary,
+    ReferenceShift, SingleErrorResidual, Summary, ToolDirection,
 };
 use abbe::text::{micro, significant};
 use serde_json::json;
@@ -28,30 +28,31 @@ impl CertificateView<'_> {
     }
 
     /// Returns the effect of a new reference position where tables must vanish at it.
-    fn shift_text(&self) -> String {
-        let Some(shifted) = &self.report.certificate.shifted else { return String::new() };
-        let one = |(axis, shift): (&Axis, &f64)| {
-            let (scale, unit) = micro(axis.kind);
-            format!("{} {} {unit}", axis.name, significant(shift * scale, 4))
+    fn reference_shift(&self) -> String {
+        let Some(shifted) = &self.report.reference_shift else { return String::new() };
+        let ReferenceShift { shift_um, shift_urad, position_um, without_tables_um } = shifted;
+        let one = |axis: &Axis| {
+            let (name, unit) = (axis.name.as_str(), micro(axis.kind).1);
+            let shift = shift_um.get(name).or_else(|| shift_urad.get(name))?;
+            Some(format!("{name} {} {unit}", significant(*shift, 4)))
         };
-        let list: Vec<String> = self.report.machine.axes().iter().zip(&shifted.shift).map(one).collect();
+        let list: Vec<String> = self.report.machine.axes().iter().filter_map(one).collect();
         format!(
             "The tables vanish at the reference position. With the machine zero also moved by {} the position is \
              at most {} um off, 95 % {}; without tables and with the best zero for that, {} and {}.\n",
             list.join(", "),
-            significant(shifted.position_um.max, 4),
-            significant(shifted.position_um.p95, 4),
-            significant(shifted.alone_um.max, 4),
-            significant(shifted.alone_um.p95, 4)
+            significant(position_um.max, 4),
+            significant(position_um.p95, 4),
+            significant(without_tables_um.max, 4),
+            significant(without_tables_um.p95, 4)
         )
     }
 
     fn csv(&self) -> String {
         let rows = self
             .report
-            .certificate
             .errors
-            .iter()
+            .values()
             .map(|e| format!("{},{},{},{}", e.error, word(e.degree), e.alone_um, e.residual_um));
         let header = "error,handled,alone [um],left [um]".to_owned();
         std::iter::once(header).chain(rows).collect::<Vec<_>>().join("\n")
@@ -63,8 +64,7 @@ impl CertificateView<'_> {
     }
 
     fn heading(&self) -> String {
-        let what = &self.report.target.manifest;
-        let certificate = &self.report.certificate;
+        let what = &self.report.controller.manifest;
         let files = if self.report.files.len() == 1 { "file" } else { "files" };
         format!(
             "{}: {}\n{} {files} in {}\nTool: {}\n\nCertificate: {} poses spread over the volume, none a table \
@@ -73,9 +73,9 @@ impl CertificateView<'_> {
             what.title,
             self.report.files.len(),
             self.folder.display(),
-            tool(&self.report.machine, &self.report.target),
-            certificate.poses,
-            match certificate.approach {
+            tool(&self.report.machine, &self.report.controller),
+            self.report.poses,
+            match self.report.direction {
                 Approach::Mean => String::new(),
                 Approach::Forward => ", approached forward (the worse direction)".to_owned(),
                 Approach::Reverse => ", approached in reverse (the worse direction)".to_owned(),
@@ -87,14 +87,14 @@ impl CertificateView<'_> {
         let mut table = comfy_table::Table::new();
         let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN);
         let _ = table.set_header(["", "max", "95 %", "rms", "mean"]);
-        let (before, after) = (&self.report.certificate.uncompensated, &self.report.certificate.compensated);
+        let (before, after) = (&self.report.uncompensated, &self.report.compensated);
         let rows = [
-            ("position um, uncompensated", before.all.position_um),
-            ("position um, compensated", after.all.position_um),
-            ("tool axis urad, uncompensated", before.tool_axis),
-            ("tool axis urad, compensated", after.tool_axis),
-            ("orientation urad, uncompensated", before.all.rotation_urad),
-            ("orientation urad, compensated", after.all.rotation_urad),
+            ("position um, uncompensated", before.position_um),
+            ("position um, compensated", after.position_um),
+            ("tool axis urad, uncompensated", before.tool_axis_urad),
+            ("tool axis urad, compensated", after.tool_axis_urad),
+            ("orientation urad, uncompensated", before.rotation_urad),
+            ("orientation urad, compensated", after.rotation_urad),
         ];
         for (name, s) in rows {
             let cells = [s.max, s.p95, s.rms, s.mean].map(|x| significant(x, 4));
@@ -105,17 +105,14 @@ impl CertificateView<'_> {
             bands::text(&[("uncompensated".to_owned(), &of.uncompensated), ("compensated".to_owned(), &of.compensated)])
         });
         let steps = self.steps();
-        format!(
-            "{table}\n{bands}{steps}{}{raised}{}",
-            ratio(&before.all.position_um, &after.all.position_um),
-            self.shift_text()
-        )
+        let ratio = ratio(&before.position_um, &after.position_um);
+        format!("{table}\n{bands}{steps}{ratio}{raised}{}", self.reference_shift())
     }
 
     /// Returns the figures after each step of a composed set.
     fn steps(&self) -> String {
         let line = |step: &CertificateStep| {
-            let (position, axis) = (step.compensated.all.position_um.p95, step.compensated.tool_axis.p95);
+            let (position, axis) = (step.compensated.position_um.p95, step.compensated.tool_axis_urad.p95);
             let (position, axis) = (significant(position, 4), significant(axis, 4));
             format!("After {}: 95 % {position} um, tool axis {axis} urad.\n", step.target)
         };
@@ -124,7 +121,7 @@ impl CertificateView<'_> {
 
     /// Returns the figures of kinematic parameters by tool and by what a block programs.
     fn programming(&self) -> String {
-        let ways = &self.report.certificate.programming;
+        let ways = &self.report.programming;
         if ways.is_empty() {
             return String::new();
         }
@@ -132,7 +129,10 @@ impl CertificateView<'_> {
         let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN);
         let _ = table.set_header(["programmed", "tool", "position um, max", "95 %", "tool axis urad, max", "95 %"]);
         for way in ways {
-            let programmed = if way.vectors { "tool vectors" } else { "rotary axes" };
+            let programmed = match way.tool_direction {
+                ToolDirection::Vector => "tool vectors",
+                ToolDirection::RotaryAxes => "rotary axes",
+            };
             let tool = match (way.tool.as_str(), way.longer_mm > 0.0) {
                 ("", true) => format!("{} mm longer", way.longer_mm),
                 ("", false) => "of the file".to_owned(),
@@ -142,13 +142,13 @@ impl CertificateView<'_> {
             let _ = table.add_row(
                 [programmed.to_owned(), tool.clone()]
                     .into_iter()
-                    .chain(cells(&way.compensated.all.position_um, &way.compensated.tool_axis)),
+                    .chain(cells(&way.compensated.position_um, &way.compensated.tool_axis_urad)),
             );
             if let Some(away) = &way.away_from_poles {
                 let _ = table.add_row(
                     ["  away from poles".to_owned(), tool]
                         .into_iter()
-                        .chain(cells(&away.all.position_um, &away.tool_axis)),
+                        .chain(cells(&away.position_um, &away.tool_axis_urad)),
                 );
             }
         }
@@ -157,12 +157,12 @@ impl CertificateView<'_> {
 
     /// Returns what the controller is taken to do at a pole, if any pose is at one.
     fn poles(&self) -> String {
-        match self.report.certificate.programming.iter().map(|way| way.at_poles).max() {
+        match self.report.programming.iter().map(|way| way.at_poles).max() {
             None | Some(0) => String::new(),
             Some(most) => format!(
                 "{most} of {} poses are at a pole: the tool stands along a rotary axis, which the certificate keeps \
                  where it is programmed.\n",
-                self.report.certificate.poses
+                self.report.poses
             ),
         }
     }
@@ -171,26 +171,21 @@ impl CertificateView<'_> {
     fn by_error(&self) -> String {
         let list = |keep: &dyn Fn(&SingleErrorResidual) -> bool| {
             let names: Vec<String> =
-                self.report.certificate.errors.iter().filter(|e| keep(e)).map(|e| e.error.to_string()).collect();
+                self.report.errors.iter().filter(|(_, e)| keep(e)).map(|(name, _)| name.clone()).collect();
             if names.is_empty() { "none".to_owned() } else { names.join(" ") }
         };
         let idle = |e: &SingleErrorResidual| e.alone_um < NO_EFFECT;
         let gone = list(&|e| e.degree == CompensationDegree::Fully && !idle(e));
-        let poses = self.report.certificate.single_error_poses;
+        let poses = self.report.single_error_poses;
         let mut text = format!(
             "Each error alone, with tables of its own laid out as here, over {poses} of the poses:\n  fully \
              compensated: {gone}\n"
         );
-        if self.report.certificate.errors.iter().any(idle) {
+        if self.report.errors.values().any(idle) {
             text.push_str(&format!("  without effect here: {}\n", list(&idle)));
         }
-        let mut left: Vec<_> = self
-            .report
-            .certificate
-            .errors
-            .iter()
-            .filter(|e| e.degree != CompensationDegree::Fully && !idle(e))
-            .collect();
+        let mut left: Vec<_> =
+            self.report.errors.values().filter(|e| e.degree != CompensationDegree::Fully && !idle(e)).collect();
         left.sort_by(|a, b| b.residual_um.total_cmp(&a.residual_um));
         if !left.is_empty() {
             text.push_str("  residual (95 %, um; in brackets without compensation):\n");
@@ -204,7 +199,7 @@ impl CertificateView<'_> {
 
     /// A test at the machine with a number from these files.
     fn sign_test(&self) -> String {
-        let Some(strongest) = &self.report.certificate.strongest else { return String::new() };
+        let Some(strongest) = &self.report.strongest else { return String::new() };
         let axes = self.report.machine.axes();
         let place: Vec<String> = axes
             .iter()
@@ -220,7 +215,7 @@ impl CertificateView<'_> {
         let by = |x: f64| format!("{} {}", significant(x, 4), axis.unit());
         let (name, added, other) = (&axis.name, by(strongest.value), by(0.0 - strongest.value));
         // Tables beside a module are not switched with it.
-        let (what, they) = if self.report.target.manifest.kinematics().is_some() {
+        let (what, they) = if self.report.controller.manifest.kinematics().is_some() {
             ("the module adds", "it")
         } else {
             ("the files add", "they")
@@ -233,11 +228,12 @@ impl CertificateView<'_> {
     }
 
     fn cautions(&self) -> String {
-        let manifest = &self.report.target.manifest;
-        let [forward, reverse] = &self.report.certificate.at_reference;
+        let manifest = &self.report.controller.manifest;
+        let at_reference = &self.report.at_reference;
         let mut text =
             String::from("At the reference position (all axes at 0) the controller adds, forward / reverse:\n");
-        for ((axis, f), r) in self.report.machine.axes().iter().zip(forward).zip(reverse) {
+        let added = at_reference.forward.values().zip(at_reference.reverse.values());
+        for (axis, (f, r)) in self.report.machine.axes().iter().zip(added) {
             text.push_str(&format!(
                 "  {:4} {} / {} {}\n",
                 axis.name.to_string(),

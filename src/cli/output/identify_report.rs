@@ -4,10 +4,10 @@ use super::view::table;
 use abbe::results::{FittedParameter, FormOfAxis, IdentifyResult, RepeatedReadings, ResidualTest, SharedUncertainty};
 use abbe::text::significant;
 
-/// Coverage factors above this are printed: less than 30 degrees of freedom.
-const USUAL: f64 = 2.045;
-/// Motions below this (um, urad) are rounding.
-const MOVED: f64 = 1e-3;
+/// Coverage factor (95 %) of 29 degrees of freedom; larger ones are printed.
+const USUAL_COVERAGE: f64 = 2.045;
+/// Motions (um, urad) up to this are rounding.
+const MAX_ROUNDING: f64 = 1e-3;
 /// Lines of one kind in the text; JSON has all.
 const MAX_LINES: usize = 10;
 
@@ -32,15 +32,15 @@ pub(crate) fn text(result: &IdentifyResult) -> String {
     for p in estimates(result) {
         let none = if result.degrees_of_freedom > 0 { "free" } else { "unknown" };
         let sigma = p.sigma.map_or_else(|| none.to_owned(), |s| significant(s, 2));
-        // The residual of a direction that was held is rounding.
+        // The value of a direction that the prior holds is rounding.
         let value = Some(p.value).filter(|v| v.abs() >= 1e-6).unwrap_or(0.0);
         let _ = rows.add_row([p.name.clone(), significant(value, 5), sigma, p.unit.clone()]);
     }
     let mut text = format!("{}: fitted to {} points\n{rows}\n{}", result.machine, result.points, fit(result));
     text += &residuals(result);
-    text += &shared_lines(result);
+    text += &shared_uncertainties(result);
     text += &prediction(result);
-    text += &undetermined_lines(result);
+    text += &weak_directions(result);
     text += &outliers(result);
     text + &datum(result)
 }
@@ -49,7 +49,7 @@ fn um(value: f64) -> String {
     significant(value, 5)
 }
 
-/// The rank to first order; where products of errors show more, that too.
+/// Returns the rank to first order, and the exact one if it is larger.
 pub(crate) fn rank(first_order: usize, exact: usize, unknowns: usize) -> String {
     if exact > first_order {
         format!("{first_order} of {unknowns} unknowns ({exact} with products of errors)")
@@ -71,14 +71,14 @@ fn fit(r: &IdentifyResult) -> String {
     let known = if known.is_empty() { String::new() } else { format!("known      {}\n", known.join(", ")) };
     known
         + &format!(
-            "rank       {} from {} readings, {} well determined, condition {}, valuation {}\n\
+            "rank       {} from {} readings, {} well determined, condition {}, observability {}\n\
          rms        {} um before, {} um after{scatter}\n\
          orders     first {} um, second {} um, higher {} um; first alone leaves {} um, with the second {} um\n",
             rank(r.rank_first_order, r.rank, r.unknowns),
             r.rows,
             r.well_determined,
             significant(r.condition, 3),
-            significant(r.valuation, 3),
+            significant(r.observability, 3),
             um(r.rms_um.before),
             um(r.rms_um.after),
             um(r.orders_um.first),
@@ -102,7 +102,7 @@ fn residuals(r: &IdentifyResult) -> String {
              {lag1}\n"
         );
     }
-    if let Some((smallest, largest)) = r.coverage.filter(|(_, largest)| *largest > USUAL) {
+    if let Some((smallest, largest)) = r.coverage.filter(|(_, largest)| *largest > USUAL_COVERAGE) {
         let [smallest, largest] = [smallest, largest].map(|reach| significant(reach, 4));
         let reach = if smallest == largest { largest } else { format!("{smallest} to {largest}") };
         text += &format!("intervals  95 % reach {reach} sigma\n");
@@ -121,7 +121,7 @@ fn residuals(r: &IdentifyResult) -> String {
 }
 
 /// Returns the lines on what readings share: the form of the axes beside the curves, and uncertainties of type B.
-fn shared_lines(r: &IdentifyResult) -> String {
+fn shared_uncertainties(r: &IdentifyResult) -> String {
     let mut text = String::new();
     if let Some(lack) = r.lack_of_fit.as_ref().filter(|lack| !lack.forms.is_empty()) {
         let form = |f: &FormOfAxis| {
@@ -147,7 +147,7 @@ fn shared_lines(r: &IdentifyResult) -> String {
     text
 }
 
-/// Standard uncertainty of the fit over the volume.
+/// Returns uncertainty lines on the uncertainty of the prediction over the volume.
 fn prediction(r: &IdentifyResult) -> String {
     let p = &r.prediction;
     let at: Vec<String> = p.at.iter().map(|(axis, q)| format!("{axis}={}", significant(*q, 4))).collect();
@@ -158,7 +158,7 @@ fn prediction(r: &IdentifyResult) -> String {
             format!("prediction u = {} um at most, at {at}{held}", significant(size, 3))
         }
         (None, Some(words)) => format!("prediction u is infinite, at {at} for one: {words}, but that deviation"),
-        (None, None) => "prediction u is unknown: no reading to spare".to_owned(),
+        (None, None) => "prediction u is unknown: no residual degrees of freedom".to_owned(),
     };
     text += &format!(
         "\n           of deviations up to {deviation} um over the volume, less a rigid motion of the workpiece frame\n"
@@ -170,22 +170,22 @@ fn prediction(r: &IdentifyResult) -> String {
     text
 }
 
-fn undetermined_lines(r: &IdentifyResult) -> String {
+fn weak_directions(r: &IdentifyResult) -> String {
     let mut text = String::new();
     r.free.iter().for_each(|words| text += &format!("free       {words}\n"));
-    r.drowned.iter().take(MAX_LINES).for_each(|words| text += &format!("drowned    {words}\n"));
-    if r.drowned.len() > MAX_LINES {
-        text += &format!("           and {} more combinations (--format json)\n", r.drowned.len() - MAX_LINES);
+    r.below_noise.iter().take(MAX_LINES).for_each(|words| text += &format!("below noise {words}\n"));
+    if r.below_noise.len() > MAX_LINES {
+        text += &format!("           and {} more combinations (--format json)\n", r.below_noise.len() - MAX_LINES);
     }
     text
 }
 
-/// The datum, and all errors of the axes in it.
+/// Returns the datum, and all errors of the axes in it.
 fn datum(r: &IdentifyResult) -> String {
     let Some(datum) = &r.datum else { return String::new() };
     let list = |values: &[f64; 3]| values.map(|x| significant(x, 3)).join(", ");
     let mut text = format!("datum      {} conditions", datum.conditions);
-    if datum.translation_um.iter().chain(&datum.rotation_urad).any(|x| x.abs() > MOVED) {
+    if datum.translation_um.iter().chain(&datum.rotation_urad).any(|x| x.abs() > MAX_ROUNDING) {
         let (translation, rotation) = (list(&datum.translation_um), list(&datum.rotation_urad));
         text += &format!("; taken out of the errors: the whole moved by {translation} um, turned by {rotation} urad");
     }

@@ -28,7 +28,7 @@ pub(crate) struct OutputArgs {
 }
 
 impl OutputArgs {
-    fn forms(&self) -> impl Iterator<Item = (TableForm, &PathBuf)> {
+    fn files(&self) -> impl Iterator<Item = (TableForm, &PathBuf)> {
         let all = [
             (TableForm::Csv, &self.csv),
             (TableForm::Json, &self.json),
@@ -40,14 +40,14 @@ impl OutputArgs {
 
     /// Returns the paths of the files.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.forms().map(|(_, path)| path)
+        self.files().map(|(_, path)| path)
     }
 
     /// Begins all files.
-    pub(crate) fn stage(&self) -> Result<StagedTables, Diagnostic> {
+    pub(crate) fn begin(&self) -> Result<StagedTables, Diagnostic> {
         let begin =
             |(form, path): (TableForm, &PathBuf)| Ok((form, path.display().to_string(), StagedFile::new(path)?));
-        Ok(StagedTables(self.forms().map(begin).collect::<Result<_, _>>()?))
+        Ok(StagedTables(self.files().map(begin).collect::<Result<_, _>>()?))
     }
 }
 

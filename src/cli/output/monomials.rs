@@ -29,7 +29,7 @@ fn one(c: &MonomialComponent) -> String {
         text +=
             &format!("    {free} combinations of them change nothing: of all answers this is the shortest (mm, rad)\n");
     }
-    let mut rows = table(&["monomial", "coefficient", "unit", "told from others"]);
+    let mut rows = table(&["monomial", "coefficient", "unit", "determined"]);
     for k in &c.coefficients {
         let determined = if k.determined { "yes" } else { "no" };
         let _ = rows.add_row([k.monomial.clone(), significant(k.value, 4), k.unit.clone(), determined.to_owned()]);

@@ -21,6 +21,6 @@ pub(crate) fn text(plan: &MeasurementPlan) -> String {
     let rank = rank(plan.rank_first_order, plan.rank, plan.unknowns);
     text += &format!("rank       {rank}, {} well determined\n", plan.well_determined);
     plan.free.iter().for_each(|words| text += &format!("free       {words}\n"));
-    plan.drowned.iter().for_each(|words| text += &format!("drowned    {words}\n"));
+    plan.below_noise.iter().for_each(|words| text += &format!("below noise {words}\n"));
     text
 }

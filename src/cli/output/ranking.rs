@@ -2,7 +2,7 @@
 
 use super::view::{cell, table, tool_poses_text};
 use abbe::options::{JudgedBy, Statistic};
-use abbe::results::{ArrangementRow, NeededRange, PairedDifference, RankedArrangements, Verdict};
+use abbe::results::{Arrangement, PairedDifference, RankedArrangements, RankingRounds, Verdict};
 use abbe::text::significant;
 
 /// One line for each arrangement.
@@ -10,29 +10,21 @@ pub(crate) fn csv(of: &RankedArrangements) -> String {
     let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um],not stated,samples,versus first,\
                    minus first [um],minus first low,minus first high,travel\n"
         .to_owned();
-    let r = &of.ranking;
     for (group, rows) in [
-        ("ranked", &r.ranked),
-        ("reaches less", &r.short),
-        ("geometry not stated", &r.not_stated),
-        ("cannot turn", &r.cannot_turn),
+        ("ranked", &of.ranked),
+        ("reaches less", &of.reach_less),
+        ("geometry not stated", &of.geometry_not_stated),
+        ("cannot turn", &of.cannot_turn_the_tool),
     ] {
-        for (i, row) in rows.iter().enumerate() {
-            let rank = if group == "ranked" { (i + 1).to_string() } else { String::new() };
+        for row in rows {
+            let rank = row.rank.map_or(String::new(), |rank| rank.to_string());
             let text = |x: Option<f64>| x.map_or(String::new(), |x| (x + 0.0).to_string());
-            let result = row.result;
-            let numbers = [
-                text(result.map(|r| r.um)),
-                text(result.and_then(|r| r.low)),
-                text(result.and_then(|r| r.high)),
-                text(result.and_then(|r| r.mean)),
-                text(result.map(|r| r.minus_file)),
-            ];
-            let head = format!("{rank},{group},{},{},{}", cell(&row.chain), row.table, row.reached);
-            let samples = result.and_then(|r| r.samples).map_or(String::new(), |samples| samples.to_string());
-            let versus = result.and_then(|r| r.versus_first);
+            let numbers = [row.um, row.low, row.high, row.mean, row.minus_file].map(text);
+            let head = format!("{rank},{group},{},{},{}", cell(&row.chain), row.on_table, row.reached);
+            let samples = row.samples.map_or(String::new(), |samples| samples.to_string());
+            let versus = row.versus_first;
             let difference = versus.map(|versus| versus.minus_first);
-            let travel = row.travel.iter().map(|t| format!("{} {} {}", t.axis, t.min + 0.0, t.max + 0.0));
+            let travel = row.travel.iter().map(|(axis, [min, max])| format!("{axis} {min} {max}"));
             let travel = travel.collect::<Vec<_>>().join("; ");
             let tail = [
                 cell(&row.not_stated.join(" ")).to_string(),
@@ -50,7 +42,6 @@ pub(crate) fn csv(of: &RankedArrangements) -> String {
 }
 
 pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
-    let r = &of.ranking;
     let of_each = match of.statistic {
         Statistic::Max => "largest",
         Statistic::P95 => "95 %",
@@ -58,49 +49,53 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
     let mut text = format!(
         "{}: {} arrangements of its axes on {} {}\n",
         of.machine,
-        of.arrangements(),
+        of.arrangements,
         of.poses,
         of.tool_poses
             .as_ref()
             .map_or_else(|| format!("tool poses, drawn from the volume of {}", of.chain), tool_poses_text)
     );
+    let samples = of.samples.unwrap_or(0);
     text += &match of.by {
         JudgedBy::Errors => format!(
             "Ranked by the {of_each} position deviation of the functional point, with the {} errors of the file\n",
             of.errors
         ),
         JudgedBy::Budget => format!(
-            "Ranked by the 95 % value of {} to {} drawn machines ({} bounded errors{}); counted is the {of_each} \
-             position deviation of each\n",
-            of.samples,
-            of.rounds.last().map_or(of.samples, |round| round.samples),
+            "Ranked by the 95 % value of {samples} to {} drawn machines ({} bounded errors{}); counted is the \
+             {of_each} position deviation of each\n",
+            of.rounds.as_ref().and_then(|rounds| rounds.done.last()).map_or(samples, |round| round.samples),
             of.errors,
             of.class_source
                 .as_ref()
                 .map_or(String::new(), |source| format!(", class {}: {source}", of.class.as_deref().unwrap_or("")))
         ),
     };
-    text += &arrangements(of, &r.ranked, true, top);
+    text += &arrangements(of, &of.ranked, true, top);
     text += &standing(of);
-    if r.ranked.len() > top {
-        text += &format!("... and {} more (`--top {}`, or `--format csv`)\n", r.ranked.len() - top, r.ranked.len());
+    if of.ranked.len() > top {
+        text += &format!("... and {} more (`--top {}`, or `--format csv`)\n", of.ranked.len() - top, of.ranked.len());
     }
-    if !r.short.is_empty() {
-        text +=
-            &format!("\n{} reach less than {} % of the tool poses:\n", r.short.len(), significant(of.reach_percent, 4));
-        text += &arrangements(of, &r.short, false, top);
+    if !of.reach_less.is_empty() {
+        text += &format!(
+            "\n{} reach less than {} % of the tool poses:\n",
+            of.reach_less.len(),
+            significant(of.reach * 100.0, 4)
+        );
+        text += &arrangements(of, &of.reach_less, false, top);
     }
-    if !r.not_stated.is_empty() {
+    if !of.geometry_not_stated.is_empty() {
         text += &format!(
             "\n{} have axes whose geometry is not stated for the side where they stand; they are not ranked:\n",
-            r.not_stated.len()
+            of.geometry_not_stated.len()
         );
-        text += &arrangements(of, &r.not_stated, false, top);
+        text += &arrangements(of, &of.geometry_not_stated, false, top);
     }
-    if !r.cannot_turn.is_empty() {
-        let few: Vec<&str> = r.cannot_turn.iter().take(3).map(|row| row.chain.as_str()).collect();
-        let dots = if r.cannot_turn.len() > 3 { ", ..." } else { "" };
-        text += &format!("\n{} cannot turn the tool: {}{dots}\n", r.cannot_turn.len(), few.join(", "));
+    let cannot_turn = &of.cannot_turn_the_tool;
+    if !cannot_turn.is_empty() {
+        let few: Vec<&str> = cannot_turn.iter().take(3).map(|row| row.chain.as_str()).collect();
+        let dots = if cannot_turn.len() > 3 { ", ..." } else { "" };
+        text += &format!("\n{} cannot turn the tool: {}{dots}\n", cannot_turn.len(), few.join(", "));
     }
     text + "Negative differences: less error than the arrangement of the file, on the same tool poses.\n"
 }
@@ -109,19 +104,21 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
 fn standing(of: &RankedArrangements) -> String {
     let (equal, open, worse) = (of.count(Verdict::Equal), of.count(Verdict::NotToldApart), of.count(Verdict::Worse));
     let mut text = format!("Against rank 1: {equal} equal to it, {open} not told apart from it, {worse} worse\n");
-    if of.by != JudgedBy::Budget || of.ranking.ranked.is_empty() {
+    let Some(RankingRounds { max_samples, first, told_apart, done, drawn, drawn_without_elimination }) =
+        of.rounds.as_ref().filter(|_| !of.ranked.is_empty())
+    else {
         return text;
-    }
-    let first = if of.first == 1 { "Rank 1 is".to_owned() } else { format!("The first {} ranks are", of.first) };
-    text += &if of.told_apart {
+    };
+    let first = if *first == 1 { "Rank 1 is".to_owned() } else { format!("The first {first} ranks are") };
+    text += &if *told_apart {
         format!("{first} told apart from all that are not equal, with 95 % confidence for all together\n")
     } else {
-        format!("{first} not told apart from all others with {} machines (`--max-samples`)\n", of.max_samples)
+        format!("{first} not told apart from all others with {max_samples} machines (`--max-samples`)\n")
     };
     let rounds: Vec<String> =
-        of.rounds.iter().map(|round| format!("{} with {} machines", round.arrangements, round.samples)).collect();
-    let (drawn, without) = of.drawn();
-    let percent = if without > 0 { 100.0 * (1.0 - drawn as f64 / without as f64) } else { 0.0 };
+        done.iter().map(|round| format!("{} with {} machines", round.arrangements, round.samples)).collect();
+    let without = *drawn_without_elimination;
+    let percent = if without > 0 { 100.0 * (1.0 - *drawn as f64 / without as f64) } else { 0.0 };
     text + &format!(
         "Rounds: {}; {drawn} draws of a machine, {} % fewer than with the last number for all\n",
         rounds.join(", "),
@@ -129,7 +126,7 @@ fn standing(of: &RankedArrangements) -> String {
     )
 }
 
-fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], numbered: bool, top: usize) -> String {
+fn arrangements(of: &RankedArrangements, rows: &[Arrangement], numbered: bool, top: usize) -> String {
     let budget = of.by == JudgedBy::Budget;
     let mut header = vec![if numbered { "rank" } else { "" }, "arrangement", "reached", "um"];
     if budget {
@@ -152,20 +149,19 @@ fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], numbered: bool
     let shown = if numbered { top } else { top.div_ceil(4) };
     for (i, row) in rows.iter().take(shown).enumerate() {
         let short = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 4));
-        let result = row.result;
         let mut cells = vec![
             if numbered { (i + 1).to_string() } else { String::new() },
             row.chain.clone(),
             row.reached.to_string(),
-            short(result.map(|r| r.um)),
+            short(row.um),
         ];
         if budget {
             let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 4));
-            cells.push(result.map_or("-".to_owned(), |r| format!("{}..{}", end(r.low), end(r.high))));
+            cells.push(row.um.map_or("-".to_owned(), |_| format!("{}..{}", end(row.low), end(row.high))));
         }
-        cells.push(short(result.map(|r| r.minus_file)));
+        cells.push(short(row.minus_file));
         if numbered {
-            let versus = result.and_then(|r| r.versus_first);
+            let versus = row.versus_first;
             cells.push(versus.map_or("-".to_owned(), |versus| difference(versus.minus_first)));
             cells.push(versus.map_or("-".to_owned(), |versus| versus.verdict.words().to_owned()));
         }
@@ -173,7 +169,7 @@ fn arrangements(of: &RankedArrangements, rows: &[ArrangementRow], numbered: bool
             cells.push(row.not_stated.join(", "));
         }
         if sized {
-            let length = |t: &NeededRange| format!("{} {}", t.axis, significant(t.max - t.min, 4));
+            let length = |(axis, [min, max]): (&String, &[f64; 2])| format!("{axis} {}", significant(max - min, 4));
             cells.push(row.travel.iter().map(length).collect::<Vec<_>>().join(", "));
         }
         let _ = list.add_row(cells);

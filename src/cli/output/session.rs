@@ -45,7 +45,7 @@ impl Session {
     }
 
     /// Returns the folder of `--confined`.
-    pub(crate) fn confined(&self) -> Option<&Path> {
+    pub(crate) fn root(&self) -> Option<&Path> {
         self.global.confined.as_deref()
     }
 

@@ -1,28 +1,27 @@
 //! Tolerances for a goal as text: for `budget`.
 
 use super::view::table;
-use crate::cli::verbs::budget::bound_text;
+use crate::cli::verbs::budget::tolerance_text;
 use abbe::results::{Binding, Percentile, ToleranceGoal};
 use abbe::text::significant;
 
 /// A table of old and new tolerances, largest part of the 95 % value first.
 pub(crate) fn text(of: &ToleranceGoal, top: usize) -> String {
-    let found = &of.cheapest;
     let mut text = format!(
         "\nCheapest tolerances for a 95 % value of {} um; the cost is the sum of weight / tolerance{} (um, urad)\n",
         significant(of.goal_um, 6),
-        if of.power == 1.0 { String::new() } else { format!("^{}", significant(of.power, 4)) }
+        if of.cost.power == 1.0 { String::new() } else { format!("^{}", significant(of.cost.power, 4)) }
     );
     let mut rows = table(&["error", "old", "new", "bound by", "of the 95 % value, um", "cost, old", "cost, new"]);
     for new in of.tolerances.iter().take(top) {
         let _ = rows.add_row([
-            new.old.to_string(),
-            bound_text(&new.old),
-            bound_text(&new.new),
-            binding(new.binding).to_owned(),
-            significant(new.part_um, 3),
-            significant(new.cost[0], 3),
-            significant(new.cost[1], 3),
+            new.error.clone(),
+            tolerance_text(new.old, new.unit),
+            tolerance_text(new.new, new.unit),
+            binding(new.binds).to_owned(),
+            significant(new.um_of_p95, 3),
+            significant(new.cost_before, 3),
+            significant(new.cost_after, 3),
         ]);
     }
     text += &format!("{rows}\n");
@@ -30,23 +29,23 @@ pub(crate) fn text(of: &ToleranceGoal, top: usize) -> String {
         let more = of.tolerances.len() - top;
         text += &format!("... and {more} more (`--top {}`, or `--format csv`)\n", of.tolerances.len());
     }
-    text += &format!("Cost {} before, {} now", significant(found.cost[0], 4), significant(found.cost[1], 4));
-    text += &match found.cost_per_um {
+    text += &format!("Cost {} before, {} now", significant(of.cost.before, 4), significant(of.cost.after, 4));
+    text += &match of.cost.per_um {
         Some(price) => format!(
             "; the next micrometre less costs {} ({} %)\n",
             significant(price, 3),
-            significant(100.0 * price / found.cost[1], 3)
+            significant(100.0 * price / of.cost.after, 3)
         ),
         None => "; every tolerance is at a limit\n".to_owned(),
     };
     text += &format!(
         "95 % value before {}, now {} um, by {} machines that the search has not seen\n",
-        interval(found.before),
-        interval(found.proof),
+        interval(of.before_um),
+        interval(of.proof_um),
         of.proof_samples
     );
-    if found.staying_um > 0.0 {
-        let um = significant(found.staying_um, 4);
+    if of.staying_um > 0.0 {
+        let um = significant(of.staying_um, 4);
         text += &format!("The errors that have values and no bound stay: {um} um by themselves\n");
     }
     text

@@ -100,7 +100,7 @@ pub(crate) fn tool_poses_text(reached: &ReachedToolPoses) -> String {
 }
 
 /// Number of rows out of reach that are listed one by one.
-const LISTED: usize = 10;
+const MAX_LISTED: usize = 10;
 
 /// Rows out of reach, one by one, and the travel that the work needs.
 pub(crate) fn reach_text(missed: &[MissedToolPose], travel: &[NeededTravel]) -> String {
@@ -111,9 +111,9 @@ pub(crate) fn reach_text(missed: &[MissedToolPose], travel: &[NeededTravel]) -> 
     let mut text = String::new();
     if !missed.is_empty() {
         text.push_str("Out of reach:\n");
-        text.extend(missed.iter().take(LISTED).map(line));
-        if missed.len() > LISTED {
-            let more = missed.len() - LISTED;
+        text.extend(missed.iter().take(MAX_LISTED).map(line));
+        if missed.len() > MAX_LISTED {
+            let more = missed.len() - MAX_LISTED;
             text.push_str(&format!("  and {more} more (`--format json` lists them row by row)\n"));
         }
     }

@@ -10,8 +10,8 @@ use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::Statistic;
-use abbe::results::{Bound, BudgetResult, Contribution, PERCENTS, Percentile, Totals};
-use abbe::text::{Reason, angle, length, significant, tolerance, tolerance_unit};
+use abbe::results::{BoundedContribution, BudgetResult, DeviationBudget, PercentileInterval, Tightening};
+use abbe::text::{Reason, angle, length, significant};
 use abbe::{BudgetOptions, MachineFile, budget, budget_part};
 use serde_json::json;
 use std::path::PathBuf;
@@ -131,64 +131,59 @@ fn short(value: f64) -> String {
 impl BudgetText<'_> {
     /// One line for each error.
     fn csv(&self) -> String {
-        let um = |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map_or(0.0, |c| c.um);
         let goal = self.result.goal.as_ref();
         let mut csv =
             "error,tolerance,unit,at worst [um],on average [um],of the 95 % value [um],sigma [um],um per unit"
                 .to_owned();
         csv += if goal.is_some() { ",new tolerance,binds\n" } else { "\n" };
-        for i in self.result.order() {
-            let (bound, t) = (&self.result.bounds[i], self.result.budget.position.tighten[i]);
-            let new = goal.and_then(|goal| goal.tolerances.iter().find(|new| new.old.error == bound.error));
+        for t in &self.result.budget.tighten {
+            let new = goal.and_then(|goal| goal.tolerances.iter().find(|new| new.error == t.error));
             csv += &format!(
                 "{},{},{},{},{},{},{},{}{}\n",
-                bound,
-                tolerance(bound),
-                tolerance_unit(&bound.error),
-                um(&self.result.budget.worst, i),
-                um(&self.result.budget.average, i),
-                t.effect + 0.0,
-                t.sigma,
-                t.effect / tolerance(bound) + 0.0,
-                new.map_or(String::new(), |of| format!(
-                    ",{},{}",
-                    tolerance(&of.new),
-                    tolerance_goal::binding(of.binding)
-                ))
+                t.error,
+                t.tolerance,
+                t.unit,
+                t.at_worst_um.unwrap_or(0.0),
+                t.average_um.unwrap_or(0.0),
+                t.um_of_p95 + 0.0,
+                t.um_of_p95_sigma,
+                t.um_of_p95 / t.tolerance + 0.0,
+                new.map_or(String::new(), |of| format!(",{},{}", of.new, tolerance_goal::binding(of.binds)))
             );
         }
         csv
     }
 
     fn text(&self) -> String {
-        let what = match self.result.drawing().statistic {
+        let budget = &self.result.budget;
+        let what = match budget.drawing.statistic {
             Statistic::Max => "largest deviation over the poses",
             Statistic::P95 => "95 % deviation over the poses",
         };
-        let own = self.result.bounds.iter().filter(|bound| !bound.of_class).count();
+        let own = budget.tighten.iter().filter(|bound| !bound.of_class).count();
         let mut text = format!("{}, {}\n", self.file.name(), self.file.chain());
-        text += &format!("{} errors bounded: {own} by the machine file", self.result.bounds.len());
-        if let Some((class, source)) = &self.result.drawing().class {
-            text += &format!(", {} by class {class} ({source})", self.result.bounds.len() - own);
+        text += &format!("{} errors bounded: {own} by the machine file", budget.tighten.len());
+        if let (Some(class), Some(source)) = (&budget.drawing.class, &budget.drawing.class_source) {
+            text += &format!(", {} by class {class} ({source})", budget.tighten.len() - own);
         }
-        text += &match self.result.left_out() {
+        text += &match budget.left_out {
             0 => "\n".to_owned(),
             n => format!("; {n} errors with values are left out\n"),
         };
         text += &format!(
             "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",
-            self.result.poses,
+            budget.poses,
             self.result.tool_poses.as_ref().map_or_else(|| "poses".to_owned(), tool_poses_text),
             self.args.samples.count(),
-            self.result.drawing().distribution.name(),
+            budget.drawing.distribution.name(),
             self.args.seed.seed
         );
         if let Some(reached) = &self.result.tool_poses {
             text += &reach_text(&reached.rows, &reached.travel);
         }
         text += &self.totals_table();
-        text += &format!("Worst case at {}\n", axes_text(self.file, &self.result.budget.position.worst_pose));
-        text += &format!("RSS largest at {}\n", axes_text(self.file, &self.result.budget.position.rss_pose));
+        text += &format!("Worst case at {}\n", axes_text(self.file, budget.position_um.worst_case_at.values()));
+        text += &format!("RSS largest at {}\n", axes_text(self.file, budget.position_um.rss_at.values()));
         text += &self.pareto_table();
         text += &self.tighten_table();
         let goal =
@@ -199,11 +194,11 @@ impl BudgetText<'_> {
     /// The directions of the bounds, where their names do not say them.
     fn directions(&self) -> String {
         let mut text = String::new();
-        let bounds = &self.result.bounds;
+        let bounds = &self.result.budget.tighten;
         if bounds.iter().any(|bound| bound.by_letter) {
             text += "Tolerances by letter are boxes in machine coordinates: they do not turn with the machine.\n";
         }
-        if bounds.iter().any(|bound| bound.to_string().contains(' ')) {
+        if bounds.iter().any(|bound| bound.error.contains(' ')) {
             text += "along, across: directions of the axis itself, which no letter names.\n";
         }
         text
@@ -211,32 +206,34 @@ impl BudgetText<'_> {
 
     fn totals_table(&self) -> String {
         let mut rows = table(&TOTALS);
-        for (name, t) in
-            [("position, um", &self.result.budget.position), ("rotation, urad", &self.result.budget.rotation)]
-        {
+        let budget = &self.result.budget;
+        for (name, t) in [("position, um", &budget.position_um), ("rotation, urad", &budget.rotation_urad)] {
             let _ = rows.add_row(totals_row(name, t));
         }
         format!("{rows}\n{TOTALS_NOTE}\n")
     }
 
     fn pareto_table(&self) -> String {
-        let b = &self.result.budget;
+        let (budget, at) = (&self.result.budget, self.result.at.as_ref().map(|at| &at.contributions));
         let mut header = vec!["error", "tolerance", "at worst, um", "share", "on average, um"];
-        if b.at.is_some() {
+        if at.is_some() {
             header.push("at the pose, um");
         }
         let mut rows = table(&header);
-        let um =
-            |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map_or(String::new(), |c| short(c.um));
-        for c in b.worst.iter().take(self.args.top.count()) {
+        let um = |list: &[BoundedContribution], error: &str| {
+            list.iter().find(|c| c.error == error).map_or(String::new(), |c| short(c.um))
+        };
+        let tolerance =
+            |error: &str| budget.tighten.iter().find(|t| t.error == error).map_or(String::new(), bound_text);
+        for c in budget.contributions.iter().take(self.args.top.count()) {
             let mut row = vec![
-                self.result.bounds[c.bound].to_string(),
-                bound_text(&self.result.bounds[c.bound]),
+                c.error.clone(),
+                tolerance(&c.error),
                 short(c.um),
                 format!("{:.1} %", 100.0 * c.share),
-                um(&b.average, c.bound),
+                um(&budget.contributions_on_average, &c.error),
             ];
-            row.extend(b.at.iter().map(|list| um(list, c.bound)));
+            row.extend(at.iter().map(|list| um(list, &c.error)));
             let _ = rows.add_row(row);
         }
         format!("\nEach error at its bound, where the RSS is largest (share of the sum of squares):\n{rows}\n")
@@ -244,14 +241,12 @@ impl BudgetText<'_> {
 
     fn tighten_table(&self) -> String {
         let mut rows = table(&["tighten first", "tolerance", "um per um or urad", "10 % tighter wins, um"]);
-        for i in self.result.order().into_iter().take(self.args.top.count()) {
-            let (bound, t) = (&self.result.bounds[i], self.result.budget.position.tighten[i]);
-            let per = 1.0 / tolerance(bound);
+        for t in self.result.budget.tighten.iter().take(self.args.top.count()) {
             let _ = rows.add_row([
-                bound.to_string(),
-                bound_text(bound),
-                format!("{} ± {}", significant(t.effect * per, 3), significant(t.sigma * per, 2)),
-                format!("{} ± {}", significant(t.effect * 0.1, 3), significant(t.sigma * 0.1, 2)),
+                t.error.clone(),
+                bound_text(t),
+                format!("{} ± {}", significant(t.um_per_unit, 3), significant(t.sigma, 2)),
+                format!("{} ± {}", significant(t.um_of_p95 * 0.1, 3), significant(t.um_of_p95_sigma * 0.1, 2)),
             ]);
         }
         format!("\nBy the derivative of the 95 % value of the drawn machines (± its standard error):\n{rows}\n")
@@ -267,16 +262,21 @@ pub(crate) const TOTALS_NOTE: &str =
     "In brackets: 95 % confidence by the number of machines drawn; - where they are too few.";
 
 /// A row of it.
-pub(crate) fn totals_row(name: &str, t: &Totals) -> Vec<String> {
-    let interval = |p: Percentile| {
+pub(crate) fn totals_row(name: &str, t: &DeviationBudget) -> Vec<String> {
+    let interval = |p: &PercentileInterval| {
         let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
         format!("{} ({}..{})", short(p.value), end(p.low), end(p.high))
     };
-    let head = [name.to_owned(), short(t.worst_case), short(t.rss), short(t.mean_of_both()), short(t.mean.0)];
-    head.into_iter().chain(PERCENTS.map(|p| interval(t.percentile(p)))).collect()
+    let head = [name.to_owned(), short(t.worst_case), short(t.rss), short(t.mean_of_both), short(t.monte_carlo.mean)];
+    head.into_iter().chain(t.monte_carlo.percentiles.values().map(interval)).collect()
 }
 
-pub(crate) fn bound_text(bound: &Bound) -> String {
-    let value = if bound.error.direction.is_rotation() { angle(bound.tolerance) } else { length(bound.tolerance) };
+fn bound_text(of: &Tightening) -> String {
+    tolerance_text(of.tolerance, of.unit)
+}
+
+/// A tolerance in um or urad as `± 20 um`.
+pub(crate) fn tolerance_text(tolerance: f64, unit: &str) -> String {
+    let value = if unit == "um" { length(tolerance * 1e-3) } else { angle(tolerance * 1e-6) };
     format!("± {value}")
 }

@@ -138,7 +138,7 @@ fn minus_rows(name: &str, machine: &ComparedMachine, poses: usize) -> Vec<Vec<St
 fn sources(result: &CompareResult) -> String {
     let of = |(i, machine): (usize, &ComparedMachine)| match (&machine.bounds, &machine.bounds_add) {
         (Some(of), _) => format!("  {}  nothing is measured. {}\n", i + 1, bounded::source(&of.figures)),
-        (None, Some(of)) => format!("  {}  {}", i + 1, bounded::addition_text(of)),
+        (None, Some(of)) => format!("  {}  {}", i + 1, bounded::bounded_contribution(of)),
         (None, None) => String::new(),
     };
     let list: String = result.machines.iter().enumerate().map(of).collect();

@@ -6,9 +6,9 @@ use crate::cli::output::view::{cell, table};
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
 use abbe::options::{CirclePlane, Instrument};
-use abbe::results::{BallBar, Diagonal, InstrumentResult, RTest, Readings};
+use abbe::results::{BallBar, Diagonal, InstrumentResult, LaserReadings, RTest, Readings};
 use abbe::text::significant;
-use abbe::{InstrumentOptions, MachineFile, instrument};
+use abbe::{InstrumentOptions, instrument};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -94,14 +94,14 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     match session.format() {
         Format::Json => session.print_json(json!(result)),
         Format::Csv => session.print(&match &result.readings {
-            Readings::Circles { circles, .. } => circles_csv(circles),
-            Readings::Turns(turns) => turns_csv(&file, turns),
-            Readings::Lines { lines, .. } => lines_csv(lines),
+            Readings::BallBar { planes, .. } => circles_csv(planes),
+            Readings::RTest { axes, .. } => turns_csv(axes),
+            Readings::Diagonals(of) | Readings::StepDiagonals(of) => lines_csv(&of.diagonals),
         }),
         Format::Text => session.print(&match &result.readings {
-            Readings::Circles { radius_mm, circles } => circles_text(&file, &result, *radius_mm, circles),
-            Readings::Turns(turns) => turns_text(&file, &result, turns),
-            Readings::Lines { lines, .. } => lines_text(&file, &result, lines),
+            Readings::BallBar { radius_mm, planes, .. } => circles_text(&result, *radius_mm, planes),
+            Readings::RTest { axes, .. } => turns_text(&result, axes),
+            Readings::Diagonals(of) | Readings::StepDiagonals(of) => lines_text(&result, of),
         }),
     }
     Ok(())
@@ -111,21 +111,21 @@ fn um(x: f64) -> String {
     significant(x, 4)
 }
 
-fn head(file: &MachineFile, what: &str, result: &InstrumentResult) -> String {
-    format!("{}: {what} {}; exact model\n", file.name(), result.place())
+fn head(what: &str, result: &InstrumentResult) -> String {
+    format!("{}: {what} {}; exact model\n", result.machine, result.place())
 }
 
 fn circles_csv(list: &[BallBar]) -> String {
     let mut csv = "plane,angle [deg],counter-clockwise [um],clockwise [um]\n".to_owned();
     for b in list {
-        for ((angle, there), back) in b.angles.iter().zip(&b.readings[0]).zip(&b.readings[1]) {
+        for ((angle, there), back) in b.angle_deg.iter().zip(&b.counter_clockwise_um).zip(&b.clockwise_um) {
             csv += &format!("{},{angle},{},{}\n", b.plane.name(), there + 0.0, back + 0.0);
         }
     }
     csv
 }
 
-fn circles_text(file: &MachineFile, result: &InstrumentResult, radius: f64, list: &[BallBar]) -> String {
+fn circles_text(result: &InstrumentResult, radius: f64, list: &[BallBar]) -> String {
     let mut rows = table(&[
         "plane",
         "G ccw, um",
@@ -141,86 +141,86 @@ fn circles_text(file: &MachineFile, result: &InstrumentResult, radius: f64, list
         let both = |[max, min]: [f64; 2]| format!("{} / {}", um(max), um(min));
         let _ = rows.add_row([
             b.plane.name().to_owned(),
-            um(b.deviation[0]),
-            um(b.deviation[1]),
-            um(b.bidirectional),
-            um(b.mean),
-            both(b.extremes[0]),
-            both(b.extremes[1]),
-            um(b.squareness),
-            um(b.scale_mismatch),
+            um(b.circular_deviation_um.counter_clockwise),
+            um(b.circular_deviation_um.clockwise),
+            um(b.bidirectional_um),
+            um(b.mean_radial_um),
+            both(b.radial_max_min_um.counter_clockwise),
+            both(b.radial_max_min_um.clockwise),
+            um(b.squareness_urad),
+            um(b.scale_mismatch_um_per_m),
         ]);
     }
     format!(
         "{}{rows}\nG: circular deviation about the least-squares centre, G(b): of both senses; D: mean radial \
          deviation; F: largest and smallest.\nSquareness above 0: the angle between the plane's directions is above \
          90 deg. Scale: of the first direction minus the second.\n",
-        head(file, &format!("ball bar of {} mm about", significant(radius, 6)), result)
+        head(&format!("ball bar of {} mm about", significant(radius, 6)), result)
     )
 }
 
-fn turns_csv(file: &MachineFile, list: &[RTest]) -> String {
+fn turns_csv(list: &[RTest]) -> String {
     let mut csv = "axis,position [deg],dx [um],dy [um],dz [um]\n".to_owned();
     for r in list {
-        for (q, d) in r.positions.iter().zip(&r.readings) {
-            let name = cell(&r.name(file));
-            csv += &format!("{name},{q},{},{},{}\n", d.x + 0.0, d.y + 0.0, d.z + 0.0);
+        for reading in &r.readings {
+            let (q, [x, y, z]) = (reading.position_deg, reading.reading_um);
+            csv += &format!("{},{q},{x},{y},{z}\n", cell(&r.axis));
         }
     }
     csv
 }
 
-fn turns_text(file: &MachineFile, result: &InstrumentResult, list: &[RTest]) -> String {
+fn turns_text(result: &InstrumentResult, list: &[RTest]) -> String {
     let mut rows =
         table(&["axis", "from, deg", "to, deg", "readings", "left out", "range x, um", "range y, um", "range z, um"]);
     for r in list {
-        let ends = [r.positions[0], r.positions[r.positions.len() - 1]].map(|q| significant(q, 6));
-        let counts = [r.positions.len(), r.skipped].map(|n| n.to_string());
-        let name = r.name(file);
-        let _ = rows.add_row([name].into_iter().chain(ends).chain(counts).chain(r.range.map(um)));
+        let ends = [&r.readings[0], &r.readings[r.count - 1]].map(|reading| significant(reading.position_deg, 6));
+        let counts = [r.count, r.skipped].map(|n| n.to_string());
+        let name = r.axis.clone();
+        let _ = rows.add_row([name].into_iter().chain(ends).chain(counts).chain(r.range_um.map(um)));
     }
     format!(
         "{}{rows}\nTool relative to workpiece, directions of the machine frame, 0 at the first position. Left out: \
          positions to which the linear axes cannot follow.\n",
-        head(file, "R-test with the ball where the tool is at", result)
+        head("R-test with the ball where the tool is at", result)
     )
 }
 
 fn lines_csv(list: &[Diagonal]) -> String {
     let mut csv = "diagonal,way [mm],there [um],back [um]\n".to_owned();
     for d in list {
-        for ((way, there), back) in d.ways.iter().zip(&d.there).zip(&d.back) {
+        for ((way, there), back) in d.way_mm.iter().zip(&d.there_um).zip(&d.back_um) {
             csv += &format!("{},{way},{},{}\n", d.name, there + 0.0, back + 0.0);
         }
     }
     csv
 }
 
-fn lines_text(file: &MachineFile, result: &InstrumentResult, list: &[Diagonal]) -> String {
-    let names: Vec<String> = list[0].axes.iter().map(|i| format!("by {}, um", file.axes()[*i].name)).collect();
+fn lines_text(result: &InstrumentResult, of: &LaserReadings) -> String {
+    let list = &of.diagonals;
+    let names: Vec<String> = list[0].axes.iter().map(|name| format!("by {name}, um")).collect();
     let mut header = vec!["diagonal", "length, mm", "at the end, um", "E_d, um", "B_d, um"];
-    let stepped = list[0].by_axis.is_some();
+    let stepped = list[0].by_axis_um.is_some();
     if stepped {
         header.extend(names.iter().map(String::as_str));
     }
     let mut rows = table(&header);
     for d in list {
-        let last = d.ways.len() - 1;
+        let last = d.way_mm.len() - 1;
         let mut row =
-            vec![d.name.clone(), significant(d.ways[last], 6), um(d.there[last]), um(d.systematic), um(d.reversal)];
-        row.extend(d.by_axis.iter().flatten().map(|x| um(*x)));
+            vec![d.name.clone(), significant(d.way_mm[last], 6), um(d.there_um[last]), um(d.e_d_um), um(d.b_d_um)];
+        row.extend(d.by_axis_um.iter().flatten().map(|x| um(*x)));
         let _ = rows.add_row(row);
     }
-    let axes: Vec<String> = list[0].axes.iter().map(|i| file.axes()[*i].name.to_string()).collect();
     format!(
         "{}{rows}\nSenses of {} along the diagonal: p rises, n falls. E_d: range there and back; B_d: \
          their largest difference.\n",
-        others(file, result),
-        axes.join(", ")
+        others(result),
+        list[0].axes.join(", ")
     )
 }
 
 /// The heading, with the axes that do not move.
-fn others(file: &MachineFile, result: &InstrumentResult) -> String {
-    format!("{}: laser along the diagonals{}; exact model\n", file.name(), result.standing())
+fn others(result: &InstrumentResult) -> String {
+    format!("{}: laser along the diagonals{}; exact model\n", result.machine, result.standing())
 }

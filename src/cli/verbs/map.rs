@@ -95,7 +95,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.refuse(no_table(count));
     }
     let mut printed = Cursor::new(Vec::new());
-    let staged = args.outputs.stage().or_else(|d| session.refuse(d))?;
+    let staged = args.outputs.begin().or_else(|d| session.refuse(d))?;
     let mut tables = staged.tables().or_else(|d| session.refuse(d))?;
     if session.format() == Format::Csv {
         tables.push(MapTable {
@@ -147,7 +147,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     if let Some(uncertainty) = &result.uncertainty {
         text.push_str(&bands::text(&[(String::new(), uncertainty)]));
     }
-    text.push_str(&result.bounds_add.as_ref().map_or_else(String::new, bounded::addition_text));
+    text.push_str(&result.bounds_add.as_ref().map_or_else(String::new, bounded::bounded_contribution));
     for (i, worst) in result.worst.iter().enumerate() {
         let [x, y, z] = worst.deviation_um.map(|v| significant(v, 4));
         let length = significant(worst.length_um, 4);

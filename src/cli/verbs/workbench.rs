@@ -43,7 +43,7 @@ pub(super) fn open(session: &mut Session, machine: &Path, port: u16) -> Outcome 
     })?;
     let port = listener.local_addr().map_or(port, |address| address.port());
     let bench = token().and_then(|token| {
-        let bench = Bench::new(machine, session.confined(), token);
+        let bench = Bench::new(machine, session.root(), token);
         serve(listener, port, Arc::new(bench))
     });
     bench.or_else(|failure| session.refuse(unserved(format!("the page cannot be served: {failure}"))))?;

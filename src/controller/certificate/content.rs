@@ -33,11 +33,22 @@ pub struct Certificate {
     pub strongest: Option<Strongest>,
 }
 
+/// The way in which blocks program the direction of the tool.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+pub enum ToolDirection {
+    /// By a vector.
+    #[serde(rename = "vector")]
+    Vector,
+    /// By the positions of the rotary axes.
+    #[serde(rename = "rotary axes")]
+    RotaryAxes,
+}
+
 /// Figures of a controller's transformation for one way to program the tool and one tool.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ProgrammingFigures {
-    /// True if blocks program the direction of the tool by a vector, false if by the positions of the rotary axes.
-    pub vectors: bool,
+    /// The way in which blocks program the direction of the tool.
+    pub tool_direction: ToolDirection,
     /// Name of the tool in the machine file, empty for the only one.
     pub tool: String,
     /// Length by which the tool is longer than that of the machine file, mm.

@@ -5,10 +5,10 @@ use crate::controller::kinematics::{KinematicsModule, ModuleField};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::replay::{Compensated, Replay};
 use crate::evaluate::Field;
-use crate::machine::{Approach, Machine};
+use crate::machine::{Machine, OperatingPoint};
 
-/// Motions that are added to a command approached from one side (mm, deg).
-pub type Added<'a> = Box<dyn Fn(&[f64], Approach) -> Vec<f64> + 'a>;
+/// Motions that are added to a command (mm, deg).
+pub type Added<'a> = Box<dyn Fn(&OperatingPoint<'_>) -> Vec<f64> + 'a>;
 
 /// The set that a controller has read.
 #[derive(Debug, Clone)]
@@ -25,11 +25,11 @@ impl ControllerEffect {
         match self {
             Self::CorrectionTables(tables) => {
                 let replay = Replay::new(machine, target, tables);
-                Box::new(move |pose, approach| replay.addition(pose, approach))
+                Box::new(move |at| replay.addition(at))
             }
             Self::Module(carried, beside) => {
                 let driven = ModuleField::new(machine, carried).beside(Replay::new(machine, target, beside));
-                Box::new(move |pose, approach| driven.addition(pose, approach))
+                Box::new(move |at| driven.addition(at))
             }
         }
     }

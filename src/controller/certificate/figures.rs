@@ -1,29 +1,40 @@
 //! Figures of a machine over poses, without and with files, by the general algebra.
 
 use crate::evaluate::{Deviation, Field, Statistics, Summary, tool_axis_tilt};
-use crate::machine::{Approach, AxisKind, Machine, Pose};
+use crate::machine::{Approach, AxisKind, Machine, OperatingConditions, Pose};
 use rayon::prelude::*;
 
-/// Statistics of a field over poses.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Figures of a certificate: statistics of a field over poses.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[schemars(rename = "CertifiedFigures")]
 pub struct Figures {
-    /// Position (um) and orientation (urad).
-    pub all: Statistics,
-    /// Tilt of the tool axis alone, urad.
-    pub tool_axis: Summary,
+    /// Deviation of the functional point, um.
+    pub position_um: Summary,
+    /// Rotation of the tool, urad.
+    pub rotation_urad: Summary,
+    /// Tilt of the tool axis, urad.
+    pub tool_axis_urad: Summary,
 }
 
-/// A figure of the position deviation that the files make worse.
-#[derive(Debug, Clone, PartialEq)]
+impl Figures {
+    /// Returns position and orientation as the statistics over `poses` poses.
+    pub fn statistics(&self, poses: usize) -> Statistics {
+        Statistics { poses, position_um: self.position_um, rotation_urad: self.rotation_urad }
+    }
+}
+
+/// A figure of the position deviation that the files raise.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct RaisedFigure {
     /// The side of approach.
+    #[serde(rename = "direction")]
     pub approach: Approach,
     /// Name of the figure.
     pub figure: &'static str,
     /// Its value without the files, um.
-    pub before: f64,
+    pub before_um: f64,
     /// Its value with the files, um.
-    pub after: f64,
+    pub after_um: f64,
 }
 
 /// A deviation (um) below which comparisons are rounding.
@@ -36,10 +47,10 @@ pub(crate) fn is_worse(before: f64, after: f64) -> bool {
 
 /// Returns the figures of the position deviation that a set raises, approached from one side.
 pub(crate) fn raised_figures(approach: Approach, before: &Figures, after: &Figures) -> Vec<RaisedFigure> {
-    let (before, after) = (before.all.position_um, after.all.position_um);
+    let (before, after) = (before.position_um, after.position_um);
     let figures = [("95 %", before.p95, after.p95), ("rms", before.rms, after.rms), ("max", before.max, after.max)];
     let worse = figures.into_iter().filter(|(_, before, after)| is_worse(*before, *after));
-    worse.map(|(figure, before, after)| RaisedFigure { approach, figure, before, after }).collect()
+    worse.map(|(figure, before_um, after_um)| RaisedFigure { approach, figure, before_um, after_um }).collect()
 }
 
 /// Figures without and with a set of files, in the direction of approach that is worse with them, and the figures that
@@ -54,7 +65,7 @@ pub(crate) struct Judgement {
 /// Compares a machine without and with files over poses.
 pub(crate) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judgement {
     let one = |approach: Approach| {
-        let (uncompensated, compensated) = (figures(bare, poses, approach), figures(with, poses, approach));
+        let [uncompensated, compensated] = [bare, with].map(|field| figures(field, poses, approach.into()));
         Judgement {
             approach,
             raised: raised_figures(approach, &uncompensated, &compensated),
@@ -62,7 +73,7 @@ pub(crate) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judge
             compensated,
         }
     };
-    let p95 = |judgement: &Judgement| judgement.compensated.all.position_um.p95;
+    let p95 = |judgement: &Judgement| judgement.compensated.position_um.p95;
     let (mut worse, mut raised) = (None, Vec::new());
     for mut judgement in approaches(bare.machine()).iter().map(|approach| one(*approach)) {
         raised.append(&mut judgement.raised);
@@ -80,19 +91,20 @@ pub(crate) fn approaches(machine: &Machine) -> &'static [Approach] {
 
 /// Returns the deviations at poses, one by one and in their order: no evaluator of many poses at once, which tables may
 /// have been filled with.
-pub(crate) fn deviations(field: &dyn Field, poses: &[Pose], approach: Approach) -> Vec<Deviation> {
-    poses.par_iter().map(|pose| field.deviation(pose, approach)).collect()
+pub(crate) fn deviations(field: &dyn Field, poses: &[Pose], conditions: OperatingConditions) -> Vec<Deviation> {
+    poses.par_iter().map(|pose| field.deviation(&conditions.at(pose))).collect()
 }
 
-pub(crate) fn figures(field: &dyn Field, poses: &[Pose], approach: Approach) -> Figures {
-    figures_of(field.machine(), poses, &deviations(field, poses, approach))
+pub(crate) fn figures(field: &dyn Field, poses: &[Pose], conditions: OperatingConditions) -> Figures {
+    figures_of(field.machine(), poses, &deviations(field, poses, conditions))
 }
 
 /// Returns the figures of deviations at poses.
 pub(crate) fn figures_of(machine: &Machine, poses: &[Pose], deviations: &[Deviation]) -> Figures {
     let tilt = |(pose, d): (&Pose, &Deviation)| tool_axis_tilt(machine, pose, &d.rotation) * 1e6;
     let tilts: Vec<_> = poses.iter().zip(deviations).map(tilt).collect();
-    Figures { all: Statistics::of(deviations), tool_axis: Summary::of(&tilts) }
+    let Statistics { position_um, rotation_urad, .. } = Statistics::of(deviations);
+    Figures { position_um, rotation_urad, tool_axis_urad: Summary::of(&tilts) }
 }
 
 /// Returns how many um are in a mm, or urad in a deg, and the name of the small unit.

@@ -19,12 +19,13 @@ mod single_error;
 mod tables;
 mod zero_shift;
 
-pub use content::{Certificate, ProgrammingFigures};
+pub use content::{Certificate, ProgrammingFigures, ToolDirection};
 pub use depth::Depth;
 pub(super) use depth::{LatticeSubset, single_error_poses};
 pub use effect::ControllerEffect;
 pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
 pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
+pub use sign_test::Strongest;
 pub use single_error::{CompensationDegree, SingleErrorResidual};
 pub use tables::TablesUnderTest;
 pub(super) use tables::judge_tables;

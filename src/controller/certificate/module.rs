@@ -1,7 +1,7 @@
 //! The certificate of a kinematics module.
 
 use super::Certificate;
-use super::content::ProgrammingFigures;
+use super::content::{ProgrammingFigures, ToolDirection};
 use super::depth::{Depth, single_error_poses};
 use super::figures::{Judgement, deviations, figures, figures_of, judge};
 use super::sign_test::strongest_at;
@@ -12,7 +12,7 @@ use crate::controller::kinematics::{KinematicsModule, ModuleField, Parameters};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::replay::Replay;
 use crate::evaluate::{Bare, Order};
-use crate::machine::{Approach, ErrorId, Machine, Pose, Tool};
+use crate::machine::{Approach, ErrorId, Machine, OperatingConditions, Pose, Tool};
 use rayon::prelude::*;
 
 /// Length by which the second tool of a certificate of kinematic parameters is longer, mm.
@@ -57,14 +57,14 @@ pub(in crate::controller) fn judge_module(
         compensated,
         errors: single_errors.par_iter().map(|one| judge_single(machine, set.tables.target, one, &single)).collect(),
         single_error_poses: single.len(),
-        at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.addition(&zero, approach)),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.addition(&approach.at(&zero))),
         shifted: None,
         raised,
         programming: set
             .module
             .parameters()
-            .map_or_else(Vec::new, |own| programming(machine, own, set, &poses, approach)),
-        strongest: strongest_at(machine, &poses, &[Approach::Mean], |pose, approach| module.addition(pose, approach)),
+            .map_or_else(Vec::new, |own| programming(machine, own, set, &poses, approach.into())),
+        strongest: strongest_at(machine, &poses, &[Approach::Mean], |at| module.addition(at)),
     }
 }
 
@@ -75,7 +75,7 @@ fn programming(
     own: &Parameters,
     set: ModuleSet,
     poses: &[Pose],
-    approach: Approach,
+    conditions: OperatingConditions,
 ) -> Vec<ProgrammingFigures> {
     let in_use = machine.tool();
     let alike =
@@ -89,8 +89,8 @@ fn programming(
         let module = KinematicsModule::KinematicParameters(own.clone().with_programming(vectors));
         let driven = set.tables.beside(machine, &module);
         let bare = Bare { machine, order: Order::Exact };
-        let uncompensated = figures(&bare, poses, approach);
-        let found = deviations(&driven, poses, approach);
+        let uncompensated = figures(&bare, poses, conditions);
+        let found = deviations(&driven, poses, conditions);
         let compensated = figures_of(machine, poses, &found);
         let (away, found): (Vec<Pose>, Vec<_>) =
             poses.iter().cloned().zip(found).filter(|(pose, _)| !driven.at_pole(pose)).unzip();
@@ -98,7 +98,7 @@ fn programming(
         let away_from_poles = (at_poles > 0 && !away.is_empty()).then(|| figures_of(machine, &away, &found));
         let tool = machine.tool().name.clone();
         ProgrammingFigures {
-            vectors,
+            tool_direction: if vectors { ToolDirection::Vector } else { ToolDirection::RotaryAxes },
             tool,
             longer_mm: *longer_mm,
             uncompensated,
@@ -121,7 +121,7 @@ fn judge_single(
         .module
         .as_ref()
         .map(|module| ModuleField::new(&alone, module).beside(Replay::new(&alone, target, &single.beside)));
-    judge_one(single.error.clone(), &alone, poses, |_, pose, approach| {
-        field.as_ref().map_or_else(|| vec![0.0; pose.len()], |field| field.addition(pose, approach))
+    judge_one(single.error.clone(), &alone, poses, |_, at| {
+        field.as_ref().map_or_else(|| vec![0.0; at.axes.len()], |field| field.addition(at))
     })
 }

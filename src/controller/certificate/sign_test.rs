@@ -2,7 +2,7 @@
 
 use super::figures::approaches;
 use crate::compensation::{CorrectionTable, CorrectionTables};
-use crate::machine::{Approach, Axis, AxisKind, Machine, Pose};
+use crate::machine::{Approach, Axis, AxisKind, Machine, OperatingPoint, Pose};
 
 /// The pose where the sign is best tested: the largest motion of a linear axis (of any axis if there is none).
 #[derive(Debug, Clone, PartialEq)]
@@ -25,14 +25,14 @@ fn strongest_of(
     machine: &Machine,
     poses: &[Pose],
     approaches: &[Approach],
-    added: impl Fn(&Pose, Approach) -> Vec<f64>,
+    added: impl Fn(&OperatingPoint<'_>) -> Vec<f64>,
 ) -> Option<Strongest> {
     let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
     // Of equal ones the last is taken: one that is approached forward.
     let approaches = approaches.iter().rev();
     let entries =
         approaches.flat_map(|approach| poses.iter().map(|pose| (*approach, pose))).flat_map(|(approach, at)| {
-            let values = added(at, approach).into_iter().enumerate().filter(|(_, value)| value.abs() > ROUNDING);
+            let values = added(&approach.at(at)).into_iter().enumerate().filter(|(_, value)| value.abs() > ROUNDING);
             values.map(|(axis, value)| Strongest { axis, at: at.clone(), approach, value }).collect::<Vec<_>>()
         });
     let order = |s: &Strongest| (linear(s.axis), s.value.abs());
@@ -45,7 +45,7 @@ pub(crate) fn strongest_at(
     machine: &Machine,
     poses: &[Pose],
     approaches: &[Approach],
-    added: impl Fn(&Pose, Approach) -> Vec<f64>,
+    added: impl Fn(&OperatingPoint<'_>) -> Vec<f64>,
 ) -> Option<Strongest> {
     let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
     let level = |pose: &Pose| -> Pose {
@@ -85,7 +85,7 @@ pub(super) fn strongest(
     machine: &Machine,
     tables: &CorrectionTables,
     poses: &[Pose],
-    added: impl Fn(&Pose, Approach) -> Vec<f64>,
+    added: impl Fn(&OperatingPoint<'_>) -> Vec<f64>,
 ) -> Option<Strongest> {
     if tables.errors.is_empty() {
         strongest_of(machine, &peaks(machine, tables), approaches(machine), added)

@@ -11,7 +11,7 @@ use crate::controller::manifest::ControllerTarget;
 use crate::controller::replay::Replay;
 use crate::evaluate::{Deviation, Statistics, command_deviation};
 use crate::lower::NominalPose;
-use crate::machine::{Approach, ErrorId, Machine, Pose};
+use crate::machine::{ErrorId, Machine, OperatingPoint, Pose};
 use rayon::prelude::*;
 
 /// Degree to which a target compensates one error.
@@ -26,17 +26,21 @@ pub enum CompensationDegree {
     No,
 }
 
-/// One error in the certificate.
-#[derive(Debug, Clone, PartialEq)]
+/// An error in a certificate.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[schemars(rename = "CertifiedError")]
 pub struct SingleErrorResidual {
     /// The error.
+    #[serde(skip)]
     pub error: ErrorId,
-    /// Degree of its compensation.
+    /// Degree to which the files correct it.
+    #[serde(rename = "handled")]
     pub degree: CompensationDegree,
-    /// 95 % position deviation with this error alone, uncompensated, um.
-    pub alone_um: f64,
-    /// 95 % position deviation after compensation, um.
+    /// 95 % position deviation that the files leave of it alone, um.
+    #[serde(rename = "left_um")]
     pub residual_um: f64,
+    /// The same without the files, um.
+    pub alone_um: f64,
 }
 
 /// A pose with the place of the nominal tool at it, which is the same for every single error.
@@ -57,14 +61,14 @@ pub(super) fn judge_one(
     error: ErrorId,
     machine: &Machine,
     poses: &[NominalAt],
-    added: impl Fn(usize, &Pose, Approach) -> Vec<f64>,
+    added: impl Fn(usize, &OperatingPoint<'_>) -> Vec<f64>,
 ) -> SingleErrorResidual {
     let (mut alone_um, mut residual_um) = (0.0_f64, 0.0_f64);
     for approach in approaches(machine) {
         let at = |(number, place): (usize, &NominalAt)| {
-            let sent = |command: &[f64]| command_deviation(machine, &place.nominal, command, *approach);
+            let sent = |command: &[f64]| command_deviation(machine, &place.nominal, &approach.at(command));
             let before = sent(place.pose);
-            let steps = added(number, place.pose, *approach);
+            let steps = added(number, &approach.at(place.pose));
             if steps.iter().all(|step| *step == 0.0) {
                 return (before, before);
             }
@@ -112,7 +116,7 @@ impl SetOfTables<'_> {
         let tables = set.tables.tables.iter().filter(|table| !is_zero(table)).cloned().collect();
         let tables = CorrectionTables { tables, errors: set.tables.errors.clone() };
         let replay = Replay::new(&alone, self.target, &tables);
-        judge_one(set.error.clone(), &alone, poses, |_, pose, approach| replay.addition(pose, approach))
+        judge_one(set.error.clone(), &alone, poses, |_, at| replay.addition(at))
     }
 }
 
@@ -136,7 +140,7 @@ impl ErrorCells<'_> {
         let corners: Vec<Corners> = poses.iter().map(|place| self.corners(place.pose)).collect();
         let one = |(error, values): &(ErrorId, Vec<f64>)| {
             let alone = machine.filtered(|id| id == error);
-            judge_one(error.clone(), &alone, poses, |number, _, _| self.addition(axes, &corners[number], values))
+            judge_one(error.clone(), &alone, poses, |number, _| self.addition(axes, &corners[number], values))
         };
         self.cells.errors.par_iter().map(one).collect()
     }

@@ -11,7 +11,7 @@ use crate::controller::kinematics::{KinematicsModule, ModuleField};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::replay::{Compensated, Replay};
 use crate::evaluate::{Bare, Order};
-use crate::machine::{Approach, Machine, Pose};
+use crate::machine::{Approach, Machine, OperatingPoint};
 
 /// The tables that a certificate is about.
 #[derive(Debug, Clone, Copy)]
@@ -57,13 +57,13 @@ pub(in crate::controller) fn judge_tables(
     let fixed = |rules: &TableRules| rules.reference == Reference::Zero || rules.spacing == Spacing::Line;
     let vanishing = target.manifest.mechanism.iter().any(|(_, rules)| fixed(rules));
     let shifted = || {
-        let added = |pose: &Pose| compensated.replay.addition(pose, approach);
-        let nothing = |pose: &Pose| vec![0.0; pose.len()];
-        let (shift, position_um) = Shiftable { field: &compensated, added: &added }.best_shift(&poses, approach);
+        let added = |at: &OperatingPoint<'_>| compensated.replay.addition(at);
+        let nothing = |at: &OperatingPoint<'_>| vec![0.0; at.axes.len()];
+        let (shift, position_um) = Shiftable { field: &compensated, added: &added }.best_shift(&poses, approach.into());
         ZeroShift {
             shift,
             position_um,
-            alone_um: Shiftable { field: &bare, added: &nothing }.best_shift(&poses, approach).1,
+            alone_um: Shiftable { field: &bare, added: &nothing }.best_shift(&poses, approach.into()).1,
         }
     };
     let replay = Replay::new(machine, target, tables);
@@ -76,10 +76,10 @@ pub(in crate::controller) fn judge_tables(
         compensated: left,
         errors,
         single_error_poses,
-        at_reference: [Approach::Forward, Approach::Reverse].map(|a| replay.addition(&zero, a)),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|side| replay.addition(&side.at(&zero))),
         shifted: vanishing.then(shifted),
         raised,
         programming: Vec::new(),
-        strongest: strongest(machine, tables, &poses, |pose, approach| replay.addition(pose, approach)),
+        strongest: strongest(machine, tables, &poses, |at| replay.addition(at)),
     }
 }

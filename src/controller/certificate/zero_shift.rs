@@ -4,7 +4,7 @@ use super::figures::{deviations, is_worse};
 use crate::algebra::rotation_vector;
 use crate::evaluate::{Field, Summary, commanded_deviation};
 use crate::lower::NominalPose;
-use crate::machine::{Approach, AxisKind, Machine, Pose};
+use crate::machine::{AxisKind, Machine, OperatingConditions, OperatingPoint, Pose};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
@@ -31,25 +31,25 @@ impl ZeroShift {
 pub(super) struct Shiftable<'a> {
     /// The machine with its tables, or without any.
     pub field: &'a dyn Field,
-    /// The motions (mm, deg) at a pose.
-    pub added: &'a (dyn Fn(&Pose) -> Vec<f64> + Sync),
+    /// The motions (mm, deg) at an operating point.
+    pub added: &'a (dyn Fn(&OperatingPoint<'_>) -> Vec<f64> + Sync),
 }
 
 impl Shiftable<'_> {
     /// Returns the best shift of the axes' zeros (mm, deg) and the residual position deviation (um). A rotary axis is
     /// moved against the mean of its own error; the linear axes then minimise the mean square of the position.
-    pub fn best_shift(&self, poses: &[Pose], approach: Approach) -> (Vec<f64>, Summary) {
+    pub fn best_shift(&self, poses: &[Pose], conditions: OperatingConditions) -> (Vec<f64>, Summary) {
         let machine = self.field.machine();
         let motions: Vec<Vec<AxisMotion>> = poses.par_iter().map(|pose| axis_motions(machine, pose)).collect();
         let rotary = |axis: usize| match machine.axes()[axis].kind {
-            AxisKind::Rotary => 0.0 - self.mean_turn(axis, poses, &motions, approach),
+            AxisKind::Rotary => 0.0 - self.mean_turn(axis, poses, &motions, conditions),
             AxisKind::Linear => 0.0,
         };
         let mut shift: Vec<f64> = (0..machine.axes().len()).map(rotary).collect();
         let moved = |of: &[AxisMotion], shift: &[f64]| -> Vector3<f64> {
             of.iter().zip(shift).map(|(motion, step)| motion.displacement * *step).sum()
         };
-        let before = deviations(self.field, poses, approach);
+        let before = deviations(self.field, poses, conditions);
         let turned: Vec<Vector3<f64>> =
             before.iter().zip(&motions).map(|(d, of)| d.position + moved(of, &shift)).collect();
         let linear: Vec<usize> =
@@ -65,14 +65,20 @@ impl Shiftable<'_> {
     }
 
     /// Returns the mean (deg) by which an axis turns too far by its own component errors, corrected as it is.
-    fn mean_turn(&self, axis: usize, poses: &[Pose], motions: &[Vec<AxisMotion>], approach: Approach) -> f64 {
+    fn mean_turn(
+        &self,
+        axis: usize,
+        poses: &[Pose],
+        motions: &[Vec<AxisMotion>],
+        conditions: OperatingConditions,
+    ) -> f64 {
         let machine = self.field.machine();
         let name = &machine.axes()[axis].name;
         let alone = machine.filtered(|id| id.axis == *name && !id.is_location());
         let turn = |(pose, motions): (&Pose, &Vec<AxisMotion>)| {
             let mut command = pose.clone();
-            command[axis] += (self.added)(pose)[axis];
-            let rotation = commanded_deviation(&alone, pose, &command, approach).rotation;
+            command[axis] += (self.added)(&conditions.at(pose))[axis];
+            let rotation = commanded_deviation(&alone, pose, &conditions.at(&command)).rotation;
             rotation.dot(&motions[axis].direction).to_degrees()
         };
         let turns: Vec<f64> = poses.par_iter().zip(motions).map(turn).collect();

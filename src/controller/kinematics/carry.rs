@@ -10,7 +10,7 @@ use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
 
 /// The numbers of a module.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub enum KinematicsModule {
     /// The chain with every error.
     FullModel(ModuleModel),

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 const POSES: usize = 1000;
 
 /// joint = C axis, for X, Y, Z.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct LinearMap {
     /// Row by row.
     pub matrix: [f64; 9],
@@ -30,7 +30,7 @@ impl LinearMap {
         })?;
         let (mut gram, mut moment) = (Matrix3::zeros(), Matrix3::zeros());
         for pose in random_poses(machine, POSES, 0) {
-            let Correction(added) = correct(machine, &pose, Approach::Mean, Scope::POSITION).correction;
+            let Correction(added) = correct(machine, &Approach::Mean.at(&pose), Scope::POSITION).correction;
             let [q, c] = [&pose, &added].map(|all| Vector3::from(axes.map(|i| all[i])));
             gram += q * q.transpose();
             moment += c * q.transpose();

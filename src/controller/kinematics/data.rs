@@ -2,15 +2,15 @@
 //! to flags of each joint.
 
 use crate::machine::{
-    Approach, Axis, AxisKind, Branch, ComponentError, Curve, Direction, ErrorTerm, JointErrors, Joints, Location,
-    LocationAction, Machine, MotionSide,
+    Axis, AxisKind, Branch, ComponentError, Curve, Direction, ErrorTerm, JointErrors, Joints, Location, LocationAction,
+    Machine, MotionSide,
 };
 
 /// Letters of the world's nine coordinates, in the controller's order.
 pub const WORLD: &str = "XYZABCUVW";
 
 /// The meaning of the words of a program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum ModuleWords {
     /// X Y Z are the tip of the tool, the others axes.
     Tip = 0,
@@ -26,7 +26,7 @@ impl ModuleWords {
 }
 
 /// A machine as numbers.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ModuleModel {
     /// The meaning of the words of its programs.
     pub words: ModuleWords,
@@ -59,7 +59,7 @@ pub struct ModuleModel {
 }
 
 /// A joint.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ModuleJoint {
     /// Index in [`WORLD`] of the coordinate that is its position; none if the tip's place determines it.
     pub letter: Option<usize>,
@@ -88,7 +88,7 @@ pub struct ModuleJoint {
 }
 
 /// The form of a curve; the numbers are those in the files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 pub enum Form {
     /// Positions, then values.
     Linear = 0,
@@ -115,7 +115,7 @@ impl Form {
 }
 
 /// An error curve: argument in mm or deg, value in mm or rad.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct CurveData {
     /// The meaning of its numbers.
     pub form: Form,
@@ -186,7 +186,7 @@ fn curves_of(errors: &JointErrors, all: &mut Vec<CurveData>) -> [[Option<usize>;
             [keep(forward, all), keep(reverse, all)]
         }
         Some(term @ ErrorTerm::Constant(_)) => {
-            let numbers = vec![term.value(0.0, Approach::Mean)];
+            let numbers = vec![term.value(&0.0.into())];
             all.push(CurveData { form: Form::Polynomial, period: 0.0, numbers });
             [Some(all.len() - 1), None]
         }

@@ -7,7 +7,7 @@ use crate::algebra::rotation_about;
 use crate::controller::replay::Replay;
 use crate::evaluate::{Bare, Deviation, Field, Order, commanded_deviation};
 use crate::lower::NominalPose;
-use crate::machine::{Approach, AxisKind, Machine, sin_cos_degrees};
+use crate::machine::{AxisKind, Machine, OperatingPoint, sin_cos_degrees};
 use nalgebra::{Matrix3, Vector3};
 
 /// A machine driven through a module.
@@ -52,18 +52,18 @@ impl<'a> ModuleField<'a> {
         })
     }
 
-    /// Returns the commands of the motors, approached from one side; `None` if the module stops.
-    fn motor_commands(&self, pose: &[f64], approach: Approach) -> Option<Vec<f64>> {
-        let command = self.command(pose)?;
-        let trims =
-            self.beside.as_ref().map_or_else(|| vec![0.0; command.len()], |tables| tables.addition(&command, approach));
+    /// Returns the commands of the motors; `None` if the module stops.
+    fn motor_commands(&self, at: &OperatingPoint<'_>) -> Option<Vec<f64>> {
+        let command = self.command(at.axes)?;
+        let trim = |tables: &Replay<'_>| tables.addition(&at.conditions.at(&command));
+        let trims = self.beside.as_ref().map_or_else(|| vec![0.0; command.len()], trim);
         Some(command.iter().zip(trims).map(|(c, trim)| c + trim).collect())
     }
 
-    /// Returns the corrections that are added to a pose approached from one side; zeros where the module stops.
-    pub fn addition(&self, pose: &[f64], approach: Approach) -> Vec<f64> {
-        let command = self.motor_commands(pose, approach).unwrap_or_else(|| pose.to_vec());
-        command.iter().zip(pose).map(|(c, q)| c - q).collect()
+    /// Returns the corrections that are added to a pose; zeros where the module stops.
+    pub fn addition(&self, at: &OperatingPoint<'_>) -> Vec<f64> {
+        let command = self.motor_commands(at).unwrap_or_else(|| at.axes.to_vec());
+        command.iter().zip(at.axes).map(|(c, q)| c - q).collect()
     }
 }
 
@@ -118,10 +118,10 @@ impl Field for ModuleField<'_> {
     }
 
     /// A pose where the module stops has the deviation without it.
-    fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
-        match self.motor_commands(pose, approach) {
-            Some(command) => commanded_deviation(self.machine, pose, &command, approach),
-            None => Bare { machine: self.machine, order: Order::Exact }.deviation(pose, approach),
+    fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation {
+        match self.motor_commands(at) {
+            Some(command) => commanded_deviation(self.machine, at.axes, &at.conditions.at(&command)),
+            None => Bare { machine: self.machine, order: Order::Exact }.deviation(at),
         }
     }
 }

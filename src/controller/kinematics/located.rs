@@ -89,7 +89,7 @@ impl Located {
         let tip = machine.tool().tip;
         let bare = machine.filtered(|id| id.family == ErrorFamily::Component);
         let turn = self.tool;
-        Ok(bare.with_lines(&moved, (nominal.tool.into(), tip), [0.0, 0.0, 0.0, turn[0], turn[1], turn[2]]))
+        Ok(bare.with_lines(&moved, nominal.tool.into(), tip, [0.0, 0.0, 0.0, turn[0], turn[1], turn[2]]))
     }
 
     fn errors(&self, machine: &Machine) -> Vec<(ErrorId, f64)> {

@@ -12,17 +12,22 @@ use crate::machine::{AxisKind, AxisName, Branch, Machine};
 use nalgebra::Vector3;
 
 /// The parameters of a machine.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Parameters {
+    #[serde(skip)]
     rules: ParameterRules,
+    #[serde(skip)]
     increment: Increment,
+    #[serde(skip)]
     max_offset_mm: Option<f64>,
     /// The numbers, in the order of the file: mm, and components of unit vectors.
     values: Vec<f64>,
     /// The numbers with which the errors of the machine file were measured: the nominal machine's, or those found in a
     /// file.
     before: Vec<f64>,
+    #[serde(skip)]
     nominal: Transformation,
+    #[serde(skip)]
     transformation: Transformation,
     /// True if blocks program the direction of the tool by a vector, false if by the rotary axes.
     pub(super) vectors: bool,

@@ -95,7 +95,7 @@ impl Transformation {
 /// Returns the place of the tool with one axis at 90 deg and all others at 0.
 fn tool_place(machine: &Machine, axis: Option<usize>) -> Htm<f64> {
     let pose: Vec<f64> = (0..machine.axes().len()).map(|i| if Some(i) == axis { 90.0 } else { 0.0 }).collect();
-    Chain::<f64>::actual(machine, &pose, &values(machine, &pose, Approach::Mean), &Exact).t_wt()
+    Chain::<f64>::actual(machine, &pose, &values(machine, &Approach::Mean.at(&pose)), &Exact).t_wt()
 }
 
 /// Smallest difference of direction cosines or mm that counts as a displacement of a line.
@@ -130,7 +130,7 @@ impl Transformation {
         let own_turn = self.tool.cross(&actual.tool);
         let spindle = six(Vector3::new(spindle[0], spindle[1], spindle[2]), own_turn);
         let tip = self.tip_vector(machine) + Vector3::from(machine.tool().gauge);
-        Ok(machine.with_lines(&moved.collect::<Vec<_>>(), (self.tool.into(), tip.into()), spindle))
+        Ok(machine.with_lines(&moved.collect::<Vec<_>>(), self.tool.into(), tip.into(), spindle))
     }
 
     /// The vector from the gauge point to the tip of a tool along this tool axis.

@@ -7,7 +7,7 @@ use crate::compensation::{CorrectionTable, CorrectionTables, Spacing};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::manifest::{Arithmetic, Controller, LookupPosition, OutsideTable};
 use crate::evaluate::{Deviation, Field, commanded_deviation};
-use crate::machine::{Approach, Machine};
+use crate::machine::{Approach, Machine, OperatingPoint};
 
 /// A controller with tables loaded.
 #[derive(Debug, Clone)]
@@ -38,19 +38,21 @@ impl<'a> Replay<'a> {
         Self { installed: installed.map(Box::new), ..self }
     }
 
-    /// Returns the motions that the controller adds to a command (mm, deg) approached from one side.
-    pub fn addition(&self, command: &[f64], approach: Approach) -> Vec<f64> {
+    /// Returns the motions that the controller adds to a command (mm, deg).
+    pub fn addition(&self, at: &OperatingPoint<'_>) -> Vec<f64> {
+        let command = at.axes;
         let mut added = vec![0.0; command.len()];
         if !self.tables.errors.is_empty() {
             added = model::motion(self.machine, command, &self.tables.errors);
         }
+        let moved = |added: &[f64]| -> Vec<f64> { command.iter().zip(added).map(|(q, c)| q + c).collect() };
         match self.controller.lookup {
-            LookupPosition::Command => self.add_tables(command, approach, &mut added, |_| true),
+            LookupPosition::Command => self.add_tables(at, &mut added, |_| true),
             LookupPosition::LinesThenPlanes => {
                 let line = |table: &CorrectionTable| table.axes.len() == 1;
-                self.add_tables(command, approach, &mut added, line);
-                let at: Vec<f64> = command.iter().zip(&added).map(|(q, c)| q + c).collect();
-                self.add_tables(&at, approach, &mut added, |table| !line(table));
+                self.add_tables(at, &mut added, line);
+                let moved = moved(&added);
+                self.add_tables(&at.conditions.at(&moved), &mut added, |table| !line(table));
             }
             // Klipper and Marlin: y' = y - z*yz, then x' = x - y'*xy - z*xz.
             LookupPosition::Corrected => {
@@ -58,28 +60,28 @@ impl<'a> Replay<'a> {
                 order.sort_by_key(|axis| std::cmp::Reverse(self.machine.axes()[*axis].name.clone()));
                 order.dedup();
                 for axis in order {
-                    let at: Vec<f64> = command.iter().zip(&added).map(|(q, c)| q + c).collect();
-                    self.add_tables(&at, approach, &mut added, |table| table.corrected[0] == axis);
+                    let moved = moved(&added);
+                    self.add_tables(&at.conditions.at(&moved), &mut added, |table| table.corrected[0] == axis);
                 }
             }
         }
         if let Some(installed) = &self.installed {
-            let before = installed.addition(command, approach);
+            let before = installed.addition(at);
             added.iter_mut().zip(before).for_each(|(a, b)| *a -= b);
         }
         added
     }
 
-    fn add_tables(&self, at: &[f64], approach: Approach, added: &mut [f64], keep: impl Fn(&CorrectionTable) -> bool) {
+    fn add_tables(&self, at: &OperatingPoint<'_>, added: &mut [f64], keep: impl Fn(&CorrectionTable) -> bool) {
         let looked_up = self.modulo.iter().zip(&self.factors);
         for (table, (modulo, factor)) in self.tables.tables.iter().zip(looked_up).filter(|(table, _)| keep(table)) {
             if let ([axis], [corrected]) = (&table.axes[..], &table.corrected[..]) {
-                let position = self.lookup_position(table, 0, *axis, at[*axis], *modulo);
+                let position = self.lookup_position(table, 0, *axis, at.axes[*axis], *modulo);
                 let outside = if *factor { OutsideTable::Extrapolate } else { self.controller.outside };
-                added[*corrected] += self.curve(table, position, approach, outside);
+                added[*corrected] += self.curve(table, position, at.conditions.approach, outside);
                 continue;
             }
-            for (node, weight) in self.corners(table, at, *modulo) {
+            for (node, weight) in self.corners(table, at.axes, *modulo) {
                 let row = &table.values[node * table.corrected.len()..];
                 table.corrected.iter().zip(row).for_each(|(axis, value)| added[*axis] += weight * value);
             }
@@ -152,9 +154,9 @@ impl Field for Compensated<'_> {
         self.machine
     }
 
-    fn deviation(&self, pose: &[f64], approach: Approach) -> Deviation {
-        let added = self.replay.addition(pose, approach);
-        let command: Vec<f64> = pose.iter().zip(&added).map(|(q, c)| q + c).collect();
-        commanded_deviation(self.machine, pose, &command, approach)
+    fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation {
+        let added = self.replay.addition(at);
+        let command: Vec<f64> = at.axes.iter().zip(&added).map(|(q, c)| q + c).collect();
+        commanded_deviation(self.machine, at.axes, &at.conditions.at(&command))
     }
 }

@@ -39,7 +39,8 @@ impl Limits {
     /// Returns a refusal for every limit that a module's correction exceeds: of the functional point and of the tool
     /// axis.
     pub fn module_excesses(&self, certificate: &Certificate) -> Vec<Diagnostic> {
-        let (position, axis) = (certificate.uncompensated.all.position_um.max, certificate.uncompensated.tool_axis.max);
+        let (position, axis) =
+            (certificate.uncompensated.position_um.max, certificate.uncompensated.tool_axis_urad.max);
         let refusal = |what: String| Diagnostic::new(codes::E0602, what).help(RAISE_LIMIT);
         let length = (position > self.length_mm * 1e3).then(|| {
             refusal(format!(

@@ -12,9 +12,9 @@
 //! The last term is a product of errors: order 1 drops it, at order 2 it is of second degree, the exact model keeps it.
 //! The rotation relative to the nominal one is 1 + G A^T.
 
-use super::chain::{CompiledChain, CompiledJoint, Motion};
+use super::chain::{CompiledChain, CompiledJoint, NominalMotion};
 use super::curves::Six;
-use super::lookup::Inputs;
+use super::lookup::LaneInputs;
 use super::pass::MAX_SQUARED_HALF_ANGLE;
 use super::vector::{cross, dot, minus, plus, plus_cross, plus_times, times};
 
@@ -43,7 +43,7 @@ pub struct Node {
     pub six: Six,
 }
 
-impl Inputs<f64> for Node {
+impl LaneInputs<f64> for Node {
     fn position(self, _: usize) -> f64 {
         self.position
     }
@@ -68,7 +68,7 @@ pub trait Sections {
     /// Returns the displacement of a point (mm) by the errors of a section, of first and of second degree (exact: all
     /// in the first), and the largest squared half angle met: above [`MAX_SQUARED_HALF_ANGLE`] the displacement is not
     /// valid.
-    fn displaced(&self, section: Section, point: Vector3) -> ([Vector3; 2], f64);
+    fn displacement_past(&self, section: Section, point: Vector3) -> ([Vector3; 2], f64);
 }
 
 /// The treatment of the product of two errors.
@@ -94,14 +94,14 @@ pub struct Linear {
 impl Linear {
     /// Returns the image of x without the shift.
     #[inline(always)]
-    pub fn turned(&self, x: Vector3) -> Vector3 {
+    pub fn rotate(&self, x: Vector3) -> Vector3 {
         plus_times(plus_times(times(self.columns[0], x[0]), self.columns[1], x[1]), self.columns[2], x[2])
     }
 
     /// Returns the image of x.
     #[inline(always)]
     pub fn image(&self, x: Vector3) -> Vector3 {
-        plus(self.turned(x), self.shift)
+        plus(self.rotate(x), self.shift)
     }
 
     /// Returns the map to the sum of both images.
@@ -119,7 +119,7 @@ impl Linear {
     #[inline(always)]
     fn after(&self, other: &Self) -> Self {
         let [a, b, c] = other.columns;
-        Self { columns: [self.turned(a), self.turned(b), self.turned(c)], shift: self.turned(other.shift) }
+        Self { columns: [self.rotate(a), self.rotate(b), self.rotate(c)], shift: self.rotate(other.shift) }
     }
 
     /// Returns this map after the nominal motion of an inner section.
@@ -150,7 +150,7 @@ impl Affine {
     pub fn of(sections: &impl Sections, section: Section) -> Option<Self> {
         let base = sections.chain().tip;
         let probe = |point: Vector3| {
-            let (displaced, squared_half_angle) = sections.displaced(section, plus(base, point));
+            let (displaced, squared_half_angle) = sections.displacement_past(section, plus(base, point));
             (squared_half_angle <= MAX_SQUARED_HALF_ANGLE).then_some(displaced)
         };
         let origin = probe([0.0; 3])?;
@@ -162,7 +162,7 @@ impl Affine {
             }
         }
         let (nominal, turns) = match section {
-            Section::Joint(axis, at) => moved(&sections.chain().joints[axis], base, &at),
+            Section::Joint(axis, at) => nominal_map(&sections.chain().joints[axis], base, &at),
             Section::WorkpieceSetup | Section::Spindle => (UNIT, false),
         };
         Some(Self { nominal, displacement, turns })
@@ -185,9 +185,9 @@ impl Affine {
     }
 
     /// Returns the displacement of the base, by degree, after a displacement inside the section.
-    pub fn displaced(&self, by: Vector3, products: ErrorProducts) -> [Vector3; 2] {
+    pub fn displacement_past(&self, by: Vector3, products: ErrorProducts) -> [Vector3; 2] {
         let [first, second] = self.displacement.map(|displacement| displacement.shift);
-        let (first, again) = (plus(first, self.nominal.turned(by)), self.displacement[0].turned(by));
+        let (first, again) = (plus(first, self.nominal.rotate(by)), self.displacement[0].rotate(by));
         match products {
             ErrorProducts::Dropped => [first, second],
             ErrorProducts::SecondDegree => [first, plus(second, again)],
@@ -209,7 +209,7 @@ impl Affine {
     /// Returns the rotation relative to the nominal one, minus 1: columns of G A^T.
     pub fn relative(&self) -> [Vector3; 3] {
         let displaced = &self.displacement[0];
-        std::array::from_fn(|k| displaced.turned(self.nominal.columns.map(|column| column[k])))
+        std::array::from_fn(|k| displaced.rotate(self.nominal.columns.map(|column| column[k])))
     }
 
     /// Returns the angle (rad) from the nominal orientation, up to a quarter turn.
@@ -222,13 +222,13 @@ impl Affine {
 const UNIT: Linear = Linear { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.0; 3] };
 
 /// Returns the nominal motion of a joint in coordinates about a base; true if it rotates.
-fn moved(link: &CompiledJoint, base: Vector3, at: &Node) -> (Linear, bool) {
+fn nominal_map(link: &CompiledJoint, base: Vector3, at: &Node) -> (Linear, bool) {
     match link.motion {
-        Motion::Slide(u) => (Linear { shift: times(u, at.position), ..UNIT }, false),
-        Motion::Turn(about) => {
-            let columns = UNIT.columns.map(|e| about.turned(at.turn, e));
+        NominalMotion::Slide(u) => (Linear { shift: times(u, at.position), ..UNIT }, false),
+        NominalMotion::Turn(about) => {
+            let columns = UNIT.columns.map(|e| about.rotate(at.turn, e));
             let arm = minus(link.origin, base);
-            (Linear { columns, shift: minus(arm, about.turned(at.turn, arm)) }, true)
+            (Linear { columns, shift: minus(arm, about.rotate(at.turn, arm)) }, true)
         }
     }
 }

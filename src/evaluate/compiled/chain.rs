@@ -1,11 +1,11 @@
 //! The compiled chain: everything about a machine's joints that does not depend on the pose.
 
-use super::curves::{Curves, Six};
-use super::lookup::{Chunk, Lookup, LookupRequest};
+use super::curves::{CompiledCurves, Six};
+use super::lookup::{AxisLookup, Chunk, LookupRequest};
 use super::simd::Lanes;
 use super::vector::{Vector, cross, dot, minus, plus, plus_times, splat, times};
 use crate::machine::{
-    Approach, Axis, AxisKind, JointConvention, Joints, LocationAction, LocationOrder, Machine, MotionSide,
+    Axis, AxisKind, JointConvention, Joints, LocationAction, LocationOrder, Machine, MotionSide, OperatingConditions,
 };
 
 /// A machine's chain, ready for the walk of any order. Lengths in mm, angles in rad, positions of rotary axes in deg.
@@ -42,11 +42,11 @@ pub struct ErrorsAtPoint {
 #[derive(Debug, Clone)]
 pub struct CompiledJoint {
     /// Its nominal motion.
-    pub motion: Motion,
+    pub motion: NominalMotion,
     /// Point of a rotary axis; that about which the errors turn.
     pub origin: [f64; 3],
     /// Component errors.
-    pub curves: Curves,
+    pub curves: CompiledCurves,
     /// True if there are any.
     pub errors: bool,
     /// True if a walk reads the sine and cosine of the position.
@@ -82,7 +82,7 @@ pub enum LocationEffect {
 
 /// Nominal motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Motion {
+pub enum NominalMotion {
     /// A translation by the position times this vector.
     Slide([f64; 3]),
     /// A rotation by the position, about a direction through the origin.
@@ -100,9 +100,9 @@ pub enum RotationAxis {
 
 impl CompiledChain {
     /// Returns `None` if the error curves cannot be compiled.
-    pub fn new(machine: &Machine, approach: Approach) -> Option<Self> {
+    pub fn new(machine: &Machine, conditions: OperatingConditions) -> Option<Self> {
         let conventions = machine.conventions();
-        let link = |(i, axis): (usize, &Axis)| link(machine, i, axis, approach);
+        let link = |(i, axis): (usize, &Axis)| link(machine, i, axis, conditions);
         let placed = |six: Six, about, inverse| (six != [0.0; 6]).then_some(ErrorsAtPoint { six, about, inverse });
         let spindle = machine.spindle_errors().map(|errors| errors.location_values());
         Some(Self {
@@ -118,7 +118,7 @@ impl CompiledChain {
 
     /// Looks up, for a chunk of poses, everything that the walks of order 2 and of the exact model read.
     #[inline(always)]
-    pub fn look_up<V: Lanes>(&self, axes: &mut [Lookup], chunk: Chunk<'_>) {
+    pub fn look_up<V: Lanes>(&self, axes: &mut [AxisLookup], chunk: Chunk<'_>) {
         for axis in 0..axes.len() {
             let request = self.joints[axis].lookup_request();
             axes[axis].fill::<V>(request, axis, chunk);
@@ -129,11 +129,11 @@ impl CompiledChain {
     }
 }
 
-fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Option<CompiledJoint> {
+fn link(machine: &Machine, index: usize, axis: &Axis, conditions: OperatingConditions) -> Option<CompiledJoint> {
     let convention = axis.convention(machine.conventions());
     let errors = machine.axis_errors(index);
     let six = errors.location_values();
-    let (motion, curves) = (motion(axis, &convention), Curves::new(errors, approach)?);
+    let (motion, curves) = (motion(axis, &convention), CompiledCurves::new(errors, conditions)?);
     let (location_effect, inverse) = match convention.location {
         LocationAction::Displaces => (LocationEffect::Around, false),
         LocationAction::Factor(factor) if factor.side == MotionSide::Outer => {
@@ -143,7 +143,7 @@ fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Opt
     };
     Some(CompiledJoint {
         errors: !curves.is_zero(),
-        turns: matches!(motion, Motion::Turn(_)) || curves.has_harmonics(),
+        turns: matches!(motion, NominalMotion::Turn(_)) || curves.has_harmonics(),
         motion,
         origin: convention.pivot,
         curves,
@@ -154,14 +154,16 @@ fn link(machine: &Machine, index: usize, axis: &Axis, approach: Approach) -> Opt
     })
 }
 
-fn motion(axis: &Axis, convention: &JointConvention) -> Motion {
+fn motion(axis: &Axis, convention: &JointConvention) -> NominalMotion {
     let direction = axis.direction.map(|u| u * convention.motion_sign);
     match axis.kind {
-        AxisKind::Linear => Motion::Slide(direction),
+        AxisKind::Linear => NominalMotion::Slide(direction),
         AxisKind::Rotary => {
             let unit =
                 (0..3).find(|k| (0..3).all(|j| if j == *k { direction[j].abs() == 1.0 } else { direction[j] == 0.0 }));
-            Motion::Turn(unit.map_or(RotationAxis::Oblique(direction), |k| RotationAxis::Principal(k, direction[k])))
+            NominalMotion::Turn(
+                unit.map_or(RotationAxis::Oblique(direction), |k| RotationAxis::Principal(k, direction[k])),
+            )
         }
     }
 }
@@ -169,7 +171,7 @@ fn motion(axis: &Axis, convention: &JointConvention) -> Motion {
 impl RotationAxis {
     /// Returns a vector rotated by the angle with this sine and cosine.
     #[inline(always)]
-    pub fn turned<V: Lanes>(&self, (s, c): (V, V), v: Vector<V>) -> Vector<V> {
+    pub fn rotate<V: Lanes>(&self, (s, c): (V, V), v: Vector<V>) -> Vector<V> {
         match *self {
             Self::Principal(0, sense) => {
                 let s = s * V::splat(sense);
@@ -193,9 +195,9 @@ impl RotationAxis {
 
     /// Returns a point rotated about an origin; of a machine axis, the component along it stays as it is.
     #[inline(always)]
-    pub fn turned_about<V: Lanes>(&self, turn: (V, V), origin: &[f64; 3], point: Vector<V>) -> Vector<V> {
+    pub fn rotate_about<V: Lanes>(&self, turn: (V, V), origin: &[f64; 3], point: Vector<V>) -> Vector<V> {
         let o = splat(origin);
-        let [x, y, z] = plus(self.turned(turn, minus(point, o)), o);
+        let [x, y, z] = plus(self.rotate(turn, minus(point, o)), o);
         match self {
             Self::Principal(0, _) => [point[0], y, z],
             Self::Principal(1, _) => [x, point[1], z],

@@ -6,18 +6,18 @@
 //! derivatives. A look-up reads adjacent rows and gathers no single numbers. Polynomials and harmonics are sums of rows
 //! too. Constants, means of the two directions, and any linear map of the six errors are folded into the rows.
 
-use super::intervals::{IntervalPoint, Intervals, find_by_bucket, find_by_search};
+use super::intervals::{IntervalPoint, KnotIntervals, find_by_bucket, find_by_search};
 use super::lanes::RowOffsets;
 use super::simd::{Lanes, MAX_LANES, RowVector, TableRow};
 use super::trigonometry::nearest;
-use crate::machine::{Approach, BSpline, ComponentError, Curve, ErrorTerm, JointErrors, Knots};
+use crate::machine::{Approach, BSpline, ComponentError, Curve, ErrorTerm, JointErrors, Knots, OperatingConditions};
 
 /// Six errors: translations along x, y, z (mm), then rotations about them (rad).
 pub type Six = [f64; 6];
 
 /// Six compiled curves. Their values are the sums of the constant, the table, the polynomial and the harmonics.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Curves {
+pub struct CompiledCurves {
     /// Constant part.
     constant: Six,
     table: Option<CurveTable>,
@@ -36,7 +36,7 @@ struct CurveTable {
     last: f64,
     /// The period of a continuous axis, and its inverse.
     period: Option<(f64, f64)>,
-    intervals: Intervals,
+    intervals: KnotIntervals,
 }
 
 /// N positions within a table. Aligned, so that no vector of 64 bytes lies in two cache lines.
@@ -64,14 +64,16 @@ impl<const N: usize> TablePositions<N> {
     pub const NONE: Self = Self { rows: RowOffsets::NONE, fraction: [0.0; N], second_weights: [[0.0; N]; 2] };
 }
 
-impl Curves {
+impl CompiledCurves {
     /// Compiles the component errors of an axis. Returns `None` if periodic tables are combined with others, or if a
     /// B-spline is not piecewise cubic.
-    pub fn new(errors: &JointErrors, approach: Approach) -> Option<Self> {
+    pub fn new(errors: &JointErrors, conditions: OperatingConditions) -> Option<Self> {
         let (mut curves, mut parts, mut tables) = (Self::default(), Vec::new(), Vec::new());
         for (column, term) in errors.component.iter().enumerate() {
             match term {
-                Some(ErrorTerm::Component(component)) => parts.extend(weighted(column, component, approach)),
+                Some(ErrorTerm::Component(component)) => {
+                    parts.extend(weighted_curves(column, component, conditions.approach))
+                }
                 Some(ErrorTerm::Constant(value)) => curves.constant[column] += value,
                 Some(ErrorTerm::Tolerance(_)) | None => {}
             }
@@ -121,7 +123,7 @@ impl Curves {
     }
 
     /// Returns the curves of the errors that a linear map makes of these six.
-    pub fn mapped(mut self, map: impl Fn(&Six) -> Six) -> Self {
+    pub fn map_errors(mut self, map: impl Fn(&Six) -> Six) -> Self {
         self.constant = map(&self.constant);
         self.powers.iter_mut().for_each(|row| *row = map(row));
         self.harmonics.iter_mut().flatten().for_each(|row| *row = map(row));
@@ -259,7 +261,7 @@ struct WeightedCurve<C> {
 }
 
 /// Returns the curves that make up a component error approached from a side: two halves for the mean.
-fn weighted(column: usize, component: &ComponentError, approach: Approach) -> Vec<WeightedCurve<&Curve>> {
+fn weighted_curves(column: usize, component: &ComponentError, approach: Approach) -> Vec<WeightedCurve<&Curve>> {
     let one = |weight, curve| WeightedCurve { column, weight, curve };
     match (component, approach) {
         (ComponentError::Single(curve), _) => vec![one(1.0, curve)],
@@ -333,7 +335,7 @@ impl CurveTable {
         }
         let (first, last) = (knots[0], knots[knots.len() - 1]);
         let period = period.map(|period| (period, 1.0 / period));
-        Some(Self { rows, seconds, first, last, period, intervals: Intervals::new(&knots) })
+        Some(Self { rows, seconds, first, last, period, intervals: KnotIntervals::new(&knots) })
     }
 
     fn is_cubic(&self) -> bool {
@@ -359,7 +361,7 @@ impl CurveTable {
         to.rows.cover(self.rows.len());
         let (first, mut i) = (V::splat(self.first), 0);
         match &self.intervals {
-            Intervals::Uniform { per_unit, last, width } => {
+            KnotIntervals::Uniform { per_unit, last, width } => {
                 while i < positions.len() {
                     let along = (self.within(V::load(&positions[i..])) - first) * V::splat(*per_unit);
                     let (whole, interval) = along.smaller(V::splat(*last)).truncate();
@@ -368,14 +370,14 @@ impl CurveTable {
                     i += V::COUNT;
                 }
             }
-            Intervals::Bucketed { buckets, rows } => {
+            KnotIntervals::Bucketed { buckets, rows } => {
                 while i < positions.len() {
                     let x = self.within(V::load(&positions[i..]));
                     self.put(to, i, find_by_bucket(rows, &buckets.indices(x - first), x));
                     i += V::COUNT;
                 }
             }
-            Intervals::Searched { buckets, starts, knots } => {
+            KnotIntervals::Searched { buckets, starts, knots } => {
                 while i < positions.len() {
                     let x = self.within(V::load(&positions[i..]));
                     let indices = buckets.indices(x - first);

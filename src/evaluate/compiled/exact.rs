@@ -8,8 +8,8 @@
 //! is a matrix, which need not be orthogonal.
 
 use super::affine::{Section, Sections};
-use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, Motion, RotationAxis, slid};
-use super::lookup::{Chunk, Inputs, Lookup, PoseInputs};
+use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, NominalMotion, RotationAxis, slid};
+use super::lookup::{AxisLookup, Chunk, LaneInputs, PoseInputs};
 use super::pass::{LaneDeviation, MAX_SQUARED_HALF_ANGLE, PoseKernel};
 use super::simd::Lanes;
 use super::trigonometry::RADIAN;
@@ -61,7 +61,7 @@ pub fn polynomial<V: Lanes>(terms: &[f64], x: V) -> V {
 
 /// An error motion, or its inverse, as the walk applies it.
 #[derive(Debug, Clone, Copy)]
-struct ErrorMotion<V> {
+struct LaneErrorMotion<V> {
     turn: Vector<V>,
     shift: Vector<V>,
     /// K = a hat(turn) + b hat(turn)^2.
@@ -76,10 +76,10 @@ struct ErrorMotion<V> {
 trait RelativeRotation<V: Lanes>: Copy {
     fn none() -> Self;
     /// Returns the error motion of six errors, and its squared half angle (rad^2).
-    fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V);
-    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self;
+    fn motion(six: [V; 6], inverse: bool) -> (LaneErrorMotion<V>, V);
+    fn rotate(self, about: &RotationAxis, turn: (V, V)) -> Self;
     /// Returns the rotation after an error motion.
-    fn after(self, motion: &ErrorMotion<V>) -> Self;
+    fn after(self, motion: &LaneErrorMotion<V>) -> Self;
     fn vector(self) -> (Vector<V>, V);
 }
 
@@ -94,14 +94,14 @@ impl<V: Lanes> RelativeRotation<V> for Quaternion<V> {
     }
 
     #[inline(always)]
-    fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V) {
+    fn motion(six: [V; 6], inverse: bool) -> (LaneErrorMotion<V>, V) {
         let [dx, dy, dz, ex, ey, ez] = six;
         let turn = [ex, ey, ez];
         let half = V::splat(0.5);
         let quarter = dot(turn, turn) * V::splat(0.25);
         let (sine, cosine) = (polynomial(&SINC[..6], quarter), polynomial(&COSINE[..7], quarter));
         let sign = V::splat(if inverse { -1.0 } else { 1.0 });
-        let motion = ErrorMotion {
+        let motion = LaneErrorMotion {
             turn,
             shift: [dx, dy, dz],
             a: sine * cosine * sign,
@@ -113,12 +113,12 @@ impl<V: Lanes> RelativeRotation<V> for Quaternion<V> {
     }
 
     #[inline(always)]
-    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self {
-        Self(self.0, about.turned(turn, self.1))
+    fn rotate(self, about: &RotationAxis, turn: (V, V)) -> Self {
+        Self(self.0, about.rotate(turn, self.1))
     }
 
     #[inline(always)]
-    fn after(self, motion: &ErrorMotion<V>) -> Self {
+    fn after(self, motion: &LaneErrorMotion<V>) -> Self {
         let (c, v) = (motion.half.0, times(motion.turn, motion.half.1));
         let vector = plus_cross(plus_times(times(self.1, c), v, self.0), v, self.1);
         Self(c * self.0 - dot(v, self.1), vector)
@@ -136,7 +136,7 @@ impl<V: Lanes> RelativeRotation<V> for Quaternion<V> {
 struct Matrix<V>([Vector<V>; 3]);
 
 #[inline(always)]
-fn transposed<V: Lanes>([a, b, c]: [Vector<V>; 3]) -> [Vector<V>; 3] {
+fn transpose<V: Lanes>([a, b, c]: [Vector<V>; 3]) -> [Vector<V>; 3] {
     [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]]
 }
 
@@ -147,29 +147,29 @@ impl<V: Lanes> RelativeRotation<V> for Matrix<V> {
     }
 
     #[inline(always)]
-    fn motion(six: [V; 6], inverse: bool) -> (ErrorMotion<V>, V) {
+    fn motion(six: [V; 6], inverse: bool) -> (LaneErrorMotion<V>, V) {
         let [dx, dy, dz, ex, ey, ez] = six;
         let (turn, zero, one) = ([ex, ey, ez], V::splat(0.0), V::splat(1.0));
         // (1 + H)^-1 = 1 - H / (1 + s) + H^2 / (1 + s) with s the squared length of the vector.
         let factor = if inverse { one.quotient(one + dot(turn, turn)) } else { zero };
         let a = if inverse { zero - factor } else { one };
-        (ErrorMotion { turn, shift: [dx, dy, dz], a, b: factor, half: (one, zero), inverse }, zero)
+        (LaneErrorMotion { turn, shift: [dx, dy, dz], a, b: factor, half: (one, zero), inverse }, zero)
     }
 
     #[inline(always)]
-    fn turned(self, about: &RotationAxis, turn: (V, V)) -> Self {
+    fn rotate(self, about: &RotationAxis, turn: (V, V)) -> Self {
         let [a, b, c] = self.0;
-        let [a, b, c] = transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]);
-        Self(transposed([about.turned(turn, a), about.turned(turn, b), about.turned(turn, c)]))
+        let [a, b, c] = transpose([about.rotate(turn, a), about.rotate(turn, b), about.rotate(turn, c)]);
+        Self(transpose([about.rotate(turn, a), about.rotate(turn, b), about.rotate(turn, c)]))
     }
 
     #[inline(always)]
-    fn after(self, motion: &ErrorMotion<V>) -> Self {
+    fn after(self, motion: &LaneErrorMotion<V>) -> Self {
         let mut columns = self.0;
         for k in 0..3 {
             let mut whole = columns[k];
             whole[k] = whole[k] + V::splat(1.0);
-            columns[k] = plus(columns[k], motion.moved(whole));
+            columns[k] = plus(columns[k], motion.displacement_of(whole));
         }
         Self(columns)
     }
@@ -182,20 +182,20 @@ impl<V: Lanes> RelativeRotation<V> for Matrix<V> {
     }
 }
 
-impl<V: Lanes> ErrorMotion<V> {
+impl<V: Lanes> LaneErrorMotion<V> {
     /// Returns K y.
     #[inline(always)]
-    fn moved(&self, y: Vector<V>) -> Vector<V> {
+    fn displacement_of(&self, y: Vector<V>) -> Vector<V> {
         let once = cross(self.turn, y);
         plus_times(times(once, self.a), cross(self.turn, once), self.b)
     }
 }
 
-impl ErrorMotion<f64> {
+impl LaneErrorMotion<f64> {
     /// Returns the same motion in all lanes.
     #[inline(always)]
-    fn splat<V: Lanes>(&self) -> ErrorMotion<V> {
-        ErrorMotion {
+    fn splat<V: Lanes>(&self) -> LaneErrorMotion<V> {
+        LaneErrorMotion {
             turn: splat(&self.turn),
             shift: splat(&self.shift),
             a: V::splat(self.a),
@@ -209,8 +209,8 @@ impl ErrorMotion<f64> {
 /// A constant error motion and its inverse, about a point.
 #[derive(Debug, Clone, Copy)]
 struct ConstantMotion {
-    motion: ErrorMotion<f64>,
-    inverse: ErrorMotion<f64>,
+    motion: LaneErrorMotion<f64>,
+    inverse: LaneErrorMotion<f64>,
     about: [f64; 3],
 }
 
@@ -227,14 +227,14 @@ impl ConstantMotion {
 }
 
 /// The quantities that the walk carries from the tool to the workpiece.
-struct State<V, R> {
+struct ExactWalk<V, R> {
     point: Vector<V>,
     displacement: Vector<V>,
     relative: R,
     squared_half_angle: V,
 }
 
-impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
+impl<V: Lanes, R: RelativeRotation<V>> ExactWalk<V, R> {
     /// Returns the state at a point with its displacement, before any rotation.
     #[inline(always)]
     fn at(point: Vector<V>, displacement: Vector<V>) -> Self {
@@ -242,20 +242,20 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
     }
 
     #[inline(always)]
-    fn apply(&mut self, motion: &ErrorMotion<V>, about: &[f64; 3]) {
+    fn apply(&mut self, motion: &LaneErrorMotion<V>, about: &[f64; 3]) {
         let arm = plus(minus(self.point, splat(about)), self.displacement);
         let added = if motion.inverse {
-            minus(motion.moved(minus(arm, motion.shift)), motion.shift)
+            minus(motion.displacement_of(minus(arm, motion.shift)), motion.shift)
         } else {
-            plus(motion.moved(arm), motion.shift)
+            plus(motion.displacement_of(arm), motion.shift)
         };
         self.displacement = plus(self.displacement, added);
         self.relative = self.relative.after(motion);
     }
 
     #[inline(always)]
-    fn motion(&mut self, (motion, squared_half_angle): &(ErrorMotion<V>, V), about: &[f64; 3]) {
-        self.squared_half_angle = self.squared_half_angle.larger(*squared_half_angle);
+    fn motion(&mut self, motion: &LaneErrorMotion<V>, squared_half_angle: V, about: &[f64; 3]) {
+        self.squared_half_angle = self.squared_half_angle.larger(squared_half_angle);
         self.apply(motion, about);
     }
 
@@ -275,7 +275,13 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
     }
 
     #[inline(always)]
-    fn link<I: Inputs<V>>(&mut self, link: &CompiledJoint, axis: usize, location: Option<&ConstantMotion>, inputs: I) {
+    fn link<I: LaneInputs<V>>(
+        &mut self,
+        link: &CompiledJoint,
+        axis: usize,
+        location: Option<&ConstantMotion>,
+        inputs: I,
+    ) {
         let zero = V::splat(0.0);
         let (q, added) = (inputs.position(axis), inputs.added(axis));
         let command = match added {
@@ -287,16 +293,16 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
         if let (Some(location), LocationEffect::Innermost) = (location, link.location_effect) {
             self.apply_constant(location);
         }
-        if let (Some(motion), false) = (&errors, link.outside) {
-            self.motion(motion, &link.origin);
+        if let (Some((motion, squared_half_angle)), false) = (&errors, link.outside) {
+            self.motion(motion, *squared_half_angle, &link.origin);
         }
         let around = if link.location_effect == LocationEffect::Around { location } else { None };
         match &link.motion {
-            Motion::Slide(direction) => self.slide(direction, around, (q, command), added),
-            Motion::Turn(about) => self.turn(about, &link.origin, around, turn, added),
+            NominalMotion::Slide(direction) => self.slide(direction, around, q, command, added),
+            NominalMotion::Turn(about) => self.turn(about, &link.origin, around, turn, added),
         }
-        if let (Some(motion), true) = (&errors, link.outside) {
-            self.motion(motion, &link.origin);
+        if let (Some((motion, squared_half_angle)), true) = (&errors, link.outside) {
+            self.motion(motion, *squared_half_angle, &link.origin);
         }
         if let (Some(location), LocationEffect::Outermost) = (location, link.location_effect) {
             self.apply_constant(location);
@@ -305,13 +311,13 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
 
     /// Passes a linear axis; its location error only bends its direction.
     #[inline(always)]
-    fn slide(&mut self, direction: &[f64; 3], around: Option<&ConstantMotion>, (q, command): (V, V), added: Option<V>) {
+    fn slide(&mut self, direction: &[f64; 3], around: Option<&ConstantMotion>, q: V, command: V, added: Option<V>) {
         self.point = slid(direction, q, self.point);
         if let Some(added) = added {
             self.displacement = plus_times(self.displacement, splat(direction), added);
         }
         if let Some(location) = around {
-            let bent = location.motion.moved(*direction);
+            let bent = location.motion.displacement_of(*direction);
             self.displacement = plus_times(self.displacement, splat(&bent), command);
         }
     }
@@ -329,9 +335,9 @@ impl<V: Lanes, R: RelativeRotation<V>> State<V, R> {
         if let Some(location) = around {
             self.apply(&location.inverse.splat(), origin);
         }
-        self.point = about.turned_about(turn, origin, self.point);
-        self.displacement = about.turned(turn, self.displacement);
-        self.relative = self.relative.turned(about, turn);
+        self.point = about.rotate_about(turn, origin, self.point);
+        self.displacement = about.rotate(turn, self.displacement);
+        self.relative = self.relative.rotate(about, turn);
         if let Some(added) = added {
             self.rotate_on(about, added, origin);
         }
@@ -368,7 +374,7 @@ impl ExactModel {
     #[inline(always)]
     fn chain<V: Lanes, R: RelativeRotation<V>>(&self, inputs: PoseInputs<'_>) -> LaneDeviation<V> {
         let chain = &self.chain;
-        let mut state = State::<V, R>::at(splat(&chain.tip), splat(&chain.tool));
+        let mut state = ExactWalk::<V, R>::at(splat(&chain.tip), splat(&chain.tool));
         if let Some(spindle) = &self.spindle {
             state.apply_constant(spindle);
         }
@@ -387,7 +393,7 @@ impl ExactModel {
     }
 
     fn past<R: RelativeRotation<f64>>(&self, section: Section, point: [f64; 3]) -> ([f64; 3], f64) {
-        let mut state = State::<f64, R>::at(point, [0.0; 3]);
+        let mut state = ExactWalk::<f64, R>::at(point, [0.0; 3]);
         match section {
             Section::Joint(axis, at) => {
                 state.link(&self.chain.joints[axis], axis, self.locations[axis].as_ref(), at);
@@ -406,7 +412,7 @@ impl Sections for ExactModel {
         &self.chain
     }
 
-    fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
+    fn displacement_past(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
         let (displacement, squared_half_angle) = match self.chain.linearised {
             true => self.past::<Matrix<f64>>(section, point),
             false => self.past::<Quaternion<f64>>(section, point),
@@ -420,7 +426,7 @@ impl PoseKernel for ExactModel {
     const EMPTY: () = ();
 
     #[inline(always)]
-    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), chunk: Chunk<'_>) {
+    fn lookup<V: Lanes>(&self, axes: &mut [AxisLookup], _: &mut (), chunk: Chunk<'_>) {
         self.chain.look_up::<V>(axes, chunk);
     }
 

@@ -6,12 +6,12 @@
 //! about a point o displace r by `delta + eps x (r - o)`: that is folded into the tables, and so are location errors
 //! (`twist`).
 
-use super::chain::{CompiledChain, Motion, RotationAxis};
+use super::chain::{CompiledChain, NominalMotion, RotationAxis};
 use super::curves::{Six, splat_six};
-use super::lookup::{CHUNK, Chunk, Lookup, LookupRequest, PoseInputs};
+use super::lookup::{AxisLookup, CHUNK, Chunk, LookupRequest, PoseInputs};
 use super::pass::{LaneDeviation, PoseKernel};
 use super::simd::Lanes;
-use super::steps::{self, Step, Sum};
+use super::steps::{self, Sum, WalkStep};
 use super::twist::{TwistChain, TwistJoint};
 use super::vector::{Vector, minus, plus, plus_cross, splat};
 
@@ -21,7 +21,7 @@ pub struct FirstOrder {
     /// Joints from the workpiece to the tool.
     joints: Vec<TwistJoint>,
     /// Steps from the tool to the workpiece; joints by their index.
-    steps: Vec<Step>,
+    steps: Vec<WalkStep>,
     /// The functional point at the zero pose minus the first point of reference, mm.
     point: [f64; 3],
     /// Its displacement by the set-up of the tool, mm.
@@ -41,14 +41,14 @@ impl FirstOrder {
 
     /// Walks a chunk of poses from the tool past all steps.
     #[inline(always)]
-    fn walk<V: Lanes>(&self, states: &mut WalkStates, axes: &[Lookup], chunk: Chunk<'_>) {
+    fn walk<V: Lanes>(&self, states: &mut WalkStates, axes: &[AxisLookup], chunk: Chunk<'_>) {
         states.begin::<V>(self, chunk.count);
         for step in &self.steps {
             if let Some(axis) = step.motion {
-                states.moved::<V>(&self.joints[axis], step, &axes[axis], chunk.positions(axis));
+                states.pass_joint::<V>(&self.joints[axis], step, &axes[axis], chunk.positions(axis));
             }
             if let Some(sum) = &step.sum {
-                states.summed::<V>(sum, axes, chunk);
+                states.add_sum::<V>(sum, axes, chunk);
             }
             if let Some((axis, _)) = &step.errors {
                 states.add_errors::<V>(&axes[*axis], chunk.count);
@@ -65,7 +65,7 @@ impl PoseKernel for FirstOrder {
     const EMPTY: WalkStates = WalkStates::NONE;
 
     #[inline(always)]
-    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], states: &mut WalkStates, chunk: Chunk<'_>) {
+    fn lookup<V: Lanes>(&self, axes: &mut [AxisLookup], states: &mut WalkStates, chunk: Chunk<'_>) {
         for axis in 0..axes.len() {
             let joint = &self.joints[axis];
             axes[axis].fill::<V>(LookupRequest { turns: joint.turns, curves: joint.curves.as_ref() }, axis, chunk);
@@ -89,16 +89,16 @@ impl PoseKernel for FirstOrder {
 #[repr(C, align(64))]
 pub struct WalkStates {
     /// The functional point minus the point of reference.
-    point: Vectors,
+    point: ChunkVectors,
     /// Displacement of the point of reference.
-    displacement: Vectors,
-    rotation: Vectors,
+    displacement: ChunkVectors,
+    rotation: ChunkVectors,
 }
 
 /// Vectors of a chunk by columns.
-struct Vectors([[f64; CHUNK]; 3]);
+struct ChunkVectors([[f64; CHUNK]; 3]);
 
-impl Vectors {
+impl ChunkVectors {
     const NONE: Self = Self([[0.0; CHUNK]; 3]);
 
     #[inline(always)]
@@ -138,7 +138,8 @@ impl Vectors {
 
 impl WalkStates {
     /// The state before any chunk.
-    pub const NONE: Self = Self { point: Vectors::NONE, displacement: Vectors::NONE, rotation: Vectors::NONE };
+    pub const NONE: Self =
+        Self { point: ChunkVectors::NONE, displacement: ChunkVectors::NONE, rotation: ChunkVectors::NONE };
 
     /// Sets the state at the tool.
     #[inline(always)]
@@ -162,25 +163,25 @@ impl WalkStates {
 
     /// Passes the nominal motion of a joint.
     #[inline(always)]
-    fn moved<V: Lanes>(&mut self, joint: &TwistJoint, step: &Step, lookup: &Lookup, positions: &[f64]) {
+    fn pass_joint<V: Lanes>(&mut self, joint: &TwistJoint, step: &WalkStep, lookup: &AxisLookup, positions: &[f64]) {
         match joint.motion {
-            Motion::Slide(direction) => self.slid::<V>(&direction, joint.bend.as_ref(), step.rotated, positions),
+            NominalMotion::Slide(direction) => self.slid::<V>(&direction, joint.bend.as_ref(), step.rotated, positions),
             // One call per machine axis: the compiler drops the component that stays as it is.
-            Motion::Turn(RotationAxis::Principal(0, sense)) => {
-                self.turned::<V>(&RotationAxis::Principal(0, sense), lookup, positions.len());
+            NominalMotion::Turn(RotationAxis::Principal(0, sense)) => {
+                self.rotate::<V>(&RotationAxis::Principal(0, sense), lookup, positions.len());
             }
-            Motion::Turn(RotationAxis::Principal(1, sense)) => {
-                self.turned::<V>(&RotationAxis::Principal(1, sense), lookup, positions.len());
+            NominalMotion::Turn(RotationAxis::Principal(1, sense)) => {
+                self.rotate::<V>(&RotationAxis::Principal(1, sense), lookup, positions.len());
             }
-            Motion::Turn(RotationAxis::Principal(_, sense)) => {
-                self.turned::<V>(&RotationAxis::Principal(2, sense), lookup, positions.len());
+            NominalMotion::Turn(RotationAxis::Principal(_, sense)) => {
+                self.rotate::<V>(&RotationAxis::Principal(2, sense), lookup, positions.len());
             }
-            Motion::Turn(RotationAxis::Oblique(direction)) => {
-                self.turned::<V>(&RotationAxis::Oblique(direction), lookup, positions.len());
+            NominalMotion::Turn(RotationAxis::Oblique(direction)) => {
+                self.rotate::<V>(&RotationAxis::Oblique(direction), lookup, positions.len());
             }
         }
         if let Some(shift) = &step.shift {
-            self.shifted::<V>(shift, positions.len());
+            self.shift_points::<V>(shift, positions.len());
         }
     }
 
@@ -205,7 +206,7 @@ impl WalkStates {
 
     /// Moves the point of reference.
     #[inline(always)]
-    fn shifted<V: Lanes>(&mut self, by: &[f64; 3], count: usize) {
+    fn shift_points<V: Lanes>(&mut self, by: &[f64; 3], count: usize) {
         for k in 0..3 {
             let mut i = 0;
             while by[k] != 0.0 && i < count {
@@ -229,20 +230,20 @@ impl WalkStates {
 
     /// Rotates about an axis through the point of reference.
     #[inline(always)]
-    fn turned<V: Lanes>(&mut self, about: &RotationAxis, lookup: &Lookup, count: usize) {
+    fn rotate<V: Lanes>(&mut self, about: &RotationAxis, lookup: &AxisLookup, count: usize) {
         let mut i = 0;
         while i < count {
             let turn = lookup.turn::<V>(i);
-            self.point.put(i, about.turned(turn, self.point.get(i)));
-            self.displacement.put(i, about.turned(turn, self.displacement.get(i)));
-            self.rotation.put(i, about.turned(turn, self.rotation.get(i)));
+            self.point.put(i, about.rotate(turn, self.point.get(i)));
+            self.displacement.put(i, about.rotate(turn, self.displacement.get(i)));
+            self.rotation.put(i, about.rotate(turn, self.rotation.get(i)));
             i += V::COUNT;
         }
     }
 
     /// Adds the errors of several axes: rows summed, then transposed once.
     #[inline(always)]
-    fn summed<V: Lanes>(&mut self, sum: &Sum, axes: &[Lookup], chunk: Chunk<'_>) {
+    fn add_sum<V: Lanes>(&mut self, sum: &Sum, axes: &[AxisLookup], chunk: Chunk<'_>) {
         let mut i = 0;
         while i < chunk.count {
             let mut rows = sum.first.1.rows::<V, CHUNK>(axes[sum.first.0].table_vector(i));
@@ -266,7 +267,7 @@ impl WalkStates {
     }
 
     #[inline(always)]
-    fn add_errors<V: Lanes>(&mut self, lookup: &Lookup, count: usize) {
+    fn add_errors<V: Lanes>(&mut self, lookup: &AxisLookup, count: usize) {
         let mut i = 0;
         while i < count {
             self.add::<V>(i, lookup.errors(i));

@@ -1,7 +1,7 @@
 //! Deviations in other frames: rotated by the nominal motions of the joints passed.
 
 use super::batch::{Batch, Output, Slices};
-use super::chain::{Motion, RotationAxis};
+use super::chain::{NominalMotion, RotationAxis};
 use super::lanes::run;
 use super::model::CompiledModel;
 use super::simd::{Kernel, Lanes};
@@ -39,7 +39,7 @@ impl FrameRotation<'_, '_> {
         for (axis, about) in self.joints {
             let (s, c) = sin_cos(V::load(&self.poses.axes[*axis][at..]));
             let back = (V::splat(0.0) - s, c);
-            (d, w) = (about.turned(back, d), about.turned(back, w));
+            (d, w) = (about.rotate(back, d), about.rotate(back, w));
         }
         for k in 0..3 {
             d[k].store(&mut self.out.position[k][at..]);
@@ -56,7 +56,9 @@ impl CompiledModel {
         let passed = |axis: usize| frame == Frame::Tool || self.machine.axes()[axis].branch == Branch::Workpiece;
         let turns = chain.joints.iter().enumerate().filter(|(axis, _)| passed(*axis));
         let joints: Vec<(usize, RotationAxis)> = turns
-            .filter_map(|(axis, link)| if let Motion::Turn(about) = link.motion { Some((axis, about)) } else { None })
+            .filter_map(
+                |(axis, link)| if let NominalMotion::Turn(about) = link.motion { Some((axis, about)) } else { None },
+            )
             .collect();
         let poses = Slices { axes: poses.axes(), added: &[], whole: poses.len() };
         run(self.width, FrameRotation { joints: &joints, poses, out });

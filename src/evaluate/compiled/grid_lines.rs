@@ -100,7 +100,7 @@ impl Inner {
                 numbers.push(column);
             }
         };
-        let displaced = |node: &Affine| node.displaced(tool, products);
+        let displaced = |node: &Affine| node.displacement_past(tool, products);
         padded(&mut inner.displacement, &|node| node.nominal.shift);
         match products {
             ErrorProducts::Dropped => {
@@ -147,7 +147,7 @@ impl Kernel for Lines<'_, '_> {
 }
 
 /// A line: displacement and rotation as constants plus sums of vectors times the numbers of the inner node.
-struct Line<const D: usize, const R: usize> {
+struct OuterLine<const D: usize, const R: usize> {
     displacement: [Vector3; D],
     shift: Vector3,
     rotation: [Vector3; R],
@@ -156,11 +156,11 @@ struct Line<const D: usize, const R: usize> {
 
 /// The form of the lines of an order. (A trait, for closures are compiled without the vector features.)
 trait LineForm<const D: usize, const R: usize> {
-    fn line(outer: &Affine) -> Line<D, R>;
+    fn line(outer: &Affine) -> OuterLine<D, R>;
 
     /// Returns the rotation vector of the sum.
     #[inline(always)]
-    fn finished<V: Lanes>(sum: [V; 3]) -> [V; 3] {
+    fn finish<V: Lanes>(sum: [V; 3]) -> [V; 3] {
         sum
     }
 }
@@ -174,10 +174,10 @@ struct ExactLine<const ARC: bool>;
 
 impl LineForm<6, 3> for FirstOrderLine {
     #[inline(always)]
-    fn line(outer: &Affine) -> Line<6, 3> {
+    fn line(outer: &Affine) -> OuterLine<6, 3> {
         let ([a, b, c], displaced) = (outer.nominal.columns, &outer.displacement[0]);
         let [g, h, i] = displaced.columns;
-        Line {
+        OuterLine {
             displacement: [g, h, i, a, b, c],
             shift: displaced.shift,
             rotation: [a, b, c],
@@ -188,13 +188,13 @@ impl LineForm<6, 3> for FirstOrderLine {
 
 impl LineForm<9, 6> for SecondOrderLine {
     #[inline(always)]
-    fn line(outer: &Affine) -> Line<9, 6> {
+    fn line(outer: &Affine) -> OuterLine<9, 6> {
         let ([a, b, c], [first, second]) = (outer.nominal.columns, &outer.displacement);
         let ([d, e, f], sum) = (first.columns, second.plus(first));
         let [g, h, i] = sum.columns;
         let [w, ww] = outer.rotation();
         let half = times(w, 0.5);
-        Line {
+        OuterLine {
             displacement: [g, h, i, a, b, c, d, e, f],
             shift: sum.shift,
             rotation: [a, b, c, cross(half, a), cross(half, b), cross(half, c)],
@@ -205,7 +205,7 @@ impl LineForm<9, 6> for SecondOrderLine {
 
 impl<const ARC: bool> LineForm<6, 9> for ExactLine<ARC> {
     #[inline(always)]
-    fn line(outer: &Affine) -> Line<6, 9> {
+    fn line(outer: &Affine) -> OuterLine<6, 9> {
         let displaced = &outer.displacement[0];
         let [g, h, i] = displaced.columns;
         let Linear { columns: [a, b, c], .. } = outer.nominal.plus(displaced);
@@ -222,11 +222,11 @@ impl<const ARC: bool> LineForm<6, 9> for ExactLine<ARC> {
             cross(r, b),
             cross(r, c),
         ];
-        Line { displacement: [g, h, i, a, b, c], shift: displaced.shift, rotation, turn: outer.rotation()[0] }
+        OuterLine { displacement: [g, h, i, a, b, c], shift: displaced.shift, rotation, turn: outer.rotation()[0] }
     }
 
     #[inline(always)]
-    fn finished<V: Lanes>(sum: [V; 3]) -> [V; 3] {
+    fn finish<V: Lanes>(sum: [V; 3]) -> [V; 3] {
         if !ARC {
             return sum;
         }
@@ -251,13 +251,13 @@ impl Lines<'_, '_> {
     }
 
     #[inline(always)]
-    fn one<V: Lanes, O: LineForm<D, R>, const D: usize, const R: usize>(&mut self, line: usize, of: &Line<D, R>) {
+    fn one<V: Lanes, O: LineForm<D, R>, const D: usize, const R: usize>(&mut self, line: usize, of: &OuterLine<D, R>) {
         let inner = &self.grid.inner;
         let mut i = 0;
         while i < inner.count {
             let d = sum::<V, D>(&of.displacement, &of.shift, &inner.displacement, i);
             let w = sum::<V, R>(&of.rotation, &of.turn, &inner.rotation, i);
-            write(&mut self.out, line * inner.count + i, d, O::finished(w));
+            write(&mut self.out, line * inner.count + i, d, O::finish(w));
             i += V::COUNT;
         }
     }

@@ -9,7 +9,7 @@ use super::simd::{Lanes, MAX_LANES, RowVector, TableRow};
 
 /// The method by which the interval of a position is found.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Intervals {
+pub enum KnotIntervals {
     /// Intervals of one length: intervals per mm or deg, the index of the last, and the length.
     Uniform { per_unit: f64, last: f64, width: f64 },
     /// One row per bucket: its knot (infinity if it has none); begin, inverse length and length of the interval in
@@ -56,7 +56,7 @@ const MAX_BUCKETS_PER_INTERVAL: usize = 4;
 /// Maximum number of buckets of a searched table.
 const MAX_SEARCH_BUCKETS: usize = 1 << 20;
 
-impl Intervals {
+impl KnotIntervals {
     /// Returns the cheapest method for these knots: at least two, in rising order.
     pub fn new(knots: &[f64]) -> Self {
         let count = knots.len() - 1;
@@ -183,7 +183,7 @@ mod tests {
     fn targets_of_iso_230_2_have_rows() {
         for count in [3, 21, 128, 4097] {
             let knots = jittered(count);
-            let Intervals::Bucketed { buckets, rows } = Intervals::new(&knots) else { panic!("{count}") };
+            let KnotIntervals::Bucketed { buckets, rows } = KnotIntervals::new(&knots) else { panic!("{count}") };
             assert!(rows.len() <= MAX_BUCKETS_PER_INTERVAL * count);
             agrees(&knots, |x| {
                 let point = find_by_bucket(&rows, &buckets.indices(x - knots[0]), x);
@@ -198,7 +198,9 @@ mod tests {
         let middle = knots[20];
         knots.extend((1..5).map(|k| middle + f64::from(k) * 1e-6));
         knots.sort_by(f64::total_cmp);
-        let Intervals::Searched { buckets, starts, knots } = Intervals::new(&knots) else { panic!("{knots:?}") };
+        let KnotIntervals::Searched { buckets, starts, knots } = KnotIntervals::new(&knots) else {
+            panic!("{knots:?}")
+        };
         agrees(&knots, |x| {
             let point = find_by_search(&starts, &knots, &buckets.indices(x - knots[0]), &[x; MAX_LANES], 1);
             (point.interval[0], point.fraction[0], point.width[0])
@@ -208,6 +210,6 @@ mod tests {
     #[test]
     fn equal_steps_are_counted() {
         let knots: Vec<f64> = (0..=77).map(|i| 3.0 + 0.1 * f64::from(i)).collect();
-        assert!(matches!(Intervals::new(&knots), Intervals::Uniform { .. }));
+        assert!(matches!(KnotIntervals::new(&knots), KnotIntervals::Uniform { .. }));
     }
 }

@@ -9,7 +9,7 @@
 //! stores would cost as much as they gain.
 
 use super::batch::Slices;
-use super::curves::{Curves, TablePositions, TableVector};
+use super::curves::{CompiledCurves, TablePositions, TableVector};
 use super::simd::Lanes;
 use super::trigonometry::{sin_cos, sines_cosines};
 
@@ -19,7 +19,7 @@ pub const CHUNK: usize = 32;
 /// Data of one axis at the poses of a chunk.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
-pub struct Lookup {
+pub struct AxisLookup {
     table: TablePositions<CHUNK>,
     sine: [f64; CHUNK],
     cosine: [f64; CHUNK],
@@ -52,10 +52,10 @@ pub struct LookupRequest<'a> {
     /// True if it reads the sine and cosine of the position.
     pub turns: bool,
     /// The error curves that it reads.
-    pub curves: Option<&'a Curves>,
+    pub curves: Option<&'a CompiledCurves>,
 }
 
-impl Lookup {
+impl AxisLookup {
     /// Data before any look-up.
     pub const NONE: Self =
         Self { table: TablePositions::NONE, sine: [0.0; CHUNK], cosine: [0.0; CHUNK], errors: [[0.0; CHUNK]; 6] };
@@ -83,7 +83,7 @@ impl Lookup {
 
     /// Computes the six errors of an axis whose positions in the table are known.
     #[inline(always)]
-    pub fn fill_errors<V: Lanes>(&mut self, curves: &Curves, axis: usize, chunk: Chunk<'_>) {
+    pub fn fill_errors<V: Lanes>(&mut self, curves: &CompiledCurves, axis: usize, chunk: Chunk<'_>) {
         let mut i = 0;
         while i < chunk.count {
             let (mut q, mut turn) =
@@ -153,7 +153,7 @@ impl Lookup {
 }
 
 /// Source of the data that a walk reads, axis by axis.
-pub trait Inputs<V: Lanes>: Copy {
+pub trait LaneInputs<V: Lanes>: Copy {
     /// Returns the position, mm or deg.
     fn position(self, axis: usize) -> V;
     /// Returns what the command adds to the position of the actual machine only; `None` without commands.
@@ -172,12 +172,12 @@ pub struct PoseInputs<'a> {
     /// Index of the first pose of the vector in the batch.
     pub at: usize,
     /// Data looked up, by axis.
-    pub axes: &'a [Lookup],
+    pub axes: &'a [AxisLookup],
     /// Index of the first pose within the chunk.
     pub i: usize,
 }
 
-impl<V: Lanes> Inputs<V> for PoseInputs<'_> {
+impl<V: Lanes> LaneInputs<V> for PoseInputs<'_> {
     #[inline(always)]
     fn position(self, axis: usize) -> V {
         V::load(&self.poses.axes[axis][self.at..])

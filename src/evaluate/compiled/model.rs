@@ -10,7 +10,7 @@ use super::second::SecondOrder;
 use super::width::Width;
 use crate::evaluate::deviation::{Deviation, Order, command_deviation, unturned_deviation};
 use crate::lower::NominalPose;
-use crate::machine::{Approach, Machine};
+use crate::machine::{Machine, OperatingConditions};
 
 /// Maximum number of axes of a kernel; longer chains go through the general algebra.
 pub const MAX_AXES: usize = 16;
@@ -24,13 +24,13 @@ const MIN_TASKS: usize = 64;
 /// Maximum number of [`BLOCK`]s of a task.
 const MAX_BLOCKS: usize = 8;
 
-/// A machine compiled for an order and a side of approach. Deviations are actual minus nominal (mm, rad), workpiece
+/// A machine compiled for an order and operating conditions. Deviations are actual minus nominal (mm, rad), workpiece
 /// frame.
 #[derive(Debug, Clone)]
 pub struct CompiledModel {
     pub(super) machine: Machine,
     order: Order,
-    approach: Approach,
+    conditions: OperatingConditions,
     pub(super) width: Width,
     /// `None` if the chain cannot be compiled.
     pub(super) chain: Option<CompiledChain>,
@@ -50,8 +50,9 @@ pub enum OrderKernel {
 impl CompiledModel {
     /// Compiles a machine, which is copied. A machine that cannot be compiled runs through the general algebra: this
     /// never fails.
-    pub fn new(machine: &Machine, order: Order, approach: Approach) -> Self {
-        let chain = CompiledChain::new(machine, approach).filter(|chain| chain.joints.len() <= MAX_AXES);
+    pub fn new(machine: &Machine, order: Order, conditions: impl Into<OperatingConditions>) -> Self {
+        let conditions = conditions.into();
+        let chain = CompiledChain::new(machine, conditions).filter(|chain| chain.joints.len() <= MAX_AXES);
         let kernel = chain.as_ref().and_then(|chain| match order {
             Order::Degree(0 | 1) => FirstOrder::new(chain).map(OrderKernel::First),
             Order::Degree(2) => SecondOrder::new(chain.clone()).map(OrderKernel::Second),
@@ -59,7 +60,7 @@ impl CompiledModel {
             Order::Exact => ExactModel::new(chain.clone()).map(|exact| OrderKernel::Exact(Box::new(exact))),
         });
         let kernel = kernel.unwrap_or(OrderKernel::General);
-        Self { machine: machine.clone(), order, approach, width: Width::widest(), chain, kernel }
+        Self { machine: machine.clone(), order, conditions, width: Width::widest(), chain, kernel }
     }
 
     /// Returns the model with vectors of this width; a width that the processor lacks runs as [`Width::Scalar`].
@@ -79,9 +80,9 @@ impl CompiledModel {
         self.order
     }
 
-    /// Returns the side of approach.
-    pub fn approach(&self) -> Approach {
-        self.approach
+    /// Returns the operating conditions.
+    pub fn conditions(&self) -> OperatingConditions {
+        self.conditions
     }
 
     /// True if poses run on vectors rather than one by one through the general algebra.
@@ -162,7 +163,11 @@ impl CompiledModel {
                 self.general(&pose)
             } else {
                 let command: Vec<f64> = pose.iter().zip(poses.added).map(|(q, column)| q + column[index]).collect();
-                command_deviation(&self.machine, &NominalPose::at(&self.machine, &pose).pose, &command, self.approach)
+                command_deviation(
+                    &self.machine,
+                    &NominalPose::at(&self.machine, &pose).pose,
+                    &self.conditions.at(&command),
+                )
             };
             out.put(index, &deviation);
         }
@@ -170,7 +175,7 @@ impl CompiledModel {
 
     /// Returns the deviation over the general algebra.
     fn general(&self, pose: &[f64]) -> Deviation {
-        unturned_deviation(&self.machine, pose, self.order, self.approach)
+        unturned_deviation(&self.machine, &self.conditions.at(pose), self.order)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::batch::{Output, Slices};
 use super::lanes::{prefetch, store_fence};
-use super::lookup::{CHUNK, Chunk, Lookup, PoseInputs};
+use super::lookup::{AxisLookup, CHUNK, Chunk, PoseInputs};
 use super::simd::{Kernel, Lanes};
 use super::vector::Vector;
 use std::ops::Range;
@@ -15,7 +15,7 @@ pub trait PoseKernel {
     const EMPTY: Self::Workspace;
 
     /// Looks up everything that a chunk of poses needs before the walk.
-    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], workspace: &mut Self::Workspace, chunk: Chunk<'_>);
+    fn lookup<V: Lanes>(&self, axes: &mut [AxisLookup], workspace: &mut Self::Workspace, chunk: Chunk<'_>);
 
     /// Returns the deviations at one vector of poses of the chunk.
     fn at<V: Lanes>(&self, workspace: &Self::Workspace, inputs: PoseInputs<'_>) -> LaneDeviation<V>;
@@ -64,7 +64,7 @@ pub struct Pass<'a, 'o, T> {
 
 /// Data of the current chunk.
 struct ChunkData<W> {
-    axes: Vec<Lookup>,
+    axes: Vec<AxisLookup>,
     workspace: W,
 }
 
@@ -82,7 +82,7 @@ enum MemoryAccess {
 impl<T: PoseKernel> Kernel for Pass<'_, '_, T> {
     #[inline(always)]
     fn run<V: Lanes>(mut self) {
-        let mut data = ChunkData { axes: vec![Lookup::NONE; self.poses.axes.len()], workspace: T::EMPTY };
+        let mut data = ChunkData { axes: vec![AxisLookup::NONE; self.poses.axes.len()], workspace: T::EMPTY };
         let count = self.out.len();
         let access = match self.poses.whole {
             0..=CACHE_POSES => MemoryAccess::InCache,

@@ -5,9 +5,9 @@
 //! E^-1 in place of E (`errors_are: body`) the signs and the squares change as in the series of the inverse.
 
 use super::affine::{Section, Sections};
-use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, Motion, RotationAxis, slid};
+use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, NominalMotion, RotationAxis, slid};
 use super::curves::splat_six;
-use super::lookup::{Chunk, Inputs, Lookup, PoseInputs};
+use super::lookup::{AxisLookup, Chunk, LaneInputs, PoseInputs};
 use super::pass::{LaneDeviation, PoseKernel};
 use super::simd::Lanes;
 use super::vector::{Vector, cross, minus, plus, plus_cross, plus_times, splat, times};
@@ -19,7 +19,7 @@ pub struct SecondOrder {
 }
 
 /// The quantities that the walk carries from the tool to the workpiece: first and second degree.
-struct State<V> {
+struct SecondOrderWalk<V> {
     point: Vector<V>,
     displacement: [Vector<V>; 2],
     rotation: [Vector<V>; 2],
@@ -27,7 +27,7 @@ struct State<V> {
     squares: [V; 2],
 }
 
-impl<V: Lanes> State<V> {
+impl<V: Lanes> SecondOrderWalk<V> {
     /// Returns the state at a point with its displacement, before any rotation.
     #[inline(always)]
     fn at(chain: &CompiledChain, point: Vector<V>, displacement: Vector<V>) -> Self {
@@ -81,17 +81,17 @@ impl<V: Lanes> State<V> {
         if let Some(location) = around {
             self.placed(location, true);
         }
-        self.point = about.turned_about(turn, origin, self.point);
+        self.point = about.rotate_about(turn, origin, self.point);
         let ([d, dd], [w, ww]) = (self.displacement, self.rotation);
-        self.displacement = [about.turned(turn, d), about.turned(turn, dd)];
-        self.rotation = [about.turned(turn, w), about.turned(turn, ww)];
+        self.displacement = [about.rotate(turn, d), about.rotate(turn, dd)];
+        self.rotation = [about.rotate(turn, w), about.rotate(turn, ww)];
         if let Some(location) = around {
             self.placed(location, false);
         }
     }
 
     #[inline(always)]
-    fn link<I: Inputs<V>>(&mut self, link: &CompiledJoint, axis: usize, inputs: I) {
+    fn link<I: LaneInputs<V>>(&mut self, link: &CompiledJoint, axis: usize, inputs: I) {
         let zero = V::splat(0.0);
         let q = inputs.position(axis);
         let turn = if link.turns { inputs.turn(axis) } else { (zero, zero) };
@@ -105,8 +105,8 @@ impl<V: Lanes> State<V> {
         }
         let around = if link.location_effect == LocationEffect::Around { location } else { None };
         match &link.motion {
-            Motion::Slide(direction) => self.slide(direction, around, q),
-            Motion::Turn(about) => self.turn(about, &link.origin, around, turn),
+            NominalMotion::Slide(direction) => self.slide(direction, around, q),
+            NominalMotion::Turn(about) => self.turn(about, &link.origin, around, turn),
         }
         if let (Some(six), true) = (errors, link.outside) {
             self.apply(six, link.inverse, &link.origin);
@@ -129,8 +129,8 @@ impl Sections for SecondOrder {
         &self.chain
     }
 
-    fn displaced(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
-        let mut state = State::at(&self.chain, point, [0.0; 3]);
+    fn displacement_past(&self, section: Section, point: [f64; 3]) -> ([[f64; 3]; 2], f64) {
+        let mut state = SecondOrderWalk::at(&self.chain, point, [0.0; 3]);
         match section {
             Section::Joint(axis, at) => state.link(&self.chain.joints[axis], axis, at),
             Section::Spindle => self.chain.spindle.iter().for_each(|spindle| state.placed(spindle, false)),
@@ -147,14 +147,14 @@ impl PoseKernel for SecondOrder {
     const EMPTY: () = ();
 
     #[inline(always)]
-    fn lookup<V: Lanes>(&self, axes: &mut [Lookup], _: &mut (), chunk: Chunk<'_>) {
+    fn lookup<V: Lanes>(&self, axes: &mut [AxisLookup], _: &mut (), chunk: Chunk<'_>) {
         self.chain.look_up::<V>(axes, chunk);
     }
 
     #[inline(always)]
     fn at<V: Lanes>(&self, _: &(), inputs: PoseInputs<'_>) -> LaneDeviation<V> {
         let chain = &self.chain;
-        let mut state = State::<V>::at(chain, splat(&chain.tip), splat(&chain.tool));
+        let mut state = SecondOrderWalk::<V>::at(chain, splat(&chain.tip), splat(&chain.tool));
         if let Some(spindle) = &chain.spindle {
             state.placed(spindle, false);
         }

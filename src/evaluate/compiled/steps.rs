@@ -8,14 +8,14 @@
 //! by component. The point of reference lies on the axis of the next rotary joint, which leaves it where it is; twists
 //! are taken about it.
 
-use super::chain::Motion;
-use super::curves::{Curves, Six};
+use super::chain::NominalMotion;
+use super::curves::{CompiledCurves, Six};
 use super::twist::{TwistJoint, twist};
 use super::vector::{cross, minus};
 
 /// A step of the walk; its parts act in the order of the fields.
 #[derive(Debug, Clone, Default)]
-pub struct Step {
+pub struct WalkStep {
     /// Nominal motion of the joint with this index.
     pub motion: Option<usize>,
     /// True if a step before has added errors.
@@ -25,7 +25,7 @@ pub struct Step {
     /// Errors of axes whose curves are linear tables.
     pub sum: Option<Sum>,
     /// Errors of an axis with other curves.
-    pub errors: Option<(usize, Curves)>,
+    pub errors: Option<(usize, CompiledCurves)>,
     /// A constant twist.
     pub constant: Option<Six>,
 }
@@ -34,16 +34,16 @@ pub struct Step {
 #[derive(Debug, Clone)]
 pub struct Sum {
     /// First axis of the sum.
-    pub first: (usize, Curves),
+    pub first: (usize, CompiledCurves),
     /// The other axes.
-    pub others: Vec<(usize, Curves)>,
+    pub others: Vec<(usize, CompiledCurves)>,
     /// Slide between some of them and the point of reference.
-    pub slide: Option<Slide>,
+    pub slide: Option<ReferenceSlide>,
 }
 
 /// A linear axis between the axes of a sum and the point of reference.
 #[derive(Debug, Clone, Copy)]
-pub struct Slide {
+pub struct ReferenceSlide {
     /// Index of the axis.
     pub axis: usize,
     /// Its direction: machine axis 0 to 2. The spare columns of a row belong to the other two, in rising order.
@@ -53,14 +53,14 @@ pub struct Slide {
 /// Returns the point of reference after the joints from `end` on: the origin of the next rotary joint, else of the last
 /// one passed.
 pub fn reference(joints: &[TwistJoint], end: usize) -> [f64; 3] {
-    let turn = |joint: &&TwistJoint| matches!(joint.motion, Motion::Turn(_));
+    let turn = |joint: &&TwistJoint| matches!(joint.motion, NominalMotion::Turn(_));
     let next = joints[..end].iter().rev().find(turn);
     next.or_else(|| joints.iter().find(turn)).map_or([0.0; 3], |joint| joint.origin)
 }
 
 /// Returns the steps past these joints, from the tool to the workpiece, beginning with a constant twist.
-pub fn steps(joints: &[TwistJoint], end: Option<Six>) -> Vec<Step> {
-    let mut builder = StepBuilder { joints, steps: vec![Step::default()], open: None };
+pub fn steps(joints: &[TwistJoint], end: Option<Six>) -> Vec<WalkStep> {
+    let mut builder = StepBuilder { joints, steps: vec![WalkStep::default()], open: None };
     builder.constant(end, joints.len());
     for (axis, joint) in joints.iter().enumerate().rev() {
         if !joint.outside {
@@ -87,16 +87,16 @@ fn about_point(six: &Six, point: [f64; 3]) -> Six {
 
 struct StepBuilder<'a> {
     joints: &'a [TwistJoint],
-    steps: Vec<Step>,
+    steps: Vec<WalkStep>,
     /// Index of the step with the latest sum, and the slides passed since; `None` if no axis can join it any more.
     open: Option<(usize, Vec<usize>)>,
 }
 
 impl StepBuilder<'_> {
     /// Returns the step under construction.
-    fn last(&mut self) -> &mut Step {
+    fn last(&mut self) -> &mut WalkStep {
         if self.steps.is_empty() {
-            self.steps.push(Step::default());
+            self.steps.push(WalkStep::default());
         }
         let last = self.steps.len() - 1;
         &mut self.steps[last]
@@ -104,15 +104,15 @@ impl StepBuilder<'_> {
 
     fn motion(&mut self, axis: usize) {
         let shift = match self.joints[axis].motion {
-            Motion::Turn(_) => minus(reference(self.joints, axis), self.joints[axis].origin),
-            Motion::Slide(_) => [0.0; 3],
+            NominalMotion::Turn(_) => minus(reference(self.joints, axis), self.joints[axis].origin),
+            NominalMotion::Slide(_) => [0.0; 3],
         };
         let shift = (shift != [0.0; 3]).then_some(shift);
-        self.steps.push(Step { motion: Some(axis), shift, ..Step::default() });
+        self.steps.push(WalkStep { motion: Some(axis), shift, ..WalkStep::default() });
         match (self.joints[axis].motion, &mut self.open) {
-            (Motion::Slide(_), Some((_, passed))) => passed.push(axis),
-            (Motion::Slide(_), None) => {}
-            (Motion::Turn(_), open) => *open = None,
+            (NominalMotion::Slide(_), Some((_, passed))) => passed.push(axis),
+            (NominalMotion::Slide(_), None) => {}
+            (NominalMotion::Turn(_), open) => *open = None,
         }
     }
 
@@ -126,10 +126,10 @@ impl StepBuilder<'_> {
     fn errors(&mut self, axis: usize, end: usize) {
         let Some(curves) = self.joints[axis].curves.clone() else { return };
         let about = reference(self.joints, end);
-        let curves = curves.mapped(|six| about_point(six, about));
+        let curves = curves.map_errors(|six| about_point(six, about));
         if !curves.is_linear_table() {
             if self.last().errors.is_some() {
-                self.steps.push(Step::default());
+                self.steps.push(WalkStep::default());
             }
             self.last().errors = Some((axis, curves));
             return;
@@ -142,7 +142,7 @@ impl StepBuilder<'_> {
             None => Sum { first: (axis, curves), others: Vec::new(), slide: None },
         };
         if self.last().sum.is_some() {
-            self.steps.push(Step::default());
+            self.steps.push(WalkStep::default());
         }
         self.last().sum = Some(sum);
         self.open = Some((self.steps.len() - 1, Vec::new()));
@@ -154,7 +154,7 @@ impl StepBuilder<'_> {
         let mut sum = self.steps[at].sum.clone()?;
         match (&passed[..], sum.slide) {
             ([], _) => {}
-            ([slide], None) => sum.passed(*slide, self.joints[*slide].motion)?,
+            ([slide], None) => sum.pass_slide(*slide, self.joints[*slide].motion)?,
             _ => return None,
         }
         self.steps[at].sum = None;
@@ -164,8 +164,8 @@ impl StepBuilder<'_> {
 
 impl Sum {
     /// Moves the sum past a slide; returns `None` if that is not along a machine axis.
-    fn passed(&mut self, axis: usize, motion: Motion) -> Option<()> {
-        let Motion::Slide(u) = motion else { return None };
+    fn pass_slide(&mut self, axis: usize, motion: NominalMotion) -> Option<()> {
+        let NominalMotion::Slide(u) = motion else { return None };
         let along = (0..3).find(|k| (0..3).all(|j| j == *k || u[j] == 0.0))?;
         for (_, curves) in std::iter::once(&mut self.first).chain(&mut self.others) {
             curves.set_auxiliary(|[.., a, b, c]| {
@@ -173,7 +173,7 @@ impl Sum {
                 [[y, z], [x, z], [x, y]][along]
             });
         }
-        self.slide = Some(Slide { axis, along });
+        self.slide = Some(ReferenceSlide { axis, along });
         Some(())
     }
 }

@@ -3,19 +3,19 @@
 //! The errors (delta, eps) about a point o displace r by `delta + eps x (r - o)`. That is a displacement of the
 //! machine's zero point and a rotation: constants are added up and curves of tables mapped, before any pose is known.
 
-use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, Motion};
-use super::curves::{Curves, Six};
+use super::chain::{CompiledChain, CompiledJoint, ErrorsAtPoint, LocationEffect, NominalMotion};
+use super::curves::{CompiledCurves, Six};
 use super::vector::cross;
 
 /// A joint of order 1: its nominal motion, and its errors as twists.
 #[derive(Debug, Clone)]
 pub struct TwistJoint {
     /// Nominal motion.
-    pub motion: Motion,
+    pub motion: NominalMotion,
     /// Point of a rotary axis.
     pub origin: [f64; 3],
     /// Twists `(delta - eps x o, eps)`; `None` if there are no errors.
-    pub curves: Option<Curves>,
+    pub curves: Option<CompiledCurves>,
     /// True if the errors act on the workpiece's side of the motion.
     pub outside: bool,
     /// True if the walk reads the sine and cosine of the position.
@@ -64,7 +64,7 @@ impl TwistChain {
         for link in &chain.joints {
             let [outer, inner] = constants(link);
             let sign = if link.inverse { -1.0 } else { 1.0 };
-            let mut curves = link.curves.clone().mapped(|six| twist(six, &link.origin, sign));
+            let mut curves = link.curves.clone().map_errors(|six| twist(six, &link.origin, sign));
             let mut before = add(pending, outer);
             pending = inner;
             if !curves.is_zero() {
@@ -93,8 +93,8 @@ impl TwistChain {
 fn constants(link: &CompiledJoint) -> [Option<Six>; 2] {
     let Some(location) = &link.location else { return [None, None] };
     match (link.location_effect, link.motion) {
-        (LocationEffect::Around, Motion::Slide(_)) => [None, None],
-        (LocationEffect::Around, Motion::Turn(_)) => {
+        (LocationEffect::Around, NominalMotion::Slide(_)) => [None, None],
+        (LocationEffect::Around, NominalMotion::Turn(_)) => {
             let outer = placed(location);
             [Some(outer), Some(outer.map(|e| -e))]
         }
@@ -106,7 +106,7 @@ fn constants(link: &CompiledJoint) -> [Option<Six>; 2] {
 /// Returns `eps x u`, by which the direction of a linear axis deviates.
 fn bend(link: &CompiledJoint) -> Option<[f64; 3]> {
     match (link.motion, &link.location) {
-        (Motion::Slide(u), Some(location)) if link.location_effect == LocationEffect::Around => {
+        (NominalMotion::Slide(u), Some(location)) if link.location_effect == LocationEffect::Around => {
             let [.., a, b, c] = location.six;
             Some(cross([a, b, c], u))
         }

@@ -10,7 +10,7 @@ use crate::units::{self, Dimension};
 
 /// A column: its content, and the factor of its numbers to mm, deg or rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Column {
+pub(super) struct MeasurementColumn {
     pub content: Content,
     pub factor: f64,
 }
@@ -48,7 +48,7 @@ pub(super) enum Content {
     /// Number of rows that this one counts for.
     Weight,
     /// Standard uncertainty of readings of this quantity.
-    Uncertainty(Quantity),
+    Uncertainty(ReadingQuantity),
     Run,
     Approach,
 }
@@ -73,7 +73,7 @@ pub(super) enum Fixture {
 
 /// Lengths, or angles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Quantity {
+pub(super) enum ReadingQuantity {
     Length,
     Angle,
 }
@@ -91,7 +91,7 @@ pub(super) enum RowForm {
 }
 
 impl Content {
-    /// The form of the rows that this content makes.
+    /// Returns the form of the rows that this content makes.
     fn form(self) -> Option<RowForm> {
         match self {
             Self::Deviation(_) => Some(RowForm::Deviation),
@@ -147,7 +147,7 @@ const TITLES: [(&str, TitleUnit, Content); 29] = [
     ("ball.u", TitleUnit::Length, Content::PlaceUncertainty(Fixture::Ball)),
     ("tool", TitleUnit::Missing, Content::Tool),
     ("weight", TitleUnit::Missing, Content::Weight),
-    ("u", TitleUnit::Reading, Content::Uncertainty(Quantity::Length)),
+    ("u", TitleUnit::Reading, Content::Uncertainty(ReadingQuantity::Length)),
     ("run", TitleUnit::Missing, Content::Run),
     ("approach", TitleUnit::Missing, Content::Approach),
 ];
@@ -157,8 +157,8 @@ pub(super) fn columns(
     machine: &Machine,
     header: &str,
     separator: char,
-) -> Result<(Vec<Column>, RowForm), HeaderFailure> {
-    let columns = listed(machine, header, separator)?;
+) -> Result<(Vec<MeasurementColumn>, RowForm), HeaderFailure> {
+    let columns = parse_columns(machine, header, separator)?;
     let contents: Vec<Content> = columns.iter().map(|column| column.content).collect();
     let mut forms = contents.iter().filter_map(|content| content.form());
     let form = forms.next().ok_or(HeaderFailure::NoReadings)?;
@@ -172,10 +172,14 @@ pub(super) fn columns(
 }
 
 /// Returns the columns of a table of poses, which may have empty columns for deviations.
-pub(super) fn pose_columns(machine: &Machine, header: &str, separator: char) -> Result<Vec<Column>, HeaderFailure> {
-    let columns = listed(machine, header, separator)?;
-    let is_axis = |column: &Column| matches!(column.content, Content::Axis(_));
-    let is_reading = |column: &Column| {
+pub(super) fn pose_columns(
+    machine: &Machine,
+    header: &str,
+    separator: char,
+) -> Result<Vec<MeasurementColumn>, HeaderFailure> {
+    let columns = parse_columns(machine, header, separator)?;
+    let is_axis = |column: &MeasurementColumn| matches!(column.content, Content::Axis(_));
+    let is_reading = |column: &MeasurementColumn| {
         column.content.form().is_some_and(|form| form != RowForm::Deviation && form != RowForm::Relative)
     };
     match (columns.iter().any(is_reading), columns.iter().any(is_axis)) {
@@ -186,8 +190,8 @@ pub(super) fn pose_columns(machine: &Machine, header: &str, separator: char) -> 
 }
 
 /// Returns the columns of a header, no content twice.
-fn listed(machine: &Machine, header: &str, separator: char) -> Result<Vec<Column>, HeaderFailure> {
-    let mut columns: Vec<Column> = Vec::new();
+fn parse_columns(machine: &Machine, header: &str, separator: char) -> Result<Vec<MeasurementColumn>, HeaderFailure> {
+    let mut columns: Vec<MeasurementColumn> = Vec::new();
     let mut cells = sheet::cells(header, separator);
     sheet::drop_empty(&mut cells, 0);
     for cell in cells {
@@ -200,7 +204,7 @@ fn listed(machine: &Machine, header: &str, separator: char) -> Result<Vec<Column
     Ok(columns)
 }
 
-/// A component error is nothing without the position of its own axis.
+/// Returns a component error is nothing without the position of its own axis.
 fn check_positions(machine: &Machine, contents: &[Content]) -> Result<(), HeaderFailure> {
     for content in contents {
         let Content::Error(Source { place: ErrorSite::Component(axis), .. }, _) = *content else { continue };
@@ -211,12 +215,12 @@ fn check_positions(machine: &Machine, contents: &[Content]) -> Result<(), Header
     Ok(())
 }
 
-/// A weight or uncertainties, and then of every quantity that is read.
+/// Returns a weight or uncertainties, and then of every quantity that is read.
 fn check_weights(contents: &[Content], form: RowForm) -> Result<(), HeaderFailure> {
     let angle = |c: &Content| matches!(c, Content::Error(source, _) if source.direction.is_rotation());
     let length = |c: &Content| form != RowForm::Error || (matches!(c, Content::Error(..)) && !angle(c));
     let given = |quantity| contents.contains(&Content::Uncertainty(quantity));
-    let given = (given(Quantity::Length), given(Quantity::Angle));
+    let given = (given(ReadingQuantity::Length), given(ReadingQuantity::Angle));
     if given == (false, false) {
         return Ok(());
     }
@@ -227,7 +231,7 @@ fn check_weights(contents: &[Content], form: RowForm) -> Result<(), HeaderFailur
     if given == (lengths, angles) { Ok(()) } else { Err(HeaderFailure::NoUncertainty(lengths, angles)) }
 }
 
-/// Columns that make sense with rows of one form only.
+/// Refuses columns that belong to rows of another form.
 fn check_ends(contents: &[Content], form: RowForm) -> Result<(), HeaderFailure> {
     let any = |fits: fn(&Content) -> bool| contents.iter().any(fits);
     let station = any(|c| matches!(c, Content::Station | Content::StationAt(_)));
@@ -259,33 +263,33 @@ fn check_ends(contents: &[Content], form: RowForm) -> Result<(), HeaderFailure> 
     Ok(())
 }
 
-fn column(machine: &Machine, cell: &str) -> Result<Column, HeaderFailure> {
+fn column(machine: &Machine, cell: &str) -> Result<MeasurementColumn, HeaderFailure> {
     // An axis may be called as it likes.
     let (name, unit) = if machine.axis_index(cell).is_some() { (cell.to_owned(), None) } else { sheet::title(cell) };
     let (name, unit) = (name.as_str(), unit.as_deref());
     let position = |axis| unit.map_or(Ok(1.0), |unit| position_factor(machine, axis, unit));
     if let Some(axis) = machine.axis_index(name) {
-        return Ok(Column { content: Content::Axis(axis), factor: position(axis)? });
+        return Ok(MeasurementColumn { content: Content::Axis(axis), factor: position(axis)? });
     }
     if let Some(axis) = name.strip_prefix("to.").and_then(|name| machine.axis_index(name)) {
-        return Ok(Column { content: Content::To(axis), factor: position(axis)? });
+        return Ok(MeasurementColumn { content: Content::To(axis), factor: position(axis)? });
     }
     let Some((_, title_unit, content)) = TITLES.iter().find(|(title, ..)| *title == name) else {
         return error(machine, name, unit);
     };
     match (title_unit, unit.map(units::unit)) {
-        (TitleUnit::Missing, _) => Ok(Column { content: *content, factor: 1.0 }),
+        (TitleUnit::Missing, _) => Ok(MeasurementColumn { content: *content, factor: 1.0 }),
         (TitleUnit::Reading, Some(Ok((factor, Dimension::ANGLE)))) => {
-            Ok(Column { content: Content::Uncertainty(Quantity::Angle), factor })
+            Ok(MeasurementColumn { content: Content::Uncertainty(ReadingQuantity::Angle), factor })
         }
         (TitleUnit::Length | TitleUnit::Reading, _) => {
-            Ok(Column { content: *content, factor: length_factor(name, unit)? })
+            Ok(MeasurementColumn { content: *content, factor: length_factor(name, unit)? })
         }
     }
 }
 
-/// `EXX [um]`, `EXX+ [um]`, `EXX reverse [um]`.
-fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<Column, HeaderFailure> {
+/// Reads the title of a component error: `EXX [um]`, `EXX+ [um]`, `EXX reverse [um]`.
+fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<MeasurementColumn, HeaderFailure> {
     let (bare, approach) = split_direction(name);
     let found = parse_error_name(bare).filter(|error| !error.is_location());
     let axis = found.as_ref().and_then(|error| machine.axis_index(error.axis.as_str()));
@@ -300,7 +304,7 @@ fn error(machine: &Machine, name: &str, unit: Option<&str>) -> Result<Column, He
     match units::unit(unit) {
         Ok((factor, dimension)) if fits(dimension) => {
             let source = Source { place: ErrorSite::Component(axis), direction: error.direction };
-            Ok(Column { content: Content::Error(source, approach), factor })
+            Ok(MeasurementColumn { content: Content::Error(source, approach), factor })
         }
         _ => Err(HeaderFailure::NotUnitOf(unit.to_owned(), error.to_string())),
     }

@@ -17,7 +17,7 @@ pub(super) fn parse_component_error(text: &str) -> Option<ErrorId> {
     parse_error_name(text).or_else(|| vdi_error(text)).filter(|error| !error.is_location())
 }
 
-/// `xtx` is EXX, `xrz` is ECX: axis, translation or rotation, direction.
+/// Returns the error with a name of VDI 2617, axis, translation or rotation, direction: `xtx` is EXX, `xrz` is ECX.
 fn vdi_error(text: &str) -> Option<ErrorId> {
     let [axis @ (b'x' | b'y' | b'z'), kind, direction @ (b'x' | b'y' | b'z')] = *text.as_bytes() else { return None };
     let directions = match kind {

@@ -25,10 +25,10 @@ pub struct Measurement {
     pub approach: Approach,
     /// The reading.
     pub reading: Reading,
-    /// Counts as so many rows.
+    /// Number of rows that it counts for.
     pub weight: f64,
-    /// True if that is 1/u^2 (um) of a standard uncertainty: readings of unlike quantities can then be compared by it.
-    pub known: bool,
+    /// True if the weight is 1/u^2 of a standard uncertainty u (um): unlike quantities are then weighed by it.
+    pub has_uncertainty: bool,
     /// Its run, if runs were named.
     pub run: Option<String>,
     /// Place in the file.
@@ -113,12 +113,12 @@ pub enum ReadingKind {
 }
 
 impl ReadingKind {
-    /// The unit in which people read it, and how many of it a mm of [`Reading`] is.
+    /// Returns the unit in which people read it, and how many of it a mm of [`Reading`] is.
     pub fn unit(self) -> (&'static str, f64) {
         if self == Self::Angle { ("urad", 1e6 / lever(Direction::A)) } else { ("um", 1e3) }
     }
 
-    /// `deviations`, `relative deviations` ...
+    /// Returns its name in reports: `deviations`, `relative deviations` ...
     pub fn word(self) -> &'static str {
         match self {
             Self::Deviation => "deviations",
@@ -133,12 +133,12 @@ impl ReadingKind {
 }
 
 impl Measurement {
-    /// A reading of weight 1, with the first tool, from no side in particular.
+    /// Returns a reading of weight 1, with the first tool, from no side in particular.
     pub fn new(pose: Pose, reading: Reading, place: Place) -> Self {
-        Self { pose, tool: 0, approach: Approach::Mean, reading, weight: 1.0, known: false, run: None, place }
+        Self { pose, tool: 0, approach: Approach::Mean, reading, weight: 1.0, has_uncertainty: false, run: None, place }
     }
 
-    /// The pose, and the other one of a distance between two.
+    /// Returns the pose, and the other one of a distance between two.
     pub fn poses(&self) -> impl Iterator<Item = &Pose> {
         let other = match &self.reading {
             Reading::Distance { from: DistanceEnd::Pose(to), .. } => Some(to),
@@ -147,8 +147,8 @@ impl Measurement {
         std::iter::once(&self.pose).chain(other)
     }
 
-    /// Those of the (up to three) numbers of a residual that were read.
-    pub fn seen(&self) -> [bool; 3] {
+    /// Returns which of the (up to three) numbers of a residual were read.
+    pub fn reading_mask(&self) -> [bool; 3] {
         match &self.reading {
             Reading::Deviation { values, .. } => values.map(|value| value.is_some()),
             Reading::Position { .. } => [true; 3],
@@ -156,7 +156,7 @@ impl Measurement {
         }
     }
 
-    /// The numbers read; 0 where nothing was.
+    /// Returns the numbers read; 0 for the others.
     pub fn values(&self) -> Vector3<f64> {
         match &self.reading {
             Reading::Deviation { values, .. } => Vector3::from(values.map(|value| value.unwrap_or(0.0))),
@@ -167,12 +167,12 @@ impl Measurement {
         }
     }
 
-    /// Number of numbers read.
+    /// Returns the number of numbers read.
     pub fn readings(&self) -> usize {
-        self.seen().into_iter().filter(|seen| *seen).count()
+        self.reading_mask().into_iter().filter(|seen| *seen).count()
     }
 
-    /// Kind of the row.
+    /// Returns the kind of the row.
     pub fn kind(&self) -> ReadingKind {
         match &self.reading {
             Reading::Deviation { zero: [None, None, None], .. } => ReadingKind::Deviation,
@@ -209,6 +209,13 @@ pub struct MeasurementSet {
     pub rows: Vec<Measurement>,
     /// Quantities that are fitted beside the machine, and are no error of it.
     pub nuisances: Vec<InstrumentUnknown>,
+}
+
+/// Numbers of rows and unknowns.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SetExtent {
+    rows: usize,
+    nuisances: usize,
 }
 
 impl MeasurementSet {
@@ -248,14 +255,14 @@ impl MeasurementSet {
         first
     }
 
-    /// Sizes of the lists, to go back to.
-    pub(crate) fn extent(&self) -> (usize, usize) {
-        (self.rows.len(), self.nuisances.len())
+    /// Returns the lengths of the lists.
+    pub(crate) fn extent(&self) -> SetExtent {
+        SetExtent { rows: self.rows.len(), nuisances: self.nuisances.len() }
     }
 
-    /// Back to what there was.
-    pub(crate) fn truncate(&mut self, (rows, nuisances): (usize, usize)) {
-        self.rows.truncate(rows);
-        self.nuisances.truncate(nuisances);
+    /// Cuts the lists to former lengths.
+    pub(crate) fn truncate(&mut self, extent: SetExtent) {
+        self.rows.truncate(extent.rows);
+        self.nuisances.truncate(extent.nuisances);
     }
 }

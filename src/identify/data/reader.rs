@@ -1,12 +1,14 @@
 //! From a file of measurements to rows: cells to numbers, then what needs the other rows of a run.
 
-use super::columns::{Column, Content, LengthKind, Quantity, RowForm, columns, pose_columns};
+use super::columns::{Content, LengthKind, MeasurementColumn, ReadingQuantity, RowForm, columns, pose_columns};
 use super::failure::RowFailure;
-use super::measurement::{DistanceEnd, Measurement, MeasurementSet, Reading, lever};
+use super::measurement::{DistanceEnd, Measurement, MeasurementSet, Reading, SetExtent, lever};
 use super::station::{self, StationFailure};
 use super::tracker::{self, InstrumentFrame, PointColumns, PointFailure, TrackedPoint};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use crate::evaluate::Frame;
+use crate::identify::lists::index_of;
+use crate::identify::thresholds::{MIN_LENGTH_MM, MIN_WEIGHT};
 use crate::lower::{NominalPose, Source};
 use crate::machine::{Approach, Direction, Machine, Pose};
 use crate::syntax::Files;
@@ -16,14 +18,9 @@ use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 
 /// Mistakes after which the rest of a file is of the same kind.
-const MISTAKES: usize = 5;
-/// Least weight; the greatest is its inverse.
-const MIN_WEIGHT: f64 = 1e-15;
+const MAX_MISTAKES: usize = 5;
 /// Maximum number of names that a warning lists.
-const LISTED: usize = 5;
-/// Least distance (mm) that has a direction.
-const MIN_LENGTH_MM: f64 = 1.0;
-
+const MAX_LISTED: usize = 5;
 /// One row before its run is known as a whole.
 #[derive(Debug, Clone)]
 struct Draft {
@@ -47,18 +44,18 @@ struct Draft {
 
 impl Draft {
     /// Takes a standard uncertainty (mm or rad) for the weight.
-    fn uncertain(&mut self, quantity: Quantity, value: f64, cell: &str) -> Result<(), RowFailure> {
-        let angle = quantity == Quantity::Angle;
+    fn uncertain(&mut self, quantity: ReadingQuantity, value: f64, cell: &str) -> Result<(), RowFailure> {
+        let angle = quantity == ReadingQuantity::Angle;
         let um = value * 1e3 * if angle { lever(Direction::A) } else { 1.0 };
         let weight = weight(1.0 / (um * um), cell)?;
-        self.row.known = true;
+        self.row.has_uncertainty = true;
         *(if angle { self.angles.get_or_insert(weight) } else { &mut self.row.weight }) = weight;
         Ok(())
     }
 }
 
 /// Reads files of measurements of one machine, and collects rows and unknowns.
-struct Reader<'a> {
+struct MeasurementReader<'a> {
     machine: &'a Machine,
     machines: Vec<Machine>,
     frame: Frame,
@@ -98,7 +95,7 @@ pub fn read_measurements(
 ) -> MeasurementSet {
     let with = |name: &str| machine.with_tool(name).unwrap_or_else(|| machine.clone());
     let machines = machine.tools().iter().map(|tool| with(&tool.name)).collect();
-    let mut reader = Reader {
+    let mut reader = MeasurementReader {
         machine,
         machines,
         frame: context.frame,
@@ -119,7 +116,7 @@ pub fn read_measurements(
     }
     if reader.poses.is_some() && !reader.has_points && !diagnostics.refused() {
         let message = "no file of measurements has points by name, whose poses are given".to_owned();
-        diagnostics.push(Diagnostic::new(codes::E0501, message).help(POINTS));
+        diagnostics.push(points_refusal(message, None));
     }
     reader.data
 }
@@ -152,7 +149,11 @@ fn refusal(code: codes::Code, message: String, place: Option<Place>) -> Diagnost
     Diagnostic::new(code, message).at(place, "").help(help)
 }
 
-impl Reader<'_> {
+fn points_refusal(message: String, place: Option<Place>) -> Diagnostic {
+    Diagnostic::new(codes::E0501, message).at(place, "").help(POINTS)
+}
+
+impl MeasurementReader<'_> {
     fn read(&mut self, path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) {
         let Some(sheet) = read_sheet(path, files, diagnostics) else { return };
         let mut lines = sheet.each_line().peekable();
@@ -184,7 +185,7 @@ impl Reader<'_> {
     }
 
     /// Takes the rows of a file, all or none.
-    fn add(&mut self, before: (usize, usize), drafts: Option<Vec<Draft>>, diagnostics: &mut Diagnostics) {
+    fn add(&mut self, before: SetExtent, drafts: Option<Vec<Draft>>, diagnostics: &mut Diagnostics) {
         let added =
             drafts.is_some_and(|drafts| self.rows(drafts).map_err(|refused| diagnostics.push(*refused)).is_ok());
         if !added {
@@ -202,13 +203,10 @@ impl Reader<'_> {
             return None;
         };
         let separator = sheet::separator(&header.text);
-        let mut refuse = |message: String, place: &Place| {
-            diagnostics.push(Diagnostic::new(codes::E0501, message).at(Some(place.clone()), "").help(POINTS));
-        };
         let columns = match pose_columns(self.machine, &header.text, separator) {
             Ok(columns) => columns,
             Err(failure) => {
-                refuse(failure.to_string(), &header.place);
+                diagnostics.push(points_refusal(failure.to_string(), Some(header.place.clone())));
                 return None;
             }
         };
@@ -216,10 +214,7 @@ impl Reader<'_> {
         let has_names = columns.iter().any(|column| column.content == Content::Point);
         let mut names = std::collections::BTreeSet::new();
         for draft in &drafts {
-            let mut refuse = |message: String| {
-                let place = Some(draft.row.place.clone());
-                diagnostics.push(Diagnostic::new(codes::E0501, message).at(place, "").help(POINTS));
-            };
+            let mut refuse = |message: String| diagnostics.push(points_refusal(message, Some(draft.row.place.clone())));
             if draft.row.readings() > 0 || !draft.errors.is_empty() {
                 refuse("a table of poses has no readings".to_owned());
                 return None;
@@ -235,9 +230,7 @@ impl Reader<'_> {
     /// Takes the points of a tracker.
     fn read_points(&mut self, columns: &PointColumns, lines: &[SheetLine], diagnostics: &mut Diagnostics) {
         let first = lines.first().map(|line| line.place.clone());
-        let mut refuse = |message: String, place: Option<Place>| {
-            diagnostics.push(Diagnostic::new(codes::E0501, message).at(place, "").help(POINTS));
-        };
+        let mut refuse = |message: String, place: Option<Place>| diagnostics.push(points_refusal(message, place));
         let Some(poses) = &self.poses else {
             return refuse("these are points by name, without the poses at which they were measured".to_owned(), first);
         };
@@ -265,7 +258,7 @@ impl Reader<'_> {
     /// those that wait for the others of their run; `None` after a mistake.
     fn body(
         &mut self,
-        columns: &[Column],
+        columns: &[MeasurementColumn],
         lines: impl Iterator<Item = SheetLine>,
         separator: char,
         diagnostics: &mut Diagnostics,
@@ -276,7 +269,7 @@ impl Reader<'_> {
                 Ok(draft) if self.form == RowForm::Deviation => self.data.rows.push(draft.row),
                 Ok(draft) if self.form == RowForm::Error => self.errors(draft),
                 Ok(draft) => drafts.push(draft),
-                Err(failure) if mistakes < MISTAKES => {
+                Err(failure) if mistakes < MAX_MISTAKES => {
                     mistakes += 1;
                     let refusal = Diagnostic::new(codes::E0501, failure.to_string());
                     diagnostics.push(refusal.at(Some(line.place.clone()), "").help(ROWS));
@@ -310,7 +303,7 @@ impl Reader<'_> {
 
     fn draft(
         &self,
-        columns: &[Column],
+        columns: &[MeasurementColumn],
         line: &SheetLine,
         separator: char,
         decimals: &mut Decimals,
@@ -328,7 +321,7 @@ impl Reader<'_> {
         let mut draft = self.blank(line.place.clone());
         let mut to: Vec<(usize, f64)> = Vec::new();
         let mut values = [None; 3];
-        for (cell, Column { content, factor }) in cells.iter().zip(columns) {
+        for (cell, MeasurementColumn { content, factor }) in cells.iter().zip(columns) {
             let mut scaled = || Ok(number(cell)? * factor);
             match *content {
                 Content::Axis(axis) => draft.row.pose[axis] = scaled()?,
@@ -377,7 +370,7 @@ impl Reader<'_> {
         if nothing { Err(RowFailure::NoReading) } else { Ok(draft) }
     }
 
-    /// The nominal functional point of a row, from the workpiece origin.
+    /// Returns the nominal functional point of a row, from the workpiece origin.
     fn nominal(&self, row: &Measurement, pose: &[f64]) -> Vector3<f64> {
         NominalPose::in_part(&self.machines[row.tool], pose).pose.translation
     }
@@ -405,11 +398,11 @@ impl Reader<'_> {
         }
     }
 
-    /// Readings less the first of their run: what was subtracted is unknown, and common to the run.
+    /// Adds readings relative to the first of their run, whose deviation is an unknown of the run.
     fn relative(&mut self, drafts: Vec<Draft>) {
         for (run, drafts) in runs(drafts, |_| String::new()) {
             let name = format!("{}first{}", self.file, run);
-            let read = std::array::from_fn(|k| drafts.iter().any(|draft| draft.row.seen()[k]));
+            let read = std::array::from_fn(|k| drafts.iter().any(|draft| draft.row.reading_mask()[k]));
             let first = self.data.unknown_components(&name, read);
             for mut draft in drafts {
                 if let Reading::Deviation { zero, .. } = &mut draft.row.reading {
@@ -420,7 +413,8 @@ impl Reader<'_> {
         }
     }
 
-    /// A ball on the workpiece that the functional point was brought to: the actual point is the same in all poses.
+    /// Adds readings of a ball on the workpiece that the functional point was brought to: the actual point is the same
+    /// in all poses of a run.
     fn balls(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
         for (run, drafts) in runs(drafts, |draft| draft.ball.clone()) {
             let zero = self.data.unknown_components(&format!("{}ball{run}", self.file), [true; 3]);
@@ -444,14 +438,14 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Places in the frame of an instrument: where that is and how it is turned are six unknowns of the run.
+    /// Adds positions in the frame of an instrument, whose displacement and rotation are six unknowns of the run.
     fn positions(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
         for (run, drafts) in runs(drafts, |_| String::new()) {
             let nominal: Vec<Vector3<f64>> = drafts.iter().map(|d| self.nominal(&d.row, &d.row.pose)).collect();
             let read = |draft: &Draft| Vector3::from(draft.tracker.map(Option::unwrap_or_default));
             let measured: Vec<Vector3<f64>> = drafts.iter().map(read).collect();
             let name = format!("{}tracker{run}", self.file);
-            let fitted = InstrumentFrame::fitted(&nominal, &measured).map_err(|failure| {
+            let fitted = InstrumentFrame::fit(&nominal, &measured).map_err(|failure| {
                 let place = drafts.first().map(|draft| draft.row.place.clone());
                 let message = format!("{name}: {failure}");
                 Box::new(Diagnostic::new(codes::E0501, message).at(place, "").help(failure.help()))
@@ -466,7 +460,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The line of a run goes from its first pose to the one farthest from it.
+    /// Returns the line of a run goes from its first pose to the one farthest from it.
     fn lines(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
         for (run, drafts) in runs(drafts, |_| String::new()) {
             let points: Vec<Vector3<f64>> = drafts.iter().map(|d| self.nominal(&d.row, &d.row.pose)).collect();
@@ -488,7 +482,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Distances between two poses of the functional point.
+    /// Adds distances between two poses of the functional point.
     fn pairs(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
         for (run, drafts) in runs(drafts, |_| String::new()) {
             let mut lengths = Vec::new();
@@ -506,7 +500,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Distances from stations whose places are unknown.
+    /// Adds distances from stations, whose coordinates are unknowns.
     fn stations(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
         let mut groups: Vec<(String, Vec<Draft>)> = Vec::new();
         for draft in drafts {
@@ -539,7 +533,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Approximate place of a station: as the file gives it, or by its own distances.
+    /// Returns the approximate place of a station: from the file, or by its own distances.
     fn place(&self, drafts: &[Draft]) -> Result<Vector3<f64>, StationFailure> {
         let Some(first) = drafts.first() else { return Ok(Vector3::zeros()) };
         if let [Some(x), Some(y), Some(z)] = first.at {
@@ -551,10 +545,7 @@ impl Reader<'_> {
         let mut names: Vec<Option<&String>> = Vec::new();
         let rows = drafts.iter().map(|draft| {
             let run = draft.row.run.as_ref();
-            let index = names.iter().position(|known| *known == run).unwrap_or_else(|| {
-                names.push(run);
-                names.len() - 1
-            });
+            let index = index_of(&mut names, run);
             let (length, value) = draft.length.unwrap_or((LengthKind::Whole, 0.0));
             let point = self.nominal(&draft.row, &draft.row.pose);
             station::Sight { point, value, run: (length == LengthKind::Displacement).then_some(index) }
@@ -563,7 +554,7 @@ impl Reader<'_> {
         station::place(&rows)
     }
 
-    /// The unknown constant of displacements.
+    /// Returns the unknown constant of displacements.
     fn constant(&mut self, run: &str, drafts: &[Draft], nominal: &[f64]) -> Option<usize> {
         let first = drafts.first().and_then(|draft| draft.length)?;
         if first.0 != LengthKind::Displacement {
@@ -588,7 +579,7 @@ impl PointPoses {
             if self.drafts.len() != points.len() {
                 return Err(PointFailure::Count(points.len(), self.drafts.len()));
             }
-            let rows = self.drafts.iter().zip(points).map(|(draft, point)| draft.measured(point));
+            let rows = self.drafts.iter().zip(points).map(|(draft, point)| draft.with_point(point));
             return Ok((rows.collect(), Vec::new()));
         }
         let by_name: std::collections::BTreeMap<&str, &Draft> =
@@ -596,7 +587,7 @@ impl PointPoses {
         let (mut rows, mut unknown): (Vec<Draft>, Vec<String>) = (Vec::new(), Vec::new());
         for point in points {
             match by_name.get(point.name.as_str()) {
-                Some(draft) => rows.push(draft.measured(point)),
+                Some(draft) => rows.push(draft.with_point(point)),
                 None => unknown.push(point.name),
             }
         }
@@ -605,8 +596,8 @@ impl PointPoses {
 }
 
 impl Draft {
-    /// The row of a point that was measured at this pose.
-    fn measured(&self, point: TrackedPoint) -> Self {
+    /// Returns the row of a point that was measured at this pose.
+    fn with_point(&self, point: TrackedPoint) -> Self {
         let mut draft = self.clone();
         draft.tracker = <[f64; 3]>::from(point.at).map(Some);
         draft.row.place = point.place;
@@ -614,16 +605,15 @@ impl Draft {
     }
 }
 
-/// A warning of columns or points that are not used.
+/// Returns a warning of columns or points that are not used.
 fn left_out(names: &[String], what: &str, code: codes::Code, place: &Option<Place>) -> Option<Diagnostic> {
-    let list: Vec<String> = names.iter().take(LISTED).map(|name| format!("`{}`", shown(name))).collect();
-    let more = if names.len() > LISTED { " ..." } else { "" };
+    let list: Vec<String> = names.iter().take(MAX_LISTED).map(|name| format!("`{}`", shown(name))).collect();
+    let more = if names.len() > MAX_LISTED { " ..." } else { "" };
     let message = format!("{} left out: {}{more}", counted(names.len(), what), list.join(", "));
     (!names.is_empty()).then(|| Diagnostic::new(code, message).at(place.clone(), "").help(POINTS))
 }
 
-/// Rows of each run (and of what else tells them apart), in the order of their first rows; the name is empty or
-/// begins with a blank.
+/// Groups rows by run (and by `also`), in the order of their first rows; the name is empty or begins with a blank.
 fn runs(drafts: Vec<Draft>, also: impl Fn(&Draft) -> String) -> Vec<(String, Vec<Draft>)> {
     let mut groups: indexmap::IndexMap<String, Vec<Draft>> = indexmap::IndexMap::new();
     for draft in drafts {

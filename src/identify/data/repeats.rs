@@ -1,16 +1,8 @@
 //! Poses that were measured more than once: how well they repeat, and whether they contradict each other.
 
 use super::measurement::{Measurement, Reading, ReadingKind};
+use crate::identify::thresholds::*;
 use std::collections::BTreeMap;
-
-/// A difference beyond so many standard deviations of what the other repeats differ by is a contradiction.
-const APART: f64 = 6.0;
-/// Other repeats that it takes to say so.
-const OTHERS: usize = 10;
-/// A correlation of first and last readings below this is one of opposite signs.
-const OPPOSED: f64 = -0.8;
-/// Repeated poses that it takes to say so.
-const PAIRS: usize = 6;
 
 /// Repeatability of readings of one kind.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,35 +12,41 @@ pub struct Repeats {
     /// Standard deviation of a reading of weight 1 (mm).
     pub sigma: f64,
     /// Degrees of freedom that it rests on.
-    pub freedom: usize,
+    pub degrees_of_freedom: usize,
     /// The two rows of one pose whose readings differ most, and by how much (mm).
     pub worst: (usize, usize, f64),
-    /// True if that is far beyond the differences of the others.
+    /// True if the others differ far less.
     pub contradict: bool,
     /// True if first and last readings are each other's negative.
     pub opposed: bool,
 }
 
-/// A reading: its row, its value (mm) and the root of its weight.
-type One = (usize, f64, f64);
+/// One reading of a group.
+#[derive(Debug, Clone, Copy, Default)]
+struct RepeatReading {
+    row: usize,
+    /// mm.
+    value: f64,
+    root_weight: f64,
+}
 
-/// Pose, tool and side of a row; -0 and 0 are the same position.
+/// Returns pose, tool and side of a row as bits; -0 and 0 are the same position.
 fn key(m: &Measurement) -> impl Iterator<Item = u64> {
     m.pose.iter().map(|q| (q + 0.0).to_bits()).chain([m.tool as u64, m.approach as u64])
 }
 
-/// Readings of one component (absolute, or of one run) in one pose, from one side, with one tool. There may be millions
-/// of rows: they are sorted, and a pose that was measured once takes no memory.
-fn groups(data: &[Measurement], kind: ReadingKind) -> Vec<Vec<One>> {
+/// Groups readings of one component (absolute, or of one run) in one pose, from one side, with one tool. There may be
+/// millions of rows: they are sorted, and a pose that was measured once takes no memory.
+fn groups(data: &[Measurement], kind: ReadingKind) -> Vec<Vec<RepeatReading>> {
     let mut rows: Vec<usize> = (0..data.len()).filter(|row| data[*row].kind() == kind).collect();
     rows.sort_by(|a, b| key(&data[*a]).cmp(key(&data[*b])));
     let poses = rows.chunk_by(|a, b| key(&data[*a]).eq(key(&data[*b])));
     poses.filter(|rows| rows.len() > 1).flat_map(|rows| of_pose(data, rows)).filter(|group| group.len() > 1).collect()
 }
 
-/// The readings of rows in one pose.
-fn of_pose(data: &[Measurement], rows: &[usize]) -> impl Iterator<Item = Vec<One>> {
-    let mut groups: BTreeMap<(usize, Option<usize>), Vec<One>> = BTreeMap::new();
+/// Returns the readings of rows in one pose.
+fn of_pose(data: &[Measurement], rows: &[usize]) -> impl Iterator<Item = Vec<RepeatReading>> {
+    let mut groups: BTreeMap<(usize, Option<usize>), Vec<RepeatReading>> = BTreeMap::new();
     for (row, m) in rows.iter().map(|row| (*row, &data[*row])) {
         let (values, zero) = match &m.reading {
             Reading::Deviation { values, zero, .. } => (*values, *zero),
@@ -56,29 +54,29 @@ fn of_pose(data: &[Measurement], rows: &[usize]) -> impl Iterator<Item = Vec<One
             _ => continue,
         };
         for k in 0..3 {
-            let one = values[k].map(|value| (row, value, libm::sqrt(m.weight)));
+            let one = values[k].map(|value| RepeatReading { row, value, root_weight: libm::sqrt(m.weight) });
             one.into_iter().for_each(|one| groups.entry((k, zero[k])).or_default().push(one));
         }
     }
     groups.into_values()
 }
 
-/// Weighted sum of squares about the mean (mm^2).
-fn squares(group: &[One]) -> f64 {
-    let weight: f64 = group.iter().map(|(_, _, w)| w * w).sum();
-    let mean = group.iter().map(|(_, value, w)| value * w * w).sum::<f64>() / weight;
-    group.iter().map(|(_, value, w)| (value - mean) * (value - mean) * w * w).sum()
+/// Returns the weighted sum of squares about the mean (mm^2).
+fn squares(group: &[RepeatReading]) -> f64 {
+    let weight: f64 = group.iter().map(|r| r.root_weight * r.root_weight).sum();
+    let mean = group.iter().map(|r| r.value * r.root_weight * r.root_weight).sum::<f64>() / weight;
+    group.iter().map(|r| (r.value - mean) * (r.value - mean) * r.root_weight * r.root_weight).sum()
 }
 
-/// The least and the greatest of a group, and how far they are apart in standard deviations of weight 1.
-fn apart(group: &[One]) -> (One, One, f64) {
-    let by_value = |a: &&One, b: &&One| a.1.total_cmp(&b.1);
+/// Returns the least and the greatest of a group, and their difference in standard deviations of weight 1.
+fn range_of(group: &[RepeatReading]) -> (RepeatReading, RepeatReading, f64) {
+    let by_value = |a: &&RepeatReading, b: &&RepeatReading| a.value.total_cmp(&b.value);
     let least = group.iter().min_by(by_value).copied().unwrap_or_default();
     let most = group.iter().max_by(by_value).copied().unwrap_or_default();
-    (least, most, (most.1 - least.1) / libm::hypot(1.0 / least.2, 1.0 / most.2))
+    (least, most, (most.value - least.value) / libm::hypot(1.0 / least.root_weight, 1.0 / most.root_weight))
 }
 
-/// Repeatability at poses that were measured more than once, deviations and relative ones each for themselves.
+/// Returns the repeatability at poses that were measured more than once, by kind of reading.
 pub fn repeats(data: &[Measurement]) -> Vec<Repeats> {
     [ReadingKind::Deviation, ReadingKind::Relative, ReadingKind::Position]
         .into_iter()
@@ -88,36 +86,35 @@ pub fn repeats(data: &[Measurement]) -> Vec<Repeats> {
 
 fn repeats_of(data: &[Measurement], of: ReadingKind) -> Option<Repeats> {
     let groups = groups(data, of);
-    let (mut sum, mut freedom) = (0.0, 0);
+    let (mut sum, mut degrees_of_freedom) = (0.0, 0);
     for group in &groups {
         sum += squares(group);
-        freedom += group.len() - 1;
+        degrees_of_freedom += group.len() - 1;
     }
     let farther = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 { b } else { a };
-    let sizes = groups.iter().map(|group| apart(group).2).enumerate();
+    let sizes = groups.iter().map(|group| range_of(group).2).enumerate();
     let (widest, size) = sizes.reduce(farther)?;
-    let (least, most, _) = apart(&groups[widest]);
-    let left = freedom + 1 - groups[widest].len();
-    let others = libm::sqrt((sum - squares(&groups[widest])).max(0.0) / left.max(1) as f64);
-    let rows = (least.0.min(most.0), least.0.max(most.0));
+    let (least, most, _) = range_of(&groups[widest]);
+    let others_freedom = degrees_of_freedom + 1 - groups[widest].len();
+    let others = libm::sqrt((sum - squares(&groups[widest])).max(0.0) / others_freedom.max(1) as f64);
     Some(Repeats {
         of,
-        sigma: libm::sqrt(sum / freedom as f64),
-        freedom,
-        worst: (rows.0, rows.1, most.1 - least.1),
-        contradict: left >= OTHERS && others > 0.0 && size > APART * others,
-        opposed: opposed(&groups),
+        sigma: libm::sqrt(sum / degrees_of_freedom as f64),
+        degrees_of_freedom,
+        worst: (least.row.min(most.row), least.row.max(most.row), most.value - least.value),
+        contradict: others_freedom >= MIN_OTHER_REPEATS && others > 0.0 && size > CONTRADICTION_DEVIATIONS * others,
+        opposed: have_opposite_signs(&groups),
     })
 }
 
 /// True if first and last readings of the groups are each other's negative, as those of files with unlike signs are.
-fn opposed(groups: &[Vec<One>]) -> bool {
-    let ends = groups.iter().filter_map(|group| Some((group.first()?.1, group.last()?.1)));
+fn have_opposite_signs(groups: &[Vec<RepeatReading>]) -> bool {
+    let ends = groups.iter().filter_map(|group| Some((group.first()?.value, group.last()?.value)));
     let (mut product, mut first, mut last) = (0.0, 0.0, 0.0);
     for (a, b) in ends {
         product += a * b;
         first += a * a;
         last += b * b;
     }
-    groups.len() >= PAIRS && product < OPPOSED * libm::sqrt(first * last)
+    groups.len() >= MIN_REPEATED_POSES && product < OPPOSITE_SIGN_CORRELATION * libm::sqrt(first * last)
 }

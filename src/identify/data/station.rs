@@ -4,11 +4,9 @@
 //! it possible, so that they are refused here.
 
 use crate::algebra::linear::Triangle;
+use crate::identify::thresholds::{COPLANAR_SHARE, STATION_RANK_TOLERANCE};
 use nalgebra::{DVector, Vector3};
 use std::fmt;
-
-/// Least singular value, of columns of unit length, that tells a direction.
-const FLAT: f64 = 1e-3;
 
 /// A distance and the nominal point it was measured to.
 #[derive(Debug, Clone, Copy)]
@@ -70,21 +68,21 @@ pub fn place(sights: &[Sight]) -> Result<Vector3<f64>, StationFailure> {
     let scale = reduced.column_norms();
     let svd = reduced.scaled(&scale);
     // A constant beside readings that hardly vary is a column like another: the threshold is not for those.
-    if svd.rank(FLAT * 1e-3) < unknowns || flat(sights, &centre) {
+    if svd.rank(STATION_RANK_TOLERANCE) < unknowns || flat(sights, &centre) {
         return Err(StationFailure::Flat);
     }
     let scaled: DVector<f64> = svd.solve(&reduced.right, unknowns);
     Ok(centre + Vector3::from_fn(|k, _| scaled[k] / scale[k]))
 }
 
-/// Do the points lie in a plane?
+/// True if the points lie in a plane.
 fn flat(sights: &[Sight], centre: &Vector3<f64>) -> bool {
     let mut triangle = Triangle::new(3);
     for sight in sights {
         let p = sight.point - centre;
         triangle.push(p.iter().copied(), 0.0);
     }
-    triangle.finish().scaled(&DVector::from_element(3, 1.0)).rank(FLAT) < 3
+    triangle.finish().scaled(&DVector::from_element(3, 1.0)).rank(COPLANAR_SHARE) < 3
 }
 
 #[cfg(test)]

@@ -4,36 +4,17 @@
 use super::failure::RowFailure;
 use crate::algebra::linear::Svd;
 use crate::diagnostic::{Place, shown};
+use crate::identify::thresholds::{COLLINEAR_SHARE, MAX_FRAME_MISFIT_SHARE};
 use crate::syntax::sheet::{self, Decimals, SheetLine};
 use crate::units::{self, Dimension, FARTHEST, significant};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use std::fmt;
 
 /// Number of lines before the header that may be metadata.
-const PREAMBLE: usize = 40;
-/// Second singular value of points, as a share of the first, below which they are on a line.
-const LINE: f64 = 1e-6;
-/// Largest difference between the sizes of measured and nominal points, and largest misfit, as a share of the size.
-const MISFIT: f64 = 0.05;
-
-/// Titles of the names of points, in lower case.
-const NAMES: [&str; 15] = [
-    "point",
-    "name",
-    "point name",
-    "pointname",
-    "point id",
-    "pointid",
-    "point no",
-    "id",
-    "label",
-    "target",
-    "punkt",
-    "punktname",
-    "punkt-nr",
-    "punktnr",
-    "messpunkt",
-];
+const MAX_PREAMBLE_LINES: usize = 40;
+/// Titles of the names of points, in lower case, with a stroke between.
+const NAMES: &str = "point|name|point name|pointname|point id|pointid|point no|id|label|target|punkt|punktname|\
+                     punkt-nr|punktnr|messpunkt";
 /// Titles of groups of points.
 const GROUPS: [&str; 5] = ["group", "collection", "job", "gruppe", "sammlung"];
 /// Words beside the letter of a coordinate.
@@ -67,8 +48,9 @@ pub(super) struct TrackedPoint {
 
 /// Returns the columns of an export of points; `None` if it is none.
 pub(super) fn recognise(lines: &[SheetLine]) -> Option<PointColumns> {
-    let header = lines.iter().take(PREAMBLE).enumerate().find_map(|(index, line)| titled(index, &line.text));
-    header.or_else(|| bare(&lines.first()?.text))
+    let header =
+        lines.iter().take(MAX_PREAMBLE_LINES).enumerate().find_map(|(index, line)| columns_by_title(index, &line.text));
+    header.or_else(|| columns_without_header(&lines.first()?.text))
 }
 
 /// True if a title is the coordinate of a letter: `x`, `x [mm]`, `X-Koordinate`, `measured x`.
@@ -81,13 +63,13 @@ fn is_coordinate(title: &str, letter: &str) -> bool {
     }
 }
 
-fn titled(index: usize, line: &str) -> Option<PointColumns> {
+fn columns_by_title(index: usize, line: &str) -> Option<PointColumns> {
     let separator = sheet::separator(line);
     let mut cells = sheet::cells(line, separator);
     sheet::drop_empty(&mut cells, 0);
     let titles: Vec<(String, Option<String>)> = cells.iter().map(|cell| sheet::title(cell)).collect();
     let lower: Vec<String> = titles.iter().map(|(name, _)| name.to_lowercase()).collect();
-    let name = lower.iter().position(|title| NAMES.contains(&title.as_str()))?;
+    let name = lower.iter().position(|title| NAMES.split('|').any(|name| name == title))?;
     let coordinate = |letter: &str| {
         let mut found = (0..lower.len()).filter(|k| is_coordinate(&lower[*k], letter));
         found.next().filter(|_| found.next().is_none())
@@ -106,8 +88,8 @@ fn titled(index: usize, line: &str) -> Option<PointColumns> {
     Some(PointColumns { name, groups, coordinates, factors: [x?, y?, z?], width, first, separator, left_out })
 }
 
-/// A file without a header: groups and a name, then three numbers.
-fn bare(line: &str) -> Option<PointColumns> {
+/// Returns a file without a header: groups and a name, then three numbers.
+fn columns_without_header(line: &str) -> Option<PointColumns> {
     let separator = sheet::separator(line);
     let mut cells = sheet::cells(line, separator);
     sheet::drop_empty(&mut cells, 0);
@@ -139,7 +121,7 @@ pub(super) enum PointFailure {
 }
 
 impl PointFailure {
-    /// The row, if it is one of a row.
+    /// Returns the row, if it is one of a row.
     pub fn place(&self) -> Option<Place> {
         match self {
             Self::Row(place, _) | Self::Groups(place, ..) => Some(place.clone()),
@@ -208,7 +190,7 @@ pub(super) enum FrameFailure {
 
 impl InstrumentFrame {
     /// Fits a rigid motion (Kabsch 1976).
-    pub fn fitted(nominal: &[Vector3<f64>], measured: &[Vector3<f64>]) -> Result<Self, FrameFailure> {
+    pub fn fit(nominal: &[Vector3<f64>], measured: &[Vector3<f64>]) -> Result<Self, FrameFailure> {
         let count = nominal.len().max(1) as f64;
         let mean = |points: &[Vector3<f64>]| points.iter().sum::<Vector3<f64>>() / count;
         let (about, origin) = (mean(nominal), mean(measured));
@@ -216,11 +198,11 @@ impl InstrumentFrame {
             libm::sqrt(points.iter().map(|p| (p - from).norm_squared()).sum::<f64>() / count)
         };
         let spread = DMatrix::from_fn(nominal.len(), 3, |i, k| (nominal[i] - about)[k]);
-        if Svd::new(&spread).rank(LINE) < 2 {
+        if Svd::new(&spread).rank(COLLINEAR_SHARE) < 2 {
             return Err(FrameFailure::Line);
         }
         let (wanted, found) = (size(nominal, &about), size(measured, &origin));
-        if (found / wanted - 1.0).abs() > MISFIT {
+        if (found / wanted - 1.0).abs() > MAX_FRAME_MISFIT_SHARE {
             return Err(FrameFailure::Size(found / wanted));
         }
         let products = nominal.iter().zip(measured).map(|(p, m)| (p - about) * (m - origin).transpose());
@@ -234,7 +216,7 @@ impl InstrumentFrame {
         let frame = Self { rotation: directions(&svd.v) * directions(&svd.u).transpose(), about, origin };
         let squares = nominal.iter().zip(measured).map(|(p, m)| (frame.in_workpiece(m) - p).norm_squared());
         let rest = libm::sqrt(squares.sum::<f64>() / count);
-        if rest > MISFIT * wanted { Err(FrameFailure::Misfit(rest)) } else { Ok(frame) }
+        if rest > MAX_FRAME_MISFIT_SHARE * wanted { Err(FrameFailure::Misfit(rest)) } else { Ok(frame) }
     }
 
     /// Returns a measured point in the workpiece frame.
@@ -260,7 +242,7 @@ impl fmt::Display for FrameFailure {
 }
 
 impl FrameFailure {
-    /// What may be done.
+    /// Returns the remedy.
     pub fn help(self) -> &'static str {
         match self {
             Self::Line => "measure points in a plane or in space, all of one set-up in one file",
@@ -326,14 +308,14 @@ mod tests {
         // The quarter turn about (1, 1, 1) / sqrt 3 by 120 deg: x to y to z.
         let measured: Vec<Vector3<f64>> =
             nominal.iter().map(|p| Vector3::new(p.z + 5000.0, p.x - 20.0, p.y + 7.0)).collect();
-        let frame = InstrumentFrame::fitted(&nominal, &measured).unwrap();
+        let frame = InstrumentFrame::fit(&nominal, &measured).unwrap();
         for (p, m) in nominal.iter().zip(&measured) {
             assert!((frame.in_workpiece(m) - p).norm() < 1e-9);
         }
         let metres: Vec<Vector3<f64>> = measured.iter().map(|m| m * 1e-3).collect();
-        assert!(matches!(InstrumentFrame::fitted(&nominal, &metres), Err(FrameFailure::Size(_))));
-        assert_eq!(InstrumentFrame::fitted(&nominal[..2], &measured[..2]), Err(FrameFailure::Line));
+        assert!(matches!(InstrumentFrame::fit(&nominal, &metres), Err(FrameFailure::Size(_))));
+        assert_eq!(InstrumentFrame::fit(&nominal[..2], &measured[..2]), Err(FrameFailure::Line));
         let swapped = [measured[1], measured[0], measured[2], measured[3]];
-        assert!(matches!(InstrumentFrame::fitted(&nominal, &swapped), Err(FrameFailure::Misfit(_))));
+        assert!(matches!(InstrumentFrame::fit(&nominal, &swapped), Err(FrameFailure::Misfit(_))));
     }
 }

@@ -1,6 +1,6 @@
 //! Error curves as parameters: a basis of functions of the axis position, one parameter each.
 
-use super::parameter::{Basis, Parameter, source};
+use super::parameter::{BasisFunction, Parameter, source};
 use super::refusal::{Refusal, refusal};
 use crate::diagnostic::shown;
 use crate::machine::{
@@ -14,14 +14,14 @@ use nalgebra::{DMatrix, DVector};
 pub(super) const MAX_POWER: u8 = 20;
 
 /// An error and the direction of approach its curve is for.
-struct ErrorCurve<'a> {
+struct CurveRequest<'a> {
     machine: &'a Machine,
     error: &'a ErrorId,
     axis: usize,
     approach: Approach,
 }
 
-/// The parameters of a component error in a form such as `poly3`; none: the usual one of the axis.
+/// Returns the parameters of a component error in a form such as `poly3`; none: the usual one of the axis.
 pub(crate) fn parameters(
     machine: &Machine,
     error: &ErrorId,
@@ -30,7 +30,7 @@ pub(crate) fn parameters(
     approach: Approach,
 ) -> Result<Vec<Parameter>, Refusal> {
     let axis = machine.axis_index(error.axis.as_str()).unwrap_or_default();
-    let of = ErrorCurve { machine, error, axis, approach };
+    let of = CurveRequest { machine, error, axis, approach };
     let usual = if machine.axes()[axis].kind == AxisKind::Linear { "poly3" } else { "fourier2" };
     let form = form.unwrap_or(usual);
     let (form, degree) = match form.split_once('/') {
@@ -48,7 +48,7 @@ pub(crate) fn parameters(
         ("fourier", Some(order)) => of.fourier(order),
         ("spline", Some(count)) => of.at_knots(&of.even(usize::from(count.max(2)))?, true),
         ("bspline", Some(count)) => of.bspline(&of.even(usize::from(count.max(2)))?, degree),
-        ("blocks", Some(count)) => of.at_knots(&of.even(usize::from(count) + usize::from(!of.turns()))?, false),
+        ("blocks", Some(count)) => of.at_knots(&of.even(usize::from(count) + usize::from(!of.is_continuous()))?, false),
         ("spline" | "blocks" | "bspline", None) if cut == form.len() => match knots {
             Some(knots) if family == "bspline" => of.bspline(&of.given_knots(knots)?, degree),
             Some(knots) => of.at_knots(&of.given_knots(knots)?, family == "spline"),
@@ -67,7 +67,7 @@ pub(crate) fn parameters(
     }
 }
 
-/// A bare, finite number.
+/// Returns a bare, finite number.
 pub(crate) fn plain(scalar: &Scalar) -> Option<f64> {
     match scalar {
         Scalar::Number(value) => value.is_finite().then_some(*value),
@@ -75,13 +75,13 @@ pub(crate) fn plain(scalar: &Scalar) -> Option<f64> {
     }
 }
 
-impl ErrorCurve<'_> {
-    fn turns(&self) -> bool {
+impl CurveRequest<'_> {
+    fn is_continuous(&self) -> bool {
         self.machine.axes()[self.axis].travel == Travel::Continuous
     }
 
-    /// The curve that the file gives, if it gives one for this direction.
-    fn given(&self) -> Option<&Curve> {
+    /// Returns the curve that the file gives, if it gives one for this direction.
+    fn file_curve(&self) -> Option<&Curve> {
         self.machine.errors().find(|(known, _)| known == self.error).and_then(|(_, term)| match (term, self.approach) {
             (ErrorTerm::Component(ComponentError::Single(curve)), _) => Some(curve),
             (ErrorTerm::Component(ComponentError::Bidirectional { forward, .. }), Approach::Forward) => Some(forward),
@@ -90,7 +90,7 @@ impl ErrorCurve<'_> {
         })
     }
 
-    fn parameter(&self, label: &str, basis: Basis, start: f64) -> Parameter {
+    fn parameter(&self, label: &str, basis: BasisFunction, start: f64) -> Parameter {
         let sign = match self.approach {
             Approach::Mean => "",
             Approach::Forward => "+",
@@ -108,12 +108,12 @@ impl ErrorCurve<'_> {
             let message = format!("`{}`: a polynomial on an axis without ends is not periodic", self.error);
             return Err(refusal(message, help));
         }
-        let known = match self.given() {
+        let known = match self.file_curve() {
             Some(Curve::Polynomial(known)) => known.clone(),
             _ => Vec::new(),
         };
         let start = |k: u8| known.get(usize::from(k)).copied().unwrap_or(0.0);
-        Ok((0..=order).map(|k| self.parameter(&format!("x^{k}"), Basis::Power(k), start(k))).collect())
+        Ok((0..=order).map(|k| self.parameter(&format!("x^{k}"), BasisFunction::Power(k), start(k))).collect())
     }
 
     fn fourier(&self, order: u8) -> Result<Vec<Parameter>, Refusal> {
@@ -121,28 +121,28 @@ impl ErrorCurve<'_> {
             let message = format!("`{}`: harmonics are of one turn, axis `{}` is linear", self.error, self.error.axis);
             return Err(refusal(message, "use poly, spline or blocks"));
         }
-        let known = match self.given() {
+        let known = match self.file_curve() {
             Some(Curve::Harmonics(known)) => known.clone(),
             _ => Vec::new(),
         };
         let at = |k: u8| known.get(usize::from(k)).copied().unwrap_or_default();
         let one = |k: u8| {
-            let cosine = self.parameter(&format!("cos{k}"), Basis::Cosine(k), at(k).0);
-            let sine = self.parameter(&format!("sin{k}"), Basis::Sine(k), at(k).1);
+            let cosine = self.parameter(&format!("cos{k}"), BasisFunction::Cosine(k), at(k).0);
+            let sine = self.parameter(&format!("sin{k}"), BasisFunction::Sine(k), at(k).1);
             if k == 0 { vec![cosine] } else { vec![cosine, sine] }
         };
         Ok((0..=order).flat_map(one).collect())
     }
 
-    /// Even knots over the travel, both ends among them; over a turn, as many to the turn and its end.
+    /// Returns even knots over the travel, both ends among them; over a turn, `count` knots and the end of the turn.
     fn even(&self, count: usize) -> Result<Vec<f64>, Refusal> {
         let (min, max) = self.machine.axes()[self.axis].travel.interval();
-        let intervals = if self.turns() { count } else { count - 1 };
+        let intervals = if self.is_continuous() { count } else { count - 1 };
         let position = |i: usize| if i == intervals { max } else { min + (max - min) * i as f64 / intervals as f64 };
         Ok((0..=intervals).map(position).collect())
     }
 
-    /// Knots as the file gives them, and the ends of the travel.
+    /// Returns the knots of the file, with the ends of the travel.
     fn given_knots(&self, list: &[Scalar]) -> Result<Vec<f64>, Refusal> {
         let axis = &self.machine.axes()[self.axis];
         let (min, max) = axis.travel.interval();
@@ -170,10 +170,10 @@ impl ErrorCurve<'_> {
         Ok(knots)
     }
 
-    /// One parameter for the value at each knot: a natural (or periodic) cubic spline, or straight lines, through
+    /// Returns a parameter for the value at each knot: a natural (or periodic) cubic spline, or straight lines, through
     /// them. On an axis without ends the last knot is the first again.
     fn at_knots(&self, knots: &[f64], smooth: bool) -> Result<Vec<Parameter>, Refusal> {
-        let turn = self.turns();
+        let turn = self.is_continuous();
         let count = knots.len() - usize::from(turn);
         let one = |k: usize| {
             let value = |i: usize| f64::from(u8::from(i == k || (turn && k == 0 && i == count)));
@@ -183,15 +183,15 @@ impl ErrorCurve<'_> {
             let knots_of = Knots::new(&points, turn.then_some(360.0)).map_err(failed)?;
             let curve = if smooth { Curve::cubic(knots_of) } else { Curve::Linear(knots_of) };
             let label = format!("{}{}", units::significant(knots[k], 6), self.machine.axes()[self.axis].unit());
-            let start = self.given().map_or(0.0, |known| known.value(knots[k]));
-            Ok(self.parameter(&label, Basis::Spline(curve), start))
+            let start = self.file_curve().map_or(0.0, |known| known.value(knots[k]));
+            Ok(self.parameter(&label, BasisFunction::Spline(curve), start))
         };
         (0..count).map(one).collect()
     }
 
-    /// One parameter for each coefficient of a B-spline, named after where its function is centred.
+    /// Returns a parameter for each coefficient of a B-spline, named after the centre of its function.
     fn bspline(&self, knots: &[f64], degree: u8) -> Result<Vec<Parameter>, Refusal> {
-        let (period, degree) = (self.turns().then_some(360.0), usize::from(degree));
+        let (period, degree) = (self.is_continuous().then_some(360.0), usize::from(degree));
         let zeros = vec![0.0; BSpline::count(degree, knots.len(), period.is_some())];
         let failed = |failure| match failure {
             BSplineFailure::Degree => (format!("`{}`: a B-spline of this degree", self.error), "degrees are 1 to 3"),
@@ -205,7 +205,7 @@ impl ErrorCurve<'_> {
         let count = sites.len();
         let function = |k: usize| blank.with_coefficients((0..count).map(|i| f64::from(u8::from(i == k))));
         let functions: Vec<BSpline> = (0..count).map(function).collect();
-        let start = self.given().and_then(|known| {
+        let start = self.file_curve().and_then(|known| {
             let values = DVector::from_fn(count, |i, _| known.value(sites[i]));
             DMatrix::from_fn(count, count, |i, k| functions[k].value(sites[i])).lu().solve(&values)
         });
@@ -213,7 +213,7 @@ impl ErrorCurve<'_> {
         let one = |(k, function): (usize, BSpline)| {
             let label = format!("b@{}{unit}", units::significant(sites[k], 6));
             let start = start.as_ref().map_or(0.0, |start| start[k]);
-            self.parameter(&label, Basis::Spline(Curve::BSpline(Box::new(function))), start)
+            self.parameter(&label, BasisFunction::Spline(Curve::BSpline(Box::new(function))), start)
         };
         Ok(functions.into_iter().enumerate().map(one).collect())
     }

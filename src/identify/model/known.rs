@@ -1,7 +1,7 @@
 //! Values that are known before the data, each with a standard uncertainty: `ball b1 50 um`, `EC0Y 5 urad`,
 //! `constant S = 150 mm 1 um`.
 
-use super::parameter::{Basis, Parameter, source};
+use super::parameter::{BasisFunction, Parameter, source};
 use super::refusal::Refusal;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::Machine;
@@ -9,7 +9,7 @@ use crate::units::{self, Dimension, Quantity};
 
 /// An unknown whose value is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Known {
+pub struct PriorValue {
     /// Index among the unknowns.
     pub unknown: usize,
     /// Value (mm, rad, degrees of position).
@@ -23,7 +23,7 @@ const FILE: &str = "file";
 /// Coordinates of a point.
 const COORDINATES: [&str; 3] = [".x", ".y", ".z"];
 /// Coverage factor of the uncertainties of machine files.
-const COVERAGE: f64 = 2.0;
+const FILE_COVERAGE_FACTOR: f64 = 2.0;
 
 const HELP: &str = "write a name of the report and a standard uncertainty: `ball b1 50 um` (all three coordinates), \
                     `station S.x 0.1 mm`, `EC0Y 5 urad`, `constant S = 150 mm 1 um`; or `file` for the \
@@ -34,23 +34,23 @@ fn refusal(message: String, help: impl Into<String>) -> Refusal {
 }
 
 /// Reads a prior in words. Values are known about where the unknowns start, unless the words say another one.
-pub fn known(words: &str, machine: &Machine, unknowns: &[Parameter]) -> Result<Vec<Known>, Refusal> {
+pub fn parse_prior(words: &str, machine: &Machine, unknowns: &[Parameter]) -> Result<Vec<PriorValue>, Refusal> {
     if words.trim() == FILE {
-        return Ok(of_file(machine, unknowns));
+        return Ok(priors_of_file(machine, unknowns));
     }
     let said = shown(words);
     let unreadable = || refusal(format!("the prior `{said}` has no uncertainty that can be read"), HELP);
     let (name, value, sigma) = match words.split_once('=') {
         Some((name, rest)) => {
-            let (value, sigma) = pair(rest).ok_or_else(unreadable)?;
+            let (value, sigma) = value_and_sigma(rest).ok_or_else(unreadable)?;
             (name.trim().to_owned(), Some(value), sigma)
         }
         None => {
-            let (name, sigma) = last(words).ok_or_else(unreadable)?;
+            let (name, sigma) = name_and_sigma(words).ok_or_else(unreadable)?;
             (name, None, sigma)
         }
     };
-    let found = named(&name, unknowns);
+    let found = matching_unknowns(&name, unknowns);
     if found.is_empty() {
         let names: Vec<&str> = unknowns.iter().map(|p| p.name.as_str()).collect();
         let message = format!("the prior `{said}` names nothing that is fitted");
@@ -61,35 +61,36 @@ pub fn known(words: &str, machine: &Machine, unknowns: &[Parameter]) -> Result<V
     }
     let one = |unknown: usize| {
         let parameter = &unknowns[unknown];
-        let of_kind = |quantity: &Quantity| kept(parameter, quantity);
+        let of_kind = |quantity: &Quantity| in_parameter_unit(parameter, quantity);
         let misfit = || refusal(format!("the prior `{said}`: `{}` is in {}", parameter.name, parameter.unit), HELP);
         let sigma = of_kind(&sigma).ok_or_else(misfit)?;
         let value = value.as_ref().map_or(Some(parameter.start), of_kind).ok_or_else(misfit)?;
         if sigma.is_nan() || sigma <= 0.0 {
             return Err(refusal(format!("the prior `{said}`: an uncertainty is above zero"), HELP));
         }
-        Ok(Known { unknown, value, sigma })
+        Ok(PriorValue { unknown, value, sigma })
     };
     found.into_iter().map(one).collect()
 }
 
-/// Constants of which the machine file states an uncertainty.
-fn of_file(machine: &Machine, unknowns: &[Parameter]) -> Vec<Known> {
+/// Returns the constants with an uncertainty in the machine file.
+fn priors_of_file(machine: &Machine, unknowns: &[Parameter]) -> Vec<PriorValue> {
     let stated = machine.errors().filter(|(id, _)| id.is_location());
-    let stated = stated.filter_map(|(id, _)| Some((source(machine, &id), machine.uncertainty(&id)? / COVERAGE)));
+    let stated =
+        stated.filter_map(|(id, _)| Some((source(machine, &id), machine.uncertainty(&id)? / FILE_COVERAGE_FACTOR)));
     let one = |(of, sigma): (crate::lower::Source, f64)| {
         let unknown = unknowns.iter().position(|p| match &p.terms[..] {
-            [term] => term.source == of && term.basis == Basis::Constant,
+            [term] => term.source == of && term.basis == BasisFunction::Constant,
             _ => false,
         })?;
-        (sigma > 0.0).then(|| Known { unknown, value: unknowns[unknown].start, sigma })
+        (sigma > 0.0).then(|| PriorValue { unknown, value: unknowns[unknown].start, sigma })
     };
     stated.filter_map(one).collect()
 }
 
-/// The unknowns of a name: one as the report names it, or the three coordinates of a point. Points of several runs have
-/// the words of their run between: `ball am b1`.
-fn named(name: &str, unknowns: &[Parameter]) -> Vec<usize> {
+/// Returns the unknowns of a name: one as the report names it, or the three coordinates of a point. Points of several
+/// runs have the words of their run between: `ball am b1`.
+fn matching_unknowns(name: &str, unknowns: &[Parameter]) -> Vec<usize> {
     let bare = |full: &str| full.rsplit_once('/').map_or(full, |(_, bare)| bare).to_owned();
     let all = |fits: &dyn Fn(&str, bool) -> bool| -> Vec<usize> {
         let of = |p: &Parameter| fits(&p.name, false) || (p.is_nuisance() && fits(&bare(&p.name), true));
@@ -113,8 +114,8 @@ fn named(name: &str, unknowns: &[Parameter]) -> Vec<usize> {
     all(&|full, bare| bare && between(full) == Some(true))
 }
 
-/// The name before a quantity, and that quantity.
-fn last(words: &str) -> Option<(String, Quantity)> {
+/// Returns the name before a quantity, and that quantity.
+fn name_and_sigma(words: &str) -> Option<(String, Quantity)> {
     let list: Vec<&str> = words.split_whitespace().collect();
     (1..=2).rev().find_map(|count| {
         let (name, quantity) = list.split_at_checked(list.len().checked_sub(count)?)?;
@@ -123,8 +124,8 @@ fn last(words: &str) -> Option<(String, Quantity)> {
     })
 }
 
-/// A value and its uncertainty.
-fn pair(words: &str) -> Option<(Quantity, Quantity)> {
+/// Returns a value and its uncertainty.
+fn value_and_sigma(words: &str) -> Option<(Quantity, Quantity)> {
     let words = words.replace("+/-", " ").replace("+-", " ").replace(['\u{b1}', ','], " ");
     let list: Vec<&str> = words.split_whitespace().collect();
     (1..list.len()).find_map(|cut| {
@@ -133,8 +134,8 @@ fn pair(words: &str) -> Option<(Quantity, Quantity)> {
     })
 }
 
-/// A quantity in the unit in which a parameter is kept; `None` if it is of another kind.
-fn kept(parameter: &Parameter, quantity: &Quantity) -> Option<f64> {
+/// Returns a quantity in the unit in which a parameter is kept; `None` if it is of another kind.
+fn in_parameter_unit(parameter: &Parameter, quantity: &Quantity) -> Option<f64> {
     let unit = units::quantity(&format!("1 {}", parameter.unit)).ok()?;
     let ratio = quantity.dimension == Dimension::RATIO && unit.dimension == Dimension::ANGLE;
     (ratio || quantity.dimension == unit.dimension).then(|| quantity.value / unit.value / parameter.factor)

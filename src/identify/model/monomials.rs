@@ -1,52 +1,56 @@
-//! The papers' way (Holub and others 2015): the deviation of order 2 as a polynomial in the parameters, every monomial
-//! taken for an unknown of its own, solved for each component by the Moore-Penrose inverse. Linear, without a start,
-//! and blind to what it throws away: that a product is the product of its factors, and that the components share them.
+//! The method of Holub and others 2015: the deviation of order 2 as a polynomial in the parameters. Every monomial is an
+//! unknown of its own, and each component is solved for itself by the Moore-Penrose inverse. The method is linear and
+//! needs no start. It ignores that a product is the product of its factors, and that the components share them.
 
-use super::prediction::{Model, masked};
+use super::prediction::{FitModel, zero_unread};
 use crate::algebra::linear::{Svd, Triangle};
 use crate::identify::data::{Measurement, ReadingKind};
+use crate::identify::thresholds::{MAX_NULL_SPACE_SHARE, MIN_MONOMIAL_MM, RANK_TOLERANCE};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
-
-/// Columns smaller than this (mm, parameters in units of displacement) are none.
-const NOTHING: f64 = 1e-12;
-/// Singular values, columns of unit length, below this share of the largest are zero.
-const RANK: f64 = 1e-10;
-/// A monomial with more than this squared share in the null space has no value of its own.
-const LOST: f64 = 1e-3;
+use serde::Serialize;
 
 /// A monomial: one parameter, or two (perhaps the same twice).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Monomial(pub usize, pub Option<usize>);
-
-/// A monomial's coefficient in one component.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Coefficient {
-    /// The monomial.
-    pub monomial: Monomial,
-    /// `EBX:slope * ECY:slope`.
-    pub name: String,
-    /// In `unit`.
-    pub value: f64,
-    /// The product of the parameters' units.
-    pub unit: String,
-    /// Do the data tell it from all others?
-    pub determined: bool,
-}
+struct ErrorMonomial(usize, Option<usize>);
 
 /// One component of the deviation.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Component {
-    /// 0, 1, 2: dx, dy, dz.
-    pub index: usize,
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct MonomialComponent {
+    /// `dx`, `dy` or `dz`.
+    pub component: &'static str,
     /// Number of readings.
     pub readings: usize,
-    /// Every monomial that occurs in it.
-    pub coefficients: Vec<Coefficient>,
-    /// Rank of the design matrix.
+    /// Number of monomials.
+    pub columns: usize,
+    /// Rank of the problem.
     pub rank: usize,
-    /// RMS (mm) before and after.
-    pub rms: [f64; 2],
+    /// Root mean square of the readings.
+    pub rms_um: Rms,
+    /// The coefficients.
+    pub coefficients: Vec<MonomialCoefficient>,
+}
+
+/// Root mean square of readings, um.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct Rms {
+    /// As measured.
+    pub before: f64,
+    /// After the fit.
+    pub after: f64,
+}
+
+/// The coefficient of a monomial.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct MonomialCoefficient {
+    /// Name such as `EX0C` or `EA0C*EB0C`.
+    pub monomial: String,
+    /// Value, in `unit`.
+    pub value: f64,
+    /// Unit of the value.
+    pub unit: String,
+    /// True if the data tell it from the others.
+    pub determined: bool,
 }
 
 /// First- and second-degree coefficients of a reading (mm, parameters in units of displacement).
@@ -57,14 +61,14 @@ struct Expansion {
     columns: Vec<Vector3<f64>>,
 }
 
-/// All monomials of one and two of so many parameters.
-fn monomials(count: usize) -> Vec<Monomial> {
-    let pairs = (0..count).flat_map(|i| (i..count).map(move |j| Monomial(i, Some(j))));
-    (0..count).map(|i| Monomial(i, None)).chain(pairs).collect()
+/// Returns all monomials of one and two of so many parameters.
+fn monomials(count: usize) -> Vec<ErrorMonomial> {
+    let pairs = (0..count).flat_map(|i| (i..count).map(move |j| ErrorMonomial(i, Some(j))));
+    (0..count).map(|i| ErrorMonomial(i, None)).chain(pairs).collect()
 }
 
-/// The fit of each component that was measured. Rows other than deviations are not in the papers: `None`.
-pub fn moore_penrose(model: &Model<'_>, data: &[Measurement]) -> Option<Vec<Component>> {
+/// Returns the fit of each component that was measured. Rows other than deviations are not in the papers: `None`.
+pub fn moore_penrose(model: &FitModel<'_>, data: &[Measurement]) -> Option<Vec<MonomialComponent>> {
     if !data.iter().all(|m| m.kind() == ReadingKind::Deviation) {
         return None;
     }
@@ -74,41 +78,41 @@ pub fn moore_penrose(model: &Model<'_>, data: &[Measurement]) -> Option<Vec<Comp
     Some((0..3).filter_map(component).collect())
 }
 
-/// The coefficients by values at single parameters and pairs: the degrees come apart in the algebra, so that
+/// Returns the coefficients by values at single parameters and pairs: the degrees come apart in the algebra, so that
 /// differences of them are exact but for rounding.
-fn expansion(model: &Model<'_>, m: &Measurement, list: &[Monomial]) -> Expansion {
+fn expansion(model: &FitModel<'_>, m: &Measurement, list: &[ErrorMonomial]) -> Expansion {
     let n = model.own();
     let at = |marked: &[(usize, f64)]| {
         let mut theta = vec![0.0; n];
         marked.iter().for_each(|(j, amount)| theta[*j] += amount / model.parameters()[*j].size);
-        model.degrees(m, &theta)
+        model.first_two_orders(m, &theta)
     };
     let zero = at(&[]);
     let single: Vec<[[Vector3<f64>; 2]; 2]> = (0..n).map(|j| [at(&[(j, 1.0)]), at(&[(j, -1.0)])]).collect();
-    let column = |monomial: &Monomial| match monomial {
+    let column = |monomial: &ErrorMonomial| match monomial {
         // Errors that are not fitted put a part that is linear in the parameter into the second degree.
-        Monomial(j, None) => {
+        ErrorMonomial(j, None) => {
             let odd = |degree: usize| (single[*j][0][degree] - single[*j][1][degree]) / 2.0;
             odd(0) + odd(1)
         }
-        Monomial(i, Some(j)) if i == j => (single[*i][0][1] + single[*i][1][1]) / 2.0 - zero[1],
-        Monomial(i, Some(j)) => at(&[(*i, 1.0), (*j, 1.0)])[1] - single[*i][0][1] - single[*j][0][1] + zero[1],
+        ErrorMonomial(i, Some(j)) if i == j => (single[*i][0][1] + single[*i][1][1]) / 2.0 - zero[1],
+        ErrorMonomial(i, Some(j)) => at(&[(*i, 1.0), (*j, 1.0)])[1] - single[*i][0][1] - single[*j][0][1] + zero[1],
     };
-    Expansion { constant: masked(m, zero[0] + zero[1]), columns: list.iter().map(column).collect() }
+    Expansion { constant: zero_unread(m, zero[0] + zero[1]), columns: list.iter().map(column).collect() }
 }
 
 fn component(
-    model: &Model<'_>,
+    model: &FitModel<'_>,
     data: &[Measurement],
     rows: &[Expansion],
-    list: &[Monomial],
+    list: &[ErrorMonomial],
     k: usize,
-) -> Option<Component> {
-    let seen: Vec<usize> = (0..data.len()).filter(|i| data[*i].seen()[k]).collect();
+) -> Option<MonomialComponent> {
+    let seen: Vec<usize> = (0..data.len()).filter(|i| data[*i].reading_mask()[k]).collect();
     if seen.is_empty() {
         return None;
     }
-    let occurs = |c: &usize| seen.iter().any(|i| rows[*i].columns[*c][k].abs() > NOTHING);
+    let occurs = |c: &usize| seen.iter().any(|i| rows[*i].columns[*c][k].abs() > MIN_MONOMIAL_MM);
     let columns: Vec<usize> = (0..list.len()).filter(occurs).collect();
     let mut triangle = Triangle::new(columns.len());
     for i in &seen {
@@ -119,39 +123,40 @@ fn component(
     let reduced = triangle.finish();
     let scale = reduced.column_norms();
     let svd = reduced.scaled(&scale);
-    let rank = svd.rank(RANK);
+    let rank = svd.rank(RANK_TOLERANCE);
     // A unit of each monomial in the papers' units, mm and rad.
     let sizes = DVector::from_iterator(columns.len(), columns.iter().map(|c| size(model, list[*c])));
     let found = shortest(&svd, &scale, &sizes, &reduced.right, rank);
     let null = svd.null_space(rank);
-    let left = |i: &usize| {
+    let residual = |i: &usize| {
         let fitted: f64 = columns.iter().zip(found.iter()).map(|(c, x)| rows[*i].columns[*c][k] * x).sum();
         data[*i].values()[k] - rows[*i].constant[k] - fitted
     };
     let before = |i: &usize| data[*i].values()[k] - rows[*i].constant[k];
     let rms = |f: &dyn Fn(&usize) -> f64| libm::sqrt(seen.iter().map(|i| f(i) * f(i)).sum::<f64>() / seen.len() as f64);
     let coefficient = |(j, c): (usize, &usize)| {
-        let (name, unit, factor) = label(model, list[*c]);
-        let determined = null.row(j).norm_squared() < LOST;
-        Coefficient { monomial: list[*c], name, value: found[j] / sizes[j] * factor + 0.0, unit, determined }
+        let (monomial, unit, factor) = label(model, list[*c]);
+        let determined = null.row(j).norm_squared() < MAX_NULL_SPACE_SHARE;
+        MonomialCoefficient { monomial, value: found[j] / sizes[j] * factor + 0.0, unit, determined }
     };
-    Some(Component {
-        index: k,
+    Some(MonomialComponent {
+        component: ["dx", "dy", "dz"][k],
         readings: seen.len(),
-        coefficients: columns.iter().enumerate().map(coefficient).collect(),
+        columns: columns.len(),
         rank,
-        rms: [rms(&before), rms(&left)],
+        rms_um: Rms { before: rms(&before) * 1e3, after: rms(&residual) * 1e3 },
+        coefficients: columns.iter().enumerate().map(coefficient).collect(),
     })
 }
 
-/// Product of the sizes of a monomial's parameters.
-fn size(model: &Model<'_>, Monomial(i, j): Monomial) -> f64 {
+/// Returns the product of the sizes of a monomial's parameters.
+fn size(model: &FitModel<'_>, ErrorMonomial(i, j): ErrorMonomial) -> f64 {
     let of = |j: usize| model.parameters()[j].size;
     of(i) * j.map_or(1.0, of)
 }
 
-/// Name, unit and factor from mm and rad to it.
-fn label(model: &Model<'_>, Monomial(i, j): Monomial) -> (String, String, f64) {
+/// Returns name, unit, and factor from mm and rad to the unit.
+fn label(model: &FitModel<'_>, ErrorMonomial(i, j): ErrorMonomial) -> (String, String, f64) {
     let p = |j: usize| &model.parameters()[j];
     match j {
         None => (p(i).name.clone(), p(i).unit.clone(), p(i).factor),
@@ -162,8 +167,7 @@ fn label(model: &Model<'_>, Monomial(i, j): Monomial) -> (String, String, f64) {
     }
 }
 
-/// Of the best solutions (in units of displacement) the one whose values in mm and rad are shortest: the Moore-Penrose
-/// inverse of the papers' matrix.
+/// Returns the shortest best solution in mm and rad: that of the Moore-Penrose inverse of the papers' matrix.
 fn shortest(svd: &Svd, scale: &DVector<f64>, sizes: &DVector<f64>, right: &DVector<f64>, rank: usize) -> DVector<f64> {
     let one = svd.solve(right, rank).component_div(scale);
     let null = svd.null_space(rank);

@@ -8,14 +8,14 @@ use crate::machine::Machine;
 use nalgebra::{Matrix3, Vector3};
 
 /// The actual geometry that a reading depends on, as a point (mm, workpiece frame).
-pub(super) enum Subject<'a> {
+pub(super) enum ReadingSubject<'a> {
     /// The functional point at a pose.
     Point(&'a [f64]),
     /// A component error at the pose of the measurement, as the first coordinate.
     Error(Source),
 }
 
-/// A reading (mm, in its own frame) of subjects over an algebra; the first [`Measurement::seen`] components count.
+/// A reading (mm, in its own frame) of subjects over an algebra; the first [`Measurement::reading_mask`] components count.
 pub(super) struct Observation<S> {
     /// The reading.
     pub value: Vector3<S>,
@@ -52,7 +52,7 @@ pub(super) fn observe<S: Algebra>(
     machine: &Machine,
     m: &Measurement,
     unknowns: &[f64],
-    mut at: impl FnMut(Subject<'_>) -> Vector3<S>,
+    mut at: impl FnMut(ReadingSubject<'_>) -> Vector3<S>,
 ) -> Observation<S> {
     let constant = |index: &Option<usize>| S::from_real(index.map_or(0.0, |index| unknowns[index]));
     let less_constant = |index: usize| (index, first(-1.0));
@@ -60,9 +60,9 @@ pub(super) fn observe<S: Algebra>(
         Reading::Deviation { frame, zero, .. } => {
             let nominal = NominalPose::in_part(machine, &m.pose);
             let rotation = rotation_to(*frame, &nominal);
-            let deviation = minus(&at(Subject::Point(&m.pose)), &nominal.pose.translation);
+            let deviation = subtract(&at(ReadingSubject::Point(&m.pose)), &nominal.pose.translation);
             Observation {
-                value: turned(&rotation, &deviation).zip_map(&Vector3::from(*zero), |x, zero| x - constant(&zero)),
+                value: rotate(&rotation, &deviation).zip_map(&Vector3::from(*zero), |x, zero| x - constant(&zero)),
                 slope: Slope::Rotation(rotation),
                 by_unknown: (0..3).filter_map(|k| Some((zero[k]?, -Vector3::ith(k, 1.0)))).collect(),
             }
@@ -72,24 +72,24 @@ pub(super) fn observe<S: Algebra>(
             let [displacement, turn] = [0, 3].map(|k| Vector3::from_fn(|i, _| unknowns[frame + k + i]));
             let turn: [f64; 3] = turn.into();
             let rotation = exp_hat(&turn);
-            let arm = turned(&rotation, &minus(&at(Subject::Point(&m.pose)), about));
+            let arm = rotate(&rotation, &subtract(&at(ReadingSubject::Point(&m.pose)), about));
             let by_turn = -hat(&arm.clone().map(|x| x.real() + x.nilpotent_sum()).into()) * left_jacobian(&turn);
             let by = |k: usize| if k < 3 { Vector3::ith(k, 1.0) } else { by_turn.column(k - 3).into_owned() };
             Observation {
-                value: minus(&arm, &(nominal - about - displacement)),
+                value: subtract(&arm, &(nominal - about - displacement)),
                 slope: Slope::Rotation(rotation),
                 by_unknown: (0..6).map(|k| (frame + k, by(k))).collect(),
             }
         }
         Reading::Distance { from, zero, .. } => {
-            let here = at(Subject::Point(&m.pose));
+            let here = at(ReadingSubject::Point(&m.pose));
             let (other, station) = match from {
                 DistanceEnd::Station(index) => {
                     (Vector3::from_fn(|k, _| S::from_real(unknowns[index + k])), Some(*index))
                 }
-                DistanceEnd::Pose(to) => (at(Subject::Point(to)), None),
+                DistanceEnd::Pose(to) => (at(ReadingSubject::Point(to)), None),
             };
-            let (length, towards) = normalised(here - other);
+            let (length, towards) = normalise(here - other);
             let pull = |k: usize| first(-(towards[k].real() + towards[k].nilpotent_sum()));
             let by_station = station.into_iter().flat_map(|index| (0..3).map(move |k| (index + k, k)));
             let by_unknown = by_station.map(|(index, k)| (index, pull(k))).chain(zero.map(less_constant)).collect();
@@ -97,7 +97,7 @@ pub(super) fn observe<S: Algebra>(
         }
         Reading::Along { direction, zero, .. } => {
             let nominal = NominalPose::in_part(machine, &m.pose).pose.translation;
-            let deviation = along(direction, &minus(&at(Subject::Point(&m.pose)), &nominal));
+            let deviation = along(direction, &subtract(&at(ReadingSubject::Point(&m.pose)), &nominal));
             Observation {
                 value: single(deviation - constant(&Some(*zero))),
                 slope: Slope::Along(*direction),
@@ -106,7 +106,7 @@ pub(super) fn observe<S: Algebra>(
         }
         Reading::Error { source, .. } => {
             let direction = first(lever(source.direction));
-            let value = single(along(&direction, &at(Subject::Error(*source))));
+            let value = single(along(&direction, &at(ReadingSubject::Error(*source))));
             Observation { value, slope: Slope::Along(direction), by_unknown: Vec::new() }
         }
     }
@@ -130,11 +130,11 @@ fn first(x: f64) -> Vector3<f64> {
     Vector3::new(x, 0.0, 0.0)
 }
 
-fn minus<S: Algebra>(x: &Vector3<S>, point: &Vector3<f64>) -> Vector3<S> {
+fn subtract<S: Algebra>(x: &Vector3<S>, point: &Vector3<f64>) -> Vector3<S> {
     x.zip_map(point, |x, p| x - S::from_real(p))
 }
 
-fn turned<S: Algebra>(rotation: &Matrix3<f64>, x: &Vector3<S>) -> Vector3<S> {
+fn rotate<S: Algebra>(rotation: &Matrix3<f64>, x: &Vector3<S>) -> Vector3<S> {
     Vector3::from_fn(|i, _| (0..3).map(|j| x[j].scaled(rotation[(i, j)])).fold(S::zero(), |a, b| a + b))
 }
 
@@ -147,7 +147,7 @@ fn dot<S: Algebra>(a: &Vector3<S>, b: &Vector3<S>) -> S {
 }
 
 /// Returns the length and the direction of a vector; both 0 for a vector without length.
-fn normalised<S: Algebra>(way: Vector3<S>) -> (S, Vector3<S>) {
+fn normalise<S: Algebra>(way: Vector3<S>) -> (S, Vector3<S>) {
     let length = dot(&way, &way).sqrt().unwrap_or_else(S::zero);
     let recip = length.recip().unwrap_or_else(S::zero);
     let unit = way.map(|x| x * recip.clone());

@@ -1,12 +1,14 @@
 //! Fitted parameters: each moves one or more error sources, each by a basis function of the axis position.
 
 use crate::identify::data::{InstrumentUnknown, MeasurementSet, Reading, lever};
+use crate::identify::thresholds::SLOPE_SITES;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, AxisKind, Curve, Direction, ErrorId, Knots, Machine, sin_cos_degrees};
+use nalgebra::DVector;
 
 /// A function of the programmed position of an axis (mm or deg).
 #[derive(Debug, Clone, PartialEq)]
-pub enum Basis {
+pub enum BasisFunction {
     /// 1.
     Constant,
     /// `q^k`.
@@ -19,13 +21,13 @@ pub enum Basis {
     Spline(Curve),
 }
 
-impl Basis {
-    /// Positions at which its pieces meet.
+impl BasisFunction {
+    /// Returns the positions at which its pieces meet; `None` if it has no pieces.
     pub(crate) fn knots(&self) -> Option<&[f64]> {
         if let Self::Spline(curve) = self { curve.knots().map(Knots::positions) } else { None }
     }
 
-    /// Value at a position (mm or deg).
+    /// Returns the value at a position (mm or deg).
     pub fn value(&self, q: f64) -> f64 {
         match self {
             Self::Constant => 1.0,
@@ -39,26 +41,26 @@ impl Basis {
 
 /// One error source that a parameter moves: by `factor * basis(q)` per unit (mm or rad) of the parameter.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Term {
+pub struct ParameterTerm {
     /// The error.
     pub source: Source,
     /// As a function of its axis's position.
-    pub basis: Basis,
+    pub basis: BasisFunction,
     /// Times this.
     pub factor: f64,
     /// Acts in this direction of approach only; half in their mean. `Mean`: always.
     pub approach: Approach,
 }
 
-impl Term {
-    /// A term that acts in both directions.
-    pub(crate) fn new(source: Source, basis: Basis, factor: f64) -> Self {
+impl ParameterTerm {
+    /// Returns a term that acts in both directions.
+    pub(crate) fn new(source: Source, basis: BasisFunction, factor: f64) -> Self {
         Self { source, basis, factor, approach: Approach::Mean }
     }
 }
 
-/// How much of what acts in its `own` direction of approach counts in the direction that a machine is `met` in.
-pub(crate) fn share(own: Approach, met: Approach) -> f64 {
+/// Returns the weight of a term of one direction of approach for a reading of another: 1, 1/2 in the mean, or 0.
+pub(crate) fn approach_weight(own: Approach, met: Approach) -> f64 {
     match (own, met) {
         (Approach::Mean, _) => 1.0,
         (_, Approach::Mean) => 0.5,
@@ -76,7 +78,7 @@ pub struct Parameter {
     /// Multiplies the kept value to give one in `unit`.
     pub factor: f64,
     /// Terms that it moves; empty if it belongs to an instrument or a set-up.
-    pub terms: Vec<Term>,
+    pub terms: Vec<ParameterTerm>,
     /// Start of the fit.
     pub start: f64,
     /// Displacement (mm) that a unit of it makes over a usual lever: for comparing unlike parameters.
@@ -84,20 +86,20 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// A parameter of one term.
-    pub(crate) fn single(machine: &Machine, name: String, source: Source, basis: Basis, start: f64) -> Self {
-        let power = if let Basis::Power(k) = basis { k } else { 0 };
-        let term = Term::new(source, basis, 1.0);
+    /// Returns a parameter of one term.
+    pub(crate) fn single(machine: &Machine, name: String, source: Source, basis: BasisFunction, start: f64) -> Self {
+        let power = if let BasisFunction::Power(k) = basis { k } else { 0 };
+        let term = ParameterTerm::new(source, basis, 1.0);
         Self::of_terms(machine, name, source, power, vec![term], start)
     }
 
-    /// A parameter of several terms, in the unit of its main source over the position to a power.
+    /// Returns a parameter of several terms, in the unit of its main source over the position to a power.
     pub(crate) fn of_terms(
         machine: &Machine,
         name: String,
         main: Source,
         power: u8,
-        terms: Vec<Term>,
+        terms: Vec<ParameterTerm>,
         start: f64,
     ) -> Self {
         let rotation = main.direction.is_rotation();
@@ -124,17 +126,17 @@ impl Parameter {
         self.terms.is_empty()
     }
 
-    /// The curve that it is a knot of, and where: `EYX` and `125mm`. Otherwise its name.
+    /// Returns the curve that it is a knot of, and where: `EYX` and `125mm`. Otherwise its name.
     pub(crate) fn curve(&self) -> (&str, Option<&str>) {
-        let knot = matches!(&self.terms[..], [Term { basis: Basis::Spline(_), .. }]);
+        let knot = matches!(&self.terms[..], [ParameterTerm { basis: BasisFunction::Spline(_), .. }]);
         match self.name.split_once(':') {
             Some((curve, place)) if knot => (curve, Some(place)),
             _ => (&self.name, None),
         }
     }
 
-    /// The value in `unit`.
-    pub fn shown(&self, value: f64) -> f64 {
+    /// Returns the value in `unit`.
+    pub fn in_unit(&self, value: f64) -> f64 {
         value * self.factor
     }
 }
@@ -147,7 +149,12 @@ impl From<InstrumentUnknown> for Parameter {
     }
 }
 
-/// Site of an error. Its axis is one of the chain's, or the spindle.
+/// Returns the sizes of parameters: the displacements (mm) that their units make.
+pub(crate) fn sizes(parameters: &[Parameter]) -> DVector<f64> {
+    DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size))
+}
+
+/// Returns the site of an error. Its axis is one of the chain, or the spindle.
 pub(crate) fn source(machine: &Machine, error: &ErrorId) -> Source {
     let joint = machine.axis_index(error.axis.as_str()).unwrap_or(machine.axes().len());
     let place = if error.is_location() { ErrorSite::Location(joint) } else { ErrorSite::Component(joint) };
@@ -165,38 +172,35 @@ pub struct SlopeBound {
     pub slope: f64,
 }
 
-/// Positions at which a slope is taken, evenly over the travel.
-const SLOPES: usize = 25;
-
 impl SlopeBound {
-    /// The slope at even positions over the bound, as coefficients of the parameters. All of them together count as
-    /// one reading of the slope.
+    /// Returns the slope at even positions over the bound, as coefficients of the parameters. All of them together
+    /// count as one reading of the slope.
     pub(crate) fn rows(&self, parameters: &[Parameter]) -> Vec<Vec<f64>> {
-        let step = (self.interval.1 - self.interval.0) / SLOPES as f64;
+        let step = (self.interval.1 - self.interval.0) / SLOPE_SITES as f64;
         let row = |i: usize| {
             let (low, high) = (self.interval.0 + step * i as f64, self.interval.0 + step * (i + 1) as f64);
-            let rise = |term: &Term| term.factor * (term.basis.value(high) - term.basis.value(low));
+            let rise = |term: &ParameterTerm| term.factor * (term.basis.value(high) - term.basis.value(low));
             let slope = |p: &Parameter| p.terms.iter().filter(|t| t.source == self.source).map(rise).sum::<f64>();
-            let scale = step * self.slope * libm::sqrt(SLOPES as f64);
+            let scale = step * self.slope * libm::sqrt(SLOPE_SITES as f64);
             parameters.iter().map(|p| slope(p) / scale).collect()
         };
-        (0..SLOPES).map(row).collect()
+        (0..SLOPE_SITES).map(row).collect()
     }
 }
 
 impl MeasurementSet {
-    /// Takes out readings of single errors that nothing fitted moves; says how many of which.
+    /// Removes readings of single errors that no fitted parameter moves. Returns the number removed of each error.
     pub fn leave_out(&mut self, fitted: &[Parameter]) -> Vec<(Source, usize)> {
         let mut list: Vec<(Source, usize)> = Vec::new();
         self.rows.retain(|m| {
             let Reading::Error { source, .. } = m.reading else { return true };
-            let told = fitted.iter().any(|p| p.terms.iter().any(|t| t.source == source));
+            let is_fitted = fitted.iter().any(|p| p.terms.iter().any(|t| t.source == source));
             match list.iter_mut().find(|(known, _)| *known == source) {
-                _ if told => {}
+                _ if is_fitted => {}
                 Some((_, count)) => *count += 1,
                 None => list.push((source, 1)),
             }
-            told
+            is_fitted
         });
         list
     }

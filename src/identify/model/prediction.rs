@@ -1,9 +1,9 @@
 //! The measurement model: what the machine with given parameters would have been measured as, exactly or to an order
 //! of the dual numbers, and the derivatives by the unknowns. Rows are streamed; the Jacobian as a whole never exists.
 
-use super::known::Known;
-use super::observation::{Observation, Subject, observe, single};
-use super::parameter::{Basis, Parameter, SlopeBound, Term, share};
+use super::known::PriorValue;
+use super::observation::{Observation, ReadingSubject, observe, single};
+use super::parameter::{BasisFunction, Parameter, ParameterTerm, SlopeBound, approach_weight};
 use crate::algebra::linear::{ReducedSystem, Triangle};
 use crate::algebra::{Algebra, Dual};
 use crate::evaluate::Order;
@@ -17,35 +17,35 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
 /// Number of triangles that are there at a time.
-const TRIANGLES: usize = 16;
+const MAX_TRIANGLES: usize = 16;
 
 /// Machine and unknowns: parameters of the machine first, then those of the instruments.
 #[derive(Clone)]
-pub struct Model<'a> {
+pub struct FitModel<'a> {
     machines: Vec<Machine>,
     parameters: &'a [Parameter],
-    /// Number of them that are the machine's.
+    /// Number of the machine's parameters, which come first.
     own: usize,
     /// Every error that a parameter moves, each once.
     sources: Vec<Source>,
     /// The functions of the pose by which they do, with their axis, each once; the first is 1.
-    functions: Vec<(usize, Basis)>,
+    functions: Vec<(usize, BasisFunction)>,
     /// The terms of the machine's parameters.
-    links: Vec<Link>,
+    links: Vec<TermLink>,
     order: Order,
     /// Slopes of fitted curves over the standard deviations allowed: rows, one coefficient for each unknown.
     slopes: DMatrix<f64>,
     /// Values that are known before the data, with their uncertainty.
-    known: Vec<Known>,
-    /// Do location errors count in the real part?
+    known: Vec<PriorValue>,
+    /// True if location errors count in the real part.
     real_locations: bool,
-    /// Hears of measurements that were evaluated.
+    /// Receives the number of measurements evaluated.
     progress: &'a (dyn Fn(usize) + Sync),
 }
 
 /// Effect of a parameter on a source: factor times function. Indices are those of the model's lists.
 #[derive(Debug, Clone, Copy)]
-struct Link {
+struct TermLink {
     parameter: usize,
     source: usize,
     function: usize,
@@ -53,8 +53,8 @@ struct Link {
     approach: Approach,
 }
 
-/// A predicted reading and its derivatives; the first [`Measurement::seen`] components count.
-struct Local {
+/// A predicted reading and its derivatives; the first [`Measurement::reading_mask`] components count.
+struct Linearisation {
     predicted: Vector3<f64>,
     /// By parameters of the machine.
     by_parameter: Vec<Vector3<f64>>,
@@ -66,11 +66,11 @@ struct Local {
 trait Scheme: Algebra {
     type Lift: ErrorLift<Self>;
     const LIFT: Self::Lift;
-    /// The sum of all degrees.
+    /// Returns the sum of all degrees.
     fn total(&self) -> f64 {
         self.real() + self.nilpotent_sum()
     }
-    /// Of a derivative, the degrees that belong to the derivative of the truncated model.
+    /// Returns the sum of those degrees of a derivative that belong to the truncated model.
     fn slope(&self, real: bool) -> f64;
 }
 
@@ -91,18 +91,18 @@ impl<const M: usize> Scheme for Dual<M> {
     }
 }
 
-impl<'a> Model<'a> {
-    /// The exact model of a machine.
+impl<'a> FitModel<'a> {
+    /// Returns the exact model of a machine.
     pub fn new(machine: &Machine, parameters: &'a [Parameter]) -> Self {
-        let (mut sources, mut functions) = (Vec::new(), vec![(0, Basis::Constant)]);
-        let mut link = |parameter: usize, term: &Term| {
+        let (mut sources, mut functions) = (Vec::new(), vec![(0, BasisFunction::Constant)]);
+        let mut link = |parameter: usize, term: &ParameterTerm| {
             let axis = if let ErrorSite::Component(axis) = term.source.place { axis } else { 0 };
             let function = match &term.basis {
-                Basis::Constant => 0,
+                BasisFunction::Constant => 0,
                 basis => index_of(&mut functions, (axis, basis.clone())),
             };
             let source = index_of(&mut sources, term.source);
-            Link { parameter, source, function, factor: term.factor, approach: term.approach }
+            TermLink { parameter, source, function, factor: term.factor, approach: term.approach }
         };
         let terms = parameters.iter().enumerate().flat_map(|(j, p)| p.terms.iter().map(move |term| (j, term)));
         let links = terms.map(|(j, term)| link(j, term)).collect();
@@ -116,80 +116,80 @@ impl<'a> Model<'a> {
         Self { machines, parameters, own, sources, functions, links, order, slopes, known, real_locations, progress }
     }
 
-    /// The model of the same machine with other unknowns.
-    pub(crate) fn with_parameters<'b>(&self, parameters: &'b [Parameter]) -> Model<'b> {
-        let mut other = Model::new(&self.machines[0], parameters);
+    /// Returns the model of the same machine with other unknowns.
+    pub(crate) fn with_parameters<'b>(&self, parameters: &'b [Parameter]) -> FitModel<'b> {
+        let mut other = FitModel::new(&self.machines[0], parameters);
         (other.machines, other.order) = (self.machines.clone(), self.order);
         other
     }
 
-    /// The same to an order of the dual numbers (1 or 2; others count as exact).
+    /// Returns the same to an order of the dual numbers (1 or 2; others count as exact).
     pub fn to_order(mut self, order: Order) -> Self {
         self.order = order;
         self
     }
 
-    /// The same with curves that are held flat by these bounds.
-    pub fn bounded(mut self, bounds: &[SlopeBound]) -> Self {
+    /// Returns the same with curves that are held flat by these bounds.
+    pub fn with_slope_bounds(mut self, bounds: &[SlopeBound]) -> Self {
         let rows: Vec<Vec<f64>> = bounds.iter().flat_map(|bound| bound.rows(self.parameters)).collect();
         self.slopes = DMatrix::from_fn(rows.len(), self.parameters.len(), |i, j| rows[i][j]);
         self
     }
 
-    /// The same, which reports how many measurements were evaluated.
-    pub fn reporting(mut self, progress: &'a (dyn Fn(usize) + Sync)) -> Self {
+    /// Returns the same, which reports how many measurements were evaluated.
+    pub fn with_progress(mut self, progress: &'a (dyn Fn(usize) + Sync)) -> Self {
         self.progress = progress;
         self
     }
 
-    /// The same with unknowns of which values are known before the data.
-    pub fn knowing(mut self, known: &[Known]) -> Self {
+    /// Returns the same with unknowns of which values are known before the data.
+    pub fn with_known(mut self, known: &[PriorValue]) -> Self {
         self.known = known.to_vec();
         self
     }
 
-    /// Values that are known before the data: rows over their standard uncertainty, and the right sides.
-    pub(crate) fn known(&self) -> (DMatrix<f64>, DVector<f64>) {
+    /// Returns the values known before the data: rows over their standard uncertainty, and the right sides.
+    pub(crate) fn known_rows(&self) -> (DMatrix<f64>, DVector<f64>) {
         let count = self.parameters.len();
         let row = |i: usize, j: usize| if self.known[i].unknown == j { 1.0 / self.known[i].sigma } else { 0.0 };
         let values = self.known.iter().map(|known| known.value / known.sigma);
         (DMatrix::from_fn(self.known.len(), count, row), DVector::from_iterator(self.known.len(), values))
     }
 
-    /// Slopes over the standard deviations allowed, linear in the unknowns.
-    pub(crate) fn slopes(&self) -> &DMatrix<f64> {
+    /// Returns the slopes over their standard deviations: rows, linear in the unknowns.
+    pub(crate) fn slope_rows(&self) -> &DMatrix<f64> {
         &self.slopes
     }
 
-    /// The unknowns, the machine's first.
+    /// Returns the unknowns, the machine's first.
     pub fn parameters(&self) -> &[Parameter] {
         self.parameters
     }
 
-    /// Number of unknowns that are the machine's.
+    /// Returns the number of unknowns that are the machine's.
     pub fn own(&self) -> usize {
         self.own
     }
 
-    /// The machine with each of its tools.
+    /// Returns the machine with each of its tools.
     pub fn machines(&self) -> &[Machine] {
         &self.machines
     }
 
-    /// The machine with the tool of a measurement.
+    /// Returns the machine with the tool of a measurement.
     pub fn machine(&self, measurement: &Measurement) -> &Machine {
         &self.machines[measurement.tool]
     }
 
-    /// Contribution of a unit of its parameter to the source of each link.
+    /// Returns for each link the effect of a unit of its parameter on its source: `weight factor basis(q)`.
     fn shares(&self, pose: &[f64], approach: Approach) -> Vec<f64> {
         let functions: Vec<f64> = self.functions.iter().map(|(axis, basis)| basis.value(pose[*axis])).collect();
-        self.links.iter().map(|l| share(l.approach, approach) * l.factor * functions[l.function]).collect()
+        self.links.iter().map(|l| approach_weight(l.approach, approach) * l.factor * functions[l.function]).collect()
     }
 
-    /// The errors at a pose: fitted sources by the parameters, the others as the machine file says.
+    /// Returns the errors at a pose: fitted sources by the parameters, the others as the machine file says.
     fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64], shares: &[f64]) -> ErrorValues {
-        let mut errors = values(self.machine(measurement), pose, measurement.approach);
+        let mut errors = values(self.machine(measurement), &measurement.approach.at(pose));
         let mut sums = vec![0.0; self.sources.len()];
         for (link, share) in self.links.iter().zip(shares) {
             sums[link.source] += theta[link.parameter] * share;
@@ -200,7 +200,7 @@ impl<'a> Model<'a> {
         errors
     }
 
-    /// Derivatives by the parameters of the machine from those by the sources.
+    /// Returns derivatives by the parameters of the machine from those by the sources (chain rule).
     fn by_parameter(&self, by_source: &[Vector3<f64>], shares: &[f64]) -> Vec<Vector3<f64>> {
         let mut by = vec![Vector3::zeros(); self.own];
         for (link, share) in self.links.iter().zip(shares) {
@@ -214,7 +214,7 @@ impl<'a> Model<'a> {
         &self,
         m: &Measurement,
         theta: &[f64],
-        at: impl FnMut(Subject<'_>) -> Vector3<S>,
+        at: impl FnMut(ReadingSubject<'_>) -> Vector3<S>,
     ) -> Observation<S> {
         observe(self.machine(m), m, &theta[self.own..], at)
     }
@@ -222,15 +222,15 @@ impl<'a> Model<'a> {
     /// Returns the predicted reading over an algebra.
     fn reading<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Vector3<S> {
         let errors = |pose: &[f64]| self.errors(m, pose, theta, &self.shares(pose, m.approach));
-        let at = |subject: Subject<'_>| match subject {
-            Subject::Point(pose) => point(self.machine(m), pose, &errors(pose), &S::LIFT),
-            Subject::Error(source) => single(S::LIFT.lift(source, errors(&m.pose).of(source))),
+        let at = |subject: ReadingSubject<'_>| match subject {
+            ReadingSubject::Point(pose) => point(self.machine(m), pose, &errors(pose), &S::LIFT),
+            ReadingSubject::Error(source) => single(S::LIFT.lift(source, errors(&m.pose).of(source))),
         };
         self.observe(m, theta, at).value
     }
 
-    /// Reading of the machine with these unknowns (mm, in the frame of the reading).
-    pub fn predicted(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
+    /// Returns the reading of the machine with these unknowns (mm, in the frame of the reading).
+    pub fn prediction(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
         match self.order {
             Order::Degree(1) => self.reading::<Dual<2>>(m, theta).map(|x| x.total()),
             Order::Degree(2) => self.reading::<Dual<3>>(m, theta).map(|x| x.total()),
@@ -238,8 +238,8 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// The part that errors add to the nominal machine's reading: the first- and second-order part, and all higher ones
-    /// together where the exact reading is `exact`.
+    /// Returns the part that errors add to the nominal machine's reading: the first- and second-order part, and all
+    /// higher ones together where the exact reading is `exact`.
     pub fn orders(&self, m: &Measurement, theta: &[f64], exact: &Vector3<f64>) -> [Vector3<f64>; 3] {
         let parts = self.reading::<Dual<3>>(m, theta);
         let nominal = self.nominal_reading(m, theta);
@@ -249,33 +249,33 @@ impl<'a> Model<'a> {
         [first, second, exact - nominal - first - second]
     }
 
-    /// The first degree (with what location errors of order 0 do) and the second degree of what would be read.
-    pub(crate) fn degrees(&self, m: &Measurement, theta: &[f64]) -> [Vector3<f64>; 2] {
+    /// Returns the first degree (with what location errors of order 0 do) and the second degree of what would be read.
+    pub(crate) fn first_two_orders(&self, m: &Measurement, theta: &[f64]) -> [Vector3<f64>; 2] {
         let [first, second, _] = self.orders(m, theta, &Vector3::zeros());
         [first, second]
     }
 
     /// Returns the reading of the nominal machine.
     fn nominal_reading(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
-        let at = |subject: Subject<'_>| match subject {
-            Subject::Point(pose) => NominalPose::in_part(self.machine(m), pose).pose.translation,
-            Subject::Error(_) => Vector3::zeros(),
+        let at = |subject: ReadingSubject<'_>| match subject {
+            ReadingSubject::Point(pose) => NominalPose::in_part(self.machine(m), pose).pose.translation,
+            ReadingSubject::Error(_) => Vector3::zeros(),
         };
         self.observe(m, theta, at).value
     }
 
-    /// Measured minus predicted (mm); 0 where nothing was measured.
+    /// Returns measured minus predicted reading (mm); 0 for components that were not read.
     pub fn residual(&self, measurement: &Measurement, theta: &[f64]) -> Vector3<f64> {
-        masked(measurement, measurement.values() - self.predicted(measurement, theta))
+        zero_unread(measurement, measurement.values() - self.prediction(measurement, theta))
     }
 
-    /// Residuals of all measurements.
+    /// Returns the residuals of all measurements.
     pub fn residuals(&self, data: &[Measurement], theta: &[f64]) -> Vec<Vector3<f64>> {
         data.par_iter().map(|m| self.residual(m, theta)).collect()
     }
 
-    /// The linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights: the
-    /// triangle of all rows, whose singular values are good to the last digits. Rows are folded piece by piece;
+    /// Returns the linear problem at these unknowns, `min |J step - residual|`, rows times the root of their weights:
+    /// the triangle of all rows, whose singular values are good to the last digits. Rows are folded piece by piece;
     /// neither the pieces
     /// nor their order depend on the number of threads.
     pub fn triangle(&self, data: &[Measurement], weights: &[f64], theta: &[f64]) -> ReducedSystem {
@@ -290,7 +290,7 @@ impl<'a> Model<'a> {
         };
         let mut whole = Triangle::new(self.parameters.len());
         // A triangle of many unknowns is large: few of them are there at a time.
-        let together = TRIANGLES * piece;
+        let together = MAX_TRIANGLES * piece;
         for (data, weights) in data.chunks(together).zip(weights.chunks(together)) {
             let pieces: Vec<Triangle> = data.par_chunks(piece).zip(weights.par_chunks(piece)).map(one).collect();
             pieces.into_iter().for_each(|piece| whole.merge(piece));
@@ -298,31 +298,31 @@ impl<'a> Model<'a> {
         whole.finish()
     }
 
-    /// The rows of a measurement, coefficients and residual each, times `root`.
+    /// Writes the rows of a measurement, times `root`: coefficients, then the residual.
     fn fill(&self, m: &Measurement, root: f64, theta: &[f64], rows: &mut [f64]) {
-        let local = match self.order {
-            Order::Degree(1) => self.local::<Dual<2>>(m, theta),
-            Order::Degree(2) => self.local::<Dual<3>>(m, theta),
-            _ => self.local::<f64>(m, theta),
+        let linear = match self.order {
+            Order::Degree(1) => self.linearise::<Dual<2>>(m, theta),
+            Order::Degree(2) => self.linearise::<Dual<3>>(m, theta),
+            _ => self.linearise::<f64>(m, theta),
         };
         let width = self.parameters.len() + 1;
-        let residual = m.values() - local.predicted;
-        let seen = m.seen();
+        let residual = m.values() - linear.predicted;
+        let seen = m.reading_mask();
         for (row, k) in rows.chunks_mut(width).zip((0..3).filter(|k| seen[*k])) {
-            row.iter_mut().zip(&local.by_parameter).for_each(|(place, derivative)| *place = derivative[k] * root);
-            for (index, derivative) in &local.by_nuisance {
+            row.iter_mut().zip(&linear.by_parameter).for_each(|(place, derivative)| *place = derivative[k] * root);
+            for (index, derivative) in &linear.by_nuisance {
                 row[self.own + index] = derivative[k] * root;
             }
             row[width - 1] = residual[k] * root;
         }
     }
 
-    /// Derivative of the predicted reading by each unknown, and the residual.
+    /// Returns the derivative of the predicted reading by each unknown, and the residual.
     pub(crate) fn rows(&self, m: &Measurement, theta: &[f64]) -> (Vec<Vector3<f64>>, Vector3<f64>) {
         let width = self.parameters.len() + 1;
         let mut rows = vec![0.0; m.readings() * width];
         self.fill(m, 1.0, theta, &mut rows);
-        let seen: Vec<usize> = (0..3).filter(|k| m.seen()[*k]).collect();
+        let seen: Vec<usize> = (0..3).filter(|k| m.reading_mask()[*k]).collect();
         let column = |j: usize| {
             let mut column = Vector3::zeros();
             seen.iter().enumerate().for_each(|(i, k)| column[*k] = rows[i * width + j]);
@@ -336,19 +336,21 @@ impl<'a> Model<'a> {
         x.slope(self.real_locations && matches!(source.place, ErrorSite::Location(_)))
     }
 
-    fn local<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Local {
-        // By each source, of one or two subjects, with the shares of the parameters in the sources there.
+    /// Returns the predicted reading and its derivatives. A length between two poses has two subjects, near and far end;
+    /// its derivative is that of the near one minus that of the far one.
+    fn linearise<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Linearisation {
+        // For each subject: derivatives by the sources, and the effects of the parameters on the sources there.
         let mut derivatives: Vec<(Vec<Vector3<S>>, Vec<f64>)> = Vec::new();
         let observed = self.observe(m, theta, |subject| {
-            let pose = if let Subject::Point(pose) = subject { pose } else { &m.pose };
+            let pose = if let ReadingSubject::Point(pose) = subject { pose } else { &m.pose };
             let shares = self.shares(pose, m.approach);
             let errors = self.errors(m, pose, theta, &shares);
             let (point, by_source) = match subject {
-                Subject::Point(pose) => {
+                ReadingSubject::Point(pose) => {
                     let jacobian = position_jacobian(self.machine(m), pose, &errors, &S::LIFT, &self.sources);
                     (jacobian.point, jacobian.derivatives)
                 }
-                Subject::Error(source) => {
+                ReadingSubject::Error(source) => {
                     let by = |s: &Source| single(if *s == source { S::one() } else { S::zero() });
                     (single(S::LIFT.lift(source, errors.of(source))), self.sources.iter().map(by).collect())
                 }
@@ -360,10 +362,9 @@ impl<'a> Model<'a> {
             let by = |(s, d): (&Source, &Vector3<S>)| observed.slope.of(d, |x| self.slope(*s, x));
             self.by_parameter(&self.sources.iter().zip(by_source).map(by).collect::<Vec<_>>(), shares)
         };
-        // The functions of the pose differ at the two ends of a length.
         let minus =
             |near: Vec<Vector3<f64>>, far: Vec<Vector3<f64>>| near.iter().zip(&far).map(|(a, b)| a - b).collect();
-        Local {
+        Linearisation {
             predicted: observed.value.map(|x| x.total()),
             by_parameter: derivatives.iter().map(by_subject).reduce(minus).unwrap_or_default(),
             by_nuisance: observed.by_unknown,
@@ -371,19 +372,19 @@ impl<'a> Model<'a> {
     }
 }
 
-/// 0 where nothing was measured.
-pub(crate) fn masked(m: &Measurement, v: Vector3<f64>) -> Vector3<f64> {
-    let seen = m.seen();
+/// Sets components that were not read to 0.
+pub(crate) fn zero_unread(m: &Measurement, v: Vector3<f64>) -> Vector3<f64> {
+    let seen = m.reading_mask();
     Vector3::from_fn(|k, _| if seen[k] { v[k] } else { 0.0 })
 }
 
-/// The number of a source among the errors.
+/// Returns the number of a source among the errors.
 fn slot(errors: &mut ErrorValues, source: Source) -> &mut f64 {
     let k = source.direction.index();
     match source.place {
-        ErrorSite::Location(i) if i < errors.axes.len() => &mut errors.axes[i].0[k],
+        ErrorSite::Location(i) if i < errors.axes.len() => &mut errors.axes[i].location[k],
         ErrorSite::Location(_) => &mut errors.spindle.get_or_insert([0.0; 6])[k],
-        ErrorSite::Component(i) => &mut errors.axes[i].1[k],
+        ErrorSite::Component(i) => &mut errors.axes[i].component[k],
         ErrorSite::Tool => &mut errors.tool[k % 3],
         ErrorSite::Workpiece => &mut errors.workpiece[k],
     }

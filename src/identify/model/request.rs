@@ -3,12 +3,13 @@
 //! approach for itself if wanted (`EXX+-:poly3`), and parameters of one's own.
 
 use super::curves::{self, MAX_POWER};
-use super::parameter::{Basis, Parameter, SlopeBound, Term, source};
+use super::parameter::{BasisFunction, Parameter, ParameterTerm, SlopeBound, source};
 use super::refusal::{Refusal, refusal};
 use crate::algebra::linear::Svd;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::identify::data::split_direction;
 use crate::identify::lists::index_of;
+use crate::identify::thresholds::DESIGN_RANK_TOLERANCE;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
     Approach, AxisKind, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, parse_error_name,
@@ -20,7 +21,7 @@ use nalgebra::{DMatrix, DVector};
 /// Groups by name.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 
-/// The parameters that `request` asks for, in its order, each once.
+/// Returns the parameters of a request, in its order, each once.
 pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
     let mut list: Vec<Parameter> = Vec::new();
     // A faulty parameter of one's own is refused whether it is fitted or not.
@@ -28,18 +29,18 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
         own_parameter(machine, name, errors)?;
     }
     for word in &request.fit {
-        for parameter in of_word(machine, word.trim(), request)? {
-            add(&mut list, parameter)?;
+        for parameter in parameters_of_word(machine, word.trim(), request)? {
+            add_unique(&mut list, parameter)?;
         }
     }
     for word in &request.fixed {
-        let fixed = fixed(machine, word.trim(), &list)?;
+        let fixed = fixed_names(machine, word.trim(), &list)?;
         list.retain(|parameter| !fixed.contains(&parameter.name));
     }
     for (follower, leaders) in &request.tied {
         tie(machine, follower, leaders, &mut list)?;
     }
-    restart(machine, &mut list);
+    start_from_file(machine, &mut list);
     if list.is_empty() {
         let help =
             "name errors or groups: `--fit location,tool`, or `identify: { fit: [location] }` in the machine file";
@@ -48,23 +49,27 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
     Ok(list)
 }
 
-/// Slopes of `linear` and parameters of one's own start where the curves of the file are, if these are such sums.
-fn restart(machine: &Machine, list: &mut [Parameter]) {
-    let joint: Vec<usize> = (0..list.len()).filter(|j| [SLOPE, OWN].contains(&kind(&list[*j]))).collect();
+/// Starts slopes of `linear` and parameters of one's own at the curves of the file, if these are such sums.
+fn start_from_file(machine: &Machine, list: &mut [Parameter]) {
+    let joint: Vec<usize> =
+        (0..list.len()).filter(|j| [SLOPE, OWN].contains(&curve_form(&list[*j]).as_str())).collect();
     if joint.is_empty() {
         return;
     }
     let mut powers: Vec<(Source, u8)> = Vec::new();
-    let power = |t: &Term| if let Basis::Power(k) = t.basis { (t.source, k) } else { (t.source, 0) };
+    let power = |t: &ParameterTerm| if let BasisFunction::Power(k) = t.basis { (t.source, k) } else { (t.source, 0) };
     for term in joint.iter().flat_map(|j| &list[*j].terms) {
         let _ = index_of(&mut powers, power(term));
     }
     let factor =
         |j: usize, key: (Source, u8)| list[j].terms.iter().filter(|t| power(t) == key).map(|t| t.factor).sum::<f64>();
     let sums = DMatrix::from_fn(powers.len(), joint.len(), |i, j| factor(joint[j], powers[i]));
-    let given = DVector::from_iterator(powers.len(), powers.iter().map(|key| coefficient(machine, *key)));
+    let given = DVector::from_iterator(
+        powers.len(),
+        powers.iter().map(|(source, power)| coefficient(machine, *source, *power)),
+    );
     let svd = Svd::new(&sums);
-    let starts = svd.solve(&given, svd.rank(1e-9));
+    let starts = svd.solve(&given, svd.rank(DESIGN_RANK_TOLERANCE));
     // Each power against its own size: they differ by the reach of the axis.
     let off = &sums * &starts - &given;
     if off.iter().zip(given.iter()).all(|(off, given)| off.abs() <= 1e-6 * given.abs()) {
@@ -72,8 +77,8 @@ fn restart(machine: &Machine, list: &mut [Parameter]) {
     }
 }
 
-/// A coefficient of the polynomial that the file gives for an error, in both directions; 0 without one.
-fn coefficient(machine: &Machine, (source, power): (Source, u8)) -> f64 {
+/// Returns a coefficient of the polynomial that the file has for an error in both directions; 0 without one.
+fn coefficient(machine: &Machine, source: Source, power: u8) -> f64 {
     let given = machine.errors().find(|(id, _)| self::source(machine, id) == source).map(|(_, term)| term);
     match given {
         Some(ErrorTerm::Component(ComponentError::Single(Curve::Polynomial(list)))) => {
@@ -83,24 +88,28 @@ fn coefficient(machine: &Machine, (source, power): (Source, u8)) -> f64 {
     }
 }
 
-/// The error whose form a word of `fit` says, and that form: `EXX+-:poly3`.
-fn formed(word: &str) -> Option<(ErrorId, &str)> {
+/// Splits a word of `fit` into error and form: `EXX+-:poly3`.
+fn split_form(word: &str) -> Option<(ErrorId, &str)> {
     let (name, form) = word.split_once(':')?;
     let name = name.trim();
     let bare = name.strip_suffix("+-").map_or_else(|| split_direction(name).0, str::trim);
     Some((parse_error_name(bare)?, form.trim()))
 }
 
-/// What the command line fits goes before what the machine file says: list, and forms of curves. Ties and bounds of
-/// what
-/// is then not fitted are left out.
-pub fn overruled(machine: &Machine, mut request: IdentifyEntry, fit: &[String], fixed: &[String]) -> IdentifyEntry {
+/// Replaces the list and the forms of a request by those of the command line. Ties and bounds of errors that are then not
+/// fitted are left out.
+pub fn with_command_line(
+    machine: &Machine,
+    mut request: IdentifyEntry,
+    fit: &[String],
+    fixed: &[String],
+) -> IdentifyEntry {
     request.fixed.extend(fixed.iter().cloned());
     if fit.is_empty() && fixed.is_empty() {
         return request;
     }
     if !fit.is_empty() {
-        fitting(&mut request, fit);
+        replace_fit(&mut request, fit);
     }
     let alone = IdentifyEntry { tied: IndexMap::new(), slopes: IndexMap::new(), ..request.clone() };
     let Ok(list) = parameters(machine, &alone) else { return request };
@@ -116,10 +125,10 @@ pub fn overruled(machine: &Machine, mut request: IdentifyEntry, fit: &[String], 
     request
 }
 
-/// Takes another list, with its forms.
-fn fitting(request: &mut IdentifyEntry, fit: &[String]) {
+/// Replaces the list of a request and the forms of its errors.
+fn replace_fit(request: &mut IdentifyEntry, fit: &[String]) {
     request.fit = fit.to_vec();
-    for (error, form) in fit.iter().filter_map(|word| formed(word.trim())) {
+    for (error, form) in fit.iter().filter_map(|word| split_form(word.trim())) {
         let other = |key: &String| parse_error_name(key).as_ref() != Some(&error);
         request.basis.retain(|key, _| other(key));
         if form.contains(|c: char| c.is_ascii_digit()) {
@@ -128,21 +137,21 @@ fn fitting(request: &mut IdentifyEntry, fit: &[String]) {
     }
 }
 
-/// What the section says of curves and parameters that are not fitted, or not in that way: `knots of EXX`.
-pub fn unused(machine: &Machine, request: &IdentifyEntry, list: &[Parameter]) -> Vec<String> {
+/// Returns the entries of a request without effect, whose curves or parameters are not fitted: `knots of EXX`.
+pub fn unused_entries(machine: &Machine, request: &IdentifyEntry, list: &[Parameter]) -> Vec<String> {
     let fitted = |key: &String, knots: bool| {
         let Some(source) = parse_error_name(key).map(|error| source(machine, &error)) else { return false };
         let mut terms = list.iter().flat_map(|p| &p.terms);
         terms.any(|t| t.source == source && (!knots || t.basis.knots().is_some()))
     };
-    let idle = |word: &str, key: &String| format!("{word} of {}", shown(key));
-    let basis = request.basis.keys().filter(|key| !fitted(key, false)).map(|key| idle("basis", key));
-    let knots = request.knots.keys().filter(|key| !fitted(key, true)).map(|key| idle("knots", key));
+    let entry = |word: &str, key: &String| format!("{word} of {}", shown(key));
+    let basis = request.basis.keys().filter(|key| !fitted(key, false)).map(|key| entry("basis", key));
+    let knots = request.knots.keys().filter(|key| !fitted(key, true)).map(|key| entry("knots", key));
     let own = request.parameters.keys().filter(|name| !list.iter().any(|p| p.name == **name));
     basis.chain(knots).chain(own.map(|name| format!("parameter {}", shown(name)))).collect()
 }
 
-/// The bounds on slopes of fitted curves.
+/// Returns the bounds on slopes of fitted curves.
 pub fn slope_bounds(
     machine: &Machine,
     request: &IdentifyEntry,
@@ -171,15 +180,15 @@ pub fn slope_bounds(
     request.slopes.iter().map(one).collect()
 }
 
-/// The same parameter from two words counts once; two forms of curve may not move the same error.
-fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refusal> {
+/// Adds a parameter unless it is there; refuses two forms of curve for the same error.
+fn add_unique(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refusal> {
     if list.iter().any(|known| known.name == parameter.name) {
         return Ok(());
     }
     let meet = |a: Approach, b: Approach| a == b || a == Approach::Mean || b == Approach::Mean;
     let clash = |known: &&Parameter| {
-        let unlike = kind(known) != kind(&parameter);
-        let at_odds = |a: &Term, b: &Term| {
+        let unlike = curve_form(known) != curve_form(&parameter);
+        let at_odds = |a: &ParameterTerm, b: &ParameterTerm| {
             let unlike = unlike || a.basis.knots() != b.basis.knots() || a.approach != b.approach;
             a.source == b.source && meet(a.approach, b.approach) && unlike
         };
@@ -193,7 +202,7 @@ fn add(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// Lets an error follow another: what moves that one moves this one too.
+/// Ties an error to another: the parameters of that one move this one, too.
 fn tie(
     machine: &Machine,
     follower: &str,
@@ -216,55 +225,60 @@ fn tie(
     }
     let mut followed = false;
     for parameter in list {
-        let copies: Vec<Term> = parameter.terms.iter().filter(|t| t.source == from).cloned().collect();
+        let copies: Vec<ParameterTerm> = parameter.terms.iter().filter(|t| t.source == from).cloned().collect();
         followed |= !copies.is_empty();
-        parameter.terms.extend(copies.into_iter().map(|t| Term { source: to, factor: t.factor * factor, ..t }));
+        parameter.terms.extend(copies.into_iter().map(|t| ParameterTerm {
+            source: to,
+            factor: t.factor * factor,
+            ..t
+        }));
     }
     if followed { Ok(()) } else { Err(refusal(format!("`{own}` follows `{leader}`, which is not fitted"), help)) }
 }
 
-/// Slopes of `linear`, and parameters of one's own, among the forms of curves.
-const SLOPE: u8 = 4;
-const OWN: u8 = 5;
-
-/// Form of curve to which a parameter belongs.
-fn kind(parameter: &Parameter) -> u8 {
+/// Returns the form of curve to which a parameter belongs, in the words of a request.
+fn curve_form(parameter: &Parameter) -> String {
+    let has_power = || parameter.terms.iter().any(|t| matches!(t.basis, BasisFunction::Power(_)));
     match parameter.terms.first().map(|t| &t.basis) {
-        _ if parameter.name.ends_with(":slope") => SLOPE,
-        _ if !parameter.name.contains(':') && parameter.terms.iter().any(|t| matches!(t.basis, Basis::Power(_))) => OWN,
-        Some(Basis::Power(_)) => 1,
-        Some(Basis::Cosine(_) | Basis::Sine(_)) => 2,
-        Some(Basis::Spline(Curve::Linear(_))) => 3,
-        Some(Basis::Spline(Curve::BSpline(spline))) => 6 + spline.degree() as u8,
-        Some(Basis::Spline(_)) => 6,
-        _ => 0,
+        _ if parameter.name.ends_with(":slope") => SLOPE.to_owned(),
+        _ if !parameter.name.contains(':') && has_power() => OWN.to_owned(),
+        Some(BasisFunction::Power(_)) => "poly".to_owned(),
+        Some(BasisFunction::Cosine(_) | BasisFunction::Sine(_)) => "fourier".to_owned(),
+        Some(BasisFunction::Spline(Curve::Linear(_))) => "blocks".to_owned(),
+        Some(BasisFunction::Spline(Curve::BSpline(spline))) => format!("bspline/{}", spline.degree()),
+        Some(BasisFunction::Spline(_)) => "spline".to_owned(),
+        _ => "constant".to_owned(),
     }
 }
 
-/// Names of the parameters that a word of `fixed` takes out.
-fn fixed(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String>, Refusal> {
+/// Forms of slopes of `linear`, and of parameters of one's own.
+const SLOPE: &str = "linear";
+const OWN: &str = "own";
+
+/// Returns the names of the parameters that a word of `fixed` removes.
+fn fixed_names(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String>, Refusal> {
     if GROUPS.contains(&word) {
-        return Ok(of_word(machine, word, &IdentifyEntry::default())?.into_iter().map(|p| p.name).collect());
+        return Ok(parameters_of_word(machine, word, &IdentifyEntry::default())?.into_iter().map(|p| p.name).collect());
     }
     if list.iter().any(|p| p.name == word) {
         return Ok(vec![word.to_owned()]);
     }
-    // Of what is not fitted there is nothing to take out.
+    // A known name that is not fitted removes nothing.
     let of_setup = setup(machine, ErrorSite::Tool, "tool", &machine.setup().tool).into_iter().chain(setup(
         machine,
         ErrorSite::Workpiece,
         "workpiece",
         &machine.setup().workpiece,
     ));
-    if formed(word).is_some() || of_setup.into_iter().any(|p| p.name == word) {
+    if split_form(word).is_some() || of_setup.into_iter().any(|p| p.name == word) {
         return Ok(Vec::new());
     }
     let error = error(machine, word)?;
-    let moved = |p: &&Parameter| p.terms.first().is_some_and(|t| t.source == source(machine, &error));
-    Ok(list.iter().filter(moved).map(|p| p.name.clone()).collect())
+    let moves_error = |p: &&Parameter| p.terms.first().is_some_and(|t| t.source == source(machine, &error));
+    Ok(list.iter().filter(moves_error).map(|p| p.name.clone()).collect())
 }
 
-fn of_word(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
+fn parameters_of_word(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
     match word {
         "location" => Ok(machine.axes().iter().enumerate().flat_map(|(i, _)| six(machine, i)).collect()),
         "spindle" if machine.spindle_errors().is_none() => {
@@ -274,11 +288,11 @@ fn of_word(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec
         "tool" => Ok(setup(machine, ErrorSite::Tool, "tool", &machine.setup().tool)),
         "workpiece" => Ok(setup(machine, ErrorSite::Workpiece, "workpiece", &machine.setup().workpiece)),
         "linear" => Ok(linear(machine)),
-        _ => single(machine, word, request),
+        _ => parameters_of_error(machine, word, request),
     }
 }
 
-/// The six location errors of a joint.
+/// Returns the six location errors of a joint.
 fn six(machine: &Machine, joint: usize) -> impl Iterator<Item = Parameter> + '_ {
     let name = match machine.axes().get(joint) {
         Some(axis) => Some(&axis.name),
@@ -295,14 +309,14 @@ fn six(machine: &Machine, joint: usize) -> impl Iterator<Item = Parameter> + '_ 
 
 fn location(machine: &Machine, error: &ErrorId) -> Parameter {
     let term = |id: &ErrorId| machine.errors().find(|(known, _)| known == id).map(|(_, term)| term.clone());
-    let start = term(error).map_or(0.0, |term| term.value(0.0, Approach::Mean));
-    Parameter::single(machine, error.to_string(), source(machine, error), Basis::Constant, start)
+    let start = term(error).map_or(0.0, |term| term.value(&0.0.into()));
+    Parameter::single(machine, error.to_string(), source(machine, error), BasisFunction::Constant, start)
 }
 
 fn setup(machine: &Machine, place: ErrorSite, word: &str, starts: &[f64]) -> Vec<Parameter> {
     let one = |(start, direction): (&f64, Direction)| {
         let source = Source { place, direction };
-        Parameter::single(machine, format!("{word}.{}", direction.letter()), source, Basis::Constant, *start)
+        Parameter::single(machine, format!("{word}.{}", direction.letter()), source, BasisFunction::Constant, *start)
     };
     starts.iter().zip(Direction::ALL).map(one).collect()
 }
@@ -322,9 +336,9 @@ fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refusal> {
     Ok(error)
 }
 
-/// One error, with the basis that stands behind it, in `identify.basis`, or usual for the axis; or a parameter of
-/// one's own.
-fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
+/// Returns the parameters of one error, with the basis behind its name, in `identify.basis`, or usual for the axis; or a
+/// parameter of one's own.
+fn parameters_of_error(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
     if let Some(errors) = request.parameters.get(word) {
         return Ok(vec![own_parameter(machine, word, errors)?]);
     }
@@ -332,12 +346,13 @@ fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<
     let both = name.strip_suffix("+-").map(str::trim);
     let (bare, approach) = both.map_or_else(|| split_direction(name), |bare| (bare, None));
     let error = error(machine, bare)?;
-    let listed = request.basis.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
-    if let Some((said, (_, listed))) = form.zip(listed).filter(|(said, (_, listed))| said != listed) {
-        let message = format!("`{error}` is fitted as `{}`, and its basis is `{}`", shown(said), shown(listed));
+    let is_key = |key: &String| parse_error_name(key).as_ref() == Some(&error);
+    let listed = request.basis.iter().find(|(key, _)| is_key(key)).map(|(_, form)| form.as_str());
+    if let Some((own, listed)) = form.zip(listed).filter(|(own, listed)| own != listed) {
+        let message = format!("`{error}` is fitted as `{}`, and its basis is `{}`", shown(own), shown(listed));
         return Err(refusal(message, "give the form once: in `fit`, or in `basis`"));
     }
-    let form = form.or(listed.map(|(_, form)| form.as_str()));
+    let form = form.or(listed);
     if error.is_location() {
         return match form {
             None if bare == name => Ok(vec![location(machine, &error)]),
@@ -347,8 +362,7 @@ fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<
             )),
         };
     }
-    let knots = request.knots.iter().find(|(key, _)| parse_error_name(key).as_ref() == Some(&error));
-    let knots = knots.map(|(_, knots)| knots.as_slice());
+    let knots = request.knots.iter().find(|(key, _)| is_key(key)).map(|(_, knots)| knots.as_slice());
     if both.is_none() {
         return curves::parameters(machine, &error, form, knots, approach.unwrap_or_default());
     }
@@ -357,7 +371,7 @@ fn single(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<
     Ok(list)
 }
 
-/// A parameter of one's own: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`.
+/// Returns a parameter of one's own: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`.
 fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Scalar>>) -> Result<Parameter, Refusal> {
     let help =
         "write coefficients by rising power of the position, in mm and rad: `f1: { EBX: [0, 1], EYX: [0, 0, 0.5] }`";
@@ -367,45 +381,45 @@ fn own_parameter(machine: &Machine, name: &str, errors: &IndexMap<String, Vec<Sc
             help,
         ));
     }
-    let mut terms: Vec<Term> = Vec::new();
-    for (key, powers) in errors {
+    let mut terms: Vec<ParameterTerm> = Vec::new();
+    for (key, coefficients) in errors {
         let error = error(machine, key)?;
-        let source = source(machine, &error);
-        for (k, factor) in powers.iter().enumerate() {
-            let said = || refusal(format!("`{}`: `{factor}` is not a coefficient of `{error}`", shown(name)), help);
-            let factor = curves::plain(factor).ok_or_else(said)?;
-            let power = u8::try_from(k)
-                .ok()
-                .filter(|k| *k <= MAX_POWER && (*k == 0 || !error.is_location()))
-                .ok_or_else(said)?;
+        for (power, coefficient) in coefficients.iter().enumerate() {
+            let refuse =
+                || refusal(format!("`{}`: `{coefficient}` is not a coefficient of `{error}`", shown(name)), help);
+            let factor = curves::plain(coefficient).ok_or_else(refuse)?;
+            let basis = match u8::try_from(power) {
+                Ok(0) if error.is_location() => BasisFunction::Constant,
+                Ok(power) if power <= MAX_POWER && !error.is_location() => BasisFunction::Power(power),
+                _ => return Err(refuse()),
+            };
             if factor != 0.0 {
-                terms.push(Term::new(
-                    source,
-                    if error.is_location() { Basis::Constant } else { Basis::Power(power) },
-                    factor,
-                ));
+                terms.push(ParameterTerm::new(source(machine, &error), basis, factor));
             }
         }
     }
     let Some(main) = terms.first().cloned() else {
         return Err(refusal(format!("`{}` moves no error", shown(name)), help));
     };
-    let power = if let Basis::Power(k) = main.basis { k } else { 0 };
+    let power = if let BasisFunction::Power(k) = main.basis { k } else { 0 };
     Ok(Parameter::of_terms(machine, name.to_owned(), main.source, power, terms, 0.0))
 }
 
-/// The 2015 paper's parametrisation of every linear axis: positioning and the three angles grow with the
+/// Returns the 2015 paper's parametrisation of every linear axis: positioning and the three angles grow with the
 /// position, and straightness is the integral of the angles (the Abbe principle): `(e x u) q^2 / 2`.
 fn linear(machine: &Machine) -> Vec<Parameter> {
     let slides = machine.axes().iter().enumerate().filter(|(_, axis)| axis.kind == AxisKind::Linear);
     slides.flat_map(|(i, axis)| slopes(machine, i, axis.direction)).collect()
 }
 
+/// Returns the four slopes of a linear axis along the unit vector `u`: positioning, and the three angles with the
+/// straightness that they cause.
 fn slopes(machine: &Machine, axis: usize, u: [f64; 3]) -> Vec<Parameter> {
     let name = &machine.axes()[axis].name;
     let at = |direction| Source { place: ErrorSite::Component(axis), direction };
-    let term = |k: usize, power, factor: f64| Term::new(at(Direction::ALL[k]), Basis::Power(power), factor);
-    let parameter = |main: Direction, terms: Vec<Term>| {
+    let term =
+        |k: usize, power, factor: f64| ParameterTerm::new(at(Direction::ALL[k]), BasisFunction::Power(power), factor);
+    let parameter = |main: Direction, terms: Vec<ParameterTerm>| {
         let error = ErrorId { axis: name.clone(), family: ErrorFamily::Component, direction: main };
         let terms = terms.into_iter().filter(|t| t.factor != 0.0).collect();
         Parameter::of_terms(machine, format!("{error}:slope"), at(main), 1, terms, 0.0)

@@ -2,7 +2,7 @@
 //! the temperature of the material, the set-up.
 
 use super::observation::rotation_to;
-use super::prediction::Model;
+use super::prediction::FitModel;
 use super::refusal::Refusal;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Frame;
@@ -33,7 +33,7 @@ pub enum SharedEffect {
 
 /// Readings that share an offset: one component of one kind in one frame, or one error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Channel {
+pub(crate) struct OffsetChannel {
     kind: ReadingKind,
     component: usize,
     frame: Option<Frame>,
@@ -76,28 +76,33 @@ fn effect(words: &str) -> Option<SharedEffect> {
 impl SharedEffect {
     /// Returns what one standard uncertainty changes of a reading (mm, in its frame) of the machine with these
     /// unknowns, by channel (`None`: common to all).
-    pub(crate) fn of(self, model: &Model<'_>, m: &Measurement, theta: &[f64]) -> Vec<(Option<Channel>, Vector3<f64>)> {
+    pub(crate) fn of(
+        self,
+        model: &FitModel<'_>,
+        m: &Measurement,
+        theta: &[f64],
+    ) -> Vec<(Option<OffsetChannel>, Vector3<f64>)> {
         match self {
-            Self::Scale(ratio) => vec![(None, scaled(model, m, theta) * ratio)],
+            Self::Scale(ratio) => vec![(None, length_of_reading(model, m, theta) * ratio)],
             Self::Offset(size) => channels(m).map(|of| (Some(of), Vector3::ith(of.component, size))).collect(),
         }
     }
 }
 
-/// The channels of a reading; of an angle none, a length says nothing of it.
-fn channels(m: &Measurement) -> impl Iterator<Item = Channel> {
+/// Returns the channels of a reading; of an angle none, a length says nothing of it.
+fn channels(m: &Measurement) -> impl Iterator<Item = OffsetChannel> {
     let kind = m.kind();
     let (frame, source) = match &m.reading {
         Reading::Deviation { frame, .. } => (Some(*frame), None),
         Reading::Error { source, .. } => (None, Some(*source)),
         Reading::Position { .. } | Reading::Distance { .. } | Reading::Along { .. } => (None, None),
     };
-    let read = m.seen().into_iter().enumerate().filter(move |(_, seen)| *seen && kind != ReadingKind::Angle);
-    read.map(move |(component, _)| Channel { kind, component, frame, source })
+    let read = m.reading_mask().into_iter().enumerate().filter(move |(_, seen)| *seen && kind != ReadingKind::Angle);
+    read.map(move |(component, _)| OffsetChannel { kind, component, frame, source })
 }
 
-/// The length that a reading measures, from the workpiece origin on.
-fn scaled(model: &Model<'_>, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
+/// Returns the length that a reading measures, from the workpiece origin on.
+fn length_of_reading(model: &FitModel<'_>, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
     let nominal = || NominalPose::in_part(model.machine(m), &m.pose);
     match &m.reading {
         Reading::Deviation { frame, .. } => {
@@ -107,7 +112,7 @@ fn scaled(model: &Model<'_>, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
         Reading::Position { .. } => nominal().pose.translation,
         Reading::Distance { zero, .. } => {
             let constant = zero.map_or(0.0, |zero| theta[model.own() + zero]);
-            Vector3::new(model.predicted(m, theta).x + constant, 0.0, 0.0)
+            Vector3::new(model.prediction(m, theta).x + constant, 0.0, 0.0)
         }
         Reading::Along { direction, .. } => Vector3::new(direction.dot(&nominal().pose.translation), 0.0, 0.0),
         Reading::Error { source, .. } => match source.place {

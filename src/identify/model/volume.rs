@@ -1,21 +1,15 @@
 //! Deviations over the volume of the machine and their derivatives by the unknowns, less the rigid motion of the
 //! workpiece frame that takes most of them away: where a workpiece stands is no error of the machine.
 
-use super::prediction::Model;
+use super::prediction::FitModel;
 use crate::algebra::linear::beside;
 use crate::diagnostic::{Place, SourceId};
 use crate::evaluate::{Frame, Order, Poses, Spread};
 use crate::identify::data::{LEVER_MM, Measurement, Reading};
+use crate::identify::thresholds::{MAX_CORNER_AXES, MAX_DEPENDENT_MOTION_SHARE, VOLUME_POSES};
 use crate::machine::{Approach, Machine, Pose};
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
-
-/// Low-discrepancy poses inside the volume.
-const INSIDE: usize = 256;
-/// Most axes whose corners are all among the poses.
-const CORNERED: usize = 6;
-/// Motions shorter than this share of their length before the others were taken off are none of their own.
-const OWN: f64 = 1e-9;
 
 /// Poses over the volume, with every tool and from every side that counts.
 pub(crate) struct Volume {
@@ -32,8 +26,8 @@ pub(crate) struct Volume {
 }
 
 impl Volume {
-    /// The first order of a model, whatever its unknowns are: rigid motions act on the nominal points.
-    pub fn first_order(model: &Model<'_>, data: &[Measurement]) -> Self {
+    /// Returns the first order of a model, whatever its unknowns are: rigid motions act on the nominal points.
+    pub fn first_order(model: &FitModel<'_>, data: &[Measurement]) -> Self {
         let first = model.clone().to_order(Order::Degree(1));
         let theta = vec![0.0; model.parameters().len()];
         let mut volume = Self::of(&first, data, &theta);
@@ -44,10 +38,10 @@ impl Volume {
     }
 
     /// Evaluates a model at `theta`, with the tools of the data.
-    pub fn of(model: &Model<'_>, data: &[Measurement], theta: &[f64]) -> Self {
-        let rows = rows(model, data);
+    pub fn of(model: &FitModel<'_>, data: &[Measurement], theta: &[f64]) -> Self {
+        let rows = volume_measurements(model, data);
         let one = |m: &Measurement| {
-            let deviation = model.predicted(m, theta);
+            let deviation = model.prediction(m, theta);
             let nominal = crate::lower::NominalPose::in_part(model.machine(m), &m.pose).pose.translation;
             (deviation, nominal + deviation, model.rows(m, theta).0)
         };
@@ -64,21 +58,21 @@ impl Volume {
         columns - &self.rigid * self.rigid.tr_mul(columns)
     }
 
-    /// Displacements of the points by linear maps of space: a column for each map.
-    pub fn mapped(&self, maps: &[nalgebra::Matrix3<f64>]) -> DMatrix<f64> {
+    /// Returns the displacements of the points by linear maps of space, over the lever arm: a column for each map.
+    pub fn displacements_by(&self, maps: &[nalgebra::Matrix3<f64>]) -> DMatrix<f64> {
         let centre = middle(&self.points);
         DMatrix::from_fn(3 * self.points.len(), maps.len(), |i, k| {
             (maps[k] * (self.points[i / 3] - centre))[i % 3] / LEVER_MM
         })
     }
 
-    /// Displacements of the points by translations and rotations of the whole: six columns.
+    /// Returns the displacements of the points by rigid motions of the whole: six columns.
     pub fn motions(&self) -> DMatrix<f64> {
         motions(&self.points)
     }
 }
 
-/// The mean of points.
+/// Returns the mean of points.
 pub(crate) fn middle(points: &[Vector3<f64>]) -> Vector3<f64> {
     points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
 }
@@ -88,37 +82,37 @@ fn motions(points: &[Vector3<f64>]) -> DMatrix<f64> {
     let centre = middle(points);
     DMatrix::from_fn(3 * points.len(), 6, |i, k| {
         let axis = Vector3::ith(k % 3, 1.0);
-        let moved = if k < 3 { axis } else { axis.cross(&(points[i / 3] - centre)) / LEVER_MM };
-        moved[i % 3]
+        let displacement = if k < 3 { axis } else { axis.cross(&(points[i / 3] - centre)) / LEVER_MM };
+        displacement[i % 3]
     })
 }
 
-/// Columns that span the same, orthonormal; those that the others make up are left out.
+/// Returns an orthonormal basis of the columns, without columns that depend on the others.
 fn orthonormal(columns: &DMatrix<f64>) -> DMatrix<f64> {
     let mut kept: Vec<DVector<f64>> = Vec::new();
     for column in columns.column_iter() {
         let length = column.norm();
         let rest = beside(column.into_owned(), &kept);
-        if rest.norm() > OWN * length && length > 0.0 {
+        if rest.norm() > MAX_DEPENDENT_MOTION_SHARE * length && length > 0.0 {
             kept.push(rest.normalize());
         }
     }
     DMatrix::from_fn(columns.nrows(), kept.len(), |i, k| kept[k][i])
 }
 
-/// Corners of the volume, and poses inside.
-fn rows(model: &Model<'_>, data: &[Measurement]) -> Vec<Measurement> {
+/// Returns the corners of the volume and poses inside as measurements.
+fn volume_measurements(model: &FitModel<'_>, data: &[Measurement]) -> Vec<Measurement> {
     let machine = &model.machines()[0];
     measurements(model, data, &[corners(machine), inside(machine)].concat())
 }
 
-/// Poses spread evenly over the volume, with every tool of the data and from every side that counts.
-pub(crate) fn volume_poses(model: &Model<'_>, data: &[Measurement]) -> Vec<Measurement> {
+/// Returns poses spread evenly over the volume, with every tool and direction of approach that counts.
+pub(crate) fn volume_poses(model: &FitModel<'_>, data: &[Measurement]) -> Vec<Measurement> {
     measurements(model, data, &inside(&model.machines()[0]))
 }
 
-/// Deviations at poses, with every tool of the data and from every side that counts; nothing is measured in them.
-fn measurements(model: &Model<'_>, data: &[Measurement], poses: &[Pose]) -> Vec<Measurement> {
+/// Returns deviations at poses, with every tool and direction of approach that counts; nothing is measured in them.
+fn measurements(model: &FitModel<'_>, data: &[Measurement], poses: &[Pose]) -> Vec<Measurement> {
     let mut tools: Vec<usize> = data.iter().map(|m| m.tool).collect();
     tools.sort_unstable();
     tools.dedup();
@@ -140,12 +134,12 @@ fn measurements(model: &Model<'_>, data: &[Measurement], poses: &[Pose]) -> Vec<
 
 fn corners(machine: &Machine) -> Vec<Pose> {
     let volume = machine.volume();
-    let count = if volume.len() <= CORNERED { 1_usize << volume.len() } else { 0 };
+    let count = if volume.len() <= MAX_CORNER_AXES { 1_usize << volume.len() } else { 0 };
     let corner =
         |i: usize| volume.iter().enumerate().map(|(k, g)| if i >> k & 1 == 0 { g.min } else { g.max }).collect();
     (0..count).map(corner).collect()
 }
 
 fn inside(machine: &Machine) -> Vec<Pose> {
-    Poses::Spread(Spread::of(machine, INSIDE, 0)).iter().collect()
+    Poses::Spread(Spread::of(machine, VOLUME_POSES, 0)).iter().collect()
 }

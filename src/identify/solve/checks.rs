@@ -1,13 +1,11 @@
 //! Checks after the fit: residuals, outliers, orders apart, and the prediction of data not used.
 
-use super::weighing::{median, solve, standardised};
+use super::weighing::{median, solve, standardise};
 use crate::identify::data::{Measurement, ReadingKind};
-use crate::identify::model::{Model, masked};
+use crate::identify::model::{FitModel, zero_unread};
+use crate::identify::thresholds::{MIN_OUTLIER_MM, OUTLIER_DEVIATIONS};
 use nalgebra::Vector3;
 use rayon::prelude::*;
-
-/// A measurement this many robust standard deviations off (root mean square of its components) is listed.
-const OUTLYING: f64 = 4.0;
 
 /// A measurement that does not fit the others.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +25,7 @@ pub struct Residuals {
     pub before: f64,
     /// RMS with the fitted machine.
     pub after: f64,
-    /// Median of the lengths with the machine as the file says, of readings that it predicts by itself.
+    /// Median length with the machine of the file, over readings that need no instrument unknowns.
     pub typical: f64,
     /// Number and RMS for each kind of rows, with the fitted machine.
     pub kinds: Vec<(ReadingKind, usize, f64)>,
@@ -35,18 +33,18 @@ pub struct Residuals {
     pub outliers: Vec<Outlier>,
     /// RMS of the first-order part of the fitted deviations, of the second, and of all higher ones.
     pub parts: [f64; 3],
-    /// RMS of what the first order alone, and the first two together, leave of the measurements.
-    pub left: [f64; 2],
+    /// RMS of the residuals of the first order alone, and of the first two together.
+    pub truncated: [f64; 2],
 }
 
-/// RMS of vector lengths.
+/// Returns the RMS of vector lengths.
 fn rms(vectors: &[Vector3<f64>]) -> f64 {
     (vectors.iter().map(|v| v.norm_squared()).sum::<f64>() / vectors.len().max(1) as f64).sqrt()
 }
 
 impl Residuals {
     /// Compares the measurements with the machine before and after a fit.
-    pub fn of(model: &Model<'_>, data: &[Measurement], theta: &[f64]) -> Self {
+    pub fn of(model: &FitModel<'_>, data: &[Measurement], theta: &[f64]) -> Self {
         let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
         let (before, after) = (model.residuals(data, &start), model.residuals(data, theta));
         let orders: Vec<[Vector3<f64>; 3]> =
@@ -62,21 +60,21 @@ impl Residuals {
             kinds: kinds(data, &after),
             outliers: outliers(data, &after),
             parts: [part(0), part(1), part(2)],
-            left: [rms(&sum(1)), rms(&sum(2))],
+            truncated: [rms(&sum(1)), rms(&sum(2))],
         }
     }
 }
 
-/// The median length of what does not hang on instruments.
+/// Returns the median length over readings that need no instrument unknowns.
 fn typical(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
     let plain = |kind| !matches!(kind, ReadingKind::Length | ReadingKind::Line);
     let sizes = data.iter().zip(before).filter(|(m, _)| plain(m.kind())).map(|(_, r)| r.norm());
     median(sizes.collect()).0
 }
 
-/// First-order, second-order and higher part of a fitted deviation, where it was measured.
-fn orders(model: &Model<'_>, m: &Measurement, theta: &[f64], residual: &Vector3<f64>) -> [Vector3<f64>; 3] {
-    model.orders(m, theta, &(m.values() - residual)).map(|v| masked(m, v))
+/// Returns the first-order, second-order and higher part of a fitted deviation, in the components read.
+fn orders(model: &FitModel<'_>, m: &Measurement, theta: &[f64], residual: &Vector3<f64>) -> [Vector3<f64>; 3] {
+    model.orders(m, theta, &(m.values() - residual)).map(|v| zero_unread(m, v))
 }
 
 fn kinds(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<(ReadingKind, usize, f64)> {
@@ -87,17 +85,17 @@ fn kinds(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<(ReadingKind, 
 
 fn outliers(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<Outlier> {
     // Residuals of mere rounding have no outliers.
-    let sizes = standardised(data, residuals);
+    let sizes = standardise(data, residuals);
     let one = |(row, deviations): (usize, f64)| Outlier { row, residual: residuals[row].norm(), deviations };
     let mut found: Vec<Outlier> = sizes.into_iter().enumerate().map(one).collect();
-    found.retain(|o| o.deviations > OUTLYING && o.residual > 1e-6);
+    found.retain(|o| o.deviations > OUTLIER_DEVIATIONS && o.residual > MIN_OUTLIER_MM);
     found.sort_by(|a, b| b.deviations.total_cmp(&a.deviations));
     found
 }
 
-/// RMS (mm) of the prediction of data that the fit has not seen: every measurement is left out once, in
-/// `folds` parts taken in turn. `None` with fewer than two parts or measurements than parts.
-pub fn held_out(model: &Model<'_>, data: &[Measurement], folds: usize, robust: bool) -> Option<f64> {
+/// Returns the RMS (mm) of the prediction of data that the fit did not use (cross-validation): every measurement is left
+/// out once, in `folds` parts. `None` with fewer than two parts or measurements than parts.
+pub fn held_out(model: &FitModel<'_>, data: &[Measurement], folds: usize, robust: bool) -> Option<f64> {
     if folds < 2 || folds > data.len() {
         return None;
     }
@@ -107,6 +105,6 @@ pub fn held_out(model: &Model<'_>, data: &[Measurement], folds: usize, robust: b
         let (held, used) = (bare(held), bare(used));
         model.residuals(&held, &solve(model, &used, robust).theta)
     };
-    let left: Vec<Vector3<f64>> = (0..folds).flat_map(part).collect();
-    Some(rms(&left))
+    let residuals: Vec<Vector3<f64>> = (0..folds).flat_map(part).collect();
+    Some(rms(&residuals))
 }

@@ -1,17 +1,19 @@
 //! The covariance of the unknowns by what all readings share.
 
-use super::fit::Fit;
+use super::fit::ParameterFit;
 use super::solution::Solution;
-use super::sums::summed;
+use super::sums::parallel_sum;
 use crate::identify::data::Measurement;
-use crate::identify::model::{Channel, Model, TypeB};
+use crate::identify::model::{FitModel, OffsetChannel, TypeB};
 use nalgebra::{DMatrix, DVector};
 
-/// Returns the covariance of the unknowns, in their units, that uncertainties of type B make, each to first order.
+/// Returns the covariance of the unknowns, in their units, by uncertainties of type B: `sum (C J^T s) (C J^T s)^T` over
+/// the effects s of one standard uncertainty each, in every channel, on the readings.
 pub fn common(
-    model: &Model<'_>,
+    model: &FitModel<'_>,
     data: &[Measurement],
-    (fit, solution): (&Fit, &Solution),
+    fit: &ParameterFit,
+    solution: &Solution,
     all: &[TypeB],
 ) -> DMatrix<f64> {
     let count = fit.theta.len();
@@ -25,17 +27,17 @@ pub fn common(
             }
         }
     };
-    let shifts = summed((data, &fit.weights), Shifts::default, add, |sums, more| sums.plus(more, count));
+    let shifts = parallel_sum(data, &fit.weights, Shifts::default, add, |sums, more| sums.plus(more, count));
     if shifts.columns.is_empty() {
         return DMatrix::zeros(count, count);
     }
-    let root = solution.unit_root();
-    let moved = &root * root.tr_mul(&DMatrix::from_columns(&shifts.columns));
-    &moved * moved.transpose()
+    let root = solution.covariance_root();
+    let effects = &root * root.tr_mul(&DMatrix::from_columns(&shifts.columns));
+    &effects * effects.transpose()
 }
 
 /// An uncertainty, by its index, in one channel.
-type Cause = (usize, Option<Channel>);
+type Cause = (usize, Option<OffsetChannel>);
 
 /// Products of the unknowns' effects on the readings with one standard uncertainty of each cause.
 #[derive(Default)]
@@ -45,7 +47,7 @@ struct Shifts {
 }
 
 impl Shifts {
-    /// The column of a cause.
+    /// Returns the column of a cause.
     fn column(&mut self, cause: Cause, unknowns: usize) -> &mut DVector<f64> {
         let known = self.causes.iter().position(|of| *of == cause);
         let k = known.unwrap_or_else(|| {

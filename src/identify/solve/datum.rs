@@ -1,85 +1,72 @@
-//! The datum of the errors. Curves of all axes hold the rigid motions of the whole and the choice of every axis's zero:
-//! directions that change nothing but where the workpiece stands. Conditions on the curves (their line, their zero)
+//! The datum of the errors. Curves of all axes include the rigid motions of the whole and the choice of every axis's
+//! zero: directions that only move the workpiece frame. Conditions on the curves (their line, their zero)
 //! choose among these equivalent machines; nothing that is predicted changes but by a rigid motion. Values and
 //! covariance are those of the S-transformation (Baarda 1973) to these conditions, carried on to the exact model.
 
-use super::fit::Fit;
-use super::solution::Solution;
-use crate::algebra::linear::{Svd, Triangle, beside};
+use super::fit::ParameterFit;
+use super::solution::{DatumTransform, Solution};
+use crate::algebra::linear::{ReducedSystem, Svd, Triangle, beside, over_columns};
 use crate::identify::data::{LEVER_MM, Measurement, lever};
-use crate::identify::model::{Basis, Model, Parameter, Term, Volume, middle, share};
+use crate::identify::model::{
+    BasisFunction, FitModel, Parameter, ParameterTerm, Volume, approach_weight, middle, sizes,
+};
+use crate::identify::thresholds::*;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, Axis, AxisKind, Direction};
 use crate::syntax::{DatumEntry, DatumLine, DatumZero, SquarenessSite};
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
-/// Combinations whose effect on the volume is below this share of the largest only move the workpiece frame.
-const RIGID: f64 = 1e-8;
-/// What turns with a rotary axis moves the workpiece frame if all but this share of it does.
-const NEAR: f64 = 2e-2;
-/// A condition that the others leave less of than this share is theirs.
-const DEPENDENT: f64 = 1e-5;
-/// Rounds in which the exact model follows.
-const ROUNDS: usize = 4;
-/// An unknown of which a unit displacement moves no point by more than this (mm) is without effect.
-const IDLE: f64 = 1e-9;
-/// Singular values below this share of the largest are zero.
-const RANK: f64 = 1e-10;
-/// What the exact model changes beside the first order shows above this share of the largest singular value.
-const LOUD: f64 = 1e-4;
-/// Places of the travel at which a curve is looked at.
-const SITES: usize = 64;
-
 /// The conditions of a datum.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Conditions {
+pub struct DatumConditions {
     /// The datum as the file chooses it.
     pub entry: DatumEntry,
-    /// Location errors that the others suffice without: they stay at their start where nothing tells them apart.
-    pub spare: Vec<String>,
+    /// Location errors that are redundant beside the others: they stay at their start.
+    pub redundant_locations: Vec<String>,
 }
 
-/// The motion that a datum took out of a fit.
+/// The rigid motion that a datum removed from a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moved {
+pub struct RigidMotionRemoved {
     /// Number of conditions.
     pub conditions: usize,
-    /// The translation of the workpiece frame that was taken out of the errors, mm.
+    /// Translation of the workpiece frame, mm.
     pub translation: [f64; 3],
-    /// The rotation that was taken out, rad about the middle of the volume.
+    /// Rotation about the middle of the volume, rad.
     pub rotation: [f64; 3],
-    /// True if curves took out what readings hardly notice: the noise may have drawn that out far beyond what the
-    /// linear problem at the fit holds for.
-    pub far: bool,
+    /// True if curves removed directions that readings see weakly. Noise may have drawn these beyond the range in which
+    /// the linear problem at the fit holds.
+    pub removes_weak: bool,
 }
 
-/// Puts a fit with error curves into a datum; `None` if no curve is fitted, or the datum is free.
+/// Transforms a fit with error curves to a datum; `None` if no curve is fitted, or the datum is free.
 pub fn in_datum(
-    model: &Model<'_>,
+    model: &FitModel<'_>,
     data: &[Measurement],
-    fit: &Fit,
+    fit: &ParameterFit,
     solution: &Solution,
-    conditions: &Conditions,
-) -> Option<(Solution, Moved)> {
+    conditions: &DatumConditions,
+) -> Option<(Solution, RigidMotionRemoved)> {
     let parameters = model.parameters();
     let DatumEntry { line, zero, .. } = conditions.entry;
     let curved = |p: &Parameter| p.terms.iter().any(|t| matches!(t.source.place, ErrorSite::Component(_)));
     if !parameters.iter().any(curved) || (line == DatumLine::Free && zero == DatumZero::Free) {
         return None;
     }
-    let free = Gauge::of(model, data)?;
+    let gauge = Gauge::of(model, data)?;
     let mut rows = conditions_of(model, conditions);
     for row in &mut rows {
-        row.iter_mut().zip(&free.errors).filter(|(_, error)| !**error).for_each(|(x, _)| *x = 0.0);
+        row.iter_mut().zip(&gauge.errors).filter(|(_, error)| !**error).for_each(|(x, _)| *x = 0.0);
     }
-    let chosen = free.independent(&rows);
+    let chosen = gauge.independent(&rows);
     if chosen.nrows() == 0 {
         return None;
     }
-    let shift = free.shift(&chosen);
-    let map = free.map(&fit.reduced.r, &chosen, &shift);
-    let (theta, moved) = free.carried(model, data, fit, &solution.theta(), &chosen, &map);
-    Some((solution.clone().moved((&map, &theta), (fit, parameters), free.near), moved))
+    let shift = gauge.shift(&chosen);
+    let map = gauge.map(&fit.reduced.r, &chosen, &shift);
+    let (theta, removed) = gauge.exact_values(model, data, fit, &solution.theta(), &chosen, &map);
+    let transform = DatumTransform { map: &map, theta: &theta, fixes_weak: gauge.has_weak };
+    Some((solution.clone().in_datum(&transform, fit, parameters), removed))
 }
 
 /// Combinations of the machine's errors that only move the workpiece frame.
@@ -92,42 +79,39 @@ struct Gauge {
     sizes: DVector<f64>,
     /// Columns: combinations (of displacements).
     basis: DMatrix<f64>,
-    /// True if some of them move it but for a small share.
-    near: bool,
+    /// True if some of them only nearly are rigid motions, so that readings see them weakly.
+    has_weak: bool,
 }
 
 impl Gauge {
-    fn of(model: &Model<'_>, data: &[Measurement]) -> Option<Self> {
+    fn of(model: &FitModel<'_>, data: &[Measurement]) -> Option<Self> {
         let parameters = model.parameters();
-        let sizes = DVector::from_iterator(parameters.len(), parameters.iter().map(|p| p.size));
+        let sizes = sizes(parameters);
         let volume = Volume::first_order(model, data);
-        // A curve without any effect is no matter of the datum.
+        // A curve without effect on the volume has no datum, and follows no other error.
         let effect = |j: usize| volume.jacobian.column(j).norm() / sizes[j];
         let error = |j: usize| match parameters[j].terms.first().map(|t| t.source.place) {
             Some(ErrorSite::Location(_)) => true,
-            Some(ErrorSite::Component(_)) => effect(j) > IDLE,
+            Some(ErrorSite::Component(_)) => effect(j) > MAX_IDLE_EFFECT_MM,
             _ => false,
         };
         let errors: Vec<bool> = (0..parameters.len()).map(error).collect();
-        // Nor does such a curve follow the others.
         let follows = |j: &usize| match parameters[*j].terms.first().map(|t| t.source.place) {
             Some(ErrorSite::Tool | ErrorSite::Workpiece) | None => true,
             Some(ErrorSite::Location(_) | ErrorSite::Component(_)) => false,
         };
         let followers: Vec<usize> = (0..errors.len()).filter(follows).collect();
         let own: Vec<usize> = (0..errors.len()).filter(|j| errors[*j]).collect();
-        let jacobian =
-            DMatrix::from_fn(volume.jacobian.nrows(), own.len(), |i, k| volume.jacobian[(i, own[k])] / sizes[own[k]]);
-        let mut triangle = Triangle::new(own.len());
-        volume.deformation(&jacobian).row_iter().for_each(|row| triangle.push(row.iter().copied(), 0.0));
-        let svd = Svd::new(&triangle.finish().r);
+        let jacobian = over_columns(&volume.jacobian, &sizes).select_columns(&own);
+        let effects = volume.deformation(&jacobian);
+        let svd = Svd::new(&ReducedSystem::of(&effects, &DVector::zeros(effects.nrows())).r);
         let mut null: Vec<DVector<f64>> =
-            svd.null_space(svd.rank(RIGID)).column_iter().map(|column| column.into_owned()).collect();
-        let turning = Turning { model, volume: &volume, own: &own, jacobian: &jacobian };
+            svd.null_space(svd.rank(MAX_RIGID_SHARE)).column_iter().map(|column| column.into_owned()).collect();
+        let turning = TurningErrors { model, volume: &volume, own: &own, jacobian: &jacobian };
         let exact = null.len();
         for turning in turning.all() {
             let (rest, length) = (beside(turning.clone(), &null), turning.norm());
-            if rest.norm() > NEAR * length {
+            if rest.norm() > MAX_TURNING_SHARE * length {
                 null.push(rest.normalize());
             }
         }
@@ -138,15 +122,15 @@ impl Gauge {
         for (column, direction) in null.iter().enumerate() {
             own.iter().zip(direction.iter()).for_each(|(j, x)| basis[(*j, column)] = *x);
         }
-        Some(Self { errors, followers, sizes, basis, near: null.len() > exact })
+        Some(Self { errors, followers, sizes, basis, has_weak: null.len() > exact })
     }
 
-    /// Those of the conditions (rows, by displacements) that hold what the ones before leave free.
+    /// Selects the conditions (rows, by displacements) that fix a combination which those before leave free.
     fn independent(&self, rows: &[DVector<f64>]) -> DMatrix<f64> {
         let (mut kept, mut seen): (Vec<&DVector<f64>>, Vec<DVector<f64>>) = (Vec::new(), Vec::new());
         for row in rows {
             let rest = beside(self.basis.tr_mul(row), &seen);
-            if rest.norm() > DEPENDENT * row.norm() && row.norm() > 0.0 && seen.len() < self.basis.ncols() {
+            if rest.norm() > MAX_DEPENDENT_SHARE * row.norm() && row.norm() > 0.0 && seen.len() < self.basis.ncols() {
                 kept.push(row);
                 seen.push(rest.normalize());
             }
@@ -154,7 +138,8 @@ impl Gauge {
         DMatrix::from_fn(kept.len(), self.errors.len(), |i, j| kept[i][j])
     }
 
-    /// Combinations that change each condition by one and the others not: columns, of displacements.
+    /// Returns for each condition the combination that changes it by one and the others not (columns, by
+    /// displacements).
     fn shift(&self, conditions: &DMatrix<f64>) -> DMatrix<f64> {
         let effect = conditions * &self.basis;
         let svd = Svd::new(&effect);
@@ -164,18 +149,17 @@ impl Gauge {
         &self.basis * DMatrix::from_columns(&columns)
     }
 
-    /// The linear map of unknowns to those in the datum: errors move along the combinations, set-ups and instruments
-    /// follow as far as the readings (`r`) see it.
+    /// Returns the linear map of unknowns to those in the datum: errors move along the combinations, set-ups and
+    /// instruments follow as far as the readings (`r`) see it.
     fn map(&self, r: &DMatrix<f64>, conditions: &DMatrix<f64>, shift: &DMatrix<f64>) -> DMatrix<f64> {
         let count = self.errors.len();
         let unit = |m: &DMatrix<f64>| DMatrix::from_fn(count, count, |i, j| m[(i, j)] * self.sizes[j] / self.sizes[i]);
-        let moved = unit(&(shift * conditions));
+        let shifted = unit(&(shift * conditions));
         let others = &self.followers;
-        let columns = DMatrix::from_fn(r.nrows(), others.len(), |i, k| r[(i, others[k])] / self.sizes[others[k]]);
-        let svd = Svd::new(&columns);
-        let rank = svd.rank(RANK);
-        let seen = r * &moved;
-        let mut map = DMatrix::identity(count, count) - &moved;
+        let svd = self.follower_columns(r);
+        let rank = svd.rank(RANK_TOLERANCE);
+        let seen = r * &shifted;
+        let mut map = DMatrix::identity(count, count) - &shifted;
         for j in (0..count).filter(|j| self.errors[*j]) {
             let follow = svd.solve(&seen.column(j).into_owned(), rank);
             others.iter().enumerate().for_each(|(k, o)| map[(*o, j)] += follow[k] / self.sizes[*o]);
@@ -183,75 +167,74 @@ impl Gauge {
         map
     }
 
-    /// The unknowns in the datum by the exact model, and the rigid motion that was taken out.
-    fn carried(
+    /// Decomposes the columns of set-ups and instruments, by displacements, in a triangle of the readings.
+    fn follower_columns(&self, r: &DMatrix<f64>) -> Svd {
+        Svd::new(&over_columns(r, &self.sizes).select_columns(&self.followers))
+    }
+
+    /// Returns the unknowns in the datum by the exact model, and the rigid motion that was removed. `map` is only their
+    /// start: the points must be those of the fit after a rigid motion, which is no linear condition.
+    fn exact_values(
         &self,
-        model: &Model<'_>,
+        model: &FitModel<'_>,
         data: &[Measurement],
-        fit: &Fit,
+        fit: &ParameterFit,
         theta: &[f64],
         conditions: &DMatrix<f64>,
         map: &DMatrix<f64>,
-    ) -> (Vec<f64>, Moved) {
+    ) -> (Vec<f64>, RigidMotionRemoved) {
         let before = Volume::of(model, data, theta);
         let mut theta: Vec<f64> = (map * DVector::from_column_slice(theta)).iter().copied().collect();
         // Errors that keep the conditions.
         let kept = Svd::new(&self.of_errors(conditions)).null_space(conditions.nrows());
         let mut rigid = (Rotation3::identity(), Vector3::zeros());
-        for _ in 0..ROUNDS {
+        for _ in 0..DATUM_ITERATIONS {
             let now = Volume::of(model, data, &theta);
-            let (rest, motion) = aligned(&before.points, &now.points);
+            let (rest, motion) = best_alignment(&before.points, &now.points);
             rigid = motion;
-            let sized =
-                DMatrix::from_fn(now.jacobian.nrows(), theta.len(), |i, j| now.jacobian[(i, j)] / self.sizes[j]);
-            let columns = now.deformation(&(self.of_errors(&sized) * &kept));
-            let mut triangle = Triangle::new(columns.ncols());
-            columns.row_iter().zip(rest.iter()).for_each(|(row, right)| triangle.push(row.iter().copied(), *right));
-            let reduced = triangle.finish();
+            let sized = over_columns(&now.jacobian, &self.sizes);
+            let reduced = ReducedSystem::of(&now.deformation(&(self.of_errors(&sized) * &kept)), &rest);
             let svd = Svd::new(&reduced.r);
-            let step = &kept * svd.solve(&reduced.right, svd.rank(LOUD));
+            let step = &kept * svd.solve(&reduced.right, svd.rank(DATUM_STEP_TOLERANCE));
             let own = (0..theta.len()).filter(|j| self.errors[*j]);
             own.enumerate().for_each(|(k, j)| theta[j] += step[k] / self.sizes[j]);
         }
         self.follow(model, data, fit, &mut theta);
         let (rotation, translation) = rigid;
-        let moved = Moved {
+        let removed = RigidMotionRemoved {
             conditions: conditions.nrows(),
             translation: translation.into(),
             rotation: rotation.scaled_axis().into(),
-            far: self.near,
+            removes_weak: self.has_weak,
         };
-        (theta, moved)
+        (theta, removed)
     }
 
-    /// The columns of the machine's errors.
+    /// Selects the columns of the machine's errors.
     fn of_errors(&self, rows: &DMatrix<f64>) -> DMatrix<f64> {
         let own: Vec<usize> = (0..self.errors.len()).filter(|j| self.errors[*j]).collect();
-        DMatrix::from_fn(rows.nrows(), own.len(), |i, k| rows[(i, own[k])])
+        rows.select_columns(&own)
     }
 
     /// Fits set-ups and instruments to the readings again, the errors held.
-    fn follow(&self, model: &Model<'_>, data: &[Measurement], fit: &Fit, theta: &mut [f64]) {
+    fn follow(&self, model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit, theta: &mut [f64]) {
         let others = &self.followers;
         if others.is_empty() {
             return;
         }
-        for _ in 0..ROUNDS {
+        for _ in 0..DATUM_ITERATIONS {
             let reduced = model.triangle(data, &fit.weights, theta);
-            let columns = DMatrix::from_fn(reduced.r.nrows(), others.len(), |i, k| {
-                reduced.r[(i, others[k])] / self.sizes[others[k]]
-            });
-            let svd = Svd::new(&columns);
-            let step = svd.solve(&reduced.right, svd.rank(RANK));
+            let svd = self.follower_columns(&reduced.r);
+            let step = svd.solve(&reduced.right, svd.rank(RANK_TOLERANCE));
             others.iter().enumerate().for_each(|(k, j)| theta[*j] += step[k] / self.sizes[*j]);
         }
     }
 }
 
-/// What turns with rotary axes, in bases that only come near to sine and cosine (splines): it moves the workpiece frame
-/// but for a small share, which the readings can hardly tell from noise.
-struct Turning<'a> {
-    model: &'a Model<'a>,
+/// Errors that turn with a rotary axis and so move the workpiece frame, but in bases that only come near to sine and
+/// cosine (splines): a small part of them remains, which readings hardly separate from noise.
+struct TurningErrors<'a> {
+    model: &'a FitModel<'a>,
     volume: &'a Volume,
     /// The machine's errors among the unknowns.
     own: &'a [usize],
@@ -259,48 +242,49 @@ struct Turning<'a> {
     jacobian: &'a DMatrix<f64>,
 }
 
-impl Turning<'_> {
-    /// Combinations of the machine's errors, by displacements.
+impl TurningErrors<'_> {
+    /// Returns the nearly rigid combinations of the machine's errors, by displacements.
     fn all(&self) -> Vec<DVector<f64>> {
         let parameters = self.model.parameters();
         let place = |k: usize| parameters[self.own[k]].terms.first().map(|t| t.source.place);
         let located: Vec<usize> =
             (0..self.own.len()).filter(|k| matches!(place(*k), Some(ErrorSite::Location(_)))).collect();
-        let columns = DMatrix::from_fn(self.jacobian.nrows(), located.len(), |i, k| self.jacobian[(i, located[k])]);
-        let locations = self.volume.deformation(&columns);
+        let locations = self.volume.deformation(&self.jacobian.select_columns(&located));
         let svd = Svd::new(&locations);
-        let rank = svd.rank(RANK);
+        let rank = svd.rank(RANK_TOLERANCE);
+        // Adds the location errors that make the effect of a curve as rigid as they can.
         let complete = |curve: DVector<f64>| {
             let effect = self.jacobian * &curve;
-            let left =
+            let deformation =
                 self.volume.deformation(&DMatrix::from_columns(std::slice::from_ref(&effect))).column(0).into_owned();
-            let others = svd.solve(&-&left, rank);
+            let others = svd.solve(&-&deformation, rank);
             let mut whole = curve;
             located.iter().zip(others.iter()).for_each(|(k, x)| whole[*k] += x);
-            (effect.norm() > 0.0 && (left + &locations * others).norm() < NEAR * effect.norm()).then_some(whole)
+            let is_rigid = (deformation + &locations * others).norm() < MAX_TURNING_SHARE * effect.norm();
+            (effect.norm() > 0.0 && is_rigid).then_some(whole)
         };
         self.curves().into_iter().filter_map(complete).collect()
     }
 
-    /// Radial errors and tilts that turn with each rotary axis or against it, as well as the curves hold them.
+    /// Returns the curves of radial errors and tilts that turn with each rotary axis or against it.
     fn curves(&self) -> Vec<DVector<f64>> {
         let axes = self.model.machines()[0].axes().iter().enumerate().filter(|(_, axis)| axis.kind == AxisKind::Rotary);
         let of_axis = |(index, axis)| {
             let conditions = AxisConditions { model: self.model, index, axis };
-            [false, true].into_iter().flat_map(|turns| conditions.turned(turns)).collect::<Vec<_>>()
+            [false, true].into_iter().flat_map(|turns| conditions.turning_curves(turns)).collect::<Vec<_>>()
         };
         let own = |all: DVector<f64>| DVector::from_fn(self.own.len(), |k, _| all[self.own[k]]);
         axes.flat_map(of_axis).map(own).collect()
     }
 }
 
-/// What is left of the way from points to others after the best rigid motion, and that motion: rotation about the
-/// middle, then translation.
-fn aligned(to: &[Vector3<f64>], from: &[Vector3<f64>]) -> (DVector<f64>, (Rotation3<f64>, Vector3<f64>)) {
+/// Fits the best rigid motion of points `from` to points `to`. Returns the residuals (three of each point, mm) and the
+/// motion: rotation about the middle, then translation.
+fn best_alignment(to: &[Vector3<f64>], from: &[Vector3<f64>]) -> (DVector<f64>, (Rotation3<f64>, Vector3<f64>)) {
     let centre = middle(from);
     let (mut rotation, mut translation) = (Rotation3::identity(), Vector3::zeros());
     let mut rest = Vec::new();
-    for _ in 0..ROUNDS {
+    for _ in 0..DATUM_ITERATIONS {
         let place = |p: &Vector3<f64>| rotation * (p - centre) + centre + translation;
         rest = to.iter().zip(from).map(|(to, from)| to - place(from)).collect::<Vec<Vector3<f64>>>();
         let mut triangle = Triangle::new(6);
@@ -314,15 +298,15 @@ fn aligned(to: &[Vector3<f64>], from: &[Vector3<f64>]) -> (DVector<f64>, (Rotati
         }
         let reduced = triangle.finish();
         let svd = Svd::new(&reduced.r);
-        let step = svd.solve(&reduced.right, svd.rank(1e-9));
+        let step = svd.solve(&reduced.right, svd.rank(DESIGN_RANK_TOLERANCE));
         translation += Vector3::new(step[0], step[1], step[2]);
         rotation = Rotation3::new(Vector3::new(step[3], step[4], step[5]) / LEVER_MM) * rotation;
     }
     (DVector::from_fn(3 * rest.len(), |i, _| rest[i / 3][i % 3]), (rotation, translation))
 }
 
-/// The conditions of a datum, rows by displacements of the unknowns, in the order in which they count.
-fn conditions_of(model: &Model<'_>, conditions: &Conditions) -> Vec<DVector<f64>> {
+/// Returns the conditions of a datum (rows, by displacements of the unknowns) in the order in which they count.
+fn conditions_of(model: &FitModel<'_>, conditions: &DatumConditions) -> Vec<DVector<f64>> {
     let machine = &model.machines()[0];
     let axes = machine.axes().iter().enumerate();
     let mut rows: Vec<DVector<f64>> =
@@ -334,8 +318,8 @@ fn conditions_of(model: &Model<'_>, conditions: &Conditions) -> Vec<DVector<f64>
         Some(ErrorSite::Location(i)) => machine.axes().get(i).is_some_and(|axis| axis.kind == AxisKind::Linear),
         _ => false,
     };
-    let spare = |p: &Parameter| location(p) && (conditions.spare.contains(&p.name) || (straight && linear(p)));
-    let held = (0..parameters.len()).filter(|j| spare(&parameters[*j]));
+    let is_redundant = |p: &Parameter| conditions.redundant_locations.contains(&p.name) || (straight && linear(p));
+    let held = (0..parameters.len()).filter(|j| location(&parameters[*j]) && is_redundant(&parameters[*j]));
     rows.extend(held.map(|j| DVector::from_fn(parameters.len(), |k, _| f64::from(u8::from(j == k)))));
     rows.retain(|row| row.norm() > 0.0);
     rows
@@ -343,7 +327,7 @@ fn conditions_of(model: &Model<'_>, conditions: &Conditions) -> Vec<DVector<f64>
 
 /// The conditions on the curves of an axis.
 struct AxisConditions<'a> {
-    model: &'a Model<'a>,
+    model: &'a FitModel<'a>,
     index: usize,
     axis: &'a Axis,
 }
@@ -353,8 +337,9 @@ impl AxisConditions<'_> {
         let along = Vector3::from(self.axis.direction).normalize();
         let across = self.across();
         let at_zero = self.zero(entry.zero);
-        let value =
-            |direction: &Vector3<f64>, turns: bool| at_zero.map(|q| self.weighted(direction, turns, &[q], |_| 1.0));
+        let value = |direction: &Vector3<f64>, turns: bool| {
+            at_zero.map(|q| self.mean_displacement(direction, turns, &[q], |_| 1.0))
+        };
         if self.axis.kind == AxisKind::Linear {
             let angles = (0..3).filter_map(|k| value(&Vector3::ith(k, 1.0), true));
             let straight = across.iter().flat_map(|direction| self.line(direction, entry));
@@ -365,7 +350,7 @@ impl AxisConditions<'_> {
         if entry.line == DatumLine::Free { own.collect() } else { own.chain(turning).collect() }
     }
 
-    /// Two directions across the axis.
+    /// Returns two orthonormal directions across the axis.
     fn across(&self) -> [Vector3<f64>; 2] {
         let along = Vector3::from(self.axis.direction).normalize();
         let least = (0..3).fold(0, |l, k| if along[k].abs() < along[l].abs() { k } else { l });
@@ -373,18 +358,18 @@ impl AxisConditions<'_> {
         [first, along.cross(&first)]
     }
 
-    /// Curves of radial errors, or of tilts, nearest to vectors across the axis that turn with it or against it: by
-    /// displacements.
-    fn turned(&self, turns: bool) -> Vec<DVector<f64>> {
+    /// Returns the curves of radial errors, or of tilts (`turns`), that come nearest to a vector across the axis which
+    /// turns with it or against it, by displacements. Bases that come near to none have none.
+    fn turning_curves(&self, turns: bool) -> Vec<DVector<f64>> {
         let (sites, [first, second]) = (self.sites(), self.across());
         let rows: Vec<DVector<f64>> = sites
             .iter()
-            .flat_map(|q| (0..3).map(|k| self.weighted(&Vector3::ith(k, 1.0), turns, &[*q], |_| 1.0)))
+            .flat_map(|q| (0..3).map(|k| self.mean_displacement(&Vector3::ith(k, 1.0), turns, &[*q], |_| 1.0)))
             .collect();
         let width = self.model.parameters().len();
         let matrix = DMatrix::from_fn(rows.len(), width, |i, j| rows[i][j]);
         let svd = Svd::new(&matrix);
-        let rank = svd.rank(RANK);
+        let rank = svd.rank(RANK_TOLERANCE);
         let nearest = |sense: f64, phase: f64| {
             let vector = |i: usize| {
                 let (sine, cosine) = libm::sincos((sites[i / 3] + phase).to_radians());
@@ -392,12 +377,12 @@ impl AxisConditions<'_> {
             };
             let wanted = DVector::from_fn(rows.len(), |i, _| vector(i));
             let curve = svd.solve(&wanted, rank);
-            ((&matrix * &curve - &wanted).norm() < NEAR * wanted.norm()).then_some(curve)
+            ((&matrix * &curve - &wanted).norm() < MAX_TURNING_SHARE * wanted.norm()).then_some(curve)
         };
         [(1.0, 0.0), (1.0, 90.0), (-1.0, 0.0), (-1.0, 90.0)].into_iter().filter_map(|(s, p)| nearest(s, p)).collect()
     }
 
-    /// The position of the zero.
+    /// Returns the position of the zero.
     fn zero(&self, zero: DatumZero) -> Option<f64> {
         let (min, max) = self.axis.travel.interval();
         let turns = self.axis.kind == AxisKind::Rotary && self.axis.travel == crate::machine::Travel::Continuous;
@@ -410,28 +395,26 @@ impl AxisConditions<'_> {
         }
     }
 
-    /// The straight line of a straightness: where it is, and its slope.
+    /// Returns the straight line of a straightness: where it is, and its slope.
     fn line(&self, direction: &Vector3<f64>, entry: DatumEntry) -> Vec<DVector<f64>> {
         let (min, max) = self.axis.travel.interval();
         let sites = self.sites();
         let relative = |q: f64| (2.0 * q - min - max) / (max - min).max(f64::MIN_POSITIVE);
-        let (mean, slope) = match entry.line {
+        let places = match entry.line {
             DatumLine::Free => return Vec::new(),
-            DatumLine::LeastSquares => {
-                (self.weighted(direction, false, &sites, |_| 1.0), self.weighted(direction, false, &sites, relative))
-            }
-            DatumLine::EndPoints => {
-                let ends = [min, max];
-                (self.weighted(direction, false, &ends, |_| 1.0), self.weighted(direction, false, &ends, relative))
-            }
+            DatumLine::LeastSquares => sites,
+            DatumLine::EndPoints => vec![min, max],
         };
+        let mean = self.mean_displacement(direction, false, &places, |_| 1.0);
+        let slope = self.mean_displacement(direction, false, &places, relative);
         if entry.squareness == SquarenessSite::Straightness { vec![mean] } else { vec![mean, slope] }
     }
 
-    /// Radial errors, or tilts, of a rotary axis: their mean, and what of them turns with the axis or against it.
+    /// Returns the conditions on radial errors, or tilts, of a rotary axis: their mean, and the part that turns with
+    /// the axis or against it, are 0.
     fn turning(&self, across: &[Vector3<f64>; 2], turns: bool) -> Vec<DVector<f64>> {
         let sites = self.sites();
-        let part = |k: usize, of: &dyn Fn(f64) -> f64| self.weighted(&across[k], turns, &sites, of);
+        let part = |k: usize, of: &dyn Fn(f64) -> f64| self.mean_displacement(&across[k], turns, &sites, of);
         let mut rows = vec![part(0, &|_| 1.0), part(1, &|_| 1.0)];
         for sense in [1.0, -1.0] {
             let cosine = |q: f64| libm::cos(q.to_radians());
@@ -444,11 +427,12 @@ impl AxisConditions<'_> {
 
     fn sites(&self) -> Vec<f64> {
         let (min, max) = self.axis.travel.interval();
-        (0..SITES).map(|i| min + (max - min) * (i as f64 + 0.5) / SITES as f64).collect()
+        (0..DATUM_SITES).map(|i| min + (max - min) * (i as f64 + 0.5) / DATUM_SITES as f64).collect()
     }
 
-    /// Weighted mean of the displacements that the unknowns make along a direction.
-    fn weighted(
+    /// Returns for each unknown the weighted mean over positions of the displacement that it makes along (`turns`:
+    /// about) a direction: `1/n sum w(q) e(q) . direction`.
+    fn mean_displacement(
         &self,
         direction: &Vector3<f64>,
         turns: bool,
@@ -456,16 +440,16 @@ impl AxisConditions<'_> {
         weight: impl Fn(f64) -> f64,
     ) -> DVector<f64> {
         let parameters = self.model.parameters();
-        let component = |t: &Term| -> f64 {
+        let component = |t: &ParameterTerm| -> f64 {
             let k = t.source.direction.index();
             let mine = t.source == Source { place: ErrorSite::Component(self.index), direction: Direction::ALL[k] };
             if mine && (k >= 3) == turns { direction[k % 3] } else { 0.0 }
         };
         let value = |p: &Parameter, q: f64| -> f64 {
             let terms = p.terms.iter().map(|t| (component(t), t)).filter(|(c, _)| *c != 0.0);
-            let of = |(c, t): (f64, &Term)| {
-                let basis = if t.basis == Basis::Constant { 1.0 } else { t.basis.value(q) };
-                c * t.factor * share(t.approach, Approach::Mean) * basis * lever(t.source.direction)
+            let of = |(c, t): (f64, &ParameterTerm)| {
+                let basis = if t.basis == BasisFunction::Constant { 1.0 } else { t.basis.value(q) };
+                c * t.factor * approach_weight(t.approach, Approach::Mean) * basis * lever(t.source.direction)
             };
             terms.map(of).sum()
         };

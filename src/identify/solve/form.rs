@@ -1,61 +1,76 @@
 //! The form of an axis beside a fitted curve: straight between knots at even positions over those measured, in and
 //! about every direction.
 
-use super::fit::Fit;
-use super::sums::summed;
+use super::fit::ParameterFit;
+use super::sums::parallel_sum;
 use crate::algebra::linear::Svd;
 use crate::identify::data::{DistanceEnd, Measurement, Reading, lever};
-use crate::identify::model::{Basis, Model, Parameter, Term, volume_poses};
+use crate::identify::model::{BasisFunction, FitModel, Parameter, ParameterTerm, volume_poses};
+use crate::identify::thresholds::*;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Axis, AxisKind, AxisName, Curve, Direction, Knots};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// Number of knots.
-pub(super) const KNOTS: usize = 12;
-/// Positions that an axis must have been measured at, to tell form from curve.
-const FEWEST_PLACES: usize = 6;
-/// Positions nearer to each other than this share of the interval count as one.
-const APART: f64 = 1e-3;
-/// Least share of the travel that they must span.
-const SPAN: f64 = 0.01;
-/// Directions of the unknowns that move the volume by less than this share of the largest do not move it.
-const MOVED: f64 = 1e-6;
-/// Singular values below this share of the largest are zero.
-const RANK: f64 = 1e-9;
+/// Number of knots of a form.
+pub(super) const FORM_KNOTS: usize = 12;
+/// An interval of an axis with even knots.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct KnotInterval {
+    /// First and last knot, mm or deg.
+    pub min: f64,
+    pub max: f64,
+}
+
+impl KnotInterval {
+    fn knot(&self, i: usize) -> f64 {
+        self.min + (self.max - self.min) * i as f64 / (FORM_KNOTS - 1) as f64
+    }
+
+    /// Returns the hat functions of the knots: 1 at one of them, 0 at the others, straight between.
+    fn hats(&self) -> Option<Vec<Curve>> {
+        let one = |k: usize| {
+            let points: Vec<(f64, f64)> =
+                (0..FORM_KNOTS).map(|i| (self.knot(i), f64::from(u8::from(i == k)))).collect();
+            Knots::new(&points, None).ok().map(Curve::Linear)
+        };
+        (0..FORM_KNOTS).map(one).collect()
+    }
+}
 
 /// An axis whose form readings may show.
 pub(super) struct FormedAxis {
-    /// Its place in a pose.
+    /// Its index in a pose.
     index: usize,
     pub name: AxisName,
     pub kind: AxisKind,
-    /// Positions measured: from where to where (mm or deg).
-    pub interval: (f64, f64),
+    /// The positions measured.
+    pub interval: KnotInterval,
     /// One for each knot: 1 there, 0 at the others.
     hats: Vec<Curve>,
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<FormBlock>,
 }
 
 /// The knots of the form in one direction.
-pub(super) struct Block {
+pub(super) struct FormBlock {
     /// The column of the first.
     pub first: usize,
     /// The error.
     source: Source,
-    /// Takes off values at the knots what the fitted curve takes up of them.
-    rest: DMatrix<f64>,
+    /// Projects values at the knots on the complement of the fitted curve.
+    off_curve: DMatrix<f64>,
 }
 
-impl Block {
-    /// Covariance of the values at the knots (mm^2 or rad^2) of a form of unit size (mm, of a rotation at the lever arm
-    /// by which it counts) and of a correlation length that is a share of the interval.
+impl FormBlock {
+    /// Returns the covariance of the values at the knots (mm^2 or rad^2) of a form of unit size (mm; of a rotation at its
+    /// lever arm): `P exp(-d^2 / 2 l^2) P^T` for the distance d of two knots and the correlation length l, both as shares
+    /// of the interval, and the projector P off the fitted curve.
     pub fn kernel(&self, length: f64) -> DMatrix<f64> {
         let near = |i: usize, j: usize| {
-            let steps = (i as f64 - j as f64) / ((KNOTS - 1) as f64 * length);
+            let steps = (i as f64 - j as f64) / ((FORM_KNOTS - 1) as f64 * length);
             libm::exp(-0.5 * steps * steps)
         };
         let unit = lever(self.source.direction);
-        &self.rest * DMatrix::from_fn(KNOTS, KNOTS, near) * self.rest.transpose() / (unit * unit)
+        &self.off_curve * DMatrix::from_fn(FORM_KNOTS, FORM_KNOTS, near) * self.off_curve.transpose() / (unit * unit)
     }
 
     /// True of a rotation.
@@ -65,16 +80,20 @@ impl Block {
 }
 
 /// Returns the axes with enough positions.
-pub(super) fn formed(model: &Model<'_>, data: &[Measurement]) -> Vec<FormedAxis> {
+pub(super) fn axes_with_forms(model: &FitModel<'_>, data: &[Measurement]) -> Vec<FormedAxis> {
     let axes = model.machines().first().map_or(&[][..], |machine| machine.axes());
     let mut first = 0;
     let mut one = |(axis, of): (usize, &Axis)| {
-        let interval = measured(data, axis, of)?;
-        let hats = hats(interval)?;
+        let interval = position_interval(data, axis, of)?;
+        let hats = interval.hats()?;
         let mut block = |direction: &Direction| {
             let source = Source { place: ErrorSite::Component(axis), direction: *direction };
-            first += KNOTS;
-            Block { first: first - KNOTS, source, rest: rest(model.parameters(), source, interval) }
+            first += FORM_KNOTS;
+            FormBlock {
+                first: first - FORM_KNOTS,
+                source,
+                off_curve: off_curve_projector(model.parameters(), source, interval),
+            }
         };
         let blocks = Direction::ALL.iter().map(&mut block).collect();
         Some(FormedAxis { index: axis, name: of.name.clone(), kind: of.kind, interval, hats, blocks })
@@ -82,8 +101,8 @@ pub(super) fn formed(model: &Model<'_>, data: &[Measurement]) -> Vec<FormedAxis>
     axes.iter().enumerate().filter_map(&mut one).collect()
 }
 
-/// The interval of the positions of an axis, if they are enough.
-fn measured(data: &[Measurement], axis: usize, of: &Axis) -> Option<(f64, f64)> {
+/// Returns the interval of the positions of an axis; `None` if they are too few or too near each other.
+fn position_interval(data: &[Measurement], axis: usize, of: &Axis) -> Option<KnotInterval> {
     let mut places: Vec<f64> = Vec::new();
     for m in data {
         places.push(m.pose[axis]);
@@ -93,46 +112,35 @@ fn measured(data: &[Measurement], axis: usize, of: &Axis) -> Option<(f64, f64)> 
     }
     places.sort_by(f64::total_cmp);
     let (min, max) = (*places.first()?, *places.last()?);
-    places.dedup_by(|next, before| *next - *before < APART * (max - min));
+    places.dedup_by(|next, before| *next - *before < SAME_POSITION_SHARE * (max - min));
     let (start, end) = of.travel.interval();
-    (places.len() >= FEWEST_PLACES && max - min >= SPAN * (end - start)).then_some((min, max))
+    (places.len() >= MIN_FORM_POSITIONS && max - min >= MIN_FORM_SPAN_SHARE * (end - start))
+        .then_some(KnotInterval { min, max })
 }
 
-/// The straight curves of the knots over an interval.
-fn hats(interval: (f64, f64)) -> Option<Vec<Curve>> {
-    let one = |k: usize| {
-        let points: Vec<(f64, f64)> = (0..KNOTS).map(|i| (knot(interval, i), f64::from(u8::from(i == k)))).collect();
-        Knots::new(&points, None).ok().map(Curve::Linear)
-    };
-    (0..KNOTS).map(one).collect()
-}
-
-fn knot((min, max): (f64, f64), i: usize) -> f64 {
-    min + (max - min) * i as f64 / (KNOTS - 1) as f64
-}
-
-/// What the fitted curve of an error leaves of values at the knots.
-fn rest(parameters: &[Parameter], source: Source, interval: (f64, f64)) -> DMatrix<f64> {
-    let terms: Vec<&Term> = parameters.iter().flat_map(|p| &p.terms).filter(|term| term.source == source).collect();
-    let identity = DMatrix::identity(KNOTS, KNOTS);
+/// Returns the projector `1 - U U^T` of values at the knots off the space U of the fitted curve of an error.
+fn off_curve_projector(parameters: &[Parameter], source: Source, interval: KnotInterval) -> DMatrix<f64> {
+    let terms: Vec<&ParameterTerm> =
+        parameters.iter().flat_map(|p| &p.terms).filter(|term| term.source == source).collect();
+    let identity = DMatrix::identity(FORM_KNOTS, FORM_KNOTS);
     if terms.is_empty() {
         return identity;
     }
-    // Powers of the share of the interval span what those of the position do.
-    let share = |i: usize| 2.0 * i as f64 / (KNOTS - 1) as f64 - 1.0;
-    let value = |i: usize, basis: &Basis| match basis {
-        Basis::Power(k) => (0..*k).fold(1.0, |power, _| power * share(i)),
-        basis => basis.value(knot(interval, i)),
+    // Powers of the relative position span the same space as those of the position.
+    let relative = |i: usize| 2.0 * i as f64 / (FORM_KNOTS - 1) as f64 - 1.0;
+    let value = |i: usize, basis: &BasisFunction| match basis {
+        BasisFunction::Power(k) => (0..*k).fold(1.0, |power, _| power * relative(i)),
+        basis => basis.value(interval.knot(i)),
     };
-    let curve = DMatrix::from_fn(KNOTS, terms.len(), |i, j| value(i, &terms[j].basis));
+    let curve = DMatrix::from_fn(FORM_KNOTS, terms.len(), |i, j| value(i, &terms[j].basis));
     let svd = Svd::new(&curve);
-    let taken = svd.u.columns(0, svd.rank(RANK));
-    identity - taken * taken.transpose()
+    let curve = svd.u.columns(0, svd.rank(DESIGN_RANK_TOLERANCE));
+    identity - curve * curve.transpose()
 }
 
 /// Sums over the readings, each over the root of its variance.
 pub(super) struct Sums {
-    /// Products of the effects of the knots, and of what the fit leaves (last), on the readings.
+    /// Products of the effects of the knots on the readings, and of the residual (last).
     pub forms: DMatrix<f64>,
     /// Products of the effects of the unknowns (rows) with those.
     pub cross: DMatrix<f64>,
@@ -141,7 +149,7 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    pub fn of(model: &Model<'_>, data: &[Measurement], fit: &Fit, axes: &[FormedAxis]) -> Self {
+    pub fn of(model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit, axes: &[FormedAxis]) -> Self {
         let knots: Vec<Parameter> = axes.iter().flat_map(|axis| axis.parameters(model)).collect();
         let count = knots.len();
         let own = model.own();
@@ -154,17 +162,17 @@ impl Sums {
             let mut effects = forms.rows(m, &theta).0;
             effects.truncate(count);
             effects.push(left);
-            sums.add(&unknowns, &effects, (weight, m.readings()));
+            sums.add(&unknowns, &effects, weight, m.readings());
         };
         let zero = || Self::zero(count + 1, fit.theta.len());
-        let mut sums = summed((data, &fit.weights), zero, add, Self::plus);
+        let mut sums = parallel_sum(data, &fit.weights, zero, add, Self::plus);
         sums.forms.fill_lower_triangle_with_upper_triangle();
         sums.weight /= data.iter().map(Measurement::readings).sum::<usize>().max(1) as f64;
         sums
     }
 
-    /// The same with values known before the data as readings: rows over their standard uncertainty, and what the fit
-    /// misses them by, beside readings that scatter by `sigma` (mm).
+    /// Adds values known before the data as readings: `known` are rows over their standard uncertainty, `missing` the
+    /// residuals of the fit in them; the readings scatter by `sigma` (mm).
     pub fn with_known(mut self, known: &DMatrix<f64>, missing: &DVector<f64>, sigma: f64) -> Self {
         let (last, variance) = (self.forms.ncols() - 1, sigma * sigma);
         let mut residual = self.cross.column_mut(last);
@@ -184,7 +192,7 @@ impl Sums {
 
     /// Adds a measurement, to the upper triangle of `forms` alone. Few knots have an effect on it: two of each block,
     /// or four of a length between poses.
-    fn add(&mut self, unknowns: &[Vector3<f64>], effects: &[Vector3<f64>], (weight, readings): (f64, usize)) {
+    fn add(&mut self, unknowns: &[Vector3<f64>], effects: &[Vector3<f64>], weight: f64, readings: usize) {
         let acting: Vec<usize> = (0..effects.len()).filter(|j| effects[*j] != Vector3::zeros()).collect();
         for (count, j) in acting.iter().enumerate() {
             let effect = effects[*j] * weight;
@@ -197,11 +205,11 @@ impl Sums {
 }
 
 impl FormedAxis {
-    /// The values at the knots as parameters.
-    fn parameters(&self, model: &Model<'_>) -> Vec<Parameter> {
+    /// Returns the values at the knots as parameters.
+    fn parameters(&self, model: &FitModel<'_>) -> Vec<Parameter> {
         let Some(machine) = model.machines().first() else { return Vec::new() };
-        let of = |block: &Block, hat: &Curve| {
-            Parameter::single(machine, String::new(), block.source, Basis::Spline(hat.clone()), 0.0)
+        let of = |block: &FormBlock, hat: &Curve| {
+            Parameter::single(machine, String::new(), block.source, BasisFunction::Spline(hat.clone()), 0.0)
         };
         self.blocks.iter().flat_map(|block| self.hats.iter().map(move |hat| of(block, hat))).collect()
     }
@@ -211,52 +219,53 @@ impl FormedAxis {
 pub(super) struct VolumeForms {
     /// Products of the effects of the knots on the deviations.
     forms: DMatrix<f64>,
-    /// The same of what no values of the unknowns follow.
-    left: DMatrix<f64>,
+    /// The same of the deviations that no values of the unknowns can follow.
+    unfollowed: DMatrix<f64>,
     /// The values of the unknowns that come nearest to each knot (columns). The data determine them.
     pub nearest: DMatrix<f64>,
 }
 
 impl VolumeForms {
-    /// Evaluates the forms beside a fit, with the root of the covariance of its unknowns.
+    /// Evaluates the forms beside a fit; `root` is that of the covariance of its unknowns.
     pub fn of(
-        model: &Model<'_>,
+        model: &FitModel<'_>,
         data: &[Measurement],
-        (fit, root): (&Fit, &DMatrix<f64>),
+        fit: &ParameterFit,
+        root: &DMatrix<f64>,
         axes: &[FormedAxis],
     ) -> Self {
         let mut poses = volume_poses(model, data);
         for m in &mut poses {
-            for FormedAxis { index, interval: (min, max), .. } in axes {
-                m.pose[*index] = m.pose[*index].clamp(*min, *max);
+            for FormedAxis { index, interval, .. } in axes {
+                m.pose[*index] = m.pose[*index].clamp(interval.min, interval.max);
             }
         }
         let weights = vec![1.0; poses.len()];
-        // They are no readings, of which the fit reports its progress.
-        let model = &model.clone().reporting(&|_| ());
-        let moved = model.triangle(&poses, &weights, &fit.theta).r;
-        let Sums { forms, cross, .. } = Sums::of(model, &poses, &Fit { weights, ..fit.clone() }, axes);
-        Self::beside((&moved, root), forms, &cross)
+        // These poses are not readings: they do not count as progress.
+        let model = &model.clone().with_progress(&|_| ());
+        let effects = model.triangle(&poses, &weights, &fit.theta).r;
+        let Sums { forms, cross, .. } = Sums::of(model, &poses, &ParameterFit { weights, ..fit.clone() }, axes);
+        Self::project(&effects, root, forms, &cross)
     }
 
-    /// Projects the forms on what the unknowns do to the deviations (`moved`, a triangle), in the directions of `root`.
-    fn beside((moved, root): (&DMatrix<f64>, &DMatrix<f64>), forms: DMatrix<f64>, cross: &DMatrix<f64>) -> Self {
-        let svd = Svd::new(&(moved * root));
-        let root = root * svd.root_covariance(svd.rank(MOVED));
+    /// Projects the forms on the effects of the unknowns on the deviations (a triangle), in the directions of `root`.
+    fn project(effects: &DMatrix<f64>, root: &DMatrix<f64>, forms: DMatrix<f64>, cross: &DMatrix<f64>) -> Self {
+        let svd = Svd::new(&(effects * root));
+        let root = root * svd.root_covariance(svd.rank(VOLUME_RANK_TOLERANCE));
         let followed = root.tr_mul(cross);
-        Self { left: &forms - followed.tr_mul(&followed), forms, nearest: root * followed }
+        Self { unfollowed: &forms - followed.tr_mul(&followed), forms, nearest: root * followed }
     }
 
-    /// Returns the sums of the squares of the deviations that a block makes at values of this covariance, of what the
-    /// unknowns do not follow, and for a constant of unit size.
-    pub fn squares(&self, block: &Block, covariance: &DMatrix<f64>) -> (f64, f64) {
-        let own = |of: &DMatrix<f64>| of.view((block.first, block.first), (KNOTS, KNOTS)).into_owned();
-        (covariance.component_mul(&own(&self.left)).sum(), own(&self.forms).sum())
+    /// Returns two sums of squares of deviations by a block: of the part that the unknowns cannot follow, for values of
+    /// this covariance, and of a constant of unit size.
+    pub fn squares(&self, block: &FormBlock, covariance: &DMatrix<f64>) -> (f64, f64) {
+        let own = |of: &DMatrix<f64>| of.view((block.first, block.first), (FORM_KNOTS, FORM_KNOTS)).into_owned();
+        (covariance.component_mul(&own(&self.unfollowed)).sum(), own(&self.forms).sum())
     }
 }
 
-/// Selects the rows and columns of a square matrix.
-pub(super) fn selected(of: &DMatrix<f64>, indices: &[usize]) -> DMatrix<f64> {
+/// Returns a square matrix without the rows and columns that are not among `indices`.
+pub(super) fn principal_submatrix(of: &DMatrix<f64>, indices: &[usize]) -> DMatrix<f64> {
     DMatrix::from_fn(indices.len(), indices.len(), |i, j| of[(indices[i], indices[j])])
 }
 
@@ -300,12 +309,12 @@ mod tests {
     #[test]
     fn unknowns_follow_forms_over_the_volume() {
         let wave = |i: usize, j: usize| libm::sin(1.3 * i as f64 + 2.1 * (j * j) as f64 + 0.4);
-        let moved = DMatrix::from_fn(9, 3, |i, j| if j == 2 { 0.0 } else { wave(i, j) });
+        let effects = DMatrix::from_fn(9, 3, |i, j| if j == 2 { 0.0 } else { wave(i, j) });
         let (knots, root) = (DMatrix::from_fn(9, 2, |i, j| wave(i, 5 + j)), DMatrix::from_fn(3, 3, |i, j| wave(j, i)));
-        let triangle = moved.clone().qr().r();
-        let found = VolumeForms::beside((&triangle, &root), knots.tr_mul(&knots), &moved.tr_mul(&knots));
-        let (own, rest) = (moved.columns(0, 2), &knots - &moved * &found.nearest);
+        let triangle = effects.clone().qr().r();
+        let found = VolumeForms::project(&triangle, &root, knots.tr_mul(&knots), &effects.tr_mul(&knots));
+        let (own, rest) = (effects.columns(0, 2), &knots - &effects * &found.nearest);
         assert!(own.tr_mul(&rest).amax() < 1e-12, "{rest}");
-        assert!((rest.tr_mul(&rest) - &found.left).amax() < 1e-12);
+        assert!((rest.tr_mul(&rest) - &found.unfollowed).amax() < 1e-12);
     }
 }

@@ -3,7 +3,7 @@
 //! 1. [`fit()`]: Levenberg-Marquardt with given weights; [`solve()`]: the same with weights by the scatter of the
 //!    readings.
 //! 2. [`Solution`]: rank, null space and uncertainty of a fit.
-//!    [`misfit()`]: what the form of the axes beside the curves adds to it.
+//!    [`form_uncertainty()`]: the uncertainty by the form of the axes beside the curves.
 //! 3. [`Residuals`], [`held_out`], [`randomness()`]: checks of the fit against the data.
 //! 4. [`plan()`]: poses worth measuring, before there are data.
 
@@ -12,7 +12,7 @@ mod common;
 mod datum;
 mod fit;
 mod form;
-mod misfit;
+mod lack_of_fit;
 mod plan;
 mod randomness;
 mod solution;
@@ -22,11 +22,11 @@ mod weighing;
 
 pub use checks::{Outlier, Residuals, held_out};
 pub use common::common;
-pub use datum::{Conditions, Moved, in_datum};
-pub use fit::{Fit, Scatter, fit};
-pub use misfit::{Misfit, misfit};
+pub use datum::{DatumConditions, RigidMotionRemoved, in_datum};
+pub use fit::{ParameterFit, Scatter, fit};
+pub use lack_of_fit::{FormUncertainty, form_uncertainty};
 pub use plan::plan;
-pub use randomness::{Randomness, randomness};
+pub use randomness::{ResidualTest, randomness};
 pub use solution::{Estimate, Solution};
-pub use volume::{Prediction, Spread};
+pub use volume::{DeviationUncertainty, Prediction};
 pub use weighing::solve;

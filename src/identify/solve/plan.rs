@@ -1,35 +1,31 @@
 //! A plan of few poses to measure, such that the parameters are known best. Nothing has to be measured for it.
 
-use super::fit::Fit;
+use super::fit::ParameterFit;
 use super::solution::Solution;
 use crate::diagnostic::{Place, SourceId};
 use crate::evaluate::{Frame, random_poses};
 use crate::identify::data::{Measurement, Reading};
-use crate::identify::model::{Model, invariances};
+use crate::identify::model::{FitModel, invariances};
+use crate::identify::thresholds::{MIN_PRIOR_SIGMA_MM, PLAN_CANDIDATES};
 use nalgebra::{DMatrix, Matrix3};
 
-/// Random poses to choose from, for each tool.
-const CANDIDATES: usize = 500;
-/// Knowledge of a parameter before, as a displacement (mm).
-const BEFORE: f64 = 3.0;
-
-/// Poses worth measuring, and what they will tell.
+/// Poses to measure, and the uncertainties to be expected.
 #[derive(Debug, Clone)]
-pub struct MeasurementPlan {
+pub struct PosePlan {
     /// In the order in which they help most; nothing is measured in them.
     pub poses: Vec<Measurement>,
     /// Uncertainties, rank and null space to be expected; the values are those of the machine file.
     pub expected: Solution,
 }
 
-/// Chooses `count` poses from the volume (and the tools) of the machine, one after the other the one that
-/// shrinks the uncertainty of all parameters together most (the determinant of their covariance), all three
-/// components measured with a standard deviation of `noise` (mm).
-pub fn plan(model: &Model<'_>, count: usize, noise: f64, seed: u64) -> MeasurementPlan {
+/// Chooses `count` poses from the volume (and the tools) of the machine, one after the other: each time the one that
+/// shrinks the determinant of the parameters' covariance most (D-optimality). All three components are measured with a
+/// standard deviation of `noise` (mm).
+pub fn plan(model: &FitModel<'_>, count: usize, noise: f64, seed: u64) -> PosePlan {
     let candidates = candidates(model, seed);
     let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
     let rows: Vec<DMatrix<f64>> = candidates.iter().map(|c| scaled_rows(model, c, &theta, noise)).collect();
-    let mut covariance = DMatrix::identity(theta.len(), theta.len()) * (BEFORE * BEFORE);
+    let mut covariance = DMatrix::identity(theta.len(), theta.len()) * (MIN_PRIOR_SIGMA_MM * MIN_PRIOR_SIGMA_MM);
     let mut poses = Vec::new();
     for _ in 0..count {
         let gain = |rows: &DMatrix<f64>| (Matrix3::identity() + spread(rows, &covariance)).determinant();
@@ -38,14 +34,14 @@ pub fn plan(model: &Model<'_>, count: usize, noise: f64, seed: u64) -> Measureme
         update(&mut covariance, &rows[best.0]);
         poses.push(candidates[best.0].clone());
     }
-    let expected = expected(model, &poses, &theta, noise);
-    MeasurementPlan { poses, expected }
+    let expected = expected_solution(model, &poses, &theta, noise);
+    PosePlan { poses, expected }
 }
 
-fn candidates(model: &Model<'_>, seed: u64) -> Vec<Measurement> {
+fn candidates(model: &FitModel<'_>, seed: u64) -> Vec<Measurement> {
     let place = Place { source: SourceId(0), range: 0..0 };
     let of_tool = |(tool, machine): (usize, &crate::machine::Machine)| {
-        let poses = random_poses(machine, CANDIDATES, seed.wrapping_add(tool as u64));
+        let poses = random_poses(machine, PLAN_CANDIDATES, seed.wrapping_add(tool as u64));
         let place = place.clone();
         let reading = Reading::Deviation { values: [Some(0.0); 3], frame: Frame::Workpiece, zero: [None; 3] };
         let blank = move |pose| Measurement { tool, ..Measurement::new(pose, reading.clone(), place.clone()) };
@@ -54,19 +50,19 @@ fn candidates(model: &Model<'_>, seed: u64) -> Vec<Measurement> {
     model.machines().iter().enumerate().flat_map(of_tool).collect()
 }
 
-/// Derivatives of the three components by the parameters in units of displacement, over the noise.
-fn scaled_rows(model: &Model<'_>, candidate: &Measurement, theta: &[f64], noise: f64) -> DMatrix<f64> {
+/// Returns the derivatives of the three components by displacements of the parameters, over the noise.
+fn scaled_rows(model: &FitModel<'_>, candidate: &Measurement, theta: &[f64], noise: f64) -> DMatrix<f64> {
     let (columns, _) = model.rows(candidate, theta);
     DMatrix::from_fn(3, columns.len(), |i, j| columns[j][i] / model.parameters()[j].size / noise)
 }
 
-/// Covariance of the predicted components, in units of the noise.
+/// Returns the covariance of the predicted components, in units of the noise.
 fn spread(rows: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Matrix3<f64> {
     let spread = rows * covariance * rows.transpose();
     Matrix3::from_fn(|i, j| spread[(i, j)])
 }
 
-/// The covariance after one more measurement.
+/// Updates the covariance by one more measurement (Sherman, Morrison and Woodbury).
 fn update(covariance: &mut DMatrix<f64>, rows: &DMatrix<f64>) {
     let seen = &*covariance * rows.transpose();
     if let Some(inverse) = (Matrix3::identity() + spread(rows, covariance)).try_inverse() {
@@ -75,16 +71,14 @@ fn update(covariance: &mut DMatrix<f64>, rows: &DMatrix<f64>) {
     }
 }
 
-fn expected(model: &Model<'_>, poses: &[Measurement], theta: &[f64], noise: f64) -> Solution {
+fn expected_solution(model: &FitModel<'_>, poses: &[Measurement], theta: &[f64], noise: f64) -> Solution {
     let weights = vec![1.0; poses.len()];
     let reduced = model.triangle(poses, &weights, theta);
-    let bounded = vec![false; theta.len()];
-    let (theta, scatter, freedom, known) = (theta.to_vec(), Vec::new(), Vec::new(), model.known().0);
-    let (squares, shown, steps, settled) = (0.0, 0.0, 0, true);
-    let mut fit = Fit { theta, reduced, squares, weights, scatter, freedom, known, shown, bounded, steps, settled };
+    let blank = ParameterFit::new(model, theta.to_vec(), reduced, weights);
+    let mut fit = ParameterFit { squares: 0.0, converged: true, ..blank };
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
-    let rest = Solution::of(&fit, model.parameters()).freedom.max(1);
+    let rest = Solution::of(&fit, model.parameters()).degrees_of_freedom.max(1);
     fit.squares = noise * noise * rest as f64;
-    let motions = invariances(model, poses).moving;
-    Solution::of(&fit, model.parameters()).compared(model, poses, &fit, &motions)
+    let motions = invariances(model, poses).motion_parameters;
+    Solution::of(&fit, model.parameters()).with_first_order_rank(model, poses, &fit, &motions)
 }

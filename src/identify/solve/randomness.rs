@@ -2,55 +2,48 @@
 //! the order of measurement.
 
 use crate::identify::data::{Measurement, ReadingKind};
+use crate::identify::thresholds::{MIN_SCATTER_MM, MIN_TESTED_RESIDUALS};
 use nalgebra::Vector3;
+use serde::Serialize;
 
-/// Fewer residuals than this tell nothing.
-const FEWEST: usize = 20;
-
-/// Residuals of one component. Probabilities are those of noise looking like this or worse.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Randomness {
-    /// Kind of the rows.
-    pub kind: ReadingKind,
-    /// Component of a deviation; 0 otherwise.
-    pub component: usize,
+/// Tests of residuals for randomness; the probabilities hold if the residuals are noise.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct ResidualTest {
+    /// Readings tested.
+    pub of: String,
     /// Number of residuals.
     pub count: usize,
-    /// Skewness and kurtosis are those of a normal distribution (Jarque and Bera 1980): low with outliers.
+    /// Probability of residuals so far from a normal distribution.
     pub normality: f64,
-    /// Signs change as often as by chance (Wald and Wolfowitz 1940): low with drift, or with a shape not fitted.
+    /// Probability of so few or so many runs of one sign.
     pub runs: f64,
-    /// Correlation of a residual with the one before.
+    /// Correlation of a residual with the one before it.
     pub lag1: f64,
 }
 
-impl Randomness {
-    /// `dx`, `rel.dz`, `tracker.x`, `lengths` ...
-    pub fn name(&self) -> String {
-        let component = ["dx", "dy", "dz"][self.component.min(2)];
-        match self.kind {
-            ReadingKind::Deviation => component.to_owned(),
-            ReadingKind::Relative => format!("rel.{component}"),
-            ReadingKind::Position => format!("tracker.{}", &component[1..]),
-            kind => kind.word().to_owned(),
-        }
+fn name(kind: ReadingKind, component: usize) -> String {
+    let component = ["dx", "dy", "dz"][component.min(2)];
+    match kind {
+        ReadingKind::Deviation => component.to_owned(),
+        ReadingKind::Relative => format!("rel.{component}"),
+        ReadingKind::Position => format!("tracker.{}", &component[1..]),
+        kind => kind.word().to_owned(),
     }
 }
 
-/// The tests for every component that has enough residuals.
-pub fn randomness(data: &[Measurement], residuals: &[Vector3<f64>], weights: &[f64]) -> Vec<Randomness> {
+/// Tests every component that has enough residuals.
+pub fn randomness(data: &[Measurement], residuals: &[Vector3<f64>], weights: &[f64]) -> Vec<ResidualTest> {
     let mut groups: std::collections::BTreeMap<(ReadingKind, usize), Vec<f64>> = std::collections::BTreeMap::new();
     for ((m, r), w) in data.iter().zip(residuals).zip(weights) {
-        for k in (0..3).filter(|k| m.seen()[*k]) {
+        for k in (0..3).filter(|k| m.reading_mask()[*k]) {
             groups.entry((m.kind(), k)).or_default().push(r[k] * libm::sqrt(*w));
         }
     }
     let test = |((kind, component), values): ((ReadingKind, usize), Vec<f64>)| {
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-        // Residuals of mere rounding are no noise.
-        (values.len() >= FEWEST && high - low > 1e-9).then(|| Randomness {
-            kind,
-            component,
+        // Residuals of rounding are not noise.
+        (values.len() >= MIN_TESTED_RESIDUALS && high - low > MIN_SCATTER_MM).then(|| ResidualTest {
+            of: name(kind, component),
             count: values.len(),
             normality: normality(&values),
             runs: runs(&values),
@@ -60,6 +53,7 @@ pub fn randomness(data: &[Measurement], residuals: &[Vector3<f64>], weights: &[f
     groups.into_iter().filter_map(test).collect()
 }
 
+/// Returns the mean and the central moments 2 to 4.
 fn moments(values: &[f64]) -> (f64, [f64; 3]) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -67,14 +61,15 @@ fn moments(values: &[f64]) -> (f64, [f64; 3]) {
     (mean, [moment(2), moment(3), moment(4)])
 }
 
+/// Returns the probability of the Jarque-Bera (1980) statistic `n/6 (skewness^2 + excess^2 / 4)`, chi-squared of two degrees.
 fn normality(values: &[f64]) -> f64 {
     let (_, [second, third, fourth]) = moments(values);
     let (skewness, excess) = (third / (second * libm::sqrt(second)), fourth / (second * second) - 3.0);
     let statistic = values.len() as f64 / 6.0 * (skewness * skewness + excess * excess / 4.0);
-    // Chi-squared with two degrees of freedom.
     libm::exp(-statistic / 2.0)
 }
 
+/// Returns the probability of the number of runs of one sign (Wald and Wolfowitz 1940), normal about `2 a b / n + 1` for a and b of each sign.
 fn runs(values: &[f64]) -> f64 {
     let signs: Vec<bool> = values.iter().map(|v| *v > 0.0).collect();
     let above = signs.iter().filter(|s| **s).count() as f64;
@@ -89,6 +84,7 @@ fn runs(values: &[f64]) -> f64 {
     libm::erfc(z.abs() / std::f64::consts::SQRT_2)
 }
 
+/// Returns the autocorrelation at lag 1.
 fn lag1(values: &[f64]) -> f64 {
     let (mean, [variance, ..]) = moments(values);
     let sum: f64 = values.windows(2).map(|w| (w[0] - mean) * (w[1] - mean)).sum();

@@ -3,14 +3,15 @@
 use crate::identify::data::Measurement;
 use rayon::prelude::*;
 
-/// Measurements that are summed together, at least, and largest number of such sums: neither depends on the number of
-/// threads.
-const TOGETHER: usize = 1024;
-const MOST: usize = 16;
+/// Least number of measurements that are summed in one piece; it does not depend on the number of threads.
+const MIN_PIECE: usize = 1024;
+/// Largest number of pieces.
+const MAX_PIECES: usize = 16;
 
-/// Returns the sum over all measurements, each with its weight: `add` adds one, `plus` takes two sums together.
-pub(super) fn summed<S: Send>(
-    (data, weights): (&[Measurement], &[f64]),
+/// Returns the sum over all measurements with their weights: `add` adds one to a sum, `plus` adds two sums.
+pub(super) fn parallel_sum<S: Send>(
+    data: &[Measurement],
+    weights: &[f64],
     zero: impl Fn() -> S + Sync,
     add: impl Fn(&mut S, &Measurement, f64) + Sync,
     plus: impl Fn(S, S) -> S,
@@ -20,7 +21,7 @@ pub(super) fn summed<S: Send>(
         data.iter().zip(weights).for_each(|(m, weight)| add(&mut sum, m, *weight));
         sum
     };
-    let together = data.len().div_ceil(MOST).max(TOGETHER);
-    let parts: Vec<S> = data.par_chunks(together).zip(weights.par_chunks(together)).map(one).collect();
+    let piece = data.len().div_ceil(MAX_PIECES).max(MIN_PIECE);
+    let parts: Vec<S> = data.par_chunks(piece).zip(weights.par_chunks(piece)).map(one).collect();
     parts.into_iter().fold(zero(), plus)
 }

@@ -1,64 +1,42 @@
 //! Weights of readings. Readings of one quantity scatter alike; those of another have a variance of their own, found by
-//! the fit (Helmert's variance components), unless the files give uncertainties. With robust weights (Huber) readings
-//! that stand out count less, and the uncertainty is that of Huber's estimate.
+//! the fit (Helmert's variance components), unless the files give uncertainties. With robust weights (Huber) outliers
+//! count less, and the uncertainty is that of Huber's estimate.
 
-use super::fit::{Fit, Scatter, Search};
+use super::fit::{FitSearch, ParameterFit, Scatter};
 use crate::algebra::linear::{ReducedSystem, Triangle};
 use crate::identify::data::{Measurement, ReadingKind};
 use crate::identify::lists::index_of;
-use crate::identify::model::Model;
-use nalgebra::{DMatrix, DVector, Vector3};
+use crate::identify::model::{FitModel, sizes};
+use crate::identify::thresholds::*;
+use nalgebra::{DMatrix, Vector3};
 
-/// Huber's constant, in standard deviations of a component.
-const HUBER: f64 = 1.5;
-/// Rounds of reweighting.
-const ROUNDS: usize = 30;
-/// Rounds on the linear problem, between two of the model.
-const BALANCING: usize = 100;
-/// Weights that change by less than this share have settled.
-const SETTLED: f64 = 1e-3;
-/// The median of the absolute value of a normal deviate, in standard deviations.
-const MEDIAN: f64 = 0.6745;
-/// Degrees of freedom of the median of absolute values as a share of those of the standard deviation: 0.37 of many
-/// readings,
-/// more of few, where the upper of two middle values errs to the safe side.
-const EFFICIENCY: f64 = 0.5;
-/// A quantity with less redundancy than this has no variance of its own.
-const REDUNDANT: f64 = 3.0;
-/// Least standard deviation (mm), and as a share of the largest: less is rounding.
-const MIN_SIGMA: (f64, f64) = (1e-9, 1e-3);
-/// Singular values below this share of the largest are zero.
-const RANK: f64 = 1e-10;
-
-/// Fits the unknowns to the data, readings weighed by how they scatter; `robust`: what stands out counts less, so
-/// that a
-/// bumped set-up does not bend the machine.
-pub fn solve(model: &Model<'_>, data: &[Measurement], robust: bool) -> Fit {
-    let search = Search::new(model, data);
+/// Fits the unknowns to the data with weights by the scatter of the readings; `robust` gives outliers less weight.
+pub fn solve(model: &FitModel<'_>, data: &[Measurement], robust: bool) -> ParameterFit {
+    let search = FitSearch::new(model, data);
     let mut found = search.fit();
     let groups = Groups::of(data);
     if groups.kinds.len() < 2 && !robust {
         return found;
     }
     let mut sigmas = vec![1e-3; groups.kinds.len()];
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_REWEIGHTINGS {
         let residuals = robust.then(|| model.residuals(data, &found.theta));
         sigmas = groups.sigmas(model, data, &found, sigmas, residuals.as_deref());
-        let shares = residuals.map_or_else(|| vec![1.0; data.len()], |residuals| shares(data, &residuals));
+        let shares = residuals.map_or_else(|| vec![1.0; data.len()], |residuals| huber_weights(data, &residuals));
         let weights = groups.weights(data, &sigmas, &shares);
         let change = weights.iter().zip(&found.weights).map(|(a, b)| (a - b).abs() / b).fold(0.0, f64::max);
         let steps = found.steps;
-        found = search.again(weights, found.theta);
+        found = search.fit_from(weights, found.theta);
         found.steps += steps;
-        if change < SETTLED {
+        if change < SETTLED_WEIGHT_CHANGE {
             break;
         }
     }
     if groups.kinds.len() > 1 {
-        found.freedom = groups.freedoms(model, data, &found, robust);
+        found.parameter_freedom = groups.parameter_freedom(model, data, &found, robust);
     }
     if robust {
-        huber(model, data, &groups, &sigmas, &mut found);
+        apply_huber_estimate(model, data, &groups, &sigmas, &mut found);
     }
     if groups.kinds.len() > 1 {
         found.scatter = groups.kinds.iter().zip(sigmas).map(|(of, sigma)| Scatter { of: *of, sigma }).collect();
@@ -76,7 +54,7 @@ struct Groups {
 impl Groups {
     fn of(data: &[Measurement]) -> Self {
         let mut kinds = Vec::new();
-        let index = |m: &Measurement| index_of(&mut kinds, (!m.known).then(|| m.kind()));
+        let index = |m: &Measurement| index_of(&mut kinds, (!m.has_uncertainty).then(|| m.kind()));
         let of = data.iter().map(index).collect();
         Self { kinds, of }
     }
@@ -85,13 +63,13 @@ impl Groups {
         (0..self.of.len()).filter(move |i| self.of[*i] == group)
     }
 
-    /// Standard deviation of a reading of each quantity (mm), where it was `before`: from the residuals, of robust
-    /// fits.
+    /// Returns the standard deviation of a reading of each quantity (mm), `before` in the last round. A robust fit takes
+    /// it from the median of the residuals.
     fn sigmas(
         &self,
-        model: &Model<'_>,
+        model: &FitModel<'_>,
         data: &[Measurement],
-        found: &Fit,
+        found: &ParameterFit,
         before: Vec<f64>,
         residuals: Option<&[Vector3<f64>]>,
     ) -> Vec<f64> {
@@ -100,49 +78,62 @@ impl Groups {
         }
         let Some(residuals) = residuals else {
             let weights: Vec<f64> = data.iter().map(|m| m.weight).collect();
-            return balanced(&self.linear(model, data, &weights, found), before);
+            return balance_variances(&self.linear(model, data, &weights, found), before);
         };
         let squares = |g: usize| {
             let (median, count) = median(self.members(g).flat_map(|i| components(&data[i], &residuals[i])).collect());
-            count as f64 * (median / MEDIAN) * (median / MEDIAN)
+            count as f64 * (median / MEDIAN_OVER_SIGMA) * (median / MEDIAN_OVER_SIGMA)
         };
         let linear = self.linear(model, data, &found.weights, found);
-        let used = used(&linear, &vec![1.0; linear.len()]);
-        let parts =
-            linear.iter().zip(used).enumerate().map(|(g, (own, (used, _)))| (squares(g), own.rows as f64 - used));
-        shared(&parts.collect::<Vec<_>>())
+        let parts = residuals_of_quantities(&linear, &vec![1.0; linear.len()]).into_iter().enumerate();
+        let parts = parts.map(|(g, own)| QuantityResidual { squares: squares(g), ..own });
+        sigmas_of_quantities(&parts.collect::<Vec<_>>())
     }
 
-    /// Degrees of freedom of each unknown's variance, which is a sum over the quantities (Welch 1947, Satterthwaite
-    /// 1946).
-    fn freedoms(&self, model: &Model<'_>, data: &[Measurement], found: &Fit, robust: bool) -> Vec<f64> {
-        let (linear, seen) = (self.linear(model, data, &found.weights, found), seen(model, found));
+    /// Returns the degrees of freedom of the variance of each unknown, which is a sum over the quantities:
+    /// `(sum v_g)^2 / sum (v_g^2 / f_g)` (Welch 1947, Satterthwaite 1946).
+    fn parameter_freedom(
+        &self,
+        model: &FitModel<'_>,
+        data: &[Measurement],
+        found: &ParameterFit,
+        robust: bool,
+    ) -> Vec<f64> {
+        let (linear, seen) = (self.linear(model, data, &found.weights, found), visible_directions(model, found));
         let ones = vec![1.0; linear.len()];
-        let rests = linear.iter().zip(used(&linear, &ones)).map(|(own, (used, _))| own.rows as f64 - used);
-        let rests: Vec<f64> = rests.collect();
-        let all = rests.iter().sum::<f64>().max(1.0);
-        let share = if robust { EFFICIENCY } else { 1.0 };
-        let rests: Vec<f64> =
-            rests.iter().map(|rest| if *rest < REDUNDANT { all } else { (rest * share).max(1.0) }).collect();
-        let whole = stacked(&linear, &ones).r;
+        let parts = residuals_of_quantities(&linear, &ones);
+        let all = parts.iter().map(|own| own.redundancy).sum::<f64>().max(1.0);
+        let efficiency = if robust { MEDIAN_EFFICIENCY } else { 1.0 };
+        let freedom = |own: &QuantityResidual| match own.redundancy {
+            few if few < MIN_REDUNDANCY => all,
+            redundancy => (redundancy * efficiency).max(1.0),
+        };
+        let freedoms: Vec<f64> = parts.iter().map(freedom).collect();
+        let whole = stack(&linear, &ones).r;
         let columns = whole.tr_solve_upper_triangular(&seen.transpose());
         let Some(columns) = columns.and_then(|half| whole.solve_upper_triangular(&half)) else { return Vec::new() };
         let parts: Vec<DMatrix<f64>> = linear.iter().map(|own| &own.r * &columns).collect();
         let one = |j: usize| {
             let variances = parts.iter().map(|part| part.column(j).norm_squared());
             let (mut sum, mut squares) = (0.0, 0.0);
-            for (variance, rest) in variances.zip(&rests) {
+            for (variance, freedom) in variances.zip(&freedoms) {
                 sum += variance;
-                squares += variance * variance / rest;
+                squares += variance * variance / freedom;
             }
             if squares > 0.0 { sum * sum / squares } else { all }
         };
         (0..columns.ncols()).map(one).collect()
     }
 
-    /// The linear problem of each quantity at what was found, in the directions that the data see.
-    fn linear(&self, model: &Model<'_>, data: &[Measurement], weights: &[f64], found: &Fit) -> Vec<ReducedSystem> {
-        let seen = seen(model, found);
+    /// Returns the linear problem of each quantity at the fit, in the directions that the data see.
+    fn linear(
+        &self,
+        model: &FitModel<'_>,
+        data: &[Measurement],
+        weights: &[f64],
+        found: &ParameterFit,
+    ) -> Vec<ReducedSystem> {
+        let seen = visible_directions(model, found);
         let one = |g: usize| {
             let (data, weights): (Vec<_>, Vec<_>) = self.members(g).map(|i| (data[i].clone(), weights[i])).unzip();
             let own = model.triangle(&data, &weights, &found.theta);
@@ -151,28 +142,27 @@ impl Groups {
         (0..self.kinds.len()).map(one).collect()
     }
 
-    /// Weights, by the standard deviation (mm) of the quantity as if it was given (in um), and by what counts of each.
-    fn weights(&self, data: &[Measurement], sigmas: &[f64], shares: &[f64]) -> Vec<f64> {
+    /// Returns the weights `w f / s^2` for the standard deviation s (um) of the quantity and a factor f of each reading.
+    fn weights(&self, data: &[Measurement], sigmas: &[f64], factors: &[f64]) -> Vec<f64> {
         let one = |i: usize| {
             let um = sigmas[self.of[i]] * 1e3;
-            data[i].weight * shares[i] / (um * um)
+            data[i].weight * factors[i] / (um * um)
         };
         (0..data.len()).map(one).collect()
     }
 }
 
-/// The directions that the data see, of displacements of unit length: columns.
-fn seen(model: &Model<'_>, found: &Fit) -> DMatrix<f64> {
-    let list = model.parameters();
-    let sizes = DVector::from_iterator(list.len(), list.iter().map(|p| p.size));
+/// Returns the orthonormal directions (columns, by displacements) that the data see, in the units of the unknowns.
+fn visible_directions(model: &FitModel<'_>, found: &ParameterFit) -> DMatrix<f64> {
+    let sizes = sizes(model.parameters());
     let svd = found.reduced.scaled(&sizes);
-    let mut seen = svd.v.columns(0, svd.rank(RANK)).into_owned();
+    let mut seen = svd.v.columns(0, svd.rank(RANK_TOLERANCE)).into_owned();
     seen.row_iter_mut().zip(sizes.iter()).for_each(|(mut row, size)| row /= *size);
     seen
 }
 
-/// All quantities in one linear problem, each over its standard deviation.
-fn stacked(linear: &[ReducedSystem], sigmas: &[f64]) -> ReducedSystem {
+/// Stacks the linear problems of all quantities, each over its standard deviation.
+fn stack(linear: &[ReducedSystem], sigmas: &[f64]) -> ReducedSystem {
     let mut triangle = Triangle::new(linear.first().map_or(0, |own| own.r.ncols()));
     for (own, sigma) in linear.iter().zip(sigmas) {
         let rows = own.r.row_iter().zip(own.right.iter());
@@ -181,60 +171,71 @@ fn stacked(linear: &[ReducedSystem], sigmas: &[f64]) -> ReducedSystem {
     triangle.finish()
 }
 
-/// What all quantities together use up of each one's readings, and what they leave of it (mm^2, weighted), each over
-/// its
-/// standard deviation.
-fn used(linear: &[ReducedSystem], sigmas: &[f64]) -> Vec<(f64, f64)> {
-    let whole = stacked(linear, sigmas);
+/// The residual of one quantity after the fit of all.
+struct QuantityResidual {
+    /// Weighted sum of squares (mm^2).
+    squares: f64,
+    /// Number of readings less their share of the rank.
+    redundancy: f64,
+}
+
+/// Returns the residual of each quantity in the fit of all, each weighed by its standard deviation.
+fn residuals_of_quantities(linear: &[ReducedSystem], sigmas: &[f64]) -> Vec<QuantityResidual> {
+    let whole = stack(linear, sigmas);
     let step = whole.r.solve_upper_triangular(&whole.right);
     let one = |(own, sigma): (&ReducedSystem, &f64)| {
         // The data see all of these directions: the triangle has an inverse.
         let share = whole.r.tr_solve_upper_triangular(&(own.r.transpose() / *sigma));
-        let left = step.as_ref().map_or_else(|| own.right.clone(), |step| &own.right - &own.r * step);
-        (share.map_or(0.0, |share| share.norm_squared()), left.norm_squared() + own.rest * own.rest)
+        let residual = step.as_ref().map_or_else(|| own.right.clone(), |step| &own.right - &own.r * step);
+        let squares = residual.norm_squared() + own.rest * own.rest;
+        let rank = share.map_or(0.0, |share| share.norm_squared());
+        QuantityResidual { squares, redundancy: own.rows as f64 - rank }
     };
     linear.iter().zip(sigmas).map(one).collect()
 }
 
-/// Standard deviations that agree with what the linear problem leaves when it is weighed by them.
-fn balanced(linear: &[ReducedSystem], mut sigmas: Vec<f64>) -> Vec<f64> {
-    for _ in 0..BALANCING {
-        let used = used(linear, &sigmas);
-        let parts: Vec<_> = linear.iter().zip(used).map(|(own, (used, left))| (left, own.rows as f64 - used)).collect();
-        let next = shared(&parts);
+/// Iterates the standard deviations until they agree with the residuals of the fit that they weigh.
+fn balance_variances(linear: &[ReducedSystem], mut sigmas: Vec<f64>) -> Vec<f64> {
+    for _ in 0..MAX_VARIANCE_ITERATIONS {
+        let next = sigmas_of_quantities(&residuals_of_quantities(linear, &sigmas));
         let change = next.iter().zip(&sigmas).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
         sigmas = next;
-        if change < 0.1 * SETTLED {
+        if change < 0.1 * SETTLED_WEIGHT_CHANGE {
             break;
         }
     }
     sigmas
 }
 
-/// Standard deviations from sums of squares and redundancies; quantities with hardly any have the common one.
-fn shared(parts: &[(f64, f64)]) -> Vec<f64> {
-    let sum = |of: fn(&(f64, f64)) -> f64| parts.iter().map(of).sum::<f64>();
-    let common = sum(|(squares, _)| *squares) / sum(|(_, redundant)| *redundant).max(1.0);
+/// Returns standard deviations `sqrt(squares / redundancy)`; quantities of little redundancy have the common one.
+fn sigmas_of_quantities(parts: &[QuantityResidual]) -> Vec<f64> {
+    let sum = |of: fn(&QuantityResidual) -> f64| parts.iter().map(of).sum::<f64>();
+    let common = sum(|own| own.squares) / sum(|own| own.redundancy).max(1.0);
     let variance =
-        |(squares, redundant): &(f64, f64)| if *redundant < REDUNDANT { common } else { squares / redundant };
+        |own: &QuantityResidual| if own.redundancy < MIN_REDUNDANCY { common } else { own.squares / own.redundancy };
     let sigmas: Vec<f64> = parts.iter().map(|part| libm::sqrt(variance(part))).collect();
-    let least = sigmas.iter().fold(MIN_SIGMA.0, |least: f64, sigma| least.max(sigma * MIN_SIGMA.1));
+    let least = sigmas.iter().fold(MIN_SCATTER_MM, |least: f64, sigma| least.max(sigma * MIN_SCATTER_SHARE));
     sigmas.into_iter().map(|sigma| sigma.max(least)).collect()
 }
 
-/// Fractions by which readings count.
-fn shares(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
-    let sizes = standardised(data, residuals);
-    sizes.into_iter().map(|size| if size > HUBER { HUBER / size } else { 1.0 }).collect()
+/// Returns the factor of the weight of each measurement by Huber: 1 up to his constant, then falling as 1 / size.
+fn huber_weights(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
+    let sizes = standardise(data, residuals);
+    sizes.into_iter().map(|size| if size > HUBER_CONSTANT { HUBER_CONSTANT / size } else { 1.0 }).collect()
 }
 
-/// Turns the last of the linear problems, whose readings count in part, into that of all readings, with what they
-/// scatter
-/// by as far as the estimate goes: `K^2 sum psi^2 / mean(psi')^2` (Huber 1981, section 7.6). `psi` of a reading of d
-/// components is that of their length.
-fn huber(model: &Model<'_>, data: &[Measurement], groups: &Groups, sigmas: &[f64], found: &mut Fit) {
+/// Replaces the linear problem of the weighed readings by that of all readings, whose scatter gives the variance of the
+/// estimate: `K^2 sum psi^2 / mean(psi')^2` (Huber 1981, section 7.6), with `K = 1 + p/n var(psi') / mean(psi')^2`. `psi`
+/// of a measurement of d components is that of their length.
+fn apply_huber_estimate(
+    model: &FitModel<'_>,
+    data: &[Measurement],
+    groups: &Groups,
+    sigmas: &[f64],
+    found: &mut ParameterFit,
+) {
     let residuals = model.residuals(data, &found.theta);
-    let shares = shares(data, &residuals);
+    let shares = huber_weights(data, &residuals);
     let whole = groups.weights(data, sigmas, &vec![1.0; data.len()]);
     let slope = |(m, share): (&Measurement, &f64)| {
         let d = m.readings() as f64;
@@ -250,24 +251,24 @@ fn huber(model: &Model<'_>, data: &[Measurement], groups: &Groups, sigmas: &[f64
     found.reduced = model.triangle(data, &whole, &found.theta);
 }
 
-/// Components of a residual over their uncertainty.
+/// Returns the sizes of the components read of a residual, over their uncertainty.
 fn components(m: &Measurement, residual: &Vector3<f64>) -> Vec<f64> {
-    let seen = m.seen();
+    let seen = m.reading_mask();
     (0..3).filter(|k| seen[*k]).map(|k| residual[k].abs() * libm::sqrt(m.weight)).collect()
 }
 
-/// The (upper) median, and how many there are.
+/// Returns the (upper) median and the number of values.
 pub(crate) fn median(mut list: Vec<f64>) -> (f64, usize) {
     list.sort_by(f64::total_cmp);
     (list.get(list.len() / 2).copied().unwrap_or_default(), list.len())
 }
 
-/// Root mean square component of each residual in robust standard deviations of its quantity.
-pub(crate) fn standardised(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
+/// Returns the RMS component of each residual in robust standard deviations of its quantity.
+pub(crate) fn standardise(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
     let groups = Groups::of(data);
     let sigma = |g: usize| {
         let list = groups.members(g).flat_map(|i| components(&data[i], &residuals[i])).collect();
-        (median(list).0 / MEDIAN).max(f64::MIN_POSITIVE)
+        (median(list).0 / MEDIAN_OVER_SIGMA).max(f64::MIN_POSITIVE)
     };
     let sigmas: Vec<f64> = (0..groups.kinds.len()).map(sigma).collect();
     let component = |m: &Measurement, r: &Vector3<f64>| r.norm() * libm::sqrt(m.weight / m.readings().max(1) as f64);

@@ -1,15 +1,13 @@
 //! The datum of a fit as a value, and a table of all fitted errors in it.
 
-use super::fitted::Fitted;
+use super::fitted::FitDiagnosis;
 use crate::analysis::LocationSet;
-use crate::identify::{Conditions, Parameter, largest_uncertainty};
+use crate::identify::thresholds::ERROR_SITES;
+use crate::identify::{DatumConditions, Parameter, largest_uncertainty};
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, ErrorFamily, ErrorId, Machine};
+use crate::machine::{Approach, Machine};
 use crate::syntax::IdentifyEntry;
 use serde::Serialize;
-
-/// Places of the travel at which a curve is looked at.
-const SITES: usize = 101;
 
 /// A fitted error over the travel of its axis.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -26,16 +24,16 @@ pub struct FittedError {
     pub unit: String,
 }
 
-/// The conditions that a request asks for; location errors that others suffice without are spare.
-pub(crate) fn conditions(machine: &Machine, request: &IdentifyEntry, own: &[Parameter]) -> Conditions {
+/// The conditions that a request asks for; location errors that are redundant beside others are named.
+pub(crate) fn conditions(machine: &Machine, request: &IdentifyEntry, own: &[Parameter]) -> DatumConditions {
     let members: Vec<String> = LocationSet::of(machine).members.iter().map(|(id, _)| id.to_string()).collect();
     let location = |p: &&Parameter| matches!(p.terms.first().map(|t| t.source.place), Some(ErrorSite::Location(_)));
-    let spare = own.iter().filter(location).map(|p| p.name.clone()).filter(|name| !members.contains(name));
-    Conditions { entry: request.datum.unwrap_or_default(), spare: spare.collect() }
+    let redundant = own.iter().filter(location).map(|p| p.name.clone()).filter(|name| !members.contains(name));
+    DatumConditions { entry: request.datum.unwrap_or_default(), redundant_locations: redundant.collect() }
 }
 
 /// Every fitted error of an axis or the spindle.
-pub(crate) fn errors(fitted: &Fitted<'_>) -> Vec<FittedError> {
+pub(crate) fn errors(fitted: &FitDiagnosis<'_>) -> Vec<FittedError> {
     let own = &fitted.unknowns[..fitted.own];
     let mut sources: Vec<Source> = Vec::new();
     for term in own.iter().flat_map(|p| &p.terms) {
@@ -47,30 +45,25 @@ pub(crate) fn errors(fitted: &Fitted<'_>) -> Vec<FittedError> {
     sources.into_iter().filter_map(|source| error(fitted, source)).collect()
 }
 
-fn error(fitted: &Fitted<'_>, source: Source) -> Option<FittedError> {
+fn error(fitted: &FitDiagnosis<'_>, source: Source) -> Option<FittedError> {
     let own = &fitted.unknowns[..fitted.own];
-    let (family, joint) = match source.place {
-        ErrorSite::Location(joint) => (ErrorFamily::Location, joint),
-        ErrorSite::Component(joint) => (ErrorFamily::Component, joint),
-        _ => return None,
-    };
     let machine = fitted.machine;
-    let axis = machine.axes().get(joint);
-    let name = axis.map(|axis| &axis.name).or_else(|| machine.chain().spindle())?;
-    let interval = axis.filter(|_| family == ErrorFamily::Component).map_or((0.0, 0.0), |axis| axis.travel.interval());
+    let id = source.error(machine)?;
+    let axis = if let ErrorSite::Component(axis) = source.place { machine.axes().get(axis) } else { None };
+    let interval = axis.map_or((0.0, 0.0), |axis| axis.travel.interval());
     let value = |q: f64, from: Approach| -> f64 {
         let estimates = own.iter().zip(&fitted.solution.estimates);
-        let mine = |t: &&crate::identify::Term| t.source == source && [from, Approach::Mean].contains(&t.approach);
+        let mine =
+            |t: &&crate::identify::ParameterTerm| t.source == source && [from, Approach::Mean].contains(&t.approach);
         let part = |p: &Parameter| p.terms.iter().filter(mine).map(|t| t.factor * t.basis.value(q)).sum::<f64>();
         estimates.map(|(p, e)| e.value * part(p)).sum()
     };
-    let site = |i: usize| interval.0 + (interval.1 - interval.0) * i as f64 / (SITES - 1) as f64;
-    let values = (0..SITES).flat_map(|i| [Approach::Forward, Approach::Reverse].map(|from| value(site(i), from)));
+    let site = |i: usize| interval.0 + (interval.1 - interval.0) * i as f64 / (ERROR_SITES - 1) as f64;
+    let values = (0..ERROR_SITES).flat_map(|i| [Approach::Forward, Approach::Reverse].map(|from| value(site(i), from)));
     let (smallest, largest) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (v.min(low), v.max(high)));
     let (factor, unit) = source.direction.micro();
     let sigma = largest_uncertainty(machine, own, &fitted.solution, source).map(|(sigma, _)| sigma * factor);
-    let id = ErrorId { axis: name.clone(), family, direction: source.direction };
     let (smallest, largest) = (smallest * factor + 0.0, largest * factor + 0.0);
     Some(FittedError { error: id.to_string(), smallest, largest, sigma, unit: unit.to_owned() })
 }

@@ -1,7 +1,8 @@
 //! A fit with all that is known of it, and its datum.
 
 use crate::identify::{
-    Fit, Known, Measurement, Misfit, Moved, Parameter, Prediction, Randomness, Repeats, Residuals, Solution, TypeB,
+    FormUncertainty, Measurement, Parameter, ParameterFit, Prediction, PriorValue, Repeats, ResidualTest, Residuals,
+    RigidMotionRemoved, Solution, TypeB,
 };
 use crate::machine::Machine;
 use crate::syntax::DatumEntry;
@@ -22,15 +23,15 @@ pub struct FittedDatum {
 }
 
 impl FittedDatum {
-    pub(crate) fn of(entry: DatumEntry, moved: &Moved) -> Self {
-        let Moved { conditions, translation, rotation, .. } = *moved;
+    pub(crate) fn of(entry: DatumEntry, removed: &RigidMotionRemoved) -> Self {
+        let RigidMotionRemoved { conditions, translation, rotation, .. } = *removed;
         let (translation_um, rotation_urad) = (translation.map(|x| x * 1e3), rotation.map(|x| x * 1e6));
         Self { entry, conditions, translation_um, rotation_urad }
     }
 }
 
 /// A fit with all that is known of it.
-pub(crate) struct Fitted<'a> {
+pub(crate) struct FitDiagnosis<'a> {
     pub(crate) machine: &'a Machine,
     /// The machine's parameters first.
     pub(crate) unknowns: &'a [Parameter],
@@ -39,22 +40,22 @@ pub(crate) struct Fitted<'a> {
     pub(crate) data: &'a [Measurement],
     pub(crate) solution: Solution,
     pub(crate) residuals: Residuals,
-    pub(crate) randomness: Vec<Randomness>,
+    pub(crate) residual_tests: Vec<ResidualTest>,
     pub(crate) held_out: Option<f64>,
     pub(crate) prediction: Prediction,
     /// Rigid motions of the whole machine that no reading notices.
     pub(crate) motions: Vec<String>,
     pub(crate) repeats: Vec<Repeats>,
     /// Values known before the data.
-    pub(crate) known: &'a [Known],
+    pub(crate) known: &'a [PriorValue],
     pub(crate) type_b: &'a [TypeB],
     /// The form of the axes beside the curves; `None` if the readings cannot show it.
-    pub(crate) misfit: Option<Misfit>,
+    pub(crate) form: Option<FormUncertainty>,
     pub(crate) datum: Option<FittedDatum>,
-    pub(crate) fit: &'a Fit,
+    pub(crate) fit: &'a ParameterFit,
 }
 
-impl Fitted<'_> {
+impl FitDiagnosis<'_> {
     pub(crate) fn rows(&self) -> usize {
         self.fit.reduced.rows
     }

@@ -1,9 +1,9 @@
-//! What a fit is asked for, whatever face asks.
+//! The request of a fit, from any face of the program.
 
 use crate::evaluate::{Frame, Order};
 use std::path::{Path, PathBuf};
 
-/// What a fit is asked for.
+/// The request of a fit.
 pub(crate) struct FitInputs<'a> {
     /// Parameters to fit; if empty, those of the machine file.
     pub fit: &'a [String],

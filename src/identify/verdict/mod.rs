@@ -1,6 +1,6 @@
-//! What a fit is worth: its values as a result, the limits that they must keep, and the warnings.
+//! The verdict on a fit: its values as a result, the limits that they must keep, and the warnings.
 //!
-//! - [`problem`]: the parameters, what is known of them, the readings, and the passes of the fit;
+//! - [`problem`]: the parameters, their known values, the readings, and the passes of the fit;
 //! - [`fitted`]: a fit with all that is known of it;
 //! - [`datum`]: the conditions of its datum, and every fitted error in it;
 //! - [`limits`]: sizes of errors and uncertainties that follow from the readings;

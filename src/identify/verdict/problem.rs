@@ -1,16 +1,18 @@
 //! The problem of a fit, and its passes: the parameters and what is known of them, the readings, the solution in its
 //! datum, what the readings contradict, and the machine file.
 
-use super::fitted::{Fitted, FittedDatum};
+use super::fitted::{FitDiagnosis, FittedDatum};
 use super::inputs::FitInputs;
 use super::result::{IdentifyResult, NamedSvg};
 use super::{datum, limits, provenance, remarks};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Order;
+use crate::identify::thresholds::MAX_UNKNOWNS;
 use crate::identify::{
-    FileNotes, Fit, Known, Measurement, MeasurementSet, Model, Parameter, Prediction, ReadingContext, Residuals,
-    SlopeBound, Solution, TypeB, common, fitted_file, held_out, in_datum, invariances, known, misfit, overruled,
-    parameters, randomness, read_measurements, repeats, slope_bounds, solve, type_b, unused,
+    FileNotes, FitModel, Measurement, MeasurementSet, Parameter, ParameterFit, Prediction, PriorValue, ReadingContext,
+    Residuals, SlopeBound, Solution, TypeB, common, fitted_file, form_uncertainty, held_out, in_datum, invariances,
+    parameters, parse_prior, randomness, read_measurements, repeats, slope_bounds, solve, type_b, unused_entries,
+    with_command_line,
 };
 use crate::job::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
 use crate::job::poses;
@@ -22,18 +24,24 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Maximum number of unknowns of a fit: time grows with their third power.
-const MAX_UNKNOWNS: usize = 500;
-
 /// Draws prediction and data.
-pub(crate) type Draw<'a> = &'a dyn Fn(&Model<'_>, &[Measurement], &[f64]) -> Result<Vec<NamedSvg>, Diagnostic>;
+pub(crate) type Draw<'a> = &'a dyn Fn(&FitModel<'_>, &[Measurement], &[f64]) -> Result<Vec<NamedSvg>, Diagnostic>;
+
+/// The results of a fit that are asked for beside its values, and its progress.
+pub(crate) struct FitOutputs<'a> {
+    /// Hears of measurements that were evaluated.
+    pub progress: &'a (dyn Fn(usize) + Sync),
+    /// Writes the fitted machine file.
+    pub machine_file: bool,
+    pub draw: Option<Draw<'a>>,
+}
 
 /// The unknowns and the data of a fit.
 pub(crate) struct Problem {
     pub request: IdentifyEntry,
     pub unknowns: Vec<Parameter>,
     pub bounds: Vec<SlopeBound>,
-    pub known: Vec<Known>,
+    pub known: Vec<PriorValue>,
     pub type_b: Vec<TypeB>,
     pub rows: Vec<Measurement>,
     /// SHA-256 of the files of measurements, by path.
@@ -44,11 +52,11 @@ impl Problem {
     pub(crate) fn read(call: &mut Call<'_>, file: &MachineFile, inputs: &FitInputs<'_>) -> Result<Self, Refused> {
         let Requested { request, own, bounds } = Requested::of(call, file, inputs.fit, inputs.fixed)?;
         let (mut data, hashes) = measurements(call, file, inputs)?;
-        call.extend(remarks::left_out(file, &data.leave_out(&own)));
-        let mut known: Vec<Known> = Vec::new();
+        call.extend(remarks::unused_readings(file, &data.leave_out(&own)));
+        let mut known: Vec<PriorValue> = Vec::new();
         for (j, place) in data.nuisances.iter().enumerate() {
             let (unknown, value) = (own.len() + j, place.start);
-            known.extend(place.known.map(|sigma| Known { unknown, value, sigma }));
+            known.extend(place.known.map(|sigma| PriorValue { unknown, value, sigma }));
         }
         let unknowns: Vec<Parameter> = own.into_iter().chain(data.nuisances.into_iter().map(Parameter::from)).collect();
         for prior in priors(call, file, &request, inputs.priors, &unknowns)? {
@@ -64,8 +72,8 @@ impl Problem {
         Ok(Self { request, unknowns, bounds, known, type_b, rows: data.rows, hashes })
     }
 
-    pub(crate) fn model(&self, machine: &Machine, order: Order) -> Model<'_> {
-        Model::new(machine, &self.unknowns).bounded(&self.bounds).knowing(&self.known).to_order(order)
+    pub(crate) fn model(&self, machine: &Machine, order: Order) -> FitModel<'_> {
+        FitModel::new(machine, &self.unknowns).with_slope_bounds(&self.bounds).with_known(&self.known).to_order(order)
     }
 }
 
@@ -83,38 +91,38 @@ impl Requested {
         fit: &[String],
         fixed: &[String],
     ) -> Result<Self, Refused> {
-        let request = overruled(file, file.identify.clone().unwrap_or_default(), fit, fixed);
+        let request = with_command_line(file, file.identify.clone().unwrap_or_default(), fit, fixed);
         let own = parameters(file, &request).or_else(|refusal| call.refuse(*refusal))?;
         let bounds = slope_bounds(file, &request, &own).or_else(|refusal| call.refuse(*refusal))?;
         // A list of one's own takes what it needs of the section.
         if fit.is_empty() {
-            call.extend(remarks::unused(&unused(file, &request, &own)));
+            call.extend(remarks::entries_without_effect(&unused_entries(file, &request, &own)));
         }
         Ok(Self { request, own, bounds })
     }
 }
 
-/// What is known of the unknowns before the data. A prior of the section that names nothing here has no effect.
+/// Returns the values known before the data. A prior of the section that names nothing here has no effect.
 pub(crate) fn priors(
     call: &mut Call<'_>,
     file: &MachineFile,
     request: &IdentifyEntry,
     options: &[String],
     unknowns: &[Parameter],
-) -> Result<Vec<Known>, Refused> {
-    let mut list: Vec<Known> = Vec::new();
-    let mut idle = Vec::new();
+) -> Result<Vec<PriorValue>, Refused> {
+    let mut list: Vec<PriorValue> = Vec::new();
+    let mut without_effect = Vec::new();
     for (k, words) in request.priors.iter().chain(options).enumerate() {
-        match known(words, file, unknowns) {
+        match parse_prior(words, file, unknowns) {
             Ok(found) => found.into_iter().for_each(|one| {
                 list.retain(|other| other.unknown != one.unknown);
                 list.push(one);
             }),
-            Err(_) if k < request.priors.len() => idle.push(format!("prior {}", shown(words))),
+            Err(_) if k < request.priors.len() => without_effect.push(format!("prior {}", shown(words))),
             Err(refusal) => return call.refuse(*refusal),
         }
     }
-    call.extend(remarks::unused(&idle));
+    call.extend(remarks::entries_without_effect(&without_effect));
     Ok(list)
 }
 
@@ -138,7 +146,7 @@ impl Files for Recording<'_> {
     }
 }
 
-/// The measurements, and the hashes of their files.
+/// Returns the measurements, and the hashes of their files.
 fn measurements(
     call: &mut Call<'_>,
     file: &MachineFile,
@@ -157,7 +165,7 @@ fn measurements(
     Ok((data, hashes))
 }
 
-/// Files with the same contents would count twice.
+/// Refuses files with the same contents, whose readings would count twice.
 fn refuse_copies(call: &mut Call<'_>, list: &[PathBuf], hashes: &BTreeMap<PathBuf, String>) -> Result<(), Refused> {
     let mut met: BTreeMap<Option<&String>, &PathBuf> = BTreeMap::new();
     for file in list {
@@ -170,6 +178,7 @@ fn refuse_copies(call: &mut Call<'_>, list: &[PathBuf], hashes: &BTreeMap<PathBu
     Ok(())
 }
 
+/// Refuses too many unknowns, and fewer readings than unknowns.
 pub(crate) fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refused> {
     let unknowns = problem.unknowns.len();
     let readings: usize = problem.rows.iter().map(Measurement::readings).sum();
@@ -192,50 +201,52 @@ pub(crate) fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refus
     call.refuse(Diagnostic::new(codes::E0503, message).help("measure more poses, or fit less"))
 }
 
-pub(crate) fn solved(
+/// Fits, diagnoses and describes a problem.
+pub(crate) fn solve_problem(
     call: &mut Call<'_>,
     file: &MachineFile,
     inputs: &FitInputs<'_>,
-    (problem, progress): (&Problem, &(dyn Fn(usize) + Sync)),
-    (with_machine_file, draw): (bool, Option<Draw<'_>>),
+    problem: &Problem,
+    outputs: &FitOutputs<'_>,
 ) -> Result<IdentifyResult, Refused> {
-    let (model, data) = (problem.model(file, inputs.order).reporting(progress), &problem.rows);
+    let (model, data) = (problem.model(file, inputs.order).with_progress(outputs.progress), &problem.rows);
     let found = invariances(&model, data);
     if let Some(refusal) = remarks::shrinking(&found.stretches) {
         return call.refuse(refusal);
     }
     let fit = solve(&model, data, inputs.robust);
     let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
-    let examined = |fit: &Fit| {
-        let solution = Solution::of(fit, &problem.unknowns).compared(&model, data, fit, &found.moving);
-        let misfit = misfit(&model, data, fit, &solution);
-        let common = common(&model, data, (fit, &solution), &problem.type_b);
-        let solution = solution.sharing(misfit.as_ref().map(|misfit| [&misfit.covariance, &misfit.apart]), common);
+    let examine = |fit: &ParameterFit| {
+        let solution = Solution::of(fit, &problem.unknowns);
+        let solution = solution.with_first_order_rank(&model, data, fit, &found.motion_parameters);
+        let form = form_uncertainty(&model, data, fit, &solution);
+        let common = common(&model, data, fit, &solution, &problem.type_b);
+        let solution = solution.add_covariances(form.as_ref().map(|form| &form.covariance), common);
         let in_datum = in_datum(&model, data, fit, &solution, &conditions);
-        let (solution, moved) = in_datum.map_or((solution, None), |(solution, moved)| (solution, Some(moved)));
-        (solution, misfit, moved)
+        let (solution, removed) = in_datum.map_or((solution, None), |(solution, removed)| (solution, Some(removed)));
+        (solution, form, removed)
     };
-    let (solution, misfit, moved) = examined(&fit);
-    let datum = moved.map(|moved| FittedDatum::of(conditions.entry, &moved));
+    let (solution, form, removed) = examine(&fit);
+    let datum = removed.map(|removed| FittedDatum::of(conditions.entry, &removed));
     // Uncertainties by the linear problem at the values that are stated.
-    let (fit, solution, misfit) = if moved.is_some_and(|moved| moved.far) {
+    let (fit, solution, form) = if removed.is_some_and(|removed| removed.removes_weak) {
         let there = fit.at(&model, data, solution.theta());
-        let (solution, misfit, _) = examined(&there);
-        (there, solution, misfit)
+        let (solution, form, _) = examine(&there);
+        (there, solution, form)
     } else {
-        (fit, solution, misfit)
+        (fit, solution, form)
     };
-    let forms = misfit.as_ref().map_or(&[][..], |misfit| &misfit.forms);
-    // In the datum: products of what a datum takes out are no deviation.
-    let prediction = Prediction::of(&model, data, (&fit, &solution), forms);
+    let forms = form.as_ref().map_or(&[][..], |form| &form.forms);
+    // In the datum: products of the motion that a datum removes are no deviation.
+    let prediction = Prediction::of(&model, data, &fit, &solution, forms);
     let theta = solution.theta();
-    let fitted = Fitted {
+    let fitted = FitDiagnosis {
         machine: file,
         unknowns: &problem.unknowns,
         own: model.own(),
         data,
         residuals: Residuals::of(&model, data, &theta),
-        randomness: randomness(data, &model.residuals(data, &theta), &fit.weights),
+        residual_tests: randomness(data, &model.residuals(data, &theta), &fit.weights),
         prediction,
         datum,
         motions: found.motions,
@@ -244,35 +255,35 @@ pub(crate) fn solved(
         repeats: repeats(data),
         known: &problem.known,
         type_b: &problem.type_b,
-        misfit,
+        form,
         fit: &fit,
     };
     let sources = &call.diagnostics.sources;
     let remarks = remarks::all(&fitted, sources);
     let mut result = IdentifyResult::of(&fitted, sources);
     call.extend(remarks);
-    if with_machine_file {
+    if outputs.machine_file {
         result.machine_file = Some(machine_file(call, file, inputs, problem, &fitted)?);
     } else if let Err(why) = plausible(file, inputs, problem, &fitted, false) {
         call.extend([remarks::implausible(&why)]);
     }
-    if let Some(draw) = draw {
+    if let Some(draw) = outputs.draw {
         let drawn = draw(&model, data, &theta).or_else(|refusal| call.refuse(refusal));
         result.pictures = drawn?;
     }
     Ok(result)
 }
 
-/// The text of the fitted machine file, if it is one that the program itself would take.
+/// Returns the text of the fitted machine file; refuses one that the program itself would not take.
 fn machine_file(
     call: &mut Call<'_>,
     file: &MachineFile,
     inputs: &FitInputs<'_>,
     problem: &Problem,
-    fitted: &Fitted<'_>,
+    fitted: &FitDiagnosis<'_>,
 ) -> Result<String, Refused> {
-    call.extend(remarks::written(fitted));
-    let refusals = [remarks::undetermined(fitted), remarks::unheld(fitted)];
+    call.extend(remarks::weak_directions_in_file(fitted));
+    let refusals = [remarks::undetermined_values(fitted), remarks::uncertain_prediction(fitted)];
     let refusals: Vec<Diagnostic> = refusals.into_iter().flatten().collect();
     // What is not determined has no covariance that would mean anything.
     let joint = refusals.is_empty();
@@ -280,21 +291,21 @@ fn machine_file(
         call.extend(others.iter().cloned());
         return call.refuse(first.clone());
     }
-    plausible(file, inputs, problem, fitted, joint).or_else(|why| call.refuse(remarks::refused(&why)))
+    plausible(file, inputs, problem, fitted, joint).or_else(|why| call.refuse(remarks::refusal_of_file(&why)))
 }
 
-/// The text of the fitted machine file, or why the program itself would not take it.
+/// Returns the text of the fitted machine file, or the reason for which the program itself would not take it.
 fn plausible(
     file: &MachineFile,
     inputs: &FitInputs<'_>,
     problem: &Problem,
-    fitted: &Fitted<'_>,
+    fitted: &FitDiagnosis<'_>,
     joint: bool,
 ) -> Result<String, ReadBackFailure> {
-    let provenance = provenance::entries(file, inputs, (&problem.request, &problem.hashes), fitted);
+    let provenance = provenance::entries(file, inputs, &problem.request, &problem.hashes, fitted);
     let own_parameters = &fitted.unknowns[..fitted.own];
     let text = |request: &IdentifyEntry| {
-        let notes = FileNotes { provenance: &provenance, request, joint, misfit: fitted.misfit.as_ref() };
+        let notes = FileNotes { provenance: &provenance, request, joint, form: fitted.form.as_ref() };
         fitted_file(file, own_parameters, &fitted.solution, notes)
     };
     let first = text(&problem.request);
@@ -303,6 +314,6 @@ fn plausible(
         Err(why) => why,
     };
     // A machine whose readings show larger errors than usual may have them.
-    let shown = limits::shown(&problem.request, fitted.fit.shown);
+    let shown = limits::plausible_request(&problem.request, fitted.fit.initial_rms);
     shown.map(|request| text(&request)).filter(|text| read_back(text).is_ok()).ok_or(refused)
 }

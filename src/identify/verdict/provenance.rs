@@ -1,6 +1,6 @@
 //! The source of the numbers in a fitted file. No date: the same input gives the same bytes.
 
-use super::fitted::Fitted;
+use super::fitted::FitDiagnosis;
 use super::inputs::FitInputs;
 use super::result;
 use crate::diagnostic::shown;
@@ -11,32 +11,33 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Digits of a hash that are written.
-const DIGITS: usize = 16;
+const HASH_DIGITS: usize = 16;
 /// Maximum number of data files that are named one by one.
 const MAX_NAMED: usize = 20;
 /// Longest entry about the parameters, in characters.
-const ENTRY: usize = 180;
+const MAX_ENTRY_CHARACTERS: usize = 180;
 
-/// The entries that go to the section `provenance`, those of earlier fits kept apart by a number.
+/// Returns the entries that go to the section `provenance`, those of earlier fits kept apart by a number.
 pub(crate) fn entries(
     file: &MachineFile,
     inputs: &FitInputs<'_>,
-    (request, hashes): (&IdentifyEntry, &BTreeMap<PathBuf, String>),
-    fitted: &Fitted<'_>,
+    request: &IdentifyEntry,
+    hashes: &BTreeMap<PathBuf, String>,
+    fitted: &FitDiagnosis<'_>,
 ) -> Vec<(String, String)> {
     let mut entries = vec![
         ("by".to_owned(), format!("abbe {}", env!("CARGO_PKG_VERSION"))),
-        ("machine".to_owned(), hashed(&file.path, file.inputs().first().map_or("", |input| &input.sha256))),
+        ("machine".to_owned(), name_and_hash(&file.path, file.inputs().first().map_or("", |input| &input.sha256))),
     ];
     for (k, path) in inputs.paths.iter().take(MAX_NAMED).enumerate() {
         let hash = hashes.get(path).map_or("", String::as_str);
-        entries.push((if k > 0 { format!("from.{}", k + 1) } else { "from".to_owned() }, hashed(path, hash)));
+        entries.push((if k > 0 { format!("from.{}", k + 1) } else { "from".to_owned() }, name_and_hash(path, hash)));
     }
     if let Some(path) = inputs.axis_poses {
         let hash = hashes.get(path).map_or("", String::as_str);
-        entries.push(("axis-poses".to_owned(), hashed(path, hash)));
+        entries.push(("axis-poses".to_owned(), name_and_hash(path, hash)));
     }
-    entries.push(("how".to_owned(), how(inputs, request).chars().take(ENTRY).collect()));
+    entries.push(("how".to_owned(), how(inputs, request).chars().take(MAX_ENTRY_CHARACTERS).collect()));
     entries.push(("fit".to_owned(), result::in_short(fitted)));
     let known = |key: &str| file.provenance().entries.iter().any(|(known, _)| known == key);
     let ending = |n: usize| if n > 1 { format!("-{n}") } else { String::new() };
@@ -44,10 +45,10 @@ pub(crate) fn entries(
     entries.into_iter().map(|(key, value)| (format!("identified-{key}{time}"), value)).collect()
 }
 
-/// Name and hash of a file.
-fn hashed(path: &Path, hash: &str) -> String {
+/// Returns name and hash of a file.
+fn name_and_hash(path: &Path, hash: &str) -> String {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let hash: String = hash.chars().take(DIGITS).collect();
+    let hash: String = hash.chars().take(HASH_DIGITS).collect();
     format!("{} (sha256 {hash}...)", shown(&name))
 }
 

@@ -1,40 +1,32 @@
 //! Warnings of a fit: on its data, on how it went, and on its residuals.
 
-use super::fitted::Fitted;
+use super::fitted::FitDiagnosis;
 use super::limits;
 use super::result::place;
 use crate::diagnostic::{Diagnostic, Sources, codes};
+use crate::identify::thresholds::*;
 use crate::identify::{
-    Basis, Measurement, Parameter, Prediction, Reading, ReadingKind, Repeats, Spread, Term, largest_uncertainty, lever,
+    BasisFunction, DeviationUncertainty, Measurement, Parameter, ParameterTerm, Prediction, Reading, ReadingKind,
+    Repeats, largest_uncertainty, lever,
 };
 use crate::job::machine_file::ReadBackFailure;
 use crate::job::poses::axes_text;
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, Direction, ErrorFamily, ErrorId, Machine};
+use crate::machine::{Approach, Machine, largest};
 use crate::units::{counted, significant};
 
-/// Less likely than this, residuals are not noise.
-const UNLIKELY: f64 = 1e-4;
-/// Half of the readings further off than this (mm) are no errors of a machine.
-const HUGE: f64 = 5.0;
-/// Half of them nearer than this (mm) are finer than instruments read.
-const TINY: f64 = 1e-5;
-
-/// Standard uncertainties (mm, rad) beyond which a value is none: what the machine language takes for mistakes.
-const UNDETERMINED: (f64, f64) = (10.0, 0.1);
-
-/// The warnings about a fit.
-pub(crate) fn all(fitted: &Fitted<'_>, sources: &Sources) -> Vec<Diagnostic> {
+/// Returns the warnings about a fit.
+pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnostic> {
     let unsettled = || {
         let message = format!("the fit has not settled after {} steps", fitted.fit.steps);
         warning(codes::W0501, message, "fix what the data hardly see, or fit less at once")
     };
     let found = [
-        (!fitted.fit.settled).then(unsettled),
-        unexplained(fitted),
+        (!fitted.fit.converged).then(unsettled),
+        lack_of_fit(fitted),
         drifting(fitted),
         sizes(fitted),
-        one_sided(fitted),
+        missing_approaches(fitted),
         contradiction(fitted, sources),
         silent(fitted),
     ];
@@ -45,20 +37,18 @@ fn warning(code: codes::Code, message: String, help: &'static str) -> Diagnostic
     Diagnostic::new(code, message).help(help)
 }
 
-/// Readings that were left out because they are of errors that are not fitted.
-pub(crate) fn left_out(machine: &Machine, list: &[(Source, usize)]) -> Vec<Diagnostic> {
+/// Warns of readings that are left out because their errors are not fitted.
+pub(crate) fn unused_readings(machine: &Machine, list: &[(Source, usize)]) -> Vec<Diagnostic> {
     let one = |(source, count): &(Source, usize)| {
-        let ErrorSite::Component(axis) = source.place else { return None };
-        let axis = machine.axes()[axis].name.clone();
-        let error = ErrorId { axis, family: ErrorFamily::Component, direction: source.direction };
+        let error = source.error(machine)?;
         let message = format!("{} of {error} left out: it is not fitted", counted(*count, "reading"));
         Some(warning(codes::W0504, message, "fit it, too, or leave its column out"))
     };
     list.iter().filter_map(one).collect()
 }
 
-/// Entries of the section `identify` without effect.
-pub(crate) fn unused(list: &[String]) -> Option<Diagnostic> {
+/// Warns of entries of the section `identify` without effect.
+pub(crate) fn entries_without_effect(list: &[String]) -> Option<Diagnostic> {
     let message = format!("the section `identify` says what nothing takes up: {}", list.join(", "));
     let help = "name the error in `fit`, without a basis of its own, or with one that has knots";
     (!list.is_empty()).then(|| warning(codes::W0509, message, help))
@@ -68,15 +58,16 @@ fn um(mm: f64) -> String {
     significant(mm * 1e3, 3)
 }
 
-/// Standard deviation of readings of a kind, as far as the fit leaves it.
-fn scatter(fitted: &Fitted<'_>, kind: ReadingKind) -> f64 {
+/// Returns the residual standard deviation of readings of a kind.
+fn scatter(fitted: &FitDiagnosis<'_>, kind: ReadingKind) -> f64 {
     let own = fitted.fit.scatter.iter().find(|s| s.of.is_none_or(|of| of == kind));
     own.map_or(fitted.solution.sigma, |s| s.sigma)
 }
 
-fn unexplained(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    // Four times the variance is beyond the 99.9 % point of the ratio from ten degrees of freedom on.
-    let far = |r: &&Repeats| r.freedom >= 10 && scatter(fitted, r.of) > 2.0 * r.sigma;
+fn lack_of_fit(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let far = |r: &&Repeats| {
+        r.degrees_of_freedom >= MIN_REPEAT_FREEDOM && scatter(fitted, r.of) > MAX_SCATTER_RATIO * r.sigma
+    };
     let repeats = fitted.repeats.iter().find(far)?;
     let (left, sigma) = (um(scatter(fitted, repeats.of)), um(repeats.sigma));
     let message =
@@ -85,27 +76,28 @@ fn unexplained(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     Some(warning(codes::W0502, message, help))
 }
 
-fn drifting(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    let drifting = fitted.randomness.iter().filter(|r| r.runs < UNLIKELY && r.lag1 > 0.2);
-    let names: Vec<String> = drifting.map(|r| r.name()).collect();
+fn drifting(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let drifting =
+        fitted.residual_tests.iter().filter(|r| r.runs < MAX_NOISE_PROBABILITY && r.lag1 > MIN_DRIFT_CORRELATION);
+    let names: Vec<String> = drifting.map(|r| r.of.clone()).collect();
     let message = format!("what is left of {} is not noise: neighbours in the file are alike", names.join(", "));
     let help =
         "drift of machine or instrument while measuring, or a shape that was not fitted; sigmas are too small then";
     (!names.is_empty()).then(|| warning(codes::W0503, message, help))
 }
 
-/// Sizes that speak of a wrong unit.
-fn sizes(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+/// Warns of sizes that speak of a wrong unit.
+fn sizes(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let typical = fitted.residuals.typical;
-    let unlikely = typical > HUGE || (0.0 < typical && typical < TINY);
+    let unlikely = typical > MAX_MEDIAN_MM || (0.0 < typical && typical < MIN_MEDIAN_MM);
     let message = format!("half of the readings are {} um or more off the machine as the file says it", um(typical));
     let help = "compare the units in the header, the signs and zeros of the axes, and the frame (--frame)";
     unlikely.then(|| warning(codes::W0505, message, help))
 }
 
-/// Curves for a direction of approach in which nothing was read that they move.
-fn one_sided(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    let read = |p: &Parameter, t: &Term| {
+/// Warns of curves for a direction of approach in which no reading was taken that they move.
+fn missing_approaches(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let read = |p: &Parameter, t: &ParameterTerm| {
         let moves = |m: &Measurement| match m.reading {
             Reading::Error { source, .. } => p.terms.iter().any(|t| t.source == source),
             _ => true,
@@ -123,10 +115,10 @@ fn one_sided(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     (!names.is_empty()).then(|| warning(codes::W0506, message, help))
 }
 
-/// Readings of one pose that differ more than they may.
-fn contradiction(fitted: &Fitted<'_>, sources: &Sources) -> Option<Diagnostic> {
+/// Warns of readings of one pose that contradict each other.
+fn contradiction(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Option<Diagnostic> {
     let repeats = fitted.repeats.iter().find(|r| r.contradict || r.opposed)?;
-    let (a, b, apart) = repeats.worst;
+    let (a, b, difference) = repeats.worst;
     let places = format!("{} and {}", place(fitted, sources, a), place(fitted, sources, b));
     if repeats.opposed {
         let message = format!("poses that were measured again were read with the opposite sign: {places}, for one");
@@ -136,26 +128,22 @@ fn contradiction(fitted: &Fitted<'_>, sources: &Sources) -> Option<Diagnostic> {
             "readings are actual minus nominal: turn the sign of one of the files",
         ));
     }
-    let message = format!("readings of one pose contradict each other by {} um: {places}", um(apart));
+    let message = format!("readings of one pose contradict each other by {} um: {places}", um(difference));
     let help =
         "one of them may have another sign (actual minus nominal), unit, tool or set-up: correct it, or name a `run`";
     Some(warning(codes::W0507, message, help))
 }
 
-fn undetermined_from(direction: Direction) -> f64 {
-    if direction.is_rotation() { UNDETERMINED.1 } else { UNDETERMINED.0 }
-}
-
-/// Values of the machine whose uncertainty is larger than any error of a machine: constants, and curves somewhere in
+/// Refuses values of the machine whose uncertainty is larger than any error of a machine: constants, and curves somewhere in
 /// the travel. Coefficients of a curve say nothing each by itself.
-pub(crate) fn undetermined(fitted: &Fitted<'_>) -> Option<Diagnostic> {
+pub(crate) fn undetermined_values(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
     let wide = own.filter_map(|(parameter, estimate)| {
-        let constant = parameter.terms.first().filter(|term| term.basis == Basis::Constant)?;
+        let constant = parameter.terms.first().filter(|term| term.basis == BasisFunction::Constant)?;
         let direction = constant.source.direction;
-        let limit = undetermined_from(direction) * lever(direction);
+        let limit = largest(direction) * lever(direction);
         let sigma = estimate.sigma.filter(|sigma| sigma * parameter.size > limit)?;
-        let n = |value: f64| significant(parameter.shown(value), 3);
+        let n = |value: f64| significant(parameter.in_unit(value), 3);
         Some(format!("{} = {} \u{b1} {} {}", parameter.name, n(estimate.value), n(sigma), parameter.unit))
     });
     let wide: Vec<String> = wide.chain(wide_curves(fitted)).collect();
@@ -165,8 +153,8 @@ pub(crate) fn undetermined(fitted: &Fitted<'_>) -> Option<Diagnostic> {
     (!wide.is_empty()).then(|| Diagnostic::new(codes::E0513, message).help(help))
 }
 
-/// Fitted curves that are more uncertain somewhere in the travel than any error is large.
-fn wide_curves(fitted: &Fitted<'_>) -> Vec<String> {
+/// FitDiagnosis curves that are more uncertain somewhere in the travel than any error is large.
+fn wide_curves(fitted: &FitDiagnosis<'_>) -> Vec<String> {
     let own = &fitted.unknowns[..fitted.own];
     let mut sources: Vec<Source> = Vec::new();
     for term in own.iter().flat_map(|p| &p.terms) {
@@ -179,17 +167,17 @@ fn wide_curves(fitted: &Fitted<'_>) -> Vec<String> {
         let (sigma, at) = largest_uncertainty(fitted.machine, own, &fitted.solution, source)?;
         let (factor, unit) = source.direction.micro();
         let axis = &fitted.machine.axes()[axis];
-        let error = ErrorId { axis: axis.name.clone(), family: ErrorFamily::Component, direction: source.direction };
+        let error = source.error(fitted.machine)?;
         let words = || {
             let (size, at) = (significant(sigma * factor, 3), significant(at, 4));
             format!("{error} (\u{b1} {size} {unit} at {} = {at} {})", axis.name, axis.unit())
         };
-        (sigma > undetermined_from(source.direction)).then(words)
+        (sigma > largest(source.direction)).then(words)
     };
     sources.into_iter().filter_map(one).collect()
 }
 
-/// The machine may grow or shrink without a reading that notices.
+/// Refuses data in which the machine may grow or shrink without a reading that notices.
 pub(crate) fn shrinking(stretches: &[(String, Vec<String>)]) -> Option<Diagnostic> {
     let (words, names) = stretches.first()?;
     let message = format!("no reading holds a length: {words} with {}, and nothing notices", names.join(", "));
@@ -199,7 +187,7 @@ pub(crate) fn shrinking(stretches: &[(String, Vec<String>)]) -> Option<Diagnosti
     Some(Diagnostic::new(codes::E0514, message).help(help))
 }
 
-/// A direction that changes no reading but the deviation, in words.
+/// Describes a direction that changes no reading but the deviation.
 pub(crate) fn of_readings(words: &str) -> String {
     let rest = [" changes nothing", " change nothing"].iter().find_map(|end| Some((words.strip_suffix(end)?, *end)));
     match rest {
@@ -209,24 +197,24 @@ pub(crate) fn of_readings(words: &str) -> String {
     }
 }
 
-/// The data do not hold the deviation that the fitted machine predicts over its volume.
-pub(crate) fn unheld(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    if limits::held(fitted) {
+/// Refuses a fit whose data do not determine the deviation over the volume.
+pub(crate) fn uncertain_prediction(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    if limits::holds_prediction(fitted) {
         return None;
     }
-    let Prediction { spread, pose, deviation, .. } = &fitted.prediction;
+    let Prediction { uncertainty, pose, deviation, .. } = &fitted.prediction;
     let at = axes_text(fitted.machine, pose);
-    let message = match spread {
-        Spread::Free(words) => {
+    let message = match uncertainty {
+        DeviationUncertainty::Free(words) => {
             format!("the data leave the deviation at {at} free: {}", of_readings(words))
         }
-        Spread::Known(size) => format!(
+        DeviationUncertainty::Known(size) => format!(
             "the data do not hold the deviation at {at}: its standard uncertainty is {} um, and the largest deviation \
              predicted is {} um",
             um(*size),
             um(*deviation)
         ),
-        Spread::Unknown => return None,
+        DeviationUncertainty::Unknown => return None,
     };
     let help = "measure there, fit less (fewer knots than measured places), or bound the curves (`slopes:`); \
                 `--accept-undetermined` writes the file all the same";
@@ -237,30 +225,30 @@ pub(crate) fn unheld(fitted: &Fitted<'_>) -> Option<Diagnostic> {
 const RAN_AWAY: &str = "some parameters ran away because the data hardly see them, or because poses, places and \
     directions of the readings are not those of this machine: compare these, fix those, or fit less";
 
-/// The machine file is not one that the program would take.
-pub(crate) fn refused(why: &ReadBackFailure) -> Diagnostic {
+/// Refuses a fitted machine file that the program would not take.
+pub(crate) fn refusal_of_file(why: &ReadBackFailure) -> Diagnostic {
     Diagnostic::new(codes::E0504, format!("the fitted machine is refused: {why}")).help(RAN_AWAY)
 }
 
-/// The same where no file is asked for: what is printed must not be taken for a machine.
+/// Warns of the same where no file is asked for: the printed values must not be taken for a machine.
 pub(crate) fn implausible(why: &ReadBackFailure) -> Diagnostic {
     warning(codes::W0512, format!("the fitted machine is not plausible: {why}"), RAN_AWAY)
 }
 
-/// Combinations that go to a machine file although noise hides them.
-pub(crate) fn written(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    let drowned = &fitted.solution.drowned;
-    let first = drowned.first()?;
-    let count = counted(drowned.len(), "combination");
+/// Warns of combinations below noise that go to a machine file.
+pub(crate) fn weak_directions_in_file(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let below_noise = &fitted.solution.below_noise;
+    let first = below_noise.first()?;
+    let count = counted(below_noise.len(), "combination");
     let message = format!("what is written holds {count} that noise hides, the first: {first}");
     let help = "fix what the data hardly tell (`--fixed`), or fit less: `abbe show` lists location errors that suffice";
     Some(warning(codes::W0510, message, help))
 }
 
-/// Nothing of what is fitted acts where was measured.
-fn silent(fitted: &Fitted<'_>) -> Option<Diagnostic> {
-    let idle = |p: &Parameter| fitted.solution.idle.contains(&p.name);
+/// Warns if no fitted parameter has an effect on the readings.
+fn silent(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let has_no_effect = |p: &Parameter| fitted.solution.without_effect.contains(&p.name);
     let message = "nothing of what is fitted has an effect on these data: the values are those of the file".to_owned();
     let help = "measure where the errors act (`--plan 20` proposes poses), or fit others";
-    fitted.unknowns[..fitted.own].iter().all(idle).then(|| warning(codes::W0508, message, help))
+    fitted.unknowns[..fitted.own].iter().all(has_no_effect).then(|| warning(codes::W0508, message, help))
 }

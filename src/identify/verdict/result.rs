@@ -1,12 +1,12 @@
 //! A fit as a value: parameters with their uncertainty, what the data do not determine, and the residuals.
 
 use super::datum::{self, FittedError};
-use super::fitted::{Fitted, FittedDatum};
+use super::fitted::{FitDiagnosis, FittedDatum};
 use super::limits;
 use crate::diagnostic::Sources;
 use crate::identify::{
-    Estimate, Known, Misfit, Outlier, Parameter, Prediction, Randomness, ReadingKind, Repeats, Scatter, SharedEffect,
-    Spread, TypeB,
+    DeviationUncertainty, Estimate, FormUncertainty, Outlier, Parameter, Prediction, PriorValue, ReadingKind, Repeats,
+    ResidualTest, Scatter, SharedEffect, TypeB,
 };
 use crate::job::poses::{AxisPositions, axis_positions};
 use crate::machine::{AxisName, Machine, ResidualForm};
@@ -42,21 +42,22 @@ pub struct FittedParameter {
     /// Standard uncertainties that a 95 % interval reaches to either side.
     pub coverage_factor_95: Option<f64>,
     /// Standard deviation of a reading over that of the parameter's effect on a usual reading; 0 if the value is free.
-    pub valuation: f64,
+    #[serde(rename = "valuation")]
+    pub observability: f64,
 }
 
 impl FittedParameter {
-    fn of((parameter, estimate): (&Parameter, &Estimate)) -> Self {
+    fn of(parameter: &Parameter, estimate: &Estimate) -> Self {
         Self {
             name: parameter.name.clone(),
-            value: parameter.shown(estimate.value) + 0.0,
-            sigma: estimate.sigma.map(|sigma| parameter.shown(sigma)),
-            type_a: estimate.scatter.map(|sigma| parameter.shown(sigma)),
-            lack_of_fit: parameter.shown(estimate.form),
-            type_b: parameter.shown(estimate.common),
+            value: parameter.in_unit(estimate.value) + 0.0,
+            sigma: estimate.sigma.map(|sigma| parameter.in_unit(sigma)),
+            type_a: estimate.scatter.map(|sigma| parameter.in_unit(sigma)),
+            lack_of_fit: parameter.in_unit(estimate.form),
+            type_b: parameter.in_unit(estimate.common),
             unit: parameter.unit.clone(),
             coverage_factor_95: estimate.coverage,
-            valuation: estimate.valuation,
+            observability: estimate.observability,
         }
     }
 }
@@ -75,12 +76,12 @@ pub struct KnownValue {
 }
 
 impl KnownValue {
-    fn of(unknowns: &[Parameter], known: &Known) -> Self {
+    fn of(unknowns: &[Parameter], known: &PriorValue) -> Self {
         let parameter = &unknowns[known.unknown];
         Self {
             name: parameter.name.clone(),
-            value: parameter.shown(known.value) + 0.0,
-            sigma: parameter.shown(known.sigma),
+            value: parameter.in_unit(known.value) + 0.0,
+            sigma: parameter.in_unit(known.sigma),
             unit: parameter.unit.clone(),
         }
     }
@@ -132,7 +133,7 @@ pub struct FormOfAxis {
 }
 
 impl LackOfFit {
-    fn of(machine: &Machine, misfit: &Misfit) -> Self {
+    fn of(machine: &Machine, found: &FormUncertainty) -> Self {
         let unit = |name: &AxisName| machine.axis_index(name.as_str()).map_or("mm", |i| machine.axes()[i].unit());
         let form = |ResidualForm { axis, size, rotation, length }: &ResidualForm| FormOfAxis {
             axis: axis.to_string(),
@@ -141,7 +142,7 @@ impl LackOfFit {
             length: *length,
             unit: unit(axis),
         };
-        Self { probability: misfit.probability, forms: misfit.forms.iter().map(form).collect() }
+        Self { probability: found.probability, forms: found.forms.iter().map(form).collect() }
     }
 }
 
@@ -208,28 +209,6 @@ pub struct KindResidual {
     pub words: String,
 }
 
-/// Tests of residuals for randomness; the probabilities hold if the residuals are noise.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct ResidualTest {
-    /// Readings tested.
-    pub of: String,
-    /// Number of residuals.
-    pub count: usize,
-    /// Probability of residuals so far from a normal distribution.
-    pub normality: f64,
-    /// Probability of so few or so many runs of one sign.
-    pub runs: f64,
-    /// Correlation of a residual with the one before it.
-    pub lag1: f64,
-}
-
-impl ResidualTest {
-    fn of(test: &Randomness) -> Self {
-        let Randomness { count, normality, runs, lag1, .. } = *test;
-        Self { of: test.name(), count, normality, runs, lag1 }
-    }
-}
-
 /// A reading that stands out.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct OutlierPlace {
@@ -262,12 +241,12 @@ pub struct PredictedUncertainty {
 }
 
 impl PredictedUncertainty {
-    fn of(fitted: &Fitted<'_>) -> Self {
-        let Prediction { spread, pose, tool, deviation } = &fitted.prediction;
-        let (largest_um, combination) = match spread {
-            Spread::Known(size) => (Some(um(*size)), None),
-            Spread::Unknown => (None, None),
-            Spread::Free(words) => (None, Some(words.clone())),
+    fn of(fitted: &FitDiagnosis<'_>) -> Self {
+        let Prediction { uncertainty, pose, tool, deviation } = &fitted.prediction;
+        let (largest_um, combination) = match uncertainty {
+            DeviationUncertainty::Known(size) => (Some(um(*size)), None),
+            DeviationUncertainty::Unknown => (None, None),
+            DeviationUncertainty::Free(words) => (None, Some(words.clone())),
         };
         Self {
             largest_um,
@@ -276,7 +255,7 @@ impl PredictedUncertainty {
             at: axis_positions(fitted.machine, pose),
             tool: fitted.machine.tools().get(*tool).map_or_else(String::new, |tool| tool.name.clone()),
             deviation_um: um(*deviation),
-            held: limits::held(fitted),
+            held: limits::holds_prediction(fitted),
         }
     }
 }
@@ -310,11 +289,13 @@ pub struct IdentifyResult {
     /// Combinations without effect on the data, in words.
     pub null_space: Vec<String>,
     /// Combinations below the noise, in words.
-    pub drowned: Vec<String>,
+    #[serde(rename = "drowned")]
+    pub below_noise: Vec<String>,
     /// Ratio of the largest singular value to the smallest that counts.
     pub condition: f64,
-    /// Least valuation of the machine's parameters that have a value.
-    pub valuation: f64,
+    /// Least observability of the machine's parameters that have a value.
+    #[serde(rename = "valuation")]
+    pub observability: f64,
     /// Singular values of the column-scaled problem.
     pub singular_values: Vec<f64>,
     /// Root mean square of the readings.
@@ -380,22 +361,22 @@ fn in_unit(kind: ReadingKind, mm: f64) -> String {
 }
 
 /// File and line of a measurement.
-pub(crate) fn place(fitted: &Fitted<'_>, sources: &Sources, row: usize) -> String {
+pub(crate) fn place(fitted: &FitDiagnosis<'_>, sources: &Sources, row: usize) -> String {
     let place = &fitted.data[row].place;
     format!("{}:{}", sources.name(place.source), sources.line_column(place).0)
 }
 
 /// The fit in a line.
-pub(crate) fn in_short(fitted: &Fitted<'_>) -> String {
+pub(crate) fn in_short(fitted: &FitDiagnosis<'_>) -> String {
     let (rank, unknowns, rows) = (fitted.solution.rank_first_order, fitted.unknowns.len(), fitted.rows());
     let [before, after] = [fitted.residuals.before, fitted.residuals.after].map(|rms| significant(um(rms), 5));
     format!("rank {rank} of {unknowns} parameters from {rows} readings; rms {before} um before, {after} um after")
 }
 
 impl IdentifyResult {
-    pub(crate) fn of(fitted: &Fitted<'_>, sources: &Sources) -> Self {
+    pub(crate) fn of(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Self {
         let (s, r) = (&fitted.solution, &fitted.residuals);
-        let all: Vec<_> = fitted.unknowns.iter().zip(&s.estimates).map(FittedParameter::of).collect();
+        let all: Vec<_> = fitted.unknowns.iter().zip(&s.estimates).map(|(p, e)| FittedParameter::of(p, e)).collect();
         let (parameters, instruments) = all.split_at(fitted.own);
         let outlier = |o: &Outlier| OutlierPlace {
             place: place(fitted, sources, o.row),
@@ -409,58 +390,58 @@ impl IdentifyResult {
             instruments: instruments.to_vec(),
             known: fitted.known.iter().map(|known| KnownValue::of(fitted.unknowns, known)).collect(),
             type_b: fitted.type_b.iter().map(SharedUncertainty::of).collect(),
-            lack_of_fit: fitted.misfit.as_ref().map(|misfit| LackOfFit::of(fitted.machine, misfit)),
+            lack_of_fit: fitted.form.as_ref().map(|form| LackOfFit::of(fitted.machine, form)),
             rank: s.rank,
             rank_first_order: s.rank_first_order,
             unknowns: fitted.unknowns.len(),
             well_determined: s.well_determined,
             null_space: s.null_space.clone(),
-            drowned: s.drowned.clone(),
+            below_noise: s.below_noise.clone(),
             condition: s.condition,
-            valuation: s.valuation,
+            observability: s.observability,
             singular_values: s.singular_values.clone(),
             rms_um: RmsBeforeAfter { before: um(r.before), after: um(r.after), held_out: fitted.held_out.map(um) },
             sigma_um: fitted.fit.scatter.is_empty().then(|| um(s.sigma)),
-            degrees_of_freedom: s.freedom,
+            degrees_of_freedom: s.degrees_of_freedom,
             scatter: fitted.fit.scatter.iter().map(scatter_of_kind).collect(),
             repeatability_um: fitted.repeats.first().map(|r| um(r.sigma)),
-            repeats: fitted.repeats.iter().map(repeated).collect(),
+            repeats: fitted.repeats.iter().map(repeated_readings).collect(),
             orders_um: OrderShares {
                 first: um(r.parts[0]),
                 second: um(r.parts[1]),
                 higher: um(r.parts[2]),
-                left_by_first: um(r.left[0]),
-                left_by_second: um(r.left[1]),
+                left_by_first: um(r.truncated[0]),
+                left_by_second: um(r.truncated[1]),
             },
-            kinds: r.kinds.iter().map(kind_residual).collect(),
-            residual_tests: fitted.randomness.iter().map(ResidualTest::of).collect(),
+            kinds: r.kinds.iter().map(|(kind, rows, rms)| kind_residual(*kind, *rows, *rms)).collect(),
+            residual_tests: fitted.residual_tests.clone(),
             outliers: r.outliers.iter().map(outlier).collect(),
             prediction: PredictedUncertainty::of(fitted),
             invariances: fitted.motions.clone(),
             datum: fitted.datum.clone(),
             errors: datum::errors(fitted),
             steps: fitted.fit.steps,
-            settled: fitted.fit.settled,
+            settled: fitted.fit.converged,
             machine: fitted.machine.name().to_owned(),
             reading_scatter: reading_scatter(fitted),
-            coverage: s.coverage(),
-            free: s.free(),
+            coverage: s.coverage_range(),
+            free: s.null_space_summary(),
             machine_file: None,
             pictures: Vec::new(),
         }
     }
 }
 
-fn repeated(repeats: &Repeats) -> RepeatedReadings {
+fn repeated_readings(repeats: &Repeats) -> RepeatedReadings {
     RepeatedReadings {
         of: repeats.of.word().to_owned(),
         sigma_um: um(repeats.sigma),
-        degrees_of_freedom: repeats.freedom,
+        degrees_of_freedom: repeats.degrees_of_freedom,
     }
 }
 
-fn kind_residual((kind, rows, rms): &(ReadingKind, usize, f64)) -> KindResidual {
-    KindResidual { kind: kind.word().to_owned(), rows: *rows, rms_um: um(*rms), words: in_unit(*kind, *rms) }
+fn kind_residual(kind: ReadingKind, rows: usize, rms: f64) -> KindResidual {
+    KindResidual { kind: kind.word().to_owned(), rows, rms_um: um(rms), words: in_unit(kind, rms) }
 }
 
 fn times_given(sigma: f64) -> String {
@@ -477,11 +458,11 @@ fn scatter_of_kind(scatter: &Scatter) -> ScatterOfKind {
 }
 
 /// Scatter of a reading, in words, where all kinds scatter alike.
-fn reading_scatter(fitted: &Fitted<'_>) -> String {
+fn reading_scatter(fitted: &FitDiagnosis<'_>) -> String {
     let kind = match &fitted.residuals.kinds[..] {
         [(kind, ..)] => *kind,
         _ => ReadingKind::Deviation,
     };
     let sigma = fitted.solution.sigma;
-    if fitted.data.iter().all(|m| m.known) { times_given(sigma) } else { in_unit(kind, sigma) }
+    if fitted.data.iter().all(|m| m.has_uncertainty) { times_given(sigma) } else { in_unit(kind, sigma) }
 }

@@ -1,6 +1,6 @@
 //! Axes: kind, direction, origin, travel, and what holds of them on one side of the bed.
 
-use super::context::{Context, dotted};
+use super::context::{Context, dotted_path};
 use super::positions::{PositionDraft, position};
 use crate::diagnostic::{codes, did_you_mean, shown};
 use crate::machine::{AxisKind, AxisName, Branch, ControllerAxis, Sense, Travel};
@@ -293,7 +293,8 @@ fn travel(
             if max - min < SHORTEST {
                 let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
                 let length = max - min;
-                let message = format!("`{}` is {length:e} {unit} long, less than a step of any control", dotted(here));
+                let message =
+                    format!("`{}` is {length:e} {unit} long, less than a step of any control", dotted_path(here));
                 context.at_value(codes::E0403, here, message, format!("a travel has {SHORTEST} {unit} at least"));
                 return None;
             }
@@ -307,7 +308,7 @@ impl Context<'_> {
     pub fn interval(&mut self, list: &[Scalar], kind: AxisKind, at: &Keys) -> Option<(f64, f64)> {
         let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
         let [min, max] = list else {
-            let message = format!("`{}` has {} numbers, an interval has two", dotted(at), list.len());
+            let message = format!("`{}` has {} numbers, an interval has two", dotted_path(at), list.len());
             self.at_value(codes::E0403, at, message, format!("write [min, max] in {unit}"));
             return None;
         };
@@ -319,7 +320,7 @@ impl Context<'_> {
             } else {
                 ("runs backwards", format!("write the smaller end first: [{max} {unit}, {min} {unit}]"))
             };
-            let message = format!("`{}` {what}: from {min} {unit} to {max} {unit}", dotted(at));
+            let message = format!("`{}` {what}: from {min} {unit} to {max} {unit}", dotted_path(at));
             self.at_value(codes::E0403, at, message, help);
             return None;
         }

@@ -2,8 +2,9 @@
 
 use super::context::Context;
 use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
-use crate::machine::{Axis, AxisKind, AxisName, Branch, KinematicChain, Machine};
+use crate::machine::{Axis, AxisKind, AxisName, Branch, KinematicChain, Machine, RepeatedJoints};
 use crate::syntax::{Keys, WrittenChain, below, keys};
+use std::collections::BTreeSet;
 
 /// Maximum number of axes in the chain.
 const MAX_AXES: usize = 16;
@@ -11,22 +12,30 @@ const MAX_AXES: usize = 16;
 /// One less the cosine of the angle below which two directions are one: half a millirad.
 const PARALLEL: f64 = 1e-7;
 
-/// An axis in the chain and where it stands there.
-struct Link {
+/// An axis or the spindle in the chain and where it stands there.
+struct ChainLink {
     name: AxisName,
     branch: Branch,
     place: Option<Place>,
 }
 
-/// The chain as written; both lists from the bed outwards.
+/// The chain as written; the axes of both branches from the bed outwards.
 #[derive(Default)]
 struct ChainLinks {
-    axes: Vec<Link>,
-    spindle: Option<(AxisName, Option<Place>)>,
+    axes: Vec<ChainLink>,
+    spindle: Option<ChainLink>,
+}
+
+impl ChainLinks {
+    fn graph(&self) -> Result<KinematicChain, RepeatedJoints> {
+        let branch = |side| self.axes.iter().filter(|l| l.branch == side).map(|l| l.name.clone()).collect::<Vec<_>>();
+        let spindle = self.spindle.as_ref().map(|spindle| &spindle.name);
+        KinematicChain::new(&branch(Branch::Workpiece), &branch(Branch::Tool), spindle)
+    }
 }
 
 /// A word of the chain and where it stands.
-struct Token {
+struct ChainWord {
     text: String,
     place: Option<Place>,
 }
@@ -52,13 +61,11 @@ pub fn chain(context: &mut Context<'_>) -> Option<KinematicChain> {
             return None;
         }
     };
-    check(context, &links)?;
-    let branch = |side| links.axes.iter().filter(|l| l.branch == side).map(|l| l.name.clone()).collect::<Vec<_>>();
-    Some(KinematicChain::new(&branch(Branch::Workpiece), &branch(Branch::Tool), links.spindle.map(|s| s.0)))
+    check(context, &links)
 }
 
-/// Axes declared, none twice, at least one.
-fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
+/// Axes declared, no joint on two paths, at least one.
+fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<KinematicChain> {
     let before = context.diagnostics.count();
     if links.axes.len() > MAX_AXES {
         let message = format!("the chain has {} axes, at most {MAX_AXES} are computed", links.axes.len());
@@ -68,24 +75,28 @@ fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
         context.diagnostics.push(Diagnostic::new(codes::E0307, message).at(place, "").help(help));
         return None;
     }
+    let graph = links.graph();
+    for name in graph.as_ref().err().iter().flat_map(|RepeatedJoints(names)| names) {
+        let mut joints = links.axes.iter().chain(&links.spindle).filter(|link| link.name == *name);
+        let first = joints.next().and_then(|link| link.place.clone());
+        joints.for_each(|again| twice(context, name, &again.place, &first));
+    }
     let declared: Vec<&str> = context.document.axes.keys().map(String::as_str).collect();
-    for (i, link) in links.axes.iter().enumerate() {
-        if let Some(first) = links.axes[..i].iter().find(|l| l.name == link.name) {
-            twice(context, &link.name, &link.place, &first.place);
-        } else if !declared.contains(&link.name.as_str()) && !context.document.places.is_lost(&keys(["axes"])) {
+    let mut names = BTreeSet::new();
+    for link in links.axes.iter().filter(|link| names.insert(&link.name)) {
+        if !declared.contains(&link.name.as_str()) && !context.document.places.is_lost(&keys(["axes"])) {
             let near = did_you_mean(link.name.as_str(), &declared);
             let message = format!("axis `{}` of the chain is not declared under `axes`", link.name);
             let help = format!("declare it, `{}: {{ travel: [...] }}`; {near}", link.name);
             context.diagnostics.push(Diagnostic::new(codes::E0303, message).at(link.place.clone(), "").help(help));
         }
     }
-    if let Some((name, place)) = &links.spindle {
-        if let Some(axis) = links.axes.iter().find(|l| l.name == *name) {
-            twice(context, name, place, &axis.place);
-        } else if declared.contains(&name.as_str()) {
-            let declared = context.document.places.key(&keys(["axes", name.as_str()]));
-            twice(context, name, place, &declared);
-        }
+    let in_chain = |name: &AxisName| links.axes.iter().any(|link| link.name == *name);
+    if let Some(ChainLink { name, place, .. }) = links.spindle.as_ref().filter(|spindle| !in_chain(&spindle.name))
+        && declared.contains(&name.as_str())
+    {
+        let declared = context.document.places.key(&keys(["axes", name.as_str()]));
+        twice(context, name, place, &declared);
     }
     if links.axes.is_empty() {
         context.at_value(
@@ -95,7 +106,7 @@ fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<()> {
             "name at least one axis between w and t",
         );
     }
-    (context.diagnostics.count() == before).then_some(())
+    graph.ok().filter(|_| context.diagnostics.count() == before)
 }
 
 /// Letters of axes that are parallel by ISO 841.
@@ -136,7 +147,7 @@ fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) 
     for (branch, key, list) in [(Branch::Workpiece, "workpiece", workpiece), (Branch::Tool, "tool", tool)] {
         for (i, text) in list.iter().enumerate() {
             let at = below(&keys(["branches", key]), i);
-            let token = Token { text: text.trim().to_owned(), place: context.document.places.value(&at) };
+            let token = ChainWord { text: text.trim().to_owned(), place: context.document.places.value(&at) };
             let last = branch == Branch::Tool && i + 1 == list.len();
             link(context, &token, Some(branch), last, &mut links);
         }
@@ -145,7 +156,13 @@ fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) 
 }
 
 /// One axis or spindle. `side` is the branch it stands in, if that is settled.
-fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_spindle: bool, links: &mut ChainLinks) {
+fn link(
+    context: &mut Context<'_>,
+    token: &ChainWord,
+    side: Option<Branch>,
+    may_be_spindle: bool,
+    links: &mut ChainLinks,
+) {
     let inner = token.text.strip_prefix('(').and_then(|t| t.strip_suffix(')'));
     let bare = inner.unwrap_or(&token.text);
     let unprimed = bare.trim_end_matches(['\'', '’', '′']);
@@ -159,7 +176,7 @@ fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_s
             context.diagnostics.push(Diagnostic::new(codes::E0301, message).at(token.place.clone(), "").help(help));
             return;
         }
-        links.spindle = Some((name, token.place.clone()));
+        links.spindle = Some(ChainLink { name, branch: Branch::Tool, place: token.place.clone() });
         return;
     }
     let primed = unprimed != bare;
@@ -171,10 +188,10 @@ fn link(context: &mut Context<'_>, token: &Token, side: Option<Branch>, may_be_s
         context.diagnostics.push(Diagnostic::new(codes::E0305, message).at(token.place.clone(), "").help(help));
         return;
     }
-    links.axes.push(Link { name, branch, place: token.place.clone() });
+    links.axes.push(ChainLink { name, branch, place: token.place.clone() });
 }
 
-fn refuse_name(context: &mut Context<'_>, token: &Token) {
+fn refuse_name(context: &mut Context<'_>, token: &ChainWord) {
     let message = format!("`{}` is not the name of an axis", shown(&token.text));
     let help = "a name is a capital letter, then up to seven capitals or digits: X, C1, J6";
     context.diagnostics.push(Diagnostic::new(codes::E0301, message).at(token.place.clone(), "").help(help));
@@ -208,7 +225,7 @@ fn walk(context: &mut Context<'_>, text: &str) -> Option<ChainLinks> {
     (context.diagnostics.count() == before).then_some(links)
 }
 
-fn left_of_bed(context: &mut Context<'_>, token: &Token, links: &mut ChainLinks) {
+fn left_of_bed(context: &mut Context<'_>, token: &ChainWord, links: &mut ChainLinks) {
     let primed = token.text.ends_with(['\'', '’', '′']);
     if !primed && AxisName::new(&token.text).is_some() {
         let message = format!("axis `{}` stands on the workpiece side of the bed without a prime", token.text);
@@ -221,7 +238,7 @@ fn left_of_bed(context: &mut Context<'_>, token: &Token, links: &mut ChainLinks)
 
 /// Words between spaces, dashes and the outer brackets; a letter before the bracket (V, H) says how
 /// the spindle stands and is not part of the walk.
-fn tokens(context: &Context<'_>, text: &str) -> Vec<Token> {
+fn tokens(context: &Context<'_>, text: &str) -> Vec<ChainWord> {
     let body = match text.find('[') {
         Some(open) if matches!(text[..open].trim(), "" | "V" | "H") => open + 1..text.rfind(']').unwrap_or(text.len()),
         _ => 0..text.len(),
@@ -242,7 +259,7 @@ fn tokens(context: &Context<'_>, text: &str) -> Vec<Token> {
                 Place { source: place.source, range: start..start + word.len() }
             };
             let place = as_written.map(part).or_else(|| whole.clone());
-            tokens.push(Token { text: word.to_owned(), place });
+            tokens.push(ChainWord { text: word.to_owned(), place });
         }
         start += piece.len();
     }

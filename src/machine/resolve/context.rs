@@ -52,6 +52,6 @@ impl<'a> Context<'a> {
 }
 
 /// An entry's path as people write it.
-pub fn dotted(at: &[String]) -> String {
+pub fn dotted_path(at: &[String]) -> String {
     shown(&at.join("."))
 }

@@ -1,7 +1,7 @@
 //! The joint covariance of errors: independent parts, each written like the errors themselves.
 
-use super::context::{Context, dotted};
-use super::errors::{Errors, named, once, term};
+use super::context::{Context, dotted_path};
+use super::errors::{Errors, find_error, once, term};
 use super::parts::setup_at;
 use super::uses::JointNames;
 use crate::diagnostic::codes;
@@ -28,7 +28,7 @@ pub fn covariance(context: &mut Context<'_>, known: &JointNames<'_>) -> (Vec<Joi
         let at = below(&below(&section, i), "form");
         let alone = entry.errors.is_empty() && entry.setup.is_none();
         if !alone {
-            let message = format!("`{}` stands beside `errors` or `setup`", dotted(&at));
+            let message = format!("`{}` stands beside `errors` or `setup`", dotted_path(&at));
             context.at_key(codes::E0209, &at, message, "write it as an entry of its own");
         }
         let Some(form) = form(context, known, written, &at) else { continue };
@@ -47,9 +47,9 @@ fn part(context: &mut Context<'_>, known: &JointNames<'_>, index: usize, entry: 
     for (name, entry) in &entry.errors {
         let at = below(&below(&here, "errors"), name);
         let place = context.document.places.key(&at);
-        let Some(spelling) = named(context, name, known, place.clone()) else { continue };
+        let Some(spelling) = find_error(context, name, known, place.clone()) else { continue };
         if entry.tolerance.is_some() || entry.uncertainty.is_some() {
-            let message = format!("`{}` is itself an uncertainty", dotted(&at));
+            let message = format!("`{}` is itself an uncertainty", dotted_path(&at));
             context.at_key(codes::E0209, &at, message, "write one standard uncertainty as a value or a curve");
             continue;
         }
@@ -66,7 +66,7 @@ fn form(context: &mut Context<'_>, known: &JointNames<'_>, entry: &FormEntry, he
     let sized = entry.size.is_some() || entry.rotation.is_some();
     let (Some(axis), true, Some(length)) = (&entry.axis, sized, &entry.length) else {
         if !context.document.places.is_marred(here) {
-            let message = format!("`{}` has not all of `axis`, `size` or `rotation`, and `length`", dotted(here));
+            let message = format!("`{}` has not all of `axis`, `size` or `rotation`, and `length`", dotted_path(here));
             let remedy = "such as { axis: X, size: 0.8 um, rotation: 3 urad, length: 60 mm }";
             context.at_key(codes::E0203, here, message, remedy);
         }
@@ -96,7 +96,7 @@ fn form(context: &mut Context<'_>, known: &JointNames<'_>, entry: &FormEntry, he
 
 fn above_zero(context: &mut Context<'_>, value: f64, at: &Keys) -> bool {
     if value <= 0.0 {
-        context.at_value(codes::E0213, at, format!("`{}` is not above zero", dotted(at)), "write a size");
+        context.at_value(codes::E0213, at, format!("`{}` is not above zero", dotted_path(at)), "write a size");
     }
     value > 0.0
 }

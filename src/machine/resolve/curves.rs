@@ -200,7 +200,7 @@ fn bspline(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &BSplineEntry, at
         .collect();
     let coefficients = coefficients.into_iter().map(|c| Some(c? * of.sign())).collect::<Option<Vec<f64>>>()?;
     let pairs = knots.into_iter().map(|q| Some((q?, 0.0))).collect::<Option<_>>()?;
-    let breaks: Vec<f64> = snapped(pairs, of.axis.travel).into_iter().map(|pair| pair.0).collect();
+    let breaks: Vec<f64> = snap(pairs, of.axis.travel).into_iter().map(|pair| pair.0).collect();
     let degree = usize::from(entry.degree.unwrap_or(3));
     let place = |at: &Keys| context.document.places.value(at);
     match BSpline::new(degree, &breaks, &coefficients, of.continuous().then_some(360.0)) {
@@ -383,7 +383,7 @@ fn knots(
     row: &dyn Fn(usize) -> Option<Place>,
 ) -> Option<Curve> {
     let period = of.continuous().then_some(360.0);
-    let pairs = snapped(pairs, of.axis.travel);
+    let pairs = snap(pairs, of.axis.travel);
     match Knots::new(&pairs, period) {
         Ok(knots) => {
             covers(context, of, &knots, place)?;
@@ -406,7 +406,7 @@ fn bounded(travel: Option<Travel>) -> Option<(f64, f64)> {
 
 /// Ends that miss those of the travel only by rounding (deg to rad and back) are put there; on a continuous axis ends
 /// whose values differ only by rounding become one.
-fn snapped(mut pairs: Vec<(f64, f64)>, travel: Option<Travel>) -> Vec<(f64, f64)> {
+fn snap(mut pairs: Vec<(f64, f64)>, travel: Option<Travel>) -> Vec<(f64, f64)> {
     let Some(first) = pairs.first().map(|p| p.0) else { return pairs };
     let (min, max) = bounded(travel).unwrap_or((first, first + 360.0));
     let snap = |end: &mut f64, to: f64| *end = if (*end - to).abs() <= SLACK { to } else { *end };

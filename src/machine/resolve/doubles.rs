@@ -6,8 +6,8 @@ use super::errors::Errors;
 use crate::algebra::rotation_about;
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{
-    Approach, Axis, AxisKind, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, JointConvention, LocationAction,
-    MachineParts, MotionSide, Travel, sin_cos_degrees,
+    Axis, AxisKind, Branch, Direction, ErrorFamily, ErrorId, ErrorTerm, JointConvention, LocationAction, MachineParts,
+    MotionSide, Travel, sin_cos_degrees,
 };
 use crate::syntax::{DatumEntry, DatumLine, SquarenessSite};
 use crate::units;
@@ -87,14 +87,14 @@ impl Doubles<'_> {
         ErrorId { axis: self.axis.name.clone(), family: ErrorFamily::Component, direction }
     }
 
-    fn given(&self, direction: Direction) -> bool {
+    fn is_given(&self, direction: Direction) -> bool {
         let term = &self.parts.errors[self.index].component[direction.index()];
         matches!(term, Some(ErrorTerm::Component(_)))
     }
 
     fn value(&self, direction: Direction, position: f64) -> f64 {
         let term = &self.parts.errors[self.index].component[direction.index()];
-        term.as_ref().map_or(0.0, |term| term.value(position, Approach::Mean))
+        term.as_ref().map_or(0.0, |term| term.value(&position.into()))
     }
 
     /// (position, value) over the travel.
@@ -109,7 +109,7 @@ impl Doubles<'_> {
     fn constant(&self, context: &mut Context<'_>, direction: Direction) {
         let own = direction.is_rotation() == (self.axis.kind == AxisKind::Rotary)
             && self.axis.direction[direction.index() % 3].abs() > 0.999;
-        if own || !self.given(direction) {
+        if own || !self.is_given(direction) {
             return;
         }
         let samples = self.samples(direction);
@@ -127,7 +127,7 @@ impl Doubles<'_> {
     /// has been taken out neither over the travel nor (as the tangent) at the zero pose.
     fn slope(&self, context: &mut Context<'_>, direction: Direction) {
         let across = Vector3::from(self.axis.direction).cross(&Vector3::ith(direction.index(), 1.0));
-        if !self.given(direction) || across.norm() < 1e-6 {
+        if !self.is_given(direction) || across.norm() < 1e-6 {
             return;
         }
         let samples = self.samples(direction);
@@ -156,7 +156,7 @@ impl Doubles<'_> {
     fn first_harmonic(&self, context: &mut Context<'_>, tilts: bool) {
         let (min, max) = self.axis.travel.interval();
         let of = |i: usize| Direction::ALL[if tilts { 3 + i } else { i }];
-        if (max - min < 350.0 && self.axis.travel != Travel::Continuous) || !(0..3).any(|i| self.given(of(i))) {
+        if (max - min < 350.0 && self.axis.travel != Travel::Continuous) || !(0..3).any(|i| self.is_given(of(i))) {
             return;
         }
         let samples: [Vec<(f64, f64)>; 3] = std::array::from_fn(|i| self.samples(of(i)));

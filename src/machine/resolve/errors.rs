@@ -1,6 +1,6 @@
 //! Error terms: names, their axes, one place each, plausible size.
 
-use super::context::{Context, dotted};
+use super::context::{Context, dotted_path};
 use super::curves::{CurveOf, component, from_table, one_way};
 use super::names::{Spelling, readings};
 use super::tolerances::{NEGATIVE, Named, letter, meaning};
@@ -32,14 +32,14 @@ pub struct Errors {
 }
 
 /// The errors to read.
-pub struct Scope<'a> {
+pub struct ErrorScope<'a> {
     /// Those that the block of a side replaces.
     pub replaced: &'a BTreeSet<ErrorId>,
     /// The axes to read errors of; all of them by default.
     pub axes: Option<&'a BTreeSet<AxisName>>,
 }
 
-impl Scope<'_> {
+impl ErrorScope<'_> {
     fn skips(&self, error: &ErrorId) -> bool {
         self.replaced.contains(error) || self.axes.is_some_and(|axes| !axes.contains(&error.axis))
     }
@@ -59,25 +59,25 @@ impl Errors {
 }
 
 /// All error terms under `errors` and in tables that are in scope.
-pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &Scope<'_>) -> Errors {
+pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &ErrorScope<'_>) -> Errors {
     let document = context.document;
     let mut errors = Errors::default();
     for (name, entry) in &document.errors {
         let at = keys(["errors", name]);
         let place = document.places.key(&at);
-        let Some(spelling) = named(context, name, known, place.clone()) else { continue };
+        let Some(spelling) = find_error(context, name, known, place.clone()) else { continue };
         if !once(context, &mut errors, &spelling.error, place) || scope.skips(&spelling.error) {
             continue;
         }
         if let Some(entry) = entry {
-            given(context, &mut errors, &spelling, entry, (known, &at));
+            put_term(context, &mut errors, &spelling, entry, known, &at);
         }
     }
     for (name, entry) in &document.tolerances {
         let Named::Error = meaning(name, known) else { continue };
         let at = keys(["tolerances", name]);
         let place = document.places.key(&at);
-        let Some(spelling) = named(context, name, known, place.clone()) else { continue };
+        let Some(spelling) = find_error(context, name, known, place.clone()) else { continue };
         if !once(context, &mut errors, &spelling.error, place) || scope.skips(&spelling.error) {
             continue;
         }
@@ -87,18 +87,19 @@ pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &Scope<'_
         }
     }
     for (i, path) in document.measured.iter().enumerate() {
-        measured(context, &mut errors, &below(&keys(["measured"]), i), path, (known, scope));
+        read_columns(context, &mut errors, &below(&keys(["measured"]), i), path, known, scope);
     }
     errors
 }
 
 /// Puts a term and its uncertainty.
-pub fn given(
+pub fn put_term(
     context: &mut Context<'_>,
     errors: &mut Errors,
     spelling: &Spelling,
     entry: &TermEntry,
-    (known, at): (&JointNames<'_>, &Keys),
+    known: &JointNames<'_>,
+    at: &Keys,
 ) {
     let term = term(context, spelling, entry, known, at);
     errors.put(&spelling.error, term);
@@ -108,7 +109,12 @@ pub fn given(
 }
 
 /// The error that a name means, if its axis (or spindle) is there.
-pub fn named(context: &mut Context<'_>, name: &str, known: &JointNames<'_>, place: Option<Place>) -> Option<Spelling> {
+pub fn find_error(
+    context: &mut Context<'_>,
+    name: &str,
+    known: &JointNames<'_>,
+    place: Option<Place>,
+) -> Option<Spelling> {
     let readings = readings(name);
     let there = |axis: &AxisName| known.axis(axis).is_some() || known.spindle == Some(axis);
     if let Some(reading) = readings.iter().find(|r| there(&r.error.axis)) {
@@ -180,12 +186,12 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
             if !context.document.places.is_marred(at) {
                 let help =
                     "write a value such as `12 um`, or one of table, points, polynomial, harmonics, bspline, tolerance";
-                context.at_key(codes::E0203, at, format!("`{}` has no value", dotted(at)), help);
+                context.at_key(codes::E0203, at, format!("`{}` has no value", dotted_path(at)), help);
             }
             false
         }
         [first, second, ..] => {
-            let message = format!("`{first}` and `{second}` of `{}` exclude each other", dotted(at));
+            let message = format!("`{first}` and `{second}` of `{}` exclude each other", dotted_path(at));
             context.at_key(codes::E0209, &below(at, second), message, "keep one of them");
             false
         }
@@ -197,7 +203,7 @@ fn uncertainty(context: &mut Context<'_>, error: &ErrorId, entry: &TermEntry, at
     let here = below(at, "uncertainty");
     let value = context.error_value(entry.uncertainty.as_ref()?, error.direction, &here)?;
     if entry.tolerance.is_some() {
-        let message = format!("`tolerance` and `uncertainty` of `{}` exclude each other", dotted(at));
+        let message = format!("`tolerance` and `uncertainty` of `{}` exclude each other", dotted_path(at));
         context.at_key(codes::E0209, &here, message, "an uncertainty belongs to a known value");
         return None;
     }
@@ -285,7 +291,7 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
             None => {
                 if !context.document.places.is_marred(&here) {
                     let help = "give both directions, or one curve without direction";
-                    context.at_key(codes::E0203, at, format!("`{}` has no `{key}`", dotted(at)), help);
+                    context.at_key(codes::E0203, at, format!("`{}` has no `{key}`", dotted_path(at)), help);
                 }
                 None
             }
@@ -297,12 +303,13 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
 }
 
 /// Every error column of a table.
-fn measured(
+fn read_columns(
     context: &mut Context<'_>,
     errors: &mut Errors,
     at: &Keys,
     path: &str,
-    (known, scope): (&JointNames<'_>, &Scope<'_>),
+    known: &JointNames<'_>,
+    scope: &ErrorScope<'_>,
 ) {
     let Some(table) = context.table(at, path) else { return };
     if table.columns.len() < 2 {
@@ -312,7 +319,7 @@ fn measured(
     }
     for (i, column) in table.columns.iter().enumerate().skip(1) {
         let place = Some(column.place.clone());
-        let Some(spelling) = named(context, &column.name, known, place.clone()) else { continue };
+        let Some(spelling) = find_error(context, &column.name, known, place.clone()) else { continue };
         let error = &spelling.error;
         // Columns of one name but different directions are one error.
         if table.columns[1..i].iter().any(|c| c.name == column.name) {
@@ -357,6 +364,11 @@ pub fn largest(direction: Direction) -> f64 {
     if direction.is_rotation() { MAX_ROTATION } else { MAX_TRANSLATION }
 }
 
+/// Returns the size (mm or rad) up to which a file may state that errors are plausible.
+pub fn largest_stated(direction: Direction) -> f64 {
+    if direction.is_rotation() { LARGEST_ROTATION } else { LARGEST_TRANSLATION }
+}
+
 impl Context<'_> {
     /// The size (mm or rad) beyond which an error is a mistake: larger where the file says that its machine has such
     /// errors.
@@ -367,9 +379,8 @@ impl Context<'_> {
             units::quantity(&scalar.as_ref()?.to_string()).ok()
         });
         let wanted = if direction.is_rotation() { Dimension::ANGLE } else { Dimension::LENGTH };
-        let cap = if direction.is_rotation() { LARGEST_ROTATION } else { LARGEST_TRANSLATION };
         let given = given.filter(|given| given.dimension == wanted).map_or(0.0, |given| given.value);
-        largest(direction).max(given.min(cap))
+        largest(direction).max(given.min(largest_stated(direction)))
     }
 
     /// Refuses what can only be a mistake of unit.
@@ -384,7 +395,7 @@ impl Context<'_> {
         };
         let limit = self.largest_plausible(direction);
         let limit = if direction.is_rotation() { format!("{} mrad", limit * 1e3) } else { format!("{limit} mm") };
-        let message = format!("`{}` reaches {shown}, which no machine has", dotted(at));
+        let message = format!("`{}` reaches {shown}, which no machine has", dotted_path(at));
         self.at_value(codes::E0412, at, message, format!("check the unit; the limit of plausibility is {limit}"));
         false
     }

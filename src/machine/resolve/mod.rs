@@ -19,11 +19,11 @@ mod tolerances;
 mod uses;
 mod volume;
 
-pub use errors::largest;
+pub use errors::{largest, largest_stated};
 pub use names::parse_error_name;
 pub use sides::no_origin;
 
-use super::{Axis, Branch, Conventions, Geometry, KinematicChain, Machine, MachineParts, Sides};
+use super::{Axis, Branch, Conventions, Geometry, KinematicChain, Machine, MachineParts, Origins};
 use crate::diagnostic::{Diagnostics, codes};
 use crate::syntax::{Document, Files, keys};
 use axes::AxisDraft;
@@ -70,7 +70,10 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
     let tool = tools.as_ref().and_then(|tools| tools.first());
     let geometry = tool.map(|tool| sides::geometry(context, &declared, &mut errors, tool, workpiece.as_ref()));
     let placed = chain.as_ref().zip(geometry.as_ref());
-    let axes = placed.and_then(|(chain, geometry)| in_chain(chain, &walk, geometry, &declared, &conventions));
+    let origins = geometry.as_ref().map(|geometry| geometry.origins(&walk));
+    let axes = placed
+        .zip(origins.as_ref())
+        .and_then(|((chain, geometry), origins)| in_chain(chain, geometry, origins, &declared, &conventions));
     let volume = axes.as_ref().and_then(|axes| volume::volume(context, axes, &declared));
     let chain = chain?;
     left_out(context, &declared, &chain, &errors);
@@ -80,7 +83,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
         axes: axes?,
         errors: errors.in_order(&chain),
         tools: tools?,
-        workpiece: geometry.point(&geometry.workpiece, &walk),
+        workpiece: origins?.workpiece(),
         workpiece_rotation,
         conventions,
         setup,
@@ -121,8 +124,8 @@ fn left_out(context: &mut Context<'_>, declared: &[AxisDraft], chain: &Kinematic
 /// The chain's axes on the walk, if all of them could be understood.
 fn in_chain(
     chain: &KinematicChain,
-    sides: &Sides,
     geometry: &Geometry,
+    origins: &Origins,
     declared: &[AxisDraft],
     conventions: &Conventions,
 ) -> Option<Vec<Axis>> {
@@ -133,7 +136,7 @@ fn in_chain(
             name: name.clone(),
             kind: draft.kind?,
             direction: side.direction,
-            origin: geometry.origin(name, sides),
+            origin: origins.axis(name),
             travel: side.travel,
             branch,
             sense: draft.sense.unwrap_or(conventions.workpiece_axes),

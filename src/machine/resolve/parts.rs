@@ -1,7 +1,7 @@
 //! Names, tools, workpiece, set-up, provenance.
 
 use super::axes::direction;
-use super::context::{Context, dotted};
+use super::context::{Context, dotted_path};
 use super::positions::{PositionDraft, position};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, is_layout, shown};
 use crate::machine::{AxisKind, Direction, Provenance, SetUp, Tool};
@@ -58,7 +58,7 @@ pub fn name(context: &mut Context<'_>) -> Option<String> {
 /// Text that reaches titles, file headers and controllers' comments.
 fn single_line(context: &mut Context<'_>, text: &str, limit: usize, at: &Keys) -> bool {
     let bad = |c: char| c.is_control() || is_layout(c);
-    let what = dotted(at);
+    let what = dotted_path(at);
     let (message, help) = if text.trim().is_empty() {
         (format!("`{what}` is empty"), "give it a name")
     } else if text.contains(bad) {
@@ -190,7 +190,7 @@ pub fn setup_at(context: &mut Context<'_>, entry: &SetUpEntry, section: &Keys) -
         for (letter, scalar) in values {
             let at = below(&below(section, part), letter);
             let Some(i) = letters.iter().position(|l| l == letter) else {
-                let message = format!("unknown key `{}` in `{}`", shown(letter), dotted(&below(section, part)));
+                let message = format!("unknown key `{}` in `{}`", shown(letter), dotted_path(&below(section, part)));
                 context.at_key(codes::E0201, &at, message, did_you_mean(letter, letters));
                 continue;
             };

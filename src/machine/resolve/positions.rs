@@ -1,21 +1,23 @@
 //! Positions: three coordinates, or the same from a named point; their references form no circle.
 
 use super::axes::{AxisDraft, block_key};
-use super::context::{Context, dotted};
+use super::context::{Context, dotted_path};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
-use crate::machine::{Anchor, AxisName, Branch, Position, Tool};
+use crate::machine::{AxisName, Branch, Position, ReferencePoint, Tool};
 use crate::syntax::{Keys, PositionEntry, RelativeEntry, below, keys};
+use petgraph::algo::{astar, tarjan_scc};
+use petgraph::graphmap::DiGraphMap;
 
 /// A position as written, with the keys of its entry.
 #[derive(Debug, Clone)]
 pub struct PositionDraft {
-    from: From,
+    from: WrittenReference,
     at: [f64; 3],
     entry: Keys,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum From {
+enum WrittenReference {
     Bed,
     Gauge,
     Tip,
@@ -29,13 +31,13 @@ const POINTS: [&str; 4] = ["gauge", "tip", "workpiece", "bed"];
 /// Reads a position.
 pub fn position(context: &mut Context<'_>, written: &PositionEntry, entry: &Keys) -> Option<PositionDraft> {
     let (from, at) = match written {
-        PositionEntry::Point(list) => (Some(From::Bed), context.vector(list, entry)),
+        PositionEntry::Point(list) => (Some(WrittenReference::Bed), context.vector(list, entry)),
         PositionEntry::Relative(RelativeEntry { from, at }) => {
             let from = match from {
-                Some(word) => named(context, word, &below(entry, "from")),
+                Some(word) => reference(context, word, &below(entry, "from")),
                 None => {
                     if !context.document.places.is_marred(entry) {
-                        let message = format!("`{}` does not say from where", dotted(entry));
+                        let message = format!("`{}` does not say from where", dotted_path(entry));
                         let help = "add `from:` with gauge, tip, workpiece, bed or the name of an axis";
                         context.at_key(codes::E0203, entry, message, help);
                     }
@@ -52,17 +54,17 @@ pub fn position(context: &mut Context<'_>, written: &PositionEntry, entry: &Keys
     Some(PositionDraft { from: from?, at: at?, entry: entry.clone() })
 }
 
-fn named(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<From> {
+fn reference(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<WrittenReference> {
     let document = context.document;
     match word {
-        "bed" => return Some(From::Bed),
-        "gauge" => return Some(From::Gauge),
-        "tip" => return Some(From::Tip),
-        "workpiece" => return Some(From::Workpiece),
+        "bed" => return Some(WrittenReference::Bed),
+        "gauge" => return Some(WrittenReference::Gauge),
+        "tip" => return Some(WrittenReference::Tip),
+        "workpiece" => return Some(WrittenReference::Workpiece),
         _ => {}
     }
     if let Some(axis) = AxisName::new(word).filter(|_| document.axes.contains_key(word)) {
-        return Some(From::Axis(axis));
+        return Some(WrittenReference::Axis(axis));
     }
     if !document.places.is_lost(&keys(["axes"])) {
         let known: Vec<&str> = POINTS.into_iter().chain(document.axes.keys().map(String::as_str)).collect();
@@ -74,24 +76,24 @@ fn named(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<From> {
 
 impl PositionDraft {
     /// The position; gauge point and tip are those of the default tool, whichever tool is in use.
-    pub fn settled(&self, tool: &Tool) -> Position {
+    pub fn resolve_points(&self, tool: &Tool) -> Position {
         let from = |base: [f64; 3]| Position::absolute(std::array::from_fn(|i| base[i] + self.at[i]));
-        let relative = |from: Anchor| Position { from, at: self.at };
+        let relative = |from: ReferencePoint| Position { from, at: self.at };
         match &self.from {
-            From::Bed => Position::absolute(self.at),
-            From::Gauge => from(tool.gauge),
-            From::Tip => from(tool.tip),
-            From::Workpiece => relative(Anchor::Workpiece),
-            From::Axis(axis) => relative(Anchor::Axis(axis.clone())),
+            WrittenReference::Bed => Position::absolute(self.at),
+            WrittenReference::Gauge => from(tool.gauge),
+            WrittenReference::Tip => from(tool.tip),
+            WrittenReference::Workpiece => relative(ReferencePoint::Workpiece),
+            WrittenReference::Axis(axis) => relative(ReferencePoint::Axis(axis.clone())),
         }
     }
 
     /// The node of the graph of references that it leads to.
     fn target(&self) -> Option<&str> {
         match &self.from {
-            From::Workpiece => Some("workpiece"),
-            From::Axis(axis) => Some(axis.as_str()),
-            From::Bed | From::Gauge | From::Tip => None,
+            WrittenReference::Workpiece => Some("workpiece"),
+            WrittenReference::Axis(axis) => Some(axis.as_str()),
+            WrittenReference::Bed | WrittenReference::Gauge | WrittenReference::Tip => None,
         }
     }
 }
@@ -99,58 +101,63 @@ impl PositionDraft {
 /// Refuses references that lead back to where they began, in any arrangement of the axes: each axis takes the side
 /// that the reference stands on.
 pub fn circles(context: &mut Context<'_>, axes: &[AxisDraft], workpiece: Option<&PositionDraft>) {
-    let mut references: Vec<(&str, &PositionDraft)> = Vec::new();
-    for axis in axes {
-        let blocks = [Branch::Tool, Branch::Workpiece].map(|branch| axis.block(branch).origin.as_ref());
-        // Plain keys without effect on either side refer to nothing.
-        let plain = axis.plain.origin.as_ref().filter(|_| blocks.iter().any(Option::is_none));
-        references.extend(blocks.into_iter().chain([plain]).flatten().map(|position| (axis.name.as_str(), position)));
-    }
-    references.extend(workpiece.map(|position| ("workpiece", position)));
-    let mut reported: Vec<&str> = Vec::new();
-    for (start, _) in &references {
-        let Some(circle) = path(&references, start, start, &mut Vec::new()) else { continue };
-        if circle.iter().any(|(node, _)| reported.contains(node)) {
-            continue;
+    let references = references(axes, workpiece);
+    let mut components = tarjan_scc(&references);
+    for start in references.nodes() {
+        // One report for all that hang on each other, from the first of them on.
+        let Some(index) = components.iter().position(|component| component.contains(&start)) else { continue };
+        let _ = components.swap_remove(index);
+        let Some(circle) = circle(&references, start) else { continue };
+        let names: Vec<String> = circle.iter().map(|node| format!("`{node}`")).collect();
+        let message = format!("positions refer to each other in a circle: {}", names.join(", "));
+        let mut refusal = Diagnostic::new(codes::E0413, message);
+        for (i, position) in circle.windows(2).filter_map(|two| references.edge_weight(two[0], two[1])).enumerate() {
+            let place = context.document.places.value(&position.entry);
+            refusal = refusal.at(place, if i == 0 { "" } else { "and here" });
         }
-        reported.extend(circle.iter().map(|(node, _)| *node));
-        let names: Vec<String> = circle.iter().map(|(node, _)| format!("`{node}`")).collect();
-        let message = format!("positions refer to each other in a circle: {}, `{start}`", names.join(", "));
-        let places = &context.document.places;
-        let refusal = circle.iter().enumerate().fold(Diagnostic::new(codes::E0413, message), |refusal, (i, (_, p))| {
-            refusal.at(places.value(&p.entry), if i == 0 { "" } else { "and here" })
-        });
         context.diagnostics.push(refusal.help("give one of them from gauge, tip or bed"));
     }
 }
 
-/// The references from a node to `end`, each node once.
-fn path<'a>(
-    references: &[(&'a str, &'a PositionDraft)],
-    node: &str,
-    end: &str,
-    seen: &mut Vec<&'a str>,
-) -> Option<Vec<(&'a str, &'a PositionDraft)>> {
-    for (from, position) in references.iter().filter(|(from, _)| *from == node) {
-        let Some(target) = position.target() else { continue };
-        if target == end {
-            return Some(vec![(from, position)]);
-        }
-        if seen.contains(&target) {
-            continue;
-        }
-        seen.push(target);
-        if let Some(mut rest) = path(references, target, end, seen) {
-            rest.insert(0, (from, position));
-            return Some(rest);
-        }
+/// Positions by the axis (or the workpiece) whose they are and the one that they are relative to.
+type References<'a> = DiGraphMap<&'a str, &'a PositionDraft>;
+
+fn references<'a>(axes: &'a [AxisDraft], workpiece: Option<&'a PositionDraft>) -> References<'a> {
+    let mut references = References::new();
+    for axis in axes {
+        let _ = references.add_node(axis.name.as_str());
     }
-    None
+    let mut add = |of: &'a str, position: &'a PositionDraft| {
+        if let Some(from) = position.target().filter(|from| !references.contains_edge(of, from)) {
+            let _ = references.add_edge(of, from, position);
+        }
+    };
+    for axis in axes {
+        let blocks = [Branch::Tool, Branch::Workpiece].map(|branch| axis.block(branch).origin.as_ref());
+        // Plain keys without effect on either side refer to nothing.
+        let plain = axis.plain.origin.as_ref().filter(|_| blocks.iter().any(Option::is_none));
+        blocks.into_iter().chain([plain]).flatten().for_each(|position| add(axis.name.as_str(), position));
+    }
+    workpiece.iter().for_each(|position| add("workpiece", position));
+    references
+}
+
+/// Returns the shortest circle through a node, from it back to it.
+fn circle<'a>(references: &References<'a>, start: &'a str) -> Option<Vec<&'a str>> {
+    let back = |next| astar(references, next, |node| node == start, |_| 1, |_| 0);
+    let (_, path) = references.neighbors(start).filter_map(back).min_by_key(|(length, _)| *length)?;
+    Some([vec![start], path].concat())
+}
+
+/// A point (mm) that positions can be relative to.
+pub struct NamedPoint<'a> {
+    pub name: &'a str,
+    pub point: [f64; 3],
 }
 
 /// The line to write for an axis whose geometry is not stated, with the position that it has now.
-pub fn line_to_write(axis: &AxisName, branch: Branch, origin: [f64; 3], from: (&str, [f64; 3])) -> String {
-    let at: Vec<String> = (0..3).map(|i| crate::units::significant(origin[i] - from.1[i], 7)).collect();
-    let (key, name) = (block_key(branch), from.0);
+pub fn line_to_write(axis: &AxisName, branch: Branch, origin: [f64; 3], from: NamedPoint<'_>) -> String {
+    let at: Vec<String> = (0..3).map(|i| crate::units::significant(origin[i] - from.point[i], 7)).collect();
+    let (key, name) = (block_key(branch), from.name);
     format!("{axis}: {{ {key}: {{ origin: {{ from: {name}, at: [{}] }} }} }}", at.join(", "))
 }

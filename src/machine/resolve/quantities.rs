@@ -1,6 +1,6 @@
 //! Scalars to numbers: lengths and positions in mm or deg, error values in mm or rad.
 
-use super::context::{Context, dotted};
+use super::context::{Context, dotted_path};
 use super::names::in_other_letters;
 use crate::diagnostic::{codes, shown};
 use crate::machine::{AxisKind, Direction};
@@ -55,7 +55,7 @@ impl Context<'_> {
         let value = self.any_position(scalar, kind, at)?;
         if value.abs() > FARTHEST {
             let unit = if kind == AxisKind::Linear { "mm" } else { "deg" };
-            let message = format!("`{}` is {value:e} {unit}, which no machine reaches", dotted(at));
+            let message = format!("`{}` is {value:e} {unit}, which no machine reaches", dotted_path(at));
             self.at_value(codes::E0213, at, message, "check the unit; a bare number is in mm or deg");
             return None;
         }
@@ -92,7 +92,7 @@ impl Context<'_> {
     /// Three lengths.
     pub fn vector(&mut self, list: &[Scalar], at: &Keys) -> Option<[f64; 3]> {
         if list.len() != 3 {
-            let message = format!("`{}` has {} numbers, a point has three", dotted(at), list.len());
+            let message = format!("`{}` has {} numbers, a point has three", dotted_path(at), list.len());
             self.at_value(codes::E0207, at, message, "write [x, y, z] in machine coordinates (mm)");
             return None;
         }

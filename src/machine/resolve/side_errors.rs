@@ -2,8 +2,8 @@
 //! the same name under `errors`; curves cover the travel of their side.
 
 use super::axes::{AxisDraft, block_entry, block_key};
-use super::context::{Context, dotted};
-use super::errors::{Errors, Scope, given, named, once, plain};
+use super::context::{Context, dotted_path};
+use super::errors::{ErrorScope, Errors, find_error, once, plain, put_term};
 use super::uses::JointNames;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{AxisName, Branch, ErrorId, JointErrors, Sides};
@@ -23,7 +23,7 @@ pub fn errors(context: &mut Context<'_>, known: &JointNames<'_>, sides: &Sides) 
         let on_side = |branch: Branch| block(branch).places.keys().filter(move |e| of(&e.axis, other) == branch);
         Branch::BOTH.into_iter().flat_map(on_side).cloned().collect()
     };
-    let mut errors = plain(context, known, &Scope { replaced: &replaced(false), axes: None });
+    let mut errors = plain(context, known, &ErrorScope { replaced: &replaced(false), axes: None });
     spelled_alike(context, known, &blocks);
     let differing: BTreeSet<AxisName> = known
         .declared
@@ -40,7 +40,7 @@ pub fn errors(context: &mut Context<'_>, known: &JointNames<'_>, sides: &Sides) 
         let standing = |axis: &AxisDraft| axis.standing_on(of(&axis.name, true));
         let declared: Vec<AxisDraft> = known.declared.iter().map(standing).collect();
         let there = JointNames { declared: &declared, spindle: known.spindle };
-        let scope = Scope { replaced: &replaced(true), axes: Some(&differing) };
+        let scope = ErrorScope { replaced: &replaced(true), axes: Some(&differing) };
         let mut other = plain(context, &there, &scope);
         context.diagnostics.forget_repeats(found);
         differing.iter().for_each(|axis| other.take(block(of(axis, true)), axis));
@@ -83,13 +83,13 @@ fn blocks(context: &mut Context<'_>, known: &JointNames<'_>, branch: Branch) -> 
         for (written, entry) in entry.iter().flat_map(|block| &block.errors) {
             let at = keys(["axes", name, block_key(branch), "errors", written]);
             let place = document.places.key(&at);
-            let Some(spelling) = named(context, written, &there, place.clone()) else { continue };
+            let Some(spelling) = find_error(context, written, &there, place.clone()) else { continue };
             if spelling.error.axis != axis.name {
                 let message = format!("`{}` is not an error of axis `{name}`", spelling.error);
                 let help = format!("a block of axis `{name}` holds its own errors; move it to the axis it belongs to");
                 context.at_key(codes::E0415, &at, message, help);
             } else if once(context, &mut errors, &spelling.error, place) {
-                given(context, &mut errors, &spelling, entry, (&there, &at));
+                put_term(context, &mut errors, &spelling, entry, &there, &at);
             }
         }
     }
@@ -103,7 +103,7 @@ fn spelled_alike(context: &mut Context<'_>, known: &JointNames<'_>, blocks: &[Er
     let mut plain: BTreeMap<ErrorId, &String> = BTreeMap::new();
     for name in document.errors.keys() {
         let found = context.diagnostics.count();
-        let spelling = named(context, name, known, document.places.key(&keys(["errors", name])));
+        let spelling = find_error(context, name, known, document.places.key(&keys(["errors", name])));
         context.diagnostics.forget_repeats(found);
         plain.extend(spelling.map(|spelling| (spelling.error, name)));
     }
@@ -115,7 +115,7 @@ fn spelled_alike(context: &mut Context<'_>, known: &JointNames<'_>, blocks: &[Er
             let apart = place.as_ref().zip(other.as_ref()).is_some_and(|(a, b)| a.source != b.source);
             if apart && !document.places.has(&below(&written, name)) {
                 let message =
-                    format!("`{error}` is spelled differently under `{}` of the other file", dotted(&written));
+                    format!("`{error}` is spelled differently under `{}` of the other file", dotted_path(&written));
                 let refusal =
                     Diagnostic::new(codes::E0407, message).at(other, "").at(place.clone(), "the other spelling");
                 context.diagnostics.push(refusal.help("spell it alike in both files"));

@@ -4,10 +4,10 @@ use super::axes::AxisDraft;
 use super::chain::side_in;
 use super::context::Context;
 use super::errors::Errors;
-use super::positions::{PositionDraft, line_to_write};
+use super::positions::{NamedPoint, PositionDraft, line_to_write};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{
-    Anchor, AxisGeometry, AxisName, Branch, Geometry, Machine, Position, SideGeometry, Sides, Tool, Unstated,
+    AxisGeometry, AxisName, Branch, Geometry, Machine, Position, ReferencePoint, SideGeometry, Sides, Tool, Unstated,
 };
 use crate::syntax::keys;
 use crate::units::significant;
@@ -21,7 +21,7 @@ pub fn geometry(
     workpiece: Option<&PositionDraft>,
 ) -> Geometry {
     let settled = |position: Option<&PositionDraft>| {
-        position.map_or_else(|| Position::absolute([0.0; 3]), |position| position.settled(tool))
+        position.map_or_else(|| Position::absolute([0.0; 3]), |position| position.resolve_points(tool))
     };
     let both = |draft: &AxisDraft| {
         let mut other_side = errors.other_side.remove(&draft.name);
@@ -31,7 +31,7 @@ pub fn geometry(
                 direction: of.direction?,
                 origin: settled(of.origin.as_ref()),
                 travel: of.travel?,
-                stated: stated(context, draft, branch),
+                stated: is_stated(context, draft, branch),
                 origin_written: of.origin.is_some(),
                 errors: other_side.take_if(|(side, _)| *side == branch).map(|(_, errors)| errors),
             })
@@ -44,7 +44,7 @@ pub fn geometry(
 
 /// True if the file states the geometry for the side: in the block of the side; by the plain keys beside the block of
 /// the other side; or by the plain keys alone, if the file that wrote them has the axis on this side.
-fn stated(context: &Context<'_>, draft: &AxisDraft, branch: Branch) -> bool {
+fn is_stated(context: &Context<'_>, draft: &AxisDraft, branch: Branch) -> bool {
     let [here, there] = [branch, branch.opposite()].map(|side| draft.block(side).origin.is_some());
     let (plain, name) = (draft.plain.origin.is_some(), draft.name.as_str());
     let home = || context.document.chains.of(name).find_map(|chain| side_in(chain, name));
@@ -67,11 +67,11 @@ pub fn warn(context: &mut Context<'_>, machine: &Machine) {
             reason(&why)
         );
         let from = match axis.branch {
-            Branch::Tool => ("gauge", gauge),
-            Branch::Workpiece if matches!(machine.geometry().workpiece.from, Anchor::Bed) => {
-                ("workpiece", machine.workpiece())
+            Branch::Tool => NamedPoint { name: "gauge", point: gauge },
+            Branch::Workpiece if matches!(machine.geometry().workpiece.from, ReferencePoint::Bed) => {
+                NamedPoint { name: "workpiece", point: machine.workpiece() }
             }
-            Branch::Workpiece => ("bed", [0.0; 3]),
+            Branch::Workpiece => NamedPoint { name: "bed", point: [0.0; 3] },
         };
         let line = line_to_write(&axis.name, axis.branch, axis.origin, from);
         let help = format!("write under `axes` where it lies on this side; `{line}` is where it lies now");

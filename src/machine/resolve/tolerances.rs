@@ -1,6 +1,6 @@
 //! The sections `tolerances` and `class`: bounds of errors, of axes, of squareness, and of everything else.
 
-use super::context::{Context, dotted};
+use super::context::{Context, dotted_path};
 use super::errors::{Errors, bounded};
 use super::uses::JointNames;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
@@ -54,7 +54,7 @@ pub fn letter(
     let words = entry.words();
     if entry.location.is_some() || entry.frame() != FrameEntry::default() || entry.value.is_some() != words.is_empty() {
         let help = format!("write one bound, `{error}: 8 um`, or words of a data sheet, `{error}: {{ A: 8 um }}`");
-        context.at_key(codes::E0416, at, format!("`{}` is not the bound of an error", dotted(at)), help);
+        context.at_key(codes::E0416, at, format!("`{}` is not the bound of an error", dotted_path(at)), help);
         return None;
     }
     if let Some(value) = &entry.value {
@@ -107,11 +107,11 @@ pub fn frames(context: &mut Context<'_>, known: &JointNames<'_>, errors: &Errors
         let (at, Some(entry)) = (keys(["tolerances", name]), entry) else { continue };
         match meaning(name, known) {
             Named::Error => {}
-            Named::Joint(axis) => joint(context, &axis, entry, (known, &at), errors, &mut all),
+            Named::Joint(axis) => joint(context, &axis, entry, known, &at, errors, &mut all),
             Named::Pair => pair(context, name, entry, &at, errors, &mut all),
         }
     }
-    doubled(context, &all);
+    warn_doubled(context, &all);
     all
 }
 
@@ -119,13 +119,14 @@ fn joint(
     context: &mut Context<'_>,
     axis: &AxisName,
     entry: &BoundEntry,
-    (known, at): (&JointNames<'_>, &Keys),
+    known: &JointNames<'_>,
+    at: &Keys,
     errors: &Errors,
     all: &mut Tolerances,
 ) {
     if entry.value.is_some() || !entry.words().is_empty() {
         let help = format!("write `{axis}: {{ along: 2 um, across: 3 um, about_across: 10 urad }}`");
-        let message = format!("`{}` does not say which errors of axis `{axis}` it bounds", dotted(at));
+        let message = format!("`{}` does not say which errors of axis `{axis}` it bounds", dotted_path(at));
         context.at_key(codes::E0416, at, message, help);
         return;
     }
@@ -161,7 +162,7 @@ fn pair(context: &mut Context<'_>, name: &str, entry: &BoundEntry, at: &Keys, er
     let ([first, second], Some(value), true, 2) = (&two[..], &entry.value, only, name.split('-').count()) else {
         let help = "write the squareness of two of the linear axes X, Y, Z: `X-Y: 0.02/500`; of others, `W: { \
                     location: { about_across: 40 urad } }`";
-        context.at_key(codes::E0416, at, format!("`{}` is not the bound of a squareness", dotted(at)), help);
+        context.at_key(codes::E0416, at, format!("`{}` is not the bound of a squareness", dotted_path(at)), help);
         return;
     };
     let here = context.value_of(at);
@@ -173,7 +174,7 @@ fn pair(context: &mut Context<'_>, name: &str, entry: &BoundEntry, at: &Keys, er
     if let Some(value) = bounded(context, value, Direction::A, &here)
         && all.squareness.insert(pair, value).is_some()
     {
-        context.at_key(codes::E0407, at, format!("`{}` is given twice", dotted(at)), "keep one of them");
+        context.at_key(codes::E0407, at, format!("`{}` is given twice", dotted_path(at)), "keep one of them");
     }
 }
 
@@ -194,7 +195,7 @@ fn by_letter(
     };
     let Some(direction) = slots.iter().find(is_bound) else { return false };
     let error = ErrorId { axis: axis.clone(), family, direction: *direction };
-    let message = format!("`{}` bounds what `{error}` bounds by its letter", dotted(at));
+    let message = format!("`{}` bounds what `{error}` bounds by its letter", dotted_path(at));
     let place = context.document.places.key(at);
     let first = errors.places.get(&error).cloned().flatten();
     let refusal = Diagnostic::new(codes::E0407, message).at(place, "").at(first, "by letter here");
@@ -203,13 +204,13 @@ fn by_letter(
 }
 
 /// Refuses squareness beside rotations across the axis that has it.
-fn doubled(context: &mut Context<'_>, all: &Tolerances) {
+fn warn_doubled(context: &mut Context<'_>, all: &Tolerances) {
     for pair in all.squareness.keys() {
         let letters = pair.map(|axis| MAIN_AXES[axis]);
         let Some(axis) = AxisName::new(letters[1]) else { continue };
         if all.of(&axis, ErrorFamily::Location, true, false).is_some() {
             let at = keys(["tolerances", letters[1], "location", "about_across"]);
-            let message = format!("`{}` bounds the squareness {}-{} too", dotted(&at), letters[0], letters[1]);
+            let message = format!("`{}` bounds the squareness {}-{} too", dotted_path(&at), letters[0], letters[1]);
             context.at_key(codes::E0407, &at, message, "keep one of them");
         }
     }
@@ -224,7 +225,7 @@ pub fn squareness(context: &mut Context<'_>, machine: &Machine) {
         if frames.joint(joint).squareness_to(ErrorFamily::Location, rotation) != Some(*first) {
             let name = format!("{}-{}", MAIN_AXES[*first], MAIN_AXES[*second]);
             let at = keys(["tolerances", &name]);
-            let message = format!("`{}` is the squareness of axes that do not span a plane", dotted(&at));
+            let message = format!("`{}` is the squareness of axes that do not span a plane", dotted_path(&at));
             context.at_key(codes::E0416, &at, message, "give the directions of both axes, or remove the bound");
         }
     }

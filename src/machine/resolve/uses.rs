@@ -2,8 +2,8 @@
 //! stays in the document for a later stage.
 
 use super::axes::AxisDraft;
-use super::context::{Context, dotted};
-use super::errors::named;
+use super::context::{Context, dotted_path};
+use super::errors::find_error;
 use super::names::Spelling;
 use crate::diagnostic::{codes, shown};
 use crate::machine::algebra::{AlgebraChoice, named_monomial};
@@ -35,7 +35,7 @@ impl<'a> JointNames<'a> {
     /// Reports a name that is none.
     fn error(&self, context: &mut Context<'_>, name: &str, at: &Keys) {
         let place = context.document.places.value(at);
-        let _ = named(context, name, self, place);
+        let _ = find_error(context, name, self, place);
     }
 }
 
@@ -103,11 +103,11 @@ pub fn identify(context: &mut Context<'_>, known: &JointNames<'_>) {
             // What is fixed may be a parameter as the report names it: `workpiece.X`, `EXX:x^0`.
             let fixed = key == "fixed";
             if let Some(form) = form.filter(|_| !fixed) {
-                basis(context, form, knotted(undirected(name)), &at);
+                basis(context, form, knotted(without_direction(name)), &at);
             }
             let own = entry.parameters.contains_key(name) || (fixed && is_setup(name));
             if !GROUPS.contains(&name) && !own {
-                fit(context, known, undirected(name), &at);
+                fit(context, known, without_direction(name), &at);
             }
         }
     }
@@ -122,7 +122,7 @@ pub fn identify(context: &mut Context<'_>, known: &JointNames<'_>) {
     for (name, form) in &entry.basis {
         let at = keys(["identify", "basis", name]);
         let place = context.document.places.key(&at);
-        let _ = named(context, name, known, place);
+        let _ = find_error(context, name, known, place);
         basis(context, form, knotted(name), &at);
     }
     let leaders = entry.tied.iter().flat_map(|(name, leaders)| {
@@ -135,7 +135,7 @@ pub fn identify(context: &mut Context<'_>, known: &JointNames<'_>) {
     let knots = entry.knots.keys().map(|name| (keys(["identify", "knots", name]), name));
     for (at, name) in leaders.chain(moved).chain(knots).collect::<Vec<_>>() {
         let place = context.document.places.key(&at);
-        let _ = named(context, name, known, place);
+        let _ = find_error(context, name, known, place);
     }
     for (name, bound) in &entry.slopes {
         slope(context, known, name, bound);
@@ -146,12 +146,12 @@ pub fn identify(context: &mut Context<'_>, known: &JointNames<'_>) {
 fn slope(context: &mut Context<'_>, known: &JointNames<'_>, name: &str, bound: &Scalar) {
     let at = keys(["identify", "slopes", name]);
     let place = context.document.places.key(&at);
-    let Some(Spelling { error, .. }) = named(context, name, known, place) else { return };
+    let Some(Spelling { error, .. }) = find_error(context, name, known, place) else { return };
     let Some(kind) = known.axis(&error.axis).and_then(|axis| axis.kind).filter(|_| !error.is_location()) else {
         return;
     };
     if context.coefficient(bound, error.direction, kind, 1, &at).is_some_and(|slope| slope <= 0.0) {
-        let message = format!("`{}` is not above zero", dotted(&at));
+        let message = format!("`{}` is not above zero", dotted_path(&at));
         context.at_value(codes::E0213, &at, message, "write the standard deviation of the slope, such as 20 um/m");
     }
 }
@@ -164,7 +164,7 @@ fn is_setup(name: &str) -> bool {
 }
 
 /// An error's name without the direction of approach that may stand behind it.
-fn undirected(name: &str) -> &str {
+fn without_direction(name: &str) -> &str {
     ["+-", "+", "-"].iter().find_map(|sign| name.strip_suffix(sign)).unwrap_or(name).trim()
 }
 

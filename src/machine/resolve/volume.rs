@@ -71,7 +71,7 @@ fn grid(context: &mut Context<'_>, axis: &Axis, travel: &Keys, steps: &Steps) ->
     let range_at = if document.places.has(&long) { long } else { at.clone() };
     let interval = match range {
         Some(list) => {
-            context.interval(list, axis.kind, &range_at).and_then(|i| within(context, (axis, travel), i, &range_at))
+            context.interval(list, axis.kind, &range_at).and_then(|i| within(context, axis, travel, i, &range_at))
         }
         None => Some(axis.travel.interval()),
     };
@@ -92,7 +92,8 @@ fn grid(context: &mut Context<'_>, axis: &Axis, travel: &Keys, steps: &Steps) ->
 /// Beyond the travel no error is known.
 fn within(
     context: &mut Context<'_>,
-    (axis, travel): (&Axis, &Keys),
+    axis: &Axis,
+    travel: &Keys,
     interval: (f64, f64),
     at: &Keys,
 ) -> Option<(f64, f64)> {

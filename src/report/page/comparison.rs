@@ -32,8 +32,8 @@ pub type MachinePoses<'a> = Vec<(&'a Machine, Vec<Pose>)>;
 /// Returns the effect of the bounds of a machine at its poses for the work, where nothing is measured.
 fn of_bounds(given: &MachineInput<'_>, poses: &[Pose]) -> Option<BoundedFigures> {
     let bounded = given.budget().filter(|_| !poses.is_empty())?;
-    let found = given.at(&bounded, &Poses::Listed(poses.to_vec()), Frame::Workpiece);
-    Some(MachineInput::figures(&bounded, &found))
+    let found = given.at(bounded, &Poses::Listed(poses.to_vec()), Frame::Workpiece);
+    Some(MachineInput::figures(bounded, &found))
 }
 
 /// Number of these errors.
@@ -45,7 +45,7 @@ impl ComparisonData {
         let first = given.first().filter(|_| given.len() > 1)?;
         let bare: Vec<Bare<'_>> = given.iter().map(|g| Bare { machine: g.machine, order: g.order }).collect();
         let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-        let comparison = compare(&fields, &Work::OfPoses(first.sample()), first.approach, &|_| {});
+        let comparison = compare(&fields, &Work::OfPoses(first.sample()), first.conditions, &|_| {});
         let poses = |c: &MachineResult| c.reached.iter().map(|(pose, _)| pose.clone()).collect();
         let sides = given.iter().zip(&comparison.machines).map(|(g, c)| (g.machine, poses(c))).collect();
         Some((comparison, sides))
@@ -64,8 +64,8 @@ impl ComparisonData {
             let (own, first) = (bounded[i].as_ref(), bounded[0].as_ref());
             let minus = (own.is_some() == first.is_some()).then(|| statistics[i].minus(&statistics[0]));
             let bounds = own.map(|own| {
-                let mut json = own.json();
-                let _ = json.insert("rss_minus_first".to_owned(), json!(first.map(|first| own.rss_minus(first))));
+                let mut json = json!(own);
+                json["rss_minus_first"] = json!(first.map(|first| own.rss_minus(first)));
                 json
             });
             json!({"name": g.machine.name(), "file": g.file, "chain": g.machine.chain().to_string(),
@@ -76,9 +76,9 @@ impl ComparisonData {
             let minus: Vec<f64> = (0..e.um.len()).map(|i| e.minus_first(i)).collect();
             json!({"error": e.error, "um": e.um, "minus_first": minus})
         };
-        let (approach, seed) = given.first().map_or_else(Default::default, |first| (first.approach, first.poses.1));
+        let (conditions, seed) = given.first().map_or_else(Default::default, |first| (first.conditions, first.poses.1));
         Self {
-            errors: contributions(sides, approach).into_iter().take(ERRORS).map(error).collect(),
+            errors: contributions(sides, conditions).into_iter().take(ERRORS).map(error).collect(),
             budgets,
             asked: comparison.asked,
             poses: comparison.common.len(),

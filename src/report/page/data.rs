@@ -9,9 +9,11 @@ use crate::analysis::error_statistics;
 use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, levers, rest};
 use crate::controller::CompensationDegree;
 use crate::evaluate::{Bare, Frame, Order, Statistics, Summary, worst};
-use crate::machine::{Approach, Axis, ErrorId, ErrorTerm, Machine, ResidualForm, Travel};
+use crate::machine::{
+    Approach, Axis, ErrorId, ErrorTerm, Machine, OperatingConditions, ResidualForm, Travel, axis_positions,
+};
 use crate::report::pictures::{Bar, ParetoPicture, Picture};
-use crate::report::text::{BudgetReport, positions};
+use crate::report::text::BudgetFigures;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -93,22 +95,25 @@ impl MachineData {
         let few_poses = MachineInput { poses: few, ..*given }.sample();
         let named = |i: &usize| {
             let d = &map.deviations[*i];
-            json!({"axes": positions(machine, &poses.get(*i)), "deviation_um": scale(d.position, 1e3),
+            json!({"axes": axis_positions(machine, &poses.get(*i)), "deviation_um": scale(d.position, 1e3),
                 "length_um": d.position.norm() * 1e3, "rotation_urad": scale(d.rotation, 1e6)})
         };
         Self {
             statistics: statistics(&map.statistics),
             worst: bad.iter().map(named).collect(),
             source_poses: few.0,
-            sources: error_statistics(&bare, &few_poses, &worst_pose, given.approach).iter().map(source).collect(),
-            diagonals: diagonals(&bare, given.approach),
+            sources: error_statistics(&bare, &few_poses, &given.conditions.at(&worst_pose))
+                .iter()
+                .map(source)
+                .collect(),
+            diagonals: diagonals(&bare, given.conditions),
             certificates: given.written.iter().map(|written| certificate(machine, written)).collect(),
             ..Self::describe(number, given, FieldData::new(given))
         }
     }
 
     /// Computes everything about a machine of which nothing is measured.
-    pub fn of_bounds(number: usize, given: &MachineInput<'_>, bounded: &BudgetReport<'_>) -> Self {
+    pub fn of_bounds(number: usize, given: &MachineInput<'_>, bounded: &BudgetFigures) -> Self {
         let (machine, poses) = (given.machine, given.sample());
         let found = given.at(bounded, &poses, Frame::Workpiece);
         let figures = MachineInput::figures(bounded, &found);
@@ -117,12 +122,12 @@ impl MachineData {
         order.sort_by(|a, b| p95(b).total_cmp(&p95(a)).then(a.cmp(b)));
         let named = |i: &usize| {
             let BoundedDeviation { position, rotation } = found.poses[*i];
-            json!({"axes": positions(machine, &poses.get(*i)), "p95_um": position.p95 * 1e3,
+            json!({"axes": axis_positions(machine, &poses.get(*i)), "p95_um": position.p95 * 1e3,
                 "rss_um": position.rss * 1e3, "p95_urad": rotation.p95 * 1e6, "rss_urad": rotation.rss * 1e6})
         };
         Self {
             statistics: statistics(&figures.statistics(poses.len())),
-            bounds: figures.json().into(),
+            bounds: json!(figures),
             worst: order.iter().take(WORST).map(named).collect(),
             ..Self::describe(number, given, FieldData::of_bounds(given, bounded))
         }
@@ -156,7 +161,7 @@ impl MachineData {
             workpiece_origin_mm: machine.workpiece(),
             workpiece_rotation_deg: machine.workpiece_angles(),
             order: if given.budget().is_some() { "first order".to_owned() } else { order_word(given.order) },
-            direction: given.approach,
+            direction: given.conditions.approach,
             poses: given.poses.0,
             seed: given.poses.1,
             axes: axes(machine),
@@ -164,19 +169,19 @@ impl MachineData {
             provenance: machine.provenance().entries.clone(),
             warnings: given.warnings.to_vec(),
             words: given.words.clone(),
-            locations: locations(machine, given.budget().as_ref()),
+            locations: locations(machine, given.budget()),
             statistics: Value::Null,
             bounds: Value::Null,
             bounds_add: given.bounds_add.clone(),
             uncertainty: Value::Null,
-            bounded_components: given.budget.map_or(0, |budget| component_bounds(&budget)),
+            bounded_components: given.budget.map_or(0, component_bounds),
             work: given.work.map_or(Value::Null, |(_, work)| work.clone()),
             worst: Vec::new(),
             source_poses: 0,
             sources: Vec::new(),
             diagonals: Vec::new(),
             instruments: given.instruments.json(machine),
-            budget: given.budget.map_or(Value::Null, |budget| budget.json().into()),
+            budget: json!(given.budget),
             certificates: Vec::new(),
             field,
         }
@@ -184,7 +189,7 @@ impl MachineData {
 }
 
 /// Number of bounds of component errors.
-fn component_bounds(budget: &BudgetReport<'_>) -> usize {
+fn component_bounds(budget: &BudgetFigures) -> usize {
     budget.bounds.iter().filter(|bound| !bound.error.is_location()).count()
 }
 
@@ -246,7 +251,7 @@ fn axes(machine: &Machine) -> Vec<Value> {
 }
 
 /// The location errors that the chain needs, then those given besides.
-fn locations(machine: &Machine, bounded: Option<&BudgetReport<'_>>) -> Vec<Value> {
+fn locations(machine: &Machine, bounded: Option<&BudgetFigures>) -> Vec<Value> {
     let set = LocationSet::of(machine);
     let value = |id: &ErrorId| {
         let term = machine.errors().find(|(known, _)| known == id).map(|(_, term)| term.clone());
@@ -286,24 +291,20 @@ fn source(source: &ErrorStatistics) -> Value {
         "p95_urad": source.rotation.p95, "at_worst_um": source.along + 0.0})
 }
 
-fn diagonals(bare: &Bare<'_>, approach: Approach) -> Vec<Value> {
+fn diagonals(bare: &Bare<'_>, conditions: OperatingConditions) -> Vec<Value> {
     let machine = bare.machine;
     let of = |d: &crate::analysis::DiagonalRun| {
         let deviations: Vec<f64> = d.deviations.iter().map(|x| x * 1e3 + 0.0).collect();
-        json!({"name": d.name, "from": positions(machine, &d.ends[0]), "to": positions(machine, &d.ends[1]),
+        json!({"name": d.name, "from": axis_positions(machine, &d.ends[0]), "to": axis_positions(machine, &d.ends[1]),
             "length_mm": d.length, "range_um": d.range() * 1e3, "end_um": deviations.last(),
                 "deviations_um": deviations})
     };
-    body_diagonals(bare, &rest(machine), DIAGONAL_STEPS, approach).iter().map(of).collect()
+    body_diagonals(bare, &conditions.at(&rest(machine)), DIAGONAL_STEPS).iter().map(of).collect()
 }
 
 fn certificate(machine: &Machine, written: &TargetResult) -> Value {
     let TargetResult { target, certificate, .. } = written;
     let manifest = &target.manifest;
-    let figures = |f: &crate::controller::Figures| {
-        json!({"position_um": f.all.position_um,
-        "rotation_urad": f.all.rotation_urad, "tool_axis_urad": f.tool_axis})
-    };
     let certainty = |c: &crate::controller::Certainty| json!({"level": c.level.word(), "source": c.source});
     let mut errors: Vec<_> = certificate.errors.iter().collect();
     errors.sort_by(|a, b| b.residual_um.total_cmp(&a.residual_um));
@@ -322,7 +323,7 @@ fn certificate(machine: &Machine, written: &TargetResult) -> Value {
         "sign": certainty(&manifest.certainty.sign),
         "frame": manifest.certainty.frame.as_ref().map(certainty),
         "poses": certificate.poses, "direction": certificate.approach,
-        "uncompensated": figures(&certificate.uncompensated), "compensated": figures(&certificate.compensated),
+        "uncompensated": certificate.uncompensated, "compensated": certificate.compensated,
         "errors": errors.iter().map(error).collect::<Vec<_>>(),
         "at_reference": {"forward": by_axis(&certificate.at_reference[0]),
             "reverse": by_axis(&certificate.at_reference[1])},

@@ -7,7 +7,7 @@ use crate::analysis::{Plane, View, rest, space_axes};
 use crate::evaluate::{Bare, Field, Frame, Poses};
 use crate::machine::{Machine, Pose};
 use crate::report::pictures::{PlanePicture, PlaneQuantity, PlaneStyle, axis_curves, chain_picture};
-use crate::report::text::BudgetReport;
+use crate::report::text::BudgetFigures;
 
 /// Intervals along the longer side of a plane.
 const PLANE_NODES: f64 = 48.0;
@@ -32,19 +32,23 @@ impl Pictures {
             planes: pairs.map(|axes| plane(given, axes)).collect(),
             pareto: data.pareto(BARS).map_or_else(String::new, |picture| picture.svg()),
             instruments: given.instruments.pictures(machine),
-            budget: given.budget.iter().flat_map(|b| [b.pareto(BARS).svg(), b.waterfall(BARS).svg()]).collect(),
+            budget: given
+                .budget
+                .iter()
+                .flat_map(|b| [b.pareto(machine.name(), BARS).svg(), b.waterfall(machine.name(), BARS).svg()])
+                .collect(),
         }
     }
 }
 
 /// A plane as a map and as a grid, and after each compensation with the same colours.
 fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
-    let MachineInput { machine, order, approach, .. } = *given;
-    let view = View { approach, frame: Frame::Workpiece };
+    let MachineInput { machine, order, conditions, .. } = *given;
+    let view = View { conditions, frame: Frame::Workpiece };
     let names = axes.map(|i| machine.axes()[i].name.to_string());
     let heading = format!("{}-{} plane", names[0], names[1]);
     if let Some(bounded) = given.budget() {
-        return (heading, vec![bound_plane(given, &bounded, axes, view)]);
+        return (heading, vec![bound_plane(given, bounded, axes, view)]);
     }
     let counts = counts(machine, axes, PLANE_NODES);
     let of = |field: &dyn Field| Plane::of(field, axes, &rest(machine), counts, view);
@@ -80,7 +84,7 @@ fn counts(machine: &Machine, axes: [usize; 2], longer: f64) -> [usize; 2] {
 }
 
 /// The plane of a machine of which nothing is measured: the 95 % value.
-fn bound_plane(given: &MachineInput<'_>, bounded: &BudgetReport<'_>, axes: [usize; 2], view: View) -> String {
+fn bound_plane(given: &MachineInput<'_>, bounded: &BudgetFigures, axes: [usize; 2], view: View) -> String {
     let machine = given.machine;
     let p95 = |poses: Vec<Pose>| {
         let found = given.at(bounded, &Poses::Listed(poses), Frame::Workpiece);
@@ -96,7 +100,7 @@ fn bound_plane(given: &MachineInput<'_>, bounded: &BudgetReport<'_>, axes: [usiz
         drawn: PlaneStyle::Colours,
         state: "",
         like: None,
-        drawing: Some(bounded.drawing),
+        drawing: Some(&bounded.drawing),
     };
     picture.svg()
 }

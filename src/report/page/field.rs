@@ -8,9 +8,9 @@ use super::given::MachineInput;
 use crate::analysis::budget::{Bound, BoundedLength, effects_at};
 use crate::analysis::{View, deviation_in, rest, space_axes};
 use crate::evaluate::{Bare, Deviation, Frame, Poses, error_by_error, evaluate, frame_rotation};
-use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose};
+use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose, axis_positions};
 use crate::report::pictures::round_step;
-use crate::report::text::{BudgetReport, pose_words, positions};
+use crate::report::text::{BudgetFigures, pose_words};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -116,7 +116,7 @@ impl FieldData {
 
 impl FieldData {
     /// Evaluates all layers of a machine of which nothing is measured: lengths, from its bounds.
-    pub fn of_bounds(given: &MachineInput<'_>, bounded: &BudgetReport<'_>) -> Self {
+    pub fn of_bounds(given: &MachineInput<'_>, bounded: &BudgetFigures) -> Self {
         let machine = given.machine;
         let axes = grid_axes(machine);
         let poses = stations(machine, &axes);
@@ -143,7 +143,7 @@ impl FieldData {
         let mut layers = vec![total("total", "95 % of the drawn machines", |of| of.p95)];
         layers.push(total("rss", "RSS of all bounds", |of| of.rss));
         layers.extend(groups.iter().map(group));
-        let nominal = |pose: &Pose| evaluate(machine, pose, given.order, given.approach, Frame::Machine).nominal;
+        let nominal = |pose: &Pose| evaluate(machine, &given.conditions.at(pose), given.order, Frame::Machine).nominal;
         let places: Vec<Vector3<f64>> = nodes.par_iter().map(nominal).collect();
         let sampled = places.chunks(lattice.len()).map(|at| Sampled { nominal: at.to_vec(), nodes: Vec::new() });
         Self {
@@ -157,9 +157,9 @@ impl FieldData {
 }
 
 /// Squared effects of the bounds alone on the position at a pose, mm^2, in their order.
-fn effect_squares(machine: &Machine, bounded: &BudgetReport<'_>, pose: &[f64]) -> Vec<f64> {
+fn effect_squares(machine: &Machine, bounded: &BudgetFigures, pose: &[f64]) -> Vec<f64> {
     let mut squares = vec![0.0; bounded.bounds.len()];
-    effects_at(machine, bounded.bounds, pose).into_iter().for_each(|(i, length)| squares[i] = length * length);
+    effects_at(machine, &bounded.bounds, pose).into_iter().for_each(|(i, length)| squares[i] = length * length);
     squares
 }
 
@@ -167,7 +167,7 @@ fn effect_squares(machine: &Machine, bounded: &BudgetReport<'_>, pose: &[f64]) -
 type BoundedGroup = (String, String, &'static str, Vec<usize>);
 
 /// Groups of bounds by kind, by axis, and one by one.
-fn bound_groups(machine: &Machine, bounded: &BudgetReport<'_>) -> Vec<BoundedGroup> {
+fn bound_groups(machine: &Machine, bounded: &BudgetFigures) -> Vec<BoundedGroup> {
     let members = |keep: &dyn Fn(&Bound) -> bool| -> Vec<usize> {
         bounded.bounds.iter().enumerate().filter(|(_, bound)| keep(bound)).map(|(i, _)| i).collect()
     };
@@ -306,10 +306,10 @@ impl Lattice<'_> {
 
     /// Nominal tip, and the deviation of every layer, in machine directions.
     fn node(&self, pose: &Pose, groups: &[LayerGroup]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
-        let MachineInput { machine, order, approach, written, .. } = *self.given;
-        let view = View { approach, frame: Frame::Machine };
+        let MachineInput { machine, order, conditions, written, .. } = *self.given;
+        let view = View { conditions, frame: Frame::Machine };
         let total = deviation_in(&Bare { machine, order }, pose, view).position;
-        let alone = error_by_error(machine, pose, approach);
+        let alone = error_by_error(machine, &conditions.at(pose));
         let turn = frame_rotation(machine, pose, Frame::Machine).unwrap_or_else(nalgebra::Matrix3::identity);
         let together = |group: &LayerGroup| {
             let members = alone.iter().filter(|(id, _)| group.members.contains(id));
@@ -322,7 +322,7 @@ impl Lattice<'_> {
             let left = deviation_in(&*field, pose, view).position;
             row.extend([left, total - left]);
         }
-        (evaluate(machine, pose, order, approach, Frame::Machine).nominal, row)
+        (evaluate(machine, &conditions.at(pose), order, Frame::Machine).nominal, row)
     }
 
     fn stations(&self, poses: &[Pose], sampled: Vec<Sampled>) -> Vec<FieldStation> {
@@ -362,9 +362,9 @@ impl Lattice<'_> {
         let worst = (0..lengths.len()).fold(0, |best, i| if lengths[i] > lengths[best] { i } else { best });
         let at = |node: usize| {
             let pose = self.pose(&rest(self.given.machine), node);
-            let all = positions(self.given.machine, &pose);
+            let all = axis_positions(self.given.machine, &pose);
             let names = self.axes.iter().map(|axis| &self.given.machine.axes()[*axis]);
-            let pick = |axis: &Axis| (axis.name.to_string(), all[axis.name.as_str()].clone());
+            let pick = |axis: &Axis| (axis.name.to_string(), all[axis.name.as_str()].into());
             Value::Object(names.map(pick).collect())
         };
         let max_um = lengths.get(worst).copied().unwrap_or(0.0);

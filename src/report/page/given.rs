@@ -4,8 +4,8 @@ use super::instruments::Instruments;
 use crate::analysis::budget::{Draws, PoseByPose, PosesRequest, is_measured, pose_by_pose};
 use crate::controller::{Certificate, ControllerEffect, ControllerTarget};
 use crate::evaluate::{Frame, Order, Poses, Random};
-use crate::machine::{Approach, Machine, Pose};
-use crate::report::text::{BoundedFigures, BudgetReport};
+use crate::machine::{Machine, OperatingConditions, Pose};
+use crate::report::text::{BoundedFigures, BudgetFigures};
 use serde_json::Value;
 
 /// One machine that was given, and how it is looked at.
@@ -17,8 +17,8 @@ pub struct MachineInput<'a> {
     pub file: &'a str,
     /// Order of the errors.
     pub order: Order,
-    /// Side of approach.
-    pub approach: Approach,
+    /// Operating conditions.
+    pub conditions: OperatingConditions,
     /// Number of poses of the statistics, and the seed of random ones.
     pub poses: (usize, u64),
     /// The poses for the tool poses of a file instead of random ones, and what the page says of the file.
@@ -28,7 +28,7 @@ pub struct MachineInput<'a> {
     /// Readings of instruments on it.
     pub instruments: &'a Instruments,
     /// Its budget, if errors are bounded.
-    pub budget: Option<BudgetReport<'a>>,
+    pub budget: Option<&'a BudgetFigures>,
     /// Effect of the bounds of errors without a value beside the measured ones; null without any.
     pub bounds_add: &'a Value,
     /// Uncertainties that all readings of its fit shared (type B), in words.
@@ -52,19 +52,19 @@ pub struct TargetResult {
 
 impl<'a> MachineInput<'a> {
     /// The bounds of a machine of which nothing is measured, with the machines drawn.
-    pub fn budget(&self) -> Option<BudgetReport<'a>> {
+    pub fn budget(&self) -> Option<&'a BudgetFigures> {
         self.budget.filter(|_| !is_measured(self.machine))
     }
 
     /// Returns the effect of bounds at poses, in the frame.
-    pub fn at(&self, bounded: &BudgetReport<'_>, poses: &Poses, frame: Frame) -> PoseByPose {
+    pub fn at(&self, bounded: &BudgetFigures, poses: &Poses, frame: Frame) -> PoseByPose {
         let draws = Draws::new(bounded.drawing.seed, bounded.drawing.distribution);
-        let (machine, bounds, samples) = (self.machine, bounded.bounds, bounded.drawing.samples);
+        let (machine, bounds, samples) = (self.machine, bounded.bounds.as_slice(), bounded.drawing.samples);
         pose_by_pose(PosesRequest { machine, bounds, poses, frame, draws: &draws, samples }, &|_| {})
     }
 
     /// The figures of what bounds lead to.
-    pub fn figures(bounded: &BudgetReport<'_>, found: &PoseByPose) -> BoundedFigures {
+    pub fn figures(bounded: &BudgetFigures, found: &PoseByPose) -> BoundedFigures {
         BoundedFigures::new(bounded.bounds.len(), bounded.drawing.clone(), found)
     }
 

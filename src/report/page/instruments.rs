@@ -1,9 +1,8 @@
 //! Readings of virtual instruments on a machine, on the page: ball bar, R-tests, a laser along the diagonals.
 
 use crate::analysis::instrument::{BallBar, CirclePlane, Diagonal, RTest, ball_bar, diagonals, r_test, within};
-use crate::machine::{AxisKind, Machine, Pose};
+use crate::machine::{AxisKind, Machine, Pose, axis_positions};
 use crate::report::pictures::{DiagonalPicture, DialPanel, PolarPicture, RTestPicture};
-use crate::report::text::{circle_json, line_json, positions, turn_json};
 use serde_json::{Value, json};
 
 /// Radii that ball bars have, mm, the one tried first in front.
@@ -56,18 +55,18 @@ impl Instruments {
     /// Returns the JSON of `instrument --format json`.
     pub fn json(&self, machine: &Machine) -> Value {
         let circles = json!({
-            "centre": positions(machine, &self.centre), "radius_mm": self.radius,
-            "planes": self.circles.iter().map(circle_json).collect::<Vec<_>>(),
+            "centre": axis_positions(machine, &self.centre), "radius_mm": self.radius,
+            "planes": self.circles,
         });
         let turn = |(ball, turn): &(Pose, RTest)| {
-            let mut json = turn_json(machine, turn);
-            json["ball_at"] = positions(machine, ball);
+            let mut json = json!(turn);
+            json["ball_at"] = json!(axis_positions(machine, ball));
             json
         };
         let turns = json!({"axes": self.turns.iter().map(turn).collect::<Vec<_>>()});
         let lines = json!({
-            "at": positions(machine, &self.centre),
-            "diagonals": self.lines.iter().map(|line| line_json(machine, line)).collect::<Vec<_>>(),
+            "at": axis_positions(machine, &self.centre),
+            "diagonals": self.lines,
         });
         json!({"ball_bar": circles, "r_test": turns, "diagonals": lines})
     }
@@ -76,8 +75,7 @@ impl Instruments {
     pub fn pictures(&self, machine: &Machine) -> [String; 3] {
         let title = machine.name();
         let svg = |there: bool, picture: &dyn Fn() -> String| if there { picture() } else { String::new() };
-        let named = |(_, turn): &(Pose, RTest)| (turn.name(machine), turn.clone());
-        let tests: Vec<(String, RTest)> = self.turns.iter().map(named).collect();
+        let tests: Vec<RTest> = self.turns.iter().map(|(_, turn)| turn.clone()).collect();
         let bar = format!("Ball bar of {} mm about the middle of the volume", self.radius);
         [
             svg(!self.circles.is_empty(), &|| {

@@ -157,7 +157,7 @@ fn panel_kinds(component: &ComponentError, interval: Interval, factor: f64) -> V
         let within = |p: &f64| interval.contains(*p);
         let mut places: Vec<f64> = even.chain(points.iter().map(|p| p.0).filter(within)).collect();
         places.sort_by(f64::total_cmp);
-        let line = places.iter().map(|p| (*p, component.value(*p, approach) * factor)).collect();
+        let line = places.iter().map(|p| (*p, component.value(&approach.at_position(*p)) * factor)).collect();
         PanelKind { line, points: points.into_iter().filter(|p| within(&p.0)).collect() }
     };
     approaches.into_iter().zip(component.curves()).map(of).collect()

@@ -55,18 +55,18 @@ impl DialMark {
 impl DialPanel {
     /// Returns the diagram of a ball bar.
     pub fn of(circle: &BallBar) -> Self {
-        let curve = |way: &Vec<f64>| circle.angles.iter().copied().zip(way.iter().copied()).collect();
+        let curve = |way: &Vec<f64>| circle.angle_deg.iter().copied().zip(way.iter().copied()).collect();
         Self {
             directions: circle.plane.directions().map(|i| ["+X", "+Y", "+Z"][i].to_owned()),
-            curves: circle.centred.iter().map(curve).collect(),
+            curves: circle.centred_um.iter().map(curve).collect(),
             marks: Vec::new(),
             closed: true,
-            title: format!("{}: G(b) {} µm", circle.plane.name(), significant(circle.bidirectional, 3)),
+            title: format!("{}: G(b) {} µm", circle.plane.name(), significant(circle.bidirectional_um, 3)),
             line: format!(
                 "G {} and {} µm, squareness {} µrad",
-                significant(circle.deviation[0], 3),
-                significant(circle.deviation[1], 3),
-                significant(circle.squareness, 3)
+                significant(circle.circular_deviation_um.counter_clockwise, 3),
+                significant(circle.circular_deviation_um.clockwise, 3),
+                significant(circle.squareness_urad, 3)
             ),
         }
     }

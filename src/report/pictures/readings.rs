@@ -14,8 +14,8 @@ pub struct RTestPicture<'a> {
     pub title: &'a str,
     /// The second line.
     pub subtitle: &'a str,
-    /// The tests, with the names of the axes.
-    pub tests: &'a [(String, RTest)],
+    /// The tests.
+    pub tests: &'a [RTest],
 }
 
 /// The diagonals of a volume, side by side.
@@ -80,13 +80,13 @@ impl RTestPicture<'_> {
         const ROW: f64 = Dial::SIZE + 44.0;
         let height = TOP + ROW * self.tests.len() as f64 + 40.0;
         let mut svg = begin(self.title, self.subtitle, height);
-        let all = || self.tests.iter().flat_map(|(_, test)| &test.readings).flat_map(|d| d.iter().copied());
+        let all = || self.tests.iter().flat_map(|test| &test.readings).flat_map(|reading| reading.reading_um);
         let (axis, largest) = (scale(all()), all().fold(0.0_f64, |max, x| max.max(x.abs())));
-        for (i, (name, test)) in self.tests.iter().enumerate() {
+        for (i, test) in self.tests.iter().enumerate() {
             let top = TOP + ROW * i as f64;
             let frame = PlotFrame { left: LEFT + MARGIN, top: top + 16.0, width: 470.0, height: Dial::SIZE - 70.0 };
             let dial = Dial::new(Point { x: LEFT + 730.0, y: top + 0.5 * Dial::SIZE - 12.0 }, largest);
-            row(&mut svg, name, test, frame, &axis, dial);
+            row(&mut svg, test, frame, &axis, dial);
         }
         let below = height - 34.0;
         let end = COMPONENTS.iter().fold(LEFT + MARGIN, |x, (name, stroke)| stroke.key(&mut svg, x, below, name));
@@ -99,10 +99,12 @@ impl RTestPicture<'_> {
     }
 }
 
-fn row(svg: &mut Svg, name: &str, test: &RTest, frame: PlotFrame, axis: &PlotAxis, dial: Dial) {
-    let ends = (test.positions.first().copied().unwrap_or(0.0), test.positions.last().copied().unwrap_or(0.0));
+fn row(svg: &mut Svg, test: &RTest, frame: PlotFrame, axis: &PlotAxis, dial: Dial) {
+    let name = &test.axis;
+    let positions: Vec<f64> = test.readings.iter().map(|reading| reading.position_deg).collect();
+    let ends = (positions.first().copied().unwrap_or(0.0), positions.last().copied().unwrap_or(0.0));
     let across = PlotAxis::degrees(ends.0.min(ends.1), ends.0.max(ends.1));
-    let ranges = test.range.map(|um| significant(um, 3)).join(", ");
+    let ranges = test.range_um.map(|um| significant(um, 3)).join(", ");
     let title = format!("{name}: ranges {ranges} µm");
     svg.text((frame.left, frame.top - 12.0), &title, Font::bold(13.0), TextAnchor::Start, 0.0);
     frame.vertical(svg, axis, "µm");
@@ -110,8 +112,8 @@ fn row(svg: &mut Svg, name: &str, test: &RTest, frame: PlotFrame, axis: &PlotAxi
     frame.horizontal(svg, &across, &format!("{first} in degrees"));
     dial.rings(svg, &format!("{first} 0°"), "90°");
     for (k, (_, stroke)) in COMPONENTS.iter().enumerate() {
-        for stretch in stretches(&test.positions) {
-            let values = || stretch.clone().map(|i| (test.positions[i], test.readings[i][k]));
+        for stretch in stretches(&positions) {
+            let values = || stretch.clone().map(|i| (positions[i], test.readings[i].reading_um[k]));
             let points: Vec<Point> = values().map(|(q, d)| frame.point(&across, q, axis, d)).collect();
             curve(svg, &points, *stroke);
             dial.curve(svg, values(), false, *stroke);
@@ -127,7 +129,7 @@ impl DiagonalPicture<'_> {
         let rows = self.diagonals.len().div_ceil(2) as f64;
         let height = TOP + STEP.1 * rows + 30.0;
         let mut svg = begin(self.title, self.subtitle, height);
-        let axis = scale(self.diagonals.iter().flat_map(|d| d.there.iter().chain(&d.back)).copied());
+        let axis = scale(self.diagonals.iter().flat_map(|d| d.there_um.iter().chain(&d.back_um)).copied());
         for (i, d) in self.diagonals.iter().enumerate() {
             let (column, line) = ((i % 2) as f64, (i / 2) as f64);
             let (left, top) = (LEFT + MARGIN + STEP.0 * column, TOP + 14.0 + STEP.1 * line);
@@ -144,14 +146,14 @@ impl DiagonalPicture<'_> {
 }
 
 fn panel(svg: &mut Svg, d: &Diagonal, frame: PlotFrame, axis: &PlotAxis) {
-    let across = PlotAxis::new(0.0, d.ways.last().copied().unwrap_or(1.0));
-    let (e, b) = (significant(d.systematic, 3), significant(d.reversal, 3));
+    let across = PlotAxis::new(0.0, d.way_mm.last().copied().unwrap_or(1.0));
+    let (e, b) = (significant(d.e_d_um, 3), significant(d.b_d_um, 3));
     let title = format!("{}: E_d {e} µm, B_d {b} µm", d.name);
     svg.text((frame.left, frame.top - 10.0), &title, Font::bold(13.0), TextAnchor::Start, 0.0);
     frame.vertical(svg, axis, "µm");
     frame.horizontal(svg, &across, "travel along the diagonal in mm");
-    for (way, (_, stroke)) in [&d.there, &d.back].into_iter().zip(WAYS) {
-        let points: Vec<Point> = d.ways.iter().zip(way).map(|(x, y)| frame.point(&across, *x, axis, *y)).collect();
+    for (way, (_, stroke)) in [&d.there_um, &d.back_um].into_iter().zip(WAYS) {
+        let points: Vec<Point> = d.way_mm.iter().zip(way).map(|(x, y)| frame.point(&across, *x, axis, *y)).collect();
         curve(svg, &points, stroke);
     }
 }

@@ -132,7 +132,7 @@ impl Rows<'_> {
             Order::Exact => "exact".to_owned(),
             Order::Degree(n) => n.to_string(),
         };
-        let direction = match self.view.approach {
+        let direction = match self.view.conditions.approach {
             Approach::Mean => "mean",
             Approach::Forward => "forward",
             Approach::Reverse => "reverse",
@@ -151,7 +151,7 @@ impl Rows<'_> {
                 ("samples", drawn.samples.to_string()),
                 ("seed", drawn.seed.to_string()),
                 ("distribution", drawn.distribution.name().to_owned()),
-                ("class", drawn.class.as_ref().map_or_else(String::new, |(name, _)| name.clone())),
+                ("class", drawn.class.clone().unwrap_or_default()),
             ]);
         }
         facts

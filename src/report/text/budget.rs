@@ -1,20 +1,24 @@
-//! A budget as JSON and as pictures, the same in `budget`, in a comparison and on the page.
+//! A budget as it stands in JSON, and its pictures: the same in `budget`, in a comparison and on the page.
 
-use super::positions::positions;
 use crate::analysis::budget::{
-    Bound, BoundedError, Budget, Contribution, Distribution, PERCENTS, Percentile, Statistic, Totals, known, mean,
+    Bound, Budget, Contribution, Distribution, PERCENTS, Percentile, Statistic, Totals, known, mean,
 };
-use crate::machine::{ErrorId, Machine};
+use crate::evaluate::{Frame, Order};
+use crate::machine::{AxisPositions, ErrorId, Machine, axis_positions};
 use crate::report::pictures::{Bar, ParetoPicture, Picture, WaterfallPicture};
 use crate::units::significant;
-use serde_json::{Map, Value, json};
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::Serialize;
 
 /// Settings of the machines drawn for a budget.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct DrawSettings {
-    /// The class that bounds what the machine file does not, and its source.
-    pub class: Option<(String, String)>,
-    /// Number of machines.
+    /// The class that bounds what the machine file does not.
+    pub class: Option<String>,
+    /// Source of the class.
+    pub class_source: Option<String>,
+    /// Number of machines drawn.
     pub samples: usize,
     /// Seed of poses and errors.
     pub seed: u64,
@@ -24,35 +28,114 @@ pub struct DrawSettings {
     pub statistic: Statistic,
 }
 
-/// A budget with what it is of.
-#[derive(Debug, Clone, Copy)]
-pub struct BudgetReport<'a> {
-    /// The machine.
-    pub machine: &'a Machine,
-    /// Its bounds.
-    pub bounds: &'a [Bound],
-    /// The budget.
-    pub budget: &'a Budget,
-    /// At how many poses.
-    pub poses: usize,
+/// A budget: to first order, in the workpiece frame.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct BudgetFigures {
     /// Settings of the machines drawn.
-    pub drawing: &'a DrawSettings,
+    #[serde(flatten)]
+    pub drawing: DrawSettings,
+    /// Frame of the vectors: the workpiece frame.
+    pub frame: Frame,
+    /// Order of the errors: 1.
+    pub order: Order,
+    /// Number of errors that have values and are left out.
+    pub left_out: usize,
+    /// Number of poses.
+    pub poses: usize,
+    /// The position deviation, um.
+    pub position_um: DeviationBudget,
+    /// The rotation of the tool, urad.
+    pub rotation_urad: DeviationBudget,
+    /// Effect of each error at its bound where the RSS is largest, largest first.
+    pub contributions: Vec<BoundedContribution>,
+    /// The same, averaged over the poses.
+    pub contributions_on_average: Vec<BoundedContribution>,
+    /// The bounded errors; first the one whose tightening lowers the 95 % value most.
+    pub tighten: Vec<Tightening>,
+    /// The bounds, mm and rad, in the order of the machine.
+    #[serde(skip)]
+    pub bounds: Vec<Bound>,
 }
 
-impl DrawSettings {
-    /// As it stands in JSON.
-    pub fn json(&self) -> Map<String, Value> {
-        let (class, source) = self.class.clone().unzip();
-        let entries = [
-            ("class", json!(class)),
-            ("class_source", json!(source)),
-            ("samples", json!(self.samples)),
-            ("seed", json!(self.seed)),
-            ("distribution", json!(self.distribution)),
-            ("statistic", json!(self.statistic)),
-        ];
-        entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
-    }
+/// A deviation, as bounds lead to it.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct DeviationBudget {
+    /// Sum of the effects of all bounds, at the pose where it is largest.
+    pub worst_case: f64,
+    /// Root of the sum of their squares, at the pose where it is largest.
+    pub rss: f64,
+    /// Mean of both.
+    pub mean_of_both: f64,
+    /// Pose of the worst case, mm and deg.
+    pub worst_case_at: AxisPositions,
+    /// Pose of the largest RSS, mm and deg.
+    pub rss_at: AxisPositions,
+    /// Machines drawn between the bounds.
+    pub monte_carlo: DrawnMachineFigures,
+}
+
+/// Figures of machines drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct DrawnMachineFigures {
+    /// Mean.
+    pub mean: f64,
+    /// Standard error of the mean.
+    pub mean_sigma: f64,
+    /// Value that 95 % of the machines do not exceed.
+    pub p95: f64,
+    /// Percentiles by name, such as `p95`.
+    pub percentiles: IndexMap<String, PercentileInterval>,
+}
+
+/// A percentile of machines drawn with its confidence interval; none where there are too few machines for one.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct PercentileInterval {
+    /// The percentile.
+    pub value: f64,
+    /// Lower end of its 95 % confidence interval.
+    pub low: Option<f64>,
+    /// Upper end of its 95 % confidence interval.
+    pub high: Option<f64>,
+}
+
+/// Effect of an error at its bound.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct BoundedContribution {
+    /// Name of the error.
+    pub error: String,
+    /// Share of the sum of squares, 0 to 1.
+    pub share: f64,
+    /// Position deviation, um.
+    pub um: f64,
+}
+
+/// A bounded error, and the effect of its tolerance.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct Tightening {
+    /// Name of the error.
+    pub error: String,
+    /// Its tolerance, in `unit`.
+    pub tolerance: f64,
+    /// `um` or `urad`.
+    pub unit: &'static str,
+    /// Its direction, machine frame.
+    pub direction: [f64; 3],
+    /// True if its name has the letter of a direction.
+    pub by_letter: bool,
+    /// True if the class bounds it, false if the machine file does.
+    pub of_class: bool,
+    /// Derivative of the 95 % value by the tolerance, um by unit.
+    pub um_per_unit: f64,
+    /// Standard error of the derivative, um by unit.
+    pub sigma: f64,
+    /// Its part of the 95 % value, um.
+    pub um_of_p95: f64,
+    /// Standard error of that part, um.
+    pub um_of_p95_sigma: f64,
+    /// Its effect where the RSS is largest, um.
+    pub at_worst_um: Option<f64>,
+    /// Its effect averaged over the poses, um.
+    pub average_um: Option<f64>,
 }
 
 /// A tolerance in um or urad.
@@ -65,100 +148,112 @@ pub fn tolerance_unit(error: &ErrorId) -> &'static str {
     error.direction.micro().1
 }
 
-impl BudgetReport<'_> {
-    /// Bounds by how much the 95 % value hangs on them.
-    pub fn order(&self) -> Vec<usize> {
-        let effect = |i: &usize| self.budget.position.tighten[*i].effect;
-        let mut order: Vec<usize> = (0..self.bounds.len()).collect();
-        order.sort_by(|a, b| effect(b).total_cmp(&effect(a)).then(a.cmp(b)));
-        order
-    }
+/// Contributions in their order.
+pub fn contributions(bounds: &[Bound], list: &[Contribution]) -> Vec<BoundedContribution> {
+    let one = |c: &Contribution| BoundedContribution { error: bounds[c.bound].to_string(), share: c.share, um: c.um };
+    list.iter().map(one).collect()
+}
 
-    /// All of it.
-    pub fn json(&self) -> Map<String, Value> {
-        let entries = [
-            ("frame", json!("workpiece")),
-            ("order", json!("1")),
-            ("left_out", json!(known(self.machine))),
-            ("poses", json!(self.poses)),
-            ("position_um", self.totals(&self.budget.position)),
-            ("rotation_urad", self.totals(&self.budget.rotation)),
-            ("contributions", json!(self.contributions(&self.budget.worst))),
-            ("contributions_on_average", json!(self.contributions(&self.budget.average))),
-            ("tighten", json!(self.tighten())),
-        ];
-        let mut json = self.drawing.json();
-        json.extend(entries.into_iter().map(|(name, value)| (name.to_owned(), value)));
-        json
+impl DeviationBudget {
+    /// Returns the totals of position or orientation.
+    pub fn new(machine: &Machine, totals: &Totals) -> Self {
+        Self {
+            worst_case: totals.worst_case,
+            rss: totals.rss,
+            mean_of_both: totals.mean_of_both(),
+            worst_case_at: axis_positions(machine, &totals.worst_pose),
+            rss_at: axis_positions(machine, &totals.rss_pose),
+            monte_carlo: DrawnMachineFigures::of(&totals.sorted),
+        }
     }
+}
 
-    /// Totals of position and orientation.
-    fn totals(&self, totals: &Totals) -> Value {
-        json!({
-            "worst_case": totals.worst_case, "rss": totals.rss, "mean_of_both": totals.mean_of_both(),
-            "worst_case_at": positions(self.machine, &totals.worst_pose), "rss_at": positions(self.machine,
-                &totals.rss_pose),
-            "monte_carlo": drawn_json(&totals.sorted),
-        })
-    }
-
-    /// Contributions in their order.
-    pub fn contributions(&self, list: &[Contribution]) -> Vec<Value> {
-        let one = |c: &Contribution| json!({"error": self.bounds[c.bound].to_string(), "share": c.share, "um": c.um});
-        list.iter().map(one).collect()
-    }
-
-    /// Indices of the tolerances, first the one to tighten first, and the effect of each at its bound.
-    fn tighten(&self) -> Vec<Value> {
-        let um = |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map(|c| c.um);
-        let one = |i: usize| {
-            let (bound, t) = (&self.bounds[i], self.budget.position.tighten[i]);
-            let per = 1.0 / tolerance(bound);
-            json!({
-                "error": bound.to_string(), "tolerance": tolerance(bound), "unit": tolerance_unit(&bound.error),
-                "direction": bound.direction, "by_letter": bound.by_letter,
-                "of_class": bound.of_class, "um_per_unit": t.effect * per, "sigma": t.sigma * per,
-                "um_of_p95": t.effect, "um_of_p95_sigma": t.sigma,
-                "at_worst_um": um(&self.budget.worst, i), "average_um": um(&self.budget.average, i),
-            })
+impl DrawnMachineFigures {
+    /// Returns mean and percentiles of values of drawn machines in rising order.
+    pub fn of(sorted: &[f64]) -> Self {
+        let interval = |percent: usize| {
+            let Percentile { value, low, high, .. } = Percentile::of(sorted, percent);
+            PercentileInterval { value, low, high }
         };
-        self.order().into_iter().map(one).collect()
+        let (mean, mean_sigma) = mean(sorted);
+        Self {
+            mean,
+            mean_sigma,
+            p95: interval(95).value,
+            percentiles: PERCENTS.map(|percent| (format!("p{percent}"), interval(percent))).into_iter().collect(),
+        }
+    }
+}
+
+/// The bounds with their effects; first the one whose tightening lowers the 95 % value most.
+fn tightenings(bounds: &[Bound], budget: &Budget) -> Vec<Tightening> {
+    let effects = &budget.position.tighten;
+    let mut order: Vec<usize> = (0..bounds.len()).collect();
+    order.sort_by(|a, b| effects[*b].effect.total_cmp(&effects[*a].effect).then(a.cmp(b)));
+    let um = |list: &[Contribution], i: usize| list.iter().find(|c| c.bound == i).map(|c| c.um);
+    let one = |i: usize| {
+        let (bound, t) = (&bounds[i], effects[i]);
+        let per = 1.0 / tolerance(bound);
+        Tightening {
+            error: bound.to_string(),
+            tolerance: tolerance(bound),
+            unit: tolerance_unit(&bound.error),
+            direction: bound.direction,
+            by_letter: bound.by_letter,
+            of_class: bound.of_class,
+            um_per_unit: t.effect * per,
+            sigma: t.sigma * per,
+            um_of_p95: t.effect,
+            um_of_p95_sigma: t.sigma,
+            at_worst_um: um(&budget.worst, i),
+            average_um: um(&budget.average, i),
+        }
+    };
+    order.into_iter().map(one).collect()
+}
+
+impl BudgetFigures {
+    /// Returns the figures of a budget at so many poses.
+    pub fn new(machine: &Machine, bounds: Vec<Bound>, budget: &Budget, poses: usize, drawing: DrawSettings) -> Self {
+        Self {
+            drawing,
+            frame: Frame::Workpiece,
+            order: Order::Degree(1),
+            left_out: known(machine),
+            poses,
+            position_um: DeviationBudget::new(machine, &budget.position),
+            rotation_urad: DeviationBudget::new(machine, &budget.rotation),
+            contributions: contributions(&bounds, &budget.worst),
+            contributions_on_average: contributions(&bounds, &budget.average),
+            tighten: tightenings(&bounds, budget),
+            bounds,
+        }
     }
 
-    /// Effects of the errors at their bounds, and their sum.
-    pub fn pareto(&self, top: usize) -> Picture {
-        let bar = |c: &Contribution| Bar { label: self.bounds[c.bound].to_string(), value: c.um };
+    /// Returns a picture of the effects of the errors at their bounds: the `top` largest, and the sum of all.
+    pub fn pareto(&self, machine: &str, top: usize) -> Picture {
+        let bar = |c: &BoundedContribution| Bar { label: c.error.clone(), value: c.um };
         ParetoPicture {
-            title: self.machine.name().to_owned(),
-            subtitle: format!("Each error at its bound, at {}", self.rounded(&self.budget.position.rss_pose)),
+            title: machine.to_owned(),
+            subtitle: format!("Each error at its bound, at {}", rounded(&self.position_um.rss_at)),
             quantity: "position deviation in µm".to_owned(),
-            bars: self.budget.worst.iter().take(top.max(1)).map(bar).collect(),
-            total: self.budget.worst.iter().map(|c| c.um * c.um).sum::<f64>(),
+            bars: self.contributions.iter().take(top.max(1)).map(bar).collect(),
+            total: self.contributions.iter().map(|c| c.um * c.um).sum::<f64>(),
         }
         .picture()
     }
 
-    /// A pose with the digits a picture has room for.
-    fn rounded(&self, pose: &[f64]) -> String {
-        let axes = self.machine.axes().iter().zip(pose);
-        axes.map(|(axis, q)| format!("{} {}", axis.name, significant(*q, 4))).collect::<Vec<_>>().join(", ")
-            + " (mm, deg)"
-    }
-
-    /// Use of the budget, tolerance by tolerance.
-    pub fn waterfall(&self, top: usize) -> Picture {
-        let order = self.order();
-        let top = top.max(1);
-        let part = |i: &usize| self.budget.position.tighten[*i].effect;
-        let mut bars: Vec<Bar> =
-            order.iter().take(top).map(|i| Bar { label: self.bounds[*i].to_string(), value: part(i) }).collect();
-        if order.len() > top {
-            let label = format!("{} others", order.len() - top);
-            bars.push(Bar { label, value: order.iter().skip(top).map(part).sum() });
+    /// Returns a picture of the use of the budget, tolerance by tolerance: the `top` largest, and the sum of the others.
+    pub fn waterfall(&self, machine: &str, top: usize) -> Picture {
+        let (first, others) = self.tighten.split_at(top.max(1).min(self.tighten.len()));
+        let mut bars: Vec<Bar> = first.iter().map(|t| Bar { label: t.error.clone(), value: t.um_of_p95 }).collect();
+        if !others.is_empty() {
+            let label = format!("{} others", others.len());
+            bars.push(Bar { label, value: others.iter().map(|t| t.um_of_p95).sum() });
         }
-        let p = &self.budget.position;
+        let p = &self.position_um;
         WaterfallPicture {
-            title: self.machine.name().to_owned(),
+            title: machine.to_owned(),
             subtitle: format!(
                 "Contribution of each tolerance to the 95 % value of {} drawn machines",
                 self.drawing.samples
@@ -166,9 +261,9 @@ impl BudgetReport<'_> {
             quantity: "position deviation in µm".to_owned(),
             bars,
             marks: vec![
-                ("95 %".to_owned(), p.percentile(95).value),
+                ("95 %".to_owned(), p.monte_carlo.p95),
                 ("RSS".to_owned(), p.rss),
-                ("mean of both".to_owned(), p.mean_of_both()),
+                ("mean of both".to_owned(), p.mean_of_both),
                 ("worst case".to_owned(), p.worst_case),
             ],
         }
@@ -176,51 +271,8 @@ impl BudgetReport<'_> {
     }
 }
 
-/// Mean and percentiles of drawn machines' values, given in rising order.
-pub fn drawn_json(sorted: &[f64]) -> Value {
-    let percentiles: Map<_, _> = PERCENTS
-        .iter()
-        .map(|p| Percentile::of(sorted, *p))
-        .map(|p| (format!("p{}", p.percent), json!({"value": p.value, "low": p.low, "high": p.high})))
-        .collect();
-    let (mean, mean_sigma) = mean(sorted);
-    let p95 = Percentile::of(sorted, 95).value;
-    json!({"mean": mean, "mean_sigma": mean_sigma, "p95": p95, "percentiles": percentiles})
-}
-
-/// Several budgets on the same work: totals, differences to the first, and error by error.
-pub fn budgets_json(budgets: &[BudgetReport<'_>], errors: &[BoundedError]) -> Value {
-    let side = |of: &BudgetReport<'_>| {
-        let minus = |totals: fn(&Budget) -> &Totals| {
-            budgets.first().map(|first| minus_first(totals(of.budget), totals(first.budget)))
-        };
-        json!({
-            "errors": of.bounds.len(),
-            "position_um": of.totals(&of.budget.position), "rotation_urad": of.totals(&of.budget.rotation),
-            "minus_first": {"position_um": minus(|b| &b.position), "rotation_urad": minus(|b| &b.rotation)},
-        })
-    };
-    let error = |e: &BoundedError| {
-        let each = |f: &dyn Fn(&crate::analysis::budget::BudgetPart) -> f64| -> Vec<Option<f64>> {
-            e.parts.iter().map(|part| part.as_ref().map(f)).collect()
-        };
-        let minus: Vec<f64> = (0..e.parts.len()).map(|i| e.minus_first(i)).collect();
-        json!({
-            "error": e.error, "unit": e.direction.micro().1,
-            "tolerance": each(&|p| p.tolerance * e.direction.micro().0),
-            "um_of_p95": each(&|p| p.of_p95.effect), "um_of_p95_sigma": each(&|p| p.of_p95.sigma),
-            "minus_first": minus, "average_um": each(&|p| p.average),
-        })
-    };
-    json!({"machines": budgets.iter().map(side).collect::<Vec<_>>(), "largest_um": errors.first().map_or(0.0,
-        BoundedError::largest), "contributions": errors.iter().map(error).collect::<Vec<_>>()})
-}
-
-fn minus_first(totals: &Totals, first: &Totals) -> Value {
-    let p95 = |t: &Totals| t.percentile(95).value;
-    json!({
-        "worst_case": totals.worst_case - first.worst_case, "rss": totals.rss - first.rss,
-        "mean_of_both": totals.mean_of_both() - first.mean_of_both(),
-        "monte_carlo": {"mean": totals.mean.0 - first.mean.0, "p95": p95(totals) - p95(first)},
-    })
+/// A pose with the digits a picture has room for.
+fn rounded(pose: &AxisPositions) -> String {
+    let axes = pose.iter().map(|(axis, q)| format!("{axis} {}", significant(*q, 4)));
+    axes.collect::<Vec<_>>().join(", ") + " (mm, deg)"
 }

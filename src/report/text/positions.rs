@@ -1,13 +1,6 @@
-//! Positions of axes, as JSON and in words.
+//! Positions of axes in words.
 
-use crate::machine::{Axis, Machine, Pose};
-use serde_json::{Map, Value, json};
-
-/// An object of axis names and positions (mm, deg).
-pub fn positions(machine: &Machine, pose: &[f64]) -> Value {
-    let entry = |(axis, q): (&Axis, &f64)| (axis.name.to_string(), json!(q + 0.0));
-    machine.axes().iter().zip(pose).map(entry).collect::<Map<_, _>>().into()
-}
+use crate::machine::{Machine, Pose};
 
 /// A pose in words: `A = -120°, C = 90°`.
 pub(crate) fn pose_words(machine: &Machine, axes: &[usize], pose: &Pose) -> String {

@@ -4,9 +4,10 @@
 use super::form::TableForm;
 use super::gather;
 use super::request::ImportRequest;
-use super::sample::{Import, Sample, UnusedColumn, refusal};
+use super::sample::{AxisSample, Import, UnusedColumn, refusal};
 use super::unit::component_error;
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, Place, shown};
+use crate::identify::lists::index_of;
 use crate::machine::{ErrorId, parse_error_name};
 use crate::syntax::sheet::SheetLine;
 use crate::units;
@@ -15,12 +16,12 @@ use crate::units;
 const CONSTANT: &str = "VALUE";
 const CURVE: &str = "GRIDPOINTS";
 
-/// The name of a block.
+/// Returns the name of a block.
 fn block(line: &str) -> Option<&str> {
     bare(line).strip_prefix('[')?.strip_suffix(']').map(str::trim)
 }
 
-/// A line without the comment at its end.
+/// Returns a line without the comment at its end.
 fn bare(line: &str) -> &str {
     line.split("//").next().unwrap_or_default().trim()
 }
@@ -46,18 +47,15 @@ struct Blocks {
     constants: Vec<(ErrorId, f64)>,
 }
 
-pub(super) fn read(lines: &[SheetLine], wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
-    let first = lines.first().map(|line| line.place.clone());
-    let refuse = |message: String| Box::new(refusal(message, first.clone()));
+/// Reads the blocks of a file that begins at `place`.
+pub(super) fn read(lines: &[SheetLine], place: &Place, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
+    let refuse = |message: String| Box::new(refusal(message, Some(place.clone())));
     let blocks = blocks(lines)?;
     let named = wanted.error.as_deref().map(component_error).transpose();
     let named = named.map_err(|failure| refuse(failure.to_string()))?;
     let mut axes: Vec<String> = Vec::new();
     for (error, _) in &blocks.curves {
-        let axis = error.axis.to_string();
-        if !axes.contains(&axis) {
-            axes.push(axis);
-        }
+        index_of(&mut axes, error.axis.to_string());
     }
     let given = wanted.axis.as_deref().map(str::to_uppercase).or(named.as_ref().map(|error| error.axis.to_string()));
     let axis = match (given, &axes[..]) {
@@ -88,7 +86,7 @@ pub(super) fn read(lines: &[SheetLine], wanted: &ImportRequest) -> Result<Import
         let index = import.errors.len();
         import.errors.push(error);
         let sign = wanted.sign();
-        import.samples.extend(points.iter().map(|(position, value)| Sample {
+        import.samples.extend(points.iter().map(|(position, value)| AxisSample {
             error: index,
             position: *position,
             direction: None,
@@ -96,12 +94,11 @@ pub(super) fn read(lines: &[SheetLine], wanted: &ImportRequest) -> Result<Import
             value: value * sign + 0.0,
         }));
     }
-    let place = first.clone().ok_or_else(|| refuse("the file is empty".to_owned()))?;
     if import.samples.is_empty() {
         return Err(refuse(format!("the file has no curve of axis {}{}", shown(&import.axis), wanted.of())));
     }
-    gather::believed(&import.samples, &import.errors).map_err(|failure| refuse(failure.to_string()))?;
-    gather::finish(import, wanted, &[], &place)
+    gather::check_plausible(&import.samples, &import.errors).map_err(|failure| refuse(failure.to_string()))?;
+    gather::finish(import, wanted, &[], place)
 }
 
 fn blocks(lines: &[SheetLine]) -> Result<Blocks, Box<Diagnostic>> {

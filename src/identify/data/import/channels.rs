@@ -9,7 +9,7 @@ use crate::machine::{AxisName, Direction, ErrorFamily, ErrorId};
 
 /// A channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Channel {
+pub(super) enum InstrumentChannel {
     Linear,
     Horizontal,
     Vertical,
@@ -18,10 +18,10 @@ pub(super) enum Channel {
     Yaw,
 }
 
-use Channel::{Horizontal, Linear, Pitch, Roll, Vertical, Yaw};
+use InstrumentChannel::{Horizontal, Linear, Pitch, Roll, Vertical, Yaw};
 
 /// Groups of words that a title has one each of, and the channel.
-const NAMES: [(&[&[&str]], Channel); 6] = [
+const NAMES: [(&[&[&str]], InstrumentChannel); 6] = [
     (&[&["linear", "lin", "positioning"]], Linear),
     (&[STRAIGHT, &["h", "horizontal", "hor", "horiz"]], Horizontal),
     (&[STRAIGHT, &["v", "vertical", "ver", "vert", "vertikal"]], Vertical),
@@ -35,8 +35,8 @@ const STRAIGHT: &[&str] = &["straightness", "straight", "str", "geradheit"];
 /// Words beside those of the channel.
 const FILLERS: [&str; 8] = ["error", "errors", "deviation", "angle", "displacement", "abweichung", "angular", "winkel"];
 
-/// The channel that a title names, with run and direction.
-pub(super) fn channel(title: &str, layout: &layout::Layout) -> Option<(Channel, RunLabel)> {
+/// Returns the channel that a title names, with run and direction.
+pub(super) fn channel(title: &str, layout: &layout::ExportLayout) -> Option<(InstrumentChannel, RunLabel)> {
     let lower = title.to_lowercase();
     let of = |groups: &[&[&str]]| -> Option<String> {
         let mut rest: Vec<&str> = layout::words(&lower).collect();
@@ -60,7 +60,7 @@ pub(super) fn channel(title: &str, layout: &layout::Layout) -> Option<(Channel, 
     Some((channel, label?))
 }
 
-/// A text without a whole word.
+/// Returns a text without a whole word.
 fn without_word(text: &str, word: &str) -> String {
     let mut kept = String::new();
     let mut rest = text;
@@ -74,7 +74,7 @@ fn without_word(text: &str, word: &str) -> String {
     kept + rest
 }
 
-impl Channel {
+impl InstrumentChannel {
     /// True if the channel can show the error of a linear axis in some mounting.
     pub fn can_show(self, error: &ErrorId) -> bool {
         let Some(own) = axis_direction(&error.axis) else { return true };
@@ -88,7 +88,7 @@ impl Channel {
     }
 }
 
-/// The machine's direction along which a linear axis of this name moves.
+/// Returns the machine's direction along which a linear axis of this name moves.
 pub(super) fn axis_direction(axis: &AxisName) -> Option<usize> {
     let name = axis.to_string();
     ["XU", "YV", "ZW"].iter().position(|letters| name.starts_with(|c| letters.contains(c)))
@@ -123,20 +123,20 @@ impl Mounting {
         (beam.index != vertical.index).then_some(Self { beam, vertical })
     }
 
-    /// The machine's direction along which the beam goes.
+    /// Returns the machine's direction along which the beam goes.
     pub(super) fn along(&self) -> usize {
         self.beam.index
     }
 
-    /// The third direction h = v x b.
+    /// Returns the third direction h = v x b.
     fn horizontal(&self) -> MachineDirection {
         let (v, b) = (self.vertical, self.beam);
         let cyclic = (v.index + 1) % 3 == b.index;
         MachineDirection { index: 3 - v.index - b.index, negative: (v.negative != b.negative) == cyclic }
     }
 
-    /// The error that a channel shows of an axis; true if the error is minus what the channel shows.
-    pub(super) fn error(&self, channel: Channel, axis: &AxisName) -> (ErrorId, bool) {
+    /// Returns the error that a channel shows of an axis; true if the error is minus what the channel shows.
+    pub(super) fn error(&self, channel: InstrumentChannel, axis: &AxisName) -> (ErrorId, bool) {
         let along = match channel {
             Linear | Roll => self.beam,
             Horizontal | Pitch => self.horizontal(),

@@ -1,5 +1,6 @@
 //! The columns of an instrument's tables by hand: a small file that is kept with the instrument.
 
+use super::layout::RunLabel;
 use super::options::{FileContents, RunApproach};
 use super::unit::{component_error, position_unit, reading_unit};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, Reason, codes, shown};
@@ -10,7 +11,7 @@ use serde::Deserialize;
 use std::path::Path;
 
 /// Largest file of a mapping, in bytes.
-const LARGEST: usize = 64 * 1024;
+const MAX_MAP_BYTES: usize = 64 * 1024;
 
 /// A mapping of columns.
 #[derive(Debug, Clone)]
@@ -33,7 +34,7 @@ pub(super) enum MappedColumn {
     Readings {
         error: ErrorId,
         unit: Option<String>,
-        label: (Option<ColumnDirection>, String),
+        label: RunLabel,
         flip: bool,
         reached: bool,
     },
@@ -48,7 +49,7 @@ pub(super) enum MappedColumn {
 #[serde(deny_unknown_fields)]
 struct MapEntry {
     axis: Option<String>,
-    position: PositionEntry,
+    position: PositionColumnEntry,
     columns: IndexMap<String, ColumnEntry>,
     holds: Option<FileContents>,
     runs: Option<RunApproach>,
@@ -56,7 +57,7 @@ struct MapEntry {
 
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum PositionEntry {
+enum PositionColumnEntry {
     Title(String),
     WithUnit(PositionColumn),
 }
@@ -118,8 +119,8 @@ pub fn read_columns(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostic
         let start = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum::<usize>();
         Place { source, range: start..start }
     };
-    if text.len() > LARGEST {
-        diagnostics.push(refused(&format!("the file has {} bytes; the limit is {LARGEST}", text.len())));
+    if text.len() > MAX_MAP_BYTES {
+        diagnostics.push(refusal(&format!("the file has {} bytes; the limit is {MAX_MAP_BYTES}", text.len())));
         return None;
     }
     let entry: Result<MapEntry, YamlFailure> = from_yaml(&text);
@@ -129,13 +130,13 @@ pub fn read_columns(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostic
     match map {
         Ok(map) => Some(map),
         Err((why, place)) => {
-            diagnostics.push(refused(&why).at(place, ""));
+            diagnostics.push(refusal(&why).at(place, ""));
             None
         }
     }
 }
 
-fn refused(why: &str) -> Diagnostic {
+fn refusal(why: &str) -> Diagnostic {
     let help = "write `position: TITLE` and `columns: { TITLE: { error: EXX, unit: um, run: 1, direction: forward } }`";
     Diagnostic::new(codes::E0512, format!("the mapping of columns cannot be read: {}", shown(why))).help(help)
 }
@@ -143,8 +144,8 @@ fn refused(why: &str) -> Diagnostic {
 impl ColumnMap {
     fn of(entry: MapEntry) -> Result<Self, Reason> {
         let (position, position_title_unit) = match entry.position {
-            PositionEntry::Title(title) => (title, None),
-            PositionEntry::WithUnit(column) => (column.column, column.unit),
+            PositionColumnEntry::Title(title) => (title, None),
+            PositionColumnEntry::WithUnit(column) => (column.column, column.unit),
         };
         let unit = position_title_unit.as_deref().map(position_unit).transpose();
         unit.map_err(Reason::new)?;
@@ -186,10 +187,10 @@ impl ColumnMap {
             Some(RunName::Text(text)) => text,
         };
         let (flip, reached) = (entry.flip, entry.reached);
-        Ok(MappedColumn::Readings { error, unit: entry.unit, label: (direction, run), flip, reached })
+        Ok(MappedColumn::Readings { error, unit: entry.unit, label: RunLabel { direction, run }, flip, reached })
     }
 
-    /// The errors that columns show.
+    /// Returns the errors that columns show.
     pub(super) fn errors(&self) -> impl Iterator<Item = &ErrorId> {
         self.columns.iter().filter_map(|(_, column)| match column {
             MappedColumn::Readings { error, .. } => Some(error),

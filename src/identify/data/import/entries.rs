@@ -5,9 +5,9 @@ use super::form::TableForm;
 use super::gather::{self, off_target};
 use super::options::FileContents;
 use super::request::ImportRequest;
-use super::sample::{Import, Sample, refusal};
+use super::sample::{AxisSample, Import, refusal};
 use super::unit::{self, position_unit};
-use crate::diagnostic::{Diagnostic, shown};
+use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::syntax::ColumnDirection::{self, Forward, Reverse};
 use crate::syntax::sheet::SheetLine;
 use crate::units;
@@ -24,7 +24,7 @@ pub(super) fn is(lines: &[SheetLine]) -> bool {
     lines.iter().any(|line| entry(&line.text).is_some_and(|(name, indices, _)| name == TARGET && !indices.is_empty()))
 }
 
-/// `NAME[1,2]=value`, or `NAME=value`.
+/// Splits `NAME[1,2]=value`, or `NAME=value`.
 fn entry(line: &str) -> Option<(&str, Vec<usize>, &str)> {
     let (name, value) = line.split_once('=')?;
     let (name, list) = match name.trim().strip_suffix(']').and_then(|open| open.split_once('[')) {
@@ -35,9 +35,9 @@ fn entry(line: &str) -> Option<(&str, Vec<usize>, &str)> {
     Some((name.trim(), indices?, value.trim()))
 }
 
-pub(super) fn read(lines: &[SheetLine], wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
-    let first = lines.first().map(|line| line.place.clone());
-    let refuse = |message: &str| Box::new(refusal(message.to_owned(), first.clone()));
+/// Reads the entries of a file that begins at `place`.
+pub(super) fn read(lines: &[SheetLine], place: &Place, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
+    let refuse = |message: &str| Box::new(refusal(message.to_owned(), Some(place.clone())));
     let axis = match (&wanted.axis, wanted.error.as_deref().map(unit::component_error)) {
         (_, Some(Err(failure))) => return Err(refuse(&failure.to_string())),
         (Some(axis), _) => axis.to_uppercase(),
@@ -89,12 +89,11 @@ pub(super) fn read(lines: &[SheetLine], wanted: &ImportRequest) -> Result<Import
             return Err(Box::new(refusal(message, Some(line.place.clone()))));
         };
         let value = off_target(value * factor - position, rotary);
-        import.samples.push(Sample { error: 0, position, direction: Some(direction), run: run.to_string(), value });
+        import.samples.push(AxisSample { error: 0, position, direction: Some(direction), run: run.to_string(), value });
     }
-    let place = first.clone().ok_or_else(|| refuse("the file is empty"))?;
     if import.samples.is_empty() {
         return Err(refuse("the file has targets and no position that was reached"));
     }
-    gather::believed(&import.samples, &import.errors).map_err(|failure| refuse(&failure.to_string()))?;
-    gather::finish(import, wanted, &[], &place)
+    gather::check_plausible(&import.samples, &import.errors).map_err(|failure| refuse(&failure.to_string()))?;
+    gather::finish(import, wanted, &[], place)
 }

@@ -7,7 +7,7 @@ use std::fmt;
 
 /// A reason for which a header cannot be used.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum HeaderFailure {
+pub(super) enum ExportFailure {
     NotComponentError(String),
     NotUnit(String),
     NotPositionUnit(String),
@@ -44,7 +44,7 @@ pub(super) enum HeaderFailure {
 
 /// A reason for which a row is left out.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum RowFailure {
+pub(super) enum SampleFailure {
     /// Cells of the row, and of the header.
     Cells(usize, usize),
     Excluded(String),
@@ -60,10 +60,10 @@ pub(super) enum RowFailure {
     NoUnit,
     NotUnitOf(ErrorId),
     NoReading,
-    Error(HeaderFailure),
+    Error(ExportFailure),
 }
 
-impl fmt::Display for HeaderFailure {
+impl fmt::Display for ExportFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotComponentError(name) => write!(f, "`{}` is not a component error", shown(name)),
@@ -125,7 +125,7 @@ impl fmt::Display for HeaderFailure {
     }
 }
 
-impl fmt::Display for RowFailure {
+impl fmt::Display for SampleFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Cells(row, header) => write!(f, "{row} cells under {header} columns"),
@@ -145,14 +145,14 @@ impl fmt::Display for RowFailure {
     }
 }
 
-impl From<units::Failure> for RowFailure {
+impl From<units::Failure> for SampleFailure {
     fn from(failure: units::Failure) -> Self {
         Self::Number(failure)
     }
 }
 
-impl From<HeaderFailure> for RowFailure {
-    fn from(failure: HeaderFailure) -> Self {
+impl From<ExportFailure> for SampleFailure {
+    fn from(failure: ExportFailure) -> Self {
         Self::Error(failure)
     }
 }

@@ -22,7 +22,7 @@ pub enum TableForm {
 }
 
 impl TableForm {
-    /// Its name for people.
+    /// Returns its name for people.
     pub fn word(self) -> &'static str {
         match self {
             Self::Wide => "one column for each error",

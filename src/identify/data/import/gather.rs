@@ -1,26 +1,27 @@
 //! Rows to samples; what is left out, and why.
 
-use super::failure::RowFailure;
-use super::header::{Header, Role, Series};
-use super::layout::{Layout, Meaning};
-use super::options::RunApproach;
+use super::failure::SampleFailure;
+use super::header::{ColumnRole, ImportHeader, Series};
+use super::layout::{ColumnMeaning, ExportLayout};
+use super::line::line;
+use super::options::{RunApproach, StraightnessLine};
 use super::order;
 use super::request::ImportRequest;
-use super::sample::{Import, Sample, UnusedRow, refusal};
+use super::sample::{AxisSample, Import, UnusedRow, refusal};
 use super::unit::{component_error, own_axis, reading_unit};
 use crate::diagnostic::{Diagnostic, Place};
-use crate::identify::data::error_name::parse_component_error;
 use crate::identify::lists::index_of;
-use crate::machine::{AxisName, ErrorId};
+use crate::machine::{AxisName, ErrorId, largest};
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{self, Decimals, SheetLine};
 use crate::units::FARTHEST;
 
-/// Largest readings (mm, rad) that are believed.
-const LARGEST: (f64, f64) = (10.0, 0.1);
-
-pub(super) fn gather(lines: &[SheetLine], header: &Header, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
-    let by_row = header.roles.contains(&Role::Other(Meaning::Direction));
+pub(super) fn gather(
+    lines: &[SheetLine],
+    header: &ImportHeader,
+    wanted: &ImportRequest,
+) -> Result<Import, Box<Diagnostic>> {
+    let by_row = header.roles.contains(&ColumnRole::Other(ColumnMeaning::Direction));
     let mut import = Import {
         errors: header.errors.clone(),
         metadata: header.metadata.clone(),
@@ -41,15 +42,15 @@ pub(super) fn gather(lines: &[SheetLine], header: &Header, wanted: &ImportReques
         }
         match row(&cells, header, wanted, &beside, &mut import) {
             Ok(samples) => {
-                let is_open = header.roles.iter().any(|role| matches!(role, Role::Open(_)));
+                let is_open = header.roles.iter().any(|role| matches!(role, ColumnRole::Open(_)));
                 if is_open {
                     open.extend(import.samples.len()..import.samples.len() + samples.len());
                 } else {
-                    believed(&samples, &import.errors)
+                    check_plausible(&samples, &import.errors)
                         .map_err(|failure| Box::new(too_large(failure.to_string(), &line.place)))?;
                 }
                 let at = if by_row { &line.place } else { &header.place };
-                agree(&samples, &mut marked).map_err(|error| Box::new(half_marked(&import.errors[error], at)))?;
+                agree(&samples, &mut marked).map_err(|error| Box::new(mixed_directions(&import.errors[error], at)))?;
                 import.samples.extend(samples);
             }
             Err(failure) => {
@@ -66,16 +67,16 @@ pub(super) fn gather(lines: &[SheetLine], header: &Header, wanted: &ImportReques
         )));
     }
     if !open.is_empty() && follows_targets(&import) {
-        import.samples.iter_mut().for_each(|sample| sample.value = reached(sample, header.rotary));
+        import.samples.iter_mut().for_each(|sample| sample.value = deviation_of_position(sample, header.rotary));
     }
-    believed(&import.samples, &import.errors)
+    check_plausible(&import.samples, &import.errors)
         .map_err(|failure| Box::new(too_large(failure.to_string(), &header.place)))?;
     finish(import, wanted, &beside, &header.place)
 }
 
-/// Errors that have several columns without a direction: the order of the rows is not that of time.
-fn runs_beside(roles: &[Role]) -> Vec<usize> {
-    let series = roles.iter().filter_map(Role::series).filter(|series| series.label.direction.is_none());
+/// Returns the errors with several columns without a direction: the order of their rows is not that of time.
+fn runs_beside(roles: &[ColumnRole]) -> Vec<usize> {
+    let series = roles.iter().filter_map(ColumnRole::series).filter(|series| series.label.direction.is_none());
     let mut errors: Vec<usize> = series.map(|series| series.error).collect();
     errors.sort_unstable();
     let several = errors.chunk_by(|a, b| a == b).filter(|group| group.len() > 1);
@@ -113,7 +114,7 @@ pub(super) fn finish(
     Ok(import)
 }
 
-/// Several runs of which nothing says the direction: their mean would hide the reversal.
+/// Refuses several runs without a direction: their mean would hide the reversal.
 fn unknown_approach(error: &ErrorId, place: &Place) -> Diagnostic {
     let message = format!("the file has several runs of `{error}` and does not say from which side they approached");
     let help = "name the directions (`1+`, `1-`, `2+` ...), or say `--runs alternating` (the first forward, the second \
@@ -124,22 +125,18 @@ fn unknown_approach(error: &ErrorId, place: &Place) -> Diagnostic {
 /// True if readings grow as the targets do: then they are positions, and deviations would be a metre in a metre.
 fn follows_targets(import: &Import) -> bool {
     let unit = if import.rotary { 1_f64.to_radians() } else { 1.0 };
-    let n = import.samples.len() as f64;
-    let mean = |of: &dyn Fn(&Sample) -> f64| import.samples.iter().map(of).sum::<f64>() / n;
-    let (x, y) = (mean(&|s| s.position), mean(&|s| s.value / unit));
-    let square = mean(&|s| (s.position - x) * (s.position - x));
-    let slope = mean(&|s| (s.position - x) * (s.value / unit - y)) / square;
-    (slope - 1.0).abs() < 0.1
+    let points: Vec<(f64, f64)> = import.samples.iter().map(|s| (s.position, s.value / unit)).collect();
+    (line(&points, StraightnessLine::LeastSquares).0 - 1.0).abs() < 0.1
 }
 
-/// The deviation of a reading that is a position.
-fn reached(sample: &Sample, rotary: bool) -> f64 {
+/// Returns the deviation of a reading that is a position.
+fn deviation_of_position(sample: &AxisSample, rotary: bool) -> f64 {
     let at = if rotary { sample.value.to_degrees() } else { sample.value };
     off_target(at - sample.position, rotary)
 }
 
-/// Directions are known of all readings of an error or of none; gives the error of which they are not.
-fn agree(samples: &[Sample], marked: &mut Vec<Option<bool>>) -> Result<(), usize> {
+/// Checks that all readings of an error have a direction, or none; fails with the error of which some have.
+fn agree(samples: &[AxisSample], marked: &mut Vec<Option<bool>>) -> Result<(), usize> {
     for sample in samples {
         marked.resize(marked.len().max(sample.error + 1), None);
         if *marked[sample.error].get_or_insert(sample.direction.is_some()) != sample.direction.is_some() {
@@ -149,19 +146,19 @@ fn agree(samples: &[Sample], marked: &mut Vec<Option<bool>>) -> Result<(), usize
     Ok(())
 }
 
-fn half_marked(error: &ErrorId, place: &Place) -> Diagnostic {
+fn mixed_directions(error: &ErrorId, place: &Place) -> Diagnostic {
     let message = format!("some readings of `{error}` have a direction and others have none");
     let help =
         "mark all runs (`1+`, `1-`, `2+` ...; `V1`, `R1` ...) or none: then the order of the rows gives the directions";
     refusal(message, Some(place.clone())).help(help)
 }
 
-/// Readings that no machine shows are of another unit, or of another column: no row of its own is at fault.
-pub(super) fn believed(samples: &[Sample], errors: &[ErrorId]) -> Result<(), RowFailure> {
-    let turns = |sample: &Sample| errors[sample.error].direction.is_rotation();
-    let unit = |sample: &Sample| if turns(sample) { (LARGEST.1, "rad") } else { (LARGEST.0, "mm") };
-    let far = samples.iter().find(|sample| sample.value.abs() > unit(sample).0);
-    far.map_or(Ok(()), |far| Err(RowFailure::TooLarge(far.value, unit(far).1)))
+/// Refuses readings larger than any error of a machine: they are of another unit, or of another column.
+pub(super) fn check_plausible(samples: &[AxisSample], errors: &[ErrorId]) -> Result<(), SampleFailure> {
+    let direction = |sample: &AxisSample| errors[sample.error].direction;
+    let far = samples.iter().find(|sample| sample.value.abs() > largest(direction(sample)));
+    let unit = |sample: &AxisSample| if direction(sample).is_rotation() { "rad" } else { "mm" };
+    far.map_or(Ok(()), |far| Err(SampleFailure::TooLarge(far.value, unit(far))))
 }
 
 fn too_large(message: String, place: &Place) -> Diagnostic {
@@ -173,48 +170,48 @@ fn too_large(message: String, place: &Place) -> Diagnostic {
 /// Returns the samples of one row.
 fn row(
     cells: &[String],
-    header: &Header,
+    header: &ImportHeader,
     wanted: &ImportRequest,
     beside: &[usize],
     import: &mut Import,
-) -> Result<Vec<Sample>, RowFailure> {
-    let Header { roles, separator, .. } = header;
+) -> Result<Vec<AxisSample>, SampleFailure> {
+    let ImportHeader { roles, separator, .. } = header;
     if cells.len() > roles.len() {
-        return Err(RowFailure::Cells(cells.len(), roles.len()));
+        return Err(SampleFailure::Cells(cells.len(), roles.len()));
     }
     let at = |k: usize| cells.get(k).map_or("", String::as_str);
-    let mut common = Sample { error: 0, position: f64::NAN, direction: None, run: String::new(), value: 0.0 };
+    let mut common = AxisSample { error: 0, position: f64::NAN, direction: None, run: String::new(), value: 0.0 };
     let (mut name, mut unit, mut reading) = ("", "", None);
     for (k, role) in roles.iter().enumerate() {
         let cell = at(k);
         match role {
-            Role::Position(_) if cell.is_empty() => return Err(RowFailure::NoPosition),
-            Role::Position(factor) => common.position = sheet::number(cell, *separator)? * factor,
-            Role::Reading(unit) => reading = Some((cell, unit)),
-            Role::Other(Meaning::Excluded) if !["", "0"].contains(&cell) => {
-                return Err(RowFailure::Excluded(cell.to_owned()));
+            ColumnRole::Position(_) if cell.is_empty() => return Err(SampleFailure::NoPosition),
+            ColumnRole::Position(factor) => common.position = sheet::number(cell, *separator)? * factor,
+            ColumnRole::Reading(unit) => reading = Some((cell, unit)),
+            ColumnRole::Other(ColumnMeaning::Excluded) if !["", "0"].contains(&cell) => {
+                return Err(SampleFailure::Excluded(cell.to_owned()));
             }
-            Role::Other(Meaning::Axis) if is_other_axis(cell, &import.axis) => {
-                return Err(RowFailure::OtherAxis(cell.to_owned()));
+            ColumnRole::Other(ColumnMeaning::Axis) if is_other_axis(cell, &import.axis) => {
+                return Err(SampleFailure::OtherAxis(cell.to_owned()));
             }
-            Role::Other(Meaning::Run) => common.run = cell.to_owned(),
-            Role::Other(Meaning::Direction) => common.direction = direction(cell, header.layout)?,
-            Role::Other(Meaning::ErrorName) => name = cell,
-            Role::Other(Meaning::Unit) => unit = cell,
+            ColumnRole::Other(ColumnMeaning::Run) => common.run = cell.to_owned(),
+            ColumnRole::Other(ColumnMeaning::Direction) => common.direction = direction(cell, header.layout)?,
+            ColumnRole::Other(ColumnMeaning::ErrorName) => name = cell,
+            ColumnRole::Other(ColumnMeaning::Unit) => unit = cell,
             _ => {}
         }
     }
     if common.position.abs() > FARTHEST {
-        return Err(RowFailure::Far(common.position));
+        return Err(SampleFailure::Far(common.position));
     }
     let sign = wanted.sign();
-    let sample = |error: usize, value: f64| Sample { error, value: value * sign + 0.0, ..common.clone() };
+    let sample = |error: usize, value: f64| AxisSample { error, value: value * sign + 0.0, ..common.clone() };
     if let Some((cell, known)) = reading {
         let error = error_of_row(name, wanted, &import.axis)?;
         let own = if unit.is_empty() { None } else { Some(reading_unit(unit)?) };
-        let unit = own.or(*known).ok_or(RowFailure::NoUnit)?;
+        let unit = own.or(*known).ok_or(SampleFailure::NoUnit)?;
         if !unit.fits(&error) {
-            return Err(RowFailure::NotUnitOf(error));
+            return Err(SampleFailure::NotUnitOf(error));
         }
         let value = sheet::number(cell, *separator)? * unit.factor;
         return Ok(vec![sample(index_of(&mut import.errors, error), value)]);
@@ -223,14 +220,15 @@ fn row(
     for (k, role) in roles.iter().enumerate().filter(|(k, _)| !at(*k).is_empty()) {
         let Some(series) = role.series() else { continue };
         let read = sheet::number(at(k), *separator)? * series.factor;
-        let value = if let Role::Reached(_) = role { off_target(read - common.position, import.rotary) } else { read };
-        let mut found = labelled(sample(series.error, value), series);
+        let value =
+            if let ColumnRole::Reached(_) = role { off_target(read - common.position, import.rotary) } else { read };
+        let mut found = with_label(sample(series.error, value), series);
         if found.run.is_empty() && beside.contains(&series.error) {
             found.run = format!("column {}", k + 1);
         }
         samples.push(found);
     }
-    if samples.is_empty() { Err(RowFailure::NoReading) } else { Ok(samples) }
+    if samples.is_empty() { Err(SampleFailure::NoReading) } else { Ok(samples) }
 }
 
 /// True for the name of an axis other than the one that moved.
@@ -238,23 +236,23 @@ fn is_other_axis(cell: &str, axis: &str) -> bool {
     !cell.eq_ignore_ascii_case(axis) && AxisName::new(&cell.to_uppercase()).is_some()
 }
 
-/// The error that a row names.
-fn error_of_row(name: &str, wanted: &ImportRequest, axis: &str) -> Result<ErrorId, RowFailure> {
+/// Returns the error that a row names.
+fn error_of_row(name: &str, wanted: &ImportRequest, axis: &str) -> Result<ErrorId, SampleFailure> {
     let error = component_error(name)?;
     own_axis(&error, axis)?;
-    if wanted.error.as_deref().and_then(parse_component_error).is_some_and(|wanted| wanted != error) {
-        return Err(RowFailure::OtherError(error));
+    if wanted.excludes(&error) {
+        return Err(SampleFailure::OtherError(error));
     }
     Ok(error)
 }
 
-/// Distance from a target (mm or rad). No error is a turn: encoders count from 0 again, or from -180.
+/// Returns the distance from a target (mm or rad). No error is a turn: encoders count from 0 again, or from -180.
 pub(super) fn off_target(off: f64, rotary: bool) -> f64 {
     if rotary { (off - 360.0 * libm::round(off / 360.0)).to_radians() } else { off }
 }
 
-/// A sample with direction and run as the title of its column has them.
-fn labelled(mut sample: Sample, series: &Series) -> Sample {
+/// Returns a sample with direction and run as the title of its column has them.
+fn with_label(mut sample: AxisSample, series: &Series) -> AxisSample {
     sample.direction = series.label.direction.or(sample.direction);
     if !series.label.run.is_empty() {
         sample.run.clone_from(&series.label.run);
@@ -262,12 +260,12 @@ fn labelled(mut sample: Sample, series: &Series) -> Sample {
     sample
 }
 
-fn direction(cell: &str, layout: &Layout) -> Result<Option<ColumnDirection>, RowFailure> {
+fn direction(cell: &str, layout: &ExportLayout) -> Result<Option<ColumnDirection>, SampleFailure> {
     match (cell, layout.label(cell, true).direction) {
         ("", _) => Ok(None),
         // As control systems write it, beside `-1`.
         ("1", _) => Ok(Some(ColumnDirection::Forward)),
         (_, Some(direction)) => Ok(Some(direction)),
-        _ => Err(RowFailure::NotDirection(cell.to_owned())),
+        _ => Err(SampleFailure::NotDirection(cell.to_owned())),
     }
 }

@@ -1,13 +1,13 @@
 //! The header: beginning of the table, roles of its columns, and the metadata before it.
 
-use super::channels::{self, Channel};
+use super::channels::{self, InstrumentChannel};
 use super::columns::{ColumnMap, MappedColumn};
-use super::failure::HeaderFailure;
+use super::failure::ExportFailure;
 use super::form::TableForm;
-use super::layout::{GENERAL, Layout, Meaning, RunLabel};
+use super::layout::{ColumnMeaning, ExportLayout, GENERAL, RunLabel};
 use super::request::ImportRequest;
 use super::sample::{NamedChannel, UnusedColumn, refusal};
-use super::unit::{Unit, component_error, own_axis, own_error, position_unit, reading_unit};
+use super::unit::{ReadingUnit, component_error, own_axis, own_error, position_unit, reading_unit};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::identify::data::error_name::{parse_component_error, split_direction};
 use crate::identify::lists::index_of;
@@ -17,7 +17,7 @@ use crate::syntax::sheet::{self, SheetLine};
 use crate::units;
 
 /// Lines before the table, at most.
-const PREAMBLE: usize = 500;
+const MAX_PREAMBLE_LINES: usize = 500;
 
 /// Readings of one column: index of the error, direction and run by title, factor to mm or rad.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +29,7 @@ pub(super) struct Series {
 
 /// The role of a column.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Role {
+pub(super) enum ColumnRole {
     /// Positions of targets, with the factor to mm or deg.
     Position(f64),
     /// Deviations.
@@ -39,17 +39,17 @@ pub(super) enum Role {
     /// Deviations or positions that were reached: the numbers show which.
     Open(Series),
     /// Readings in the unit of their row, or in this one.
-    Reading(Option<Unit>),
-    Other(Meaning),
+    Reading(Option<ReadingUnit>),
+    Other(ColumnMeaning),
 }
 
-impl Role {
+impl ColumnRole {
     /// True for columns of numbers.
     pub fn is_number(&self) -> bool {
         !matches!(self, Self::Other(_))
     }
 
-    /// The readings of a column, by the title.
+    /// Returns the readings of a column, by the title.
     pub fn series(&self) -> Option<&Series> {
         match self {
             Self::Deviation(series) | Self::Reached(series) | Self::Open(series) => Some(series),
@@ -59,14 +59,14 @@ impl Role {
 }
 
 /// A header that was understood.
-pub(super) struct Header {
-    pub layout: &'static Layout,
+pub(super) struct ImportHeader {
+    pub layout: &'static ExportLayout,
     pub form: TableForm,
     pub axis: String,
     /// True for a rotary axis.
     pub rotary: bool,
     pub errors: Vec<ErrorId>,
-    pub roles: Vec<Role>,
+    pub roles: Vec<ColumnRole>,
     pub separator: char,
     pub place: Place,
     /// Index of the first line after it.
@@ -76,7 +76,7 @@ pub(super) struct Header {
     pub unused: Vec<UnusedColumn>,
     pub channels: Vec<NamedChannel>,
     /// The channels that titles name.
-    named: Vec<Channel>,
+    named: Vec<InstrumentChannel>,
     /// Factor of positions to mm or deg.
     pub factor: f64,
     /// True if letters such as `F1` and `R1` are directions.
@@ -97,14 +97,14 @@ impl Title {
         Self { cell: cell.to_owned(), lower: name.to_lowercase(), name, unit }
     }
 
-    /// The error that the title names, and its direction.
+    /// Returns the error that the title names, and its direction.
     fn error(&self) -> Option<(ErrorId, Option<Approach>)> {
         let (bare, approach) = split_direction(&self.name);
         parse_component_error(bare).map(|error| (error, approach))
     }
 }
 
-/// `key: value` or `key = value` before the table; with a separator in between as spreadsheets write it.
+/// Splits a line before the table: `key: value` or `key = value`, with a separator between as spreadsheets write it.
 fn metadata(line: &str, separator: char) -> Option<(String, String)> {
     let (key, value) = line.split_once([':', '=']).or_else(|| line.split_once(separator))?;
     let tame =
@@ -113,13 +113,13 @@ fn metadata(line: &str, separator: char) -> Option<(String, String)> {
     (!key.is_empty() && !value.is_empty()).then(|| (key.chars().take(80).collect(), value.chars().take(200).collect()))
 }
 
-/// The value of a key before the table.
+/// Returns the value of a key before the table.
 fn entry<'m>(metadata: &'m [(String, String)], key: &str) -> Option<&'m str> {
     metadata.iter().find(|(known, _)| known.eq_ignore_ascii_case(key)).map(|(_, value)| value.as_str())
 }
 
-/// The title of positions in a line that begins a table: a line of two cells or more, one of which is a position.
-fn begins(layout: &Layout, cells: &[String], axis: Option<&str>, map: Option<&ColumnMap>) -> Option<Title> {
+/// Returns the title of positions of a line that begins a table: of two cells or more, one of them a position.
+fn begins(layout: &ExportLayout, cells: &[String], axis: Option<&str>, map: Option<&ColumnMap>) -> Option<Title> {
     let is_position = |title: &Title| {
         if let Some(map) = map {
             return ColumnMap::names(&map.position, &title.name, &title.cell);
@@ -134,20 +134,20 @@ fn begins(layout: &Layout, cells: &[String], axis: Option<&str>, map: Option<&Co
 }
 
 /// Finds and reads the header of an export.
-pub(super) fn find(lines: &[SheetLine], wanted: &ImportRequest) -> Result<Header, Box<Diagnostic>> {
-    understood(wanted).map_err(|failure| Box::new(refusal(failure.to_string(), None)))?;
+pub(super) fn find(lines: &[SheetLine], wanted: &ImportRequest) -> Result<ImportHeader, Box<Diagnostic>> {
+    check_request(wanted).map_err(|failure| Box::new(refusal(failure.to_string(), None)))?;
     let layout = &GENERAL;
-    let of_error = wanted.error.as_deref().and_then(parse_component_error).map(|error| error.axis.to_string());
+    let of_error = wanted.error_id().map(|error| error.axis.to_string());
     let mut known: Vec<(String, String)> = Vec::new();
     let mut other = None;
-    for (i, line) in lines.iter().enumerate().take(PREAMBLE) {
+    for (i, line) in lines.iter().enumerate().take(MAX_PREAMBLE_LINES) {
         let separator = sheet::separator(&line.text);
         let cells = sheet::cells(&line.text, separator);
         let axis = wanted.axis.as_deref().or(entry(&known, "axis")).or(of_error.as_deref());
         let map = wanted.columns.as_ref();
         if begins(layout, &cells, axis, map).is_some() && (map.is_some() || !line.text.contains(": ")) {
             let reader = HeaderReader { layout, lines, wanted, metadata: &known, separator };
-            let refuse = |failure: HeaderFailure| Box::new(refusal(failure.to_string(), Some(line.place.clone())));
+            let refuse = |failure: ExportFailure| Box::new(refusal(failure.to_string(), Some(line.place.clone())));
             return reader.header(i, &cells).map_err(refuse);
         }
         if let (None, Some(axis), Some(Title { name, unit: Some(_), .. })) =
@@ -163,8 +163,8 @@ pub(super) fn find(lines: &[SheetLine], wanted: &ImportRequest) -> Result<Header
     }))
 }
 
-/// The request holds whether or not the file states it too.
-fn understood(wanted: &ImportRequest) -> Result<(), HeaderFailure> {
+/// Returns the request holds whether or not the file states it too.
+fn check_request(wanted: &ImportRequest) -> Result<(), ExportFailure> {
     wanted.error.as_deref().map(component_error).transpose()?;
     wanted.unit.as_deref().map(reading_unit).transpose()?;
     Ok(())
@@ -195,24 +195,24 @@ enum RunColumns {
 }
 
 /// Refuses two columns of one run: their mean would be no reading of any run.
-fn no_run_twice(header: &Header, titles: &[Title]) -> Result<(), HeaderFailure> {
-    let run = |role: &Role| role.series().map(|series| (series.error, series.label.clone()));
+fn check_runs(header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailure> {
+    let run = |role: &ColumnRole| role.series().map(|series| (series.error, series.label.clone()));
     let runs: Vec<Option<(usize, RunLabel)>> =
         header.roles.iter().map(|role| run(role).filter(|(_, label)| !label.run.is_empty())).collect();
     let again = |k: &usize| runs[*k].is_some() && runs[..*k].contains(&runs[*k]);
     let second = (0..runs.len()).find(again);
-    second.map_or(Ok(()), |k| Err(HeaderFailure::RunTwice(titles[k].cell.clone())))
+    second.map_or(Ok(()), |k| Err(ExportFailure::RunTwice(titles[k].cell.clone())))
 }
 
 struct HeaderReader<'a> {
-    layout: &'static Layout,
+    layout: &'static ExportLayout,
     lines: &'a [SheetLine],
     wanted: &'a ImportRequest,
     metadata: &'a [(String, String)],
     separator: char,
 }
 
-/// The axis of the errors that have columns, if it is one: of `position; ECC [urad]` it is C.
+/// Returns the axis of the errors that have columns, if it is one: of `position; ECC [urad]` it is C.
 fn only_axis(titles: &[Title]) -> Option<String> {
     let mut axes = titles.iter().filter_map(|title| Some(title.error()?.0.axis.to_string()));
     let first = axes.next()?;
@@ -224,24 +224,24 @@ impl HeaderReader<'_> {
         entry(self.metadata, key)
     }
 
-    fn header(&self, at: usize, cells: &[String]) -> Result<Header, HeaderFailure> {
+    fn header(&self, at: usize, cells: &[String]) -> Result<ImportHeader, ExportFailure> {
         let (titles, row_of_units) = self.titles(at, cells);
         let body = at + 1 + usize::from(row_of_units);
-        let paired = self.layout.is_paired(titles.iter().map(|title| title.lower.as_str()));
+        let paired = self.layout.has_letter_pairs(titles.iter().map(|title| title.lower.as_str()));
         let axis = self.axis(&titles, body, paired)?;
         let is_position = |title: &Title| match &self.wanted.columns {
             Some(map) => ColumnMap::names(&map.position, &title.name, &title.cell),
             None => title.name.eq_ignore_ascii_case(&axis) || self.layout.is_position(&title.lower),
         };
-        let position = titles.iter().position(is_position).ok_or(HeaderFailure::NoPositions)?;
+        let position = titles.iter().position(is_position).ok_or(ExportFailure::NoPositions)?;
         let (rotary, factor) = match self.unit_of_positions(&titles[position])? {
             None => (axis.starts_with(['A', 'B', 'C']), 1.0),
             Some(unit) => position_unit(unit)?,
         };
         if self.wanted.continuous && !rotary {
-            return Err(HeaderFailure::LinearAxis(axis));
+            return Err(ExportFailure::LinearAxis(axis));
         }
-        let mut header = Header {
+        let mut header = ImportHeader {
             layout: self.layout,
             form: self.form(&titles),
             axis,
@@ -262,18 +262,18 @@ impl HeaderReader<'_> {
         Ok(header)
     }
 
-    /// The unit of the targets: of their title, of the mapping or the metadata.
-    fn unit_of_positions<'u>(&'u self, title: &'u Title) -> Result<Option<&'u str>, HeaderFailure> {
+    /// Returns the unit of the targets: of their title, of the mapping or the metadata.
+    fn unit_of_positions<'u>(&'u self, title: &'u Title) -> Result<Option<&'u str>, ExportFailure> {
         let mapped = self.wanted.columns.as_ref().and_then(|map| map.position_unit.as_deref());
         match (title.unit.as_deref(), mapped) {
             (Some(own), Some(mapped)) if position_unit(own) != position_unit(mapped) => {
-                Err(HeaderFailure::OtherUnit(title.name.clone(), own.to_owned(), mapped.to_owned()))
+                Err(ExportFailure::OtherUnit(title.name.clone(), own.to_owned(), mapped.to_owned()))
             }
             (own, mapped) => Ok(own.or(mapped).or(self.entry("position unit"))),
         }
     }
 
-    /// The form of the table.
+    /// Returns the form of the table.
     fn form(&self, titles: &[Title]) -> TableForm {
         let is_channel = |title: &Title| channels::channel(&title.name, self.layout).is_some();
         match (&self.wanted.columns, self.wanted.mounting) {
@@ -283,7 +283,7 @@ impl HeaderReader<'_> {
         }
     }
 
-    /// Titles of the columns; true with a row of units below them.
+    /// Returns the titles of the columns; true with a row of units below them.
     fn titles(&self, at: usize, cells: &[String]) -> (Vec<Title>, bool) {
         let mut titles: Vec<Title> = cells.iter().map(|cell| Title::new(cell)).collect();
         let bare = |cell: &str| cell.trim_matches(['[', ']', '(', ')']).to_owned();
@@ -301,70 +301,73 @@ impl HeaderReader<'_> {
     }
 
     /// Gives every column its role.
-    fn roles(&self, header: &mut Header, titles: &[Title], position: usize) -> Result<(), HeaderFailure> {
+    fn roles(&self, header: &mut ImportHeader, titles: &[Title], position: usize) -> Result<(), ExportFailure> {
         let runs = if header.form == TableForm::Runs { self.runs(header, titles)? } else { RunColumns::NotReached };
         for (k, title) in titles.iter().enumerate() {
-            let role = if k == position { Role::Position(header.factor) } else { self.role(header, title, &runs)? };
+            let role =
+                if k == position { ColumnRole::Position(header.factor) } else { self.role(header, title, &runs)? };
             header.roles.push(role);
         }
-        self.nothing_unknown_between(header, titles)?;
-        no_run_twice(header, titles)?;
-        self.all_named(header, titles)?;
-        header.unused = titles.iter().zip(&header.roles).filter_map(|(title, role)| unused(title, role)).collect();
-        let is_reading = |role: &Role| role.is_number() && !matches!(role, Role::Position(_));
+        self.check_between_runs(header, titles)?;
+        check_runs(header, titles)?;
+        self.check_names(header, titles)?;
+        header.unused =
+            titles.iter().zip(&header.roles).filter_map(|(title, role)| unused_column(title, role)).collect();
+        let is_reading = |role: &ColumnRole| role.is_number() && !matches!(role, ColumnRole::Position(_));
         let any = header.roles.iter().any(is_reading);
-        if any { Ok(()) } else { Err(HeaderFailure::NoReadings(self.wanted.error.clone())) }
+        if any { Ok(()) } else { Err(ExportFailure::NoReadings(self.wanted.error.clone())) }
     }
 
     /// Refuses a column between runs that no rule has: it could be one of them.
-    fn nothing_unknown_between(&self, header: &Header, titles: &[Title]) -> Result<(), HeaderFailure> {
-        let is_run = |role: &Role| role.series().is_some();
+    fn check_between_runs(&self, header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailure> {
+        let is_run = |role: &ColumnRole| role.series().is_some();
         let (Some(first), Some(last)) = (header.roles.iter().position(is_run), header.roles.iter().rposition(is_run))
         else {
             return Ok(());
         };
-        let unknown = |k: &usize| header.roles[*k] == Role::Other(Meaning::Unknown);
+        let unknown = |k: &usize| header.roles[*k] == ColumnRole::Other(ColumnMeaning::Unknown);
         match (first..last).find(unknown).filter(|_| header.form == TableForm::Runs) {
-            Some(k) => Err(HeaderFailure::UnknownBetween(titles[k].cell.clone())),
+            Some(k) => Err(ExportFailure::UnknownBetween(titles[k].cell.clone())),
             None => Ok(()),
         }
     }
 
     /// Refuses a mapping, or a list of flipped channels, that names columns which the table does not have.
-    fn all_named(&self, header: &Header, titles: &[Title]) -> Result<(), HeaderFailure> {
+    fn check_names(&self, header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailure> {
         let has = |name: &str| titles.iter().any(|title| ColumnMap::names(name, &title.name, &title.cell));
         let mapped = self.wanted.columns.iter().flat_map(|map| &map.columns);
         if let Some((name, _)) = mapped.into_iter().find(|(name, _)| !has(name)) {
-            return Err(HeaderFailure::NoMapped(name.clone()));
+            return Err(ExportFailure::NoMapped(name.clone()));
         }
         let is_channel = |name: &str| {
             let of = |found: &NamedChannel| ColumnMap::names(name, &Title::new(&found.title).name, &found.title);
             header.channels.iter().any(of)
         };
         match self.wanted.flipped.iter().find(|name| !is_channel(name)) {
-            Some(name) => Err(HeaderFailure::NoFlipped(name.clone())),
+            Some(name) => Err(ExportFailure::NoFlipped(name.clone())),
             None => Ok(()),
         }
     }
 
-    /// The unit of a column of readings: its own, or that of all that have none.
+    /// Returns the unit of a column of readings: its own, or that of all that have none.
     fn unit<'u>(&'u self, title: &'u Title) -> Option<&'u str> {
         let own = title.unit.as_deref().or(self.wanted.unit.as_deref());
         own.or(self.entry("unit")).or(self.entry("units"))
     }
 
-    /// `actual [mm]`: in the unit of the targets. In another unit it is a deviation.
-    fn reached(&self, header: &Header, title: &Title) -> Option<RunLabel> {
+    /// Returns the label of a title such as `actual [mm]` in the unit of the targets; in another unit it is a
+    /// deviation.
+    fn actual_position_label(&self, header: &ImportHeader, title: &Title) -> Option<RunLabel> {
         let same = |unit: &str| position_unit(unit) == Ok((header.rotary, header.factor));
-        self.layout.reached(&title.lower, header.paired).filter(|_| self.unit(title).is_none_or(same))
+        self.layout.actual_position_label(&title.lower, header.paired).filter(|_| self.unit(title).is_none_or(same))
     }
 
     /// Looks for positions that were reached. They show the positioning error of the axis and no other one.
-    fn runs(&self, header: &Header, titles: &[Title]) -> Result<RunColumns, HeaderFailure> {
+    fn runs(&self, header: &ImportHeader, titles: &[Title]) -> Result<RunColumns, ExportFailure> {
         let axis = &header.axis;
         let own = own_error(axis);
         let error = self.error()?;
-        if !titles.iter().any(|title| self.reached(header, title).is_some()) {
+        if !titles.iter().any(|title| self.actual_position_label(header, title).is_some()) {
             return Ok(RunColumns::NotReached);
         }
         let other = |error: &ErrorId| {
@@ -373,13 +376,13 @@ impl HeaderReader<'_> {
         if error.as_ref().is_some_and(other) {
             return Ok(RunColumns::OtherError);
         }
-        let error = error.or(own).ok_or(HeaderFailure::NoError(None))?;
+        let error = error.or(own).ok_or(ExportFailure::NoError(None))?;
         own_axis(&error, axis)?;
         let deviations = titles.iter().any(|title| self.layout.is_deviation(&title.lower));
         Ok(if deviations { RunColumns::Deviations(error) } else { RunColumns::Reached(error) })
     }
 
-    /// The axes that the column `axis` names, each once, two at most.
+    /// Returns the axes that the column `axis` names, each once, two at most.
     fn axes_of_rows(&self, titles: &[Title], body: usize) -> Vec<String> {
         let mut axes: Vec<String> = Vec::new();
         let Some(column) = titles.iter().position(|title| title.lower == "axis") else { return axes };
@@ -393,9 +396,9 @@ impl HeaderReader<'_> {
         axes
     }
 
-    /// As asked for, as the metadata or a column say, that of the error asked for, the only column that is named like
-    /// one, or that of all errors that have columns.
-    fn axis(&self, titles: &[Title], body: usize, paired: bool) -> Result<String, HeaderFailure> {
+    /// Returns the axis: as requested, of the metadata or a column, of the error requested, the only column that is
+    /// named like one, or that of all errors that have columns.
+    fn axis(&self, titles: &[Title], body: usize, paired: bool) -> Result<String, ExportFailure> {
         let own = |title: &Title| {
             let run = paired && self.layout.letter(&title.lower).is_some();
             let short = title.name.len() <= 2 && parse_component_error(&title.name).is_none() && !run;
@@ -404,7 +407,7 @@ impl HeaderReader<'_> {
         let given = self.wanted.axis.clone().or_else(|| self.entry("axis").map(str::to_owned));
         let column = self.axes_of_rows(titles, body);
         if let ([one, other], None) = (&column[..], &given) {
-            return Err(HeaderFailure::TwoAxes(one.clone(), other.clone()));
+            return Err(ExportFailure::TwoAxes(one.clone(), other.clone()));
         }
         let error = || self.wanted.error.as_deref().or(self.entry("error")).and_then(parse_component_error);
         let mapped = || self.wanted.columns.as_ref()?.errors().next().map(|error| error.axis.to_string());
@@ -416,19 +419,19 @@ impl HeaderReader<'_> {
             .or_else(|| titles.iter().find_map(own))
             .or_else(|| only_axis(titles))
             .or_else(beam);
-        axis.map(|name| name.trim().to_uppercase()).ok_or(HeaderFailure::NoAxis)
+        axis.map(|name| name.trim().to_uppercase()).ok_or(ExportFailure::NoAxis)
     }
 
-    fn role(&self, header: &mut Header, title: &Title, runs: &RunColumns) -> Result<Role, HeaderFailure> {
+    fn role(&self, header: &mut ImportHeader, title: &Title, runs: &RunColumns) -> Result<ColumnRole, ExportFailure> {
         if let Some(map) = &self.wanted.columns {
             return self.role_by_map(header, title, map);
         }
         match self.layout.meaning(&title.lower, header.form) {
-            Some(Meaning::Value) => {
+            Some(ColumnMeaning::Value) => {
                 let unit = title.unit.as_deref().or(self.wanted.unit.as_deref());
-                return Ok(Role::Reading(unit.map(reading_unit).transpose()?));
+                return Ok(ColumnRole::Reading(unit.map(reading_unit).transpose()?));
             }
-            Some(meaning) => return Ok(Role::Other(meaning)),
+            Some(meaning) => return Ok(ColumnRole::Other(meaning)),
             None => {}
         }
         match header.form {
@@ -439,89 +442,85 @@ impl HeaderReader<'_> {
         }
     }
 
-    /// A column that is no reading: known by a word of its title, or unknown.
-    fn not_a_reading(&self, title: &Title) -> Role {
+    /// Returns a column that is no reading: known by a word of its title, or unknown.
+    fn not_a_reading(&self, title: &Title) -> ColumnRole {
         let known = self.layout.is_other(&title.lower)
-            || self.layout.reached(&title.lower, true).is_some()
+            || self.layout.actual_position_label(&title.lower, true).is_some()
             || self.layout.is_position(&title.lower)
             || channels::channel(&title.name, self.layout).is_some()
             || title.error().is_some();
-        Role::Other(if known { Meaning::Ignored } else { Meaning::Unknown })
+        ColumnRole::Other(if known { ColumnMeaning::Ignored } else { ColumnMeaning::Unknown })
     }
 
-    fn role_by_map(&self, header: &mut Header, title: &Title, map: &ColumnMap) -> Result<Role, HeaderFailure> {
+    fn role_by_map(
+        &self,
+        header: &mut ImportHeader,
+        title: &Title,
+        map: &ColumnMap,
+    ) -> Result<ColumnRole, ExportFailure> {
         let of_title = |(name, _): &&(String, MappedColumn)| ColumnMap::names(name, &title.name, &title.cell);
         let (error, unit, label, flip, reached) = match map.columns.iter().find(of_title).map(|(_, column)| column) {
-            Some(MappedColumn::Run) => return Ok(Role::Other(Meaning::Run)),
-            Some(MappedColumn::Direction) => return Ok(Role::Other(Meaning::Direction)),
-            Some(MappedColumn::Excluded) => return Ok(Role::Other(Meaning::Excluded)),
-            Some(MappedColumn::Ignored) | None => return Ok(Role::Other(Meaning::Ignored)),
+            Some(MappedColumn::Run) => return Ok(ColumnRole::Other(ColumnMeaning::Run)),
+            Some(MappedColumn::Direction) => return Ok(ColumnRole::Other(ColumnMeaning::Direction)),
+            Some(MappedColumn::Excluded) => return Ok(ColumnRole::Other(ColumnMeaning::Excluded)),
+            Some(MappedColumn::Ignored) | None => return Ok(ColumnRole::Other(ColumnMeaning::Ignored)),
             Some(MappedColumn::Readings { error, unit, label, flip, reached }) => (error, unit, label, flip, reached),
         };
-        if self.wanted.error.as_deref().and_then(parse_component_error).is_some_and(|wanted| wanted != *error) {
-            return Ok(Role::Other(Meaning::Ignored));
+        if self.wanted.excludes(error) {
+            return Ok(ColumnRole::Other(ColumnMeaning::Ignored));
         }
         if let (Some(own), Some(mapped)) = (title.unit.as_deref(), unit.as_deref())
             && reading_unit(own) != reading_unit(mapped)
         {
-            return Err(HeaderFailure::OtherUnit(title.name.clone(), own.to_owned(), mapped.to_owned()));
+            return Err(ExportFailure::OtherUnit(title.name.clone(), own.to_owned(), mapped.to_owned()));
         }
-        let label = RunLabel { direction: label.0, run: label.1.clone() };
         if *reached {
             own_axis(error, &header.axis)?;
-            let error = index_of(&mut header.errors, error.clone());
-            return Ok(Role::Reached(Series { error, label, factor: header.factor }));
+            return Ok(Self::reached_role(header, error, label.clone()));
         }
         let known = Title { unit: title.unit.clone().or(unit.clone()), ..Title::new(&title.cell) };
-        let mut role = self.deviation(header, &known, error.clone(), label)?;
-        if let (Role::Deviation(series), true) = (&mut role, *flip) {
-            series.factor = -series.factor;
-        }
-        Ok(role)
+        self.deviation(header, &known, error.clone(), label.clone(), *flip)
     }
 
-    fn role_by_channel(&self, header: &mut Header, title: &Title) -> Result<Role, HeaderFailure> {
+    fn role_by_channel(&self, header: &mut ImportHeader, title: &Title) -> Result<ColumnRole, ExportFailure> {
         let Some((mounting, (channel, label))) = self.wanted.mounting.zip(channels::channel(&title.name, self.layout))
         else {
             return Ok(self.not_a_reading(title));
         };
-        let axis = AxisName::new(&header.axis).ok_or(HeaderFailure::NoAxis)?;
+        let axis = AxisName::new(&header.axis).ok_or(ExportFailure::NoAxis)?;
         if channels::axis_direction(&axis) != Some(mounting.along()) {
             let beam = ["X", "Y", "Z"][mounting.along()].to_owned();
-            return Err(HeaderFailure::BeamAcross(beam, header.axis.clone()));
+            return Err(ExportFailure::BeamAcross(beam, header.axis.clone()));
         }
         let (error, negative) = mounting.error(channel, &axis);
-        if self.wanted.error.as_deref().and_then(parse_component_error).is_some_and(|wanted| wanted != error) {
-            return Ok(Role::Other(Meaning::Ignored));
+        if self.wanted.excludes(&error) {
+            return Ok(ColumnRole::Other(ColumnMeaning::Ignored));
         }
         let flipped = self.wanted.flipped.iter().any(|name| ColumnMap::names(name, &title.name, &title.cell));
         let negative = negative != flipped;
         header.channels.push(NamedChannel { title: title.cell.clone(), error: error.clone(), negative });
-        let mut role = self.deviation(header, title, error, label)?;
-        if let (Role::Deviation(series), true) = (&mut role, negative) {
-            series.factor = -series.factor;
-        }
-        Ok(role)
+        self.deviation(header, title, error, label, negative)
     }
 
-    fn role_by_error(&self, header: &mut Header, title: &Title) -> Result<Role, HeaderFailure> {
-        let wanted = self.wanted.error.as_deref().and_then(parse_component_error);
-        let named = title.error().filter(|(error, _)| wanted.as_ref().is_none_or(|wanted| wanted == error));
+    fn role_by_error(&self, header: &mut ImportHeader, title: &Title) -> Result<ColumnRole, ExportFailure> {
+        let named = title.error().filter(|(error, _)| !self.wanted.excludes(error));
         let Some((error, approach)) = named else { return Ok(self.not_a_reading(title)) };
         let direction = approach.map(|approach| match approach {
             Approach::Reverse => ColumnDirection::Reverse,
             _ => ColumnDirection::Forward,
         });
-        self.deviation(header, title, error, RunLabel { direction, run: String::new() })
+        self.deviation(header, title, error, RunLabel { direction, run: String::new() }, false)
     }
 
-    fn role_by_run(&self, header: &mut Header, title: &Title, runs: &RunColumns) -> Result<Role, HeaderFailure> {
-        let reached = self.reached(header, title);
+    fn role_by_run(
+        &self,
+        header: &mut ImportHeader,
+        title: &Title,
+        runs: &RunColumns,
+    ) -> Result<ColumnRole, ExportFailure> {
+        let reached = self.actual_position_label(header, title);
         let error = match (runs, reached) {
-            (RunColumns::Reached(error), Some(label)) => {
-                let error = index_of(&mut header.errors, error.clone());
-                return Ok(Role::Reached(Series { error, label, factor: header.factor }));
-            }
+            (RunColumns::Reached(error), Some(label)) => return Ok(Self::reached_role(header, error, label)),
             (RunColumns::NotReached, _) | (RunColumns::OtherError, None) => self.error()?,
             (RunColumns::Deviations(error), None) if self.layout.is_deviation(&title.lower) => Some(error.clone()),
             _ => return Ok(self.not_a_reading(title)),
@@ -530,57 +529,68 @@ impl HeaderReader<'_> {
         let label = match (self.layout.run(&title.name, header.paired), by_channel, &error) {
             (Some(label), ..) => label,
             (None, Some((channel, label)), Some(error)) if Self::only_channel(header, channel, error) => label,
-            (None, Some(_), None) => return Err(HeaderFailure::Channels(format!("`{}` ...", shown(&title.name)))),
+            (None, Some(_), None) => {
+                return Err(ExportFailure::Channels(format!("`{}` ...", shown(&title.name))));
+            }
             _ => return Ok(self.not_a_reading(title)),
         };
-        let error = error.ok_or_else(|| HeaderFailure::NoError(Some(title.name.clone())))?;
+        let error = error.ok_or_else(|| ExportFailure::NoError(Some(title.name.clone())))?;
         let open = self.layout.is_open(&title.lower) && own_error(&header.axis).as_ref() == Some(&error);
-        Ok(match self.deviation(header, title, error, label)? {
-            Role::Deviation(series) if open => Role::Open(series),
+        Ok(match self.deviation(header, title, error, label, false)? {
+            ColumnRole::Deviation(series) if open => ColumnRole::Open(series),
             role => role,
         })
     }
 
     /// True if the channel can show the error, and no other channel of the table can.
-    fn only_channel(header: &Header, channel: Channel, error: &ErrorId) -> bool {
+    fn only_channel(header: &ImportHeader, channel: InstrumentChannel, error: &ErrorId) -> bool {
         let rival = header.named.iter().any(|other| *other != channel && other.can_show(error));
         channel.can_show(error) && !rival
     }
 
-    /// The error that is asked for, or that the file names.
-    fn error(&self) -> Result<Option<ErrorId>, HeaderFailure> {
+    /// Returns the error that is asked for, or that the file names.
+    fn error(&self) -> Result<Option<ErrorId>, ExportFailure> {
         self.wanted.error.as_deref().or(self.entry("error")).map(component_error).transpose()
     }
 
+    /// Returns the role of positions that were reached, in the unit of the targets.
+    fn reached_role(header: &mut ImportHeader, error: &ErrorId, label: RunLabel) -> ColumnRole {
+        let error = index_of(&mut header.errors, error.clone());
+        ColumnRole::Reached(Series { error, label, factor: header.factor })
+    }
+
+    /// Returns the role of deviations; `negative`: of readings with the other sign.
     fn deviation(
         &self,
-        header: &mut Header,
+        header: &mut ImportHeader,
         title: &Title,
         error: ErrorId,
         label: RunLabel,
-    ) -> Result<Role, HeaderFailure> {
+        negative: bool,
+    ) -> Result<ColumnRole, ExportFailure> {
         own_axis(&error, &header.axis)?;
-        let text = self.unit(title).ok_or_else(|| HeaderFailure::NoUnit(title.name.clone()))?;
+        let text = self.unit(title).ok_or_else(|| ExportFailure::NoUnit(title.name.clone()))?;
         let unit = reading_unit(text)?;
         if !unit.fits(&error) {
-            return Err(HeaderFailure::NotUnitOf(text.to_owned(), error));
+            return Err(ExportFailure::NotUnitOf(text.to_owned(), error));
         }
-        Ok(Role::Deviation(Series { error: index_of(&mut header.errors, error), label, factor: unit.factor }))
+        let factor = if negative { -unit.factor } else { unit.factor };
+        Ok(ColumnRole::Deviation(Series { error: index_of(&mut header.errors, error), label, factor }))
     }
 }
 
-/// A column that is not used, with the reason.
-fn unused(title: &Title, role: &Role) -> Option<UnusedColumn> {
+/// Returns a column that is not used, with the reason.
+fn unused_column(title: &Title, role: &ColumnRole) -> Option<UnusedColumn> {
     let (known, reason) = match role {
-        Role::Other(Meaning::Ignored) => (true, "not a reading of these errors"),
-        Role::Other(Meaning::Unknown) => (false, "not understood"),
+        ColumnRole::Other(ColumnMeaning::Ignored) => (true, "not a reading of these errors"),
+        ColumnRole::Other(ColumnMeaning::Unknown) => (false, "not understood"),
         _ => return None,
     };
     let title = title.cell.trim();
     (!title.is_empty()).then(|| UnusedColumn { title: title.to_owned(), reason: reason.to_owned(), known })
 }
 
-/// The form of a table by its titles.
+/// Returns the form of a table by its titles.
 fn form(titles: &[Title]) -> TableForm {
     let has = |word: &str| titles.iter().any(|title| title.lower == word);
     let is_error = |title: &Title| title.error().is_some() && split_direction(&title.name).0.len() >= 3;

@@ -6,8 +6,8 @@
 use super::form::TableForm;
 use super::gather;
 use super::request::ImportRequest;
-use super::sample::{Import, Sample, UnusedColumn, refusal};
-use super::unit::{self, Unit, component_error, own_axis, reading_unit};
+use super::sample::{AxisSample, Import, UnusedColumn, refusal};
+use super::unit::{self, ReadingUnit, component_error, own_axis, reading_unit};
 use crate::diagnostic::{Diagnostic, Place, Reason, shown};
 use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
@@ -49,16 +49,21 @@ struct Contents {
     metadata: Vec<(String, String)>,
 }
 
-pub(super) fn read(lines: &[SheetLine], wanted: &ImportRequest, path: &Path) -> Result<Import, Box<Diagnostic>> {
-    let first = lines.first().map(|line| line.place.clone());
-    let refuse = |message: String| Box::new(refusal(message, first.clone()));
+/// Reads the sections of a file that begins at `first`.
+pub(super) fn read(
+    lines: &[SheetLine],
+    first: &Place,
+    wanted: &ImportRequest,
+    path: &Path,
+) -> Result<Import, Box<Diagnostic>> {
+    let refuse = |message: String| Box::new(refusal(message, Some(first.clone())));
     let contents = contents(lines)?;
     let (axis, error, unit) = quantity(&contents, wanted, path).map_err(|why| refuse(why.to_string()))?;
     if wanted.contents.is_none() {
         let message = "nothing in the file says whether its values are errors or corrections";
         let help =
             "say `--holds errors` (measured minus target) or `--holds corrections`; both circulate in this layout";
-        return Err(Box::new(refusal(message.to_owned(), first).help(help)));
+        return Err(Box::new(refusal(message.to_owned(), Some(first.clone())).help(help)));
     }
     let rotary = axis.starts_with(['A', 'B', 'C']);
     let mut import = Import { errors: vec![error], ..Import::empty(TableForm::LaserText, axis, rotary) };
@@ -66,11 +71,11 @@ pub(super) fn read(lines: &[SheetLine], wanted: &ImportRequest, path: &Path) -> 
     let factor = unit.factor * wanted.sign();
     let beside = samples(&mut import, &contents.targets, &runs, factor);
     import.metadata = contents.metadata;
-    let place = lines.iter().find(|line| section(&line.text) == Some(DEVIATIONS.0)).map(|line| line.place.clone());
-    let place = place.or(first.clone()).ok_or_else(|| refuse("the file is empty".to_owned()))?;
-    gather::believed(&import.samples, &import.errors)
+    let deviations = lines.iter().find(|line| section(&line.text) == Some(DEVIATIONS.0));
+    let place = deviations.map_or(first, |line| &line.place);
+    gather::check_plausible(&import.samples, &import.errors)
         .map_err(|failure| Box::new(refusal(failure.to_string(), Some(place.clone()))))?;
-    gather::finish(import, wanted, if beside { &[0] } else { &[] }, &place)
+    gather::finish(import, wanted, if beside { &[0] } else { &[] }, place)
 }
 
 /// Reads section by section.
@@ -112,8 +117,12 @@ fn contents(lines: &[SheetLine]) -> Result<Contents, Box<Diagnostic>> {
     Ok(found)
 }
 
-/// The axis, the error and the unit.
-fn quantity(contents: &Contents, wanted: &ImportRequest, path: &Path) -> Result<(String, ErrorId, Unit), Reason> {
+/// Returns the axis, the error and the unit.
+fn quantity(
+    contents: &Contents,
+    wanted: &ImportRequest,
+    path: &Path,
+) -> Result<(String, ErrorId, ReadingUnit), Reason> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let (known, own) =
         ENDINGS.iter().find(|(known, ..)| *known == ending).map_or((None, false), |(_, unit, own)| (*unit, *own));
@@ -147,17 +156,17 @@ fn quantity(contents: &Contents, wanted: &ImportRequest, path: &Path) -> Result<
     }
 }
 
-/// Runs in the order of the file: pairs of the target's index and the deviation.
-type Runs = Vec<Vec<(usize, f64)>>;
+/// LaserRuns in the order of the file: pairs of the target's index and the deviation.
+type LaserRuns = Vec<Vec<(usize, f64)>>;
 
-/// The readings by run; every run has every target once.
-fn runs(contents: &Contents) -> Result<Runs, Reason> {
+/// Returns the readings by run; every run has every target once.
+fn runs(contents: &Contents) -> Result<LaserRuns, Reason> {
     let Contents { targets, target_count, run_count, readings, .. } = contents;
     if target_count.is_some_and(|count| count != targets.len() as f64) {
         let count = target_count.unwrap_or_default();
         return Err(Reason::new(format!("the file announces {count} targets and has {}", targets.len())));
     }
-    let mut runs: Runs = Vec::new();
+    let mut runs: LaserRuns = Vec::new();
     let mut last = f64::NAN;
     for ([run, target, value], _) in readings {
         let index = (1..=targets.len()).find(|index| *index as f64 == *target);
@@ -187,7 +196,7 @@ fn runs(contents: &Contents) -> Result<Runs, Reason> {
     }
 }
 
-/// The direction of a run: that of its targets in the order of the file.
+/// Returns the direction of a run: that of its targets in the order of the file.
 fn direction(run: &[(usize, f64)], targets: &[f64]) -> Option<ColumnDirection> {
     let at: Vec<f64> = run.iter().map(|(index, _)| targets[*index]).collect();
     let rises = at.windows(2).all(|w| w[1] > w[0]);
@@ -200,7 +209,7 @@ fn direction(run: &[(usize, f64)], targets: &[f64]) -> Option<ColumnDirection> {
 }
 
 /// Takes the readings; true if the directions of the runs stay open.
-fn samples(import: &mut Import, targets: &[f64], runs: &Runs, factor: f64) -> bool {
+fn samples(import: &mut Import, targets: &[f64], runs: &LaserRuns, factor: f64) -> bool {
     let is_zero = |run: &[(usize, f64)]| run.iter().all(|(_, value)| *value == 0.0);
     let (odd, even): (Vec<_>, Vec<_>) = runs.iter().enumerate().partition(|(k, _)| k.is_multiple_of(2));
     // One writer fills the reverse runs of a test in one direction with zeros.
@@ -219,7 +228,7 @@ fn samples(import: &mut Import, targets: &[f64], runs: &Runs, factor: f64) -> bo
         let side = usize::from(direction == Some(ColumnDirection::Reverse));
         count[side] += 1;
         let name = if open { (k + 1).to_string() } else { count[side].to_string() };
-        import.samples.extend(run.iter().map(|(index, value)| Sample {
+        import.samples.extend(run.iter().map(|(index, value)| AxisSample {
             error: 0,
             position: targets[*index],
             direction,

@@ -1,13 +1,13 @@
 //! Layouts of exports as tables of rules: the words of titles and labels, and their meanings.
 //!
-//! [`GENERAL`] holds for any instrument. The layout of a particular instrument is another [`Layout`] of this kind.
+//! [`GENERAL`] holds for any instrument. The layout of a particular instrument is another [`ExportLayout`] of this kind.
 
 use super::form::TableForm;
 use crate::syntax::ColumnDirection::{self, Forward, Reverse};
 
 /// The meaning of a column besides positions and readings by title.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Meaning {
+pub(super) enum ColumnMeaning {
     Run,
     Direction,
     /// The axis that moved.
@@ -29,7 +29,7 @@ pub(super) enum Meaning {
 struct TitleRule {
     titles: &'static [&'static str],
     form: Option<TableForm>,
-    meaning: Meaning,
+    meaning: ColumnMeaning,
 }
 
 /// Words of a direction, at the beginning or at the end of a label.
@@ -39,7 +39,7 @@ struct DirectionRule {
 }
 
 /// The words of one family of exports, in lower case.
-pub(super) struct Layout {
+pub(super) struct ExportLayout {
     titles: &'static [TitleRule],
     /// Titles of columns of targets, beside the name of the axis.
     positions: &'static [&'static str],
@@ -51,16 +51,16 @@ pub(super) struct Layout {
     readings: &'static [&'static str],
     /// Words of numbered runs.
     runs: &'static [&'static str],
-    /// Words of titles that are no readings of an error: statistics, the environment, notes. One of them in a title is
-    /// enough.
-    others: &'static [&'static str],
+    /// Words of titles that are no readings of an error, separated by blanks: statistics, the environment, notes. One of
+    /// them in a title is enough.
+    others: &'static str,
     /// Rules of directions; a word stands before its own beginnings and ends.
     directions: &'static [DirectionRule],
     /// Letters of numbered runs, directions where a table has both.
     letters: [(&'static [char], ColumnDirection); 2],
 }
 
-const fn title(titles: &'static [&'static str], form: Option<TableForm>, meaning: Meaning) -> TitleRule {
+const fn title(titles: &'static [&'static str], form: Option<TableForm>, meaning: ColumnMeaning) -> TitleRule {
     TitleRule { titles, form, meaning }
 }
 
@@ -69,20 +69,20 @@ const fn direction(direction: ColumnDirection, words: &'static [&'static str]) -
 }
 
 /// The words of English and German exports.
-pub(super) const GENERAL: Layout = Layout {
+pub(super) const GENERAL: ExportLayout = ExportLayout {
     titles: &[
-        title(&["run", "cycle", "lauf", "zyklus"], None, Meaning::Run),
-        title(&["axis"], None, Meaning::Axis),
+        title(&["run", "cycle", "lauf", "zyklus"], None, ColumnMeaning::Run),
+        title(&["axis"], None, ColumnMeaning::Axis),
         title(
             &["direction", "dir", "approach", "approach direction", "direction of approach", "richtung"],
             None,
-            Meaning::Direction,
+            ColumnMeaning::Direction,
         ),
-        title(&["exclude", "excluded", "reason", "rejected"], None, Meaning::Excluded),
-        title(&["error"], Some(TableForm::Tidy), Meaning::ErrorName),
-        title(&["unit"], Some(TableForm::Tidy), Meaning::Unit),
-        title(&["value"], Some(TableForm::Tidy), Meaning::Value),
-        title(&["", "temp", "temperature", "time", "comment", "point", "no", "index"], None, Meaning::Ignored),
+        title(&["exclude", "excluded", "reason", "rejected"], None, ColumnMeaning::Excluded),
+        title(&["error"], Some(TableForm::Tidy), ColumnMeaning::ErrorName),
+        title(&["unit"], Some(TableForm::Tidy), ColumnMeaning::Unit),
+        title(&["value"], Some(TableForm::Tidy), ColumnMeaning::Value),
+        title(&["", "temp", "temperature", "time", "comment", "point", "no", "index"], None, ColumnMeaning::Ignored),
     ],
     positions: &[
         "position",
@@ -112,80 +112,12 @@ pub(super) const GENERAL: Layout = Layout {
     deviations: &["deviation", "error", "abweichung", "difference"],
     readings: &["reading", "readings", "messwert", "measured"],
     runs: &["run", "lauf", "cycle", "zyklus", "pass", "measurement", "messung", "j"],
-    others: &[
-        "accuracy",
-        "air",
-        "average",
-        "avg",
-        "backlash",
-        "coefficient",
-        "comment",
-        "compensated",
-        "correction",
-        "count",
-        "date",
-        "druck",
-        "environment",
-        "feed",
-        "feedrate",
-        "feuchte",
-        "flag",
-        "genauigkeit",
-        "humid",
-        "humidity",
-        "index",
-        "korrektur",
-        "luft",
-        "luftdruck",
-        "luftfeuchte",
-        "material",
-        "max",
-        "maximum",
-        "mean",
-        "min",
-        "minimum",
-        "mittel",
-        "mittelwert",
-        "no",
-        "note",
-        "nr",
-        "number",
-        "nummer",
-        "offset",
-        "point",
-        "press",
-        "pressure",
-        "punkt",
-        "quality",
-        "range",
-        "repeatability",
-        "reversal",
-        "scatter",
-        "sensor",
-        "sigma",
-        "signal",
-        "slope",
-        "spread",
-        "standard",
-        "status",
-        "std",
-        "stddev",
-        "stdev",
-        "streuung",
-        "strength",
-        "temp",
-        "temperatur",
-        "temperature",
-        "time",
-        "timestamp",
-        "uncertainty",
-        "umkehrspanne",
-        "unsicherheit",
-        "variance",
-        "velocity",
-        "vorschub",
-        "zeit",
-    ],
+    others: "accuracy air average avg backlash coefficient comment compensated correction count date druck \
+             environment feed feedrate feuchte flag genauigkeit humid humidity index korrektur luft luftdruck \
+             luftfeuchte material max maximum mean min minimum mittel mittelwert no note nr number nummer offset \
+             point press pressure punkt quality range repeatability reversal scatter sensor sigma signal slope spread \
+             standard status std stddev stdev streuung strength temp temperatur temperature time timestamp \
+             uncertainty umkehrspanne unsicherheit variance velocity vorschub zeit",
     directions: &[
         direction(Forward, &["forward"]),
         direction(Reverse, &["reverse", "backward"]),
@@ -203,7 +135,7 @@ pub(super) const GENERAL: Layout = Layout {
     letters: [(&['f', 'v'], Forward), (&['r'], Reverse)],
 };
 
-/// The words of a title.
+/// Returns the words of a title.
 pub(super) fn words(title: &str) -> impl Iterator<Item = &str> {
     title.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty())
 }
@@ -216,9 +148,9 @@ pub(super) struct RunLabel {
     pub run: String,
 }
 
-impl Layout {
+impl ExportLayout {
     /// Returns the meaning of a whole title.
-    pub fn meaning(&self, title: &str, form: TableForm) -> Option<Meaning> {
+    pub fn meaning(&self, title: &str, form: TableForm) -> Option<ColumnMeaning> {
         let fits = |rule: &&TitleRule| rule.form.is_none_or(|own| own == form) && rule.titles.contains(&title);
         self.titles.iter().find(fits).map(|rule| rule.meaning)
     }
@@ -294,12 +226,12 @@ impl Layout {
 
     /// True for titles of columns that are known to be no readings of an error.
     pub fn is_other(&self, title: &str) -> bool {
-        words(title).any(|word| self.others.contains(&word))
+        words(title).any(|word| self.others.split(' ').any(|other| other == word))
     }
 
     /// Splits a title of positions that were reached, such as `actual`, `actual position 2 -`, `ist_1`. A title with
     /// another word, such as `actual deviation` or `actual feed`, is none.
-    pub fn reached(&self, title: &str, paired: bool) -> Option<RunLabel> {
+    pub fn actual_position_label(&self, title: &str, paired: bool) -> Option<RunLabel> {
         let rest = self.reached.iter().find_map(|word| title.strip_prefix(word))?;
         let name = rest.trim_start_matches([' ', '_', '-']);
         // A sign by itself is a direction, one before a name joins the two.
@@ -317,7 +249,7 @@ impl Layout {
     }
 
     /// True if letters of both directions are among the titles.
-    pub fn is_paired<'t>(&self, titles: impl Iterator<Item = &'t str> + Clone) -> bool {
+    pub fn has_letter_pairs<'t>(&self, titles: impl Iterator<Item = &'t str> + Clone) -> bool {
         let has =
             |wanted| titles.clone().filter_map(|title| self.letter(title.trim())).any(|(found, _)| found == wanted);
         has(Forward) && has(Reverse)

@@ -33,8 +33,8 @@ fn is_straightness(error: &ErrorId) -> bool {
     !error.direction.is_rotation() && along.is_some_and(|along| along != error.direction.index())
 }
 
-/// Slope and value at 0.
-fn line(points: &[(f64, f64)], rule: StraightnessLine) -> (f64, f64) {
+/// Returns slope and value at 0.
+pub(super) fn line(points: &[(f64, f64)], rule: StraightnessLine) -> (f64, f64) {
     let n = points.len() as f64;
     let (x, y) = match rule {
         StraightnessLine::LeastSquares => {

@@ -33,7 +33,7 @@ mod unit;
 pub use columns::read_columns;
 pub use options::{FileContents, RunApproach, StraightnessLine};
 pub use request::ImportRequest;
-pub use sample::{Import, ReferenceLine, Sample, UnusedColumn};
+pub use sample::{AxisSample, Import, ReferenceLine, UnusedColumn};
 
 use super::tracker;
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -42,14 +42,14 @@ use crate::syntax::sheet::{SheetLine, read_sheet};
 use std::path::Path;
 
 /// Most rows of a file.
-const ROWS: usize = 200_000;
+const MAX_ROWS: usize = 200_000;
 
 /// Reads an export; what cannot be understood as a whole is refused, single rows are left out.
 pub fn import(path: &Path, wanted: &ImportRequest, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Import> {
     let sheet = read_sheet(path, files, diagnostics)?;
     let lines = sheet.lines();
-    let found = if lines.len() > ROWS {
-        Err(Box::new(sample::refusal(format!("the file has {} rows; the limit is {ROWS}", lines.len()), None)))
+    let found = if lines.len() > MAX_ROWS {
+        Err(Box::new(sample::refusal(format!("the file has {} rows; the limit is {MAX_ROWS}", lines.len()), None)))
     } else {
         read(&lines, path, wanted)
     };
@@ -69,24 +69,24 @@ pub fn import(path: &Path, wanted: &ImportRequest, files: &dyn Files, diagnostic
 }
 
 fn read(lines: &[SheetLine], path: &Path, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
-    if wanted.columns.is_none() {
+    if let (None, Some(SheetLine { place, .. })) = (&wanted.columns, lines.first()) {
         if laser_text::is(lines) {
-            return laser_text::read(lines, wanted, path);
+            return laser_text::read(lines, place, wanted, path);
         }
         if entries::is(lines) {
-            return entries::read(lines, wanted);
+            return entries::read(lines, place, wanted);
         }
         if blocks::is(lines) {
-            return blocks::read(lines, wanted);
+            return blocks::read(lines, place, wanted);
         }
     }
-    let turned = if wanted.columns.is_none() { transposed::turned(lines) } else { None };
+    let turned = if wanted.columns.is_none() { transposed::transpose(lines) } else { None };
     let lines = turned.as_deref().unwrap_or(lines);
     let found = header::find(lines, wanted).and_then(|header| gather::gather(lines, &header, wanted));
     found.map_err(|refused| if tracker::recognise(lines).is_some() { points(*refused) } else { refused })
 }
 
-/// Points of a tracker are no readings of one error.
+/// Refuses points of a tracker: they are not readings of one error.
 fn points(refused: Diagnostic) -> Box<Diagnostic> {
     let help = "points by name are places of the functional point, and no error of one axis: `abbe identify MACHINE \
                 --data FILE --axis-poses POSES` fits errors to them";

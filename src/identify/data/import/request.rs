@@ -4,6 +4,8 @@ use super::channels::Mounting;
 use super::columns::ColumnMap;
 use super::options::{FileContents, RunApproach, StraightnessLine};
 use crate::diagnostic::shown;
+use crate::identify::data::error_name::parse_component_error;
+use crate::machine::ErrorId;
 use crate::standards::Thermal;
 
 /// Facts that the file itself may leave open.
@@ -36,14 +38,24 @@ pub struct ImportRequest {
 }
 
 impl ImportRequest {
-    /// The factor of values.
+    /// Returns the factor of values.
     pub(super) fn sign(&self) -> f64 {
         if self.contents == Some(FileContents::Corrections) { -1.0 } else { 1.0 }
     }
 
-    /// ` of EXX`, if one error is asked for.
+    /// Returns ` of EXX`, if one error is requested.
     pub(super) fn of(&self) -> String {
         self.error.as_deref().map(|error| format!(" of `{}`", shown(error))).unwrap_or_default()
+    }
+
+    /// Returns the error that is requested, if it is one.
+    pub(super) fn error_id(&self) -> Option<ErrorId> {
+        self.error.as_deref().and_then(parse_component_error)
+    }
+
+    /// True if another error is requested.
+    pub(super) fn excludes(&self, error: &ErrorId) -> bool {
+        self.error_id().is_some_and(|wanted| wanted != *error)
     }
 
     /// Takes from the mapping what the caller did not say.

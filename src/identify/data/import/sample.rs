@@ -7,7 +7,7 @@ use crate::syntax::ColumnDirection;
 
 /// One reading (mm or rad) at a position (mm or deg).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub struct AxisSample {
     /// Error, as an index in [`Import::errors`].
     pub error: usize,
     /// The target; modulo 360 deg on an axis that turns without end.
@@ -78,7 +78,7 @@ pub struct Import {
     /// The errors found.
     pub errors: Vec<ErrorId>,
     /// All readings, in the order of the file.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<AxisSample>,
     /// Entries before the table, `key: value`.
     pub metadata: Vec<(String, String)>,
     /// Rows that were not used.
@@ -112,7 +112,7 @@ impl Import {
     }
 }
 
-/// A refusal of the file as a whole.
+/// Returns a refusal of the file as a whole.
 pub(super) fn refusal(message: String, place: Option<Place>) -> Diagnostic {
     let help = "a table needs a header: a position column (`X [mm]`, `position [mm]`) and columns named by error \
                 (`EXX [um]`), by run (`1+ [um]`, `1- [um]` ..., with `--error EXX`), or `error`, `value` and `unit`; \

@@ -16,7 +16,7 @@ pub struct ImportedTable {
 }
 
 impl Import {
-    /// The figures of one error; `None` without readings.
+    /// Returns the figures of one error; `None` without readings.
     pub fn figures(&self, error: usize) -> Option<AccuracyFigures> {
         let of_error = self.samples.iter().filter(|sample| sample.error == error);
         let readings: Vec<TargetReading> =
@@ -24,7 +24,7 @@ impl Import {
         AccuracyFigures::of(&readings)
     }
 
-    /// The table as a machine file takes it, means over the runs.
+    /// Returns the table as a machine file takes it, means over the runs.
     pub fn table(&self, continuous: bool) -> ImportedTable {
         let figures: Vec<AccuracyFigures> = (0..self.errors.len()).filter_map(|k| self.figures(k)).collect();
         let unit = if self.rotary { "deg" } else { "mm" };
@@ -55,18 +55,18 @@ impl Import {
             text += &format!("# {}: {}\n", shown(key), shown(value));
         }
         for line in self.lines.iter().filter(|line| line.taken_off) {
-            let slope = rounded(line.slope * 1e6);
+            let slope = round_for_table(line.slope * 1e6);
             text += &format!("# {}: line of {slope} um/m taken off\n", self.errors[line.error]);
         }
         text += &format!("{}\n", header.join(", "));
         for (position, values) in &rows {
-            let cells: Vec<String> = values.iter().map(|v| format!("{}", rounded(*v))).collect();
+            let cells: Vec<String> = values.iter().map(|v| format!("{}", round_for_table(*v))).collect();
             text += &format!("{}, {}\n", position + 0.0, cells.join(", "));
         }
         ImportedTable { text, rows: rows.len(), missing }
     }
 
-    /// The cells of one position, um and urad.
+    /// Returns the cells of one position, um and urad.
     fn row(&self, figures: &[AccuracyFigures], both: &[bool], position: f64) -> Option<Vec<f64>> {
         let mut cells = Vec::new();
         for ((error, figures), both) in self.errors.iter().zip(figures).zip(both) {
@@ -80,8 +80,8 @@ impl Import {
     }
 }
 
-/// To a thousandth of a nanometre: no digits of mere arithmetic, never `-0`.
-fn rounded(value: f64) -> f64 {
+/// Rounds to a thousandth of a nanometre: no digits of mere arithmetic, never `-0`.
+fn round_for_table(value: f64) -> f64 {
     let scaled = libm::round(value * 1e6) / 1e6;
     if scaled.is_finite() { scaled + 0.0 } else { value }
 }

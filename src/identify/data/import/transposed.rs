@@ -2,11 +2,11 @@
 //! target and a column for each run.
 
 use super::form::TableForm;
-use super::layout::{GENERAL, Meaning};
+use super::layout::{ColumnMeaning, GENERAL};
 use crate::syntax::sheet::{self, SheetLine};
 
 /// Returns the lines with the table turned, if its targets stand in a row.
-pub(super) fn turned(lines: &[SheetLine]) -> Option<Vec<SheetLine>> {
+pub(super) fn transpose(lines: &[SheetLine]) -> Option<Vec<SheetLine>> {
     let at = (0..lines.len().saturating_sub(1)).find(|at| is_head(&lines[*at], &lines[at + 1]))?;
     let separator = sheet::separator(&lines[at].text);
     let mut rows: Vec<Vec<String>> = Vec::new();
@@ -43,7 +43,7 @@ fn is_head(line: &SheetLine, next: &SheetLine) -> bool {
     let targets = head.iter().skip(1).filter(|cell| is_number(cell)).count();
     let numbers = head.iter().skip(1).all(|cell| cell.is_empty() || is_number(cell));
     let label = below.first().map(|cell| title(cell)).unwrap_or_default();
-    let direction = GENERAL.meaning(&label, TableForm::Runs) == Some(Meaning::Direction);
+    let direction = GENERAL.meaning(&label, TableForm::Runs) == Some(ColumnMeaning::Direction);
     let run = sheet::number(&label, separator).is_err()
         && GENERAL.run(&label, true).is_some()
         && below.iter().skip(1).all(|cell| cell.is_empty() || is_number(cell));

@@ -113,7 +113,7 @@ impl PlanePicture<'_> {
             Order::Exact => "exact model".to_owned(),
             Order::Degree(n) => format!("model of order {n}"),
         };
-        let approach = match self.view.approach {
+        let approach = match self.view.conditions.approach {
             Approach::Mean => "mean of both directions of approach",
             Approach::Forward => "approached in positive direction",
             Approach::Reverse => "approached in negative direction",

@@ -1,0 +1,248 @@
+//! Every number that decides what a fit says: one table, used by all files of the stage.
+//!
+//! A share is a ratio to the largest of its kind. Entries state what goes wrong with a smaller value ("below") and a larger
+//! one ("above"), and reason or source. Values without a source are a choice between the two failures; the simulated
+//! campaigns of `tests/it/coverage.rs` measure what they do to the stated intervals.
+
+// Rank and null space.
+
+/// Singular values below this share count as zero. Below: rounding of the model counts as rank; above: a direction that
+/// the data do show is reported as free.
+pub const RANK_TOLERANCE: f64 = 1e-10;
+/// [`RANK_TOLERANCE`] of a step of the fit, which may follow weaker directions than the report states.
+pub const STEP_RANK_TOLERANCE: f64 = 1e-12;
+/// [`RANK_TOLERANCE`] of small design matrices with entries near 1: bases at knots, sums of terms, rigid motions.
+pub const DESIGN_RANK_TOLERANCE: f64 = 1e-9;
+/// [`RANK_TOLERANCE`] of effects over the volume, which come from derivatives at many poses. Below: unknowns that move
+/// nothing follow a motion by rounding.
+pub const VOLUME_RANK_TOLERANCE: f64 = 1e-6;
+/// [`RANK_TOLERANCE`] of the multilateration of a station. Looser: a constant beside readings that hardly vary is a
+/// column like another.
+pub const STATION_RANK_TOLERANCE: f64 = 1e-6;
+/// Third singular value of points, as a share, below which they lie in a plane: the side of a station is undetermined.
+pub const COPLANAR_SHARE: f64 = 1e-3;
+/// Second singular value of points, as a share, below which they lie on a line.
+pub const COLLINEAR_SHARE: f64 = 1e-6;
+/// Squared share in the null space above which a parameter or a sum has no value. Below: rounding frees it; above: a
+/// value is stated that the data do not determine.
+pub const MAX_NULL_SPACE_SHARE: f64 = 1e-3;
+/// Least scale of a column, as a share of the displacement that its parameter usually makes. Below: a column that holds
+/// only rounding is scaled to unit length and counts as rank.
+pub const MIN_COLUMN_SHARE: f64 = 1e-2;
+/// Least coefficient of a monomial that is a column (mm, parameters in units of displacement): less is rounding.
+pub const MIN_MONOMIAL_MM: f64 = 1e-12;
+/// Length that a datum leaves of a free direction of unit length, below which it fixes the direction.
+pub const MIN_FREE_LENGTH: f64 = 1e-2;
+/// Part of a rigid motion of the machine beyond the free directions above which it is a free direction of its own.
+pub const MIN_NEW_MOTION_SHARE: f64 = 0.1;
+/// Displacement of a point (mm) by a free direction of unit size (mm) from which the deviation is free, too.
+pub const MIN_FREE_EFFECT_MM: f64 = 1e-3;
+/// Variance of an independent part of the covariance, as a share, below which the part is not stated.
+pub const MIN_COVARIANCE_SHARE: f64 = 1e-12;
+/// The larger of two numbers is larger by this factor; otherwise the first counts. Below: rounding would choose.
+pub const TIE_RATIO: f64 = 1.0001;
+
+// Weakly identified directions and free directions in words.
+
+/// Part of a direction below noise, as a share, from which a parameter is named.
+pub const MIN_WEAK_PART_SHARE: f64 = 0.02;
+/// Part of the effect of such a direction on the readings from which a parameter is named.
+pub const MIN_WEAK_EFFECT_SHARE: f64 = 0.1;
+/// Part of a null-space direction, as a share, from which a parameter is named: amounts are printed to three digits, so
+/// that their rounding changes the readings by more than what is left out.
+pub const MIN_NULL_PART_SHARE: f64 = 2e-4;
+/// Distance of knots from a straight line, as a share of its ends, up to which they are on it: three digits are printed.
+pub const MAX_STRAIGHT_SHARE: f64 = 5e-3;
+/// Displacement of points (mm) from which an error is implausible for a machine: smaller parts of it are stated.
+pub const IMPLAUSIBLE_DISPLACEMENT_MM: f64 = 1.0;
+
+// Convergence of the fit.
+
+/// Largest number of accepted steps.
+pub const MAX_FIT_STEPS: usize = 200;
+/// Relative offset (Bates and Watts 1981), the step over the radius of the confidence region, of a last step. Above: the
+/// estimate is off by a visible part of its uncertainty; below: steps run on over rounding.
+pub const CONVERGED_OFFSET: f64 = 1e-3;
+/// Relative offset up to which the linear problem alone is trusted for the last step, if the steps before converged.
+pub const LINEAR_OFFSET: f64 = 0.1;
+/// Predicted reduction of the sum of squares, as a share, below which there is no step: rounding of the sum.
+pub const MIN_REDUCTION_SHARE: f64 = 1e-15;
+/// Predicted reduction per reading (mm^2) below which there is no step: rounding of positions.
+pub const MIN_REDUCTION_MM2: f64 = 1e-22;
+/// Damping of the first step, as a share of the largest squared singular value.
+pub const FIRST_DAMPING: f64 = 1e-12;
+/// Damping at which the search is given up.
+pub const MAX_DAMPING: f64 = 1e6;
+/// Condition up to which normal equations give the step: they square it.
+pub const MAX_NORMAL_CONDITION: f64 = 1e5;
+/// Iterations by which scatter and prior are weighed against each other in a step.
+pub const STEP_SCATTER_ITERATIONS: usize = 6;
+/// Iterations by which scatter and prior are weighed against each other in the report, which starts near the result.
+pub const REPORT_SCATTER_ITERATIONS: usize = 4;
+
+// Prior of the fit.
+
+/// Least standard deviation (mm) of a displacement before the data: 10 mrad of a rotation. Below: true errors of a worn
+/// machine are pulled to the start; above: unseen directions run away.
+pub const MIN_PRIOR_SIGMA_MM: f64 = 3.0;
+/// Plausible size of an error over the RMS of the readings before the fit. An error of the prior's standard deviation is
+/// moved by less than half of its standard uncertainty.
+pub const PLAUSIBLE_OVER_RMS: f64 = 3.0;
+/// Least displacement of a unit of an unknown, as a share of its usual one: tells apart bases that hold a curve twice.
+pub const MIN_METRIC_SHARE: f64 = 1e-7;
+/// Standard deviation (mm) before the data of second-order-only directions: 0.1 mrad of a rotation. Above: the part of
+/// the readings that the chosen curves miss draws them out by millimetres.
+pub const SECOND_ORDER_SIGMA_MM: f64 = 0.03;
+/// Number of readings from which [`SECOND_ORDER_SIGMA_MM`] falls with the root: misfit does not average out.
+pub const SECOND_ORDER_READINGS: f64 = 1000.0;
+/// Singular value of the exact model, as a share, from which a direction does not need products of errors to be seen.
+pub const MIN_FIRST_ORDER_SHARE: f64 = 1e-2;
+
+// Rigid motions and datum.
+
+/// Effect on the volume, as a share, below which a combination of errors only moves the workpiece frame.
+pub const MAX_RIGID_SHARE: f64 = 1e-8;
+/// [`MAX_RIGID_SHARE`] of what turns with a rotary axis, whose splines only come near to sine and cosine.
+pub const MAX_TURNING_SHARE: f64 = 2e-2;
+/// Part of a condition beyond the conditions before it, as a share, up to which it adds none.
+pub const MAX_DEPENDENT_SHARE: f64 = 1e-5;
+/// The same of a rigid motion beyond the motions before it.
+pub const MAX_DEPENDENT_MOTION_SHARE: f64 = 1e-9;
+/// Displacement of points (mm) by a unit displacement of an unknown up to which it is without effect.
+pub const MAX_IDLE_EFFECT_MM: f64 = 1e-9;
+/// Singular values, as a share, that a step to the exact model in a datum uses. Below: the step follows directions in
+/// which exact model and first order differ by rounding.
+pub const DATUM_STEP_TOLERANCE: f64 = 1e-4;
+/// Steps to the exact model in a datum, and of a rigid alignment.
+pub const DATUM_ITERATIONS: usize = 4;
+/// Residual of a motion of the whole machine, as a share, up to which the parameters make it.
+pub const MAX_MOTION_RESIDUAL: f64 = 1e-2;
+/// Distance of points (mm) up to which readings say that points are the same, and hold no length.
+pub const SAME_POINT_MM: f64 = 1.0;
+/// Part of a stretch, as a share, from which a parameter is named.
+pub const MIN_STRETCH_PARAMETER_SHARE: f64 = 0.05;
+/// Part of a stretch, as a share, from which a direction of it is named.
+pub const MIN_STRETCH_PART_SHARE: f64 = 0.02;
+
+// Scatter and weights.
+
+/// Least scatter of readings (mm): less is rounding of positions.
+pub const MIN_SCATTER_MM: f64 = 1e-9;
+/// Least scatter of one quantity, as a share of the largest: a quantity that is fitted exactly takes all weight.
+pub const MIN_SCATTER_SHARE: f64 = 1e-3;
+/// Huber's constant, in standard deviations of a component: 96 % efficiency for normal readings (Huber 1981).
+pub const HUBER_CONSTANT: f64 = 1.5;
+/// The median of the absolute value of a normal deviate, in standard deviations.
+pub const MEDIAN_OVER_SIGMA: f64 = 0.6745;
+/// Degrees of freedom of the median of absolute values over those of the standard deviation: 0.37 of many readings, more
+/// of few, where the upper of two middle values errs to the safe side.
+pub const MEDIAN_EFFICIENCY: f64 = 0.5;
+/// Redundancy below which a quantity takes the common variance: its own standard deviation would be known to
+/// `1 / sqrt(2 f)` only, 41 % at f = 3.
+pub const MIN_REDUNDANCY: f64 = 3.0;
+/// Largest number of reweightings.
+pub const MAX_REWEIGHTINGS: usize = 30;
+/// Largest number of iterations of the variance components on one linear problem.
+pub const MAX_VARIANCE_ITERATIONS: usize = 100;
+/// Relative change of weights below which they have settled.
+pub const SETTLED_WEIGHT_CHANGE: f64 = 1e-3;
+
+// Lack of fit.
+
+/// Residual degrees of freedom below which scatter and form cannot be told apart.
+pub const MIN_FORM_FREEDOM: usize = 20;
+/// Positions of an axis below which form and curve cannot be told apart.
+pub const MIN_FORM_POSITIONS: usize = 6;
+/// Distance of positions, as a share of the interval, below which they count as one.
+pub const SAME_POSITION_SHARE: f64 = 1e-3;
+/// Least interval of positions, as a share of the travel.
+pub const MIN_FORM_SPAN_SHARE: f64 = 0.01;
+/// Correlation lengths, as shares of the interval: from two thirds of the distance of the knots to a quarter.
+pub const CORRELATION_LENGTHS: [f64; 3] = [0.06, 0.12, 0.25];
+/// Sizes of a form, in standard deviations of a reading.
+pub const FORM_SIZES: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
+/// Probability before the data that the axes have no form. Below: forms are found in noise; above: they are missed.
+pub const PRIOR_PROBABILITY_NO_FORM: f64 = 0.75;
+/// Probability of any form from which the forms are stated.
+pub const MIN_FORM_PROBABILITY: f64 = 0.5;
+/// Sum of squares, over the variance of a reading, that a form of the size of the scatter must make to be seen.
+pub const MIN_FORM_SQUARES: f64 = 1e-3;
+/// Share of the other kind of motion from which displacements or rotations of an axis are stated.
+pub const MIN_FORM_SHARE: f64 = 1e-2;
+/// Residual sum of squares, as a share, that a form must leave: a form that explains all would have no variance.
+pub const MIN_RESIDUAL_SHARE: f64 = 1e-12;
+
+// Checks of data and residuals.
+
+/// Robust standard deviations (RMS of the components) from which a measurement is an outlier.
+pub const OUTLIER_DEVIATIONS: f64 = 4.0;
+/// Least residual (mm) of an outlier: residuals of mere rounding have none.
+pub const MIN_OUTLIER_MM: f64 = 1e-6;
+/// Residuals below which tests for randomness say nothing.
+pub const MIN_TESTED_RESIDUALS: usize = 20;
+/// Standard deviations of the other repeats from which a difference is a contradiction.
+pub const CONTRADICTION_DEVIATIONS: f64 = 6.0;
+/// Degrees of freedom of the other repeats that this takes.
+pub const MIN_OTHER_REPEATS: usize = 10;
+/// Correlation of first and last readings below which they have opposite signs.
+pub const OPPOSITE_SIGN_CORRELATION: f64 = -0.8;
+/// Repeated poses that this takes.
+pub const MIN_REPEATED_POSES: usize = 6;
+/// Least weight; the greatest is its inverse. Beyond, sums of squares lose the other readings.
+pub const MIN_WEIGHT: f64 = 1e-15;
+/// Least distance (mm) that has a direction.
+pub const MIN_LENGTH_MM: f64 = 1.0;
+/// Misfit of a tracker's points to their poses, and of their sizes, as a share of the size. Above: coordinates in another
+/// unit or of other poses are taken.
+pub const MAX_FRAME_MISFIT_SHARE: f64 = 0.05;
+/// Distance of positions (mm or deg) up to which they are one target whatever the steps are: rounding of decimals.
+pub const SAME_TARGET: f64 = 1e-6;
+/// Farthest apart (mm or deg) of measured positions of one target: a worn machine, and less than the steps of any test.
+pub const MAX_TARGET_SCATTER: f64 = 0.05;
+/// Least step of targets over their scatter: a gap that no even spacing has, so that targets 1 um apart stay targets.
+pub const MIN_STEP_OVER_SCATTER: f64 = 20.0;
+
+// Verdict on a fit.
+
+/// Probability below which residuals are not noise.
+pub const MAX_NOISE_PROBABILITY: f64 = 1e-4;
+/// Correlation of neighbours above which such residuals drift.
+pub const MIN_DRIFT_CORRELATION: f64 = 0.2;
+/// Degrees of freedom of repeated readings from which their scatter is compared with the residuals.
+pub const MIN_REPEAT_FREEDOM: usize = 10;
+/// Residual scatter over that of repeated readings above which the model does not fit: four times the variance is beyond
+/// the 99.9 % point of the ratio from ten degrees of freedom on.
+pub const MAX_SCATTER_RATIO: f64 = 2.0;
+/// Median deviation (mm) above which the readings are in another unit: no machine has such errors.
+pub const MAX_MEDIAN_MM: f64 = 5.0;
+/// Median deviation (mm) below which the readings are in another unit: no instrument reads so finely.
+pub const MIN_MEDIAN_MM: f64 = 1e-5;
+/// Uncertainty over the largest deviation predicted up to which a prediction is of use ...
+pub const MAX_UNCERTAINTY_SHARE: f64 = 0.5;
+/// ... or uncertainty over the RMS of the residuals.
+pub const MAX_UNCERTAINTY_OVER_RESIDUALS: f64 = 10.0;
+/// Largest number of unknowns of a fit: time grows with their third power.
+pub const MAX_UNKNOWNS: usize = 500;
+
+// Sampling: below, extremes between the samples are missed; above, time.
+
+/// Positions of the travel at which the uncertainty of a curve is looked at.
+pub const UNCERTAINTY_SITES: usize = 25;
+/// Intervals of the travel over which a bounded slope is taken.
+pub const SLOPE_SITES: usize = 25;
+/// Positions of the travel at which the displacement by a curve is averaged.
+pub const METRIC_SITES: usize = 50;
+/// Positions of the travel at which the conditions of a datum look at a curve.
+pub const DATUM_SITES: usize = 64;
+/// Positions of the travel at which a fitted error is evaluated for its range.
+pub const ERROR_SITES: usize = 101;
+/// Low-discrepancy poses inside the volume.
+pub const VOLUME_POSES: usize = 256;
+/// Largest number of axes whose corners are all among the poses.
+pub const MAX_CORNER_AXES: usize = 6;
+/// Random poses to choose a plan from, for each tool.
+pub const PLAN_CANDIDATES: usize = 500;
+/// Rows per unknown of a sample that shows what the first order sees.
+pub const SAMPLE_ROWS_PER_UNKNOWN: usize = 4;
+/// Least number of rows of that sample.
+pub const MIN_SAMPLE_ROWS: usize = 1000;
