@@ -94,7 +94,7 @@ fn drawn(
 ) -> Result<(MachineData, Pictures), TooManyPoses> {
     let view = View { conditions: given.conditions, frame: Frame::Workpiece };
     if let Some(bounded) = given.budget() {
-        let data = MachineData::of_bounds(number, given, &bounded);
+        let data = MachineData::of_bounds(number, given, bounded);
         advance(given.poses.0);
         let pictures = Pictures::new(given, &data);
         return Ok((data, pictures));
