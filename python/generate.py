@@ -1,4 +1,5 @@
-"""Writes abbe/_verbs.py and abbe/_fields from the façade; --check tells whether they are up to date.
+"""Writes abbe/_verbs.py, abbe/_fields and the types of the page from the façade; --check tells whether they are up to
+date.
 
 The native module gives the JSON Schema of options and result of every verb, and the defaults of the options. Only what
 is neither stands here: what a verb takes besides, and a sentence.
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 PACKAGE = Path(__file__).parent / "abbe"
+INTERFACES = Path(__file__).parent.parent / "web" / "src" / "evaluator" / "results.ts"
 WIDTH = 120
 
 
@@ -407,13 +409,14 @@ class Fields:
 
 def merged(schema: dict[str, Any], variants: list[dict[str, Any]]) -> dict[str, Any]:
     """Returns one object for several: what not all of them require is optional."""
-    properties: dict[str, Any] = {}
+    # What all have stands beside the variants.
+    properties: dict[str, Any] = dict(schema.get("properties", {}))
     for one in variants:
         for field, of in one["properties"].items():
             known = properties.setdefault(field, of)
             if "const" in of and known != of:
                 properties[field] = {"enum": [*known.get("enum", [known.get("const")]), of["const"]]}
-    required = set.intersection(*(set(one.get("required", [])) for one in variants))
+    required = set.intersection(*(set(one.get("required", [])) for one in variants)) | set(schema.get("required", []))
     return {"description": schema.get("description", ""), "properties": properties, "required": sorted(required)}
 
 
@@ -433,6 +436,69 @@ def fields_sources(found: dict[str, Any]) -> dict[str, str]:
             if verb not in SAME_FIELDS:
                 fields.of(results[verb])
     return {f"_fields/{module}.py": fields.text(module) for module in FIELD_MODULES}
+
+
+class Interfaces:
+    """Interfaces of TypeScript for the schemas of answers."""
+
+    HEAD = "/** Answers of the library. python/generate.py writes this file from the results of the façade. */\n"
+
+    def __init__(self, definitions: dict[str, Any]) -> None:
+        self.definitions = definitions
+
+    def of(self, schema: Any) -> str:
+        """Returns the type of a schema."""
+        if not isinstance(schema, dict):
+            return "unknown"
+        variants = [self.of(one) for key in ("anyOf", "oneOf") for one in schema.get(key, [])]
+        own = [self.members(schema)] if "properties" in schema else []
+        if "$ref" in schema:
+            own.append(str(schema["$ref"]).rsplit("/", 1)[1])
+        if variants or own:
+            union = " | ".join(dict.fromkeys(variants))
+            return " & ".join([*own, *([f"({union})" if own else union] if union else [])])
+        if "const" in schema:
+            return json.dumps(schema["const"])
+        if "enum" in schema:
+            return " | ".join(json.dumps(word) for word in schema["enum"])
+        kind = schema.get("type")
+        if isinstance(kind, list):
+            return " | ".join(self.of({**schema, "type": one}) for one in kind)
+        if kind == "array":
+            return self.array(schema)
+        if kind == "object":
+            return f"Record<string, {self.of(schema.get('additionalProperties', True))}>"
+        plain = {"string": "string", "integer": "number", "number": "number", "boolean": "boolean", "null": "null"}
+        return plain.get(str(kind), "unknown")
+
+    def array(self, schema: dict[str, Any]) -> str:
+        """Returns the type of a list; of a short one with a fixed length a tuple."""
+        if "prefixItems" in schema:
+            return f"[{', '.join(self.of(one) for one in schema['prefixItems'])}]"
+        item, count = self.of(schema.get("items", True)), schema.get("minItems")
+        if count and count == schema.get("maxItems") and count <= 4:
+            return f"[{', '.join([item] * count)}]"
+        return f"({item})[]" if " " in item else f"{item}[]"
+
+    def members(self, schema: dict[str, Any], indent: str = "") -> str:
+        required = set(schema.get("required", []))
+        lines = []
+        for field, one in schema["properties"].items():
+            if described(one):
+                lines.append(f"{indent}  /** {' '.join(described(one).split())} */")
+            lines.append(f"{indent}  {field}{'' if field in required else '?'}: {self.of(one)};")
+        return "\n".join(["{", *lines, indent + "}"])
+
+    def text(self) -> str:
+        """Returns the text of the module."""
+        return "\n".join([self.HEAD, *(self.definition(name) for name in sorted(self.definitions))])
+
+    def definition(self, name: str) -> str:
+        schema = self.definitions[name]
+        about = f"/** {' '.join(described(schema).split())} */\n" if described(schema) else ""
+        if "properties" in schema and not {"anyOf", "oneOf"} & set(schema):
+            return f"{about}export interface {name} {self.members(schema)}\n"
+        return f"{about}export type {name} = {self.of(schema)};\n"
 
 
 def native() -> Any:
@@ -482,12 +548,13 @@ def main() -> None:
     """Writes the modules, or compares them."""
     module = native()
     texts = {"_verbs.py": verbs_source(json.loads(module.verbs())), **fields_sources(json.loads(module.results()))}
-    for name, text in texts.items():
-        out = PACKAGE / name
+    outputs = {PACKAGE / name: text for name, text in texts.items()}
+    outputs[INTERFACES] = Interfaces(json.loads(module.answers())).text()
+    for out, text in outputs.items():
         if sys.argv[1:] != ["--check"]:
             out.write_text(text, encoding="utf-8")
         elif not out.exists() or out.read_text(encoding="utf-8") != text:
-            raise SystemExit(f"{name} is not what the façade has: run python/generate.py")
+            raise SystemExit(f"{out.name} is not what the façade has: run python/generate.py")
 
 
 if __name__ == "__main__":

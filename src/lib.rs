@@ -102,8 +102,9 @@ pub mod options {
     pub use crate::wire::workbench::{CompareWith, Question, WorkOptions, WorkbenchRequest};
 }
 
-/// Results of the functions, and their parts. Serde writes results in the shapes that docs/formats.md describes.
 pub mod results {
+    #![doc = include_str!("api/results.md")]
+
     pub use crate::api::results::*;
     pub use crate::wire::report::Report;
 }

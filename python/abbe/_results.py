@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 class Result(Record):
     """What a verb gives back.
 
-    The fields are those of the program's JSON (docs/formats.md), as attributes, as items, and whole by
+    The fields are those of the program's JSON (docs/formats/json.md), as attributes, as items, and whole by
     :meth:`to_dict`. Units stand in the names of the fields.
     """
 

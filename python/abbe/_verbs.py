@@ -602,7 +602,7 @@ class Verbs:
         Options, each with the default of the façade where it is ``None``:
 
         * ``data``: Files of measurements, read through ``run.files``: CSV with a column for each axis and ``dx [um]``,
-          ``dy [um]``, ``dz [um]``, or lengths, ball readings, lines, single errors (docs/identification.md).
+          ``dy [um]``, ``dz [um]``, or lengths, ball readings, lines, single errors (docs/identify/measure.md).
         * ``fit``: Parameters to fit: ``location``, ``tool``, ``workpiece``, ``spindle``, ``linear``, error names,
           ``EXX:poly3``; if empty, the section ``identify`` of the machine file.
         * ``fixed``: Parameters that keep their value although a group names them.
@@ -664,7 +664,7 @@ class Verbs:
         Options, each with the default of the façade where it is ``None``:
 
         * ``data``: Files of measurements, read through ``run.files``: CSV with a column for each axis and ``dx [um]``,
-          ``dy [um]``, ``dz [um]``, or lengths, ball readings, lines, single errors (docs/identification.md).
+          ``dy [um]``, ``dz [um]``, or lengths, ball readings, lines, single errors (docs/identify/measure.md).
         * ``fit``: Parameters to fit: ``location``, ``tool``, ``workpiece``, ``spindle``, ``linear``, error names,
           ``EXX:poly3``; if empty, the section ``identify`` of the machine file.
         * ``fixed``: Parameters that keep their value although a group names them.

@@ -1,7 +1,7 @@
 //! The native module of the Python package: the façade of abbe with NumPy arrays and JSON in between.
 //!
 //! Nothing is computed here. Options come as JSON and are read by the façade's own types; results leave as the JSON
-//! that docs/formats.md describes, with pictures, files and arrays beside it. The package `abbe` around this module is
+//! that docs/formats/json.md describes, with pictures, files and arrays beside it. The package `abbe` around this module is
 //! written in Python.
 
 mod arrays;
@@ -26,6 +26,7 @@ fn _abbe(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(verbs::run, module)?)?;
     module.add_function(wrap_pyfunction!(verbs::verbs, module)?)?;
     module.add_function(wrap_pyfunction!(verbs::results, module)?)?;
+    module.add_function(wrap_pyfunction!(verbs::answers, module)?)?;
     module.add_function(wrap_pyfunction!(machine::length_mm, module)?)?;
     module.add_function(wrap_pyfunction!(readings::csv, module)?)?;
     Ok(())

@@ -8,9 +8,9 @@ use crate::request::{Request, TextsAndDisk};
 use abbe::options::{MapTable, Starter, StudyFile, TableForm};
 use abbe::results::{
     BudgetResult, CertificateReport, ChainResult, Classification, CompareResult, CompiledSet, ComposedPart,
-    ConvertResult, EquationsResult, EvalResult, IdentifyResult, ImportResult, InstrumentResult, LocateResult,
-    MachineDifference, MachineSummary, MapResult, MeasurementPlan, MonomialFit, RankedArrangements, ReachResult,
-    Record as CalibrationRecord, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures,
+    ConvertResult, EquationsResult, ErrorSources, EvalResult, IdentifyResult, ImportResult, InstrumentResult,
+    LocateResult, MachineDifference, MachineSummary, MapResult, MeasurementPlan, MonomialFit, RankedArrangements,
+    ReachResult, Record as CalibrationRecord, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures,
 };
 use abbe::sets::LOCK_NAME;
 use abbe::{
@@ -303,14 +303,40 @@ pub fn results() -> String {
     let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
     let mut found: serde_json::Map<String, Value> =
         table().iter().map(|verb| (verb.name.to_owned(), (verb.result)(&mut generator).to_value())).collect();
-    for (name, result) in [
-        ("show", SchemaGenerator::subschema_for::<ChainResult> as fn(&mut SchemaGenerator) -> Schema),
+    for (name, result) in besides() {
+        let _ = found.insert(name.to_owned(), result(&mut generator).to_value());
+    }
+    json!({"results": found, "definitions": generator.take_definitions(true)}).to_string()
+}
+
+/// Returns the JSON Schemas of the answers that the page of the workbench gets, by the names of their types.
+#[pyfunction]
+pub fn answers() -> String {
+    let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
+    for result in [
+        SchemaGenerator::subschema_for::<MachineSummary> as fn(&mut SchemaGenerator) -> Schema,
+        SchemaGenerator::subschema_for::<ChainResult>,
+        SchemaGenerator::subschema_for::<MapResult>,
+        SchemaGenerator::subschema_for::<ErrorSources>,
+        SchemaGenerator::subschema_for::<BudgetResult>,
+        SchemaGenerator::subschema_for::<EvalResult>,
+        SchemaGenerator::subschema_for::<ReachResult>,
+        SchemaGenerator::subschema_for::<CompareResult>,
+        SchemaGenerator::subschema_for::<InstrumentResult>,
+        SchemaGenerator::subschema_for::<TargetSummary>,
+    ] {
+        let _ = result(&mut generator);
+    }
+    Value::Object(generator.take_definitions(true)).to_string()
+}
+
+/// Results of calls without options, by name.
+fn besides() -> [(&'static str, fn(&mut SchemaGenerator) -> Schema); 5] {
+    [
+        ("show", SchemaGenerator::subschema_for::<ChainResult>),
         ("check", SchemaGenerator::subschema_for::<MachineSummary>),
         ("classify", SchemaGenerator::subschema_for::<Classification>),
         ("check_record", SchemaGenerator::subschema_for::<RecordCheck>),
         ("targets", SchemaGenerator::subschema_for::<TargetSummary>),
-    ] {
-        let _ = found.insert(name.to_owned(), result(&mut generator).to_value());
-    }
-    json!({"results": found, "definitions": generator.take_definitions(true)}).to_string()
+    ]
 }

@@ -39,7 +39,7 @@ impl<const M: usize> Algebra for Dual<M> {
     fn scaled(&self, factor: f64) -> Self {
         Self(self.0.map(|a| a * factor))
     }
-    /// The general one without the products that are 0, and without degrees that later steps push out.
+    /// Returns the general one without the products that are 0, and without degrees that later steps push out.
     #[inline]
     fn lift(&self, taylor: impl Fn(f64, &mut [f64])) -> Self {
         let mut c = [0.0; M];

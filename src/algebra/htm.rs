@@ -14,12 +14,12 @@ pub struct Htm<S: Algebra> {
 }
 
 impl<S: Algebra> Htm<S> {
-    /// The identity.
+    /// Returns the identity.
     pub fn identity() -> Self {
         Self { linear: Matrix3::from_fn(|i, j| if i == j { S::one() } else { S::zero() }), translation: zero_vector() }
     }
 
-    /// A translation.
+    /// Returns a translation.
     pub fn translation(by: Vector3<S>) -> Self {
         Self { translation: by, ..Self::identity() }
     }
@@ -32,7 +32,7 @@ impl<S: Algebra> Htm<S> {
         Self { linear: inner.linear, translation }
     }
 
-    /// The motion `self` after `inner`.
+    /// Returns the motion `self` after `inner`.
     pub fn compose(&self, inner: &Self) -> Self {
         Self {
             linear: product(&self.linear, &inner.linear),
@@ -40,8 +40,8 @@ impl<S: Algebra> Htm<S> {
         }
     }
 
-    /// The exact inverse, also of a linear part that is not orthogonal. Every lowered joint is near a
-    /// rotation, so the determinant's real part is near 1; `None` only for matrices that are no joints.
+    /// Returns the exact inverse, also of a linear part that is not orthogonal. Every lowered joint is near a rotation,
+    /// so the determinant's real part is near 1; `None` only for matrices that are no joints.
     pub fn inverse(&self) -> Option<Self> {
         let linear = inverse3(&self.linear)?;
         let translation = transform(&linear, &self.translation).map(|x| -x);

@@ -33,7 +33,7 @@ pub fn recip(x: f64, c: &mut [f64]) {
     recurrence(1.0 / x, c, |_| -1.0 / x);
 }
 
-/// The first, then each coefficient from the one before: `c[k] = c[k-1] * ratio(k)`.
+/// Returns the first, then each coefficient from the one before: `c[k] = c[k-1] * ratio(k)`.
 fn recurrence(first: f64, c: &mut [f64], ratio: impl Fn(f64) -> f64) {
     let mut value = first;
     for (k, c) in c.iter_mut().enumerate() {
@@ -65,7 +65,7 @@ pub fn asinc(x: f64, c: &mut [f64]) {
 /// Far more terms than any argument below 1 needs.
 const LONGEST: usize = 400;
 
-/// The value alone, which the exact model asks for millions of times.
+/// Returns the value alone, which the exact model asks for millions of times.
 fn power_sum(x: f64, first: f64, ratio: impl Fn(f64) -> f64) -> f64 {
     let (mut term, mut sum) = (first, first);
     for i in 1..LONGEST {

@@ -135,7 +135,7 @@ impl ReducedSystem {
         Svd::new(&DMatrix::from_fn(self.r.nrows(), self.r.ncols(), column))
     }
 
-    /// The same problem with a few more rows, which do not count as readings.
+    /// Returns the same problem with a few more rows, which do not count as readings.
     pub fn with_rows(&self, rows: &DMatrix<f64>, right: &DVector<f64>) -> Self {
         let mut triangle = Triangle::new(self.r.ncols());
         for i in 0..self.r.nrows() {
@@ -226,7 +226,7 @@ impl Svd {
         self.values.iter().filter(|value| **value > relative * largest && **value > 0.0).count()
     }
 
-    /// The shortest x that minimises `|A x - right|`, the `rank` largest values in use.
+    /// Returns the shortest x that minimises `|A x - right|`, the `rank` largest values in use.
     pub fn solve(&self, right: &DVector<f64>, rank: usize) -> DVector<f64> {
         let mut x = DVector::zeros(self.v.nrows());
         for k in 0..rank {

@@ -46,7 +46,7 @@ pub trait Algebra:
     + MulAssign
     + 'static
 {
-    /// A constant.
+    /// Returns a constant.
     fn from_real(value: f64) -> Self;
 
     /// The real part: the value at which functions are expanded.
@@ -59,7 +59,7 @@ pub trait Algebra:
     /// Highest total degree that can be other than zero; 0 for a constant.
     fn order(&self) -> usize;
 
-    /// The element without its real part.
+    /// Returns the element without its real part.
     fn nilpotent(&self) -> Self;
 
     /// Product with a real number.

@@ -56,7 +56,7 @@ pub fn newton_steps(order: usize) -> usize {
     (0..usize::BITS as usize).find(|steps| (1_usize << steps) > order).unwrap_or(0)
 }
 
-/// One step of Newton's iteration on `residual(x) = 0`, as many equations as unknowns. The residual is
+/// Returns one step of Newton's iteration on `residual(x) = 0`, as many equations as unknowns. The residual is
 /// evaluated on tangents, one unknown after the other: their slopes are the columns of the Jacobian.
 pub fn newton_step<S: Algebra>(
     x: &[S],

@@ -15,7 +15,7 @@ pub struct Tangent<S> {
 }
 
 impl<S: Algebra> Tangent<S> {
-    /// A quantity that does not depend on t.
+    /// Returns a quantity that does not depend on t.
     pub fn fixed(value: S) -> Self {
         Self { value, slope: S::zero() }
     }

@@ -84,6 +84,7 @@ impl Default for EnumerateOptions {
 
 /// Criterion of the arrangements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum JudgedBy {
     /// Errors drawn between tolerances.

@@ -11,6 +11,7 @@ use std::path::Path;
 
 /// A test.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum StandardTest {
     /// Circular path (ISO 230-4).

@@ -48,12 +48,13 @@ impl Default for InstrumentOptions {
 
 /// A measuring instrument.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum Instrument {
-    /// Circles about a ball in both directions (ISO 230-4).
+    /// Circles about a ball, in both senses of rotation (ISO 230-4).
     #[default]
     BallBar,
-    /// Rotary axes that turn about a ball on the table.
+    /// Rotary axes turning about a ball on the table (R-test, probing).
     RTest,
     /// A laser along the body diagonals, there and back (ISO 230-6).
     Diagonals,

@@ -2,7 +2,7 @@
 //!
 //! Every function takes a [`MachineFile`] (or several), a plain struct of options with defaults, and a [`Run`], which
 //! gives access to files and receives progress. It returns an [`Answer`]: the value, which serde can write in the shape
-//! that docs/formats.md describes, and the warnings; or the [`Diagnostics`] that refuse the input.
+//! that docs/formats/json.md describes, and the warnings; or the [`Diagnostics`] that refuse the input.
 //!
 //! Nothing here prints, writes a file, reads the clock or the environment. A job hands its files over as bytes or
 //! writes into the sinks that the caller gave it.

@@ -1,4 +1,4 @@
-//! Results of the functions, and their parts. Serde writes results in the shapes that docs/formats.md describes.
+//! Results of the functions, and their parts, for `abbe::results`; `results.md` has them by verb.
 
 pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::budget::{BudgetResult, ContributionsAt};
@@ -80,3 +80,21 @@ pub use crate::report::{
 pub use crate::shards::budget_parts::BudgetShard;
 pub use crate::standards::{BothSenses, Conformity, LimitSides};
 pub use crate::syntax::{FolderEntry, ReadFailure};
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_result_stands_under_a_verb_once() {
+        let types = include_str!("results.rs").split("#[cfg(test)]").next().unwrap();
+        let types = types.split(|c: char| !c.is_alphanumeric() && c != '_' && c != ' ').map(str::trim);
+        let types = types.filter_map(|word| word.rsplit(' ').next());
+        let types: BTreeSet<&str> = types.filter(|word| word.starts_with(|c: char| c.is_ascii_uppercase())).collect();
+        let named = include_str!("results.md").split("[`").skip(1).filter_map(|rest| rest.split_once("`]"));
+        // The report is a result of `wire`.
+        let named: Vec<&str> = named.map(|(name, _)| name).filter(|name| *name != "Report").collect();
+        assert_eq!(named.iter().copied().collect::<BTreeSet<_>>(), types, "left: named in results.md");
+        assert_eq!(named.len(), types.len(), "a type stands twice");
+    }
+}

@@ -2,6 +2,7 @@
 
 /// A kind of machine to begin with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Starter {
     /// Three linear axes, C-frame: `w X' Y' b Z t`.

@@ -5,9 +5,9 @@
 
 use super::Outcome;
 use super::output::session::Session;
-use super::output::view::{ApproachArg, FrameArg, order};
+use super::output::view::order;
 use super::store::write::{PictureKind, refuse_outputs, write_picture};
-use abbe::options::{Approach, CirclePlane, Frame, Order};
+use abbe::options::{Approach, Frame, Order};
 use abbe::results::Picture;
 use abbe::text::{Reason, parse_length, shown};
 use std::convert::Infallible;
@@ -139,12 +139,12 @@ pub(super) struct OrderArg {
 pub(super) struct DirectionArg {
     /// Direction of approach where forward and reverse curves were given.
     #[arg(long, value_enum, default_value = "mean")]
-    direction: ApproachArg,
+    direction: Approach,
 }
 
 impl DirectionArg {
     pub(super) fn approach(self) -> Approach {
-        self.direction.into()
+        self.direction
     }
 }
 
@@ -152,12 +152,12 @@ impl DirectionArg {
 pub(super) struct FrameOption {
     /// Frame of the vectors.
     #[arg(long, value_enum, default_value = "workpiece")]
-    frame: FrameArg,
+    frame: Frame,
 }
 
 impl FrameOption {
     pub(super) fn frame(self) -> Frame {
-        self.frame.into()
+        self.frame
     }
 }
 
@@ -194,24 +194,6 @@ pub(super) struct PartsArgs {
 fn part(text: &str) -> Result<(usize, usize), Reason> {
     let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
     numbers.filter(|(i, n)| (1..=*n).contains(i)).ok_or_else(|| Reason::new("this is not a part such as `2/3`"))
-}
-
-/// The plane of a circle.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-pub(super) enum PlaneArg {
-    Xy,
-    Yz,
-    Zx,
-}
-
-impl From<PlaneArg> for CirclePlane {
-    fn from(plane: PlaneArg) -> Self {
-        match plane {
-            PlaneArg::Xy => Self::XY,
-            PlaneArg::Yz => Self::YZ,
-            PlaneArg::Zx => Self::ZX,
-        }
-    }
 }
 
 /// A file for a picture, in the form that its ending names.

@@ -24,80 +24,38 @@ pub(super) struct CompensationArgs {
     /// Goal of the correction: the position, or the position and the direction of the tool axis [default: `position`
     /// for a lattice, `pose` for a kinematics module].
     #[arg(long, value_enum)]
-    correct: Option<GoalArg>,
+    correct: Option<Goal>,
     /// Axes that may correct [default: linear for `position`, all for `pose`].
     #[arg(long, value_enum)]
-    with: Option<WithArg>,
+    with: Option<CorrectingAxes>,
     /// A folder with targets of your own.
     #[arg(long, value_name = "DIR")]
     templates: Option<PathBuf>,
     /// Meaning of stored numbers, where the manual does not state it [default: as `abbe targets` states].
     #[arg(long, value_enum)]
-    stored: Option<StoredArg>,
+    stored: Option<Stored>,
     /// Leave out tables of one kind that the controller would have: product, plane, cross_axis, own_axis.
     #[arg(long, value_name = "KIND")]
     without: Vec<String>,
     /// Content of own-axis tables: the axis's own error at its origin, or the deviation of the functional point
     /// [default: axis].
     #[arg(long, value_enum, alias = "fit")]
-    own_axis: Option<FitArg>,
+    own_axis: Option<Fit>,
     /// Letters and numbers of axes in the controller [default: `controller` of the axes in the machine file].
     #[arg(long, value_name = "A=AX6,C=AX7", value_delimiter = ',')]
     map: Vec<String>,
-}
-
-/// Content of own-axis tables.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum FitArg {
-    Axis,
-    FunctionalPoint,
-}
-
-/// The meaning of stored numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum StoredArg {
-    /// Added to the command.
-    Correction,
-    /// Actual minus nominal; the controller subtracts it.
-    Error,
-}
-
-/// Goal of the correction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum GoalArg {
-    Position,
-    Pose,
-}
-
-/// Axes that may correct.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum WithArg {
-    Linear,
-    All,
 }
 
 impl CompensationArgs {
     /// Options of the library.
     pub(super) fn options(&self) -> CompensationOptions {
         CompensationOptions {
-            correct: self.correct.map(|goal| match goal {
-                GoalArg::Position => Goal::Position,
-                GoalArg::Pose => Goal::Pose,
-            }),
-            with: self.with.map(|axes| match axes {
-                WithArg::Linear => CorrectingAxes::Linear,
-                WithArg::All => CorrectingAxes::All,
-            }),
+            correct: self.correct,
+            with: self.with,
             templates: self.templates.clone(),
-            stored: self.stored.map(|stored| match stored {
-                StoredArg::Correction => Stored::Correction,
-                StoredArg::Error => Stored::Error,
-            }),
+            stored: self.stored,
             without: self.without.clone(),
-            fit: self.own_axis.map(|fit| match fit {
-                FitArg::Axis => Fit::Axis,
-                FitArg::FunctionalPoint => Fit::FunctionalPoint,
-            }),
+            fit: self.own_axis,
             map: self.map.clone(),
         }
     }

@@ -72,7 +72,7 @@ struct Global {
 enum FormatArg {
     /// Text for people.
     Text,
-    /// JSON for programs; see the contracts in docs/formats.md.
+    /// JSON for programs; see the contracts in docs/formats/json.md.
     Json,
     /// CSV for spreadsheets.
     Csv,

@@ -11,7 +11,7 @@ pub(super) struct BoundsArgs {
     pub(super) class: Option<String>,
     /// Distribution of an error between its bounds.
     #[arg(long, value_enum, default_value = "uniform")]
-    distribution: DistributionArg,
+    distribution: Distribution,
 }
 
 /// Options of the errors that are drawn, and of their effect.
@@ -21,47 +21,18 @@ pub(super) struct ToleranceArgs {
     pub(super) bounds: BoundsArgs,
     /// Figure of a machine: its largest deviation over the poses, or the 95 % one.
     #[arg(long, value_enum, default_value = "max")]
-    statistic: StatisticArg,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum DistributionArg {
-    Uniform,
-    Triangular,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum StatisticArg {
-    Max,
-    P95,
+    statistic: Statistic,
 }
 
 impl ToleranceArgs {
     pub(super) fn options(&self) -> ToleranceOptions {
-        ToleranceOptions { statistic: self.statistic(), ..self.bounds.options() }
-    }
-
-    fn statistic(&self) -> Statistic {
-        match self.statistic {
-            StatisticArg::Max => Statistic::Max,
-            StatisticArg::P95 => Statistic::P95,
-        }
+        ToleranceOptions { statistic: self.statistic, ..self.bounds.options() }
     }
 }
 
 impl BoundsArgs {
     pub(super) fn options(&self) -> ToleranceOptions {
-        ToleranceOptions {
-            class: self.class.clone(),
-            distribution: self.distribution(),
-            statistic: Statistic::default(),
-        }
-    }
-
-    fn distribution(&self) -> Distribution {
-        match self.distribution {
-            DistributionArg::Uniform => Distribution::Uniform,
-            DistributionArg::Triangular => Distribution::Triangular,
-        }
+        let (class, distribution) = (self.class.clone(), self.distribution);
+        ToleranceOptions { class, distribution, statistic: Statistic::default() }
     }
 }

@@ -102,13 +102,15 @@ pub enum Spacing {
 
 /// The meaning of a stored number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum Stored {
-    /// It is added to the command.
+    /// Added to the command.
     Correction,
-    /// It is the error, actual minus nominal; the controller subtracts it.
+    /// Actual minus nominal; the controller subtracts it.
     Error,
-    /// It is the command to be sent: position plus correction.
+    /// The command to be sent: position plus correction.
+    #[cfg_attr(feature = "cli", value(skip))]
     Command,
 }
 
@@ -125,6 +127,7 @@ pub enum Reference {
 
 /// The error that tables are fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum Fit {
     /// The axis's own error at its origin: the change of its scale's reading against it.

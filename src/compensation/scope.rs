@@ -20,6 +20,7 @@ impl Correction {
 
 /// Goal of the correction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum Goal {
     /// The position of the functional point.

@@ -1,4 +1,4 @@
-//! Diagnostics as values that serde can write; docs/formats.md describes their shape.
+//! Diagnostics as values that serde can write; docs/formats/json.md describes their shape.
 
 use super::{Code, Diagnostic, Diagnostics, Label, Place, Severity, SourceId};
 use serde::ser::{Serialize, SerializeStruct, Serializer};

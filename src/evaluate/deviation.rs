@@ -68,12 +68,13 @@ impl From<Order> for String {
 
 /// Frame of vectors; all are parallel to the machine frame at the zero pose, but for the rotation of the workpiece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum Frame {
-    /// Rotates with the workpiece: the coordinates of the part.
+    /// Coordinates of the part: rotates with the workpiece, turned by its `rotation`.
     #[default]
     Workpiece,
-    /// Directions of the machine frame, which is fixed to the bed.
+    /// Directions of the machine, fixed to the bed.
     Machine,
     /// Rotates with the tool.
     Tool,

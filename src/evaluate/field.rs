@@ -4,7 +4,7 @@ use super::compiled::batch::{Batch, Output};
 use super::compiled::model::CompiledModel;
 use super::deviation::{Deviation, Order, command_deviation, unturned_deviation};
 use crate::lower::{NominalPose, Sensitivity, sensitivities};
-use crate::machine::{Approach, ErrorId, Machine, OperatingConditions, OperatingPoint};
+use crate::machine::{ErrorId, Machine, OperatingConditions, OperatingPoint};
 use nalgebra::Vector3;
 use std::sync::OnceLock;
 
@@ -74,12 +74,8 @@ impl CompiledField {
     }
 
     fn model(&self, conditions: OperatingConditions) -> &CompiledModel {
-        let slot = match conditions.approach {
-            Approach::Mean => 0,
-            Approach::Forward => 1,
-            Approach::Reverse => 2,
-        };
-        self.models[slot].get_or_init(|| CompiledModel::new(&self.machine, self.order, conditions))
+        self.models[conditions.approach as usize]
+            .get_or_init(|| CompiledModel::new(&self.machine, self.order, conditions))
     }
 }
 

@@ -31,6 +31,7 @@ pub struct CompensationOptions {
 
 /// Axes that correct.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]
 pub enum CorrectingAxes {
     /// The linear axes.

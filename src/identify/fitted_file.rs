@@ -116,8 +116,8 @@ fn sites(axis: Option<&Axis>) -> Vec<f64> {
     )
 }
 
-/// Returns the expanded uncertainty (mm or rad, k = 2) of a fitted error, to three digits: the largest over the travel and both
-/// directions. `None` if the data leave it free somewhere.
+/// Returns the expanded uncertainty (mm or rad, k = 2) of a fitted error, to three digits: the largest over the travel
+/// and both directions. `None` if the data leave it free somewhere.
 fn expanded_uncertainty(
     machine: &Machine,
     parameters: &[Parameter],
@@ -130,8 +130,8 @@ fn expanded_uncertainty(
     (half > 0.0 && half <= crate::machine::largest(source.direction)).then_some(half)
 }
 
-/// Returns the largest standard uncertainty (mm or rad) of a fitted error over the travel and both directions, and the position
-/// (mm or deg) where it is. `None` if the data leave the error free somewhere.
+/// Returns the largest standard uncertainty (mm or rad) of a fitted error over the travel and both directions, and the
+/// position (mm or deg) where it is. `None` if the data leave the error free somewhere.
 pub fn largest_uncertainty(
     machine: &Machine,
     parameters: &[Parameter],

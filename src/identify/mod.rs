@@ -1,8 +1,8 @@
 //! Identification: from measured deviations to error parameters.
 //!
 //! 1. [`read_measurements`]: CSV files to [`Measurement`]s, and the unknowns of the instruments.
-//! 2. [`with_command_line`], [`parameters`], [`slope_bounds`], [`unused_entries`]: the words of `--fit` or of the section
-//!    `identify` to [`Parameter`]s.
+//! 2. [`with_command_line`], [`parameters`], [`slope_bounds`], [`unused_entries`]: the words of `--fit` or of the
+//!    section `identify` to [`Parameter`]s.
 //! 3. [`FitModel`]: the predicted readings of the machine with these parameters, exactly or to an order, and their
 //!    derivatives.
 //! 4. [`solve()`]: the weights of the readings, and with them [`fit()`]: weighted least squares by Levenberg-Marquardt.
@@ -11,8 +11,9 @@
 //!    data not used.
 //! 7. [`fitted_file()`]: the fitted machine as a self-contained machine file.
 //!
-//! [`moore_penrose`] is the method of the papers, [`import`] reads single-axis measurements, and [`plan()`] proposes the
-//! poses of a measurement with its expected uncertainties. `thresholds` holds every number that decides what a fit says.
+//! [`moore_penrose`] is the method of the papers, [`import`] reads single-axis measurements, and [`plan()`] proposes
+//! the poses of a measurement with its expected uncertainties. `thresholds` holds every number that decides what a fit
+//! says.
 
 mod data;
 mod fitted_file;

@@ -1,8 +1,8 @@
 //! Every number that decides what a fit says: one table, used by all files of the stage.
 //!
-//! A share is a ratio to the largest of its kind. Entries state what goes wrong with a smaller value ("below") and a larger
-//! one ("above"), and reason or source. Values without a source are a choice between the two failures; the simulated
-//! campaigns of `tests/it/coverage.rs` measure what they do to the stated intervals.
+//! A share is a ratio to the largest of its kind. Entries state what goes wrong with a smaller value ("below") and a
+//! larger one ("above"), and reason or source. Values without a source are a choice between the two failures; the
+//! simulated campaigns of `tests/it/coverage.rs` measure what they do to the stated intervals.
 
 // Rank and null space.
 
@@ -51,7 +51,8 @@ pub const MIN_WEAK_EFFECT_SHARE: f64 = 0.1;
 /// Part of a null-space direction, as a share, from which a parameter is named: amounts are printed to three digits, so
 /// that their rounding changes the readings by more than what is left out.
 pub const MIN_NULL_PART_SHARE: f64 = 2e-4;
-/// Distance of knots from a straight line, as a share of its ends, up to which they are on it: three digits are printed.
+/// Distance of knots from a straight line, as a share of its ends, up to which they are on it: three digits are
+/// printed.
 pub const MAX_STRAIGHT_SHARE: f64 = 5e-3;
 /// Displacement of points (mm) from which an error is implausible for a machine: smaller parts of it are stated.
 pub const IMPLAUSIBLE_DISPLACEMENT_MM: f64 = 1.0;
@@ -60,8 +61,8 @@ pub const IMPLAUSIBLE_DISPLACEMENT_MM: f64 = 1.0;
 
 /// Largest number of accepted steps.
 pub const MAX_FIT_STEPS: usize = 200;
-/// Relative offset (Bates and Watts 1981), the step over the radius of the confidence region, of a last step. Above: the
-/// estimate is off by a visible part of its uncertainty; below: steps run on over rounding.
+/// Relative offset (Bates and Watts 1981), the step over the radius of the confidence region, of a last step. Above:
+/// the estimate is off by a visible part of its uncertainty; below: steps run on over rounding.
 pub const CONVERGED_OFFSET: f64 = 1e-3;
 /// Relative offset up to which the linear problem alone is trusted for the last step, if the steps before converged.
 pub const LINEAR_OFFSET: f64 = 0.1;
@@ -85,8 +86,8 @@ pub const REPORT_SCATTER_ITERATIONS: usize = 4;
 /// Least standard deviation (mm) of a displacement before the data: 10 mrad of a rotation. Below: true errors of a worn
 /// machine are pulled to the start; above: unseen directions run away.
 pub const MIN_PRIOR_SIGMA_MM: f64 = 3.0;
-/// Plausible size of an error over the RMS of the readings before the fit. An error of the prior's standard deviation is
-/// moved by less than half of its standard uncertainty.
+/// Plausible size of an error over the RMS of the readings before the fit. An error of the prior's standard deviation
+/// is moved by less than half of its standard uncertainty.
 pub const PLAUSIBLE_OVER_RMS: f64 = 3.0;
 /// Least displacement of a unit of an unknown, as a share of its usual one: tells apart bases that hold a curve twice.
 pub const MIN_METRIC_SHARE: f64 = 1e-7;
@@ -134,8 +135,8 @@ pub const MIN_SCATTER_SHARE: f64 = 1e-3;
 pub const HUBER_CONSTANT: f64 = 1.5;
 /// The median of the absolute value of a normal deviate, in standard deviations.
 pub const MEDIAN_OVER_SIGMA: f64 = 0.6745;
-/// Degrees of freedom of the median of absolute values over those of the standard deviation: 0.37 of many readings, more
-/// of few, where the upper of two middle values errs to the safe side.
+/// Degrees of freedom of the median of absolute values over those of the standard deviation: 0.37 of many readings,
+/// more of few, where the upper of two middle values errs to the safe side.
 pub const MEDIAN_EFFICIENCY: f64 = 0.5;
 /// Redundancy below which a quantity takes the common variance: its own standard deviation would be known to
 /// `1 / sqrt(2 f)` only, 41 % at f = 3.
@@ -192,8 +193,8 @@ pub const MIN_REPEATED_POSES: usize = 6;
 pub const MIN_WEIGHT: f64 = 1e-15;
 /// Least distance (mm) that has a direction.
 pub const MIN_LENGTH_MM: f64 = 1.0;
-/// Misfit of a tracker's points to their poses, and of their sizes, as a share of the size. Above: coordinates in another
-/// unit or of other poses are taken.
+/// Misfit of a tracker's points to their poses, and of their sizes, as a share of the size. Above: coordinates in
+/// another unit or of other poses are taken.
 pub const MAX_FRAME_MISFIT_SHARE: f64 = 0.05;
 /// Distance of positions (mm or deg) up to which they are one target whatever the steps are: rounding of decimals.
 pub const SAME_TARGET: f64 = 1e-6;
@@ -210,8 +211,8 @@ pub const MAX_NOISE_PROBABILITY: f64 = 1e-4;
 pub const MIN_DRIFT_CORRELATION: f64 = 0.2;
 /// Degrees of freedom of repeated readings from which their scatter is compared with the residuals.
 pub const MIN_REPEAT_FREEDOM: usize = 10;
-/// Residual scatter over that of repeated readings above which the model does not fit: four times the variance is beyond
-/// the 99.9 % point of the ratio from ten degrees of freedom on.
+/// Residual scatter over that of repeated readings above which the model does not fit: four times the variance is
+/// beyond the 99.9 % point of the ratio from ten degrees of freedom on.
 pub const MAX_SCATTER_RATIO: f64 = 2.0;
 /// Median deviation (mm) above which the readings are in another unit: no machine has such errors.
 pub const MAX_MEDIAN_MM: f64 = 5.0;

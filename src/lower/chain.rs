@@ -22,12 +22,12 @@ pub struct Chain<S: Algebra> {
 }
 
 impl<S: Algebra> Chain<S> {
-    /// The actual machine: errors as given by `values`, entering the algebra through `lift`.
+    /// Returns the actual machine: errors as given by `values`, entering the algebra through `lift`.
     pub fn actual(machine: &Machine, pose: &[f64], values: &ErrorValues, lift: &impl ErrorLift<S>) -> Self {
         Self::actual_at(machine, &positions(machine, pose), values, lift)
     }
 
-    /// The actual machine at positions that are elements of the algebra themselves.
+    /// Returns the actual machine at positions that are elements of the algebra themselves.
     pub fn actual_at(
         machine: &Machine,
         at: &[JointPosition<S>],
@@ -58,12 +58,12 @@ impl<S: Algebra> Chain<S> {
         }
     }
 
-    /// The nominal machine: no errors at all.
+    /// Returns the nominal machine: no errors at all.
     pub fn nominal(machine: &Machine, pose: &[f64]) -> Self {
         Self::nominal_at(machine, &positions(machine, pose))
     }
 
-    /// The nominal machine at positions that are elements of the algebra.
+    /// Returns the nominal machine at positions that are elements of the algebra.
     pub fn nominal_at(machine: &Machine, at: &[JointPosition<S>]) -> Self {
         let none = JointElements { location: None, component: None };
         let axes = machine.axes().iter().zip(at);
@@ -76,12 +76,12 @@ impl<S: Algebra> Chain<S> {
         }
     }
 
-    /// The factors of [`Self::t_work_inverse`].
+    /// Returns the factors of [`Self::t_work_inverse`].
     pub fn workpiece_walk(&self) -> impl DoubleEndedIterator<Item = &Htm<S>> {
         std::iter::once(&self.workpiece_setup).chain(&self.joints[..self.workpiece_side])
     }
 
-    /// The factors of [`Self::t_wt`].
+    /// Returns the factors of [`Self::t_wt`].
     pub fn walk(&self) -> impl DoubleEndedIterator<Item = &Htm<S>> {
         std::iter::once(&self.workpiece_setup).chain(&self.joints).chain([&self.spindle])
     }
@@ -110,7 +110,7 @@ impl<S: Algebra> Chain<S> {
     }
 }
 
-/// A pose (mm, deg) as elements.
+/// Returns a pose (mm, deg) as elements.
 pub fn positions<S: Algebra>(machine: &Machine, pose: &[f64]) -> Vec<JointPosition<S>> {
     machine.axes().iter().zip(pose).map(|(axis, q)| JointPosition::at(axis, *q)).collect()
 }
@@ -134,14 +134,14 @@ pub struct NominalPose {
 }
 
 impl NominalPose {
-    /// The nominal machine at a pose (mm, deg), the workpiece frame unturned: parallel to the machine at the zero pose,
-    /// whatever the rotation of the workpiece.
+    /// Returns the nominal machine at a pose (mm, deg), the workpiece frame unturned: parallel to the machine at the
+    /// zero pose, whatever the rotation of the workpiece.
     pub fn at(machine: &Machine, pose: &[f64]) -> Self {
         let chain = Chain::<f64>::nominal(machine, pose);
         Self { pose: chain.tool_in_workpiece(&machine.workpiece()), r_work: chain.t_work_inverse().linear.transpose() }
     }
 
-    /// The nominal machine at a pose (mm, deg), the workpiece frame turned as the workpiece is.
+    /// Returns the nominal machine at a pose (mm, deg), the workpiece frame turned as the workpiece is.
     pub fn in_part(machine: &Machine, pose: &[f64]) -> Self {
         let unturned = Self::at(machine, pose);
         let Some(rotation) = machine.workpiece_rotation() else { return unturned };

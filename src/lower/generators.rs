@@ -18,7 +18,7 @@ pub struct NamedSource {
     pub error: Option<ErrorId>,
 }
 
-/// The errors given for a machine, those of the set-up last.
+/// Returns the errors given for a machine, those of the set-up last.
 pub fn named_sources(machine: &Machine) -> Vec<NamedSource> {
     let joint = |(id, _): (ErrorId, _)| {
         let index = machine.axis_index(id.axis.as_str()).unwrap_or(machine.axes().len());
@@ -41,7 +41,7 @@ pub fn named_sources(machine: &Machine) -> Vec<NamedSource> {
     all
 }
 
-/// One for every error that is given, zero elsewhere: errors as large as their generators.
+/// Returns one for every error that is given, zero elsewhere: errors as large as their generators.
 pub fn unit_values(machine: &Machine) -> ErrorValues {
     let errors = named_sources(machine);
     let has = |place: ErrorSite| {
@@ -108,7 +108,7 @@ impl DeclaredAlgebra {
         Ok(Some(Monomial::new(factors)))
     }
 
-    /// The generator of a name; `x1` is the first one.
+    /// Returns the generator of a name; `x1` is the first one.
     pub fn generator(&self, name: &str) -> Option<u16> {
         let numbered =
             || name.strip_prefix('x')?.parse::<usize>().ok()?.checked_sub(1).filter(|k| *k < self.names.len());
@@ -137,17 +137,17 @@ impl DeclaredAlgebra {
         &self.names
     }
 
-    /// The generator of an error; none for errors that the machine does not have, or in the real part.
+    /// Returns the generator of an error; none for errors that the machine does not have, or in the real part.
     pub fn of(&self, source: Source) -> Option<u16> {
         self.generators.get(&source).copied()
     }
 
-    /// The vanishing monomials.
+    /// Returns the vanishing monomials.
     pub fn ideal(&self) -> &Ideal {
         &self.ideal
     }
 
-    /// A monomial in words: `EXX*EYX^2`.
+    /// Returns a monomial in words: `EXX*EYX^2`.
     pub fn monomial_name(&self, monomial: &Monomial) -> String {
         let factor = |(generator, power): &(u16, u8)| {
             let name = self.names.get(usize::from(*generator)).map_or("?", String::as_str);
@@ -211,12 +211,12 @@ pub struct WeilLift {
 }
 
 impl WeilLift {
-    /// The generators.
+    /// Returns the generators.
     pub fn declared(&self) -> &DeclaredAlgebra {
         &self.declared
     }
 
-    /// The basis.
+    /// Returns the basis.
     pub fn basis(&self) -> &Arc<Basis> {
         &self.basis
     }

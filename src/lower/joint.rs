@@ -68,7 +68,7 @@ impl<S: Algebra> JointPosition<S> {
     }
 }
 
-/// The matrix G of an axis at a position: tool relative to workpiece.
+/// Returns the matrix G of an axis at a position: tool relative to workpiece.
 pub fn joint<S: Algebra>(
     axis: &Axis,
     conventions: &Conventions,
@@ -139,7 +139,7 @@ fn with_error<S: Algebra>(convention: &JointConvention, motion: Htm<S>, error: O
     }
 }
 
-/// An error matrix as a factor of a product.
+/// Returns an error matrix as a factor of a product.
 fn beside<S: Algebra>(factor: ErrorFactor, error: Htm<S>, motion: Htm<S>) -> Htm<S> {
     let error = invert_if(factor.inverse, error);
     match factor.side {

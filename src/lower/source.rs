@@ -41,10 +41,10 @@ impl Source {
 
 /// The conversion of an error of a given size (mm or rad) to an element of the algebra.
 pub trait ErrorLift<S: Algebra> {
-    /// The element.
+    /// Returns the element.
     fn lift(&self, source: Source, value: f64) -> S;
 
-    /// The element of an error that counts in the real part (`location_order: real`).
+    /// Returns the element of an error that counts in the real part (`location_order: real`).
     fn real(&self, _: Source, value: f64) -> S {
         S::from_real(value)
     }
@@ -107,7 +107,7 @@ pub fn values(machine: &Machine, at: &OperatingPoint<'_>) -> ErrorValues {
 }
 
 impl ErrorValues {
-    /// The value of one error, mm or rad.
+    /// Returns the value of one error, mm or rad.
     pub fn of(&self, source: Source) -> f64 {
         let direction = source.direction.index();
         match source.place {

@@ -18,12 +18,12 @@ pub struct PositionJacobian<S: Algebra> {
     pub derivatives: Vec<Vector3<S>>,
 }
 
-/// The actual functional point from the workpiece origin (mm, workpiece frame): exact model.
+/// Returns the actual functional point from the workpiece origin (mm, workpiece frame): exact model.
 pub fn actual_point(machine: &Machine, pose: &[f64], values: &ErrorValues) -> Vector3<f64> {
     point(machine, pose, values, &Exact)
 }
 
-/// The actual functional point from the workpiece origin (mm, workpiece frame) over an algebra.
+/// Returns the actual functional point from the workpiece origin (mm, workpiece frame) over an algebra.
 pub fn point<S: Algebra>(
     machine: &Machine,
     pose: &[f64],
@@ -44,7 +44,7 @@ fn plus<S: Algebra>(x: Vector3<S>, point: &[f64; 3]) -> Vector3<S> {
     Vector3::from_fn(|i, _| x[i].clone() + S::from_real(point[i]))
 }
 
-/// The actual functional point at a pose (mm, deg) with its derivatives by `sources`, at these errors.
+/// Returns the actual functional point at a pose (mm, deg) with its derivatives by `sources`, at these errors.
 pub fn position_jacobian<S: Algebra>(
     machine: &Machine,
     pose: &[f64],
@@ -227,7 +227,7 @@ impl<L> Lowering<'_, L> {
         JointFactors::new(self.machine.tool().gauge, [motion, self.none()], vec![FactorKind::Error(0, None)])
     }
 
-    /// The factors in the order that [`super::joint()`] multiplies them in.
+    /// Returns the factors in the order that [`super::joint()`] multiplies them in.
     fn joint<S: Algebra>(&self, i: usize, position: f64, errors: &AxisErrorValues) -> JointFactors<S>
     where
         L: ErrorLift<S>,

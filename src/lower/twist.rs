@@ -44,7 +44,7 @@ pub struct SideWeights {
     pub inner: f64,
 }
 
-/// The maps of all axes at a pose (mm, deg) on the walk, then of the spindle.
+/// Returns the maps of all axes at a pose (mm, deg) on the walk, then of the spindle.
 pub fn twists(machine: &Machine, pose: &[f64], quantity: Quantity) -> Vec<Twist> {
     let map = |side: &JointSide| side.map(quantity);
     JointSide::of_all(machine, pose)
@@ -129,12 +129,13 @@ impl SideWeights {
     /// The weights of a location error of the spindle.
     pub const SPINDLE: Self = Self { outer: 1.0, inner: 0.0 };
 
-    /// The weights of a component error of an axis.
+    /// Returns the weights of a component error of an axis.
     pub fn component(axis: &Axis, conventions: &Conventions) -> Self {
         Self::of_factor(axis.convention(conventions).component)
     }
 
-    /// The weights of a location error of an axis: `Loc N Loc^-1` adds the outer map and subtracts the inner one.
+    /// Returns the weights of a location error of an axis: `Loc N Loc^-1` adds the outer map and subtracts the inner
+    /// one.
     pub fn location(axis: &Axis, conventions: &Conventions) -> Self {
         match axis.convention(conventions).location {
             LocationAction::Displaces => Self { outer: 1.0, inner: -1.0 },

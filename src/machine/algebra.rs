@@ -39,7 +39,7 @@ impl AlgebraChoice {
     /// Words for `generators`.
     pub const WORDS: [&'static str; 3] = ["per-error", "per-axis", "single"];
 
-    /// One generator for every error, nothing vanishes below a degree.
+    /// Returns one generator for every error, nothing vanishes below a degree.
     pub fn per_error(degree: u8) -> Self {
         Self { degree, generators: Generators::PerError, vanish: Vec::new() }
     }

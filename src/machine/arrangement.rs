@@ -11,7 +11,7 @@ impl Machine {
         &self.parts().geometry
     }
 
-    /// The side of each axis.
+    /// Returns the side of each axis.
     pub fn sides(&self) -> Sides {
         self.axes().iter().map(|axis| (axis.name.clone(), axis.branch)).collect()
     }
@@ -40,7 +40,7 @@ impl Machine {
         self.axes().iter().enumerate().filter(|(index, axis)| silent(*index, axis)).map(|(index, _)| index).collect()
     }
 
-    /// The axis from which the workpiece's origin is given, if that axis does not carry the workpiece.
+    /// Returns the axis from which the workpiece's origin is given, if that axis does not carry the workpiece.
     pub fn unstated_workpiece(&self) -> Option<AxisName> {
         self.geometry().unstated_workpiece(&self.sides()).cloned()
     }
@@ -57,8 +57,8 @@ impl Machine {
             || (carried && errors.location[3..].iter().any(Option::is_some))
     }
 
-    /// The same machine with linear axes of `length_mm` to either side of their zero, on both sides of the bed; the
-    /// volume stays.
+    /// Returns the same machine with linear axes of `length_mm` to either side of their zero, on both sides of the bed;
+    /// the volume stays.
     pub fn with_linear_travels(&self, length_mm: f64) -> Self {
         let travel = Travel::Range(-length_mm, length_mm);
         let mut parts = self.parts().clone();
@@ -71,9 +71,9 @@ impl Machine {
         self.with_parts(parts)
     }
 
-    /// The same axes in another order or on another side, listed on the walk from workpiece to tool; an axis left out
-    /// goes with its errors. Each axis has the geometry, travel and errors that the file states for its side; where it
-    /// states none, it keeps what it has. `None` if an axis is not there, or twice, or none is left.
+    /// Returns the same axes in another order or on another side, listed on the walk from workpiece to tool; an axis
+    /// left out goes with its errors. Each axis has the geometry, travel and errors that the file states for its side;
+    /// where it states none, it keeps what it has. `None` if an axis is not there, or twice, or none is left.
     pub fn rearranged(&self, walk: &[(AxisName, Branch)]) -> Option<Self> {
         let index: Vec<usize> = walk.iter().map(|(name, _)| self.axis_index(name.as_str())).collect::<Option<_>>()?;
         let side = |branch| walk.iter().filter(move |(_, side)| *side == branch).map(|(name, _)| name.clone());
@@ -118,7 +118,7 @@ impl Machine {
     }
 }
 
-/// The grid of an axis on a side with another travel: what of it lies within, or the whole travel.
+/// Returns the grid of an axis on a side with another travel: what of it lies within, or the whole travel.
 fn within(grid: Grid, old: Travel, new: Travel) -> Grid {
     let (min, max) = new.interval();
     if old == new {

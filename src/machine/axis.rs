@@ -22,7 +22,7 @@ pub enum Travel {
 }
 
 impl Travel {
-    /// The interval in which maps and tables are computed by default.
+    /// Returns the interval in which maps and tables are computed by default.
     pub fn interval(self) -> (f64, f64) {
         match self {
             Self::Range(min, max) => (min, max),
@@ -66,7 +66,7 @@ impl Axis {
         if self.branch == Branch::Workpiece && self.sense == Sense::Direct { -1.0 } else { 1.0 }
     }
 
-    /// The unit of its positions.
+    /// Returns the unit of its positions.
     pub fn unit(&self) -> &'static str {
         if self.kind == AxisKind::Linear { "mm" } else { "deg" }
     }

@@ -64,23 +64,23 @@ impl BSpline {
         Ok(spline)
     }
 
-    /// The degree.
+    /// Returns the degree.
     pub fn degree(&self) -> usize {
         self.degree
     }
 
-    /// The breaks with the values there.
+    /// Returns the breaks with the values there.
     pub fn breaks(&self) -> &Knots {
         &self.breaks
     }
 
-    /// The coefficients, each once.
+    /// Returns the coefficients, each once.
     pub fn coefficients(&self) -> &[f64] {
         let count = Self::count(self.degree, self.breaks.positions().len(), self.breaks.period().is_some());
         &self.coefficients[..count]
     }
 
-    /// The same with other coefficients; missing ones are 0.
+    /// Returns the same with other coefficients; missing ones are 0.
     pub fn with_coefficients(&self, coefficients: impl IntoIterator<Item = f64>) -> Self {
         let mut list: Vec<f64> = coefficients.into_iter().collect();
         list.resize(self.coefficients().len(), 0.0);
@@ -136,12 +136,13 @@ impl BSpline {
         }
     }
 
-    /// The second derivative as a spline two degrees lower: at every break, or in degree 2 in every interval.
+    /// Returns the second derivative as a spline two degrees lower: at every break, or in degree 2 in every interval.
     fn second(&self) -> Vec<f64> {
         derivative(&derivative(&self.coefficients, &self.knots, self.degree, 1), &self.knots, self.degree - 1, 2)
     }
 
-    /// The cubic pieces: positions, then values, then second derivatives. Where these jump the position occurs twice.
+    /// Returns the cubic pieces: positions, then values, then second derivatives. Where these jump the position occurs
+    /// twice.
     pub fn pieces(&self) -> Vec<f64> {
         let (positions, values) = (self.breaks.positions(), self.breaks.values());
         match self.second_derivatives() {
@@ -163,7 +164,7 @@ fn derivative(coefficients: &[f64], knots: &[f64], degree: usize, skipped: usize
     coefficients.windows(2).enumerate().map(slope).collect()
 }
 
-/// The breaks with `degree` more knots on either side.
+/// Returns the breaks with `degree` more knots on either side.
 fn extend_breaks(breaks: &[f64], degree: usize, period: Option<f64>) -> Vec<f64> {
     let last = breaks.len() - 1;
     let at = |i: usize| match period {
@@ -183,7 +184,7 @@ mod tests {
 
     const BREAKS: [f64; 5] = [-2.0, 0.0, 1.5, 2.0, 5.0];
 
-    /// The recursion of Cox and de Boor, as books print it; 0/0 counts as 0, the last interval is closed.
+    /// Returns the recursion of Cox and de Boor, as books print it; 0/0 counts as 0, the last interval is closed.
     fn recursion(knots: &[f64], i: usize, d: usize, x: f64) -> f64 {
         if d == 0 {
             let last = knots[knots.len() - 1];

@@ -21,7 +21,7 @@ impl Branch {
     /// Both, the tool's first.
     pub const BOTH: [Self; 2] = [Self::Tool, Self::Workpiece];
 
-    /// The other one.
+    /// Returns the other one.
     pub fn opposite(self) -> Self {
         match self {
             Self::Workpiece => Self::Tool,
@@ -98,7 +98,7 @@ impl KinematicChain {
         Self::new(&axes(workpiece), &axes(tool), Some(name)).ok()
     }
 
-    /// The graph itself.
+    /// Returns the graph itself.
     pub fn graph(&self) -> &DiGraph<Body, Branch> {
         &self.graph
     }
@@ -116,7 +116,7 @@ impl KinematicChain {
         bodies.filter_map(|body| if let Body::Axis(name) = body { Some(name) } else { None }).collect()
     }
 
-    /// The spindle's name, if the chain has one.
+    /// Returns the spindle's name, if the chain has one.
     pub fn spindle(&self) -> Option<&AxisName> {
         self.graph.node_weights().find_map(|b| if let Body::Spindle(name) = b { Some(name) } else { None })
     }

@@ -36,7 +36,7 @@ impl ControllerAxis {
         Self { letter: self.letter.or(other.letter), number: self.number.or(other.number) }
     }
 
-    /// The words as a machine file has them.
+    /// Returns the words as a machine file has them.
     pub fn words(self) -> Vec<String> {
         let letter = self.letter.map(String::from);
         letter.into_iter().chain(self.number.map(|number| number.to_string())).collect()

@@ -135,7 +135,7 @@ impl Conventions {
         })
     }
 
-    /// Every word that [`Self::amended`] knows.
+    /// Returns every word that [`Self::amended`] knows.
     pub fn words() -> Vec<&'static str> {
         let words = CHOICES.iter().flat_map(|(_, words)| words.iter().copied());
         Self::PRESETS.into_iter().chain(words).collect()
@@ -153,7 +153,7 @@ impl Conventions {
         CHOICES.iter().filter_map(change).collect()
     }
 
-    /// The conventions of one of the three papers.
+    /// Returns the conventions of one of the three papers.
     pub fn preset(name: &str) -> Option<Self> {
         let base = Self { joints: Joints::Linearised, ..Self::default() };
         match name {
@@ -206,7 +206,7 @@ const CHOICES: [(&str, &[&str]); 7] = [
     ("joints", &["orthogonal", "linearised"]),
 ];
 
-/// A word with its key.
+/// Returns a word with its key.
 fn with_key(item: &str) -> Result<String, ConventionsFailure> {
     if item.contains(':') {
         return Ok(item.to_owned());

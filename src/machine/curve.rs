@@ -98,12 +98,12 @@ impl Knots {
         &self.values
     }
 
-    /// The period, on a continuous axis.
+    /// Returns the period, on a continuous axis.
     pub fn period(&self) -> Option<f64> {
         self.period
     }
 
-    /// The same positions with other values.
+    /// Returns the same positions with other values.
     pub(super) fn with_values(self, values: Vec<f64>) -> Self {
         Self { values, ..self }
     }
@@ -148,7 +148,7 @@ impl Knots {
 }
 
 impl Curve {
-    /// A cubic spline through the knots.
+    /// Returns a cubic spline through the knots.
     pub fn cubic(knots: Knots) -> Self {
         let second = second_derivatives(&knots);
         Self::Cubic(knots, second)
@@ -172,7 +172,7 @@ impl Curve {
         knots.positions.first().copied().zip(knots.positions.last().copied())
     }
 
-    /// The points between which it is one polynomial, if there are any.
+    /// Returns the points between which it is one polynomial, if there are any.
     pub fn knots(&self) -> Option<&Knots> {
         match self {
             Self::Linear(knots) | Self::Cubic(knots, _) => Some(knots),

@@ -124,8 +124,9 @@ impl Machine {
         }
     }
 
-    /// The axes of this machine on the chain of another, with the geometry that goes with their sides. Axes that only
-    /// the other has come without errors. `None` if an axis of one name turns in one and travels in the other.
+    /// Returns the axes of this machine on the chain of another, with the geometry that goes with their sides. Axes
+    /// that only the other has come without errors. `None` if an axis of one name turns in one and travels in the
+    /// other.
     fn on_chain_of(&self, other: &Self) -> Option<Self> {
         let kind = |axis: &Axis| self.axis_index(axis.name.as_str()).map(|i| self.axes()[i].kind == axis.kind);
         if other.axes().iter().any(|axis| kind(axis) == Some(false)) {

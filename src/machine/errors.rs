@@ -1,19 +1,6 @@
 //! The errors of one joint: six location and six component errors, any of them absent.
 
-use super::{AxisName, Curve, CurveArgument, Direction, ErrorFamily, ErrorId};
-
-/// The side from which a position is approached; curves may differ (reversal).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Approach {
-    /// The mean of forward and reverse.
-    #[default]
-    Mean,
-    /// Rising position.
-    Forward,
-    /// Falling position.
-    Reverse,
-}
+use super::{Approach, AxisName, Curve, CurveArgument, Direction, ErrorFamily, ErrorId};
 
 /// A component error: a curve, or one for each direction of approach.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +27,7 @@ impl ComponentError {
         }
     }
 
-    /// Its one or two curves.
+    /// Returns its one or two curves.
     pub fn curves(&self) -> impl Iterator<Item = &Curve> {
         let (first, second) = match self {
             Self::Single(curve) => (curve, None),
@@ -98,12 +85,12 @@ impl JointErrors {
         }
     }
 
-    /// The six location errors (mm, rad).
+    /// Returns the six location errors (mm, rad).
     pub fn location_values(&self) -> [f64; 6] {
         std::array::from_fn(|i| self.location[i].as_ref().map_or(0.0, |t| t.value(&0.0.into())))
     }
 
-    /// The six component errors where the axis stands (mm, rad).
+    /// Returns the six component errors where the axis stands (mm, rad).
     pub fn component_values(&self, at: &CurveArgument<'_>) -> [f64; 6] {
         std::array::from_fn(|i| self.component[i].as_ref().map_or(0.0, |t| t.value(at)))
     }
@@ -129,7 +116,7 @@ impl JointErrors {
         self.component[3..].iter().any(Option::is_some)
     }
 
-    /// The terms that are given, with family and direction.
+    /// Returns the terms that are given, with family and direction.
     pub fn iter(&self) -> impl Iterator<Item = (ErrorFamily, Direction, &ErrorTerm)> {
         ErrorFamily::ALL.into_iter().flat_map(move |family| {
             let six = self.six(family);

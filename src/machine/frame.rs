@@ -134,14 +134,14 @@ fn machine_directions(machine: &Machine, tool: Vector3<f64>) -> Three {
     three
 }
 
-/// The direction (0 to 2 as X, Y, Z) of the letter of an axis's name, which may have digits behind it.
+/// Returns the direction (0 to 2 as X, Y, Z) of the letter of an axis's name, which may have digits behind it.
 fn home(axis: &Axis) -> Option<usize> {
     let mut letters = axis.name.as_str().chars();
     let letter = letters.next().and_then(|letter| "XYZUVWPQRABC".find(letter))?;
     letters.all(|c| c.is_ascii_digit()).then_some(letter % 3)
 }
 
-/// The same for the linear axes X, Y and Z, between which squareness is.
+/// Returns the same for the linear axes X, Y and Z, between which squareness is.
 fn main(axis: &Axis) -> Option<usize> {
     axis.name.main().filter(|_| axis.kind == AxisKind::Linear)
 }

@@ -60,7 +60,7 @@ pub struct AxisGeometry {
 }
 
 impl AxisGeometry {
-    /// The geometry on a side.
+    /// Returns the geometry on a side.
     pub fn on(&self, branch: Branch) -> &SideGeometry {
         match branch {
             Branch::Tool => &self.tool,
@@ -68,7 +68,7 @@ impl AxisGeometry {
         }
     }
 
-    /// The geometry on a side, to change it.
+    /// Returns the geometry on a side, to change it.
     pub fn on_mut(&mut self, branch: Branch) -> &mut SideGeometry {
         match branch {
             Branch::Tool => &mut self.tool,
@@ -175,7 +175,7 @@ impl Geometry {
     }
 }
 
-/// The side of an axis; one outside the chain has the geometry of the workpiece's side.
+/// Returns the side of an axis; one outside the chain has the geometry of the workpiece's side.
 fn side(sides: &Sides, axis: &AxisName) -> Branch {
     sides.get(axis).copied().unwrap_or(Branch::Workpiece)
 }

@@ -22,7 +22,7 @@ pub struct ErrorFactor {
 }
 
 impl ErrorFactor {
-    /// The sign with which the errors count to first order.
+    /// Returns the sign with which the errors count to first order.
     pub fn sign(self) -> f64 {
         if self.inverse { -1.0 } else { 1.0 }
     }

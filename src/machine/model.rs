@@ -118,7 +118,7 @@ pub struct MachineParts {
 }
 
 impl MachineParts {
-    /// The joints in the order of `errors`: axes, then the spindle, which is none.
+    /// Returns the joints in the order of `errors`: axes, then the spindle, which is none.
     pub(in crate::machine) fn joints(&self) -> impl Iterator<Item = (&AxisName, Option<&Axis>)> {
         let axes = self.axes.iter().map(|axis| (&axis.name, Some(axis)));
         axes.chain(self.chain.spindle().map(|name| (name, None)))
@@ -150,29 +150,29 @@ impl Machine {
         Self { parts, tool: 0 }
     }
 
-    /// Its fields.
+    /// Returns its fields.
     pub(in crate::machine) fn parts(&self) -> &MachineParts {
         &self.parts
     }
 
-    /// The same tool in use with other fields.
+    /// Returns the same tool in use with other fields.
     pub(in crate::machine) fn with_parts(&self, parts: MachineParts) -> Self {
         Self { parts, tool: self.tool }
     }
 
-    /// Its fields, the tool in use first: with [`super::machine_file()`] the file of another machine.
+    /// Returns its fields, the tool in use first: with [`super::machine_file()`] the file of another machine.
     pub fn to_parts(&self) -> MachineParts {
         let mut parts = self.parts.clone();
         parts.tools[..=self.tool].rotate_right(1);
         parts
     }
 
-    /// Its name.
+    /// Returns its name.
     pub fn name(&self) -> &str {
         &self.parts.name
     }
 
-    /// The graph.
+    /// Returns the graph.
     pub fn chain(&self) -> &KinematicChain {
         &self.parts.chain
     }
@@ -202,17 +202,17 @@ impl Machine {
         self.tool
     }
 
-    /// The tool in use.
+    /// Returns the tool in use.
     pub fn tool(&self) -> &Tool {
         &self.parts.tools[self.tool]
     }
 
-    /// All tools.
+    /// Returns all tools.
     pub fn tools(&self) -> &[Tool] {
         &self.parts.tools
     }
 
-    /// The same machine with another tool.
+    /// Returns the same machine with another tool.
     pub fn with_tool(&self, name: &str) -> Option<Self> {
         let tool = self.parts.tools.iter().position(|t| t.name == name)?;
         Some(Self { parts: self.parts.clone(), tool })
@@ -234,7 +234,7 @@ impl Machine {
         moved
     }
 
-    /// The same machine with the tip of the tool in use further from the spindle, mm along the tool axis.
+    /// Returns the same machine with the tip of the tool in use further from the spindle, mm along the tool axis.
     pub fn with_longer_tool(&self, length_mm: f64) -> Self {
         let mut longer = self.clone();
         let tool = &mut longer.parts.tools[self.tool];
@@ -252,8 +252,8 @@ impl Machine {
         self.parts.workpiece_rotation
     }
 
-    /// The rotation that turns the workpiece's coordinates into machine directions at the zero pose; `None` if they are
-    /// the same.
+    /// Returns the rotation that turns the workpiece's coordinates into machine directions at the zero pose; `None` if
+    /// they are the same.
     pub fn workpiece_rotation(&self) -> Option<Matrix3<f64>> {
         let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let turns = units.iter().zip(self.parts.workpiece_rotation).filter(|(_, degrees)| *degrees != 0.0);
@@ -288,12 +288,12 @@ impl Machine {
         &self.parts.forms
     }
 
-    /// The origin of the numbers.
+    /// Returns the origin of the numbers.
     pub fn provenance(&self) -> &Provenance {
         &self.parts.provenance
     }
 
-    /// The algebra that the file names.
+    /// Returns the algebra that the file names.
     pub fn algebra(&self) -> Option<&AlgebraChoice> {
         self.parts.algebra.as_ref()
     }
@@ -303,7 +303,7 @@ impl Machine {
         &self.parts.tolerances
     }
 
-    /// The class that bounds what the file does not, if it names one.
+    /// Returns the class that bounds what the file does not, if it names one.
     pub fn class(&self) -> Option<&NamedClass> {
         self.parts.class.as_ref()
     }
@@ -313,7 +313,7 @@ impl Machine {
         self.parts.axes.iter().map(|a| &a.name).chain(self.parts.chain.spindle())
     }
 
-    /// Every error that is given, with its term, joint by joint.
+    /// Returns every error that is given, with its term, joint by joint.
     pub fn errors(&self) -> impl Iterator<Item = (ErrorId, &ErrorTerm)> {
         self.joint_names().zip(&self.parts.errors).flat_map(|(axis, errors)| {
             errors
@@ -338,7 +338,7 @@ impl Machine {
         Self { parts, tool: self.tool }
     }
 
-    /// The first error curve that is not defined at the pose. Within the travel there is none.
+    /// Returns the first error curve that is not defined at the pose. Within the travel there is none.
     pub fn outside(&self, pose: &[f64]) -> Option<UndefinedError> {
         self.errors().find_map(|(error, term)| {
             let position = *pose.get(self.axis_index(error.axis.as_str())?)?;

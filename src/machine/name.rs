@@ -7,7 +7,7 @@ use std::fmt;
 pub struct AxisName(String);
 
 impl AxisName {
-    /// The name, if it matches the grammar.
+    /// Returns the name, if it matches the grammar.
     pub fn new(text: &str) -> Option<Self> {
         let mut bytes = text.bytes();
         let head = bytes.next().is_some_and(|b| b.is_ascii_uppercase());
@@ -20,7 +20,7 @@ impl AxisName {
         &self.0
     }
 
-    /// The index in [`MAIN_AXES`], if it is one of them.
+    /// Returns the index in [`MAIN_AXES`], if it is one of them.
     pub fn main(&self) -> Option<usize> {
         MAIN_AXES.iter().position(|name| *name == self.0)
     }
@@ -61,12 +61,12 @@ impl Direction {
         self.index() >= 3
     }
 
-    /// The unit in which errors are printed, `um` or `urad`, and how many of it there are in a mm or rad.
+    /// Returns the unit in which errors are printed, `um` or `urad`, and how many of it there are in a mm or rad.
     pub fn micro(self) -> (f64, &'static str) {
         if self.is_rotation() { (1e6, "urad") } else { (1e3, "um") }
     }
 
-    /// Its letter.
+    /// Returns its letter.
     pub fn letter(self) -> char {
         ['X', 'Y', 'Z', 'A', 'B', 'C'][self.index()]
     }
@@ -110,8 +110,9 @@ const SQUARENESS: [([Direction; 2], &str, Direction, f64); 3] = [
 ];
 
 impl ErrorId {
-    /// The squareness that a slope in this straightness would be if its reference was an artefact of the machine, and
-    /// the sign with which it enters: -1 for EYX and EC0Y. `None` unless it is a straightness of X, Y or Z.
+    /// Returns the squareness that a slope in this straightness would be if its reference was an artefact of the
+    /// machine, and the sign with which it enters: -1 for EYX and EC0Y. `None` unless it is a straightness of X, Y or
+    /// Z.
     pub fn squareness(&self) -> Option<(Self, f64)> {
         let along = Direction::ALL.into_iter().find(|d| d.letter().to_string() == self.axis.as_str())?;
         let of_both = |pair: &[Direction; 2]| pair.contains(&along) && pair.contains(&self.direction);

@@ -1,6 +1,18 @@
 //! What the errors of a machine may depend on: the positions of its axes, and the conditions in which it stands there.
 
-use super::Approach;
+/// The side from which a position is approached; curves may differ (reversal).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "lowercase")]
+pub enum Approach {
+    /// The mean of forward and reverse.
+    #[default]
+    Mean,
+    /// Rising position.
+    Forward,
+    /// Falling position.
+    Reverse,
+}
 
 /// Quantities besides positions on which errors may depend, as temperatures and loads: one value for each name.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

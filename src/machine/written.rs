@@ -6,7 +6,7 @@ use super::{
     MachineParts, ReferencePoint, ResidualForm, Sense, SetUp, Tool, Travel,
 };
 
-/// The text of a machine file that says what `parts` say; `provenance` are further entries of that section
+/// Returns the text of a machine file that says what `parts` say; `provenance` are further entries of that section
 /// (single lines).
 pub fn machine_file(parts: &MachineParts, provenance: &[(String, String)]) -> String {
     let mut text = format!("abbe: 1\nmachine: {}\nchain: \"{}\"\naxes:\n", quoted(&parts.name), parts.chain);
@@ -32,7 +32,7 @@ fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
-/// The shortest digits that read back as the same number.
+/// Returns the shortest digits that read back as the same number.
 fn number(value: f64) -> String {
     format!("{}", value + 0.0)
 }
@@ -68,7 +68,7 @@ fn travel(travel: Travel, unit: &str) -> String {
     }
 }
 
-/// The block of the other side, if its geometry is stated.
+/// Returns the block of the other side, if its geometry is stated.
 fn other_side(axis: &Axis, own: &JointErrors, parts: &MachineParts) -> Option<String> {
     let branch = axis.branch.opposite();
     let side = parts.geometry.axes.get(&axis.name)?.on(branch);
@@ -92,7 +92,7 @@ fn other_side(axis: &Axis, own: &JointErrors, parts: &MachineParts) -> Option<St
     Some(format!(", {key}: {{ direction: {direction}, origin: {origin}, travel: {travel}{errors} }}"))
 }
 
-/// The errors of an axis that are not the same on the other side; zero where there is none.
+/// Returns the errors of an axis that are not the same on the other side; zero where there is none.
 fn differing(axis: &Axis, own: &JointErrors, other: &JointErrors) -> Vec<String> {
     let mut lines = Vec::new();
     for family in ErrorFamily::ALL {
@@ -262,7 +262,7 @@ fn joint_lines(parts: &MachineParts, name: &AxisName, axis: Option<&Axis>, error
     errors.iter().map(line).collect()
 }
 
-/// A term with its uncertainty beside it, in its mapping.
+/// Returns a term with its uncertainty beside it, in its mapping.
 fn with_uncertainty(term: &str, uncertainty: &str) -> String {
     match term.strip_suffix(" }") {
         Some(open) => format!("{open}, uncertainty: {uncertainty} }}"),
@@ -313,13 +313,13 @@ fn curve(curve: &Curve, direction: Direction, axis: Option<&Axis>) -> String {
     }
 }
 
-/// An uncertainty with its unit, to twelve digits.
+/// Returns an uncertainty with its unit, to twelve digits.
 fn rounded(value: f64, direction: Direction) -> String {
     let (factor, unit) = direction.micro();
     format!("{} {unit}", crate::units::significant(value * factor, 12))
 }
 
-/// A value with its unit.
+/// Returns a value with its unit.
 fn amount(value: f64, direction: Direction) -> String {
     if direction.is_rotation() {
         format!("{} urad", number(value * 1e6))
@@ -328,7 +328,7 @@ fn amount(value: f64, direction: Direction) -> String {
     }
 }
 
-/// A coefficient of the position to a power, in um/m^k, urad/m^k, or per degree.
+/// Returns a coefficient of the position to a power, in um/m^k, urad/m^k, or per degree.
 fn coefficient(value: f64, direction: Direction, kind: AxisKind, k: usize) -> String {
     if k == 0 {
         return amount(value, direction);

@@ -25,6 +25,7 @@ pub struct PlaneOptions {
 
 /// Style of the drawing of a deviation over a plane.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum PlaneDrawing {
     /// A map of colours with arrows.
@@ -38,6 +39,7 @@ pub enum PlaneDrawing {
 
 /// Quantity that the colours of a map show.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum PlaneComponent {
     /// Length of the deviation.

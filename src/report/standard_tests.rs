@@ -25,7 +25,7 @@ pub(crate) struct TestSetup {
     pub distance_mm: Option<f64>,
 }
 
-/// Figures of a test. Serialises as docs/formats.md describes.
+/// Figures of a test. Serialises as docs/formats/measurements.md describes.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[serde(tag = "test", rename_all = "snake_case")]
 pub enum TestFigures {

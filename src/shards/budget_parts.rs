@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Part of the machines that a budget draws. Serialises as a state file holds it, docs/formats.md.
+/// Part of the machines that a budget draws. Serialises as a state file holds it, docs/formats/designs.md.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BudgetShard {

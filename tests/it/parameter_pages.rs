@@ -1,4 +1,4 @@
-//! The pages of the controls (docs/parameters-*.md): each of their tables says which numbers a location error changes,
+//! The pages of the controls (docs/controls/*.md): each of their tables says which numbers a location error changes,
 //! and by how much. Every error alone, compiled, changes these and no others.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -95,7 +95,7 @@ fn quoted(cell: &str) -> Vec<String> {
 }
 
 fn tables(page: &str) -> Vec<Changes> {
-    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(page)).unwrap();
+    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/controls").join(page)).unwrap();
     let mut found: Vec<Changes> = Vec::new();
     let mut inside = false;
     for line in text.lines() {
@@ -205,7 +205,7 @@ fn check(page: &str, which: usize, (target, file): (&str, &str), full: &dyn Fn(&
 
 #[test]
 fn sinumerik() {
-    let page = "parameters-sinumerik.md";
+    let page = "sinumerik.md";
     assert!(tables(page).iter().all(|table| table.rows.iter().take(4).map(|row| row.0[0].as_str()).eq(OF_C)));
     let data = |name: &str, _: &str| {
         let names = [
@@ -232,13 +232,13 @@ fn sinumerik() {
 #[test]
 fn fanuc_and_heidenhain_and_haas() {
     let same = |name: &str, _: &str| name.to_owned();
-    check("parameters-fanuc.md", 0, ("fanuc-5axis", "TCP.PRM"), &same);
-    check("parameters-heidenhain.md", 0, ("heidenhain-kinematics", "kinematics.txt"), &same);
-    check("parameters-haas.md", 0, ("haas-mrzp", "settings.txt"), &same);
+    check("fanuc.md", 0, ("fanuc-5axis", "TCP.PRM"), &same);
+    check("heidenhain.md", 0, ("heidenhain-kinematics", "kinematics.txt"), &same);
+    check("haas.md", 0, ("haas-mrzp", "settings.txt"), &same);
 }
 
 #[test]
 fn linuxcnc() {
     let pin = |name: &str, column: &str| format!("setp {}.{name}", column.trim_matches('`'));
-    check("parameters-linuxcnc.md", 0, ("linuxcnc", ""), &pin);
+    check("linuxcnc.md", 0, ("linuxcnc", ""), &pin);
 }

@@ -89,7 +89,7 @@ fn a_fork_head_reaches_the_cap_within_its_tilt() {
     }
 }
 
-/// The directions as docs/formats.md states them, about a unit vector.
+/// The directions as docs/formats/maps.md states them, about a unit vector.
 fn hemisphere(about: V3, count: usize) -> Vec<V3> {
     let dot = |a: V3, b: V3| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let letter = if about[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
@@ -276,7 +276,7 @@ fn files_hold_the_same_and_do_not_depend_on_threads() {
         assert_eq!(reached[i], (share * 12.0).round());
     }
     assert!(before[2].ends_with(b"\n </AppendedData>\n</VTKFile>\n"));
-    // The numbers of docs/formats.md add up.
+    // The numbers of docs/formats/maps.md add up.
     let found = reach(&trunnion, &["--step", "100 mm", "--directions", "12"]);
     let number = |key: &str| found[key].as_u64().unwrap();
     assert_eq!(number("tool_poses"), 12 * number("tips"));

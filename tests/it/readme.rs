@@ -1,4 +1,4 @@
-//! README.md and docs/*.md are true: their commands run, their output is the program's, their links lead somewhere.
+//! README.md and the pages in docs are true: their commands run, their output is the program's, their links lead somewhere.
 //!
 //! In a block fenced as `console`, lines after `$ ` are commands and run in order in a copy of `configs` and `docs`,
 //! one copy for each document. The other lines must be in the output of the command above them, in that order; `[...]`
@@ -12,8 +12,9 @@ use std::process::{Command, Output};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_abbe");
 
-/// Commands that a block may show but that are not run here: they install, or run this test.
-const NOT_RUN: [&str; 6] = ["git clone ", "cd ", "tests/run", ".ci/run", "cargo install ", "cargo build --release"];
+/// Commands that a block may show but that are not run here: they install, run this test, or wait for a browser.
+const NOT_RUN: [&str; 7] =
+    ["git clone ", "cd ", "tests/run", ".ci/run", "cargo install ", "cargo build --release", "abbe workbench "];
 
 /// A fenced block: the text behind the fence, and its lines.
 struct Block {
@@ -25,13 +26,20 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// README.md and everything in docs, as paths from the top.
+/// README.md and every page in docs and its folders, as paths from the top; `docs/site` holds what builds the site.
 fn documents() -> Vec<PathBuf> {
-    let docs = fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().file_name());
-    let pages =
-        docs.map(|name| Path::new("docs").join(name)).filter(|path| path.extension().is_some_and(|e| e == "md"));
-    let mut all: Vec<PathBuf> =
-        pages.chain(["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(PathBuf::from)).collect();
+    let mut all = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"].map(PathBuf::from).to_vec();
+    let mut folders = vec![PathBuf::from("docs")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(root().join(&folder)).unwrap().map(Result::unwrap) {
+            let path = folder.join(entry.file_name());
+            match path.extension() {
+                Some(ending) if ending == "md" => all.push(path),
+                _ if entry.file_type().unwrap().is_dir() && !path.ends_with("site") => folders.push(path),
+                _ => {}
+            }
+        }
+    }
     all.sort();
     all
 }
@@ -119,12 +127,18 @@ fn both(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }
 
+/// Lines of a block; a command that goes on behind a backslash is one line.
+fn joined(lines: &[String]) -> Vec<String> {
+    let text = lines.join("\n").replace("\\\n", " ");
+    text.lines().map(str::to_owned).collect()
+}
+
 /// Runs the commands of a block and compares the output in the text with theirs.
 fn run(folder: &Folder, block: &Block, document: &Path) -> usize {
     let mut count = 0;
     // Nothing was run yet, or the last command is not run here.
     let mut rest: Option<String> = None;
-    for line in &block.lines {
+    for line in joined(&block.lines) {
         if let Some(command) = line.strip_prefix("$ ") {
             rest = runnable(command, document).map(|script| {
                 let output = shell(folder, &script);
@@ -206,6 +220,102 @@ fn links_lead_somewhere() {
             assert!(found, "{}: `{link}` has no such heading", document.display());
         }
     }
+}
+
+/// Where a second sentence of a line begins, in columns from 0. Code and text in brackets count as one word.
+fn second_sentence(line: &str) -> Option<usize> {
+    const ABBREVIATIONS: [&str; 6] = ["e.g.", "i.e.", "p.", "pp.", "cf.", "al."];
+    let (mut depth, mut code, mut word) = (0_usize, false, String::new());
+    let letters: Vec<char> = line.trim_start().chars().collect();
+    for (at, letter) in letters.iter().enumerate() {
+        match letter {
+            '`' => code = !code,
+            '(' | '[' if !code => depth += 1,
+            ')' | ']' if !code => depth = depth.saturating_sub(1),
+            ' ' if !code && depth == 0 => {
+                let last = word.trim_end_matches([')', '"']);
+                let ends = last.ends_with(['.', '!', '?']) && last.chars().filter(|c| c.is_alphanumeric()).count() > 1;
+                let starts = letters.get(at + 1).is_some_and(|next| next.is_uppercase() || "`[(\"*".contains(*next));
+                if ends
+                    && starts
+                    && !ABBREVIATIONS.contains(&last)
+                    && last.trim_end_matches('.').parse::<u32>().is_err()
+                {
+                    return Some(at + 1);
+                }
+                word.clear();
+                continue;
+            }
+            _ => {}
+        }
+        word.push(*letter);
+    }
+    None
+}
+
+#[test]
+fn a_line_of_prose_has_100_columns_or_one_sentence() {
+    let mut long = Vec::new();
+    for document in documents() {
+        let content = text(&document);
+        let lines = prose(&content).lines().map(str::to_owned).collect::<Vec<_>>();
+        for line in lines.iter().filter(|line| line.chars().count() > 100 && !line.trim_start().starts_with('|')) {
+            if let Some(at) = second_sentence(line) {
+                let next: String = line.trim_start().chars().skip(at).take(40).collect();
+                long.push(format!("{}: begin a line at: {next}", document.display()));
+            }
+        }
+    }
+    assert!(long.is_empty(), "{}", long.join("\n"));
+}
+
+#[test]
+fn the_index_names_every_page() {
+    let index = PathBuf::from("docs/README.md");
+    let named = links(&text(&index)).into_iter().map(|link| fs::canonicalize(root().join("docs").join(link)).unwrap());
+    let named: BTreeSet<PathBuf> = named.collect();
+    let missing = documents().into_iter().filter(|page| *page != index && !named.contains(&root().join(page)));
+    assert_eq!(missing.collect::<Vec<_>>(), Vec::<PathBuf>::new());
+}
+
+#[test]
+fn the_front_page_is_short() {
+    let page = text(Path::new("README.md"));
+    assert!(page.lines().count() <= 100, "{} lines", page.lines().count());
+    let wide: Vec<&str> = page.lines().filter(|line| line.chars().count() > 80).collect();
+    assert!(wide.is_empty(), "over 80 columns: {wide:#?}");
+}
+
+/// The table of the front page: what each mechanism leaves of the deviation of one machine.
+#[test]
+fn the_front_page_says_what_each_mechanism_leaves() {
+    let page = text(Path::new("README.md"));
+    let rows = page.lines().skip_while(|line| !line.starts_with("| mechanism | target | leaves |")).skip(2);
+    let mut count = 0;
+    for row in rows.take_while(|line| line.starts_with('|')) {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let targets = cells[2].trim_matches('`').split('+').flat_map(|target| ["--target", target]);
+        let output = Command::new(PROGRAM)
+            .args(["compile", "configs/trunnion.yaml", "--accept-unverified", "--format", "json", "--out", "set"])
+            .args(["--map", "X=AX1,Y=AX2,Z=AX3,A=AX4,C=AX5"])
+            .args(targets)
+            .current_dir(workshop().path(""))
+            .output()
+            .unwrap();
+        let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let left = answer["compensated"]["position_um"]["p95"].as_f64().unwrap();
+        match cells[3].strip_suffix(" um").unwrap().strip_prefix("below ") {
+            Some(limit) => assert!(left < limit.parse().unwrap(), "{row}: {left}"),
+            None => {
+                let stated: f64 = cells[3].trim_end_matches(" um").parse().unwrap();
+                assert!((left / stated - 1.0).abs() < 2e-3, "{row}: {left}");
+            }
+        }
+        let before = answer["uncompensated"]["position_um"]["p95"].as_f64().unwrap();
+        assert!((before - 34.0).abs() < 0.5, "{row}: {before} before");
+        count += 1;
+    }
+    assert_eq!(count, 6);
 }
 
 #[test]

@@ -41,7 +41,7 @@ fn the_version_is_one_number() {
         ("docs/adding-a-target.md", "written by abbe "),
         ("docs/cluster.md", "abbe-dask:"),
         ("docs/python.md", "pip install abbe-"),
-        ("docs/formats.md", "\"abbe\": \""),
+        ("docs/formats/measurements.md", "\"abbe\": \""),
     ] {
         let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).unwrap();
         let digits = |rest: &str| rest.chars().take_while(|c| c.is_ascii_digit() || *c == '.').collect::<String>();

@@ -138,7 +138,7 @@ fn text_of(folder: &Folder, errors: &str, target: &str, file: &str) -> String {
     std::fs::read_to_string(folder.path(target).join(file)).unwrap()
 }
 
-/// docs/formats.md: between four nodes with the weights 3/8, 3/8, 1/8, 1/8: 0.0015 + 0.00125 + 0.00275.
+/// docs/controls/lattice.md: between four nodes with the weights 3/8, 3/8, 1/8, 1/8: 0.0015 + 0.00125 + 0.00275.
 #[test]
 fn lattices_of_our_own() {
     let csv = "X [mm],Y [mm],dX [mm]\n0,0,0.0\n0,100,0.004\n100,0,0.010\n100,100,0.022\n";

@@ -587,7 +587,7 @@ class DiagonalTest(Record):
 
 
 class FiguresFields(Record):
-    """Figures of a test. Serialises as docs/formats.md describes."""
+    """Figures of a test. Serialises as docs/formats/measurements.md describes."""
 
     test: Annotated[Literal["circle", "rotation", "drift", "diagonals"], ""]
     plane: Annotated[Union[Literal["XY", "YZ", "ZX"], None], "The plane."]

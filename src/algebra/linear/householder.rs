@@ -46,8 +46,8 @@ fn panel(r: &mut DMatrix<f64>, fresh: &mut DMatrix<f64>, first: usize, width: us
     t
 }
 
-/// The reflection `1 - tau v v^T` that clears a column below the triangle; v (1 on top) takes the column's place.
-/// `None` for a column that is clear.
+/// Returns the reflection `1 - tau v v^T` that clears a column below the triangle; v (1 on top) takes the column's
+/// place. `None` for a column that is clear.
 fn reflection(r: &mut DMatrix<f64>, fresh: &mut DMatrix<f64>, at: usize) -> Option<f64> {
     let (top, below) = (r[(at, at)], fresh.column(at).norm());
     let norm = libm::hypot(top, below);

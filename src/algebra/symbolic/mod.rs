@@ -32,7 +32,7 @@ pub struct Symbolic {
 }
 
 impl Symbolic {
-    /// A symbol by its index in the rules.
+    /// Returns a symbol by its index in the rules.
     pub fn symbol(rules: &Arc<Rules>, symbol: u16) -> Self {
         let mut sum = Sum::default();
         sum.add(rules, Monomial::new([(symbol, 1)]), 1.0);
@@ -44,7 +44,7 @@ impl Symbolic {
         self.terms.iter().map(|(monomial, value)| (monomial, *value))
     }
 
-    /// The number of terms.
+    /// Returns the number of terms.
     pub fn len(&self) -> usize {
         self.terms.len()
     }
@@ -54,12 +54,12 @@ impl Symbolic {
         self.terms.is_empty()
     }
 
-    /// The coefficient of a monomial.
+    /// Returns the coefficient of a monomial.
     pub fn coefficient(&self, monomial: &Monomial) -> f64 {
         self.terms.get(monomial).copied().unwrap_or(0.0)
     }
 
-    /// The terms of one degree in the nilpotent symbols.
+    /// Returns the terms of one degree in the nilpotent symbols.
     pub fn part(&self, degree: usize) -> Self {
         self.filtered(|d| d == degree)
     }
@@ -70,7 +70,7 @@ impl Symbolic {
         Self { rules: self.rules.clone(), terms: terms.collect() }
     }
 
-    /// Its value when every symbol is an element of some algebra, which may be symbolic again.
+    /// Returns its value when every symbol is an element of some algebra, which may be symbolic again.
     pub fn evaluate<S: Algebra>(&self, value: impl Fn(u16) -> S) -> S {
         let power = |(symbol, power): &(u16, u8)| {
             let base = value(*symbol);

@@ -56,7 +56,7 @@ impl Rules {
         before.saturating_add(products as u64) <= self.max_products
     }
 
-    /// The products of generators that vanish.
+    /// Returns the products of generators that vanish.
     pub fn ideal(&self) -> &Ideal {
         &self.ideal
     }
@@ -83,7 +83,7 @@ impl Rules {
         self.ideal.keeps(&Monomial::new(monomial.factors().iter().filter_map(generator)))
     }
 
-    /// A monomial with the square of a sine as the same without it and the cosine that belongs to it.
+    /// Returns a monomial with the square of a sine as the same without it and the cosine that belongs to it.
     fn sine_square(&self, monomial: &Monomial) -> Option<(Monomial, Monomial)> {
         let square = |(symbol, power): &(u16, u8)| match self.kind(*symbol) {
             SymbolKind::Sine { cosine } if *power > 1 => Some((*symbol, cosine)),
@@ -96,7 +96,7 @@ impl Rules {
         Some((without, with_cosine))
     }
 
-    /// The product of two polynomials.
+    /// Returns the product of two polynomials.
     pub(super) fn product(&self, a: &BTreeMap<Monomial, f64>, b: &BTreeMap<Monomial, f64>) -> BTreeMap<Monomial, f64> {
         let highest = usize::from(self.ideal.degree);
         let right: Vec<(usize, &Monomial, f64)> = b.iter().map(|(m, c)| (self.degree(m), m, *c)).collect();

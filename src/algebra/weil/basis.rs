@@ -72,7 +72,7 @@ impl Basis {
         Self { generators, ideal, monomials, index, table }
     }
 
-    /// The surviving monomials, 1 first, lowest degree first.
+    /// Returns the surviving monomials, 1 first, lowest degree first.
     pub fn monomials(&self) -> &[Monomial] {
         &self.monomials
     }

@@ -41,7 +41,7 @@ impl Weil {
         Self::Element(Arc::clone(basis), list)
     }
 
-    /// The coefficient of a monomial.
+    /// Returns the coefficient of a monomial.
     pub fn coefficient(&self, monomial: &Monomial) -> f64 {
         match self {
             Self::Constant(value) if monomial.degree() == 0 => *value,
@@ -58,7 +58,7 @@ impl Weil {
         }
     }
 
-    /// Every coefficient through a function that leaves 0 alone.
+    /// Passes every coefficient through a function that leaves 0 alone.
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         match self {
             Self::Constant(value) => Self::Constant(f(value)),
@@ -66,7 +66,7 @@ impl Weil {
         }
     }
 
-    /// The real part through a function.
+    /// Passes the real part through a function.
     fn map_real(mut self, f: impl Fn(f64) -> f64) -> Self {
         match &mut self {
             Self::Constant(value) => *value = f(*value),

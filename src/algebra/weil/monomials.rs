@@ -20,7 +20,7 @@ impl Monomial {
         Self(list)
     }
 
-    /// The generators with their powers.
+    /// Returns the generators with their powers.
     pub fn factors(&self) -> &[(u16, u8)] {
         &self.0
     }
@@ -30,7 +30,7 @@ impl Monomial {
         self.0.iter().map(|(_, power)| usize::from(*power)).sum()
     }
 
-    /// The power of a generator.
+    /// Returns the power of a generator.
     pub fn power(&self, generator: u16) -> u8 {
         self.0.iter().find(|(g, _)| *g == generator).map_or(0, |(_, power)| *power)
     }
@@ -40,7 +40,7 @@ impl Monomial {
         self.0.iter().all(|(generator, power)| *power <= other.power(*generator))
     }
 
-    /// The product with another one.
+    /// Returns the product with another one.
     pub fn times(&self, other: &Self) -> Self {
         if self.0.is_empty() || other.0.is_empty() {
             return if self.0.is_empty() { other.clone() } else { self.clone() };
@@ -63,7 +63,7 @@ impl Monomial {
         self.0.iter().map(|(_, power)| f64::from(*power) + 1.0).product()
     }
 
-    /// Every divisor with its cofactor.
+    /// Returns every divisor with its cofactor.
     pub(super) fn divisors(&self) -> Vec<(Self, Self)> {
         let mut pairs = vec![(Self::default(), Self::default())];
         for (generator, power) in &self.0 {
@@ -91,7 +91,7 @@ pub struct Ideal {
 }
 
 impl Ideal {
-    /// All monomials above a degree.
+    /// Returns all monomials above a degree.
     pub fn above(degree: u8) -> Self {
         Self { degree, vanish: Vec::new() }
     }
@@ -147,7 +147,7 @@ pub struct Size {
 }
 
 impl Size {
-    /// All monomials up to the degree: a bound for any ideal.
+    /// Returns all monomials up to the degree: a bound for any ideal.
     fn bound(generators: f64, degree: u8) -> Self {
         let choose = |n: f64| (1..=degree).map(f64::from).map(|i| (n + i) / i).product();
         Self { monomials: choose(generators), products: choose(2.0 * generators) }

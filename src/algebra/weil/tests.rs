@@ -7,7 +7,7 @@ fn basis(generators: u16, degree: u8) -> Arc<Basis> {
     Basis::new(generators, Ideal::above(degree)).unwrap()
 }
 
-/// The 2014 paper's example (40): generators x1..x4 are 0..3.
+/// Returns the 2014 paper's example (40): generators x1..x4 are 0..3.
 fn paper_40() -> Arc<Basis> {
     let square = |g| Monomial::new([(g, 2)]);
     let product = |a, b| Monomial::new([(a, 1), (b, 1)]);
@@ -77,7 +77,7 @@ fn generators_have_no_reciprocal_and_a_vanishing_one_is_zero() {
     assert!(Weil::generator(&basis, 1, 1.0).is_zero());
 }
 
-/// A chain of joints with everything the lowering does, one generator for all.
+/// Returns a chain of joints with everything the lowering does, one generator for all.
 fn chain<S: Algebra>(generator: impl Fn(f64) -> S) -> Vec<S> {
     let joint = |k: f64| {
         let w = [0.3 * k, -0.2, 0.1 * k].map(|x| generator(1e-2 * x));

@@ -5,6 +5,7 @@ use crate::machine::{Axis, AxisKind, Conventions, Direction, Location, Machine};
 
 /// Letters of the symbols.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum Naming {
     /// `EBX`, `EC0Y`, positions by the names of the axes.

@@ -10,6 +10,7 @@ use nalgebra::Vector3;
 
 /// A plane of the workpiece frame; the circle runs from its first to its second direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[allow(missing_docs, reason = "the letters are their own documentation")]
 pub enum Plane {
     XY,

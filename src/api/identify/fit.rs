@@ -15,7 +15,7 @@ use std::path::PathBuf;
 #[serde(default)]
 pub struct IdentifyOptions {
     /// Files of measurements, read through `run.files`: CSV with a column for each axis and `dx [um]`, `dy [um]`,
-    /// `dz [um]`, or lengths, ball readings, lines, single errors (docs/identification.md).
+    /// `dz [um]`, or lengths, ball readings, lines, single errors (docs/identify/measure.md).
     pub data: Vec<PathBuf>,
     /// Files of measurements by name and text; they come after `data`.
     pub texts: Vec<(String, String)>,

@@ -82,7 +82,7 @@ pub(crate) struct PictureArgs {
     /// Form of the picture: a map of colours with arrows, or the deformed grid; `before-after` maps the error without
     /// compensation and the residual (with `--target`).
     #[arg(long, value_enum, default_value = "colours")]
-    drawing: DrawingArg,
+    drawing: PlaneDrawing,
     #[arg(long, value_name = "AXES", help = help::PLANE,
         long_help = "The two linear axes of the picture, such as XY or X,Z [default: the first two]")]
     plane: Option<String>,
@@ -92,22 +92,7 @@ pub(crate) struct PictureArgs {
     at: Option<String>,
     /// Quantity that the colours show.
     #[arg(long, value_enum, default_value = "length")]
-    component: ComponentArg,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum DrawingArg {
-    Colours,
-    Grid,
-    BeforeAfter,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum ComponentArg {
-    Length,
-    Dx,
-    Dy,
-    Dz,
+    component: PlaneComponent,
 }
 
 impl PictureArgs {
@@ -120,7 +105,7 @@ impl PictureArgs {
     pub(crate) fn refuse_unfit(&self, session: &Session) -> Outcome {
         PictureFile::refuse_unknown(session, self.svg.iter().chain(&self.png))?;
         let drawn = self.svg.is_some() || self.png.is_some();
-        if !drawn && (self.plane.is_some() || self.at.is_some() || self.drawing != DrawingArg::Colours) {
+        if !drawn && (self.plane.is_some() || self.at.is_some() || self.drawing != PlaneDrawing::Colours) {
             return session
                 .usage("`--plane`, `--at` and `--drawing` are for a picture: add `--svg FILE` or `--png FILE`");
         }
@@ -130,17 +115,7 @@ impl PictureArgs {
     /// The picture asked for.
     pub(crate) fn options(&self) -> Option<PlaneOptions> {
         let _ = self.paths().next()?;
-        let drawing = match self.drawing {
-            DrawingArg::Colours => PlaneDrawing::Colours,
-            DrawingArg::Grid => PlaneDrawing::Grid,
-            DrawingArg::BeforeAfter => PlaneDrawing::BeforeAfter,
-        };
-        let component = match self.component {
-            ComponentArg::Length => PlaneComponent::Length,
-            ComponentArg::Dx => PlaneComponent::Dx,
-            ComponentArg::Dy => PlaneComponent::Dy,
-            ComponentArg::Dz => PlaneComponent::Dz,
-        };
+        let (drawing, component) = (self.drawing, self.component);
         Some(PlaneOptions { drawing, plane: self.plane.clone(), at: self.at.clone(), component })
     }
 

@@ -32,45 +32,6 @@ impl ViewArgs {
     }
 }
 
-/// Frame of vectors.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-pub(crate) enum FrameArg {
-    /// Coordinates of the part: rotates with the workpiece, turned by its `rotation`.
-    Workpiece,
-    /// Directions of the machine, fixed to the bed.
-    Machine,
-    /// Rotates with the tool.
-    Tool,
-}
-
-impl From<FrameArg> for Frame {
-    fn from(arg: FrameArg) -> Self {
-        match arg {
-            FrameArg::Workpiece => Self::Workpiece,
-            FrameArg::Machine => Self::Machine,
-            FrameArg::Tool => Self::Tool,
-        }
-    }
-}
-
-/// Direction of approach.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-pub(crate) enum ApproachArg {
-    Mean,
-    Forward,
-    Reverse,
-}
-
-impl From<ApproachArg> for Approach {
-    fn from(arg: ApproachArg) -> Self {
-        match arg {
-            ApproachArg::Mean => Self::Mean,
-            ApproachArg::Forward => Self::Forward,
-            ApproachArg::Reverse => Self::Reverse,
-        }
-    }
-}
-
 /// `exact` or a number of 1..=6.
 pub(crate) fn order(text: &str) -> Result<Order, UnknownOrder> {
     text.parse()

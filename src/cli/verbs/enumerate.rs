@@ -28,7 +28,7 @@ pub(crate) struct Args {
     seed: SeedArg,
     /// Criterion of the arrangements [default: budget, if any error is bounded].
     #[arg(long, value_enum)]
-    by: Option<ByArg>,
+    by: Option<JudgedBy>,
     /// Only arrangements for which this holds, such as `C before A`, `Y carries A`, `at most 2 on table`;
     /// may be given again.
     #[arg(long, value_name = "RULE")]
@@ -64,24 +64,12 @@ pub(crate) struct Args {
     tool: ToolArg,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum ByArg {
-    /// Errors drawn between tolerances.
-    Budget,
-    /// The errors that have values.
-    Errors,
-}
-
 impl Args {
     fn options(&self) -> EnumerateOptions {
-        let by = |by: ByArg| match by {
-            ByArg::Budget => JudgedBy::Budget,
-            ByArg::Errors => JudgedBy::Errors,
-        };
         EnumerateOptions {
             tolerances: self.tolerances.options(),
             seed: self.seed.seed,
-            by: self.by.map(by),
+            by: self.by,
             require: self.require.clone(),
             max_table: self.max_table,
             rotary: self.rotary,

@@ -18,7 +18,7 @@ pub(crate) struct Args {
     algebra: AlgebraArg,
     /// Names of the symbols.
     #[arg(long, value_enum, default_value = "iso")]
-    symbols: Symbols,
+    symbols: Naming,
     /// Keep the length of the tool as the symbol L.
     #[arg(long)]
     tool_length: bool,
@@ -29,24 +29,11 @@ pub(crate) struct Args {
     tool: ToolArg,
 }
 
-/// Naming of the symbols.
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum Symbols {
-    /// EBX, EC0Y.
-    Iso,
-    /// eyx, Sxy.
-    Paper,
-}
-
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if session.format() == Format::Csv {
         return session.usage("`equations` has no csv form: it prints text, LaTeX or json");
     }
     let file = session.load(&args.machine, args.tool.name())?;
-    let symbols = match args.symbols {
-        Symbols::Iso => Naming::Iso,
-        Symbols::Paper => Naming::Paper,
-    };
     let order = match args.order.order {
         None => None,
         Some(Order::Exact) => {
@@ -55,7 +42,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         Some(Order::Degree(degree)) => Some(degree),
     };
     let algebra = args.algebra.algebra.clone();
-    let options = EquationsOptions { order, algebra, symbols, tool_length: args.tool_length };
+    let options = EquationsOptions { order, algebra, symbols: args.symbols, tool_length: args.tool_length };
     let answer = equations(&file, &options, session.run());
     let result = session.take(answer)?;
     match session.format() {

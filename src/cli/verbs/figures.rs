@@ -1,6 +1,6 @@
 //! `abbe figures`: figures of a standard from readings of a test.
 
-use crate::cli::arguments::{PictureFile, PlaneArg, help, svg};
+use crate::cli::arguments::{PictureFile, help, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::{Format, Outcome};
@@ -17,12 +17,12 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The test.
     #[arg(value_enum)]
-    test: TestArg,
+    test: StandardTest,
     /// The readings: a table with a title and a unit over each column.
     file: PathBuf,
     #[arg(long, value_enum, value_name = "AXES", help = help::PLANE,
         long_help = "Circle: its plane; angles run from the first direction to the second [default: xy]")]
-    plane: Option<PlaneArg>,
+    plane: Option<CirclePlane>,
     #[arg(long, value_name = "MM", default_value_t = 100.0, help = help::RADIUS,
         long_help = "Circle: its nominal radius, mm (above 0)")]
     radius: f64,
@@ -38,28 +38,11 @@ pub(crate) struct Args {
     svg: Option<PictureFile>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum TestArg {
-    /// Circular path (ISO 230-4).
-    Circle,
-    /// Error motions of an axis of rotation (ISO 230-7).
-    Rotation,
-    /// Thermal drift (ISO 230-3).
-    Drift,
-    /// Lasers along diagonals (ISO 230-6).
-    Diagonals,
-}
-
 impl Args {
     fn options(&self) -> FiguresOptions {
         FiguresOptions {
-            test: match self.test {
-                TestArg::Circle => StandardTest::Circle,
-                TestArg::Rotation => StandardTest::Rotation,
-                TestArg::Drift => StandardTest::Drift,
-                TestArg::Diagonals => StandardTest::Diagonals,
-            },
-            plane: self.plane.map_or(CirclePlane::XY, CirclePlane::from),
+            test: self.test,
+            plane: self.plane.unwrap_or(CirclePlane::XY),
             radius_mm: self.radius,
             feed: self.feed,
             distance_mm: self.distance,

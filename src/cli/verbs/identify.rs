@@ -17,7 +17,7 @@ pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
     /// Measurements: CSV with a column per axis and `dx [um]`, `dy [um]`, `dz [um]`, or lengths, ball readings,
-    /// lines, single errors (docs/identification.md).
+    /// lines, single errors (docs/identify/measure.md).
     #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "plan")]
     data: Vec<PathBuf>,
     #[arg(long, value_name = "FILE", help = help::AXIS_POSES, conflicts_with = "plan",

@@ -27,13 +27,13 @@ pub(crate) struct Args {
     /// Meaning of the values: errors (actual minus target) or corrections [default: errors, where the layout does not
     /// leave it open].
     #[arg(long, value_enum, value_name = "WHAT")]
-    holds: Option<ContentsArg>,
+    holds: Option<FileContents>,
     /// The file holds corrections, not errors: short for `--holds corrections`.
     #[arg(long, conflicts_with = "holds")]
     correction: bool,
     /// Approach of runs without a direction.
     #[arg(long, value_enum, value_name = "HOW")]
-    runs: Option<RunOrder>,
+    runs: Option<RunApproach>,
     /// Direction of the beam of a six-degree instrument, from the launch to the receiver, such as `+X`.
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, requires = "vertical")]
     beam: Option<String>,
@@ -51,7 +51,7 @@ pub(crate) struct Args {
     continuous: bool,
     /// The line that is taken off a straightness.
     #[arg(long, value_enum, value_name = "RULE", default_value = "least-squares")]
-    line: ReferenceLine,
+    line: StraightnessLine,
     /// Keep the line of a straightness: it was read against an artefact of the machine.
     #[arg(long, conflicts_with = "line")]
     keep_line: bool,
@@ -70,56 +70,18 @@ pub(crate) struct Args {
     out: Option<PathBuf>,
 }
 
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum ContentsArg {
-    /// Actual minus target.
-    Errors,
-    /// Target minus actual.
-    Corrections,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum RunOrder {
-    /// All from the same side.
-    OneWay,
-    /// The first forward, the second in reverse, and so on.
-    Alternating,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum ReferenceLine {
-    /// Line of least squares over the targets.
-    LeastSquares,
-    /// Through the first and the last target.
-    EndPoints,
-}
-
-fn contents(args: &Args) -> Option<FileContents> {
-    match args.holds {
-        Some(ContentsArg::Errors) => Some(FileContents::Errors),
-        Some(ContentsArg::Corrections) => Some(FileContents::Corrections),
-        None => args.correction.then_some(FileContents::Corrections),
-    }
-}
-
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let options = ImportOptions {
         axis: args.axis.clone(),
         error: args.error.clone(),
         unit: args.unit.clone(),
-        contents: contents(args),
-        runs: args.runs.map(|runs| match runs {
-            RunOrder::OneWay => RunApproach::OneWay,
-            RunOrder::Alternating => RunApproach::Alternating,
-        }),
+        contents: args.holds.or(args.correction.then_some(FileContents::Corrections)),
+        runs: args.runs,
         beam: args.beam.clone(),
         vertical: args.vertical.clone(),
         flip: args.flip.clone(),
         columns: args.columns.clone(),
-        line: match args.line {
-            ReferenceLine::LeastSquares => StraightnessLine::LeastSquares,
-            ReferenceLine::EndPoints => StraightnessLine::EndPoints,
-        },
+        line: args.line,
         keep_line: args.keep_line,
         continuous: args.continuous,
         material: args.material.clone(),

@@ -13,34 +13,11 @@ pub(crate) struct Args {
     file: PathBuf,
     /// The kind of machine to begin with.
     #[arg(long, value_enum, default_value = "trunnion")]
-    from: InitSource,
-}
-
-#[derive(Debug, Clone, Copy, clap::ValueEnum)]
-enum InitSource {
-    /// Three linear axes, C-frame: `w X' Y' b Z t`.
-    ThreeAxis,
-    /// Five axes, both rotary ones under the workpiece: `w C' A' Y' b X Z t`.
-    Trunnion,
-    /// Five axes, a swivelling head and a rotary table: `w C' Y' b X Z B t`.
-    HeadTable,
-    /// Five axes, a fork head: `w b X Y Z C A t`.
-    HeadHead,
-}
-
-impl InitSource {
-    fn kind(self) -> Starter {
-        match self {
-            Self::ThreeAxis => Starter::ThreeAxis,
-            Self::Trunnion => Starter::Trunnion,
-            Self::HeadTable => Starter::HeadTable,
-            Self::HeadHead => Starter::HeadHead,
-        }
-    }
+    from: Starter,
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let text = starter(args.from.kind());
+    let text = starter(args.from);
     write_new(&args.file, text.as_bytes()).or_else(|refusal| session.refuse(refusal))?;
     let file = args.file.display();
     session.say(&format!(

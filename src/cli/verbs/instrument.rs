@@ -1,6 +1,6 @@
 //! `abbe instrument`: readings of measuring instruments on the machine.
 
-use crate::cli::arguments::{PictureFile, PlaneArg, ToolArg, help, svg};
+use crate::cli::arguments::{PictureFile, ToolArg, help, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, table};
 use crate::cli::store::write;
@@ -18,10 +18,10 @@ pub(crate) struct Args {
     machine: PathBuf,
     /// The instrument.
     #[arg(value_enum)]
-    instrument: InstrumentArg,
+    instrument: Instrument,
     #[arg(long, value_enum, value_name = "AXES", help = help::PLANE,
         long_help = "Ball bar: the plane of the circle, in the workpiece frame [default: all three]")]
-    plane: Option<PlaneArg>,
+    plane: Option<CirclePlane>,
     #[arg(long, value_name = "MM", default_value_t = 100.0, help = help::RADIUS,
         long_help = "Ball bar: its length, mm (above 0)")]
     radius: f64,
@@ -45,29 +45,11 @@ pub(crate) struct Args {
     svg: Option<PictureFile>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum InstrumentArg {
-    /// Circles about a ball, in both senses of rotation (ISO 230-4).
-    BallBar,
-    /// Rotary axes turning about a ball on the table (R-test, probing).
-    RTest,
-    /// A laser along the body diagonals, there and back (ISO 230-6).
-    Diagonals,
-    /// The same, one axis moving at a time.
-    StepDiagonals,
-}
-
 impl Args {
     fn options(&self) -> InstrumentOptions {
-        let instrument = match self.instrument {
-            InstrumentArg::BallBar => Instrument::BallBar,
-            InstrumentArg::RTest => Instrument::RTest,
-            InstrumentArg::Diagonals => Instrument::Diagonals,
-            InstrumentArg::StepDiagonals => Instrument::StepDiagonals,
-        };
         InstrumentOptions {
-            instrument,
-            plane: self.plane.map(CirclePlane::from),
+            instrument: self.instrument,
+            plane: self.plane,
             radius_mm: self.radius,
             axis: self.axis.clone(),
             at: self.at.clone(),
@@ -79,7 +61,7 @@ impl Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.tool.name())?;
     PictureFile::refuse(session, args.svg.iter())?;
-    if args.sequence.is_some() && args.instrument != InstrumentArg::RTest {
+    if args.sequence.is_some() && args.instrument != Instrument::RTest {
         return session.usage("`--sequence` is for the R-test: `abbe instrument MACHINE r-test --sequence FILE`");
     }
     write::refuse_outputs(&args.sequence, &session.files).or_else(|refusal| session.refuse(refusal))?;

@@ -18,7 +18,8 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 /// Changes of the whole machine that no reading notices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Invariances {
-    /// Stretches of the machine that the readings would shrink to a point: in words, with the parameters that make them.
+    /// Stretches of the machine that the readings would shrink to a point: in words, with the parameters that make
+    /// them.
     pub stretches: Vec<(String, Vec<String>)>,
     /// Rigid motions of the whole machine, in words: `along X`, `about X`.
     pub motions: Vec<String>,
@@ -138,7 +139,8 @@ impl MotionEquations {
         Self { system, unknowns: self.unknowns, effects: self.effects.clone() }
     }
 
-    /// Returns the rigid motions of the whole machine that no reading notices, in words, and the unknowns that make them.
+    /// Returns the rigid motions of the whole machine that no reading notices, in words, and the unknowns that make
+    /// them.
     fn motions(&self, volume: &Volume) -> (Vec<String>, Vec<DVector<f64>>) {
         let motions = volume.motions();
         // Translations of the frame are among the motions here.

@@ -1,6 +1,6 @@
-//! The method of Holub and others 2015: the deviation of order 2 as a polynomial in the parameters. Every monomial is an
-//! unknown of its own, and each component is solved for itself by the Moore-Penrose inverse. The method is linear and
-//! needs no start. It ignores that a product is the product of its factors, and that the components share them.
+//! The method of Holub and others 2015: the deviation of order 2 as a polynomial in the parameters. Every monomial is
+//! an unknown of its own, and each component is solved for itself by the Moore-Penrose inverse. The method is linear
+//! and needs no start. It ignores that a product is the product of its factors, and that the components share them.
 
 use super::prediction::{FitModel, zero_unread};
 use crate::algebra::linear::{Svd, Triangle};

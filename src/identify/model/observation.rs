@@ -15,7 +15,8 @@ pub(super) enum ReadingSubject<'a> {
     Error(Source),
 }
 
-/// A reading (mm, in its own frame) of subjects over an algebra; the first [`Measurement::reading_mask`] components count.
+/// A reading (mm, in its own frame) of subjects over an algebra; the first [`Measurement::reading_mask`] components
+/// count.
 pub(super) struct Observation<S> {
     /// The reading.
     pub value: Vector3<S>,

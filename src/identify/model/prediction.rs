@@ -336,8 +336,8 @@ impl<'a> FitModel<'a> {
         x.slope(self.real_locations && matches!(source.place, ErrorSite::Location(_)))
     }
 
-    /// Returns the predicted reading and its derivatives. A length between two poses has two subjects, near and far end;
-    /// its derivative is that of the near one minus that of the far one.
+    /// Returns the predicted reading and its derivatives. A length between two poses has two subjects, near and far
+    /// end; its derivative is that of the near one minus that of the far one.
     fn linearise<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Linearisation {
         // For each subject: derivatives by the sources, and the effects of the parameters on the sources there.
         let mut derivatives: Vec<(Vec<Vector3<S>>, Vec<f64>)> = Vec::new();

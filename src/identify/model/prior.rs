@@ -105,8 +105,8 @@ impl Prior {
     }
 }
 
-/// Returns the RMS (mm) of the readings against the machine at the start, with instruments and set-ups fitted: `home` is
-/// the linear problem there.
+/// Returns the RMS (mm) of the readings against the machine at the start, with instruments and set-ups fitted: `home`
+/// is the linear problem there.
 fn initial_rms(own: usize, data: &[Measurement], home: &ReducedSystem) -> f64 {
     let instruments = home.r.columns(own, home.r.ncols() - own).into_owned();
     let rest = ReducedSystem::of(&instruments, &home.right);
@@ -117,8 +117,8 @@ fn initial_rms(own: usize, data: &[Measurement], home: &ReducedSystem) -> f64 {
     if weights > 0.0 { libm::sqrt(squares / weights) } else { 0.0 }
 }
 
-/// Returns the metric: the triangle M of the displacements that a unit of each unknown makes over the travel, `|M x|` is
-/// their RMS.
+/// Returns the metric: the triangle M of the displacements that a unit of each unknown makes over the travel, `|M x|`
+/// is their RMS.
 fn metric(model: &FitModel<'_>) -> DMatrix<f64> {
     let list = model.parameters();
     let mut triangle = Triangle::new(list.len());
@@ -157,8 +157,8 @@ fn effects(model: &FitModel<'_>, source: Source, approach: Approach) -> Vec<Vec<
     (0..METRIC_SITES).map(scaled).collect()
 }
 
-/// Returns the directions (of displacements, columns) of the machine's unknowns that no reading sees to first order, and
-/// the exact model only through products of errors.
+/// Returns the directions (of displacements, columns) of the machine's unknowns that no reading sees to first order,
+/// and the exact model only through products of errors.
 fn second_order_only(model: &FitModel<'_>, data: &[Measurement], prior: &Prior, home: &ReducedSystem) -> DMatrix<f64> {
     let step = (data.len() / (SAMPLE_ROWS_PER_UNKNOWN * model.parameters().len()).max(MIN_SAMPLE_ROWS)).max(1);
     let some: Vec<Measurement> = data.iter().step_by(step).cloned().collect();

@@ -96,8 +96,8 @@ fn split_form(word: &str) -> Option<(ErrorId, &str)> {
     Some((parse_error_name(bare)?, form.trim()))
 }
 
-/// Replaces the list and the forms of a request by those of the command line. Ties and bounds of errors that are then not
-/// fitted are left out.
+/// Replaces the list and the forms of a request by those of the command line. Ties and bounds of errors that are then
+/// not fitted are left out.
 pub fn with_command_line(
     machine: &Machine,
     mut request: IdentifyEntry,
@@ -336,8 +336,8 @@ fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refusal> {
     Ok(error)
 }
 
-/// Returns the parameters of one error, with the basis behind its name, in `identify.basis`, or usual for the axis; or a
-/// parameter of one's own.
+/// Returns the parameters of one error, with the basis behind its name, in `identify.basis`, or usual for the axis; or
+/// a parameter of one's own.
 fn parameters_of_error(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
     if let Some(errors) = request.parameters.get(word) {
         return Ok(vec![own_parameter(machine, word, errors)?]);

@@ -93,8 +93,8 @@ fn outliers(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<Outlier> {
     found
 }
 
-/// Returns the RMS (mm) of the prediction of data that the fit did not use (cross-validation): every measurement is left
-/// out once, in `folds` parts. `None` with fewer than two parts or measurements than parts.
+/// Returns the RMS (mm) of the prediction of data that the fit did not use (cross-validation): every measurement is
+/// left out once, in `folds` parts. `None` with fewer than two parts or measurements than parts.
 pub fn held_out(model: &FitModel<'_>, data: &[Measurement], folds: usize, robust: bool) -> Option<f64> {
     if folds < 2 || folds > data.len() {
         return None;

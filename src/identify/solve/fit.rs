@@ -153,9 +153,9 @@ impl Descent<'_> {
         false
     }
 
-    /// Returns the variance of a reading by the linear problem: the residual sum of squares over its degrees of freedom.
-    /// With values known before the data it is that of the readings beside these: a linear problem alone may fit any
-    /// readings exactly.
+    /// Returns the variance of a reading by the linear problem: the residual sum of squares over its degrees of
+    /// freedom. With values known before the data it is that of the readings beside these: a linear problem alone may
+    /// fit any readings exactly.
     fn scatter(&self) -> f64 {
         let (rows, unknowns) = (self.reduced.rows, self.theta.len());
         let is_redundant = rows > unknowns;
@@ -174,8 +174,8 @@ impl Descent<'_> {
         variance
     }
 
-    /// Takes the last step by the linear problem alone, if the remaining reduction is small beside the confidence region
-    /// `p s^2` (Bates and Watts 1981). Returns true if it did.
+    /// Takes the last step by the linear problem alone, if the remaining reduction is small beside the confidence
+    /// region `p s^2` (Bates and Watts 1981). Returns true if it did.
     fn finish_linearly(&mut self, problem: &StepProblem, before: f64, variance: f64) -> bool {
         let whole = problem.step(FIRST_DAMPING);
         let remaining = before - problem.cost(&whole);

@@ -61,9 +61,9 @@ pub(super) struct FormBlock {
 }
 
 impl FormBlock {
-    /// Returns the covariance of the values at the knots (mm^2 or rad^2) of a form of unit size (mm; of a rotation at its
-    /// lever arm): `P exp(-d^2 / 2 l^2) P^T` for the distance d of two knots and the correlation length l, both as shares
-    /// of the interval, and the projector P off the fitted curve.
+    /// Returns the covariance of the values at the knots (mm^2 or rad^2) of a form of unit size (mm; of a rotation at
+    /// its lever arm): `P exp(-d^2 / 2 l^2) P^T` for the distance d of two knots and the correlation length l, both as
+    /// shares of the interval, and the projector P off the fitted curve.
     pub fn kernel(&self, length: f64) -> DMatrix<f64> {
         let near = |i: usize, j: usize| {
             let steps = (i as f64 - j as f64) / ((FORM_KNOTS - 1) as f64 * length);

@@ -1,11 +1,11 @@
-//! Lack of fit: readings near each other on an axis share the form that the fitted curves do not follow, so that many of
-//! them determine no more than a few.
+//! Lack of fit: readings near each other on an axis share the form that the fitted curves do not follow, so that many
+//! of them determine no more than a few.
 //!
 //! The form of an axis is a random function of its position in and about each direction: a Gaussian process of unknown
 //! size and correlation length (the model inadequacy of Kennedy and O'Hagan 2001, section 4), less the part that the
-//! fitted curve follows. Size, length and the axes whose displacements, rotations or both have a form are averaged over:
-//! each candidate counts by its restricted likelihood (Patterson and Thompson 1971), and the prior odds are three to one
-//! that there is no form.
+//! fitted curve follows. Size, length and the axes whose displacements, rotations or both have a form are averaged
+//! over: each candidate counts by its restricted likelihood (Patterson and Thompson 1971), and the prior odds are three
+//! to one that there is no form.
 
 use super::fit::ParameterFit;
 use super::form::{FORM_KNOTS, FormBlock, FormedAxis, Sums, VolumeForms, axes_with_forms, principal_submatrix};
@@ -32,8 +32,8 @@ pub struct FormUncertainty {
     pub forms: Vec<ResidualForm>,
 }
 
-/// Looks for form in the residuals of a fit. `None` if the readings cannot show it: too few residual degrees of freedom,
-/// or no axis with enough positions.
+/// Looks for form in the residuals of a fit. `None` if the readings cannot show it: too few residual degrees of
+/// freedom, or no axis with enough positions.
 pub fn form_uncertainty(
     model: &FitModel<'_>,
     data: &[Measurement],
@@ -89,7 +89,8 @@ struct FormGroup<'a> {
     blocks: Vec<&'a FormBlock>,
 }
 
-/// Returns the groups that readings see; `left` are the sums over the readings without the part that the unknowns follow.
+/// Returns the groups that readings see; `left` are the sums over the readings without the part that the unknowns
+/// follow.
 fn groups<'a>(axes: &'a [FormedAxis], left: &DMatrix<f64>) -> Vec<FormGroup<'a>> {
     let one = |(axis, is_rotation): (usize, bool)| {
         let FormedAxis { kind, blocks, .. } = &axes[axis];
@@ -110,8 +111,8 @@ fn kernel(block: &FormBlock, variances: &[f64; 3]) -> DMatrix<f64> {
     parts.fold(DMatrix::zeros(FORM_KNOTS, FORM_KNOTS), |sum, part| sum + part)
 }
 
-/// Returns the standard deviation (mm, rad) of the form of a group: that of constants which deviate, RMS over the volume,
-/// as much as the part of the form that the unknowns cannot follow.
+/// Returns the standard deviation (mm, rad) of the form of a group: that of constants which deviate, RMS over the
+/// volume, as much as the part of the form that the unknowns cannot follow.
 fn size(group: &FormGroup<'_>, variances: &[f64; 3], volume: &VolumeForms) -> f64 {
     let squares = group.blocks.iter().map(|block| volume.squares(block, &kernel(block, variances)));
     let (form, unit) = squares.fold((0.0, 0.0), |(form, unit), (of, one)| (form + of, unit + one));

@@ -61,7 +61,8 @@ fn moments(values: &[f64]) -> (f64, [f64; 3]) {
     (mean, [moment(2), moment(3), moment(4)])
 }
 
-/// Returns the probability of the Jarque-Bera (1980) statistic `n/6 (skewness^2 + excess^2 / 4)`, chi-squared of two degrees.
+/// Returns the probability of the Jarque-Bera (1980) statistic `n/6 (skewness^2 + excess^2 / 4)`, chi-squared of two
+/// degrees.
 fn normality(values: &[f64]) -> f64 {
     let (_, [second, third, fourth]) = moments(values);
     let (skewness, excess) = (third / (second * libm::sqrt(second)), fourth / (second * second) - 3.0);
@@ -69,7 +70,8 @@ fn normality(values: &[f64]) -> f64 {
     libm::exp(-statistic / 2.0)
 }
 
-/// Returns the probability of the number of runs of one sign (Wald and Wolfowitz 1940), normal about `2 a b / n + 1` for a and b of each sign.
+/// Returns the probability of the number of runs of one sign (Wald and Wolfowitz 1940), normal about `2 a b / n + 1`
+/// for a and b of each sign.
 fn runs(values: &[f64]) -> f64 {
     let signs: Vec<bool> = values.iter().map(|v| *v > 0.0).collect();
     let above = signs.iter().filter(|s| **s).count() as f64;

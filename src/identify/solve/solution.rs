@@ -329,8 +329,8 @@ impl Solution {
         (is_determined && self.degrees_of_freedom > 0).then(all)
     }
 
-    /// Returns the solution in a datum (S-transformation): the covariance goes through its map, and null-space directions
-    /// that its conditions fix leave the null space.
+    /// Returns the solution in a datum (S-transformation): the covariance goes through its map, and null-space
+    /// directions that its conditions fix leave the null space.
     pub(super) fn in_datum(mut self, datum: &DatumTransform<'_>, fit: &ParameterFit, parameters: &[Parameter]) -> Self {
         let count = datum.theta.len();
         // Second-order-only directions are as good as unknown: a datum may fix them.

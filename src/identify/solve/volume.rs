@@ -35,8 +35,8 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// Predicts with a fit; bounds on slopes hold curves beyond the readings. The form of the axes beside the curves adds
-    /// to the uncertainty everywhere.
+    /// Predicts with a fit; bounds on slopes hold curves beyond the readings. The form of the axes beside the curves
+    /// adds to the uncertainty everywhere.
     pub fn of(
         model: &FitModel<'_>,
         data: &[Measurement],
@@ -81,8 +81,8 @@ impl Prediction {
     }
 }
 
-/// Returns the covariances (mm^2) of the deviations at poses by the forms of axes: the same everywhere by displacements,
-/// by their lever arms of rotations.
+/// Returns the covariances (mm^2) of the deviations at poses by the forms of axes: the same everywhere by
+/// displacements, by their lever arms of rotations.
 fn form_covariances(model: &FitModel<'_>, poses: &[Measurement], forms: &[ResidualForm]) -> Vec<Matrix3<f64>> {
     let Some(machine) = model.machines().first() else { return Vec::new() };
     let scattering = forms.iter().flat_map(|form| form_errors(machine, form));

@@ -63,8 +63,8 @@ impl Groups {
         (0..self.of.len()).filter(move |i| self.of[*i] == group)
     }
 
-    /// Returns the standard deviation of a reading of each quantity (mm), `before` in the last round. A robust fit takes
-    /// it from the median of the residuals.
+    /// Returns the standard deviation of a reading of each quantity (mm), `before` in the last round. A robust fit
+    /// takes it from the median of the residuals.
     fn sigmas(
         &self,
         model: &FitModel<'_>,
@@ -142,7 +142,8 @@ impl Groups {
         (0..self.kinds.len()).map(one).collect()
     }
 
-    /// Returns the weights `w f / s^2` for the standard deviation s (um) of the quantity and a factor f of each reading.
+    /// Returns the weights `w f / s^2` for the standard deviation s (um) of the quantity and a factor f of each
+    /// reading.
     fn weights(&self, data: &[Measurement], sigmas: &[f64], factors: &[f64]) -> Vec<f64> {
         let one = |i: usize| {
             let um = sigmas[self.of[i]] * 1e3;
@@ -225,8 +226,8 @@ fn huber_weights(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<f64> {
 }
 
 /// Replaces the linear problem of the weighed readings by that of all readings, whose scatter gives the variance of the
-/// estimate: `K^2 sum psi^2 / mean(psi')^2` (Huber 1981, section 7.6), with `K = 1 + p/n var(psi') / mean(psi')^2`. `psi`
-/// of a measurement of d components is that of their length.
+/// estimate: `K^2 sum psi^2 / mean(psi')^2` (Huber 1981, section 7.6), with `K = 1 + p/n var(psi') / mean(psi')^2`.
+/// `psi` of a measurement of d components is that of their length.
 fn apply_huber_estimate(
     model: &FitModel<'_>,
     data: &[Measurement],

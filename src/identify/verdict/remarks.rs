@@ -134,8 +134,8 @@ fn contradiction(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Option<Diagnos
     Some(warning(codes::W0507, message, help))
 }
 
-/// Refuses values of the machine whose uncertainty is larger than any error of a machine: constants, and curves somewhere in
-/// the travel. Coefficients of a curve say nothing each by itself.
+/// Refuses values of the machine whose uncertainty is larger than any error of a machine: constants, and curves
+/// somewhere in the travel. Coefficients of a curve say nothing each by itself.
 pub(crate) fn undetermined_values(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
     let wide = own.filter_map(|(parameter, estimate)| {

@@ -52,17 +52,17 @@ impl AxisDraft {
         }
     }
 
-    /// The block of a side.
+    /// Returns the block of a side.
     pub fn block(&self, branch: Branch) -> &SideDraft {
         if branch == Branch::Tool { &self.on_tool } else { &self.on_workpiece }
     }
 
-    /// The same axis as it is on a side.
+    /// Returns the same axis as it is on a side.
     pub fn standing_on(&self, branch: Branch) -> Self {
         Self { side: branch, travel: self.on(branch).travel, ..self.clone() }
     }
 
-    /// The entry of its travel.
+    /// Returns the entry of its travel.
     pub fn travel_entry(&self) -> Keys {
         let axis = keys(["axes", self.name.as_str()]);
         let sides = [self.side, self.side.opposite()];
@@ -75,12 +75,12 @@ impl AxisDraft {
     }
 }
 
-/// The key of the block of a side.
+/// Returns the key of the block of a side.
 pub fn block_key(branch: Branch) -> &'static str {
     if branch == Branch::Tool { "on_tool" } else { "on_workpiece" }
 }
 
-/// The block of a side as written.
+/// Returns the block of a side as written.
 pub fn block_entry(entry: &AxisEntry, branch: Branch) -> Option<&SideEntry> {
     if branch == Branch::Tool { entry.on_tool.as_ref() } else { entry.on_workpiece.as_ref() }
 }
@@ -96,7 +96,7 @@ pub fn refuse_many(context: &mut Context<'_>) -> Option<()> {
     None
 }
 
-/// All axes that are declared.
+/// Returns all axes that are declared.
 pub fn axes(context: &mut Context<'_>) -> Vec<AxisDraft> {
     let document = context.document;
     document.axes.iter().filter_map(|(name, entry)| axis(context, name, entry.as_ref())).collect()
@@ -141,7 +141,7 @@ fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Opt
     Some(AxisDraft { kind, sense, controller, plain, on_tool, on_workpiece, ..unknown })
 }
 
-/// The letter and the number that an entry gives the axis in the controller.
+/// Returns the letter and the number that an entry gives the axis in the controller.
 fn controller(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys) -> ControllerAxis {
     let words = match &entry.controller {
         Some(ControllerEntry::One(word)) => std::slice::from_ref(word),
@@ -168,7 +168,7 @@ fn block(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, side: &Side
     }
 }
 
-/// The meaning of a letter (with digits after it): X, Y, Z, U, V, W, P, Q, R are linear, A, B, C rotary.
+/// Returns the meaning of a letter (with digits after it): X, Y, Z, U, V, W, P, Q, R are linear, A, B, C rotary.
 fn by_letter(name: &AxisName) -> Option<(AxisKind, [f64; 3])> {
     let mut chars = name.as_str().chars();
     let letter = chars.next()?;
@@ -207,7 +207,7 @@ fn in_a_block(entry: &AxisEntry, given: impl Fn(&SideEntry) -> bool) -> bool {
     [Branch::Tool, Branch::Workpiece].into_iter().filter_map(|branch| block_entry(entry, branch)).any(given)
 }
 
-/// The plain direction, or that of the letter; a name without either needs one in a block.
+/// Returns the plain direction, or that of the letter; a name without either needs one in a block.
 fn plain_direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys) -> Option<[f64; 3]> {
     let here = below(at, "direction");
     if let Some(list) = &entry.direction {
@@ -327,7 +327,7 @@ impl Context<'_> {
         Some((min, max))
     }
 
-    /// A word that stands for a choice.
+    /// Returns a word that stands for a choice.
     pub fn choice<T: serde::de::DeserializeOwned>(&mut self, word: &str, at: &Keys, words: &[&str]) -> Option<T> {
         let name = at.last().map_or("", String::as_str);
         let value = words.contains(&word).then(|| T::deserialize(serde_yaml::Value::from(word)).ok()).flatten();

@@ -40,7 +40,7 @@ struct ChainWord {
     place: Option<Place>,
 }
 
-/// The chain of the machine; every name in it is an axis that the file declares.
+/// Returns the chain of the machine; every name in it is an axis that the file declares.
 pub fn chain(context: &mut Context<'_>) -> Option<KinematicChain> {
     let document = context.document;
     let links = match (&document.chain, &document.branches) {
@@ -197,7 +197,7 @@ fn refuse_name(context: &mut Context<'_>, token: &ChainWord) {
     context.diagnostics.push(Diagnostic::new(codes::E0301, message).at(token.place.clone(), "").help(help));
 }
 
-/// The string as ISO prints it.
+/// Returns the string as ISO prints it.
 fn walk(context: &mut Context<'_>, text: &str) -> Option<ChainLinks> {
     let before = context.diagnostics.count();
     let tokens = tokens(context, text);
@@ -266,7 +266,7 @@ fn tokens(context: &Context<'_>, text: &str) -> Vec<ChainWord> {
     tokens
 }
 
-/// The side on which a chain as some file writes it has an axis; nothing is reported.
+/// Returns the side on which a chain as some file writes it has an axis; nothing is reported.
 pub fn side_in(chain: &WrittenChain, axis: &str) -> Option<Branch> {
     let bare = |word: &str| word.trim().trim_end_matches(['\'', '’', '′']) == axis;
     match chain {
@@ -285,7 +285,7 @@ pub fn side_in(chain: &WrittenChain, axis: &str) -> Option<Branch> {
     }
 }
 
-/// The place of a piece of a text value, if the value stands in the file as it is.
+/// Returns the place of a piece of a text value, if the value stands in the file as it is.
 pub fn inside(context: &Context<'_>, at: &Keys, value: &str, start: usize, length: usize) -> Option<Place> {
     let whole = context.document.places.value(at)?;
     let written = context.diagnostics.sources.text(whole.source).get(whole.range.clone())?;

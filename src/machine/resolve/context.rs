@@ -38,7 +38,7 @@ impl<'a> Context<'a> {
         if self.document.places.has(&long) { long } else { at.clone() }
     }
 
-    /// The table that an entry names.
+    /// Returns the table that an entry names.
     pub fn table(&mut self, at: &Keys, written: &str) -> Option<Rc<CsvTable>> {
         let path = self.document.places.resolve_path(at, written);
         if let Some(known) = self.tables.get(&path) {
@@ -51,7 +51,7 @@ impl<'a> Context<'a> {
     }
 }
 
-/// An entry's path as people write it.
+/// Returns an entry's path as people write it.
 pub fn dotted_path(at: &[String]) -> String {
     shown(&at.join("."))
 }

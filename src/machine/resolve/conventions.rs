@@ -5,7 +5,7 @@ use crate::diagnostic::{codes, did_you_mean, shown};
 use crate::machine::Conventions;
 use crate::syntax::{Keys, below, keys};
 
-/// The conventions in force.
+/// Returns the conventions in force.
 pub fn conventions(context: &mut Context<'_>) -> Conventions {
     let document = context.document;
     let Some(entry) = &document.conventions else { return Conventions::default() };

@@ -33,7 +33,7 @@ impl CurveOf<'_> {
     }
 }
 
-/// A component error from one entry; a table may give it both directions.
+/// Returns a component error from one entry; a table may give it both directions.
 pub fn component(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<ComponentError> {
     if let Some(path) = &entry.table {
         let here = below(at, "table");
@@ -44,7 +44,7 @@ pub fn component(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry
     curve(context, of, entry, at).map(ComponentError::Single)
 }
 
-/// A curve of one direction.
+/// Returns a curve of one direction.
 pub fn one_way(
     context: &mut Context<'_>,
     of: &CurveOf<'_>,
@@ -309,7 +309,7 @@ fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &CsvTable, named:
     context.diagnostics.push(refusal.at(named, "named here").at(header, "the table's header").help(help));
 }
 
-/// The first column, in mm or deg.
+/// Returns the first column, in mm or deg.
 fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &CsvTable, named: &Option<Place>) -> Option<Vec<f64>> {
     let first = table.columns.first()?;
     if first.name != of.error.axis.as_str() {

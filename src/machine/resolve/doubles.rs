@@ -261,12 +261,12 @@ fn turning(convention: &JointConvention) -> f64 {
     }
 }
 
-/// The datum of the file.
+/// Returns the datum of the file.
 fn datum(context: &Context<'_>) -> DatumEntry {
     context.document.identify.as_ref().and_then(|identify| identify.datum).unwrap_or_default()
 }
 
-/// The smaller of two numbers of the same sign.
+/// Returns the smaller of two numbers of the same sign.
 fn common(a: f64, b: f64) -> f64 {
     if a * b > 0.0 { a.abs().min(b.abs()) } else { 0.0 }
 }

@@ -58,7 +58,7 @@ impl Errors {
     }
 }
 
-/// All error terms under `errors` and in tables that are in scope.
+/// Returns all error terms under `errors` and in tables that are in scope.
 pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &ErrorScope<'_>) -> Errors {
     let document = context.document;
     let mut errors = Errors::default();
@@ -108,7 +108,7 @@ pub fn put_term(
     }
 }
 
-/// The error that a name means, if its axis (or spindle) is there.
+/// Returns the error that a name means, if its axis (or spindle) is there.
 pub fn find_error(
     context: &mut Context<'_>,
     name: &str,
@@ -198,7 +198,7 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
     }
 }
 
-/// The uncertainty of the values of a term.
+/// Returns the uncertainty of the values of a term.
 fn uncertainty(context: &mut Context<'_>, error: &ErrorId, entry: &TermEntry, at: &Keys) -> Option<f64> {
     let here = below(at, "uncertainty");
     let value = context.error_value(entry.uncertainty.as_ref()?, error.direction, &here)?;
@@ -215,7 +215,7 @@ fn uncertainty(context: &mut Context<'_>, error: &ErrorId, entry: &TermEntry, at
     context.plausible(value, error.direction, &here).then_some(value)
 }
 
-/// The term that an entry writes.
+/// Returns the term that an entry writes.
 pub fn term(
     context: &mut Context<'_>,
     spelling: &Spelling,
@@ -251,7 +251,7 @@ pub fn term(
     plausible_curve(context, &of, &component, at).then_some(ErrorTerm::Component(component))
 }
 
-/// The bound of an error, from zero up.
+/// Returns the bound of an error, from zero up.
 pub fn bounded(context: &mut Context<'_>, scalar: &Scalar, direction: Direction, here: &Keys) -> Option<f64> {
     let value = context.error_value(scalar, direction, here)?;
     if value < 0.0 {
@@ -359,7 +359,7 @@ fn peak(of: &CurveOf<'_>, curve: &crate::machine::Curve) -> f64 {
     at.chain(knots).map(size).fold(0.0, f64::max)
 }
 
-/// The size (mm or rad) beyond which an error can only be a mistake of unit.
+/// Returns the size (mm or rad) beyond which an error can only be a mistake of unit.
 pub fn largest(direction: Direction) -> f64 {
     if direction.is_rotation() { MAX_ROTATION } else { MAX_TRANSLATION }
 }
@@ -370,8 +370,8 @@ pub fn largest_stated(direction: Direction) -> f64 {
 }
 
 impl Context<'_> {
-    /// The size (mm or rad) beyond which an error is a mistake: larger where the file says that its machine has such
-    /// errors.
+    /// Returns the size (mm or rad) beyond which an error is a mistake: larger where the file says that its machine has
+    /// such errors.
     fn largest_plausible(&self, direction: Direction) -> f64 {
         let identify = self.document.identify.as_ref();
         let given = identify.and_then(|identify| identify.plausible.as_ref()).and_then(|plausible| {
@@ -401,7 +401,7 @@ impl Context<'_> {
     }
 }
 
-/// The unit word of an axis kind.
+/// Returns the unit word of an axis kind.
 pub fn unit(kind: AxisKind) -> &'static str {
     if kind == AxisKind::Linear { "mm" } else { "deg" }
 }

@@ -121,7 +121,7 @@ fn left_out(context: &mut Context<'_>, declared: &[AxisDraft], chain: &Kinematic
     }
 }
 
-/// The chain's axes on the walk, if all of them could be understood.
+/// Returns the chain's axes on the walk, if all of them could be understood.
 fn in_chain(
     chain: &KinematicChain,
     geometry: &Geometry,

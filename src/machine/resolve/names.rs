@@ -10,8 +10,8 @@ pub struct Spelling {
     pub negated: bool,
 }
 
-/// The error that a name means: `EXX`, `EC0Y` and other usual spellings (`E_{C0Y}`, `C0Y`, `COY`,
-/// `dyx`, `eyx`, `Sxy`). A letter O in the place of the zero is read as the zero.
+/// Returns the error that a name means: `EXX`, `EC0Y` and other usual spellings (`E_{C0Y}`, `C0Y`, `COY`, `dyx`, `eyx`,
+/// `Sxy`). A letter O in the place of the zero is read as the zero.
 ///
 /// `Sxz` names `EB0Z`, of which it has the opposite sign: this function gives the name only.
 pub fn parse_error_name(text: &str) -> Option<ErrorId> {
@@ -19,7 +19,7 @@ pub fn parse_error_name(text: &str) -> Option<ErrorId> {
     (!readings.is_empty()).then(|| readings.swap_remove(0).error)
 }
 
-/// All that a name may mean, the likeliest first.
+/// Returns all that a name may mean, the likeliest first.
 pub fn readings(text: &str) -> Vec<Spelling> {
     let plain = text.trim().replace(['_', '{', '}', '$'], "").replace("(0X)", "0");
     let letter_o = location(&plain, 'O').or_else(|| plain.strip_prefix('E').and_then(|rest| location(rest, 'O')));
@@ -55,7 +55,7 @@ pub fn in_other_letters(name: &str) -> Option<String> {
         .then(|| format!("`{name}` is {paper} in the letters of the 2015 paper; write `{iso}` if that is meant"))
 }
 
-/// The papers' letters: `dyx` translation in y of axis X, `eyx` rotation about y, `Sxy` squareness.
+/// Returns the papers' letters: `dyx` translation in y of axis X, `eyx` rotation about y, `Sxy` squareness.
 fn lower_case(text: &str) -> Option<Spelling> {
     let chars: Vec<char> = text.chars().collect();
     let [kind, first, second] = chars[..] else { return None };

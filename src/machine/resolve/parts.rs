@@ -35,7 +35,7 @@ pub fn version(context: &mut Context<'_>) {
     }
 }
 
-/// The machine's name.
+/// Returns the machine's name.
 pub fn name(context: &mut Context<'_>) -> Option<String> {
     let document = context.document;
     let at = keys(["machine"]);
@@ -154,13 +154,13 @@ fn length_below(context: &mut Context<'_>, scalar: &Scalar, at: &Keys) -> Option
     Some(length)
 }
 
-/// The workpiece origin, if one is given.
+/// Returns the workpiece origin, if one is given.
 pub fn workpiece(context: &mut Context<'_>) -> Option<PositionDraft> {
     let written = context.document.workpiece.as_ref().and_then(|w| w.origin.as_ref())?;
     position(context, written, &keys(["workpiece", "origin"]))
 }
 
-/// The angles (deg) of the workpiece's rotation about X, Y and Z.
+/// Returns the angles (deg) of the workpiece's rotation about X, Y and Z.
 pub fn workpiece_rotation(context: &mut Context<'_>) -> [f64; 3] {
     let mut angles = [0.0; 3];
     for (letter, scalar) in context.document.workpiece.iter().flat_map(|workpiece| &workpiece.rotation) {
@@ -203,7 +203,7 @@ pub fn setup_at(context: &mut Context<'_>, entry: &SetUpEntry, section: &Keys) -
     setup
 }
 
-/// The origin of the numbers, also beside single error terms.
+/// Returns the origin of the numbers, also beside single error terms.
 pub fn provenance(context: &mut Context<'_>) -> Provenance {
     let document = context.document;
     for (name, term) in &document.errors {

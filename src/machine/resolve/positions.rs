@@ -75,7 +75,7 @@ fn reference(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<Written
 }
 
 impl PositionDraft {
-    /// The position; gauge point and tip are those of the default tool, whichever tool is in use.
+    /// Returns the position; gauge point and tip are those of the default tool, whichever tool is in use.
     pub fn resolve_points(&self, tool: &Tool) -> Position {
         let from = |base: [f64; 3]| Position::absolute(std::array::from_fn(|i| base[i] + self.at[i]));
         let relative = |from: ReferencePoint| Position { from, at: self.at };
@@ -88,7 +88,7 @@ impl PositionDraft {
         }
     }
 
-    /// The node of the graph of references that it leads to.
+    /// Returns the node of the graph of references that it leads to.
     fn target(&self) -> Option<&str> {
         match &self.from {
             WrittenReference::Workpiece => Some("workpiece"),

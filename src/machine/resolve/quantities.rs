@@ -23,7 +23,7 @@ impl Context<'_> {
         self.at_value(code, at, shown(&failure.to_string()), help);
     }
 
-    /// A quantity with its unit.
+    /// Returns a quantity with its unit.
     pub fn quantity(&mut self, scalar: &Scalar, at: &Keys) -> Option<Quantity> {
         let parsed = match scalar {
             Scalar::Text(text) => units::quantity(text),
@@ -33,7 +33,7 @@ impl Context<'_> {
         parsed.map_err(|failure| self.unreadable(at, &failure)).ok()
     }
 
-    /// A bare number, written as one or as text.
+    /// Returns a bare number, written as one or as text.
     fn bare(scalar: &Scalar) -> Option<Result<f64, Failure>> {
         match scalar {
             Scalar::Number(n) if n.is_finite() => Some(Ok(*n)),
@@ -50,7 +50,7 @@ impl Context<'_> {
         self.at_value(codes::E0205, at, message, help);
     }
 
-    /// A position or length; a bare number is in mm (linear) or deg (rotary).
+    /// Returns a position or length; a bare number is in mm (linear) or deg (rotary).
     pub fn position(&mut self, scalar: &Scalar, kind: AxisKind, at: &Keys) -> Option<f64> {
         let value = self.any_position(scalar, kind, at)?;
         if value.abs() > FARTHEST {
@@ -84,7 +84,7 @@ impl Context<'_> {
         }
     }
 
-    /// A length; a bare number is in mm.
+    /// Returns a length; a bare number is in mm.
     pub fn length(&mut self, scalar: &Scalar, at: &Keys) -> Option<f64> {
         self.position(scalar, AxisKind::Linear, at)
     }
@@ -100,12 +100,12 @@ impl Context<'_> {
         Some([parts[0]?, parts[1]?, parts[2]?])
     }
 
-    /// The value of an error in a direction (mm or rad).
+    /// Returns the value of an error in a direction (mm or rad).
     pub fn error_value(&mut self, scalar: &Scalar, direction: Direction, at: &Keys) -> Option<f64> {
         self.coefficient(scalar, direction, AxisKind::Linear, 0, at)
     }
 
-    /// A coefficient of the position to a power: its unit must name the argument. Per mm or per deg.
+    /// Returns a coefficient of the position to a power: its unit must name the argument. Per mm or per deg.
     pub fn coefficient(
         &mut self,
         scalar: &Scalar,

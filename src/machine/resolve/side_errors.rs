@@ -10,8 +10,8 @@ use crate::machine::{AxisName, Branch, ErrorId, JointErrors, Sides};
 use crate::syntax::{below, keys};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// All error terms of the file and its tables, of each axis for the side on which it stands; beside them those of axes
-/// that differ on the other side.
+/// Returns all error terms of the file and its tables, of each axis for the side on which it stands; beside them those
+/// of axes that differ on the other side.
 pub fn errors(context: &mut Context<'_>, known: &JointNames<'_>, sides: &Sides) -> Errors {
     let blocks = Branch::BOTH.map(|branch| blocks(context, known, branch));
     let block = |branch: Branch| &blocks[usize::from(branch == Branch::Workpiece)];
@@ -71,7 +71,7 @@ impl Errors {
     }
 }
 
-/// The errors in the blocks of one side.
+/// Returns the errors in the blocks of one side.
 fn blocks(context: &mut Context<'_>, known: &JointNames<'_>, branch: Branch) -> Errors {
     let document = context.document;
     let declared: Vec<AxisDraft> = known.declared.iter().map(|axis| axis.standing_on(branch)).collect();

@@ -12,7 +12,7 @@ use crate::machine::{
 use crate::syntax::keys;
 use crate::units::significant;
 
-/// The geometry of every axis that could be understood.
+/// Returns the geometry of every axis that could be understood.
 pub fn geometry(
     context: &Context<'_>,
     declared: &[AxisDraft],
@@ -95,7 +95,7 @@ pub fn warn(context: &mut Context<'_>, machine: &Machine) {
     }
 }
 
-/// The warning of a linear axis whose angular errors turn about machine zero for want of an origin.
+/// Returns the warning of a linear axis whose angular errors turn about machine zero for want of an origin.
 pub fn no_origin(machine: &Machine, index: usize, why: &str) -> Diagnostic {
     let name = &machine.axes()[index].name;
     let arm = significant(distance(machine.axes()[index].origin, machine.tool().tip), 4);
@@ -130,7 +130,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum::<f64>().sqrt()
 }
 
-/// The side of each axis of a chain.
+/// Returns the side of each axis of a chain.
 pub fn sides(walk: &[(&AxisName, Branch)]) -> Sides {
     walk.iter().map(|(name, branch)| ((*name).clone(), *branch)).collect()
 }

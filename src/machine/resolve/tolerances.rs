@@ -38,7 +38,7 @@ pub fn meaning(name: &str, known: &JointNames<'_>) -> Named {
     }
 }
 
-/// The bound of an error by its letter.
+/// Returns the bound of an error by its letter.
 pub fn letter(
     context: &mut Context<'_>,
     error: &ErrorId,
@@ -231,7 +231,7 @@ pub fn squareness(context: &mut Context<'_>, machine: &Machine) {
     }
 }
 
-/// The class of the file.
+/// Returns the class of the file.
 pub fn class(context: &mut Context<'_>) -> Option<NamedClass> {
     let entry = context.document.class.as_ref()?;
     let at = keys(["class"]);

@@ -22,12 +22,12 @@ pub struct JointNames<'a> {
 }
 
 impl<'a> JointNames<'a> {
-    /// The axis of this name, if it is declared.
+    /// Returns the axis of this name, if it is declared.
     pub fn axis(&self, name: &AxisName) -> Option<&AxisDraft> {
         self.declared.iter().find(|d| d.name == *name)
     }
 
-    /// Every axis and the spindle.
+    /// Returns every axis and the spindle.
     fn names(&self) -> Vec<&'a str> {
         self.declared.iter().map(|d| &d.name).chain(self.spindle).map(AxisName::as_str).collect()
     }
@@ -39,7 +39,7 @@ impl<'a> JointNames<'a> {
     }
 }
 
-/// The section `algebra`.
+/// Returns the section `algebra`.
 pub fn algebra(context: &mut Context<'_>, known: &JointNames<'_>) -> Option<AlgebraChoice> {
     let entry = context.document.algebra.as_ref()?;
     let at = keys(["algebra"]);
@@ -163,7 +163,7 @@ fn is_setup(name: &str) -> bool {
         || letters("workpiece").is_some_and(|l| ["X", "Y", "Z", "A", "B", "C"].contains(&l))
 }
 
-/// An error's name without the direction of approach that may stand behind it.
+/// Returns an error's name without the direction of approach that may stand behind it.
 fn without_direction(name: &str) -> &str {
     ["+-", "+", "-"].iter().find_map(|sign| name.strip_suffix(sign)).unwrap_or(name).trim()
 }

@@ -20,7 +20,7 @@ struct Steps {
     rotary: f64,
 }
 
-/// A grid for every axis, in their order.
+/// Returns a grid for every axis, in their order.
 pub fn volume(context: &mut Context<'_>, axes: &[Axis], declared: &[AxisDraft]) -> Option<Vec<Grid>> {
     let document = context.document;
     let steps = global(context);

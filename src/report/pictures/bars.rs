@@ -1,9 +1,7 @@
 //! Bars of a budget: the Pareto chart of contributions, and the waterfall of the parts of the budget.
 
 use super::frame::{PlotAxis, PlotFrame};
-use super::svg::{
-    FAINT, FIRST, Font, HeadingLine, INK, Picture, Point, SECOND, Svg, TextAnchor, number, polyline, truncate,
-};
+use super::svg::{FAINT, FIRST, Font, INK, Picture, Point, SECOND, Svg, TextAnchor, number, polyline, truncate};
 use crate::units::Interval;
 use crate::units::significant;
 
@@ -73,7 +71,7 @@ fn place(i: usize, count: usize) -> BarPlace {
 
 fn begin(title: &str, subtitle: &str) -> Svg {
     let mut svg = Svg::new(WIDTH, HEIGHT);
-    svg.heading(FRAME.left, HeadingLine { text: title, max_chars: 70 }, HeadingLine { text: subtitle, max_chars: 104 });
+    svg.heading(FRAME.left, title, 70, subtitle, 104);
     svg
 }
 

@@ -2,7 +2,7 @@
 //! them, all displacements drawn larger by one factor.
 
 use super::scale::{round_step, tick_text, ticks};
-use super::svg::{FAINT, FIRST, Font, HeadingLine, INK, Point, SECOND, Svg, TextAnchor};
+use super::svg::{FAINT, FIRST, Font, INK, Point, SECOND, Svg, TextAnchor};
 use crate::units::Interval;
 use crate::units::significant;
 
@@ -56,8 +56,7 @@ impl FitPicture<'_> {
         let moved = |p: &FitPoint, d: (f64, f64)| at(p.nominal.0 + d.0 * magnified, p.nominal.1 + d.1 * magnified);
         let mut svg = Svg::new(WIDTH, TOP + size.y + MARGIN + 100.0);
         let subtitle = format!("Prediction and data over {}-{}, {}", self.axes[0], self.axes[1], self.slice);
-        let title = HeadingLine { text: self.machine, max_chars: 60 };
-        svg.heading(LEFT - MARGIN, title, HeadingLine { text: &subtitle, max_chars: 84 });
+        svg.heading(LEFT - MARGIN, self.machine, 60, &subtitle, 84);
         self.grid(&mut svg, across, up, size, &at);
         for p in &self.points {
             let (nominal, read, said) = (at(p.nominal.0, p.nominal.1), moved(p, p.measured), moved(p, p.predicted));

@@ -2,9 +2,7 @@
 //! the least-squares centre, one exaggeration for all panels.
 
 use super::scale::round_step;
-use super::svg::{
-    FIRST, Font, HeadingLine, INK, LINE, Picture, Point, SECOND, Svg, TextAnchor, polygon, polyline, wrap,
-};
+use super::svg::{FIRST, Font, INK, LINE, Picture, Point, SECOND, Svg, TextAnchor, polygon, polyline, wrap};
 use crate::analysis::instrument::BallBar;
 use crate::machine::sin_cos_degrees;
 use crate::units::significant;
@@ -224,8 +222,7 @@ impl<'a> PolarPicture<'a> {
         let width = 2.0 * LEFT + PANEL * self.panels.len().clamp(2, ACROSS) as f64;
         let below = TOP + ROW * self.panels.len().div_ceil(ACROSS) as f64 + 6.0;
         let mut svg = Svg::new(width, below + 42.0);
-        let subtitle = HeadingLine { text: self.subtitle, max_chars: (width / 7.5) as usize };
-        svg.heading(LEFT, HeadingLine { text: self.title, max_chars: 60 }, subtitle);
+        svg.heading(LEFT, self.title, 60, self.subtitle, (width / 7.5) as usize);
         let all = self.panels.iter().flat_map(|panel| panel.curves.iter().flatten());
         let largest = all.fold(0.0_f64, |max, (_, x)| max.max(x.abs()));
         let dial = |i: usize| {

@@ -3,7 +3,7 @@
 
 use super::frame::{PlotAxis, PlotFrame};
 use super::polar::{Dial, Stroke};
-use super::svg::{FIRST, Font, HeadingLine, Picture, Point, SECOND, Svg, THIRD, TextAnchor, polyline};
+use super::svg::{FIRST, Font, Picture, Point, SECOND, Svg, THIRD, TextAnchor, polyline};
 use crate::analysis::instrument::{Diagonal, RTest};
 use crate::units::significant;
 
@@ -45,7 +45,7 @@ const WAYS: [(&str, Stroke); 2] =
 /// Begins a picture of readings.
 pub(super) fn begin(title: &str, subtitle: &str, height: f64) -> Svg {
     let mut svg = Svg::new(WIDTH, height);
-    svg.heading(LEFT, HeadingLine { text: title, max_chars: 70 }, HeadingLine { text: subtitle, max_chars: 120 });
+    svg.heading(LEFT, title, 70, subtitle, 120);
     svg
 }
 

@@ -28,15 +28,6 @@ pub struct Svg {
     body: Vec<Piece>,
 }
 
-/// A line of a heading.
-#[derive(Debug, Clone, Copy)]
-pub struct HeadingLine<'a> {
-    /// Its text.
-    pub text: &'a str,
-    /// Number of characters to which it is cut.
-    pub max_chars: usize,
-}
-
 /// A piece of the body: text is kept apart, for it has two written forms.
 #[derive(Debug, Clone)]
 enum Piece {
@@ -135,11 +126,10 @@ impl Svg {
         self.body.push(Piece::Text(Text { at: at.into(), text: text.to_owned(), font, anchor, turned }));
     }
 
-    /// Draws the two lines at the top.
-    pub fn heading(&mut self, left: f64, title: HeadingLine<'_>, subtitle: HeadingLine<'_>) {
-        let [title, subtitle] = [title, subtitle].map(|line| truncate(line.text, line.max_chars));
-        self.text((left, 32.0), &title, Font::bold(18.0), TextAnchor::Start, 0.0);
-        self.text((left, 54.0), &subtitle, Font::faint(13.0), TextAnchor::Start, 0.0);
+    /// Draws the two lines at the top, each cut to a number of characters.
+    pub fn heading(&mut self, left: f64, title: &str, title_room: usize, subtitle: &str, subtitle_room: usize) {
+        self.text((left, 32.0), &truncate(title, title_room), Font::bold(18.0), TextAnchor::Start, 0.0);
+        self.text((left, 54.0), &truncate(subtitle, subtitle_room), Font::faint(13.0), TextAnchor::Start, 0.0);
     }
 
     /// Returns the finished picture. `title` is the text for screen readers.

@@ -1,6 +1,6 @@
 //! Corrections of controllers by their tables, written again from their manuals and sources: own readers, which take
 //! only files as `compile` writes them, and own arithmetic, in the units that the controller counts in. Nothing here
-//! knows how the program reads or interpolates. Sources are those of docs/formats.md, line by line below.
+//! knows how the program reads or interpolates. Sources are those of docs/controls, line by line below.
 
 use std::collections::BTreeMap;
 
@@ -553,7 +553,7 @@ fn etalon(text: &str, axes: Axes, machine: &Sample) -> Option<Controller> {
     stacking::controller(errors, axes, machine)
 }
 
-/// docs/formats.md: added to the command, multilinear, held outside, whole turns of an endless axis modulo.
+/// docs/controls/lattice.md: added to the command, multilinear, held outside, whole turns of an endless axis modulo.
 fn json(text: &str, axes: Axes) -> Option<Controller> {
     let grid: serde_json::Value = serde_json::from_str(text).ok()?;
     let columns: Vec<&str> = grid["columns"].as_array()?.iter().map(|c| c.as_str()).collect::<Option<_>>()?;

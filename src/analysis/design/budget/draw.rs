@@ -24,6 +24,7 @@ pub const HARMONICS: usize = 6;
 
 /// The distribution of an error between its bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum Distribution {
     /// Uniform: standard deviation tolerance / sqrt 3 (GUM 4.3.7).

@@ -9,6 +9,7 @@ use std::ops::Range;
 
 /// The statistic of one machine's deviations over the poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "snake_case")]
 pub enum Statistic {
     /// The largest.

@@ -1,6 +1,7 @@
 //! Layouts of exports as tables of rules: the words of titles and labels, and their meanings.
 //!
-//! [`GENERAL`] holds for any instrument. The layout of a particular instrument is another [`ExportLayout`] of this kind.
+//! [`GENERAL`] holds for any instrument. The layout of a particular instrument is another [`ExportLayout`] of this
+//! kind.
 
 use super::form::TableForm;
 use crate::syntax::ColumnDirection::{self, Forward, Reverse};
@@ -51,8 +52,8 @@ pub(super) struct ExportLayout {
     readings: &'static [&'static str],
     /// Words of numbered runs.
     runs: &'static [&'static str],
-    /// Words of titles that are no readings of an error, separated by blanks: statistics, the environment, notes. One of
-    /// them in a title is enough.
+    /// Words of titles that are no readings of an error, separated by blanks: statistics, the environment, notes. One
+    /// of them in a title is enough.
     others: &'static str,
     /// Rules of directions; a word stands before its own beginnings and ends.
     directions: &'static [DirectionRule],

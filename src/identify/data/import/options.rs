@@ -2,16 +2,18 @@
 
 /// The sign of the values of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum FileContents {
-    /// Actual minus nominal.
+    /// Actual minus target.
     Errors,
-    /// Nominal minus actual.
+    /// Target minus actual.
     Corrections,
 }
 
 /// Approach of runs without a direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum RunApproach {
     /// All from the same side.
@@ -22,9 +24,10 @@ pub enum RunApproach {
 
 /// Line of a straightness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum StraightnessLine {
-    /// Line of least squares.
+    /// Line of least squares over the targets.
     #[default]
     LeastSquares,
     /// Through the first and the last target.
