@@ -77,7 +77,7 @@ pub fn convert(machine: &Machine, request: &ConversionRequest) -> Result<Convers
     parts.geometry.forget_other_sides(&machine.sides());
     let turned = |axis: &Axis| turns_over(machine, axis, request);
     for (axis, grid) in parts.axes.iter_mut().zip(&mut parts.volume).filter(|(axis, _)| turned(axis)) {
-        *axis = mirrored(axis);
+        *axis = mirror(axis);
         *grid = Grid { min: -grid.max, max: -grid.min, ..*grid };
     }
     let constants = Constants::of(machine);
@@ -97,7 +97,7 @@ fn turns_over(machine: &Machine, axis: &Axis, request: &ConversionRequest) -> bo
     axis.branch == Branch::Workpiece && wanted != machine.conventions().workpiece_axes && axis.sense != wanted
 }
 
-fn mirrored(axis: &Axis) -> Axis {
+fn mirror(axis: &Axis) -> Axis {
     let travel = match axis.travel {
         Travel::Range(min, max) => Travel::Range(-max, -min),
         Travel::Continuous => Travel::Continuous,
@@ -120,15 +120,17 @@ fn tolerances(machine: &Machine, axis: usize, errors: &ComponentErrors<'_>) -> R
     match bounded {
         Some((_, direction, _)) if errors.mixes() => {
             let id = ErrorId { axis: machine.axes()[axis].name.clone(), family: ErrorFamily::Component, direction };
-            Err(only_bounded(&id.to_string()))
+            Err(tolerance_refusal(&id.to_string()))
         }
-        None if errors.mixes() && [false, true].into_iter().any(framed) => Err(only_bounded(&format!("{name} across"))),
+        None if errors.mixes() && [false, true].into_iter().any(framed) => {
+            Err(tolerance_refusal(&format!("{name} across")))
+        }
         _ => Ok(()),
     }
 }
 
 /// The refusal of a tolerance that would have to become part of other errors.
-fn only_bounded(what: &str) -> Diagnostic {
+fn tolerance_refusal(what: &str) -> Diagnostic {
     let message = format!("`{what}` is only bounded by a tolerance, and would become part of several other errors");
     let help = "give it a value, leave it out, or keep the convention that it would have to change";
     Diagnostic::new(codes::E0527, message).help(help)

@@ -1,7 +1,6 @@
 //! A single value as written: a bare number or text such as `12 um`.
 
-use super::forms::{Forms, forms};
-use serde::{Deserialize, Deserializer};
+use super::forms::{Forms, deserialize_by_forms};
 use std::fmt;
 
 /// A number without, or a text with, a unit.
@@ -31,8 +30,4 @@ impl Forms for Scalar {
     }
 }
 
-impl<'de> Deserialize<'de> for Scalar {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        forms(deserializer)
-    }
-}
+deserialize_by_forms!(Scalar);

@@ -49,7 +49,7 @@ pub fn map(
     if poses.len() > MAX_POSES {
         return Err(TooManyPoses(poses.len()));
     }
-    Ok(Map::of(deviations(field, (poses, 0..poses.len()), view, progress)))
+    Ok(Map::of(deviations(field, poses, 0..poses.len(), view, progress)))
 }
 
 impl Map {
@@ -63,7 +63,8 @@ impl Map {
 /// Returns a field's deviations at a range of poses: to the bit the same on any number of threads, and in any range.
 pub(crate) fn deviations(
     field: &dyn Field,
-    (poses, range): (&Poses, Range<usize>),
+    poses: &Poses,
+    range: Range<usize>,
     view: View,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Vec<Deviation> {

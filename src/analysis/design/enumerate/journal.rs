@@ -1,16 +1,16 @@
 //! Results walk by walk as text: a line that identifies the study, then a line for each round and walk. Parts of a
 //! study, made on other machines or before an interruption, are put together from these.
 
-use super::ranking::Row;
+use super::ranking::ArrangementRow;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What one round gives of an arrangement.
+/// Result of one round for an arrangement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Record {
+pub struct RoundRecord {
     /// The arrangement; without a result, which needs all rounds.
-    pub row: Row,
+    pub row: ArrangementRow,
     /// Position error of each machine drawn in the round, in their order, um; by the errors given a single one.
     pub values: Vec<f64>,
     /// The ranked value of the machine as its file has it, on the same tool poses and all machines drawn so far, um;
@@ -35,7 +35,7 @@ pub struct Journal {
     /// Number of walks.
     pub steps: usize,
     /// Records of the finished walks.
-    pub done: BTreeMap<RoundStep, Vec<Record>>,
+    pub done: BTreeMap<RoundStep, Vec<RoundRecord>>,
 }
 
 /// The reason why text is not a journal.
@@ -57,10 +57,10 @@ struct Head {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Step {
+struct JournalStep {
     round: usize,
     step: usize,
-    records: Vec<Record>,
+    records: Vec<RoundRecord>,
 }
 
 /// Version of the text's form.
@@ -73,7 +73,7 @@ impl Journal {
     }
 
     /// Returns the records of a round with their walks, walk by walk.
-    pub fn round(&self, round: usize) -> impl Iterator<Item = (usize, &Record)> {
+    pub fn round(&self, round: usize) -> impl Iterator<Item = (usize, &RoundRecord)> {
         let range = RoundStep { round, step: 0 }..RoundStep { round: round + 1, step: 0 };
         self.done.range(range).flat_map(|(at, records)| records.iter().map(|record| (at.step, record)))
     }
@@ -83,7 +83,7 @@ impl Journal {
         let head = Head { abbe_enumerate: FORM.to_owned(), fingerprint: self.fingerprint.clone(), steps: self.steps };
         let mut text = serde_json::json!(head).to_string() + "\n";
         for (RoundStep { round, step }, records) in &self.done {
-            let step = Step { round: *round, step: *step, records: records.clone() };
+            let step = JournalStep { round: *round, step: *step, records: records.clone() };
             text += &serde_json::json!(step).to_string();
             text.push('\n');
         }
@@ -101,7 +101,7 @@ impl Journal {
         }
         let mut journal = Self::new(head.fingerprint, head.steps);
         for (number, line) in lines {
-            let Step { round, step, records } =
+            let JournalStep { round, step, records } =
                 serde_json::from_str(line).map_err(|e| failure(number, e.to_string()))?;
             if step >= journal.steps {
                 return Err(failure(number, format!("walk {step} of {}", journal.steps)));
