@@ -150,7 +150,7 @@ pub fn compiled(file: &MachineFile, options: &CompileOptions, files: &dyn Files)
 }
 
 fn nodes(file: &MachineFile, name: &str) {
-    let Some(target) = ControllerTarget::embedded(name) else { return };
+    let Some(target) = ControllerTarget::builtin(name) else { return };
     if target.manifest.kinematics().is_some() || target.refusal(file).is_some() {
         return;
     }

@@ -62,7 +62,8 @@ pub struct ComparedBands {
 pub(crate) fn field_bands(
     field: &dyn Field,
     poses: &Poses,
-    (whole, besides): (Statistics, &[usize]),
+    whole: Statistics,
+    besides: &[usize],
     conditions: OperatingConditions,
     seed: u64,
 ) -> Option<Bands> {
@@ -73,7 +74,7 @@ pub(crate) fn field_bands(
     }
     let places: Vec<Pose> = band_places(poses.len(), besides).into_iter().map(|i| poses.get(i)).collect();
     let values = places.par_iter().map(|pose| field.deviation(&conditions.at(pose))).collect();
-    let deviations = UncertainDeviations::of(machine, &parts, (&places, values, whole), conditions);
+    let deviations = UncertainDeviations::of(machine, &parts, &places, values, whole, conditions);
     bands(&[deviations], seed).0.pop()
 }
 
@@ -81,7 +82,8 @@ pub(crate) fn field_bands(
 pub(crate) fn compared_bands(
     sides: &[(&Machine, Vec<Pose>)],
     comparison: &Comparison,
-    (conditions, seed): (OperatingConditions, u64),
+    conditions: OperatingConditions,
+    seed: u64,
 ) -> Option<Vec<ComparedBands>> {
     let parts = uncertain_parts(sides.iter().map(|(machine, _)| *machine));
     if parts.is_empty() {
@@ -90,7 +92,7 @@ pub(crate) fn compared_bands(
     let places = band_places(comparison.common.len(), &[]);
     let one = |((machine, _), side): (&(&Machine, Vec<Pose>), &MachineResult)| {
         let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|i| side.reached[*i].clone()).unzip();
-        UncertainDeviations::of(machine, &parts, (&poses, values, side.statistics), conditions)
+        UncertainDeviations::of(machine, &parts, &poses, values, side.statistics, conditions)
     };
     let machines: Vec<UncertainDeviations> = sides.iter().zip(&comparison.machines).map(one).collect();
     let (own, differences) = bands(&machines, seed);

@@ -23,19 +23,21 @@ mod uncertainty;
 mod volume;
 
 pub use closed_form::{
-    Effect, Equations, Interactions, LocationSet, Meaning, Naming, Options, Status, Symbol, equations, interactions,
+    Equations, Interactions, LocationSet, Naming, Options, ProductEffect, Status, Symbol, SymbolMeaning, equations,
+    interactions,
 };
 pub use design::{
     Comparison, ErrorContribution, ErrorStatistics, MachineResult, UnreachableCount, budget, compare, contributions,
     enumerate, error_statistics,
 };
 pub use inverse::{
-    DirectionKind, Excess, Inverse, Miss, Needs, ToolDirections, ToolPose, Unreachable, attitude, branches,
-    direction_gap, excess, inverse, inverse_all, place, placed_by_rotary_axes, rest, tool_pose,
+    DirectionKind, Inverse, Miss, Needs, ToolDirections, ToolPose, TravelExcess, Unreachable, attitude, branches,
+    direction_gap, excess, inverse, inverse_all, place, rest, rotary_axes_place_tip, tool_pose,
 };
 pub use uncertainty::{Bands, SummaryBand, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
 pub(crate) use volume::deviations;
 pub use volume::{
-    Block, Diagonal, Lever, MAX_POSES, MAX_SURVEYED, Map, MapFailure, Plane, PlaneNodes, ReachGrid, Survey, SurveyTask,
-    View, Work, arm_shares, body_diagonals, deviation_in, levers, map, reach, space_axes, survey, survey_with_rows,
+    DiagonalRun, Lever, MAX_POSES, MAX_SURVEYED, Map, MapFailure, Plane, PlaneNodes, ReachGrid, Survey, SurveyBlock,
+    SurveyTask, View, Work, arm_shares, body_diagonals, deviation_in, levers, map, reach, space_axes, survey,
+    survey_with_rows,
 };

@@ -70,7 +70,9 @@ impl UncertainDeviations {
     pub fn of(
         machine: &Machine,
         parts: &[UncertainPart],
-        (poses, values, whole): (&[Pose], Vec<Deviation>, Statistics),
+        poses: &[Pose],
+        values: Vec<Deviation>,
+        whole: Statistics,
         conditions: OperatingConditions,
     ) -> Self {
         let own = machine.uncertain_parts();
@@ -86,7 +88,7 @@ impl UncertainDeviations {
     }
 
     /// Figures with so much of each part added, in standard uncertainties.
-    fn with(&self, amounts: &[f64]) -> Figures {
+    fn with(&self, amounts: &[f64]) -> DeviationFigures {
         let mut moved = self.values.clone();
         for (amount, part) in amounts.iter().zip(&self.parts).filter(|(amount, _)| **amount != 0.0) {
             for (value, effect) in moved.iter_mut().zip(part) {
@@ -99,12 +101,12 @@ impl UncertainDeviations {
 }
 
 /// Largest, mean, rms and 95 % value, of positions, then of rotations.
-type Figures = [f64; 8];
+type DeviationFigures = [f64; 8];
 
 /// An interval about each of them.
-type Intervals = [[f64; 2]; 8];
+type FigureIntervals = [[f64; 2]; 8];
 
-fn figures(statistics: &Statistics) -> Figures {
+fn figures(statistics: &Statistics) -> DeviationFigures {
     let four = |s: &Summary| [s.max, s.mean, s.rms, s.p95];
     let ([a, b, c, d], [e, f, g, h]) = (four(&statistics.position_um), four(&statistics.rotation_urad));
     [a, b, c, d, e, f, g, h]
@@ -148,20 +150,23 @@ pub fn band_places(count: usize, besides: &[usize]) -> Vec<usize> {
 /// the parts that both their files state. `seed` is that of the draws.
 pub fn bands(machines: &[UncertainDeviations], seed: u64) -> (Vec<Bands>, Vec<Bands>) {
     let count = machines.first().map_or(0, |machine| machine.parts.len());
-    let at_rest: Vec<Figures> = machines.iter().map(|machine| machine.with(&[])).collect();
+    let at_rest: Vec<DeviationFigures> = machines.iter().map(|machine| machine.with(&[])).collect();
     // Of each machine, then of each less that of the first.
-    let moved = |amounts: &[f64]| -> Vec<Figures> {
-        let own: Vec<Figures> = machines.iter().zip(&at_rest).map(|(m, rest)| minus(&m.with(amounts), rest)).collect();
+    let moved = |amounts: &[f64]| -> Vec<DeviationFigures> {
+        let own: Vec<DeviationFigures> =
+            machines.iter().zip(&at_rest).map(|(m, rest)| minus(&m.with(amounts), rest)).collect();
         own.iter().copied().chain(own.iter().map(|figures| minus(figures, &own[0]))).collect()
     };
-    let whole: Vec<Figures> = machines.iter().map(|machine| figures(&machine.whole)).collect();
+    let whole: Vec<DeviationFigures> = machines.iter().map(|machine| figures(&machine.whole)).collect();
     let (straight, reach) = first_order(count, &moved);
     let bent = |(figure, reach): (&f64, &f64)| *reach > figure.abs() * STRAIGHT;
     let drawn = whole.iter().zip(&reach).any(|(figures, reach)| figures.iter().zip(reach).any(bent));
     let changes = if drawn { by_draws(count, seed, &moved) } else { straight };
     let (own, differences) = changes.split_at(machines.len().min(changes.len()));
-    let band = |(machine, (figures, intervals)): (&UncertainDeviations, (Figures, &Intervals)), least: f64| {
-        let ends: Intervals = std::array::from_fn(|i| intervals[i].map(|change| (figures[i] + change).max(least)));
+    let band = |(machine, (figures, intervals)): (&UncertainDeviations, (DeviationFigures, &FigureIntervals)),
+                least: f64| {
+        let ends: FigureIntervals =
+            std::array::from_fn(|i| intervals[i].map(|change| (figures[i] + change).max(least)));
         let four = |i: usize| SummaryBand { max: ends[i], mean: ends[i + 1], rms: ends[i + 2], p95: ends[i + 3] };
         Bands { parts: count, poses: machine.values.len(), drawn, position_um: four(0), rotation_urad: four(4) }
     };
@@ -171,13 +176,16 @@ pub fn bands(machines: &[UncertainDeviations], seed: u64) -> (Vec<Bands>, Vec<Ba
     (own, differences)
 }
 
-fn minus(of: &Figures, from: &Figures) -> Figures {
+fn minus(of: &DeviationFigures, from: &DeviationFigures) -> DeviationFigures {
     std::array::from_fn(|i| of[i] - from[i])
 }
 
 /// Changes of figures to first order: minus and plus the expanded uncertainty, k = 2. Beside them the larger change of
 /// either sign, expanded likewise: a length near zero grows whichever way it is moved.
-fn first_order(count: usize, moved: &(impl Fn(&[f64]) -> Vec<Figures> + Sync)) -> (Vec<Intervals>, Vec<Figures>) {
+fn first_order(
+    count: usize,
+    moved: &(impl Fn(&[f64]) -> Vec<DeviationFigures> + Sync),
+) -> (Vec<FigureIntervals>, Vec<DeviationFigures>) {
     let both = |k: usize| {
         let mut amounts = vec![0.0; count];
         amounts[k] = 1.0;
@@ -185,7 +193,7 @@ fn first_order(count: usize, moved: &(impl Fn(&[f64]) -> Vec<Figures> + Sync)) -
         amounts[k] = -1.0;
         (up, moved(&amounts))
     };
-    let changes: Vec<(Vec<Figures>, Vec<Figures>)> = (0..count).into_par_iter().map(both).collect();
+    let changes: Vec<(Vec<DeviationFigures>, Vec<DeviationFigures>)> = (0..count).into_par_iter().map(both).collect();
     let expanded = |m: usize, i: usize, of: fn(f64, f64) -> f64| {
         let parts = changes.iter().map(|(up, down)| of(up[m][i], down[m][i]));
         2.0 * parts.map(|x| x * x).sum::<f64>().sqrt()
@@ -198,13 +206,17 @@ fn first_order(count: usize, moved: &(impl Fn(&[f64]) -> Vec<Figures> + Sync)) -
 }
 
 /// Changes of figures between which the middle 95 % of the draws lie.
-fn by_draws(count: usize, seed: u64, moved: &(impl Fn(&[f64]) -> Vec<Figures> + Sync)) -> Vec<Intervals> {
+fn by_draws(
+    count: usize,
+    seed: u64,
+    moved: &(impl Fn(&[f64]) -> Vec<DeviationFigures> + Sync),
+) -> Vec<FigureIntervals> {
     let one = |sample: usize| {
         let mut normals = Normals::new(seed, sample as u64);
         let amounts: Vec<f64> = (0..count).map(|_| normals.next()).collect();
         moved(&amounts)
     };
-    let all: Vec<Vec<Figures>> = (0..DRAWS).into_par_iter().map(one).collect();
+    let all: Vec<Vec<DeviationFigures>> = (0..DRAWS).into_par_iter().map(one).collect();
     let interval = |m: usize, i: usize| {
         let mut values: Vec<f64> = all.iter().map(|figures| figures[m][i]).collect();
         values.sort_unstable_by(f64::total_cmp);

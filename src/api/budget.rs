@@ -2,7 +2,7 @@
 
 use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
-use crate::analysis::budget::{Bound, Draws, Request, budget_of_drawn, budget_poses};
+use crate::analysis::budget::{Bound, Draws, Request, budget_from_samples, budget_poses};
 use crate::diagnostic::Diagnostics;
 use crate::job::machine_file::MachineFile;
 use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
@@ -213,7 +213,7 @@ pub(crate) fn budget_of(
     let request = work.request(machine, options, (&bounds, at.as_deref()));
     let drawn = budget_parts::merged(call, options.division(&options.drawn_by()), request)?;
     let steps = if drawn.is_some() { 0 } else { 2 * options.samples };
-    let budget = call.stage(steps, |advance| budget_of_drawn(request, drawn, advance))?;
+    let budget = call.stage(steps, |advance| budget_from_samples(request, drawn, advance))?;
     let goal = match options.goal_mm {
         Some(goal_mm) => Some(goal(call, machine, options.goal_inputs(), (&bounds, &work.poses), goal_mm)?),
         None => None,

@@ -230,8 +230,7 @@ fn side_by_side(
     call.checked()?;
     // Figures from bounds have no uncertainty: they are one.
     let measured = bounded.iter().all(Option::is_none);
-    let uncertainty =
-        if measured { compared_bands(&sides, &comparison, (options.approach.into(), seed)) } else { None };
+    let uncertainty = if measured { compared_bands(&sides, &comparison, options.approach.into(), seed) } else { None };
     let machines = (0..files.len()).map(|i| compared_machine(files, &comparison, order(&files[i]), (i, &bounded)));
     let travel = |(i, missed): (usize, &Option<Vec<_>>)| {
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))

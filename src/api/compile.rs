@@ -2,8 +2,8 @@
 
 use super::certificate::CertificateReport;
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Effect, Limits, Lock, NAMES, RenderedFile, TablesUnderTest, certify,
-    certify_kinematics,
+    Certificate, ControllerEffect, ControllerTarget, Depth, Limits, Lock, NAMES, RenderedFile, TablesUnderTest,
+    certify, certify_kinematics,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::Field;
@@ -127,12 +127,12 @@ fn module(
     let limits = options.max_correction;
     let set = module_set::rendered(call, file, target, ModuleRequest { orientation, limits, before })?;
     let depth = Depth { poses: options.poses, seed: options.seed };
-    let certificate = certify_kinematics(file, target, (&set.module, &set.beside), depth);
-    call.extend(limits.exceeded_by(&certificate));
+    let certificate = certify_kinematics(file, target, &set.module, &set.beside, depth);
+    call.extend(limits.module_excesses(&certificate));
     call.extend(verdict::warnings(&certificate));
     call.checked()?;
     let goal = if orientation { "correct pose" } else { "correct position" };
-    let effect = Effect::Module(Box::new(set.module), set.beside);
+    let effect = ControllerEffect::Module(Box::new(set.module), set.beside);
     Ok(compiled(
         (file, target),
         vec![goal.to_owned()],
@@ -159,7 +159,7 @@ fn compiled(
 /// option: who wrote its manifest knows.
 pub(crate) fn refuse_unverified(call: &mut Call, target: &ControllerTarget, accepted: bool) -> Result<(), Refused> {
     let name = &target.manifest.target;
-    if accepted || !target.manifest.unverified() || !NAMES.contains(&&**name) {
+    if accepted || !target.manifest.rests_on_memory() || !NAMES.contains(&&**name) {
         return Ok(());
     }
     let message = format!("the format of `{name}` is known from memory only: {}", target.manifest.caution());

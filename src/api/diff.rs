@@ -80,7 +80,7 @@ pub fn diff(
         };
         let ((old, of_old), (new, of_new)) = (found(old)?, found(new)?);
         call.checked()?;
-        let added = [of_old.added(file, &old), of_new.added(file, &new)];
+        let added = [of_old.addition(file, &old), of_new.addition(file, &new)];
         let mut axes: Vec<Vec<f64>> = vec![Vec::new(); file.axes().len()];
         let mut moved = Vec::new();
         for pose in random_poses(file, options.poses, options.seed) {

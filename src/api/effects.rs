@@ -1,7 +1,7 @@
 //! Effects beside deviations: of errors one by one and two by two, and motions of the axes that undo the errors.
 
 use crate::algebra::difference;
-use crate::analysis::{Effect, Interactions, Inverse, interactions};
+use crate::analysis::{Interactions, Inverse, ProductEffect, interactions};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::random_poses;
 use crate::job::poses::AxisPositions;
@@ -40,7 +40,7 @@ pub struct Neglected {
 
 impl Neglected {
     fn of(interactions: &Interactions) -> Self {
-        let (position_mm, rotation_rad) = interactions.neglected();
+        let (position_mm, rotation_rad) = interactions.neglected_bound();
         Self { position_mm, rotation_rad }
     }
 
@@ -93,9 +93,9 @@ pub(crate) fn effects(
     Ok((at.iter().map(one).collect(), neglected))
 }
 
-fn list(effects: &[Effect]) -> Vec<ErrorEffect> {
+fn list(effects: &[ProductEffect]) -> Vec<ErrorEffect> {
     let row = |v: &Vector3<f64>| [v.x + 0.0, v.y + 0.0, v.z + 0.0];
-    let one = |effect: &Effect| ErrorEffect {
+    let one = |effect: &ProductEffect| ErrorEffect {
         error: effect.errors.join("*"),
         deviation: row(&effect.deviation),
         rotation: row(&effect.rotation),
@@ -124,5 +124,5 @@ pub(crate) fn inverse(
         let sum = difference(by, 0.0);
         (axis.name.to_string(), if axis.kind == AxisKind::Rotary { sum.to_degrees() } else { sum } + 0.0)
     };
-    Ok(problem.moved().iter().zip(&by).map(displacement).collect())
+    Ok(problem.moving_axes().iter().zip(&by).map(displacement).collect())
 }

@@ -3,21 +3,20 @@
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{Bound, Statistic, Verdict, VersusFirst, known};
 use crate::analysis::enumerate::{
-    Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, Ranking, RoundCount, RoundStep, Rounds, Row, Rule, RuleFailure,
-    Standing, Standings, Study, StudyEnd, TooMany, Walk, ranked, standings, walks,
+    ArrangementRow, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, Ranking, RoundCount, RoundStep, Rounds, Rule,
+    RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk, rank, standings, walks,
 };
 use crate::analysis::{UnreachableCount, Work};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::job::machine_file::MachineFile;
 use crate::job::tool_poses::{self, ReachedToolPoses};
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Answer, Call, Count, Refused, Run, sha256};
 use crate::shards::study::{self, StudyFile};
 use indexmap::IndexMap;
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
-use sha2::{Digest, Sha256};
 use std::path::PathBuf;
 
 /// Options of [`enumerate`].
@@ -221,7 +220,7 @@ fn chains<S: Serializer>(list: &[Arrangement], serializer: S) -> Result<S::Ok, S
 }
 
 impl Arrangement {
-    fn new(row: Row, rank: Option<usize>) -> Self {
+    fn new(row: ArrangementRow, rank: Option<usize>) -> Self {
         let result = row.result;
         let judged = result.filter(|_| row.standing == Standing::Judged);
         Self {
@@ -311,7 +310,7 @@ fn studied(
     };
     let begun = study::begun(call, options.state.as_deref(), empty)?;
     let begun = study::merged(call, &options.merge, begun)?;
-    let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work).sized(options.size);
+    let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work).with_travel(options.size);
     let end = match computed(call, options, (&study, &rounds), (begun, file))? {
         Computed::End(end) => end,
         Computed::Part(progress) => return Ok(EnumerateResult::Part(progress)),
@@ -320,10 +319,10 @@ fn studied(
         return call.refuse(nothing_reached(machine));
     }
     let (class, class_source) = class.unzip();
-    let Ranking { ranked, short, not_stated, cannot_turn } = ranked(end.rows, end.reach);
+    let Ranking { ranked, short, not_stated, cannot_turn } = rank(end.rows, end.reach);
     let max_samples = rounds.sizes().last().copied().unwrap_or(options.samples);
     let drawn = (by == JudgedBy::Budget).then(|| RankingRounds::new(options, max_samples, (end.rounds, end.told)));
-    let unranked = |rows: Vec<Row>| rows.into_iter().map(|row| Arrangement::new(row, None)).collect();
+    let unranked = |rows: Vec<ArrangementRow>| rows.into_iter().map(|row| Arrangement::new(row, None)).collect();
     Ok(EnumerateResult::Ranked(Box::new(RankedArrangements {
         machine: machine.name().to_owned(),
         chain: machine.chain().to_string(),
@@ -483,7 +482,7 @@ fn fingerprint(
     let listed = if options.tool_poses.is_some() { format!(" {work:?}") } else { String::new() };
     let drawn = (options.rotary, options.poses, options.seed, options.tolerances.statistic);
     let text = format!("{} {machine:?} {rules:?} {bounds} {drawn:?}{listed}", env!("CARGO_PKG_VERSION"));
-    Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    sha256(text.as_bytes())
 }
 
 /// Walks with the numbers of axes on the table; `None` for all.

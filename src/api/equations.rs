@@ -4,7 +4,7 @@ use super::algebra;
 use crate::algebra::symbolic::Symbolic;
 use crate::algebra::weil::Monomial;
 use crate::algebra::{Algebra, Htm};
-use crate::analysis::{Equations, Meaning, Naming, Options, Symbol, equations as closed_forms};
+use crate::analysis::{Equations, Naming, Options, Symbol, SymbolMeaning, equations as closed_forms};
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::Frame;
 use crate::job::machine_file::MachineFile;
@@ -183,14 +183,14 @@ fn polynomial(polynomial: &Symbolic, symbols: &[Symbol]) -> Polynomial {
 fn symbol(machine: &Machine, symbol: &Symbol) -> EquationSymbol {
     let axis = |index: usize| machine.axes()[index].name.as_str();
     let (kind, of) = match symbol.meaning {
-        Meaning::Error(source, _) => {
+        SymbolMeaning::Error(source, _) => {
             let all = crate::lower::named_sources(machine);
             ("error", all.iter().find(|g| g.source == source).map_or(String::new(), |g| g.name.clone()))
         }
-        Meaning::Position(i) => ("position", axis(i).to_owned()),
-        Meaning::Sine(i) => ("sine", axis(i).to_owned()),
-        Meaning::Cosine(i) => ("cosine", axis(i).to_owned()),
-        Meaning::ToolLength => ("tool_length", "Z".to_owned()),
+        SymbolMeaning::Position(i) => ("position", axis(i).to_owned()),
+        SymbolMeaning::Sine(i) => ("sine", axis(i).to_owned()),
+        SymbolMeaning::Cosine(i) => ("cosine", axis(i).to_owned()),
+        SymbolMeaning::ToolLength => ("tool_length", "Z".to_owned()),
     };
     let Symbol { text, latex, .. } = symbol;
     EquationSymbol { symbol: text.clone(), kind, of, sign: symbol.sign(), latex: latex.clone() }

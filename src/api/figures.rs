@@ -67,7 +67,7 @@ pub fn figures(
         }
         let sheet = read_sheet(path.as_ref(), run.files, &mut call.diagnostics).ok_or(Refused)?;
         let table = ReadingsTable::of(&sheet).or_else(|refusal| call.refuse(refusal))?;
-        let unused = table.unused(match options.test {
+        let unused = table.unused_columns(match options.test {
             StandardTest::Circle => TableUse::Circle,
             StandardTest::Rotation | StandardTest::Drift => TableUse::Probes,
             StandardTest::Diagonals => TableUse::Diagonals,
@@ -81,6 +81,6 @@ pub fn figures(
             StandardTest::Drift => drift(&table, &setup).map(TestFigures::Drift),
             StandardTest::Diagonals => diagonals(&table).map(TestFigures::Diagonals),
         };
-        found.or_else(|refusal| call.refuse(table.refused(refusal)))
+        found.or_else(|refusal| call.refuse(table.refusal(refusal)))
     })
 }

@@ -190,7 +190,7 @@ fn read(call: &mut Call<'_>, path: &Path) -> Result<CostModel, Refused> {
     let files = call.run.files;
     let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };
     let written = from_yaml::<CostModel>(&text).map_err(Reason::new);
-    match written.and_then(CostModel::checked) {
+    match written.and_then(CostModel::validate) {
         Ok(model) => Ok(model),
         Err(failure) => call.refuse(refused(&path.display().to_string(), &failure)),
     }

@@ -6,9 +6,9 @@ use super::map_result::{BodyDiagonal, MapOptions, MapPoses, MapResult, Uncompens
 use super::map_tables::{MapTable, Tables};
 use crate::analysis::figure_bands::field_bands;
 use crate::analysis::{
-    self, Diagonal, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, deviations, rest,
+    self, DiagonalRun, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, deviations, rest,
 };
-use crate::controller::{ControllerTarget, Depth, Effect};
+use crate::controller::{ControllerEffect, ControllerTarget, Depth};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::evaluate::{CompiledField, Deviation, Field, Order, Poses, Tally, worst};
 use crate::file_set::effect::named_effect;
@@ -84,7 +84,7 @@ pub(crate) fn computed(
     range: Range<usize>,
     view: View,
 ) -> Result<Vec<Deviation>, Refused> {
-    call.stage(range.len(), |advance| deviations(field, (poses, range), view, advance))
+    call.stage(range.len(), |advance| deviations(field, poses, range, view, advance))
 }
 
 /// Intervals of a body diagonal.
@@ -134,7 +134,7 @@ fn volume(
     let before_field = replayed.is_some().then_some(&bare as &dyn Field);
     let subject = Subject { field, state: &state, before: before_field };
     let drawn = options.picture.as_ref().zip(place.as_ref());
-    let picture = drawn.map(|(picture, place)| picture.picture(place, &subject, (view, order)));
+    let picture = drawn.map(|(picture, place)| picture.picture(place, &subject, view, order));
     let features = tool_poses.as_ref().map(|reached| features(field, reached, view, replayed.is_none()));
     let features = features.unwrap_or_default();
     let bounds_add = added(call, machine, settings, tool_poses.as_ref().map(|reached| reached.poses.as_slice()))?;
@@ -142,7 +142,7 @@ fn volume(
     let result = result(&rows, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
     let besides: Vec<usize> = survey.worst.iter().map(|(i, _)| *i).collect();
-    let uncertainty = field_bands(field, &poses, (survey.statistics, &besides), view.conditions, options.seed);
+    let uncertainty = field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed);
     let target = options.target.clone();
     Ok(MapResult { picture, tool_poses, features, bounds_add, target, uncompensated, uncertainty, ..result })
 }
@@ -156,7 +156,7 @@ fn compensation(
     machine: &Machine,
     options: &MapOptions,
     order: Order,
-) -> Result<Option<(ControllerTarget, Effect)>, Refused> {
+) -> Result<Option<(ControllerTarget, ControllerEffect)>, Refused> {
     let Some(name) = &options.target else { return Ok(None) };
     if order != Order::Exact {
         return call
@@ -195,7 +195,7 @@ fn found(
     Ok(Survey { statistics, worst })
 }
 
-fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[Diagonal]) -> MapResult {
+fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[DiagonalRun]) -> MapResult {
     let Rows { machine, poses, .. } = *rows;
     let worst = |(i, deviation): &(usize, Deviation)| WorstPose {
         axes: axis_positions(machine, &poses.get(*i)),
@@ -203,7 +203,7 @@ fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[Diagonal]) -> MapResult
         deviation_um: (deviation.position * 1e3).map(|x| x + 0.0).into(),
         length_um: deviation.position.norm() * 1e3,
     };
-    let diagonal = |d: &Diagonal| {
+    let diagonal = |d: &DiagonalRun| {
         let [from, to] = [&d.ends[0], &d.ends[1]].map(|pose| axis_positions(machine, pose));
         let deviations_um = d.deviations.iter().map(|x| x * 1e3 + 0.0).collect();
         let (length_mm, range_um) = (d.length, d.range() * 1e3);

@@ -1,6 +1,6 @@
 //! Tables of a map: every pose with its deviation, written side by side while the map is made.
 
-use crate::analysis::{Block, Survey, SurveyTask, survey, survey_with_rows};
+use crate::analysis::{Survey, SurveyBlock, SurveyTask, survey, survey_with_rows};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::report::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream};
 use crate::run::finite::not_finite;
@@ -61,7 +61,7 @@ impl<'a> Tables<'a> {
             let first = k * BLOCK;
             let rows = self.rows;
             let pairs = block.iter().enumerate().map(|(i, values)| (rows.poses.get(first + i), *values));
-            let block = rows.prepared(&self.forms, first, pairs);
+            let block = rows.prepare(&self.forms, first, pairs);
             self.put(&block)?;
         }
         self.finish()
@@ -73,7 +73,7 @@ impl<'a> Tables<'a> {
             return call.stage(task.poses.len(), |advance| survey(task, advance));
         }
         let (rows, forms) = (self.rows, self.forms.clone());
-        let make = |block: Block<'_>| rows.prepared(&forms, block.first, block.rows());
+        let make = |block: SurveyBlock<'_>| rows.prepare(&forms, block.first, block.rows());
         let mut failure = None;
         let mut put = |block: RowBlock| {
             failure = self.put(&block).err();

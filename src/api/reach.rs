@@ -2,8 +2,8 @@
 
 use super::text::parse_length;
 use crate::analysis::{
-    DirectionKind, Miss, ReachGrid, ToolDirections, Unreachable, UnreachableCount, placed_by_rotary_axes,
-    reach as reached,
+    DirectionKind, Miss, ReachGrid, ToolDirections, Unreachable, UnreachableCount, reach as reached,
+    rotary_axes_place_tip,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::job::machine_file::MachineFile;
@@ -149,7 +149,7 @@ pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run<'_>) -> Result
 }
 
 fn found(call: &mut Call<'_>, machine: &Machine, options: &ReachOptions) -> Result<ReachResult, Refused> {
-    let robot = placed_by_rotary_axes(machine);
+    let robot = rotary_axes_place_tip(machine);
     let region = region(call, machine, options)?;
     let count = options.directions.unwrap_or(if robot { 6 } else { 60 });
     if !(1..=ReachOptions::MAX).contains(&count) {

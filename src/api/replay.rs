@@ -1,7 +1,7 @@
 //! Corrections of a controller at single positions, with which a test of a real controller compares.
 
 use super::verify::{VerifyOptions, opened, tables};
-use crate::controller::{AssignedAxis, Replay, assigned_letters, by_number};
+use crate::controller::{AssignedAxis, Replay, axis_letters, by_number};
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
 use crate::file_set::table_set::FoundTables;
 use crate::job::machine_file::MachineFile;
@@ -90,7 +90,7 @@ pub fn replay(
         }
         let (FoundTables { target, tables, .. }, _) = tables(call, file, folder, set, options)?;
         let replay = Replay::new(file, &target, &tables);
-        let letters = assigned_letters(file, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        let letters = axis_letters(file, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
         positions.iter().map(|at| added(call, file, &replay, &letters, at)).collect()
     })
 }
@@ -114,5 +114,5 @@ fn added(
     };
     let mut command = vec![0.0; file.axes().len()];
     command[*axis] = at.position;
-    Ok(replay.added(&at.approach.at(&command))[*axis])
+    Ok(replay.addition(&at.approach.at(&command))[*axis])
 }

@@ -54,7 +54,7 @@ pub fn targets() -> Vec<TargetSummary> {
 
 /// Returns one of them.
 pub(crate) fn target(name: &str) -> Option<TargetSummary> {
-    ControllerTarget::embedded(name).map(|target| TargetSummary::of(&target))
+    ControllerTarget::builtin(name).map(|target| TargetSummary::of(&target))
 }
 
 impl TargetSummary {

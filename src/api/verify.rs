@@ -2,7 +2,7 @@
 
 use super::certificate::CertificateReport;
 use super::compose;
-use crate::controller::{Depth, Effect, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics};
+use crate::controller::{ControllerEffect, Depth, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::file_set::differences::{warn_edited, warn_other_inputs, warn_other_tool};
 use crate::file_set::folder::Folder;
@@ -126,10 +126,10 @@ fn module(
     let request = ModuleRequest { before, ..ModuleRequest::plain(how.orientation()) };
     let (module, beside) = module_set::found(call, file, target, folder, request, texts)?;
     let depth = Depth { poses: options.poses, seed: options.seed };
-    let certificate = certify_kinematics(file, target, (&module, &beside), depth);
+    let certificate = certify_kinematics(file, target, &module, &beside, depth);
     call.extend(verdict::warnings(&certificate));
     call.checked()?;
     let names = texts.iter().map(|text: &ReadBack| text.found.clone()).collect();
-    let effect = Effect::Module(Box::new(module), beside);
+    let effect = ControllerEffect::Module(Box::new(module), beside);
     Ok(CertificateReport::new(file, target, certificate, (&*effect.field(file, target), depth), names))
 }

@@ -17,7 +17,7 @@ pub(super) const TEMPLATE_SECONDS: u64 = 10;
 const STACK: usize = 16 << 20;
 
 /// True if the command line names a folder with templates.
-pub(super) fn wanted(arguments: &[OsString]) -> bool {
+pub(super) fn is_wanted(arguments: &[OsString]) -> bool {
     let named = |argument: &OsString| {
         let text = argument.to_string_lossy();
         text == "--templates" || text.starts_with("--templates=")

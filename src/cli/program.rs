@@ -95,18 +95,18 @@ pub fn run(arguments: impl Iterator<Item = OsString>) -> ExitCode {
     };
     if cli.global.template_child {
         confined::limit();
-        return confined::on_large_stack(move || finished(cli));
+        return confined::on_large_stack(move || exit_code(cli));
     }
-    if confined::wanted(&arguments) {
+    if confined::is_wanted(&arguments) {
         let done = confined::run(&arguments, Session::new(cli.global.clone()));
         if let Some(code) = done {
             return code;
         }
     }
-    finished(cli)
+    exit_code(cli)
 }
 
-fn finished(cli: Cli) -> ExitCode {
+fn exit_code(cli: Cli) -> ExitCode {
     threads::start(cli.global.jobs);
     let mut session = Session::new(cli.global);
     let outcome = dispatch(&mut session, cli.verb);

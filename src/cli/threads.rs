@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 
 /// Starts the pool with so many threads, in the thread that does the run. The results are the same with any number.
 pub(super) fn start(jobs: Option<u16>) {
-    let pool = match waiting(wanted(jobs)).filter(|threads| !threads.is_empty()) {
+    let pool = match waiting(thread_count(jobs)).filter(|threads| !threads.is_empty()) {
         // Once the pool has begun to start threads of its own, it cannot do without one that fails to start.
         Some(mut waiting) => {
             let count = waiting.len();
@@ -24,7 +24,7 @@ pub(super) fn start(jobs: Option<u16>) {
 }
 
 /// Returns the number of threads: what the option or rayon's variable asks for, or that of the processors.
-fn wanted(jobs: Option<u16>) -> usize {
+fn thread_count(jobs: Option<u16>) -> usize {
     let variable = || std::env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.parse().ok());
     let named = jobs.map(usize::from).or_else(variable);
     let processors = || std::thread::available_parallelism().map_or(1, usize::from);

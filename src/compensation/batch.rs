@@ -1,6 +1,6 @@
 //! Corrections of many poses at once: the iteration of [`correct()`](super::correct()) on the compiled evaluator.
 
-use super::correct::{MAX_STEPS, SMALL_STEP, settled};
+use super::correct::{MAX_STEPS, SMALL_STEP, is_settled};
 use super::{Corrected, Correction, Jacobian, Scope};
 use crate::evaluate::{Columns, CompiledModel, PoseColumns};
 use crate::machine::Pose;
@@ -52,7 +52,7 @@ pub(super) fn correct_all_from(
         }
         evaluate(&open, &mut residual)?;
         for (i, pose) in open.iter_mut().enumerate() {
-            pose.closed |= small[i] || settled(&residual.get(i), scope);
+            pose.closed |= small[i] || is_settled(&residual.get(i), scope);
         }
         if open.iter().all(|pose| pose.closed) {
             break;

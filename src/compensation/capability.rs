@@ -197,13 +197,13 @@ pub struct TableRules {
     #[serde(alias = "max_nodes")]
     pub max_points: usize,
     /// Maximum number of tables.
-    #[serde(default = "unlimited")]
+    #[serde(default = "no_limit")]
     pub max_tables: usize,
     /// Maximum number of tables that correct the same axis.
-    #[serde(default = "unlimited")]
+    #[serde(default = "no_limit")]
     pub max_tables_per_output: usize,
     /// Maximum number of points on one axis of a table.
-    #[serde(default = "unlimited")]
+    #[serde(default = "no_limit")]
     pub max_points_per_axis: usize,
     /// The spacing of the points.
     #[serde(default, with = "serde_yaml::with::singleton_map")]
@@ -307,7 +307,7 @@ pub struct LatticeRules {
     pub corrects_rotary: bool,
 }
 
-fn unlimited() -> usize {
+fn no_limit() -> usize {
     usize::MAX
 }
 
@@ -332,7 +332,7 @@ impl TableRules {
     }
 
     /// Returns the smallest magnification that `does` accepts, or else the largest there is.
-    fn magnified(&self, does: impl Fn(f64) -> bool) -> f64 {
+    fn min_magnification(&self, does: impl Fn(f64) -> bool) -> f64 {
         let max = self.max_magnification();
         if max <= 1 {
             return 1.0;
@@ -347,7 +347,7 @@ impl TableRules {
         let within = |number: f64| self.largest.is_none_or(|max| number.abs() <= max);
         let stored = |i: usize, c: f64, times: f64| round(c * scales[i % width] / times, decimals);
         let all = |times: f64| table.values.iter().enumerate().all(|(i, c)| within(stored(i, *c, times)));
-        let times = self.magnified(all);
+        let times = self.min_magnification(all);
         let rounded = table.values.iter().enumerate().map(|(i, c)| stored(i, *c, times) * times / scales[i % width]);
         table.values = rounded.collect();
     }
@@ -363,7 +363,7 @@ impl TableRules {
             let within = self.largest.is_none_or(|max| places.abs() <= max * last + ROUNDING);
             within && (places - libm::round(places)).abs() < ROUNDING
         };
-        self.magnified(|times| table.values.iter().enumerate().all(|(i, c)| kept(c * scales[i % width], times)))
+        self.min_magnification(|times| table.values.iter().enumerate().all(|(i, c)| kept(c * scales[i % width], times)))
     }
 
     /// Stored units in one mm or deg of each corrected axis.

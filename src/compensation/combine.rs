@@ -1,7 +1,7 @@
 //! Tables on top of tables: a machine measured with tables in force needs the old ones plus the new.
 
 use super::curves::straight;
-use super::{CorrectionTable, CorrectionTables, ErrorCurve};
+use super::{AxisErrorCurve, CorrectionTable, CorrectionTables};
 
 /// Look-up of the first table's correction at the nodes of the second, over the same axes, node by node; true if
 /// approached in reverse.
@@ -32,23 +32,23 @@ impl CorrectionTables {
                 Some(curve) => add(curve, other),
                 None => {
                     let same =
-                        |curve: &&ErrorCurve| curve.error.axis == other.error.axis && !curve.positions.is_empty();
+                        |curve: &&AxisErrorCurve| curve.error.axis == other.error.axis && !curve.positions.is_empty();
                     let beside = self.errors.iter().find(same).filter(|_| !other.positions.is_empty());
-                    let curve = beside.map_or_else(|| other.clone(), |beside| other.resampled(&beside.positions));
+                    let curve = beside.map_or_else(|| other.clone(), |beside| other.resample(&beside.positions));
                     self.errors.push(curve);
                 }
             }
         }
-        self.merged()
+        self.merge()
     }
 }
 
-fn add(curve: &mut ErrorCurve, other: &ErrorCurve) {
+fn add(curve: &mut AxisErrorCurve, other: &AxisErrorCurve) {
     curve.values.iter_mut().zip(&curve.positions).for_each(|(value, q)| *value += other.value(*q, false));
 }
 
 /// Positions and more of them, rising; none if that makes too many.
-fn united(positions: &[f64], more: &[f64], max: usize) -> Option<Vec<f64>> {
+fn union(positions: &[f64], more: &[f64], max: usize) -> Option<Vec<f64>> {
     let mut all = [positions, more].concat();
     all.sort_by(f64::total_cmp);
     all.dedup();
@@ -58,7 +58,7 @@ fn united(positions: &[f64], more: &[f64], max: usize) -> Option<Vec<f64>> {
 impl CorrectionTable {
     /// Puts points into a table over one axis without changing what it adds, if it then has at max `max` points.
     pub fn add_points(&mut self, more: &[f64], max: usize) {
-        let Some(nodes) = united(&self.nodes[0], more, max) else { return };
+        let Some(nodes) = union(&self.nodes[0], more, max) else { return };
         for values in std::iter::once(&mut self.values).chain(&mut self.reverse) {
             *values = nodes.iter().map(|q| straight(&self.nodes[0], values, *q)).collect();
         }
@@ -66,18 +66,18 @@ impl CorrectionTable {
     }
 }
 
-impl ErrorCurve {
+impl AxisErrorCurve {
     /// The same for a curve; a constant has no points.
     pub fn add_points(&mut self, more: &[f64], max: usize) {
         if self.positions.is_empty() {
             return;
         }
-        let Some(positions) = united(&self.positions, more, max) else { return };
-        *self = self.resampled(&positions);
+        let Some(positions) = union(&self.positions, more, max) else { return };
+        *self = self.resample(&positions);
     }
 
     /// The curve on other positions, straight between its own.
-    fn resampled(&self, positions: &[f64]) -> Self {
+    fn resample(&self, positions: &[f64]) -> Self {
         let values = positions.iter().map(|q| straight(&self.positions, &self.values, *q)).collect();
         Self { error: self.error.clone(), positions: positions.to_vec(), values }
     }

@@ -28,14 +28,15 @@ pub fn correct(machine: &Machine, at: &OperatingPoint<'_>, scope: Scope) -> Corr
     let mut correction = Correction::none(machine);
     let nominal = NominalPose::at(machine, at.axes).pose;
     let jacobian = Jacobian::at(machine, at.axes);
-    let deviation =
-        |correction: &Correction| command_deviation(machine, &nominal, &at.conditions.at(&correction.applied(at.axes)));
+    let deviation = |correction: &Correction| {
+        command_deviation(machine, &nominal, &at.conditions.at(&correction.corrected_command(at.axes)))
+    };
     let mut residual = deviation(&correction);
     for _ in 0..MAX_STEPS {
         let step = jacobian.correction(&residual, &correction, scope);
         correction.0.iter_mut().zip(&step.0).for_each(|(c, s)| *c += s);
         residual = deviation(&correction);
-        if step.0.iter().all(|s| s.abs() < SMALL_STEP) || settled(&residual, scope) {
+        if step.0.iter().all(|s| s.abs() < SMALL_STEP) || is_settled(&residual, scope) {
             break;
         }
     }
@@ -43,6 +44,6 @@ pub fn correct(machine: &Machine, at: &OperatingPoint<'_>, scope: Scope) -> Corr
 }
 
 /// True if the residual is far below any controller's increment in all that the scope corrects.
-pub(super) fn settled(residual: &Deviation, scope: Scope) -> bool {
+pub(super) fn is_settled(residual: &Deviation, scope: Scope) -> bool {
     scope.goal == Goal::Position && residual.position.amax() < 1e-10
 }

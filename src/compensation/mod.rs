@@ -35,7 +35,7 @@ pub use correct::{Corrected, correct};
 pub use increment::Increment;
 pub use jacobian::Jacobian;
 pub use lattice::{LatticeRequest, lattice};
-pub use own_axis::{own_axis_table, resampled, reversal_tables};
+pub use own_axis::{own_axis_table, reversal_tables, thinned_axes};
 pub use parameters::{AssumedAxis, MachinePart, ParameterRules, ParameterVector, RotaryPlacement};
 pub use plan::{lacking, tables};
 pub use product::TABLES_OF_A_PRODUCT;
@@ -43,5 +43,5 @@ pub use room::Crowded;
 pub use scope::{Correction, Goal, Scope};
 pub use single_error::{SetLayout, single_errors};
 pub use tables::{
-    CorrectionTable, CorrectionTables, ErrorCurve, Factors, LatticeCells, SingleErrorTables, SingleErrors,
+    AxisErrorCurve, CorrectionTable, CorrectionTables, Factors, LatticeCells, SingleErrorTables, SingleErrors,
 };

@@ -2,6 +2,7 @@
 
 use super::{Spacing, TableRules};
 use crate::machine::{AxisKind, Curve, Direction, ErrorTerm, Machine, Travel};
+use crate::units::Interval;
 use std::collections::BinaryHeap;
 
 /// Intervals of a table over a rotary axis that carries sines: 5 deg leave a thousandth of them.
@@ -17,15 +18,15 @@ const LINE: f64 = 1000.0;
 const CANDIDATES: usize = 4;
 
 /// Positions that a table over an axis covers.
-pub(super) fn interval(machine: &Machine, axis: usize, rules: &TableRules) -> (f64, f64) {
+pub(super) fn interval(machine: &Machine, axis: usize, rules: &TableRules) -> Interval {
     match machine.axes()[axis].travel {
-        Travel::Continuous => rules.continuous,
-        Travel::Range(min, max) => (min, max),
+        Travel::Continuous => Interval::new(rules.continuous.0, rules.continuous.1),
+        Travel::Range(min, max) => Interval::new(min, max),
     }
 }
 
 /// The curves that a table over an axis holds.
-pub(super) struct Curves<'a> {
+pub(super) struct AxisCurves<'a> {
     pub machine: &'a Machine,
     pub axis: usize,
     /// Selects the errors of the axis that count.
@@ -34,7 +35,7 @@ pub(super) struct Curves<'a> {
     pub sines: bool,
 }
 
-impl Curves<'_> {
+impl AxisCurves<'_> {
     fn all(&self) -> impl Iterator<Item = &Curve> {
         let terms = Direction::ALL.into_iter().filter(|d| (self.counts)(*d));
         let component = |d: Direction| match self.machine.axis_errors(self.axis).component[d.index()].as_ref() {
@@ -50,13 +51,13 @@ impl Curves<'_> {
     }
 
     /// Knots within an interval, ends included; periodic ones are repeated.
-    pub fn knots(&self, (min, max): (f64, f64)) -> Vec<f64> {
-        let mut all = vec![min, max];
+    pub fn knots(&self, range: Interval) -> Vec<f64> {
+        let mut all = vec![range.min, range.max];
         for knots in self.all().filter_map(Curve::knots) {
             let period = knots.period().unwrap_or(0.0);
-            let turns = if period > 0.0 { libm::ceil((max - min) / period) as i32 + 1 } else { 0 };
+            let turns = if period > 0.0 { libm::ceil(range.span() / period) as i32 + 1 } else { 0 };
             let shifted = |turn: i32| knots.positions().iter().map(move |q| q + f64::from(turn) * period);
-            all.extend((-turns..=turns).flat_map(shifted).filter(|q| (min..=max).contains(q)));
+            all.extend((-turns..=turns).flat_map(shifted).filter(|q| range.contains(*q)));
         }
         all.sort_by(f64::total_cmp);
         all.dedup();
@@ -65,13 +66,15 @@ impl Curves<'_> {
 
     /// Positions of the table's points. Where they are free and the knots too many, the points with the smallest
     /// residual between them stay.
-    pub fn positions(&self, rules: &TableRules, columns: &Columns) -> Vec<f64> {
+    pub fn positions(&self, rules: &TableRules, columns: &ColumnValues) -> Vec<f64> {
         let kind = self.machine.axes()[self.axis].kind;
-        let (min, max) = interval(self.machine, self.axis, rules);
+        let travel = interval(self.machine, self.axis, rules);
         let range = match rules.spacing {
-            Spacing::Stepped | Spacing::PowerOfTwo(_) => (rules.increment.position(min, kind), max),
-            Spacing::Anchored => (min.min(0.0), max.max(0.0)),
-            _ => (min, max),
+            Spacing::Stepped | Spacing::PowerOfTwo(_) => {
+                Interval { min: rules.increment.position(travel.min, kind), ..travel }
+            }
+            Spacing::Anchored => Interval::new(travel.min.min(0.0), travel.max.max(0.0)),
+            _ => travel,
         };
         let max_points = rules.max_points.min(rules.max_points_per_axis);
         let min_step = rules.increment.min_position(kind);
@@ -80,21 +83,23 @@ impl Curves<'_> {
         let positions = match rules.spacing {
             Spacing::Free => self.free(range, max_points, rules, columns),
             Spacing::Equal => equal(range, max_points),
-            Spacing::Stepped => self.stepped(range, step(self.step(range, max_points - 1)), max_points),
-            Spacing::Anchored if turns => anchored(range, step(self.step(range, max_points.saturating_sub(3).max(1)))),
+            Spacing::Stepped => self.steps(range, step(self.step(range, max_points - 1)), max_points),
+            Spacing::Anchored if turns => {
+                multiples_over(range, step(self.step(range, max_points.saturating_sub(3).max(1))))
+            }
             Spacing::Anchored => {
-                anchored(range, step(self.anchored_step(range, max_points.saturating_sub(3).max(1), min_step)))
+                multiples_over(range, step(self.anchored_step(range, max_points.saturating_sub(3).max(1), min_step)))
             }
             Spacing::PowerOfTwo(unit) => {
-                let wanted = (range.1 - range.0) / (max_points - 1) as f64 / unit;
-                self.stepped(range, unit * libm::exp2(libm::ceil(libm::log2(wanted) - 1e-9).max(0.0)), max_points)
+                let wanted = range.span() / (max_points - 1) as f64 / unit;
+                self.steps(range, unit * libm::exp2(libm::ceil(libm::log2(wanted) - 1e-9).max(0.0)), max_points)
             }
             Spacing::Line => vec![0.0, LINE],
         };
         rules.increment.distinct(positions, kind)
     }
 
-    fn free(&self, range: (f64, f64), max_points: usize, rules: &TableRules, columns: &Columns) -> Vec<f64> {
+    fn free(&self, range: Interval, max_points: usize, rules: &TableRules, columns: &ColumnValues) -> Vec<f64> {
         let knots = self.knots(range);
         if self.straight() && (2..=max_points).contains(&knots.len()) {
             return knots;
@@ -111,10 +116,10 @@ impl Curves<'_> {
     }
 
     /// Returns the step of equal distances, in at most `max_intervals`: one that meets the knots if there is one.
-    fn step(&self, (min, max): (f64, f64), max_intervals: usize) -> f64 {
-        let knots = self.knots((min, max));
-        let regular = (max - min) / (knots.len() - 1) as f64;
-        let meets = knots.iter().enumerate().all(|(i, q)| (q - min - i as f64 * regular).abs() < 1e-6 * regular);
+    fn step(&self, range: Interval, max_intervals: usize) -> f64 {
+        let knots = self.knots(range);
+        let regular = range.span() / (knots.len() - 1) as f64;
+        let meets = knots.iter().enumerate().all(|(i, q)| (q - range.min - i as f64 * regular).abs() < 1e-6 * regular);
         let rotary = self.machine.axes()[self.axis].kind == AxisKind::Rotary;
         let wanted = match (self.straight(), rotary && self.sines) {
             (true, _) => 1,
@@ -122,12 +127,12 @@ impl Curves<'_> {
             (false, false) => SMOOTH_INTERVALS,
         };
         let intervals = if meets { (knots.len() - 1) * wanted.div_ceil(knots.len() - 1) } else { SMOOTH_INTERVALS };
-        (max - min) / intervals.min(max_intervals).max(1) as f64
+        range.span() / intervals.min(max_intervals).max(1) as f64
     }
 
     /// Returns the largest step whose multiples from 0 meet the knots, or else the ends, in at most `max_intervals`.
     /// Where the ends are not met, the rest between the last multiple and the end would count for a whole step.
-    fn anchored_step(&self, (min, max): (f64, f64), max_intervals: usize, min_step: f64) -> f64 {
+    fn anchored_step(&self, range: Interval, max_intervals: usize, min_step: f64) -> f64 {
         let whole = |ratio: f64| (ratio - libm::round(ratio)).abs() < 1e-6;
         let (fine, max_intervals) = (SMOOTH_INTERVALS.min(max_intervals), (2 * SMOOTH_INTERVALS).min(max_intervals));
         let wanted = match (self.straight(), self.sines && self.machine.axes()[self.axis].kind == AxisKind::Rotary) {
@@ -136,30 +141,30 @@ impl Curves<'_> {
             (false, false) => fine,
         };
         let meets = |step: f64, points: &[f64]| whole(step / min_step) && points.iter().all(|q| whole(q / step));
-        let knots = self.knots((min, max));
-        let of = |intervals: usize| (max - min) / intervals as f64;
+        let knots = self.knots(range);
+        let of = |intervals: usize| range.span() / intervals as f64;
         let first = (wanted..=max_intervals).map(of).find(|step| meets(*step, &knots));
         let ends = || {
             (fine..=max_intervals)
                 .chain((wanted.max(fine / 2)..fine).rev())
                 .map(of)
-                .find(|step| meets(*step, &[min, max]))
+                .find(|step| meets(*step, &[range.min, range.max]))
         };
         first.or_else(ends).unwrap_or(of(fine))
     }
 
-    fn stepped(&self, (min, max): (f64, f64), step: f64, max_points: usize) -> Vec<f64> {
-        let count = (libm::ceil((max - min) / step - 1e-9).max(1.0) as usize + 1).min(max_points);
-        (0..count).map(|i| min + i as f64 * step).collect()
+    fn steps(&self, range: Interval, step: f64, max_points: usize) -> Vec<f64> {
+        let count = (libm::ceil(range.span() / step - 1e-9).max(1.0) as usize + 1).min(max_points);
+        (0..count).map(|i| range.min + i as f64 * step).collect()
     }
 }
 
 /// A step of whole increments, not less than the one wanted; within a turn one that divides it.
-fn whole_step(wanted: f64, min_step: f64, turn: Option<(f64, f64)>) -> f64 {
+fn whole_step(wanted: f64, min_step: f64, turn: Option<Interval>) -> f64 {
     const DIVISORS: [f64; 14] = [0.25, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0];
     let rounded = min_step * libm::ceil(wanted / min_step - 1e-6);
-    let divides = |step: f64, (min, max): (f64, f64)| {
-        let intervals = (max - min) / step;
+    let divides = |step: f64, range: Interval| {
+        let intervals = range.span() / step;
         (intervals - libm::round(intervals)).abs() < 1e-9 * intervals
     };
     match turn {
@@ -168,36 +173,30 @@ fn whole_step(wanted: f64, min_step: f64, turn: Option<(f64, f64)>) -> f64 {
     }
 }
 
-fn equal((min, max): (f64, f64), points: usize) -> Vec<f64> {
+fn equal(range: Interval, points: usize) -> Vec<f64> {
     let last = (points - 1) as f64;
-    (0..points).map(|i| min + (max - min) * (i as f64 / last)).collect()
+    (0..points).map(|i| range.min + range.span() * (i as f64 / last)).collect()
 }
 
 /// Multiples of the step that cover a range.
-fn anchored((min, max): (f64, f64), step: f64) -> Vec<f64> {
-    let (first, last) = (libm::floor(min / step + 1e-9) as i64, libm::ceil(max / step - 1e-9) as i64);
+fn multiples_over(range: Interval, step: f64) -> Vec<f64> {
+    let (first, last) = (libm::floor(range.min / step + 1e-9) as i64, libm::ceil(range.max / step - 1e-9) as i64);
     (first..=last).map(|i| i as f64 * step).collect()
 }
 
 /// Returns `count` multiples of a step, up to the first one not below the range's end; over a turn, `count` and one.
-pub(super) fn rolling(
-    (min, max): (f64, f64),
-    count: usize,
-    turn: bool,
-    rules: &TableRules,
-    kind: AxisKind,
-) -> Vec<f64> {
+pub(super) fn rolling(range: Interval, count: usize, turn: bool, rules: &TableRules, kind: AxisKind) -> Vec<f64> {
     if turn {
-        return equal((min, max), count + 1);
+        return equal(range, count + 1);
     }
-    let (min, max, min_step) = (min.min(0.0), max.max(0.0), rules.increment.min_position(kind));
+    let (min, max, min_step) = (range.min.min(0.0), range.max.max(0.0), rules.increment.min_position(kind));
     let step = min_step * libm::ceil((max - min) / count.saturating_sub(2).max(1) as f64 / min_step - 1e-6);
     let last = libm::ceil(max / step - 1e-9) as i64;
     (last + 1 - count as i64..=last).map(|i| i as f64 * step).collect()
 }
 
 /// Values in the columns of a table at a position, and the number that the controller stores for a value.
-pub(super) struct Columns<'a> {
+pub(super) struct ColumnValues<'a> {
     pub value: &'a dyn Fn(f64) -> Vec<f64>,
     pub stored: &'a dyn Fn(f64) -> f64,
 }

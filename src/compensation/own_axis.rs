@@ -1,7 +1,7 @@
 //! Own-axis tables: each axis corrects its own positioning error.
 
 use super::jacobian::against;
-use super::nodes::{Columns, Curves, interval};
+use super::nodes::{AxisCurves, ColumnValues, interval};
 use super::{CorrectionTable, CorrectionTables, TableRules};
 use crate::algebra::skew_vector;
 use crate::evaluate::Deviation;
@@ -68,11 +68,11 @@ fn table_of(
         false => vec![at(q, Approach::Mean)],
     };
     let counts = own(machine, axis);
-    let curves = Curves { machine, axis, counts: &counts, sines: false };
+    let curves = AxisCurves { machine, axis, counts: &counts, sines: false };
     let positions = positions.unwrap_or_else(|| {
         let kind = machine.axes()[axis].kind;
         let stored = |c: f64| rules.increment.correction(c, kind);
-        curves.positions(rules, &Columns { value: &row, stored: &stored })
+        curves.positions(rules, &ColumnValues { value: &row, stored: &stored })
     });
     let rows: Vec<Vec<f64>> = positions.iter().map(|q| row(*q)).collect();
     let values = rows.iter().map(|row| row[0]).collect();
@@ -97,7 +97,7 @@ pub fn reversal_tables(machine: &Machine, rules: &TableRules) -> CorrectionTable
     all.quantise(machine, |_| Some(&rules.increment));
     let zero = |values: &Vec<f64>| values.iter().all(|c| *c == 0.0);
     all.tables.retain(|table| !(zero(&table.values) && table.reverse.as_ref().is_none_or(zero)));
-    all.merged()
+    all.merge()
 }
 
 /// Solves actual(q + c) = nominal(q) for c: the controller looks its table up at the command q.
@@ -113,10 +113,10 @@ fn own_correction(machine: &Machine, axis: usize, position: f64, conditions: Ope
 
 /// Returns the axes whose measured points do not fit into the tables, with their number of points: the points that
 /// matter most are kept.
-pub fn resampled(machine: &Machine, rules: &TableRules) -> Vec<(usize, usize)> {
+pub fn thinned_axes(machine: &Machine, rules: &TableRules) -> Vec<(usize, usize)> {
     let count = |axis: usize| {
         let counts = own(machine, axis);
-        let curves = Curves { machine, axis, counts: &counts, sines: false };
+        let curves = AxisCurves { machine, axis, counts: &counts, sines: false };
         (axis, curves.knots(interval(machine, axis, rules)).len())
     };
     (0..machine.axes().len()).map(count).filter(|(_, n)| *n > rules.max_points).collect()

@@ -8,7 +8,7 @@
 
 use super::batch::correct_all_from;
 use super::curves::{error_curves, straight};
-use super::nodes::{Columns, Curves, interval, rolling};
+use super::nodes::{AxisCurves, ColumnValues, interval, rolling};
 use super::product::{self, TABLES_OF_A_PRODUCT};
 use super::sum::{Demand, Filler, Traits};
 use super::{
@@ -17,10 +17,11 @@ use super::{
 };
 use crate::evaluate::{CompiledModel, Order};
 use crate::machine::{Approach, AxisKind, Direction, ErrorTerm, Machine, OperatingPoint, Pose};
+use crate::units::Interval;
 
 /// Fills the tables of the mechanisms and rounds them to their increments.
 pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> CorrectionTables {
-    let mut tables = filled(machine, mechanisms, request);
+    let mut tables = fill(machine, mechanisms, request);
     for table in &mut tables.tables {
         if let Some(rules) = mechanisms.rules(table).filter(|rules| rules.reference == Reference::Zero) {
             vanish_at_reference(table, rules.directions == Directions::Backlash);
@@ -35,10 +36,10 @@ pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeReque
             }
         }
     }
-    tables.merged()
+    tables.merge()
 }
 
-fn filled(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> CorrectionTables {
+fn fill(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> CorrectionTables {
     if let Some(rules) = &mechanisms.error_curves {
         return CorrectionTables { errors: error_curves(machine, rules), tables: Vec::new() };
     }
@@ -82,7 +83,7 @@ fn close(table: &mut CorrectionTable, place: usize) {
 }
 
 /// Returns the corrections of own-axis tables at an operating point, straight lines between their nodes.
-pub(super) fn own_added(tables: &[CorrectionTable], at: &OperatingPoint<'_>) -> Vec<f64> {
+pub(super) fn own_axis_addition(tables: &[CorrectionTable], at: &OperatingPoint<'_>) -> Vec<f64> {
     let mut added = vec![0.0; at.axes.len()];
     for table in tables {
         let (nodes, axis) = (&table.nodes[0], table.axes[0]);
@@ -102,8 +103,8 @@ pub(super) fn own_added(tables: &[CorrectionTable], at: &OperatingPoint<'_>) -> 
 }
 
 /// Returns corrections of all axes at poses with the own-error tables in force: the linear axes correct their residual.
-fn wanted(plan: &CompiledModel, own: &[CorrectionTable], poses: &[Pose]) -> Vec<Vec<f64>> {
-    let start = |pose: &Pose| Correction(own_added(own, &plan.conditions().at(pose)));
+fn corrections_beside(plan: &CompiledModel, own: &[CorrectionTable], poses: &[Pose]) -> Vec<Vec<f64>> {
+    let start = |pose: &Pose| Correction(own_axis_addition(own, &plan.conditions().at(pose)));
     let all = correct_all_from(plan, poses, poses.iter().map(start).collect(), Scope::POSITION);
     // The plan is exact: there is always an answer.
     all.unwrap_or_default().into_iter().map(|corrected| corrected.correction.0).collect()
@@ -129,7 +130,7 @@ impl Planner<'_> {
             self.machine.axes().iter().map(|axis| self.machine.filtered(|id| id.axis == axis.name)).collect();
         let exact = |machine: &Machine, approach| CompiledModel::new(machine, Order::Exact, approach);
         let plan = exact(self.machine, Approach::Mean);
-        let mean = |poses: &[Pose]| wanted(&plan, &own, poses);
+        let mean = |poses: &[Pose]| corrections_beside(&plan, &own, poses);
         let both_models = |machine: &Machine| {
             machine
                 .is_bidirectional()
@@ -138,18 +139,18 @@ impl Planner<'_> {
         let both: Vec<Option<[CompiledModel; 2]>> = alone.iter().map(both_models).collect();
         let half = |poses: &[Pose], axis: usize| {
             let Some([forward, reverse]) = &both[axis] else { return vec![vec![0.0; both.len()]; poses.len()] };
-            let (forward, reverse) = (wanted(forward, &[], poses), wanted(reverse, &[], poses));
+            let (forward, reverse) = (corrections_beside(forward, &[], poses), corrections_beside(reverse, &[], poses));
             let half = |(f, r): (Vec<f64>, Vec<f64>)| f.iter().zip(&r).map(|(f, r)| 0.5 * (f - r)).collect();
             forward.into_iter().zip(reverse).map(half).collect()
         };
         let mut filler = Filler::new(self.machine, Demand { mean: &mean, half: &half });
         let mut sets =
             |layout: &[CorrectionTable]| filler.fill(layout, &self.traits(layout)).pop().unwrap_or_default().tables;
-        let mut layout = self.chosen(sets(&self.curve_layout()), &own);
+        let mut layout = self.choose_tables(sets(&self.curve_layout()), &own);
         if let Some(rules) = &self.mechanisms.plane {
             let trial = sets(&[layout.clone(), self.planes(rules)].concat());
             let planes: Vec<CorrectionTable> = trial.into_iter().filter(|t| t.axes.len() == 2).collect();
-            let chosen = self.limited(planes, &rules.table, self.room(&[&own, &layout]));
+            let chosen = self.limit(planes, &rules.table, self.room(&[&own, &layout]));
             let shape = GridShape::Plane(rules.grid);
             layout.extend(chosen.iter().map(|t| self.grid(&t.axes, t.corrected.clone(), &rules.table, shape, false)));
         }
@@ -211,8 +212,8 @@ impl Planner<'_> {
         let Some(rules) = self.mechanisms.own_axis.as_ref().filter(|rules| rules.every_axis) else { return };
         for axis in 0..self.machine.axes().len() {
             if !tables.iter().any(|table| table.is_own_axis() && table.axes[0] == axis) {
-                let (min, max) = interval(self.machine, axis, &rules.table);
-                tables.push(CorrectionTable::curve(axis, vec![min, max], axis, vec![0.0; 2]));
+                let range = interval(self.machine, axis, &rules.table);
+                tables.push(CorrectionTable::curve(axis, vec![range.min, range.max], axis, vec![0.0; 2]));
             }
         }
     }
@@ -263,8 +264,8 @@ impl Planner<'_> {
         let any = |_: Direction| true;
         let values = |q: f64| self.machine.component_values(axis, &q.into()).to_vec();
         let sines = self.machine.axes()[axis].kind == AxisKind::Rotary;
-        Curves { machine: self.machine, axis, counts: &any, sines }
-            .positions(rules, &Columns { value: &values, stored: &|x| x })
+        AxisCurves { machine: self.machine, axis, counts: &any, sines }
+            .positions(rules, &ColumnValues { value: &values, stored: &|x| x })
     }
 
     /// Returns the number of the controller's tables that remain beside those that are taken.
@@ -275,11 +276,11 @@ impl Planner<'_> {
     }
 
     /// Those of the filled tables that do something, as many as the rules allow, beside tables that are there already.
-    fn chosen(&self, tables: Vec<CorrectionTable>, there: &[CorrectionTable]) -> Vec<CorrectionTable> {
+    fn choose_tables(&self, tables: Vec<CorrectionTable>, there: &[CorrectionTable]) -> Vec<CorrectionTable> {
         let own = self.mechanisms.own_axis.is_some();
         let (own, cross): (Vec<_>, Vec<_>) = tables.into_iter().partition(|t| own && t.is_own_axis());
         let limit = |tables: Vec<CorrectionTable>, rules: Option<&TableRules>, room: usize| {
-            rules.map_or_else(Vec::new, |rules| self.limited(tables, rules, room))
+            rules.map_or_else(Vec::new, |rules| self.limit(tables, rules, room))
         };
         let own_rules = self.mechanisms.own_axis.as_ref().map(|own| &own.table);
         let cross_rules = self.mechanisms.cross_axis.as_ref().map(|cross| &cross.table);
@@ -289,7 +290,7 @@ impl Planner<'_> {
         all
     }
 
-    fn limited(&self, tables: Vec<CorrectionTable>, rules: &TableRules, mut room: usize) -> Vec<CorrectionTable> {
+    fn limit(&self, tables: Vec<CorrectionTable>, rules: &TableRules, mut room: usize) -> Vec<CorrectionTable> {
         let mut ranked: Vec<(f64, CorrectionTable)> =
             tables.into_iter().filter(|t| self.counts(t)).map(|t| (strength(&t), t)).collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -389,25 +390,25 @@ impl Planner<'_> {
         let max_count = libm::floor(libm::pow(rules.max_points as f64, 1.0 / axes.len() as f64) + 1e-9) as usize;
         let max_count = max_count.min(if coarse { coarse_count } else { fine });
         let few = TableRules { max_points: max_count.min(rules.max_points_per_axis), ..rules.clone() };
-        let ranges: Vec<(f64, f64)> = axes.iter().map(|axis| interval(self.machine, *axis, rules)).collect();
-        let step = ranges.iter().map(|(min, max)| (max - min) / (few.max_points - 1) as f64).fold(0.0, f64::max);
-        let nodes = axes.iter().zip(ranges).map(|(axis, (min, max))| {
+        let ranges: Vec<Interval> = axes.iter().map(|axis| interval(self.machine, *axis, rules)).collect();
+        let step = ranges.iter().map(|range| range.span() / (few.max_points - 1) as f64).fold(0.0, f64::max);
+        let nodes = axes.iter().zip(ranges).map(|(axis, range)| {
             let kind = self.machine.axes()[*axis].kind;
             if same_count {
                 let turns = self.machine.is_continuous(*axis);
-                return rules.increment.distinct(rolling((min, max), few.max_points - 1, turns, rules, kind), kind);
+                return rules.increment.distinct(rolling(range, few.max_points - 1, turns, rules, kind), kind);
             }
             let min_step = rules.increment.min_position(kind);
             let intervals = match (product && !coarse, kind) {
                 (true, AxisKind::Linear) => PRODUCT_INTERVALS,
-                (true, AxisKind::Rotary) => libm::ceil((max - min) / PRODUCT_ANGLE - 1e-9).max(2.0) as usize,
+                (true, AxisKind::Rotary) => libm::ceil(range.span() / PRODUCT_ANGLE - 1e-9).max(2.0) as usize,
                 (false, _) => usize::MAX,
             };
             let intervals = intervals.min(few.max_points - 1) as f64;
-            let step = if shape == GridShape::Plane(PlaneGrid::SameStep) { step } else { (max - min) / intervals };
+            let step = if shape == GridShape::Plane(PlaneGrid::SameStep) { step } else { range.span() / intervals };
             let step = min_step * libm::ceil(step / min_step - 1e-6);
-            let count = (libm::ceil((max - min) / step - 1e-9).max(1.0) as usize + 1).min(few.max_points);
-            let start = rules.increment.position(min, kind);
+            let count = (libm::ceil(range.span() / step - 1e-9).max(1.0) as usize + 1).min(few.max_points);
+            let start = rules.increment.position(range.min, kind);
             rules.increment.distinct((0..count).map(|i| start + i as f64 * step), kind)
         });
         CorrectionTable {

@@ -70,11 +70,11 @@ fn largest(values: &[f64], columns: usize) -> Factors {
         }
         v = (0..columns).map(|j| rows.iter().zip(&u).map(|(row, a)| row[j] * a).sum::<f64>() / square).collect();
     }
-    balanced([u, v])
+    equalise([u, v])
 }
 
 /// Both factors equally large: neither would move the machine far if it were added alone.
-fn balanced([mut u, mut v]: Factors) -> Factors {
+fn equalise([mut u, mut v]: Factors) -> Factors {
     let (a, b) = (peak(&u), peak(&v));
     if a > 0.0 && b > 0.0 {
         let scale = libm::sqrt(b / a);

@@ -27,7 +27,7 @@ impl Crowded {
 
 impl Mechanisms {
     /// Returns the first limit on the number of tables that a set exceeds.
-    pub fn crowded(&self, tables: &CorrectionTables) -> Option<Crowded> {
+    pub fn excess(&self, tables: &CorrectionTables) -> Option<Crowded> {
         let all = &tables.tables;
         for (name, rules) in self.iter() {
             let of: Vec<&CorrectionTable> = all.iter().filter(|table| self.name_of(table) == Some(name)).collect();

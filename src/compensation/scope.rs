@@ -13,7 +13,7 @@ impl Correction {
     }
 
     /// The corrected command.
-    pub fn applied(&self, pose: &[f64]) -> Vec<f64> {
+    pub fn corrected_command(&self, pose: &[f64]) -> Vec<f64> {
         pose.iter().zip(&self.0).map(|(q, c)| q + c).collect()
     }
 }

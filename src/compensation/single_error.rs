@@ -2,7 +2,7 @@
 
 use super::curves::curves_like;
 use super::jacobian::Jacobian;
-use super::plan::{Planner, own_added, vanish_at_reference};
+use super::plan::{Planner, own_axis_addition, vanish_at_reference};
 use super::sum::{Demand, Filler};
 use super::{
     Correction, CorrectionTable, CorrectionTables, Directions, LatticeCells, Mechanisms, Reference, Scope,
@@ -38,7 +38,7 @@ pub fn single_errors(machine: &Machine, layout: SetLayout) -> SingleErrors {
 }
 
 /// Errors with a value (tolerances have none), with their numbers among all.
-fn valued(machine: &Machine) -> Vec<(usize, ErrorId)> {
+fn valued_errors(machine: &Machine) -> Vec<(usize, ErrorId)> {
     let all = machine.errors().enumerate();
     all.filter(|(_, (_, term))| !matches!(term, ErrorTerm::Tolerance(_))).map(|(i, (id, _))| (i, id)).collect()
 }
@@ -49,7 +49,7 @@ fn model_curves(machine: &Machine, tables: &CorrectionTables) -> Vec<SingleError
         let errors = curves_like(&machine.filtered(|id| *id == error), &tables.errors);
         SingleErrorTables { error, tables: CorrectionTables { errors, tables: Vec::new() } }
     };
-    valued(machine).into_iter().map(alone).collect()
+    valued_errors(machine).into_iter().map(alone).collect()
 }
 
 /// Corrections of every error alone at some nodes of a lattice.
@@ -68,7 +68,7 @@ fn lattice_cells(machine: &Machine, lattice: &CorrectionTable, layout: &SetLayou
     };
     let rows: Vec<Vec<Vec<f64>>> = layout.lattice_nodes.par_iter().map(row).collect();
     let values = |index: usize| rows.iter().flat_map(|row| row[index].iter().copied()).collect();
-    let errors = valued(machine).into_iter().map(|(index, error)| (error, values(index))).collect();
+    let errors = valued_errors(machine).into_iter().map(|(index, error)| (error, values(index))).collect();
     LatticeCells { nodes: layout.lattice_nodes.to_vec(), errors }
 }
 
@@ -101,7 +101,7 @@ fn single_error_tables(
         let jacobian = Jacobian::at(machine, at.axes);
         let each = error_by_error(machine, &at).into_iter().zip(&alone);
         each.map(|((_, mut deviation), own)| {
-            let turned = Correction(own_added(own, &at));
+            let turned = Correction(own_axis_addition(own, &at));
             deviation.position += jacobian.displacement(&turned);
             jacobian.correction(&deviation, &Correction::none(machine), Scope::POSITION).0
         })
@@ -134,5 +134,5 @@ fn single_error_tables(
     }
     let mut sets: Vec<Option<CorrectionTables>> = sets.into_iter().map(Some).collect();
     let alone = |(i, error): (usize, ErrorId)| SingleErrorTables { error, tables: sets[i].take().unwrap_or_default() };
-    valued(machine).into_iter().map(alone).collect()
+    valued_errors(machine).into_iter().map(alone).collect()
 }

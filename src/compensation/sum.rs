@@ -101,7 +101,7 @@ pub(super) struct Traits {
 }
 
 /// Rows of means by the axes and the nodes that they are over.
-type Known = Vec<((Vec<usize>, Vec<Vec<f64>>), Vec<Vec<f64>>)>;
+type MeanRows = Vec<((Vec<usize>, Vec<Vec<f64>>), Vec<Vec<f64>>)>;
 
 /// Fills tables; one look at the machine serves the tables of all corrected axes over the same nodes.
 pub(super) struct Filler<'a> {
@@ -109,8 +109,8 @@ pub(super) struct Filler<'a> {
     wanted: Demand<'a>,
     background: Vec<Pose>,
     mean: Vec<f64>,
-    means: Known,
-    halves: Known,
+    means: MeanRows,
+    halves: MeanRows,
 }
 
 /// Places where a straight line is fitted.
@@ -153,7 +153,7 @@ impl<'a> Filler<'a> {
                 };
                 let wanted = self.means(table, count);
                 let left = |(node, row): (usize, &Vec<f64>)| {
-                    let taken = filled.mean(table, &moved(table, node, &self.background[..count]), row.len() / axes);
+                    let taken = filled.mean(table, &poses_at(table, node, &self.background[..count]), row.len() / axes);
                     pick(row).iter().zip(taken).map(|(wanted, taken)| wanted - taken).collect()
                 };
                 let rows: Vec<Vec<f64>> = wanted.par_iter().enumerate().map(left).collect();
@@ -179,18 +179,18 @@ impl<'a> Filler<'a> {
     /// Returns the mean demand over some of the background at each node of a table.
     fn means(&mut self, table: &CorrectionTable, count: usize) -> Vec<Vec<f64>> {
         let background = &self.background[..count];
-        known(&mut self.means, table, || effect(table, background, self.wanted.mean))
+        columns_of(&mut self.means, table, || effect(table, background, self.wanted.mean))
     }
 
     fn half(&mut self, table: &CorrectionTable) -> Vec<Vec<f64>> {
         let (axis, nodes) = (table.axes[0], &table.nodes[0]);
         let half = |poses: &[Pose]| (self.wanted.half)(poses, axis);
         let line = over(axis, nodes);
-        known(&mut self.halves, &line, || effect(&line, &self.background, &half))
+        columns_of(&mut self.halves, &line, || effect(&line, &self.background, &half))
     }
 }
 
-fn known(all: &mut Known, table: &CorrectionTable, fresh: impl FnOnce() -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+fn columns_of(all: &mut MeanRows, table: &CorrectionTable, fresh: impl FnOnce() -> Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let key = (&table.axes, &table.nodes);
     if let Some((_, rows)) = all.iter().find(|((axes, nodes), _)| (axes, nodes) == key) {
         return rows.clone();
@@ -218,15 +218,15 @@ fn line(places: &[f64], table: &CorrectionTable, rows: &[Vec<f64>]) -> Vec<Vec<f
 }
 
 /// A row of numbers at each of many poses.
-type Rows<'a> = dyn Fn(&[Pose]) -> Vec<Vec<f64>> + Sync + 'a;
+type RowsAt<'a> = dyn Fn(&[Pose]) -> Vec<Vec<f64>> + Sync + 'a;
 
 /// Poses that are solved at once, or a few more.
 const BLOCK: usize = 256;
 
 /// The mean over the background at each node of a table.
-fn effect(table: &CorrectionTable, background: &[Pose], at: &Rows) -> Vec<Vec<f64>> {
+fn effect(table: &CorrectionTable, background: &[Pose], at: &RowsAt) -> Vec<Vec<f64>> {
     let block = |numbers: &[usize]| {
-        let rows = at(&numbers.iter().flat_map(|number| moved(table, *number, background)).collect::<Vec<Pose>>());
+        let rows = at(&numbers.iter().flat_map(|number| poses_at(table, *number, background)).collect::<Vec<Pose>>());
         rows.chunks(background.len()).map(mean).collect::<Vec<_>>()
     };
     let numbers: Vec<usize> = (0..table.len()).collect();
@@ -234,7 +234,7 @@ fn effect(table: &CorrectionTable, background: &[Pose], at: &Rows) -> Vec<Vec<f6
 }
 
 /// The background with the axes of a table at one of its nodes.
-fn moved(table: &CorrectionTable, number: usize, background: &[Pose]) -> Vec<Pose> {
+fn poses_at(table: &CorrectionTable, number: usize, background: &[Pose]) -> Vec<Pose> {
     let positions = table.node(number);
     let at_node = |pose: &Pose| {
         let mut pose = pose.clone();

@@ -28,7 +28,7 @@ pub struct CorrectionTable {
 
 /// An error as a function of its axis's position, for a controller with the ISO 230-1 model.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ErrorCurve {
+pub struct AxisErrorCurve {
     /// The error.
     pub error: ErrorId,
     /// Strictly rising positions (mm or deg); none for a location error.
@@ -44,7 +44,7 @@ pub struct CorrectionTables {
     /// Tables of corrections.
     pub tables: Vec<CorrectionTable>,
     /// Curves of errors.
-    pub errors: Vec<ErrorCurve>,
+    pub errors: Vec<AxisErrorCurve>,
 }
 
 impl CorrectionTables {
@@ -161,7 +161,7 @@ impl CorrectionTables {
 
     /// Merges tables: equal values in both directions need no second column; several tables over the same nodes for the
     /// same axes become one. Sets that add the same to every command then are equal.
-    pub fn merged(self) -> Self {
+    pub fn merge(self) -> Self {
         let mut tables: Vec<CorrectionTable> = Vec::new();
         for table in self.tables {
             let same = |t: &&mut CorrectionTable| {
@@ -195,7 +195,7 @@ impl CorrectionTables {
                 tables: kept.map(|table| CorrectionTable { factors: Vec::new(), ..table }).collect(),
                 errors: all.errors.clone(),
             }
-            .merged()
+            .merge()
         };
         some(self) == some(other)
     }

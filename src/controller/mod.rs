@@ -21,16 +21,16 @@ mod replay;
 mod single_errors;
 
 pub use certificate::{
-    Certificate, CompensationDegree, Depth, Effect, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure,
+    Certificate, CompensationDegree, ControllerEffect, Depth, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure,
     SingleErrorResidual, Strongest, TablesUnderTest, ToolDirection, ZeroShift, micro,
 };
 pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile};
 pub(crate) use kinematics::{FoundLine, found_lines};
-pub use kinematics::{KinematicsModule, Model, ModuleField, Parameters, RotaryLine, Transformation};
+pub use kinematics::{KinematicsModule, ModuleField, ModuleModel, Parameters, RotaryLine, Transformation};
 pub use manifest::{
-    AssignedAxis, Certainty, Controller, ControllerTarget, NAMES, TemplateLimit, TemplateWatch, assigned_letters,
+    AssignedAxis, Certainty, Controller, ControllerTarget, NAMES, TemplateLimit, TemplateWatch, axis_letters,
     by_number, is_plain_name,
 };
 pub use read::{ReadBack, RecognisedSet, recognise};
 pub use replay::Replay;
-pub use single_errors::{certify, certify_composed, certify_kinematics};
+pub use single_errors::{certify, certify_kinematics, certify_sets};

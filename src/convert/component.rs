@@ -56,7 +56,7 @@ impl<'a> ComponentErrors<'a> {
     }
 
     /// True if the six are the same numbers as before.
-    pub fn unchanged(&self) -> bool {
+    pub fn keeps_numbers(&self) -> bool {
         let [was, is] = self.conventions.map(|convention| convention.component.inverse);
         !self.changes_side && !self.moved && was == is && self.joints[0] == self.joints[1]
     }
@@ -75,7 +75,7 @@ impl<'a> ComponentErrors<'a> {
         let at =
             if self.mirrored { conditions.reversed().at_position(-position) } else { conditions.at_position(position) };
         let old = self.machine.component_values(self.index, &at);
-        if self.unchanged() {
+        if self.keeps_numbers() {
             return old;
         }
         let [was, is] = self.conventions.map(|convention| convention.component);

@@ -1,6 +1,6 @@
 //! The constants of a walk, and their regrouping.
 
-use super::{ConversionRequest, TINY, only_bounded, regroups};
+use super::{ConversionRequest, TINY, regroups, tolerance_refusal};
 use crate::algebra::{Htm, rotation_vector, skew_vector};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::lower::{error_motion, invert_if};
@@ -72,7 +72,7 @@ impl Constants {
             return Ok(self.frames.clone());
         }
         if regroups(machine.conventions(), request) {
-            bounded(machine)?;
+            refuse_tolerances(machine)?;
         }
         match request.conventions.location {
             Location::AxisOnly => self.in_one_frame(machine, request, parts),
@@ -149,8 +149,8 @@ impl Constants {
         [first, last]: [&Htm<f64>; 2],
     ) -> Result<(), Diagnostic> {
         let joints = request.conventions.joints;
-        let setup = inverse(&seen_from(&machine.workpiece(), first));
-        parts.setup.workpiece = tidied(&six_of(&setup, joints), &machine.setup().workpiece);
+        let setup = inverse(&about(&machine.workpiece(), first));
+        parts.setup.workpiece = keep_old_numbers(&six_of(&setup, joints), &machine.setup().workpiece);
         let all = self.before.last().unwrap_or(&self.bed);
         let rest = inverse(last).compose(all);
         self.at_the_tool(machine, request, parts, &rest)
@@ -164,15 +164,15 @@ impl Constants {
         rest: &Htm<f64>,
     ) -> Result<(), Diagnostic> {
         let old = machine.spindle_errors().map(JointErrors::location_values);
-        let six = six_of(&seen_from(&machine.tool().gauge, rest), request.conventions.joints);
+        let six = six_of(&about(&machine.tool().gauge, rest), request.conventions.joints);
         let turns = six[3..].iter().any(|e| e.abs() > TINY[1]);
         if old.is_none() && !turns {
             let shifted: [f64; 3] = std::array::from_fn(|i| parts.setup.tool[i] + six[i]);
-            parts.setup.tool = tidied(&shifted, &machine.setup().tool);
+            parts.setup.tool = keep_old_numbers(&shifted, &machine.setup().tool);
             return Ok(());
         }
         let elsewhere = parts.tools.iter().find(|tool| tool.gauge != machine.tool().gauge);
-        if let (Some(tool), true) = (elsewhere, old.is_none_or(|old| tidied(&six, &old) != old)) {
+        if let (Some(tool), true) = (elsewhere, old.is_none_or(|old| keep_old_numbers(&six, &old) != old)) {
             let message =
                 format!("the spindle's errors would differ from tool to tool: `{}` has another gauge point", tool.name);
             return Err(Diagnostic::new(codes::E0529, message)
@@ -200,11 +200,11 @@ fn with_new_spindle(machine: &Machine) -> Result<KinematicChain, Diagnostic> {
 }
 
 /// A location error that is only a tolerance cannot be regrouped.
-fn bounded(machine: &Machine) -> Result<(), Diagnostic> {
+fn refuse_tolerances(machine: &Machine) -> Result<(), Diagnostic> {
     let is = |term: &ErrorTerm| matches!(term, ErrorTerm::Tolerance(_));
     match machine.errors().find(|(id, term)| id.is_location() && is(term)) {
-        Some((id, _)) => Err(only_bounded(&id.to_string())),
-        None if machine.tolerances().any_location() => Err(only_bounded("location")),
+        Some((id, _)) => Err(tolerance_refusal(&id.to_string())),
+        None if machine.tolerances().any_location() => Err(tolerance_refusal("location")),
         None => Ok(()),
     }
 }
@@ -214,12 +214,12 @@ pub(super) fn inverse(motion: &Htm<f64>) -> Htm<f64> {
 }
 
 /// A motion given in machine coordinates, with a point as origin.
-fn seen_from(point: &[f64; 3], motion: &Htm<f64>) -> Htm<f64> {
+fn about(point: &[f64; 3], motion: &Htm<f64>) -> Htm<f64> {
     Htm::about(&point.map(|x| -x), motion.clone())
 }
 
 fn at_joint(axis: &Axis, motion: &Htm<f64>) -> Htm<f64> {
-    seen_from(&axis.origin, motion)
+    about(&axis.origin, motion)
 }
 
 /// The smallest displacement that puts the axis's line of motion where this one does.
@@ -249,13 +249,13 @@ pub(super) fn six_of(motion: &Htm<f64>, joints: Joints) -> [f64; 6] {
 }
 
 /// Rounding is no error: a number that differs by rounding keeps its old value, one within rounding of zero becomes 0.
-fn tidied<const N: usize>(new: &[f64; N], old: &[f64; N]) -> [f64; N] {
+fn keep_old_numbers<const N: usize>(new: &[f64; N], old: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|i| if (new[i] - old[i]).abs() <= TINY[i / 3] { old[i] } else { new[i] })
 }
 
 /// The six location errors of a joint.
 fn locate(errors: &mut JointErrors, six: &[f64; 6]) {
-    let six = tidied(six, &errors.location_values());
+    let six = keep_old_numbers(six, &errors.location_values());
     for (slot, direction) in errors.location.iter_mut().zip(Direction::ALL) {
         let value = six[direction.index()];
         let kept = slot.as_ref().is_some_and(|term| term.value(&0.0.into()) == value);

@@ -2,7 +2,7 @@
 
 use super::component::ComponentErrors;
 use super::constants::Constants;
-use super::request::{ConversionRequest, TINY, only_bounded};
+use super::request::{ConversionRequest, TINY, tolerance_refusal};
 use super::shape::shape;
 use crate::diagnostic::Diagnostic;
 use crate::machine::{
@@ -42,7 +42,7 @@ pub fn convert(machine: &Machine, request: &ConversionRequest) -> Result<Convers
     parts.geometry.forget_other_sides(&machine.sides());
     let turned = |axis: &Axis| turns_over(machine, axis, request);
     for (axis, grid) in parts.axes.iter_mut().zip(&mut parts.volume).filter(|(axis, _)| turned(axis)) {
-        *axis = mirrored(axis);
+        *axis = mirror(axis);
         *grid = Grid { min: -grid.max, max: -grid.min, ..*grid };
     }
     let constants = Constants::of(machine);
@@ -62,7 +62,7 @@ fn turns_over(machine: &Machine, axis: &Axis, request: &ConversionRequest) -> bo
     axis.branch == Branch::Workpiece && wanted != machine.conventions().workpiece_axes && axis.sense != wanted
 }
 
-fn mirrored(axis: &Axis) -> Axis {
+fn mirror(axis: &Axis) -> Axis {
     let travel = match axis.travel {
         Travel::Range(min, max) => Travel::Range(-max, -min),
         Travel::Continuous => Travel::Continuous,
@@ -85,9 +85,11 @@ fn tolerances(machine: &Machine, axis: usize, errors: &ComponentErrors<'_>) -> R
     match bounded {
         Some((_, direction, _)) if errors.mixes() => {
             let id = ErrorId { axis: machine.axes()[axis].name.clone(), family: ErrorFamily::Component, direction };
-            Err(only_bounded(&id.to_string()))
+            Err(tolerance_refusal(&id.to_string()))
         }
-        None if errors.mixes() && [false, true].into_iter().any(framed) => Err(only_bounded(&format!("{name} across"))),
+        None if errors.mixes() && [false, true].into_iter().any(framed) => {
+            Err(tolerance_refusal(&format!("{name} across")))
+        }
         _ => Ok(()),
     }
 }

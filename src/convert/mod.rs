@@ -23,5 +23,5 @@ pub use constants::Constants;
 pub use conversion::{Change, Conversion, Misfit, changes, convert};
 pub use proof::{Proof, prove};
 pub use request::{ConversionRequest, ROUNDING};
-use request::{TINY, changes_side, only_bounded, regroups};
+use request::{TINY, changes_side, regroups, tolerance_refusal};
 pub use shape::shape;

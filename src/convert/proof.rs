@@ -65,7 +65,7 @@ fn difference(old: &Machine, new: &Machine, at: &OperatingPoint<'_>) -> [f64; 2]
     let pose = at.axes;
     let over: Vec<bool> = old.axes().iter().zip(new.axes()).map(|(a, b)| a.sign() != b.sign()).collect();
     let turned: Pose = pose.iter().zip(&over).map(|(q, over)| if *over { -q } else { *q }).collect();
-    let errors = approached(new, &at.conditions.at(&turned), &over);
+    let errors = values_at(new, &at.conditions.at(&turned), &over);
     let before = Chain::actual(old, pose, &values(old, at), &Exact).tool_in_workpiece(&old.workpiece());
     let after = Chain::actual(new, &turned, &errors, &Exact).tool_in_workpiece(&new.workpiece());
     let nominal = [(old, pose), (new, &turned[..])]
@@ -75,7 +75,7 @@ fn difference(old: &Machine, new: &Machine, at: &OperatingPoint<'_>) -> [f64; 2]
 }
 
 /// A rising position of an axis that counts in the opposite sense is a falling one.
-fn approached(machine: &Machine, at: &OperatingPoint<'_>, over: &[bool]) -> ErrorValues {
+fn values_at(machine: &Machine, at: &OperatingPoint<'_>, over: &[bool]) -> ErrorValues {
     let mut errors = values(machine, at);
     let other = values(machine, &OperatingPoint { conditions: at.conditions.reversed(), ..*at });
     for ((own, other), over) in errors.axes.iter_mut().zip(other.axes).zip(over) {

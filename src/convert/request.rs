@@ -22,7 +22,7 @@ pub struct ConversionRequest {
 }
 
 /// The refusal of a tolerance that would have to become part of other errors.
-pub(super) fn only_bounded(what: &str) -> Diagnostic {
+pub(super) fn tolerance_refusal(what: &str) -> Diagnostic {
     let message = format!("`{what}` is only bounded by a tolerance, and would become part of several other errors");
     let help = "give it a value, leave it out, or keep the convention that it would have to change";
     Diagnostic::new(codes::E0527, message).help(help)

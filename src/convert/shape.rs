@@ -8,6 +8,7 @@ use super::{ComponentErrors, ROUNDING, TINY};
 use crate::machine::{
     Approach, Axis, AxisKind, ComponentError, Curve, Direction, ErrorTerm, Knots, Travel, sin_cos_degrees,
 };
+use crate::units::Interval;
 
 /// Highest degree of a polynomial that is tried: units count to the ninth power.
 const DEGREE: usize = 8;
@@ -32,7 +33,7 @@ pub fn shape(
     within: f64,
 ) -> (Option<ErrorTerm>, f64) {
     let known = &old[direction.index()];
-    if errors.unchanged() && !errors.is_mirrored() {
+    if errors.keeps_numbers() && !errors.is_mirrored() {
         return (known.clone(), 0.0);
     }
     if let Some(ErrorTerm::Tolerance(_)) = known {
@@ -51,7 +52,7 @@ pub fn shape(
     let apart = old.iter().flatten().any(|t| matches!(t, ErrorTerm::Component(ComponentError::Bidirectional { .. })));
     if !apart {
         let (curve, size) = target.curve(Approach::Mean);
-        return (given(ComponentError::Single(curve), known.is_some()), size);
+        return (term_unless_zero(ComponentError::Single(curve), known.is_some()), size);
     }
     let ((forward, a), (reverse, b)) = (target.curve(Approach::Forward), target.curve(Approach::Reverse));
     let both = if forward == reverse {
@@ -59,11 +60,11 @@ pub fn shape(
     } else {
         ComponentError::Bidirectional { forward, reverse }
     };
-    (given(both, known.is_some()), a.max(b))
+    (term_unless_zero(both, known.is_some()), a.max(b))
 }
 
 /// An error that is nothing, and was not given, stays away.
-fn given(component: ComponentError, known: bool) -> Option<ErrorTerm> {
+fn term_unless_zero(component: ComponentError, known: bool) -> Option<ErrorTerm> {
     let nothing = |curve: &Curve| match curve {
         Curve::Polynomial(c) => c.iter().all(|c| *c == 0.0),
         Curve::Harmonics(c) => c.iter().all(|(c, s)| *c == 0.0 && *s == 0.0),
@@ -116,7 +117,7 @@ impl ConvertedForm<'_> {
     fn simple(&self, approach: Approach) -> impl Iterator<Item = Curve> {
         let (low, high) = self.axis.travel.interval();
         let (turning, ends) = (self.axis.kind == AxisKind::Rotary, self.axis.travel != Travel::Continuous);
-        let power = move |degree: usize| polynomial(|q| self.value(q, approach), (low, high), degree);
+        let power = move |degree: usize| polynomial(|q| self.value(q, approach), Interval::new(low, high), degree);
         let series = move |order: usize| harmonics(|q| self.value(q, approach), order, self.nothing * 1e-2);
         let highest = (self.highest_order() + MORE_ORDERS).min(ORDERS);
         // Over a short travel a polynomial passes for a harmonic: the straight ones come first, then harmonics.
@@ -138,7 +139,7 @@ impl ConvertedForm<'_> {
             }
         };
         let sense = if self.errors.is_mirrored() { -1.0 } else { 1.0 };
-        [1.0, -1.0].into_iter().filter_map(|sign| signed(curve, sign, sense)).collect()
+        [1.0, -1.0].into_iter().filter_map(|sign| with_sign(curve, sign, sense)).collect()
     }
 
     fn highest_order(&self) -> usize {
@@ -161,18 +162,18 @@ impl ConvertedForm<'_> {
         let tables: Vec<Vec<f64>> = self.curves().filter_map(Curve::knots).map(positions).collect();
         let (low, high) = self.axis.travel.interval();
         if tables.is_empty() {
-            return sorted(even(low, high).collect());
+            return sort(even(low, high).collect());
         }
         let all = tables.iter().flatten().copied();
         if self.axis.travel == Travel::Continuous {
-            return sorted(all.map(|q| q.rem_euclid(360.0)).chain([low, high]).collect());
+            return sort(all.map(|q| q.rem_euclid(360.0)).chain([low, high]).collect());
         }
         // Beyond its end a table holds its value: the innermost ends count.
         let min = |table: &Vec<f64>| table.iter().copied().fold(f64::INFINITY, f64::min);
         let max = |table: &Vec<f64>| table.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let first = tables.iter().map(min).fold(f64::NEG_INFINITY, f64::max);
         let last = tables.iter().map(max).fold(f64::INFINITY, f64::min);
-        sorted(all.filter(|q| (first..=last).contains(q)).chain([first, last]).collect())
+        sort(all.filter(|q| (first..=last).contains(q)).chain([first, last]).collect())
     }
 
     /// Tables through the function, with finer steps as long as that is allowed and helps.
@@ -180,7 +181,7 @@ impl ConvertedForm<'_> {
         let mut all: Vec<(Curve, f64)> = Vec::new();
         let period = (self.axis.travel == Travel::Continuous).then_some(360.0);
         for halvings in 0..=if self.finer { HALVINGS } else { 0 } {
-            let fine = halved(knots, halvings);
+            let fine = halve(knots, halvings);
             if fine.len() > LINES || fine.len() < 2 {
                 break;
             }
@@ -213,13 +214,13 @@ fn even(low: f64, high: f64) -> impl Iterator<Item = f64> {
 }
 
 /// Rising; positions nearer than rounding are one.
-fn sorted(mut list: Vec<f64>) -> Vec<f64> {
+fn sort(mut list: Vec<f64>) -> Vec<f64> {
     list.sort_by(f64::total_cmp);
     list.dedup_by(|b, a| *b - *a < 1e-9);
     list
 }
 
-fn halved(knots: &[f64], times: u32) -> Vec<f64> {
+fn halve(knots: &[f64], times: u32) -> Vec<f64> {
     let parts = 1_u32 << times;
     let between =
         |w: &[f64]| (0..parts).map(|i| w[0] + (w[1] - w[0]) * f64::from(i) / f64::from(parts)).collect::<Vec<_>>();
@@ -233,7 +234,7 @@ fn looks(knots: &[f64]) -> Vec<f64> {
 }
 
 /// `sign * curve(sense * q)`.
-fn signed(curve: &Curve, sign: f64, sense: f64) -> Option<Curve> {
+fn with_sign(curve: &Curve, sign: f64, sense: f64) -> Option<Curve> {
     let turned = |knots: &Knots| {
         let mut points: Vec<(f64, f64)> =
             knots.positions().iter().zip(knots.values()).map(|(q, v)| (sense * q, sign * v)).collect();
@@ -263,7 +264,8 @@ fn signed(curve: &Curve, sign: f64, sense: f64) -> Option<Curve> {
 }
 
 /// Through Chebyshev's points of the interval.
-fn polynomial(f: impl Fn(f64) -> f64, (low, high): (f64, f64), degree: usize) -> Curve {
+fn polynomial(f: impl Fn(f64) -> f64, range: Interval, degree: usize) -> Curve {
+    let Interval { min: low, max: high } = range;
     let (middle, half) = (0.5 * (low + high), (0.5 * (high - low)).max(f64::MIN_POSITIVE));
     let nodes: Vec<f64> =
         (0..=degree).map(|k| sin_cos_degrees(90.0 * (2 * k + 1) as f64 / (degree + 1) as f64).1).collect();

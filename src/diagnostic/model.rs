@@ -113,10 +113,10 @@ impl Sources {
     }
 
     /// Keeps a file unless it is there.
-    fn shared(&mut self, source: (String, Arc<str>)) -> SourceId {
-        let known = self.0.iter().position(|known| *known == source);
+    fn keep(&mut self, name: String, text: Arc<str>) -> SourceId {
+        let known = self.0.iter().position(|known| known.0 == name && known.1 == text);
         SourceId(known.unwrap_or_else(|| {
-            self.0.push(source);
+            self.0.push((name, text));
             self.0.len() - 1
         }))
     }
@@ -168,7 +168,8 @@ impl Diagnostics {
 
     /// Takes over those of another run, with their files.
     pub fn absorb(&mut self, other: Diagnostics) {
-        let moved: Vec<SourceId> = other.sources.0.into_iter().map(|source| self.sources.shared(source)).collect();
+        let moved: Vec<SourceId> =
+            other.sources.0.into_iter().map(|source| self.sources.keep(source.0, source.1)).collect();
         for mut diagnostic in other.list {
             for label in &mut diagnostic.labels {
                 label.place.source = moved.get(label.place.source.0).copied().unwrap_or(label.place.source);

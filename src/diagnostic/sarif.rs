@@ -92,7 +92,7 @@ fn uri(name: &str) -> String {
             Component::Prefix(prefix) => steps.push(drive(prefix.kind(), &prefix.as_os_str().to_string_lossy())),
             Component::ParentDir if steps.last().is_some_and(|last| last != "..") => drop(steps.pop()),
             Component::ParentDir => steps.push("..".to_owned()),
-            Component::Normal(step) => steps.push(encoded(&step.to_string_lossy())),
+            Component::Normal(step) => steps.push(percent_encode(&step.to_string_lossy())),
         }
     }
     format!("{root}{}", steps.join("/"))
@@ -102,12 +102,12 @@ fn uri(name: &str) -> String {
 fn drive(kind: Prefix<'_>, text: &str) -> String {
     match kind {
         Prefix::Disk(letter) | Prefix::VerbatimDisk(letter) => format!("{}:", char::from(letter)),
-        _ => encoded(text),
+        _ => percent_encode(text),
     }
 }
 
 /// Everything but the unreserved characters of RFC 3986, byte by byte.
-fn encoded(text: &str) -> String {
+fn percent_encode(text: &str) -> String {
     let byte = |byte: u8| match byte {
         b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'-' | b'.' | b'_' | b'~' => char::from(byte).to_string(),
         _ => format!("%{byte:02X}"),

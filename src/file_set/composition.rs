@@ -9,8 +9,8 @@ use super::table_set::{self, TableRequest};
 use super::{found_set, verdict};
 use crate::compensation::CorrectionTables;
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Effect, Figures, KinematicsModule, LOCK_NAME, Limits, Lock, Parameters,
-    RenderedFile, TablesUnderTest, certify_composed,
+    Certificate, ControllerEffect, ControllerTarget, Depth, Figures, KinematicsModule, LOCK_NAME, Limits, Lock,
+    Parameters, RenderedFile, TablesUnderTest, certify_sets,
 };
 use crate::diagnostic::{Diagnostic, codes};
 use crate::job::machine_file::MachineFile;
@@ -88,7 +88,7 @@ pub(crate) fn composed_effect(
     targets: &[String],
     options: &CompensationOptions,
     depth: Depth,
-) -> Result<(ControllerTarget, Effect, Certificate), Refused> {
+) -> Result<(ControllerTarget, ControllerEffect, Certificate), Refused> {
     let targets = split(call, targets, options)?;
     let request = ComposedRequest {
         compensation: options,
@@ -204,7 +204,7 @@ impl Composition {
         call: &mut Call,
     ) -> Result<(Certificate, Figures), Refused> {
         let sets = ((&self.target, &self.parameters), self.tables_under_test());
-        let found = certify_composed(machine, &self.rest, sets, how.scope(), depth);
+        let found = certify_sets(machine, &self.rest, sets, how.scope(), depth);
         call.extend(verdict::warnings(&found.0));
         call.checked()?;
         Ok(found)
@@ -231,9 +231,9 @@ impl Composition {
     }
 
     /// The effect of both, and the target whose tables it has.
-    fn effect(&self) -> (Effect, ControllerTarget) {
+    fn effect(&self) -> (ControllerEffect, ControllerTarget) {
         let module = KinematicsModule::KinematicParameters(self.parameters.clone());
-        (Effect::Module(Box::new(module), self.tables.clone()), self.tables_target.clone())
+        (ControllerEffect::Module(Box::new(module), self.tables.clone()), self.tables_target.clone())
     }
 }
 
@@ -321,7 +321,7 @@ pub(crate) fn found_composed(
     machine: &Machine,
     folder: &Path,
     options: &CompensationOptions,
-) -> Result<(ControllerTarget, Effect), Refused> {
+) -> Result<(ControllerTarget, ControllerEffect), Refused> {
     let (effect, target) = found(call, machine, folder, options, (None, None))?.effect();
     Ok((target, effect))
 }

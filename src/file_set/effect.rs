@@ -1,11 +1,13 @@
-//! Effect of a set of files on a machine: of one that `compile` would write, or of one found in a folder.
+//! ControllerEffect of a set of files on a machine: of one that `compile` would write, or of one found in a folder.
 
 use super::found_set::found_set;
 use super::module_set::{self, ModuleRequest};
 use super::options::CompensationOptions;
 use super::table_set::{self, FoundTables, TableRequest};
 use super::{composition, verdict};
-use crate::controller::{Certificate, ControllerTarget, Depth, Effect, TablesUnderTest, certify, certify_kinematics};
+use crate::controller::{
+    Certificate, ControllerEffect, ControllerTarget, Depth, TablesUnderTest, certify, certify_kinematics,
+};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
 use crate::run::{Call, Refused};
@@ -19,18 +21,18 @@ fn compiled_effect(
     target: &ControllerTarget,
     options: &CompensationOptions,
     depth: Depth,
-) -> Result<(Effect, Certificate), Refused> {
+) -> Result<(ControllerEffect, Certificate), Refused> {
     let (effect, certificate) = if target.manifest.kinematics().is_some() {
         let set = module_set::rendered(call, machine, target, ModuleRequest::plain(options.orientation()))?;
         let (module, beside) = (set.module, set.beside);
-        let certificate = certify_kinematics(machine, target, (&module, &beside), depth);
-        (Effect::Module(Box::new(module), beside), certificate)
+        let certificate = certify_kinematics(machine, target, &module, &beside, depth);
+        (ControllerEffect::Module(Box::new(module), beside), certificate)
     } else {
         let request = TableRequest::plain(options.scope());
         let tables = table_set::rendered(call, machine, target, &request, None)?.tables;
         let judged = TablesUnderTest { target, tables: &tables, installed: None };
         let certificate = certify(machine, judged, options.scope(), depth.poses, depth.seed);
-        (Effect::CorrectionTables(tables), certificate)
+        (ControllerEffect::CorrectionTables(tables), certificate)
     };
     call.extend(verdict::warnings(&certificate));
     call.checked()?;
@@ -45,7 +47,7 @@ pub(crate) fn named_effect(
     name: &str,
     options: &CompensationOptions,
     depth: Depth,
-) -> Result<(ControllerTarget, Effect, Certificate), Refused> {
+) -> Result<(ControllerTarget, ControllerEffect, Certificate), Refused> {
     if !cfg!(feature = "controllers") {
         let refusal = Diagnostic::new(codes::E0701, "this build of the library has no controllers");
         return call.refuse(refusal.help("ask the program: abbe map MACHINE --target NAME, or abbe workbench MACHINE"));
@@ -65,7 +67,7 @@ pub(crate) fn found_effect(
     machine: &Machine,
     folder: &Path,
     options: &CompensationOptions,
-) -> Result<(ControllerTarget, Effect), Refused> {
+) -> Result<(ControllerTarget, ControllerEffect), Refused> {
     if composition::is_composed(folder, call) {
         return composition::found_composed(call, machine, folder, options);
     }
@@ -73,9 +75,9 @@ pub(crate) fn found_effect(
     call.checked()?;
     if set.target.manifest.kinematics().is_none() {
         let FoundTables { target, tables, .. } = table_set::tables_of(call, machine, folder, set)?;
-        return Ok((target, Effect::CorrectionTables(tables)));
+        return Ok((target, ControllerEffect::CorrectionTables(tables)));
     }
     let request = ModuleRequest::plain(options.orientation());
     let (module, beside) = module_set::found(call, machine, &set.target, folder, request, &set.files)?;
-    Ok((set.target, Effect::Module(Box::new(module), beside)))
+    Ok((set.target, ControllerEffect::Module(Box::new(module), beside)))
 }

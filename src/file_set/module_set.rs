@@ -50,7 +50,7 @@ pub(crate) fn rendered(
     call.extend(finite::refusal(&meant));
     call.checked()?;
     let reversal = Arc::new(target.reversal_tables(machine));
-    call.extend(limits.exceeded(machine, &reversal));
+    call.extend(limits.excesses(machine, &reversal));
     call.checked()?;
     let render = || target.render_kinematics(machine, &meant, &reversal, &mut call.diagnostics);
     let rendered = target.watch.during(render).ok_or(Refused)?;

@@ -3,8 +3,8 @@
 use super::found_set::{self, FoundSet};
 use super::misread;
 use super::options::CompensationOptions;
-use crate::compensation::{CorrectionTables, Fit, LatticeRequest, Scope, resampled};
-use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile, assigned_letters};
+use crate::compensation::{CorrectionTables, Fit, LatticeRequest, Scope, thinned_axes};
+use crate::controller::{ControllerTarget, Limits, ReadBack, RenderedFile, axis_letters};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{AxisKind, Machine};
 use crate::run::finite::not_finite;
@@ -63,14 +63,14 @@ pub(crate) fn rendered(
     };
     let tables = Arc::new(tables);
     call.extend(left_out);
-    call.extend(target.renamed(machine));
+    call.extend(target.name_warning(machine));
     if !tables.is_finite() {
         return call.refuse(not_finite("correction"));
     }
     warn_left_out(call, machine, target, &tables);
     let losses = installed.map(|(old, _)| target.resampling_losses(machine, &tables, old)).unwrap_or_default();
     call.extend(losses);
-    call.extend(limits.exceeded(machine, &tables));
+    call.extend(limits.excesses(machine, &tables));
     call.extend(target.violations(machine, &tables));
     call.checked()?;
     let rendered = target.watch.during(|| target.render(machine, &tables, &mut call.diagnostics)).ok_or(Refused)?;
@@ -82,7 +82,7 @@ pub(crate) fn rendered(
 /// Refuses axes for which the controller has no letter, before tables are filled.
 fn refuse_no_letter(call: &mut Call, machine: &Machine, target: &ControllerTarget) -> Result<(), Refused> {
     let mut found = Diagnostics::default();
-    if assigned_letters(machine, target.manifest.axis_letters.as_ref(), Some(&mut found)).is_none() {
+    if axis_letters(machine, target.manifest.axis_letters.as_ref(), Some(&mut found)).is_none() {
         call.extend(found.iter().cloned());
     }
     call.checked()
@@ -151,10 +151,10 @@ fn refuse_impossible_lattice(
 fn warn_left_out(call: &mut Call, machine: &Machine, target: &ControllerTarget, tables: &CorrectionTables) {
     let own = target.manifest.mechanism.own_axis.as_ref().map(|own| &own.table);
     if let Some(rules) = own.filter(|rules| rules.fit == Fit::Axis) {
-        for (axis, points) in resampled(machine, rules) {
+        for (axis, points) in thinned_axes(machine, rules) {
             let (name, max) = (&machine.axes()[axis].name, rules.max_points);
             let message =
-                format!("the curves of `{name}` have {points} points, the format holds {max}: they were resampled");
+                format!("the curves of `{name}` have {points} points, the format holds {max}: they were thinned_axes");
             let help = "thin the curve out yourself if certain points matter";
             call.warn(Diagnostic::new(codes::W0604, message).help(help));
         }
@@ -239,7 +239,7 @@ pub(crate) fn tables_of(
     let names = files.into_iter().filter(|file| !indices.contains(&file.name)).map(|file| file.found).collect();
     match read {
         Some(tables) => {
-            call.extend(target.uncovered(machine, &tables));
+            call.extend(target.coverage_warnings(machine, &tables));
             Ok(FoundTables { target, tables, files: names })
         }
         None => call.refuse(found_set::nothing_found(folder)),

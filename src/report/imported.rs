@@ -136,7 +136,7 @@ impl StraightnessReference {
 impl ImportedError {
     fn of(found: &Import, error: usize, f: &AccuracyFigures, contributors: &[Contributor]) -> Self {
         let line = found.lines.iter().find(|line| line.error == error);
-        let uncertainty = AccuracyUncertainties::of_error(contributors, (found, error), f);
+        let uncertainty = AccuracyUncertainties::of_error(contributors, found, error, f);
         let of_error = found.samples.iter().filter(|sample| sample.error == error);
         let error = &found.errors[error];
         let (factor, unit) = error.direction.micro();

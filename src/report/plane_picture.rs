@@ -83,7 +83,7 @@ pub(crate) struct Subject<'a> {
 pub(crate) struct BoundedSubject<'a> {
     pub machine: &'a Machine,
     pub view: View,
-    /// How machines are drawn.
+    /// Drawing of machines from their bounds.
     pub drawing: &'a DrawSettings,
     /// Returns the 95 % value of the deviation at each pose, mm.
     pub p95: &'a dyn Fn(Vec<Pose>) -> Result<Vec<f64>, Refused>,
@@ -138,7 +138,7 @@ impl PlaneOptions {
         Ok(PlanePlace { axes, at })
     }
 
-    pub(crate) fn picture(&self, place: &PlanePlace, subject: &Subject<'_>, (view, order): (View, Order)) -> Picture {
+    pub(crate) fn picture(&self, place: &PlanePlace, subject: &Subject<'_>, view: View, order: Order) -> Picture {
         let machine = subject.field.machine();
         let of = |field| Plane::of(field, place.axes, &place.at, nodes(machine, place.axes), view);
         let plane = of(subject.field);

@@ -167,7 +167,8 @@ impl AccuracyUncertainties {
     /// Returns those of one error; `None` where no contributor counts for it.
     pub(crate) fn of_error(
         all: &[Contributor],
-        (found, error): (&Import, usize),
+        found: &Import,
+        error: usize,
         figures: &AccuracyFigures,
     ) -> Option<Self> {
         let direction = found.errors.get(error)?.direction;

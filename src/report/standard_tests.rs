@@ -12,7 +12,7 @@ use crate::standards::{
 use crate::units::{counted, significant};
 use serde::Serialize;
 
-/// What a test was set up with.
+/// Set-up of a test.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TestSetup {
     /// Plane of a circle.
@@ -214,7 +214,7 @@ pub struct MotionTest {
 }
 
 impl MotionTest {
-    fn of((motion, unit): (String, &'static str), readings: &[AngleReading]) -> Option<Self> {
+    fn of(motion: String, unit: &'static str, readings: &[AngleReading]) -> Option<Self> {
         let found = ErrorMotion::of(readings)?;
         Some(Self {
             motion,
@@ -411,7 +411,7 @@ pub(crate) fn rotation(table: &ReadingsTable, setup: &TestSetup) -> Result<Rotat
          turn has at least {LEAST_PLACES} places, the same in every turn"
     );
     let motions: Option<Vec<MotionTest>> =
-        all.into_iter().map(|(name, values)| MotionTest::of(name, &values)).collect();
+        all.into_iter().map(|((motion, unit), values)| MotionTest::of(motion, unit, &values)).collect();
     match motions.filter(|motions| !motions.is_empty()) {
         Some(motions) => Ok(RotationTest { readings: angles.len(), motions, note: NOT_VERIFIED }),
         None => Err(refusal("the readings show no error motion".to_owned(), &help)),

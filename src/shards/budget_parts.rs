@@ -1,7 +1,7 @@
 //! Machines of a budget that are drawn in parts, on other computers if need be, and put together.
 
 use super::study::why;
-use crate::analysis::budget::{DrawnSamples, Request, SAMPLE_LANES, drawn};
+use crate::analysis::budget::{DrawnSamples, Request, SAMPLE_LANES, draw_samples};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::run::{Call, Refused, sha256};
 use crate::syntax::ReadFailure;
@@ -72,7 +72,7 @@ pub(crate) fn drawn_part(
         Ok(None) => {}
         Err(refusal) => return call.refuse(refusal),
     }
-    let drawn = call.stage(2 * range.len(), |advance| drawn(request, range, advance))?;
+    let drawn = call.stage(2 * range.len(), |advance| draw_samples(request, range, advance))?;
     Ok(BudgetShard { abbe_budget: FORM.to_owned(), fingerprint, samples, first, drawn })
 }
 

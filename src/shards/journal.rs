@@ -1,7 +1,7 @@
 //! Results of a study walk by walk as text: a line that identifies the study, then a line for each round and walk.
 //! Parts of a study, made on other machines or before an interruption, are put together from these.
 
-use crate::analysis::enumerate::{Journal, Record, RoundStep};
+use crate::analysis::enumerate::{Journal, RoundRecord, RoundStep};
 use serde::{Deserialize, Serialize};
 
 /// The reason why text is not a journal.
@@ -26,7 +26,7 @@ struct Head {
 struct Step {
     round: usize,
     step: usize,
-    records: Vec<Record>,
+    records: Vec<RoundRecord>,
 }
 
 /// Version of the text's form.

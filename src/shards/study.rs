@@ -1,7 +1,7 @@
 //! Files of the results of a study of arrangements: read, kept while walks are computed, put together.
 
 use super::journal::{parse, to_text};
-use crate::analysis::enumerate::{Journal, Record, RoundStep};
+use crate::analysis::enumerate::{Journal, RoundRecord, RoundStep};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::run::{Call, Refused};
 use crate::syntax::ReadFailure;
@@ -41,7 +41,7 @@ impl<'a> Keeper<'a> {
     }
 
     /// Keeps the records of a walk.
-    pub(crate) fn keep(&self, at: RoundStep, records: Vec<Record>) {
+    pub(crate) fn keep(&self, at: RoundStep, records: Vec<RoundRecord>) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = state.journal.done.insert(at, records);
         self.write(&mut state, false);

@@ -167,7 +167,7 @@ mod tests {
         }
     }
 
-    /// What all readings share cancels in B and R; drift has its shares of 5 runs: 0.63, 0.45, 0.32 and twice.
+    /// A part that all readings share cancels in B and R; drift has its shares of 5 runs: 0.63, 0.45, 0.32 and twice.
     #[test]
     fn shares_are_those_of_means() {
         let all = [contributor("device 3 um").unwrap(), contributor("drift 10 um").unwrap()];

@@ -91,7 +91,7 @@ impl CircleFigures {
             let (sine, cosine) = sin_cos_degrees(readings[i].angle);
             [1.0, cosine, sine][j]
         });
-        let fit = fitted(&rows, readings)?;
+        let fit = fit_circle(&rows, readings)?;
         let off = |r: &RadialReading| {
             let (sine, cosine) = sin_cos_degrees(r.angle);
             r.deviation - fit.values[1] * cosine - fit.values[2] * sine
@@ -119,12 +119,12 @@ impl CircleFigures {
 pub fn arc(readings: &[RadialReading]) -> f64 {
     let of = |sense: &Sense| {
         let angles: Vec<f64> = readings.iter().filter(|r| r.sense == *sense).map(|r| r.angle).collect();
-        (!angles.is_empty()).then(|| covered(angles))
+        (!angles.is_empty()).then(|| covered_angle(angles))
     };
     Sense::ALL.iter().filter_map(of).reduce(f64::min).unwrap_or(0.0)
 }
 
-fn covered(angles: Vec<f64>) -> f64 {
+fn covered_angle(angles: Vec<f64>) -> f64 {
     let mut angles: Vec<f64> = angles.into_iter().map(|angle| angle.rem_euclid(TURN)).collect();
     angles.sort_by(f64::total_cmp);
     angles.dedup();
@@ -137,7 +137,7 @@ fn covered(angles: Vec<f64>) -> f64 {
 }
 
 /// A fit of least squares.
-pub(super) struct Fitted {
+pub(super) struct CircleFit {
     pub values: DVector<f64>,
     /// Root of the covariance of the values, of readings that scatter by 1.
     root: DMatrix<f64>,
@@ -147,7 +147,7 @@ pub(super) struct Fitted {
     pub rest: f64,
 }
 
-impl Fitted {
+impl CircleFit {
     /// Returns the standard uncertainty of a value.
     pub fn sigma(&self, j: usize) -> Option<f64> {
         self.scatter.map(|scatter| scatter * self.root.row(j).norm())
@@ -160,7 +160,7 @@ impl Fitted {
     }
 }
 
-pub(super) fn fitted(rows: &DMatrix<f64>, readings: &[RadialReading]) -> Option<Fitted> {
+pub(super) fn fit_circle(rows: &DMatrix<f64>, readings: &[RadialReading]) -> Option<CircleFit> {
     let (count, unknowns) = rows.shape();
     let right = DVector::from_iterator(count, readings.iter().map(|r| r.deviation));
     let norms: Vec<f64> = rows.column_iter().map(|column| column.norm()).collect();
@@ -178,7 +178,7 @@ pub(super) fn fitted(rows: &DMatrix<f64>, readings: &[RadialReading]) -> Option<
     let mut root = svd.root_covariance(unknowns);
     norms.iter().enumerate().for_each(|(j, norm)| root.row_mut(j).unscale_mut(*norm));
     let scatter = (spare > 0).then(|| libm::sqrt(squares / spare as f64));
-    Some(Fitted { values, root, scatter, rest: libm::sqrt(squares / count as f64) })
+    Some(CircleFit { values, root, scatter, rest: libm::sqrt(squares / count as f64) })
 }
 
 #[cfg(test)]

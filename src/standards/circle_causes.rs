@@ -1,7 +1,7 @@
 //! A circular test taken apart into causes by least squares. Readings of reversal spikes do not count in the others.
 
-use super::circle::{Fitted, RadialReading, Sense, fitted};
-use super::spikes::{Judged, Path, TURNING_POINTS, height};
+use super::circle::{CircleFit, RadialReading, Sense, fit_circle};
+use super::spikes::{AnglePath, Judged, TURNING_POINTS, height};
 use crate::machine::sin_cos_degrees;
 use nalgebra::{DMatrix, DVector};
 
@@ -59,14 +59,14 @@ pub struct Spike {
 /// Returns the causes of a circle of a nominal radius (mm). `None` where the readings do not tell them apart.
 pub fn causes(readings: &[RadialReading], radius: f64) -> Option<CircleCauses> {
     let design = Design::of(readings, radius);
-    let path = Path::of(readings);
+    let path = AnglePath::of(readings);
     let found = match design.fit(path.windows()) {
-        Some(first) => path.judged(&design.left(&first), |weights| design.variance(&first, weights)),
+        Some(first) => path.judge(&design.residuals(&first), |weights| design.variance(&first, weights)),
         None => Default::default(),
     };
     let spikes = TURNING_POINTS.iter().zip(&found).filter_map(|(at, judged)| Some((*at, judged.spike.as_ref()?.pulse)));
     let fit = design.fit(spikes.flat_map(|(at, pulse)| path.spike(at, pulse)))?;
-    let left = design.left(&fit);
+    let left = design.residuals(&fit);
     let spike = |judged: &Judged| {
         let found = judged.spike.as_ref()?;
         let variance = found.variance + design.variance(&fit, &found.weights);
@@ -103,22 +103,22 @@ impl<'a> Design<'a> {
     }
 
     /// Fits all readings but some.
-    fn fit(&self, left_out: impl Iterator<Item = usize>) -> Option<Fitted> {
+    fn fit(&self, left_out: impl Iterator<Item = usize>) -> Option<CircleFit> {
         let mut kept = vec![true; self.readings.len()];
         left_out.for_each(|i| kept[i] = false);
         let kept: Vec<usize> = (0..kept.len()).filter(|i| kept[*i]).collect();
         let readings: Vec<RadialReading> = kept.iter().map(|i| self.readings[*i]).collect();
-        fitted(&self.rows.select_rows(&kept), &readings)
+        fit_circle(&self.rows.select_rows(&kept), &readings)
     }
 
     /// Returns the residual of every reading.
-    fn left(&self, fit: &Fitted) -> Vec<f64> {
+    fn residuals(&self, fit: &CircleFit) -> Vec<f64> {
         let predicted = &self.rows * &fit.values;
         self.readings.iter().zip(predicted.iter()).map(|(reading, value)| reading.deviation - value).collect()
     }
 
     /// The variance of a weighted sum of what a fit predicts.
-    fn variance(&self, fit: &Fitted, weights: &[(usize, f64)]) -> f64 {
+    fn variance(&self, fit: &CircleFit, weights: &[(usize, f64)]) -> f64 {
         let mut sum = DVector::zeros(self.rows.ncols());
         weights.iter().for_each(|(i, weight)| sum += self.rows.row(*i).transpose() * *weight);
         fit.variance(&sum)

@@ -163,7 +163,7 @@ fn targets(readings: &[TargetReading]) -> Vec<TargetReadings> {
     sorted.sort_by(|a, b| a.position.total_cmp(&b.position));
     let groups = sorted.chunk_by(|a, b| a.position == b.position);
     let of = |group: &[TargetReading], way: Option<ColumnDirection>| {
-        repeated(group.iter().filter(|s| s.direction == way).map(|s| s.value).collect())
+        repeatability(group.iter().filter(|s| s.direction == way).map(|s| s.value).collect())
     };
     let target = |group: &[TargetReading]| TargetReadings {
         position: group[0].position,
@@ -174,7 +174,7 @@ fn targets(readings: &[TargetReading]) -> Vec<TargetReadings> {
     groups.map(target).collect()
 }
 
-fn repeated(values: Vec<f64>) -> Option<Repeated> {
+fn repeatability(values: Vec<f64>) -> Option<Repeated> {
     let count = values.len();
     let mean = (count > 0).then(|| values.iter().sum::<f64>() / count as f64)?;
     let squares = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>();

@@ -4,7 +4,7 @@ use super::circle::{RadialReading, Sense};
 use super::positioning::TargetReading;
 use crate::diagnostic::{Diagnostic, Place, codes, shown};
 use crate::syntax::ColumnDirection;
-use crate::syntax::sheet::{Decimals, Line, Sheet, cells, drop_empty, number, separator, title};
+use crate::syntax::sheet::{Decimals, Sheet, SheetLine, cells, drop_empty, number, separator, title};
 use crate::units::{self, Dimension};
 
 /// Largest number of rows.
@@ -69,7 +69,7 @@ impl ReadingsTable {
         let [header, rows @ ..] = lines.as_slice() else {
             return Err(refusal("the file is empty").at(Some(sheet.start()), ""));
         };
-        let at = |line: &Line, why: Diagnostic| why.at(Some(line.place.clone()), "");
+        let at = |line: &SheetLine, why: Diagnostic| why.at(Some(line.place.clone()), "");
         let separator = separator(&header.text);
         let mut titles = cells(&header.text, separator);
         drop_empty(&mut titles, 1);
@@ -115,7 +115,7 @@ impl ReadingsTable {
     }
 
     /// Returns the refusal of a test by this table, shown at its titles.
-    pub fn refused(&self, why: Diagnostic) -> Diagnostic {
+    pub fn refusal(&self, why: Diagnostic) -> Diagnostic {
         why.at(Some(self.header.clone()), "")
     }
 
@@ -202,7 +202,7 @@ impl ReadingsTable {
 
     /// Returns the names of the columns that are neither the angle or time nor readings: of a circle and of diagonals
     /// those of their deviations, else lengths and temperatures.
-    pub fn unused(&self, of: TableUse) -> Vec<&str> {
+    pub fn unused_columns(&self, of: TableUse) -> Vec<&str> {
         let circle = ["deviation", "length", "radius"].iter().chain(&COUNTER_CLOCKWISE).chain(&CLOCKWISE);
         let circle: Vec<&str> = circle.copied().collect();
         let used = |column: &&NumberColumn| {

@@ -6,6 +6,7 @@
 
 use super::circle::{RadialReading, Sense};
 use super::student::beyond;
+use crate::units::Interval;
 
 /// Angle (deg) travelled after a turning point within which spikes are.
 const WINDOW: f64 = 18.0;
@@ -107,7 +108,7 @@ pub(super) struct Judged {
 }
 
 /// A pulse laid at a turning point, with its height and variance.
-struct Candidate {
+struct SpikeCandidate {
     pulse: Pulse,
     laid: Laid,
     height: f64,
@@ -118,9 +119,9 @@ struct Candidate {
 }
 
 /// Readings in the order of their angles, a turn before and after as well, by sense.
-pub(super) struct Path([Vec<(f64, usize)>; 2]);
+pub(super) struct AnglePath([Vec<(f64, usize)>; 2]);
 
-impl Path {
+impl AnglePath {
     pub fn of(readings: &[RadialReading]) -> Self {
         Self(Sense::ALL.map(|sense| {
             let mine = readings.iter().enumerate().filter(|(_, reading)| reading.sense == sense);
@@ -131,27 +132,27 @@ impl Path {
     }
 
     /// Readings of a sense between two angles travelled after a place, with those angles.
-    fn stretch(&self, k: usize, at: f64, (from, to): (f64, f64)) -> impl Iterator<Item = (f64, usize)> {
+    fn stretch(&self, k: usize, at: f64, path: Interval) -> impl Iterator<Item = (f64, usize)> {
         let sign = Sense::ALL[k].sign();
-        let (low, high) = if sign > 0.0 { (at + from, at + to) } else { (at - to, at - from) };
+        let (low, high) = if sign > 0.0 { (at + path.min, at + path.max) } else { (at - path.max, at - path.min) };
         let all = &self.0[k];
         let range = all.partition_point(|(a, _)| *a < low)..all.partition_point(|(a, _)| *a <= high);
         all[range].iter().map(move |(a, i)| (sign * (a - at), *i))
     }
 
     /// Readings of both senses between two angles travelled after a place.
-    fn near(&self, at: f64, range: (f64, f64)) -> impl Iterator<Item = usize> {
-        (0..2).flat_map(move |k| self.stretch(k, at, range).map(|(_, i)| i))
+    fn near(&self, at: f64, path: Interval) -> impl Iterator<Item = usize> {
+        (0..2).flat_map(move |k| self.stretch(k, at, path).map(|(_, i)| i))
     }
 
     /// Readings in the windows after all turning points.
     pub fn windows(&self) -> impl Iterator<Item = usize> {
-        TURNING_POINTS.iter().flat_map(|at| self.near(*at, (0.0, WINDOW)))
+        TURNING_POINTS.iter().flat_map(|at| self.near(*at, Interval::new(0.0, WINDOW)))
     }
 
     /// Readings of a spike, its tail included.
     pub fn spike(&self, at: f64, pulse: Pulse) -> impl Iterator<Item = usize> {
-        self.near(at, (pulse.start - 0.25 * pulse.length, pulse.start + 1.5 * pulse.length))
+        self.near(at, Interval::new(pulse.start - 0.25 * pulse.length, pulse.start + 1.5 * pulse.length))
     }
 
     /// The usual step from reading to reading, deg.
@@ -181,7 +182,7 @@ impl Path {
     fn is_dense(&self, k: usize, at: f64, pulse: &Pulse) -> bool {
         let (start, end) = (pulse.start, pulse.start + pulse.length);
         let sign = Sense::ALL[k].sign();
-        let mut places: Vec<f64> = self.stretch(k, at, (start, end)).map(|(path, _)| path).collect();
+        let mut places: Vec<f64> = self.stretch(k, at, Interval::new(start, end)).map(|(path, _)| path).collect();
         if sign < 0.0 {
             places.reverse();
         }
@@ -193,8 +194,8 @@ impl Path {
         [0, 1].map(|k| self.is_dense(k, at, pulse))
     }
 
-    fn laid(&self, at: f64, pulse: &Pulse, senses: [bool; 2]) -> Laid {
-        let range = (pulse.start, pulse.start + pulse.length);
+    fn pulse_weights(&self, at: f64, pulse: &Pulse, senses: [bool; 2]) -> Laid {
+        let range = Interval::new(pulse.start, pulse.start + pulse.length);
         let of = |k: usize| self.stretch(k, at, range).map(|(path, i)| (i, pulse.value(path)));
         let mut weights: Vec<(usize, f64)> = (0..2).filter(|k| senses[*k]).flat_map(of).collect();
         let gain: f64 = weights.iter().map(|(_, value)| value * value).sum();
@@ -211,7 +212,7 @@ impl Path {
             for place in (0..=places).map(|j| turning + WINDOW + step * j as f64) {
                 let here = self.senses(place, pulse);
                 if (0..2).all(|k| here[k] || !senses[k]) {
-                    let height = height(&self.laid(place, pulse, senses).weights, left);
+                    let height = height(&self.pulse_weights(place, pulse, senses).weights, left);
                     squares += height * height;
                     count += 1;
                 }
@@ -223,19 +224,19 @@ impl Path {
 
     /// Judges all turning points by what a fit of the readings outside the windows leaves, and by the variance that it
     /// gives a weighted sum of predictions.
-    pub fn judged(&self, left: &[f64], fit: impl Fn(&[(usize, f64)]) -> f64) -> [Judged; 4] {
+    pub fn judge(&self, left: &[f64], fit: impl Fn(&[(usize, f64)]) -> f64) -> [Judged; 4] {
         let pulses = self.pulses();
         let mut controls = Controls { path: self, left, known: Vec::new() };
         let candidates = TURNING_POINTS.map(|at| {
             let one = |pulse: &Pulse| {
                 let senses = self.senses(at, pulse);
                 let (control, freedom) = controls.of(pulse, senses).filter(|_| senses != [false; 2])?;
-                let laid = self.laid(at, pulse, senses);
+                let laid = self.pulse_weights(at, pulse, senses);
                 let variance = control + fit(&laid.weights);
                 let height = height(&laid.weights, left);
-                Some(Candidate { pulse: *pulse, laid, height, control, variance, freedom })
+                Some(SpikeCandidate { pulse: *pulse, laid, height, control, variance, freedom })
             };
-            pulses.iter().filter_map(one).collect::<Vec<Candidate>>()
+            pulses.iter().filter_map(one).collect::<Vec<SpikeCandidate>>()
         });
         let count: usize = candidates.iter().map(Vec::len).sum();
         candidates.map(|list| judged(list, count as f64))
@@ -247,7 +248,7 @@ type Control = Option<(f64, usize)>;
 
 /// Variances where no axis turns, each kind of pulse looked up once.
 struct Controls<'a> {
-    path: &'a Path,
+    path: &'a AnglePath,
     left: &'a [f64],
     known: Vec<(Pulse, [bool; 2], Control)>,
 }
@@ -266,10 +267,10 @@ impl Controls<'_> {
 
 /// Judges the candidates of a turning point, of so many at all of them: each counts as a trial of its own
 /// (Bonferroni).
-fn judged(list: Vec<Candidate>, trials: f64) -> Judged {
-    let limit = |c: &Candidate| quantile(FALSE_ALARM / trials, c.freedom) * libm::sqrt(c.variance);
+fn judged(list: Vec<SpikeCandidate>, trials: f64) -> Judged {
+    let limit = |c: &SpikeCandidate| quantile(FALSE_ALARM / trials, c.freedom) * libm::sqrt(c.variance);
     let limit = list.iter().map(limit).reduce(f64::max);
-    let explained = |c: &Candidate| c.laid.gain * c.height * c.height;
+    let explained = |c: &SpikeCandidate| c.laid.gain * c.height * c.height;
     let best = list.into_iter().reduce(|a, b| if explained(&b) > explained(&a) { b } else { a });
     let spike = best.and_then(|c| {
         let ratio = c.height / libm::sqrt(c.variance);

@@ -10,8 +10,8 @@ const MANY: usize = 1000;
 pub(crate) struct Coverage(BTreeMap<usize, f64>);
 
 impl Coverage {
-    /// How many standard uncertainties 95 % reach to both sides; between whole numbers of degrees of freedom the way of
-    /// their inverses.
+    /// Returns the number of standard uncertainties that 95 % reach to both sides. Between whole degrees of freedom it
+    /// is interpolated over their inverses.
     pub fn reach(&mut self, freedom: f64) -> f64 {
         let freedom = freedom.clamp(1.0, MANY as f64);
         let below = freedom as usize;

@@ -18,7 +18,7 @@ pub fn remarks(figures: &AccuracyFigures, rotary: bool) -> Vec<String> {
     let positions: Vec<f64> = figures.targets.iter().map(|t| t.position).collect();
     let span = range(positions.iter().copied());
     let pitches: Vec<f64> = positions.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let (count, wanted) = (positions.len(), wanted(span, rotary));
+    let (count, wanted) = (positions.len(), min_targets(span, rotary));
     let (unit, long) = (if rotary { "deg" } else { "mm" }, !rotary && span > SHORT);
     let mut remarks = Vec::new();
     if count < wanted {
@@ -46,7 +46,7 @@ pub fn remarks(figures: &AccuracyFigures, rotary: bool) -> Vec<String> {
 }
 
 /// The least number of targets over a span (mm or deg).
-fn wanted(span: f64, rotary: bool) -> usize {
+fn min_targets(span: f64, rotary: bool) -> usize {
     match rotary {
         true if span <= 90.0 => 3,
         true if span <= 180.0 => 5,

@@ -48,13 +48,13 @@ impl Files for Disk {
 
     fn entries(&self, folder: &Path) -> Vec<FolderEntry> {
         let listed = fs::read_dir(folder).into_iter().flatten().flatten();
-        let mut entries: Vec<FolderEntry> = listed.map(|entry| described(&entry)).collect();
+        let mut entries: Vec<FolderEntry> = listed.map(|entry| folder_entry(&entry)).collect();
         entries.sort_by(|a, b| a.name.cmp(&b.name));
         entries
     }
 }
 
-fn described(entry: &fs::DirEntry) -> FolderEntry {
+fn folder_entry(entry: &fs::DirEntry) -> FolderEntry {
     let kind = match entry.file_type() {
         Ok(kind) if kind.is_file() => EntryKind::File,
         Ok(kind) if kind.is_symlink() => EntryKind::Link,

@@ -1,7 +1,7 @@
 //! The content of a machine file, section by section, before anything is judged.
 
 use super::entry::entry;
-use super::forms::{Forms, forms};
+use super::forms::{Forms, deserialize_by_forms};
 use super::geometry::{Branches, PositionEntry, SideEntry, TravelEntry, WrittenChains};
 use super::layer::Layer;
 use super::places::{Keys, Places, below, keys};
@@ -12,7 +12,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes, did_you_mean, shown};
 use indexmap::IndexMap;
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{DeserializeOwned, Deserializer, MapAccess};
+use serde::de::{DeserializeOwned, MapAccess};
 use serde_yaml::{Mapping, Value};
 
 /// Named entries in the order of the file; `None` where the entry as a whole was refused.
@@ -267,7 +267,7 @@ pub struct IdentifyEntry {
     pub parameters: IndexMap<String, IndexMap<String, Vec<Scalar>>>,
     /// Errors that follow others: `EBY: { EBX: -1 }` is EBY = -EBX.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
-    #[schemars(schema_with = "super::schema_forms::tied")]
+    #[schemars(schema_with = "super::schema_forms::tie_schema")]
     pub tied: IndexMap<String, IndexMap<String, Scalar>>,
     /// Standard deviation of the slope of a fitted curve: `EXX: 20 um/m`.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
@@ -378,13 +378,13 @@ pub const SECTIONS: [&str; 20] = [
 ];
 
 /// Takes sections out of the merged tree.
-struct Reader<'a> {
+struct SectionReader<'a> {
     map: Mapping,
     places: Places,
     diagnostics: &'a mut Diagnostics,
 }
 
-impl Reader<'_> {
+impl SectionReader<'_> {
     /// A section as a whole.
     fn section<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
         let value = self.map.remove(key)?;
@@ -395,7 +395,9 @@ impl Reader<'_> {
     fn entries<T: DeserializeOwned>(&mut self, key: &str) -> Entries<T> {
         let at = keys([key]);
         match self.map.remove(key) {
-            Some(Value::Mapping(map)) => map.into_iter().map(|(name, value)| self.named(&at, name, value)).collect(),
+            Some(Value::Mapping(map)) => {
+                map.into_iter().map(|(name, value)| self.parse_named(&at, name, value)).collect()
+            }
             Some(_) => {
                 self.places.mar(&at);
                 let refusal = Diagnostic::new(codes::E0202, format!("`{key}` must be a mapping of names to entries"));
@@ -407,7 +409,7 @@ impl Reader<'_> {
         }
     }
 
-    fn named<T: DeserializeOwned>(&mut self, at: &Keys, name: Value, value: Value) -> (String, Option<T>) {
+    fn parse_named<T: DeserializeOwned>(&mut self, at: &Keys, name: Value, value: Value) -> (String, Option<T>) {
         let name = name.as_str().unwrap_or_default().to_owned();
         let at = below(at, &name);
         let entry = entry(value, &at, &mut self.places, self.diagnostics);
@@ -426,11 +428,11 @@ impl Reader<'_> {
 impl Document {
     /// Types every section; what does not fit is reported and left out.
     pub(super) fn from_layer(layer: Layer, diagnostics: &mut Diagnostics) -> Self {
-        let mut reader = Reader { map: layer.map, places: layer.places, diagnostics };
+        let mut reader = SectionReader { map: layer.map, places: layer.places, diagnostics };
         let document = Self {
             abbe: reader.section("abbe"),
             machine: reader.section("machine"),
-            chain: reader.section::<Walk>("chain").map(|c| c.0),
+            chain: reader.section::<WalkText>("chain").map(|c| c.0),
             branches: reader.section("branches"),
             axes: reader.entries("axes"),
             tool: reader.section("tool"),
@@ -455,7 +457,7 @@ impl Document {
     }
 }
 
-impl Reader<'_> {
+impl SectionReader<'_> {
     fn volume(&mut self) -> IndexMap<String, VolumeAxis> {
         let step = match self.map.get_mut("volume") {
             Some(Value::Mapping(map)) => map.remove("step"),
@@ -473,7 +475,7 @@ impl Reader<'_> {
 struct PresetOr(ConventionsEntry);
 
 /// `[w C' b X Z t]` without quotes is a list to YAML.
-struct Walk(String);
+struct WalkText(String);
 
 /// `[0, 500]` is short for `{ range: [0, 500] }`.
 struct VolumeEntry(VolumeAxis);
@@ -502,7 +504,7 @@ impl Forms for VolumeEntry {
     }
 }
 
-impl Forms for Walk {
+impl Forms for WalkText {
     const EXPECTING: &'static str = "the walk from workpiece to tool, in quotes";
 
     fn scalar(walk: Scalar) -> Option<Self> {
@@ -550,15 +552,4 @@ impl Forms for GeneratorsEntry {
     }
 }
 
-/// `Deserialize` by [`Forms`].
-macro_rules! deserialize_by_forms {
-    ($($entry:ty),*) => {$(
-        impl<'de> Deserialize<'de> for $entry {
-            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                forms(deserializer)
-            }
-        }
-    )*};
-}
-
-deserialize_by_forms!(VolumeEntry, PresetOr, Walk, ControllerEntry, GeneratorsEntry);
+deserialize_by_forms!(VolumeEntry, PresetOr, WalkText, ControllerEntry, GeneratorsEntry);

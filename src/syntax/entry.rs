@@ -46,12 +46,12 @@ fn segment(segment: &Segment) -> Option<String> {
 }
 
 /// The text between the first pair of backticks after the prefix.
-fn quoted_after<'a>(message: &'a str, prefix: &str) -> Option<&'a str> {
+fn quotation_after<'a>(message: &'a str, prefix: &str) -> Option<&'a str> {
     message.strip_prefix(prefix)?.strip_prefix('`')?.split('`').next()
 }
 
 fn unknown_field(message: &str) -> Option<&str> {
-    quoted_after(message, "unknown field ")
+    quotation_after(message, "unknown field ")
 }
 
 /// All that stands in backticks after the first pair.
@@ -68,19 +68,19 @@ fn explain(message: &str, keys: &Keys, places: &Places) -> Diagnostic {
             .at(places.key(keys), "")
             .help(help);
     }
-    if let Some(word) = quoted_after(message, "unknown variant ") {
+    if let Some(word) = quotation_after(message, "unknown variant ") {
         let help = did_you_mean(word, &candidates(message));
         return Diagnostic::new(codes::E0210, format!("`{}` is not a choice for `{name}`", shown(word)))
             .at(places.value(keys), "")
             .help(help);
     }
     Diagnostic::new(codes::E0202, format!("`{}` does not have the right form", shown(&keys.join("."))))
-        .at(places.value(keys), found(message))
-        .help(sample(name).map_or_else(|| expected(message), |sample| format!("write it as `{name}: {sample}`")))
+        .at(places.value(keys), found_value(message))
+        .help(sample(name).map_or_else(|| expected_form(message), |sample| format!("write it as `{name}: {sample}`")))
 }
 
 /// Returns the value that serde found, in plain words.
-fn found(message: &str) -> String {
+fn found_value(message: &str) -> String {
     let found = message.split_once(", expected ").map_or(message, |(found, _)| found);
     let found = found.trim_start_matches("invalid type: ").trim_start_matches("invalid value: ");
     let words = [("sequence", "a list"), ("map", "a mapping"), ("unit value", "nothing"), ("string ", "the text ")];
@@ -91,7 +91,7 @@ fn found(message: &str) -> String {
 }
 
 /// Returns the form that serde expected.
-fn expected(message: &str) -> String {
+fn expected_form(message: &str) -> String {
     let expected = message.split_once(", expected ").map_or("something else", |(_, expected)| expected);
     format!(
         "write {}",

@@ -111,10 +111,10 @@ fn rivals(parents: &[String], key: &str) -> &'static [&'static str] {
 }
 
 /// An error term, a bound, a class, a position and the branches are replaced whole.
-fn replaced_whole(keys: &[String]) -> bool {
+fn replaces_whole(keys: &[String]) -> bool {
     let named = |section: &str| section == "errors" || section == "tolerances";
     let whole = |section: &String| section == "branches" || section == "class" || named(section) && keys.len() == 2;
-    keys.first().is_some_and(whole) || geometry::replaced_whole(keys)
+    keys.first().is_some_and(whole) || geometry::replaces_whole(keys)
 }
 
 fn merge(mut base: Layer, over: Layer) -> Layer {
@@ -125,7 +125,7 @@ fn merge(mut base: Layer, over: Layer) -> Layer {
             base.places.adopt(&keys([top]), &over.places);
         }
     }
-    for entry in geometry::displaced(&base.map, &over.map) {
+    for entry in geometry::displaced_entries(&base.map, &over.map) {
         remove(&mut base.map, &entry);
         base.places.remove(&entry);
     }
@@ -169,7 +169,7 @@ fn merge_map(base: &mut Mapping, over: Mapping, places: &mut Places, over_places
                 base.remove(name.as_str());
                 places.remove(&here);
             }
-            (Some(Value::Mapping(old)), Value::Mapping(new)) if !replaced_whole(&here) => {
+            (Some(Value::Mapping(old)), Value::Mapping(new)) if !replaces_whole(&here) => {
                 merge_map(old, new, places, over_places, &here);
             }
             (_, value) => {

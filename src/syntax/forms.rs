@@ -28,6 +28,18 @@ pub trait Forms: Sized {
     }
 }
 
+/// Implements `Deserialize` by [`Forms`].
+macro_rules! deserialize_by_forms {
+    ($($entry:ty),*) => {$(
+        impl<'de> serde::Deserialize<'de> for $entry {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                $crate::syntax::forms::forms(deserializer)
+            }
+        }
+    )*};
+}
+pub(super) use deserialize_by_forms;
+
 /// Deserialises whichever form is there.
 pub fn forms<'de, T: Forms, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     deserializer.deserialize_any(FormsVisitor(PhantomData))

@@ -1,12 +1,12 @@
 //! Geometry as written: positions, absolute or from a named point, and what holds on one side of the bed.
 
-use super::forms::{Forms, forms};
+use super::forms::{Forms, deserialize_by_forms};
 use super::places::{Keys, keys};
 use super::scalar::Scalar;
 use super::term::TermEntry;
 use indexmap::IndexMap;
+use serde::de::MapAccess;
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{Deserializer, MapAccess};
 use serde::{Deserialize, Serialize};
 use serde_yaml::{Mapping, Value};
 use std::collections::BTreeMap;
@@ -42,11 +42,7 @@ impl Forms for TravelEntry {
     }
 }
 
-impl<'de> Deserialize<'de> for TravelEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        forms(deserializer)
-    }
-}
+deserialize_by_forms!(TravelEntry);
 
 /// A position: three coordinates, or the same from a named point.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,12 +95,6 @@ impl Forms for PositionEntry {
 
     fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
         RelativeEntry::deserialize(MapAccessDeserializer::new(map)).map(Self::Relative)
-    }
-}
-
-impl<'de> Deserialize<'de> for PositionEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        forms(deserializer)
     }
 }
 
@@ -172,7 +162,7 @@ fn chain(map: &Mapping) -> Option<WrittenChain> {
 }
 
 /// The entries of a base that plain keys of a variant displace: the same keys in the blocks of a side.
-pub(super) fn displaced(base: &Mapping, over: &Mapping) -> Vec<Keys> {
+pub(super) fn displaced_entries(base: &Mapping, over: &Mapping) -> Vec<Keys> {
     let plain = over.get("errors").and_then(Value::as_mapping);
     let mut entries = Vec::new();
     for (name, axis) in axes(base) {
@@ -190,10 +180,12 @@ pub(super) fn displaced(base: &Mapping, over: &Mapping) -> Vec<Keys> {
 }
 
 /// True for an entry that a variant replaces whole: a position, a rotation, or an error in the block of a side.
-pub(super) fn replaced_whole(at: &[String]) -> bool {
+pub(super) fn replaces_whole(at: &[String]) -> bool {
     match at.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["workpiece", "origin" | "rotation"] | ["axes", _, "origin"] => true,
         ["axes", _, side, "origin"] | ["axes", _, side, "errors", _] => SIDES.contains(&side),
         _ => false,
     }
 }
+
+deserialize_by_forms!(PositionEntry);

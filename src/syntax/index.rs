@@ -28,7 +28,7 @@ pub fn index(text: &str, source: SourceId, places: &mut Places, diagnostics: &mu
     outcome.map_err(|refusal| diagnostics.push(*refusal)).ok()
 }
 
-type Refused = Box<Diagnostic>;
+type Refusal = Box<Diagnostic>;
 
 /// A mapping or list that is not finished.
 struct OpenNode {
@@ -57,7 +57,7 @@ struct Indexer<'a> {
 }
 
 impl Indexer<'_> {
-    fn run(&mut self, text: &str) -> Result<(), Refused> {
+    fn run(&mut self, text: &str) -> Result<(), Refusal> {
         let mut parser = Parser::new(StrInput::new(text));
         while let Some(next) = parser.next_event() {
             let (event, span) = next.map_err(|failure| {
@@ -75,12 +75,12 @@ impl Indexer<'_> {
         Ok(())
     }
 
-    fn event(&mut self, event: Event<'_>, place: Place) -> Result<(), Refused> {
+    fn event(&mut self, event: Event<'_>, place: Place) -> Result<(), Refusal> {
         match event {
             Event::DocumentStart(_) => {
                 self.documents += 1;
                 if self.documents > 1 {
-                    return Err(unsupported("a second document", place, "keep one machine in a file"));
+                    return Err(refusal("a second document", place, "keep one machine in a file"));
                 }
             }
             Event::Scalar(text, _, _, tag) => {
@@ -116,7 +116,7 @@ impl Indexer<'_> {
         matches!(self.frames.last(), Some(OpenNode { kind: NodeKind::Map(_, None), .. }))
     }
 
-    fn scalar(&mut self, text: &str, place: Place) -> Result<(), Refused> {
+    fn scalar(&mut self, text: &str, place: Place) -> Result<(), Refusal> {
         if self.expects_key() {
             return self.key(text, place);
         }
@@ -125,9 +125,9 @@ impl Indexer<'_> {
         Ok(())
     }
 
-    fn key(&mut self, text: &str, place: Place) -> Result<(), Refused> {
+    fn key(&mut self, text: &str, place: Place) -> Result<(), Refusal> {
         if text == "<<" {
-            return Err(unsupported("a merge key `<<`", place, "write the entries out, or use `extends: base.yaml`"));
+            return Err(refusal("a merge key `<<`", place, "write the entries out, or use `extends: base.yaml`"));
         }
         if let Some(OpenNode { kind: NodeKind::Map(seen, waiting), .. }) = self.frames.last_mut() {
             if let Some(first) = seen.get(text) {
@@ -164,9 +164,9 @@ impl Indexer<'_> {
         self.places.insert(keys, Spot { key, value: place });
     }
 
-    fn open(&mut self, kind: NodeKind, place: Place) -> Result<(), Refused> {
+    fn open(&mut self, kind: NodeKind, place: Place) -> Result<(), Refusal> {
         if self.expects_key() {
-            return Err(unsupported("a list or mapping as a key", place, "keys are plain words"));
+            return Err(refusal("a list or mapping as a key", place, "keys are plain words"));
         }
         self.enter();
         self.frames.push(OpenNode { start: place.range.start, last: place.range.end, kind });
@@ -180,16 +180,16 @@ impl Indexer<'_> {
         self.leave(Place { source: self.source, range });
     }
 
-    fn alias(&mut self, place: Place) -> Result<(), Refused> {
+    fn alias(&mut self, place: Place) -> Result<(), Refusal> {
         if self.expects_key() {
-            return Err(unsupported("an alias as a key", place, "keys are plain words"));
+            return Err(refusal("an alias as a key", place, "keys are plain words"));
         }
         self.enter();
         self.leave(place);
         Ok(())
     }
 
-    fn limit(&self, failure: &YamlFailure) -> Refused {
+    fn limit(&self, failure: &YamlFailure) -> Refusal {
         let at = self.byte(failure.character.unwrap_or(0));
         let help = "a machine file is small; put measured data into CSV tables";
         Box::new(
@@ -200,14 +200,14 @@ impl Indexer<'_> {
     }
 }
 
-fn tagless(tag: Option<Cow<'_, Tag>>, place: &Place) -> Result<(), Refused> {
+fn tagless(tag: Option<Cow<'_, Tag>>, place: &Place) -> Result<(), Refusal> {
     match tag {
-        Some(_) => Err(unsupported("a YAML tag", place.clone(), "remove the `!...`; put text in quotes")),
+        Some(_) => Err(refusal("a YAML tag", place.clone(), "remove the `!...`; put text in quotes")),
         None => Ok(()),
     }
 }
 
-fn unsupported(what: &str, place: Place, help: &str) -> Refused {
+fn refusal(what: &str, place: Place, help: &str) -> Refusal {
     Box::new(
         Diagnostic::new(codes::E0108, format!("{what} is not part of the machine language"))
             .at(Some(place), "")

@@ -21,9 +21,10 @@ pub fn refuse_unknown(map: &Mapping, places: &mut Places, diagnostics: &mut Diag
         return;
     }
     let root = schema();
-    let mut walk = Walk { root: &root, written: (places, &diagnostics.sources), unknown: Vec::new(), bare: Vec::new() };
+    let mut walk =
+        NullWalk { root: &root, written: (places, &diagnostics.sources), unknown: Vec::new(), bare: Vec::new() };
     walk.mapping(map, &[&root], &Keys::new());
-    let Walk { unknown, bare, .. } = walk;
+    let NullWalk { unknown, bare, .. } = walk;
     for keys in bare {
         let name = keys.last().map_or("", String::as_str);
         let refusal = Diagnostic::new(codes::E0202, format!("`{}` stands here without a value", shown(name)));
@@ -48,7 +49,7 @@ fn has_null(map: &Mapping) -> bool {
     })
 }
 
-struct Walk<'a> {
+struct NullWalk<'a> {
     root: &'a Schema,
     written: (&'a Places, &'a Sources),
     /// Keys without a value and without a colon.
@@ -57,12 +58,12 @@ struct Walk<'a> {
     unknown: Vec<(Keys, Vec<String>)>,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> NullWalk<'a> {
     fn mapping(&mut self, map: &Mapping, schemas: &[&'a Schema], at: &Keys) {
         let mut objects = Vec::new();
         schemas.iter().for_each(|schema| self.objects(schema, DEPTH, &mut objects));
         for (key, value) in map {
-            let Some(name) = written(key) else { continue };
+            let Some(name) = key_text(key) else { continue };
             let here = below(at, &name);
             let of_key: Vec<&Schema> = objects.iter().filter_map(|object| member(object, &name)).collect();
             match value {
@@ -103,7 +104,7 @@ impl<'a> Walk<'a> {
 }
 
 /// A key as text: harmonics are numbers.
-fn written(key: &Value) -> Option<String> {
+fn key_text(key: &Value) -> Option<String> {
     key.as_str().map(str::to_owned).or_else(|| key.as_u64().map(|number| number.to_string()))
 }
 

@@ -64,7 +64,7 @@ fn by_name() -> Value {
     json!({
         "description": "Errors by name: EXX, EC0Y. Values carry their unit.",
         "type": "object",
-        "properties": known(),
+        "properties": usual_errors(),
         "patternProperties": patterns(),
         "additionalProperties": false
     })
@@ -76,7 +76,7 @@ fn reference(direction: usize, family: &str) -> Value {
 }
 
 /// The errors of the usual axes, each with what it is.
-fn known() -> Map<String, Value> {
+fn usual_errors() -> Map<String, Value> {
     let mut all = Map::new();
     for (axis, rotary, along) in AXES {
         for (direction, letter) in "XYZABC".chars().enumerate() {

@@ -241,7 +241,7 @@ pub fn own_parameters(_: &mut SchemaGenerator) -> Schema {
 }
 
 /// Error name, the error it follows, and a factor.
-pub fn tied(_: &mut SchemaGenerator) -> Schema {
+pub fn tie_schema(_: &mut SchemaGenerator) -> Schema {
     let factor = json!({ "type": "number" });
     let one = json!({ "type": "object", "additionalProperties": factor, "minProperties": 1, "maxProperties": 1 });
     json_schema!({ "type": "object", "additionalProperties": one })

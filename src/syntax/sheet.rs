@@ -24,7 +24,7 @@ const MISTAKES: [&str; 7] = ["#REF!", "#N/A", "#DIV/0!", "#VALUE!", "#NAME?", "#
 
 /// A line that is neither blank nor a comment.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Line {
+pub struct SheetLine {
     /// Its place.
     pub place: Place,
     /// Its number in the file, from 1.
@@ -42,7 +42,7 @@ pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics)
             return None;
         }
     };
-    let Some(text) = decoded(bytes) else {
+    let Some(text) = decode(bytes) else {
         let message = format!("`{}` is not text in UTF-8, UTF-16 or Windows-1252", shown(&path.display().to_string()));
         let help = "export it as text; for example: iconv -f IBM850 -t UTF-8 old > new";
         diagnostics.push(Diagnostic::new(codes::E0104, message).help(help));
@@ -53,7 +53,7 @@ pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics)
 }
 
 /// UTF-8, or UTF-16 with a byte order mark or with every other byte of its beginning zero, or else Windows-1252.
-fn decoded(bytes: Vec<u8>) -> Option<String> {
+fn decode(bytes: Vec<u8>) -> Option<String> {
     let wide = |little: bool, bytes: &[u8]| {
         let pair = |p: &[u8]| if little { u16::from_le_bytes([p[0], p[1]]) } else { u16::from_be_bytes([p[0], p[1]]) };
         let units: Vec<u16> = bytes.chunks_exact(2).map(pair).collect();
@@ -90,12 +90,12 @@ impl Sheet {
     }
 
     /// The lines that count, all in memory.
-    pub fn lines(&self) -> Vec<Line> {
+    pub fn lines(&self) -> Vec<SheetLine> {
         self.each_line().collect()
     }
 
     /// The lines that count, one after the other.
-    pub fn each_line(&self) -> impl Iterator<Item = Line> {
+    pub fn each_line(&self) -> impl Iterator<Item = SheetLine> {
         let mut start = 0;
         let line = move |(index, line): (usize, &str)| {
             let content = line.trim_end();
@@ -104,7 +104,7 @@ impl Sheet {
             let bare = content.trim_start();
             let mistake = MISTAKES.iter().any(|mistake| bare.starts_with(mistake));
             let counts = !bare.is_empty() && (mistake || !bare.starts_with('#')) && !bare.starts_with("//");
-            counts.then(|| Line {
+            counts.then(|| SheetLine {
                 place: Place { source: self.source, range },
                 number: index + 1,
                 text: content.to_owned(),
@@ -222,11 +222,11 @@ mod tests {
         let wide: Vec<u8> = "a;µ\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
         let big: Vec<u8> = [0xfe, 0xff].into_iter().chain("a;µ\n".encode_utf16().flat_map(u16::to_be_bytes)).collect();
         for bytes in [wide.clone(), [&[0xff, 0xfe], wide.as_slice()].concat(), big, "a;µ\n".into()] {
-            assert_eq!(decoded(bytes).as_deref(), Some("a;µ\n"));
+            assert_eq!(decode(bytes).as_deref(), Some("a;µ\n"));
         }
-        assert_eq!(decoded(vec![0xff, 0xfe, 0]), None);
-        assert_eq!(decoded(vec![b'a', 0xb5, b'\n', 0x80]).as_deref(), Some("aµ\n€"));
-        assert_eq!((decoded(vec![b'a', 0xb5, 1]), decoded(vec![b'a', 0x81])), (None, None));
+        assert_eq!(decode(vec![0xff, 0xfe, 0]), None);
+        assert_eq!(decode(vec![b'a', 0xb5, b'\n', 0x80]).as_deref(), Some("aµ\n€"));
+        assert_eq!((decode(vec![b'a', 0xb5, 1]), decode(vec![b'a', 0x81])), (None, None));
     }
 
     #[test]

@@ -157,7 +157,7 @@ impl TableReader<'_> {
             let cells = cells(self.text, row.clone(), separator);
             if cells.len() != columns.len() {
                 mistakes += 1;
-                self.ragged(row, cells.len(), columns.len());
+                self.report_ragged(row, cells.len(), columns.len());
                 continue;
             }
             for (column, cell) in columns.iter_mut().zip(cells) {
@@ -172,7 +172,7 @@ impl TableReader<'_> {
         }
     }
 
-    fn ragged(&mut self, row: &Range<usize>, found: usize, expected: usize) {
+    fn report_ragged(&mut self, row: &Range<usize>, found: usize, expected: usize) {
         let cells = if found == 1 { "cell" } else { "cells" };
         let message = format!("this row has {found} {cells}, the header has {expected}");
         let help = if found == 2 * expected {
@@ -259,14 +259,14 @@ fn separator(header: &str) -> char {
 fn cells(text: &str, line: Range<usize>, separator: char) -> Vec<Range<usize>> {
     let mut start = line.start;
     let cells = text[line].split(separator).map(|cell| {
-        let range = trimmed(text, start..start + cell.len());
+        let range = trim(text, start..start + cell.len());
         start += cell.len() + separator.len_utf8();
         range
     });
     cells.collect()
 }
 
-fn trimmed(text: &str, range: Range<usize>) -> Range<usize> {
+fn trim(text: &str, range: Range<usize>) -> Range<usize> {
     let cell = &text[range.clone()];
     let start = range.start + (cell.len() - cell.trim_start().len());
     let end = range.end - (cell.len() - cell.trim_end().len());

@@ -1,13 +1,13 @@
 //! An error term as written.
 
-use super::forms::{Forms, forms};
+use super::forms::{Forms, deserialize_by_forms};
 use super::scalar::Scalar;
 use super::schema_forms::{object, quantity};
 use indexmap::IndexMap;
 use schemars::{Schema, SchemaGenerator, json_schema};
+use serde::Deserialize;
 use serde::de::MapAccess;
 use serde::de::value::MapAccessDeserializer;
-use serde::{Deserialize, Deserializer};
 
 /// A B-spline as written.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -117,12 +117,6 @@ impl Forms for CurveEntry {
     }
 }
 
-impl<'de> Deserialize<'de> for CurveEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        forms(deserializer)
-    }
-}
-
 impl Forms for TermEntry {
     const EXPECTING: &'static str = "a value with its unit, or a mapping such as { table: x.csv }";
 
@@ -135,11 +129,7 @@ impl Forms for TermEntry {
     }
 }
 
-impl<'de> Deserialize<'de> for TermEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        forms(deserializer)
-    }
-}
+deserialize_by_forms!(CurveEntry, TermEntry);
 
 /// A curve of one direction, short or long.
 pub fn curve(generator: &mut SchemaGenerator) -> Schema {

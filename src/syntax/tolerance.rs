@@ -1,10 +1,10 @@
 //! Bounds as written: the sections `tolerances` and `class`.
 
-use super::forms::{Forms, forms};
+use super::forms::{Forms, deserialize_by_forms};
 use super::scalar::Scalar;
+use serde::Deserialize;
 use serde::de::MapAccess;
 use serde::de::value::MapAccessDeserializer;
-use serde::{Deserialize, Deserializer};
 
 /// Bounds along an axis and across it: of translations, and of rotations about these directions.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
@@ -214,12 +214,6 @@ impl Forms for BoundEntry {
     }
 }
 
-impl<'de> Deserialize<'de> for BoundEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        forms(deserializer)
-    }
-}
-
 impl Forms for ClassEntry {
     const EXPECTING: &'static str = "the name of a class, or a mapping such as { like: premium, linear: { ... } }";
 
@@ -232,8 +226,4 @@ impl Forms for ClassEntry {
     }
 }
 
-impl<'de> Deserialize<'de> for ClassEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        forms(deserializer)
-    }
-}
+deserialize_by_forms!(BoundEntry, ClassEntry);

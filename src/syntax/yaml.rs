@@ -48,7 +48,7 @@ pub fn from_yaml<T: DeserializeOwned>(text: &str) -> Result<T, YamlFailure> {
 /// Measures a text without building anything of it. Fails beyond the limits, and where the text is not YAML.
 pub(super) fn guard(text: &str) -> Result<(), YamlFailure> {
     let mut parser = Parser::new(StrInput::new(text));
-    let mut size = Size::default();
+    let mut size = YamlSize::default();
     while let Some(next) = parser.next_event() {
         let (event, span) = next.map_err(|failure| YamlFailure {
             message: failure.info().to_owned(),
@@ -91,7 +91,7 @@ impl fmt::Display for Excess {
 
 /// The size of a text so far.
 #[derive(Default)]
-struct Size {
+struct YamlSize {
     nodes: usize,
     aliases: usize,
     /// Lists and mappings that are not finished: anchor, and the nodes before them.
@@ -100,7 +100,7 @@ struct Size {
     anchors: BTreeMap<usize, usize>,
 }
 
-impl Size {
+impl YamlSize {
     fn event(&mut self, event: &Event<'_>) -> Result<(), Excess> {
         match event {
             Event::Scalar(_, _, anchor, _) => {

@@ -5,10 +5,12 @@
 //! positions of rotary axes stay in degrees, the unit they are programmed in, so that
 //! 90 and 360 are exact.
 
+mod interval;
 mod parse;
 mod print;
 mod quantity;
 
+pub use interval::Interval;
 pub use parse::{Failure, header, number, quantity, unit};
 pub use print::{angle, counted, length, significant};
 pub use quantity::{Dimension, FARTHEST, Quantity};

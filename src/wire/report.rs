@@ -91,8 +91,8 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
 /// Content of the page for a machine.
 fn drawn(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Result<(MachineData, Pictures), MapFailure> {
     let view = View { conditions: given.conditions, frame: Frame::Workpiece };
-    if let Some(bounded) = given.bounded() {
-        let data = MachineData::of_bounds(number, given, &bounded);
+    if let Some(bounded) = given.budget() {
+        let data = MachineData::of_bounds(number, given, bounded);
         advance(given.poses.0)?;
         let pictures = Pictures::new(given, &data);
         return Ok((data, pictures));
@@ -101,7 +101,7 @@ fn drawn(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Resul
     let map = map(&bare, &poses, view, advance)?;
     // As `map` does by default.
     let besides = worst(&map.deviations, MapOptions::default().worst);
-    let intervals = field_bands(&bare, &poses, (map.statistics, &besides), given.conditions, given.poses.1);
+    let intervals = field_bands(&bare, &poses, map.statistics, &besides, given.conditions, given.poses.1);
     let data = MachineData::new(number, given, &map).with_uncertainty(given, json!(intervals));
     let pictures = Pictures::new(given, &data);
     Ok((data, pictures))
@@ -249,11 +249,11 @@ fn comparison(
     options: &ReportOptions,
     given: &[MachineInput<'_>],
 ) -> Result<Option<ComparisonData>, Refused> {
-    let Some(work) = ComparisonData::work(given) else { return Ok(None) };
+    let Some((comparison, sides)) = ComparisonData::work(given) else { return Ok(None) };
     let (samples, seed) = (options.samples, options.seed);
     let names: Vec<&str> = given.iter().map(|given| given.file).collect();
     let drawn = DrawnMachines { tolerances: &options.tolerances, files: &names, samples, max_samples: samples, seed };
-    let budgets = budgets(call, &work.1, drawn)?;
+    let budgets = budgets(call, &sides, drawn)?;
     let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
-    Ok(Some(ComparisonData::new(given, &work, json)))
+    Ok(Some(ComparisonData::new(given, &comparison, &sides, json)))
 }

@@ -144,7 +144,7 @@ impl Case<'_> {
                 for _ in 0..20 {
                     let pose: Vec<f64> = self.machine.axes().iter().map(|_| random.between(-300.0, 400.0)).collect();
                     let ordered: Vec<f64> = indices.iter().map(|axis| pose[*axis]).collect();
-                    let ours = replay.added(&abbe::machine::Approach::Forward.at(&pose));
+                    let ours = replay.addition(&abbe::machine::Approach::Forward.at(&pose));
                     for (axis, value) in indices.iter().zip(theirs(&ordered, false)) {
                         let size = ours[*axis].abs().max(1.0);
                         let near = (ours[*axis] - value).abs() <= 1e-9 * size;
@@ -181,7 +181,7 @@ fn damaged_files_are_refused_or_read_as_the_controller_would() {
         let machine = loaded::machine(path);
         let out = folder.path(name);
         compile(path, name, &out, &["--accept-unverified", "--poses", "1", "--nodes", "300"]).json();
-        let target = ControllerTarget::embedded(name).unwrap();
+        let target = ControllerTarget::builtin(name).unwrap();
         let mut files = replays::files(&out);
         files.remove("abbe.lock.json");
         let tables: Vec<String> =
@@ -239,7 +239,7 @@ fn damaged_set(folder: &Folder, name: &str, machine: &Path, seed: u64) {
     let out = folder.path(&format!("set-{name}"));
     compile(machine, name, &out, &["--accept-unverified", "--poses", "1", "--nodes", "100"]).json();
     let loaded = loaded::machine(machine);
-    let target = ControllerTarget::embedded(name).unwrap();
+    let target = ControllerTarget::builtin(name).unwrap();
     let tables = target.table_files(&loaded);
     let file = tables.iter().map(|file| out.join(file)).find(|path| path.exists()).unwrap();
     let sound = std::fs::read(&file).unwrap();

@@ -6,7 +6,7 @@ use crate::oracle::program::Folder;
 use crate::oracle::random::Random;
 use crate::oracle::{rigid, yaml};
 use abbe::algebra::symbolic::Symbolic;
-use abbe::analysis::{Equations, Meaning, Naming, Options, equations};
+use abbe::analysis::{Equations, Naming, Options, SymbolMeaning, equations};
 use abbe::evaluate::{Frame, Order, evaluate, random_poses};
 use abbe::lower::{DeclaredAlgebra, values};
 use abbe::machine::{AlgebraChoice, Approach, Machine, sin_cos_degrees};
@@ -24,12 +24,12 @@ fn of_order(machine: &Machine, order: u8, options: Options) -> Equations {
 /// Values of the symbols at a pose.
 fn symbols_at(machine: &Machine, found: &Equations, pose: &[f64]) -> Vec<f64> {
     let errors = values(machine, &Approach::Mean.at(pose));
-    let value = |meaning: Meaning| match meaning {
-        Meaning::Error(source, sign) => f64::from(sign) * errors.of(source),
-        Meaning::Position(i) => pose[i],
-        Meaning::Sine(i) => sin_cos_degrees(pose[i]).0,
-        Meaning::Cosine(i) => sin_cos_degrees(pose[i]).1,
-        Meaning::ToolLength => machine.tool().tip[2] - machine.tool().gauge[2],
+    let value = |meaning: SymbolMeaning| match meaning {
+        SymbolMeaning::Error(source, sign) => f64::from(sign) * errors.of(source),
+        SymbolMeaning::Position(i) => pose[i],
+        SymbolMeaning::Sine(i) => sin_cos_degrees(pose[i]).0,
+        SymbolMeaning::Cosine(i) => sin_cos_degrees(pose[i]).1,
+        SymbolMeaning::ToolLength => machine.tool().tip[2] - machine.tool().gauge[2],
     };
     found.symbols.iter().map(|s| value(s.meaning)).collect()
 }

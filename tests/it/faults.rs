@@ -45,7 +45,7 @@ fn straight_pieces_in_place_of_a_spline() {
     let straight =
         crate::loaded::machine(&with_table(&folder, "straight.yaml", &format!("ECC: {{ points: [{points}] }}")));
     for name in ["linuxcnc", "grid-csv"] {
-        let target = ControllerTarget::embedded(name).unwrap();
+        let target = ControllerTarget::builtin(name).unwrap();
         let good = certified(&machine, &target, &filled(&machine, &target)).compensated.position_um;
         let bad = certified(&machine, &target, &filled(&straight, &target)).compensated.position_um;
         assert!(bad.rms > 2.0 * good.rms && bad.max > 1.0, "{name}: {} um, {} um with the fault", good.rms, bad.rms);
@@ -66,7 +66,7 @@ fn a_fault_in_each_kind_of_table_shows() {
         ("grid-csv", "lattice", |table| table.axes.len() == 3),
     ];
     for (name, kind, is_kind) in kinds {
-        let target = ControllerTarget::embedded(name).unwrap();
+        let target = ControllerTarget::builtin(name).unwrap();
         let tables = filled(&machine, &target);
         assert!(tables.tables.iter().any(is_kind), "{name} has no {kind}");
         let mut faulty = tables.clone();
@@ -78,7 +78,7 @@ fn a_fault_in_each_kind_of_table_shows() {
         let (good, bad) = (rms(&tables), rms(&faulty));
         assert!(bad > 1.02 * good, "{name}, {kind}: {good} um, {bad} um with the fault");
     }
-    let target = ControllerTarget::embedded("isg-volcomp").unwrap();
+    let target = ControllerTarget::builtin("isg-volcomp").unwrap();
     let mut tables = filled(&machine, &target);
     let good = certified(&machine, &target, &tables).compensated.position_um.rms;
     tables.errors.iter_mut().flat_map(|curve| &mut curve.values).for_each(|value| *value *= 0.5);

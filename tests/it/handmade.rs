@@ -113,7 +113,7 @@ fn found(
         }
         Ok(tables) if tables.same_effect(sound) => Some(Same),
         Ok(tables) => {
-            let said = target.uncovered(machine, &tables);
+            let said = target.coverage_warnings(machine, &tables);
             (!said.is_empty() && said.iter().all(|d| d.code == "W0705" && d.help.is_some())).then_some(Short)
         }
     }
@@ -129,10 +129,10 @@ fn every_defect_of_every_target_is_refused_or_read_and_said() {
         let machine = loaded::machine(path);
         let out = folder.path(name);
         compile(path, name, &out, &["--accept-unverified", "--poses", "1", "--nodes", "300"]).json();
-        let target = ControllerTarget::embedded(name).unwrap();
+        let target = ControllerTarget::builtin(name).unwrap();
         let files = replays::files(&out);
         let sound = replays::read(&target, &machine, &files).ok().unwrap();
-        assert!(target.uncovered(&machine, &sound).is_empty(), "{name}");
+        assert!(target.coverage_warnings(&machine, &sound).is_empty(), "{name}");
         let file = target.table_files(&machine).into_iter().find(|file| files.contains_key(file)).unwrap();
         for (defect, damage) in DEFECTS {
             let mut damaged = files.clone();

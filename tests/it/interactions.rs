@@ -73,7 +73,7 @@ fn effects_sum_to_the_orders_and_bound_what_order_one_neglects() {
             let difference = order(2).position - order(1).position;
             assert!((second - difference).amax() < 2e-13, "{name} {second} {difference}");
             let exact = evaluate(&machine, &Approach::Mean.at(&pose), Order::Exact, Frame::Workpiece).deviation;
-            let (position, rotation) = effects.neglected();
+            let (position, rotation) = effects.neglected_bound();
             // The third degree is a thousandth of the second.
             assert!((exact.position - order(1).position).norm() <= 1.01 * position + 1e-13, "{name}");
             assert!((exact.rotation - order(1).rotation).norm() <= 1.01 * rotation + 1e-16, "{name}");

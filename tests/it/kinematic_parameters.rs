@@ -509,7 +509,7 @@ pub fn moved(text: &str, target: &str, file: &str, changes: &[(&str, f64)], pose
     let folder = Folder::new();
     let (path, out, _) = compiled(&folder, text, target);
     let machine = loaded::machine(&path);
-    let target = ControllerTarget::embedded(target).unwrap();
+    let target = ControllerTarget::builtin(target).unwrap();
     let meant = KinematicsModule::of(&machine, &target, false).unwrap();
     let sound = std::fs::read_to_string(out.join(file)).unwrap();
     let change = |line: &str| {

@@ -200,11 +200,11 @@ fn pmac_plane_by_hand() {
         "#1 DEFINE COMP 2.4,#1D,#2D,#1,4000000,1000000\n160 320 -160 0\n16 176 336 -144 16\n0 160 320 -160 0\nI51=1\n";
     let mut diagnostics = abbe::diagnostic::Diagnostics::default();
     let machine = crate::loaded::machine(&path);
-    let target = abbe::controller::ControllerTarget::embedded("pmac").unwrap();
+    let target = abbe::controller::ControllerTarget::builtin("pmac").unwrap();
     let tables =
         target.read(&machine, &[abbe::controller::ReadBack::new("compensation.pmc", list)], &mut diagnostics).unwrap();
     let replay = abbe::controller::Replay::new(&machine, &target, &tables);
-    let added = |x: f64, y: f64| replay.added(&abbe::machine::Approach::Forward.at(&[x, y, 0.0]))[0];
+    let added = |x: f64, y: f64| replay.addition(&abbe::machine::Approach::Forward.at(&[x, y, 0.0]))[0];
     // 160 sixteenths of a ten-thousandth of a millimetre are a micrometre.
     let cases = [
         (100.0, 0.0, 1.0),

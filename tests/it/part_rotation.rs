@@ -75,7 +75,8 @@ fn deviations_turn_with_the_part_and_the_other_frames_stay() {
 fn surveyed(field: &CompiledField, poses: &Poses, view: View) -> Vec<Deviation> {
     let mut all = Vec::new();
     let task = SurveyTask { field, poses, view, worst: 1 };
-    let rows = |block: abbe::analysis::Block<'_>| block.rows().map(|(_, deviation)| deviation).collect::<Vec<_>>();
+    let rows =
+        |block: abbe::analysis::SurveyBlock<'_>| block.rows().map(|(_, deviation)| deviation).collect::<Vec<_>>();
     let mut keep = |rows: Vec<Deviation>| {
         all.extend(rows);
         true

@@ -40,7 +40,7 @@ pub fn read(
 
 /// Controller order: letter and whether it turns without end, with the index in the machine.
 pub fn order(machine: &Machine, target: &ControllerTarget) -> (Vec<(char, bool)>, Vec<usize>) {
-    let letters = abbe::controller::assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap();
+    let letters = abbe::controller::axis_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap();
     let axes = letters.iter().map(|known| (known.letter.chars().next().unwrap(), machine.is_continuous(known.axis)));
     (axes.collect(), letters.iter().map(|known| known.axis).collect())
 }
@@ -59,7 +59,7 @@ fn positions(machine: &Machine, random: &mut Random) -> Vec<f64> {
 /// The largest difference between the program's replay and the controller's.
 fn difference(path: &Path, sample: &Sample, name: &str, out: &Path, rounds: usize) -> (f64, f64) {
     let machine = loaded::machine(path);
-    let target = ControllerTarget::embedded(name).unwrap();
+    let target = ControllerTarget::builtin(name).unwrap();
     let files = files(out);
     let tables = read(&target, &machine, &files)
         .unwrap_or_else(|diagnostics| panic!("{name}: {}", render(&diagnostics, Rendering::default())));
@@ -72,7 +72,7 @@ fn difference(path: &Path, sample: &Sample, name: &str, out: &Path, rounds: usiz
         let pose = positions(&machine, &mut random);
         let ordered: Vec<f64> = indices.iter().map(|axis| pose[*axis]).collect();
         for (approach, reverse) in [(Approach::Forward, false), (Approach::Reverse, true)] {
-            let ours = replay.added(&approach.at(&pose));
+            let ours = replay.addition(&approach.at(&pose));
             let theirs = theirs(&ordered, reverse);
             for (axis, value) in indices.iter().zip(theirs) {
                 worst = worst.max((ours[*axis] - value).abs());

@@ -66,11 +66,11 @@ fn every_target_has_a_vector_by_hand() {
 fn added(target: &str, files: &[(&str, &str)], place: [f64; 3], expected: [f64; 3]) {
     let folder = Folder::new();
     let machine = loaded::machine(&replays::machine(&folder, false));
-    let loaded = ControllerTarget::embedded(target).unwrap();
+    let loaded = ControllerTarget::builtin(target).unwrap();
     let files: Files = files.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
     let tables = replays::read(&loaded, &machine, &files)
         .unwrap_or_else(|diagnostics| panic!("{target}: {:?}", diagnostics.iter().collect::<Vec<_>>()));
-    let found = Replay::new(&machine, &loaded, &tables).added(&Approach::Forward.at(&place));
+    let found = Replay::new(&machine, &loaded, &tables).addition(&Approach::Forward.at(&place));
     let near = found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-12);
     assert!(near, "{target} at {place:?}: {found:?}, not {expected:?}");
 }

@@ -95,7 +95,7 @@ fn left<const M: usize>(problem: &Inverse<'_>, steps: usize) -> [f64; M] {
 /// Exact to the degree 2^steps - 1, and not beyond; where only linear axes move, the equations are
 /// linear and one step is enough.
 fn doubles<const M: usize>(problem: &Inverse<'_>) {
-    let linear = problem.moved().len() == 3;
+    let linear = problem.moving_axes().len() == 3;
     for steps in 0..=newton_steps(M - 1) {
         let exact = if linear && steps > 0 { M } else { 1_usize << steps };
         for (degree, rest) in left::<M>(problem, steps).into_iter().enumerate() {

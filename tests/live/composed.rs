@@ -179,10 +179,10 @@ fn command(bench: &Bench, stock: &Stock, motors: &Value) -> Vec<f64> {
 /// Positions to which the certificate has the controller send the axes, from the files of the set.
 fn predicted(target: &str, path: &Path, out: &Path, poses: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let machine = loaded::machine(path);
-    let target = ControllerTarget::embedded(target).unwrap();
+    let target = ControllerTarget::builtin(target).unwrap();
     let module = KinematicsModule::of(&machine, &target, false).unwrap();
     let rest = module.parameters().unwrap().remaining(&machine).unwrap();
-    let tables_target = ControllerTarget::embedded("linuxcnc").unwrap();
+    let tables_target = ControllerTarget::builtin("linuxcnc").unwrap();
     let read = |entry: std::io::Result<std::fs::DirEntry>| {
         let entry = entry.unwrap();
         ReadBack::new(entry.file_name().to_string_lossy(), std::fs::read_to_string(entry.path()).unwrap())
@@ -193,6 +193,6 @@ fn predicted(target: &str, path: &Path, out: &Path, poses: &[Vec<f64>]) -> Vec<V
     let tables = TablesUnderTest { target: &tables_target, tables: &tables, installed: None };
     let field = tables.beside(&machine, &module);
     let sent =
-        |pose: &Vec<f64>| pose.iter().zip(field.added(&Approach::Mean.at(pose))).map(|(q, add)| q + add).collect();
+        |pose: &Vec<f64>| pose.iter().zip(field.addition(&Approach::Mean.at(pose))).map(|(q, add)| q + add).collect();
     poses.iter().map(sent).collect()
 }

@@ -5,7 +5,7 @@
 //! 2. The same joints and the same chain as in every evaluation are multiplied.
 //! 3. E_VE takes the inverse joint by joint; deviations are those of `eval`, workpiece frame.
 
-use super::symbols::{self, Meaning, Naming, Symbol};
+use super::symbols::{self, Naming, Symbol, SymbolMeaning};
 use crate::algebra::symbolic::{MAX_PRODUCTS, Rules, SymbolKind, Symbolic};
 use crate::algebra::{Algebra, Htm};
 use crate::diagnostic::{Diagnostic, codes};
@@ -59,13 +59,13 @@ pub fn equations(machine: &Machine, declared: &DeclaredAlgebra, options: Options
     let at = alphabet.positions(machine);
     let mut actual = Chain::actual_at(machine, &at, &unit_values(machine), &alphabet);
     let mut nominal = Chain::nominal_at(machine, &at);
-    if let Some(length) = alphabet.find(|m| m == Meaning::ToolLength) {
+    if let Some(length) = alphabet.find(|m| m == SymbolMeaning::ToolLength) {
         let number = Symbolic::from_real(machine.tool().tip[2] - machine.tool().gauge[2]);
         for tip in [&mut actual.tip, &mut nominal.tip] {
             tip[2] += length.clone() - number.clone();
         }
     }
-    let equations = collected(machine, &actual, &nominal);
+    let equations = collect_terms(machine, &actual, &nominal);
     if alphabet.rules.is_exhausted() {
         return Err(too_long());
     }
@@ -74,7 +74,7 @@ pub fn equations(machine: &Machine, declared: &DeclaredAlgebra, options: Options
 }
 
 /// Returns the equations without their symbols; `None` if an element is no polynomial.
-fn collected(machine: &Machine, actual: &Chain<Symbolic>, nominal: &Chain<Symbolic>) -> Option<Equations> {
+fn collect_terms(machine: &Machine, actual: &Chain<Symbolic>, nominal: &Chain<Symbolic>) -> Option<Equations> {
     let origin = machine.workpiece();
     let pose = (actual.tool_in_workpiece(&origin), nominal.tool_in_workpiece(&origin));
     let backwards = (inverse_pose(actual, &origin)?, inverse_pose(nominal, &origin)?);
@@ -165,11 +165,11 @@ impl Alphabet {
         symbols.extend(options.tool_length.then(symbols::tool_length));
         symbols.extend(axes.flat_map(|(i, axis)| symbols::position(i, axis, options.naming)));
         let kind = |(index, symbol): (usize, &Symbol)| match symbol.meaning {
-            Meaning::Error(source, _) => {
+            SymbolMeaning::Error(source, _) => {
                 declared.of(source).map_or(SymbolKind::Real, |generator| SymbolKind::Nilpotent { generator })
             }
             // The cosine is the next one.
-            Meaning::Sine(_) => SymbolKind::Sine { cosine: index as u16 + 1 },
+            SymbolMeaning::Sine(_) => SymbolKind::Sine { cosine: index as u16 + 1 },
             _ => SymbolKind::Real,
         };
         let kinds = symbols.iter().enumerate().map(kind).collect();
@@ -177,16 +177,16 @@ impl Alphabet {
         Self { symbols, rules, errors: sources }
     }
 
-    fn find(&self, wanted: impl Fn(Meaning) -> bool) -> Option<Symbolic> {
+    fn find(&self, wanted: impl Fn(SymbolMeaning) -> bool) -> Option<Symbolic> {
         let index = self.symbols.iter().position(|s| wanted(s.meaning))?;
         Some(Symbolic::symbol(&self.rules, index as u16))
     }
 
     fn positions(&self, machine: &Machine) -> Vec<JointPosition<Symbolic>> {
-        let symbol = |meaning: Meaning| self.find(|m| m == meaning).unwrap_or_else(Symbolic::zero);
+        let symbol = |meaning: SymbolMeaning| self.find(|m| m == meaning).unwrap_or_else(Symbolic::zero);
         let position = |(i, axis): (usize, &Axis)| match axis.kind {
-            AxisKind::Linear => JointPosition::Linear(symbol(Meaning::Position(i))),
-            AxisKind::Rotary => JointPosition::Rotary(symbol(Meaning::Sine(i)), symbol(Meaning::Cosine(i))),
+            AxisKind::Linear => JointPosition::Linear(symbol(SymbolMeaning::Position(i))),
+            AxisKind::Rotary => JointPosition::Rotary(symbol(SymbolMeaning::Sine(i)), symbol(SymbolMeaning::Cosine(i))),
         };
         machine.axes().iter().enumerate().map(position).collect()
     }

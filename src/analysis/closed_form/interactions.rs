@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 
 /// The effect of a product of errors: the coefficient of its monomial, in mm and rad.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Effect {
+pub struct ProductEffect {
     /// The errors, one or two; twice the same one for a square.
     pub errors: Vec<String>,
     /// Displacement of the functional point with each of them 1 mm or 1 rad, workpiece frame.
@@ -26,17 +26,17 @@ pub struct Effect {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Interactions {
     /// First degree: the derivatives by the errors.
-    pub first: Vec<Effect>,
+    pub first: Vec<ProductEffect>,
     /// Second degree: mixed derivatives, and half the second ones. Those that are not zero.
-    pub second: Vec<Effect>,
+    pub second: Vec<ProductEffect>,
 }
 
 impl Interactions {
     /// Returns a bound of the second-degree terms that order 1 neglects, position (mm) and rotation (rad): all
     /// interactions with one sign.
-    pub fn neglected(&self) -> (f64, f64) {
-        let length = |v: &Vector3<f64>, effect: &Effect| v.norm() * effect.value.abs();
-        let sum = |(position, rotation): (f64, f64), e: &Effect| {
+    pub fn neglected_bound(&self) -> (f64, f64) {
+        let length = |v: &Vector3<f64>, effect: &ProductEffect| v.norm() * effect.value.abs();
+        let sum = |(position, rotation): (f64, f64), e: &ProductEffect| {
             (position + length(&e.deviation, e), rotation + length(&e.rotation, e))
         };
         self.second.iter().fold((0.0, 0.0), sum)
@@ -68,7 +68,7 @@ pub fn interactions(machine: &Machine, degree: u8) -> Result<Calculation<'_>, Di
 impl Calculation<'_> {
     /// Returns the effects at an operating point.
     pub fn at(&self, at: &OperatingPoint<'_>) -> Interactions {
-        let response = response(self.machine, at.axes, &self.units, &Unit(&self.lift));
+        let response = response(self.machine, at.axes, &self.units, &UnitErrors(&self.lift));
         let errors = values(self.machine, at);
         let sizes = self.sizes(&errors);
         let names = self.lift.declared().names();
@@ -76,7 +76,7 @@ impl Calculation<'_> {
             let read = |v: &Vector3<Weil>| v.map(|x| x.coefficient(monomial));
             let each =
                 || monomial.factors().iter().flat_map(|(g, p)| std::iter::repeat_n(usize::from(*g), usize::from(*p)));
-            Effect {
+            ProductEffect {
                 errors: each().map(|g| names[g].clone()).collect(),
                 deviation: read(&response.position),
                 rotation: read(&response.rotation),
@@ -84,7 +84,7 @@ impl Calculation<'_> {
             }
         };
         let of_degree = |degree| self.lift.basis().monomials().iter().filter(move |m| m.degree() == degree).map(effect);
-        let acts = |e: &Effect| e.deviation != Vector3::zeros() || e.rotation != Vector3::zeros();
+        let acts = |e: &ProductEffect| e.deviation != Vector3::zeros() || e.rotation != Vector3::zeros();
         Interactions { first: of_degree(1).collect(), second: of_degree(2).filter(acts).collect() }
     }
 
@@ -101,9 +101,9 @@ impl Calculation<'_> {
 }
 
 /// Errors as large as their generators.
-struct Unit<'a>(&'a WeilLift);
+struct UnitErrors<'a>(&'a WeilLift);
 
-impl ErrorLift<Weil> for Unit<'_> {
+impl ErrorLift<Weil> for UnitErrors<'_> {
     fn lift(&self, source: Source, value: f64) -> Weil {
         if value == 0.0 { Weil::Constant(0.0) } else { self.0.lift(source, 1.0) }
     }

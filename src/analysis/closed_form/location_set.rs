@@ -47,11 +47,11 @@ impl LocationSet {
     pub fn of(machine: &Machine) -> Self {
         let candidates = candidates(machine, |axis, letter| letter.index() % 3 == nearest(axis));
         let displacements: Vec<Displacement> = candidates.iter().map(Displacement::of).collect();
-        let columns = Columns::new(machine, &displacements);
-        let chosen = columns.chosen();
-        let given: Vec<usize> = (0..candidates.len()).filter(|i| given(machine, &candidates[*i]).is_some()).collect();
+        let columns = SensitivityColumns::new(machine, &displacements);
+        let chosen = columns.independent_candidates();
+        let given: Vec<usize> = (0..candidates.len()).filter(|i| term_of(machine, &candidates[*i]).is_some()).collect();
         let covered = |i: usize| columns.rank(&[&given[..], &[i]].concat()) == columns.rank(&given);
-        let status = |i: usize| match given_status(machine, &candidates[i]) {
+        let status = |i: usize| match status_of(machine, &candidates[i]) {
             Some(status) => status,
             None if covered(i) => Status::Covered,
             None => Status::Missing,
@@ -90,11 +90,11 @@ pub fn minimal_set(
     displacement: impl Fn(&ErrorId) -> Displacement,
 ) -> Vec<ErrorId> {
     let candidates = candidates(machine, along);
-    let columns = Columns::new(machine, &candidates.iter().map(displacement).collect::<Vec<_>>());
-    columns.chosen().into_iter().map(|i| candidates[i].clone()).collect()
+    let columns = SensitivityColumns::new(machine, &candidates.iter().map(displacement).collect::<Vec<_>>());
+    columns.independent_candidates().into_iter().map(|i| candidates[i].clone()).collect()
 }
 
-fn given<'a>(machine: &'a Machine, wanted: &ErrorId) -> Option<&'a ErrorTerm> {
+fn term_of<'a>(machine: &'a Machine, wanted: &ErrorId) -> Option<&'a ErrorTerm> {
     let joint = match machine.axis_index(wanted.axis.as_str()) {
         Some(axis) => Some(machine.axis_errors(axis)),
         None => machine.spindle_errors(),
@@ -102,10 +102,10 @@ fn given<'a>(machine: &'a Machine, wanted: &ErrorId) -> Option<&'a ErrorTerm> {
     joint?.location[wanted.direction.index()].as_ref()
 }
 
-fn given_status(machine: &Machine, error: &ErrorId) -> Option<Status> {
+fn status_of(machine: &Machine, error: &ErrorId) -> Option<Status> {
     let bounded =
         |term: &ErrorTerm| if matches!(term, ErrorTerm::Tolerance(_)) { Status::Bounded } else { Status::Given };
-    given(machine, error).map(bounded)
+    term_of(machine, error).map(bounded)
 }
 
 /// Returns every location error of the chain, in the order of preference of ISO 230-1: EC0Y, EB0Z and EA0Z (X is
@@ -148,8 +148,8 @@ fn nearest(axis: &Axis) -> usize {
     named.unwrap_or_else(|| (1..3).fold(0, |nearest, i| if along(i) > along(nearest) { i } else { nearest }))
 }
 
-/// The letters of a candidate that are not zero, with its index.
-fn letters_of(machine: &Machine, (index, of): (usize, &Displacement)) -> Vec<(usize, f64, JointError)> {
+/// Returns the letters of a candidate that are not zero, with its index.
+fn letters_of(machine: &Machine, index: usize, of: &Displacement) -> Vec<(usize, f64, JointError)> {
     let id = |direction| JointError::new(machine, &ErrorId { axis: of.axis.clone(), family: of.family, direction });
     let parts = Direction::ALL.into_iter().zip(of.letters).filter(|(_, factor)| *factor != 0.0);
     parts.map(|(direction, factor)| (index, factor, id(direction))).collect()
@@ -157,16 +157,16 @@ fn letters_of(machine: &Machine, (index, of): (usize, &Displacement)) -> Vec<(us
 
 /// The sensitivities by each candidate, and by each of the six errors of the set-up, at all poses: unit columns (zero
 /// without effect).
-struct Columns {
+struct SensitivityColumns {
     setup: Vec<Vec<f64>>,
     candidates: Vec<Vec<f64>>,
 }
 
-impl Columns {
+impl SensitivityColumns {
     fn new(machine: &Machine, candidates: &[Displacement]) -> Self {
         let mut columns = vec![Vec::new(); candidates.len()];
         let letters: Vec<(usize, f64, JointError)> =
-            candidates.iter().enumerate().flat_map(|candidate| letters_of(machine, candidate)).collect();
+            candidates.iter().enumerate().flat_map(|(i, candidate)| letters_of(machine, i, candidate)).collect();
         let mut setup = vec![Vec::new(); 6];
         let intervals = machine.axes().iter().map(|axis| axis.travel.interval()).collect();
         for pose in Poses::Random(Random::new(intervals, POSES, 0)).iter() {
@@ -200,7 +200,7 @@ impl Columns {
     }
 
     /// Returns the candidates that add a dimension to those before them.
-    fn chosen(&self) -> Vec<usize> {
+    fn independent_candidates(&self) -> Vec<usize> {
         let mut chosen: Vec<usize> = Vec::new();
         for candidate in 0..self.candidates.len() {
             let longer = [&chosen[..], &[candidate]].concat();

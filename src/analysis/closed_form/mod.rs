@@ -10,6 +10,6 @@ mod location_set;
 mod symbols;
 
 pub use equations::{Equations, Options, equations};
-pub use interactions::{Effect, Interactions, interactions};
+pub use interactions::{Interactions, ProductEffect, interactions};
 pub use location_set::{Displacement, LocationSet, Status, minimal_set};
-pub use symbols::{Meaning, Naming, Symbol};
+pub use symbols::{Naming, Symbol, SymbolMeaning};

@@ -17,7 +17,7 @@ pub enum Naming {
 
 /// The meaning of a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Meaning {
+pub enum SymbolMeaning {
     /// An error, mm or rad; -1 if the symbol is the error with the opposite sign.
     Error(Source, i8),
     /// Position of the linear axis with this index, mm.
@@ -38,13 +38,13 @@ pub struct Symbol {
     /// Symbol as LaTeX.
     pub latex: String,
     /// Its meaning.
-    pub meaning: Meaning,
+    pub meaning: SymbolMeaning,
 }
 
 impl Symbol {
     /// Returns the sign of the symbol relative to its error.
     pub fn sign(&self) -> f64 {
-        if let Meaning::Error(_, sign) = self.meaning { f64::from(sign) } else { 1.0 }
+        if let SymbolMeaning::Error(_, sign) = self.meaning { f64::from(sign) } else { 1.0 }
     }
 }
 
@@ -56,7 +56,7 @@ pub(crate) fn error(machine: &Machine, given: &NamedSource, naming: Naming) -> S
     };
     let paper = axis.filter(|_| naming == Naming::Paper).map(|axis| paper(axis, given.source, machine.conventions()));
     let (text, latex, sign) = paper.unwrap_or_else(|| iso(given));
-    Symbol { text, latex, meaning: Meaning::Error(given.source, sign) }
+    Symbol { text, latex, meaning: SymbolMeaning::Error(given.source, sign) }
 }
 
 fn iso(given: &NamedSource) -> (String, String, i8) {
@@ -103,16 +103,16 @@ pub(crate) fn position(index: usize, axis: &Axis, naming: Naming) -> Vec<Symbol>
     match axis.kind {
         AxisKind::Linear => {
             let name = if naming == Naming::Paper { name.to_lowercase() } else { name.to_owned() };
-            vec![symbol(name.clone(), format!("\\mathit{{{name}}}"), Meaning::Position(index))]
+            vec![symbol(name.clone(), format!("\\mathit{{{name}}}"), SymbolMeaning::Position(index))]
         }
         AxisKind::Rotary => vec![
-            symbol(format!("sin({name})"), format!("\\sin\\mathit{{{name}}}"), Meaning::Sine(index)),
-            symbol(format!("cos({name})"), format!("\\cos\\mathit{{{name}}}"), Meaning::Cosine(index)),
+            symbol(format!("sin({name})"), format!("\\sin\\mathit{{{name}}}"), SymbolMeaning::Sine(index)),
+            symbol(format!("cos({name})"), format!("\\cos\\mathit{{{name}}}"), SymbolMeaning::Cosine(index)),
         ],
     }
 }
 
 /// Returns the symbol of the tool's length.
 pub(crate) fn tool_length() -> Symbol {
-    Symbol { text: "L".to_owned(), latex: "L".to_owned(), meaning: Meaning::ToolLength }
+    Symbol { text: "L".to_owned(), latex: "L".to_owned(), meaning: SymbolMeaning::ToolLength }
 }

@@ -75,7 +75,7 @@ impl UnreachableCount {
 }
 
 /// The result of every machine at one tool pose.
-type Row = Vec<Result<(Pose, Deviation), Miss>>;
+type ComparisonRow = Vec<Result<(Pose, Deviation), Miss>>;
 
 /// Returns the comparison of machines on the same work, which may be the tool poses of the first. Of several poses for
 /// a tool pose each machine takes the one nearest to its zero pose. Calls `progress` with the number of tool poses done
@@ -97,18 +97,18 @@ pub fn compare<F: Send>(
             let deviation = deviation_in(*field, &pose, View { conditions, frame: Frame::Workpiece });
             Ok((pose, deviation))
         };
-        let row: Row = fields.iter().zip(&found).map(at).collect();
+        let row: ComparisonRow = fields.iter().zip(&found).map(at).collect();
         progress(1)?;
         Ok((targets[index], row))
     };
-    let rows: Vec<(ToolPose, Row)> = (0..work.len()).into_par_iter().map(row).collect::<Result<_, F>>()?;
+    let rows: Vec<(ToolPose, ComparisonRow)> = (0..work.len()).into_par_iter().map(row).collect::<Result<_, F>>()?;
     Ok(side_by_side(rows, fields.len()))
 }
 
-fn side_by_side(rows: Vec<(ToolPose, Row)>, count: usize) -> Comparison {
+fn side_by_side(rows: Vec<(ToolPose, ComparisonRow)>, count: usize) -> Comparison {
     let asked = rows.len();
     let why = |m: usize| {
-        let failure = |(i, (_, row)): (usize, &(ToolPose, Row))| Some((i, row[m].as_ref().err()?.clone()));
+        let failure = |(i, (_, row)): (usize, &(ToolPose, ComparisonRow))| Some((i, row[m].as_ref().err()?.clone()));
         rows.iter().enumerate().filter_map(failure).collect::<Vec<_>>()
     };
     let missed: Vec<Vec<(usize, Miss)>> = (0..count).map(why).collect();

@@ -1,7 +1,7 @@
 //! A ball bar: the distance of a ball at the functional point from a ball on the workpiece while the
 //! machine drives a circle about it, in both senses.
 
-use super::path::{Path, deviation_from, hold};
+use super::path::{PosePath, deviation_from, hold};
 use crate::analysis::inverse::{Unreachable, tool_pose};
 use crate::lower::into_part;
 use crate::machine::{Approach, Machine, sin_cos_degrees};
@@ -96,13 +96,13 @@ pub fn ball_bar(
         let one = |at: (Vector3<f64>, &f64)| (length(at) - radius_mm) * 1e3;
         deviations.into_iter().zip(&angles).map(one).collect()
     };
-    let forward = read(Path { poses: there, closed: true }.driven(machine));
-    let mut reverse = Path { poses: back, closed: true }.driven(machine);
+    let forward = read(PosePath { poses: there, closed: true }.deviations(machine));
+    let mut reverse = PosePath { poses: back, closed: true }.deviations(machine);
     reverse.reverse();
-    Ok(evaluated(plane, radius_mm, angles.clone(), [forward, read(reverse)]))
+    Ok(evaluate(plane, radius_mm, angles.clone(), [forward, read(reverse)]))
 }
 
-fn evaluated(plane: Plane, radius: f64, angles: Vec<f64>, readings: [Vec<f64>; 2]) -> BallBar {
+fn evaluate(plane: Plane, radius: f64, angles: Vec<f64>, readings: [Vec<f64>; 2]) -> BallBar {
     let count = (2 * angles.len()) as f64;
     let harmonic = |order: f64| {
         let both = readings.iter().flat_map(|sense| sense.iter().zip(&angles));

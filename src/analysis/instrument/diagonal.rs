@@ -1,7 +1,7 @@
 //! A laser along the body diagonals of the volume: the actual displacement along each, there and back; with steps, one
 //! axis moves at a time, so that every reading belongs to one axis.
 
-use super::path::Path;
+use super::path::PosePath;
 use crate::lower::NominalPose;
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::standards::range;
@@ -78,7 +78,7 @@ fn diagonal(machine: &Machine, at: &[f64], axes: &[usize], rises: &[bool], point
     let along = (places[places.len() - 1] - places[0]).try_normalize(0.0).unwrap_or_default();
     let ways: Vec<f64> = places.iter().map(|place| along.dot(&(place - places[0]))).collect();
     let both: Vec<Pose> = poses.iter().cloned().chain(poses.iter().rev().skip(1).cloned()).collect();
-    let driven = Path { poses: both, closed: false }.driven(machine);
+    let driven = PosePath { poses: both, closed: false }.deviations(machine);
     let zero = driven[0];
     let read: Vec<f64> = driven.iter().map(|d| along.dot(&(d - zero)) * 1e3).collect();
     let there = read[..poses.len()].to_vec();

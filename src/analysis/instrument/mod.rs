@@ -1,8 +1,8 @@
 //! Virtual instruments: the readings of a ball bar, of a probe nest at a ball on the table (R-test), and of a laser
 //! along the diagonals.
 //!
-//! A [`Path`] is a list of poses; [`Path::driven`] evaluates it with the exact model, every axis approached from the
-//! side it comes from, so that reversal shows where an axis turns round, as on the machine.
+//! A [`PosePath`] is a list of poses; [`PosePath::deviations`] evaluates it with the exact model. Every
+//! axis is approached from the side it comes from, so that reversal shows where an axis turns round.
 
 mod ball_bar;
 mod diagonal;
@@ -11,5 +11,5 @@ mod r_test;
 
 pub use ball_bar::{BallBar, Plane as CirclePlane, ball_bar};
 pub use diagonal::{Diagonal, diagonals};
-pub use path::{Path, within};
+pub use path::{PosePath, within};
 pub use r_test::{RTest, RTestReading, r_test};

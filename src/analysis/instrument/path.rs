@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 /// A path through poses (mm, deg).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Path {
+pub struct PosePath {
     /// The poses, in order.
     pub poses: Vec<Pose>,
     /// True if the last pose leads to the first again.
@@ -17,7 +17,7 @@ pub struct Path {
 /// A motion below this (mm, deg) is rounding: the axis does not move.
 const MIN_MOTION: f64 = 1e-9;
 
-impl Path {
+impl PosePath {
     /// Returns the side from which every axis comes at every pose. An axis that does not move keeps its last side;
     /// before it has ever moved, it is at the mean of both.
     fn approaches(&self) -> Vec<Vec<Approach>> {
@@ -47,7 +47,7 @@ impl Path {
     }
 
     /// Returns the deviation of the functional point at every pose, unturned workpiece frame, mm.
-    pub fn driven(&self, machine: &Machine) -> Vec<Vector3<f64>> {
+    pub fn deviations(&self, machine: &Machine) -> Vec<Vector3<f64>> {
         self.poses.iter().zip(self.approaches()).map(|(pose, sides)| deviation_from(machine, pose, &sides)).collect()
     }
 }
@@ -95,13 +95,13 @@ mod tests {
     #[test]
     fn axes_are_approached_from_where_they_come() {
         let poses = |list: &[[f64; 2]]| list.iter().map(|p| p.to_vec()).collect();
-        let open = Path { poses: poses(&[[0.0, 5.0], [1.0, 5.0], [2.0, 4.0], [1.0, 4.0]]), closed: false };
+        let open = PosePath { poses: poses(&[[0.0, 5.0], [1.0, 5.0], [2.0, 4.0], [1.0, 4.0]]), closed: false };
         assert_eq!(open.approaches(), [[Forward, Mean], [Forward, Mean], [Forward, Reverse], [Reverse, Reverse]]);
-        let closed = Path { poses: poses(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), closed: true };
+        let closed = PosePath { poses: poses(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), closed: true };
         assert_eq!(
             closed.approaches(),
             [[Reverse, Reverse], [Forward, Reverse], [Forward, Forward], [Reverse, Forward]]
         );
-        assert_eq!(Path { poses: poses(&[[0.0, 0.0]]), closed: false }.approaches(), [[Mean, Mean]]);
+        assert_eq!(PosePath { poses: poses(&[[0.0, 0.0]]), closed: false }.approaches(), [[Mean, Mean]]);
     }
 }

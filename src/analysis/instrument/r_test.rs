@@ -1,7 +1,7 @@
 //! An R-test, or probing of a ball on the table: rotary axes turn while the linear axes hold the
 //! functional point at a ball fixed to the workpiece; the readings are the actual place of the point.
 
-use super::path::Path;
+use super::path::PosePath;
 use crate::analysis::inverse::{Unreachable, place, tool_pose};
 use crate::lower::NominalPose;
 use crate::machine::{AxisPositions, Machine, Pose, axis_positions};
@@ -56,9 +56,9 @@ pub fn r_test(machine: &Machine, at: &[f64], axes: &[usize], points: usize) -> R
         return Err(failure);
     }
     let skipped = last + 1 - poses.len();
-    let path = Path { poses, closed: false };
+    let path = PosePath { poses, closed: false };
     let in_machine = |(d, pose): (Vector3<f64>, &Pose)| NominalPose::at(machine, pose).r_work * d * 1e3;
-    let seen: Vec<Vector3<f64>> = path.driven(machine).into_iter().zip(&path.poses).map(in_machine).collect();
+    let seen: Vec<Vector3<f64>> = path.deviations(machine).into_iter().zip(&path.poses).map(in_machine).collect();
     let reading = |(pose, d): (&Pose, &Vector3<f64>)| RTestReading {
         position_deg: axes.first().map_or(0.0, |axis| pose[*axis]),
         axes: axis_positions(machine, pose),

@@ -41,7 +41,7 @@ impl<'a> Inverse<'a> {
     }
 
     /// Returns the indices of the axes that move.
-    pub fn moved(&self) -> &[usize] {
+    pub fn moving_axes(&self) -> &[usize] {
         &self.moved
     }
 

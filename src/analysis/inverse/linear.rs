@@ -16,7 +16,7 @@ const FLAT: f64 = 1e-6;
 
 /// A linear axis at rotary positions.
 #[derive(Debug, Clone)]
-struct Slide {
+struct LinearSlide {
     /// Index of the axis.
     axis: usize,
     /// Motion of the tool per mm, unturned workpiece frame.
@@ -36,8 +36,8 @@ pub fn complete(machine: &Machine, tip: &Vector3<f64>, candidate: Pose, referenc
     let wanted = tip - unturned_tool_pose(machine, &pose).tip;
     let found = match motions(slides.clone(), &wanted) {
         Ok(found) => found,
-        Err(Failure::Place(off)) => return Err(Miss::place(off)),
-        Err(Failure::Travel(beyond)) => {
+        Err(LinearFailure::Place(off)) => return Err(Miss::place(off)),
+        Err(LinearFailure::Travel(beyond)) => {
             slides.iter().zip(beyond).for_each(|(s, motion)| pose[s.axis] = reference[s.axis] + motion);
             return Err(Miss::travel(pose));
         }
@@ -64,7 +64,7 @@ pub fn normal(axes: &[Axis], pose: &[f64]) -> Option<Vector3<f64>> {
 }
 
 /// Returns every linear axis at the rotary positions of the pose.
-fn slides(axes: &[Axis], pose: &[f64], reference: &[f64]) -> Vec<Slide> {
+fn slides(axes: &[Axis], pose: &[f64], reference: &[f64]) -> Vec<LinearSlide> {
     let mut turned = Matrix3::identity();
     let mut slides = Vec::new();
     for (i, axis) in axes.iter().enumerate() {
@@ -76,7 +76,7 @@ fn slides(axes: &[Axis], pose: &[f64], reference: &[f64]) -> Vec<Slide> {
                     Travel::Continuous => (f64::NEG_INFINITY, f64::INFINITY),
                 };
                 let direction = turned * Vector3::from(axis.direction) * axis.sign();
-                slides.push(Slide { axis: i, direction, range: (min, max), end: None });
+                slides.push(LinearSlide { axis: i, direction, range: (min, max), end: None });
             }
         }
     }
@@ -85,7 +85,7 @@ fn slides(axes: &[Axis], pose: &[f64], reference: &[f64]) -> Vec<Slide> {
 
 /// The reason why the linear axes do not bring the tip to a place.
 #[derive(Debug, PartialEq)]
-enum Failure {
+enum LinearFailure {
     /// They do not span it, by so many mm.
     Place(f64),
     /// The motions from the reference (mm) that bring it there, beyond the travel.
@@ -94,20 +94,20 @@ enum Failure {
 
 /// Returns the smallest motions from the reference; one by one, the axis that is furthest beyond its travel is held at
 /// its end. If that fails, the motions are those before the last axis was held: it is the one that falls short.
-fn motions(mut slides: Vec<Slide>, wanted: &Vector3<f64>) -> Result<Vec<f64>, Failure> {
+fn motions(mut slides: Vec<LinearSlide>, wanted: &Vector3<f64>) -> Result<Vec<f64>, LinearFailure> {
     let mut beyond: Option<Vec<f64>> = None;
     loop {
         let motions = match (smallest(&slides, wanted), beyond) {
             (Ok(motions), _) => motions,
-            (Err(_), Some(beyond)) => return Err(Failure::Travel(beyond)),
-            (Err(off), None) => return Err(Failure::Place(off)),
+            (Err(_), Some(beyond)) => return Err(LinearFailure::Travel(beyond)),
+            (Err(off), None) => return Err(LinearFailure::Place(off)),
         };
-        let excess = |(slide, motion): (&Slide, &f64)| (slide.range.0 - motion).max(motion - slide.range.1);
+        let excess = |(slide, motion): (&LinearSlide, &f64)| (slide.range.0 - motion).max(motion - slide.range.1);
         let excesses: Vec<f64> = slides.iter().zip(&motions).map(excess).collect();
         let worst = (0..slides.len()).max_by(|a, b| excesses[*a].total_cmp(&excesses[*b]));
         let Some(worst) = worst.filter(|i| excesses[*i] > ROUNDING_MM) else { return Ok(motions) };
         if slides[worst].end.is_some() {
-            return Err(Failure::Travel(motions));
+            return Err(LinearFailure::Travel(motions));
         }
         slides[worst].end = Some(motions[worst].clamp(slides[worst].range.0, slides[worst].range.1));
         beyond = Some(motions);
@@ -116,8 +116,8 @@ fn motions(mut slides: Vec<Slide>, wanted: &Vector3<f64>) -> Result<Vec<f64>, Fa
 
 /// Returns the least-squares solution of minimum length over the axes that are not at an end; if it misses the place,
 /// by how much (mm).
-fn smallest(slides: &[Slide], wanted: &Vector3<f64>) -> Result<Vec<f64>, f64> {
-    let free = |s: &&Slide| s.end.is_none();
+fn smallest(slides: &[LinearSlide], wanted: &Vector3<f64>) -> Result<Vec<f64>, f64> {
+    let free = |s: &&LinearSlide| s.end.is_none();
     let gram = slides.iter().filter(free).fold(Matrix3::zeros(), |sum, s| sum + s.direction * s.direction.transpose());
     let inverse = pseudo_inverse(&gram);
     let mut motions: Vec<f64> = slides.iter().map(|s| s.end.unwrap_or(0.0)).collect();
@@ -132,7 +132,7 @@ fn smallest(slides: &[Slide], wanted: &Vector3<f64>) -> Result<Vec<f64>, f64> {
 }
 
 /// Returns the remaining distance.
-fn missing(slides: &[Slide], motions: &[f64], wanted: &Vector3<f64>) -> Vector3<f64> {
+fn missing(slides: &[LinearSlide], motions: &[f64], wanted: &Vector3<f64>) -> Vector3<f64> {
     slides.iter().zip(motions).fold(*wanted, |rest, (s, motion)| rest - s.direction * *motion)
 }
 
@@ -150,8 +150,8 @@ fn pseudo_inverse(gram: &Matrix3<f64>) -> Matrix3<f64> {
 mod tests {
     use super::*;
 
-    fn slide(way: [f64; 3], room: (f64, f64)) -> Slide {
-        Slide { axis: 0, direction: way.into(), range: room, end: None }
+    fn slide(way: [f64; 3], room: (f64, f64)) -> LinearSlide {
+        LinearSlide { axis: 0, direction: way.into(), range: room, end: None }
     }
 
     #[test]
@@ -162,15 +162,17 @@ mod tests {
         let long = motions(free.clone(), &Vector3::new(0.0, 0.0, 90.0)).unwrap();
         assert!((long[0] - 70.0).abs() < 1e-12 && long[1] == 20.0);
         // The second is at its end; the first falls short by 10 mm.
-        let Err(Failure::Travel(beyond)) = motions(free.clone(), &Vector3::new(0.0, 0.0, 130.0)) else { panic!() };
+        let Err(LinearFailure::Travel(beyond)) = motions(free.clone(), &Vector3::new(0.0, 0.0, 130.0)) else {
+            panic!()
+        };
         assert!((beyond[0] - 110.0).abs() < 1e-12 && beyond[1] == 20.0, "{beyond:?}");
-        assert_eq!(motions(free, &Vector3::new(1.0, 0.0, 0.0)), Err(Failure::Place(1.0)));
+        assert_eq!(motions(free, &Vector3::new(1.0, 0.0, 0.0)), Err(LinearFailure::Place(1.0)));
     }
 
     #[test]
     fn every_axis_that_falls_short_is_told() {
         let axes = vec![slide([1.0, 0.0, 0.0], (0.0, 10.0)), slide([0.0, 1.0, 0.0], (0.0, 10.0))];
-        assert_eq!(motions(axes, &Vector3::new(17.0, -3.0, 0.0)), Err(Failure::Travel(vec![17.0, -3.0])));
+        assert_eq!(motions(axes, &Vector3::new(17.0, -3.0, 0.0)), Err(LinearFailure::Travel(vec![17.0, -3.0])));
     }
 
     #[test]

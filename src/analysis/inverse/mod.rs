@@ -28,6 +28,6 @@ mod turning;
 
 pub use algebra::Inverse;
 pub use directions::{DirectionKind, ToolDirections, freedom};
-pub use nominal::{branches, inverse, inverse_all, place, placed_by_rotary_axes};
+pub use nominal::{branches, inverse, inverse_all, place, rotary_axes_place_tip};
 pub use shortfall::{Needs, direction_gap};
-pub use tool_pose::{Excess, Miss, ToolPose, Unreachable, attitude, excess, rest, tool_pose};
+pub use tool_pose::{Miss, ToolPose, TravelExcess, Unreachable, attitude, excess, rest, tool_pose};

@@ -1,7 +1,7 @@
 //! The nominal inverse kinematics: candidates of the rotary axes, completed by the linear axes, and checked.
 
-use super::arm::Arm;
-use super::rotary::Directions;
+use super::arm::RotaryArm;
+use super::rotary::RotaryDirections;
 use super::tool_pose::{
     DIRECTION_TOLERANCE, Miss, PLACE_TOLERANCE, ToolPose, Unreachable, rest, unturned_tool_pose, within_travel,
 };
@@ -17,11 +17,16 @@ use rayon::prelude::*;
 /// Robots, whose linear axes do not place the tip, are solved by `Arm`: with finitely many branches at a spin the
 /// pose nearest to `reference`, otherwise one with little motion from it.
 pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
-    inverse_with(machine, Arm::of(machine).as_ref(), &target.unturned(machine), reference)
+    inverse_with(machine, RotaryArm::of(machine).as_ref(), &target.to_unturned(machine), reference)
 }
 
 /// Returns what [`inverse()`] does for a machine with this arm, if it is one, and an unturned tool pose.
-fn inverse_with(machine: &Machine, arm: Option<&Arm<'_>>, target: &ToolPose, reference: &[f64]) -> Result<Pose, Miss> {
+fn inverse_with(
+    machine: &Machine,
+    arm: Option<&RotaryArm<'_>>,
+    target: &ToolPose,
+    reference: &[f64],
+) -> Result<Pose, Miss> {
     if let Some(arm) = arm.filter(|arm| arm.is_complete()) {
         return arm.inverse(target, reference);
     }
@@ -34,7 +39,7 @@ fn by_linear_axes(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Re
     let axes = machine.axes();
     let reference: Pose =
         axes.iter().enumerate().map(|(i, a)| within_travel(a, reference.get(i).copied().unwrap_or(0.0))).collect();
-    let directions = Directions::new(axes, Vector3::from(machine.tool().direction), &reference);
+    let directions = RotaryDirections::new(axes, Vector3::from(machine.tool().direction), &reference);
     let mut failure = Miss::new(Unreachable::Direction);
     let mut tried = |candidates: Vec<Pose>| {
         candidates.into_iter().find_map(|candidate| match reach(machine, target, candidate, &reference) {
@@ -47,7 +52,7 @@ fn by_linear_axes(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Re
     };
     let near = directions.nearest(&target.direction);
     let found = tried(near.poses.clone())
-        .or_else(|| tried(turning::turned(machine, &target.tip, &near.poses, &reference)))
+        .or_else(|| tried(turning::turn_into_plane(machine, &target.tip, &near.poses, &reference)))
         .or_else(|| near.more.then(|| tried(directions.others(&target.direction))).flatten());
     let Some(pose) = found else {
         let turned = near.beyond_travel.map(|pose| {
@@ -63,17 +68,17 @@ fn by_linear_axes(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Re
 /// pose of zeros; for robots without finitely many branches the pose before.
 pub fn inverse_all(machine: &Machine, targets: &[ToolPose]) -> Vec<Result<Pose, Miss>> {
     let at_rest = rest(machine);
-    let arm = Arm::of(machine);
+    let arm = RotaryArm::of(machine);
     let arm = arm.as_ref();
-    if arm.is_none_or(Arm::is_complete) {
+    if arm.is_none_or(RotaryArm::is_complete) {
         return targets
             .par_iter()
-            .map(|target| inverse_with(machine, arm, &target.unturned(machine), &at_rest))
+            .map(|target| inverse_with(machine, arm, &target.to_unturned(machine), &at_rest))
             .collect();
     }
     let mut before = at_rest;
     let follow = |target: &ToolPose| {
-        let found = inverse_with(machine, arm, &target.unturned(machine), &before);
+        let found = inverse_with(machine, arm, &target.to_unturned(machine), &before);
         if let Ok(pose) = &found {
             before.clone_from(pose);
         }
@@ -85,12 +90,12 @@ pub fn inverse_all(machine: &Machine, targets: &[ToolPose]) -> Vec<Result<Pose, 
 /// Returns the poses (mm, deg) of all branches within the travels that take a tool pose with its spin, nearest to the
 /// reference first; empty for machines without finitely many branches.
 pub fn branches(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Vec<Pose> {
-    Arm::of(machine).map_or_else(Vec::new, |arm| arm.all(&target.unturned(machine), reference))
+    RotaryArm::of(machine).map_or_else(Vec::new, |arm| arm.all(&target.to_unturned(machine), reference))
 }
 
 /// True for robots and other machines whose linear axes do not place the tip: their poses take longer to find.
-pub fn placed_by_rotary_axes(machine: &Machine) -> bool {
-    Arm::of(machine).is_some()
+pub fn rotary_axes_place_tip(machine: &Machine) -> bool {
+    RotaryArm::of(machine).is_some()
 }
 
 /// Returns the pose (mm, deg) within the travel that brings the functional point to a place of the workpiece (from its

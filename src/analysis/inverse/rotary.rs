@@ -36,7 +36,7 @@ struct Turn {
 }
 
 /// The rotary axes of a machine, and their reference.
-pub struct Directions {
+pub struct RotaryDirections {
     turns: Vec<Turn>,
     /// The tool axis at the zero pose.
     tool: Vector3<f64>,
@@ -56,7 +56,7 @@ pub struct Candidates {
 /// One of a pair's angles (rad); `None` if any is a solution.
 pub type Angle = Option<f64>;
 
-impl Directions {
+impl RotaryDirections {
     /// Returns the rotary axes of a machine with its tool axis (unit vector) and a reference pose (mm, deg).
     pub fn new(axes: &[Axis], tool: Vector3<f64>, reference: &[f64]) -> Self {
         let rotary = axes.iter().enumerate().filter(|(_, axis)| axis.kind == AxisKind::Rotary);
@@ -72,14 +72,14 @@ impl Directions {
     /// Returns the candidates nearest to the reference for a direction of the tool (unit vector, unturned).
     pub fn nearest(&self, direction: &Vector3<f64>) -> Candidates {
         let start: Vec<f64> = self.turns.iter().map(|turn| turn.reference).collect();
-        let mut search = Search::new(self, direction);
+        let mut search = DirectionSearch::new(self, direction);
         search.around(&start);
         if self.turns.len() > 2 {
             (1..SAMPLES).for_each(|sample| search.around(&self.sample(sample)));
             let rough = self.in_order(std::mem::take(&mut search.found));
             for angles in rough.iter().take(REFINED) {
                 // The closed form again, for the last digits.
-                search.around(&self.refined(angles, direction));
+                search.around(&self.refine(angles, direction));
             }
             search.found.extend(rough);
         }
@@ -90,7 +90,7 @@ impl Directions {
 
     /// Returns candidates whose free axes are away from their reference.
     pub fn others(&self, direction: &Vector3<f64>) -> Vec<Pose> {
-        let mut search = Search::new(self, direction);
+        let mut search = DirectionSearch::new(self, direction);
         let samples = if self.turns.len() > 2 { MANY_SAMPLES } else { SAMPLES };
         (1..samples).for_each(|sample| search.around(&self.sample(sample)));
         self.poses(search.found)
@@ -135,7 +135,7 @@ impl Directions {
 
     /// Returns positions moved along the solutions towards the reference, within the travel: Newton's iteration, with
     /// the distance to the reference projected into the null space of the Jacobian.
-    fn refined(&self, start: &[f64], direction: &Vector3<f64>) -> Vec<f64> {
+    fn refine(&self, start: &[f64], direction: &Vector3<f64>) -> Vec<f64> {
         let mut angles = start.to_vec();
         for _ in 0..48 {
             let step = self.step(&angles, direction);
@@ -241,8 +241,8 @@ pub fn least_beyond(travel: Travel, angle: f64) -> f64 {
 }
 
 /// The search for one direction, with the solutions found so far.
-struct Search<'a> {
-    directions: &'a Directions,
+struct DirectionSearch<'a> {
+    directions: &'a RotaryDirections,
     direction: &'a Vector3<f64>,
     found: Vec<Vec<f64>>,
     /// The positions least beyond the travel, with the sum of what is beyond (deg).
@@ -250,8 +250,8 @@ struct Search<'a> {
     free: bool,
 }
 
-impl<'a> Search<'a> {
-    fn new(directions: &'a Directions, direction: &'a Vector3<f64>) -> Self {
+impl<'a> DirectionSearch<'a> {
+    fn new(directions: &'a RotaryDirections, direction: &'a Vector3<f64>) -> Self {
         Self { directions, direction, found: Vec::new(), beyond: None, free: false }
     }
 
@@ -377,8 +377,8 @@ mod tests {
         Turn { axis, w: Vector3::from(w).normalize(), travel, reference: 0.0 }
     }
 
-    fn directions(turns: Vec<Turn>) -> Directions {
-        Directions { reference: vec![0.0; turns.len()], tool: Vector3::z(), turns }
+    fn directions(turns: Vec<Turn>) -> RotaryDirections {
+        RotaryDirections { reference: vec![0.0; turns.len()], tool: Vector3::z(), turns }
     }
 
     #[test]

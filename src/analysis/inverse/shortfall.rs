@@ -1,4 +1,4 @@
-//! What machines lack for a work: the tool axis that they cannot hold, and the travel that the work needs.
+//! Shortfalls of machines for a work: the tool axis that they cannot hold, and the travel that the work needs.
 
 use super::tool_pose::{Miss, excess, rest, unturned_tool_pose};
 use crate::evaluate::radical_inverse;
@@ -24,13 +24,13 @@ pub fn direction_gap(machine: &Machine, direction: &Vector3<f64>) -> f64 {
         let of = |(axis, base): (&usize, &u64)| (*axis, 360.0 * radical_inverse(start, *base));
         let spread = rotary.iter().zip(bases.iter().cycle()).map(of).filter(|_| start > 0).collect::<Vec<_>>();
         spread.into_iter().for_each(|(axis, q)| pose[axis] = q);
-        approached(machine, &direction, &rotary, pose)
+        nearest_angle(machine, &direction, &rotary, pose)
     };
     (0..starts).map(nearest).fold(f64::INFINITY, f64::min)
 }
 
 /// Returns the angle (rad) that is left once no axis alone brings the tool nearer to the direction (unturned).
-fn approached(machine: &Machine, direction: &Vector3<f64>, rotary: &[usize], mut pose: Pose) -> f64 {
+fn nearest_angle(machine: &Machine, direction: &Vector3<f64>, rotary: &[usize], mut pose: Pose) -> f64 {
     let along = |pose: &Pose| unturned_tool_pose(machine, pose).direction.dot(direction);
     let mut last = along(&pose);
     for _ in 0..ROUNDS {

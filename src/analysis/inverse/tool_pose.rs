@@ -31,7 +31,7 @@ impl ToolPose {
     }
 
     /// Returns the tool pose in the unturned workpiece frame. The spin is the same: it counts from the shortest turn.
-    pub fn unturned(&self, machine: &Machine) -> Self {
+    pub fn to_unturned(&self, machine: &Machine) -> Self {
         let Some(rotation) = machine.workpiece_rotation() else { return *self };
         Self { tip: rotation * self.tip, direction: rotation * self.direction, ..*self }
     }
@@ -111,7 +111,7 @@ impl Miss {
         let far = |miss: &Self| {
             let pose = miss.beyond.as_ref()?;
             let of = |kind: AxisKind| -> f64 {
-                let of_kind = |e: &Excess| axes[e.axis].kind == kind;
+                let of_kind = |e: &TravelExcess| axes[e.axis].kind == kind;
                 excess(axes, pose).into_iter().filter(of_kind).map(|e| e.by.abs()).sum()
             };
             Some((of(AxisKind::Rotary), of(AxisKind::Linear)))
@@ -130,7 +130,7 @@ impl Miss {
 
 /// A position beyond the travel of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Excess {
+pub struct TravelExcess {
     /// Index of the axis.
     pub axis: usize,
     /// Distance from the nearer end, mm or deg: negative below the lower end.
@@ -138,10 +138,10 @@ pub struct Excess {
 }
 
 /// Returns the positions of a pose (mm, deg) beyond the travels, axis by axis.
-pub fn excess(axes: &[Axis], pose: &[f64]) -> Vec<Excess> {
+pub fn excess(axes: &[Axis], pose: &[f64]) -> Vec<TravelExcess> {
     let beyond = |(axis, (of, q)): (usize, (&Axis, &f64))| match of.travel {
-        Travel::Range(min, _) if *q < min => Some(Excess { axis, by: q - min }),
-        Travel::Range(_, max) if *q > max => Some(Excess { axis, by: q - max }),
+        Travel::Range(min, _) if *q < min => Some(TravelExcess { axis, by: q - min }),
+        Travel::Range(_, max) if *q > max => Some(TravelExcess { axis, by: q - max }),
         _ => None,
     };
     axes.iter().zip(pose).enumerate().filter_map(beyond).collect()
@@ -149,16 +149,16 @@ pub fn excess(axes: &[Axis], pose: &[f64]) -> Vec<Excess> {
 
 /// Returns the tool pose of the nominal machine at a pose (mm, deg).
 pub fn tool_pose(machine: &Machine, pose: &[f64]) -> ToolPose {
-    held(machine, &NominalPose::in_part(machine, pose))
+    tool_pose_of(machine, &NominalPose::in_part(machine, pose))
 }
 
 /// Returns the tool pose of the nominal machine at a pose (mm, deg) in the unturned workpiece frame, in which poses are
 /// sought.
 pub fn unturned_tool_pose(machine: &Machine, pose: &[f64]) -> ToolPose {
-    held(machine, &NominalPose::at(machine, pose))
+    tool_pose_of(machine, &NominalPose::at(machine, pose))
 }
 
-fn held(machine: &Machine, nominal: &NominalPose) -> ToolPose {
+fn tool_pose_of(machine: &Machine, nominal: &NominalPose) -> ToolPose {
     ToolPose::new(nominal.pose.translation, nominal.pose.linear * Vector3::from(machine.tool().direction))
 }
 

@@ -14,27 +14,27 @@ const STILL_MM: f64 = 1e-9;
 
 /// Returns the candidates with one more axis turned so that the place lies in the plane of the linear axes; nearest to
 /// the reference first.
-pub fn turned(machine: &Machine, tip: &Vector3<f64>, candidates: &[Pose], reference: &[f64]) -> Vec<Pose> {
+pub fn turn_into_plane(machine: &Machine, tip: &Vector3<f64>, candidates: &[Pose], reference: &[f64]) -> Vec<Pose> {
     if candidates.first().is_none_or(|pose| linear::normal(machine.axes(), pose).is_none()) {
         return Vec::new();
     }
     let rotary = |axis: &usize| machine.axes()[*axis].kind == AxisKind::Rotary;
     let of = |pose: &Pose| -> Vec<Pose> {
         let axes = (0..machine.axes().len()).filter(rotary);
-        axes.flat_map(|axis| Turning { machine, tip, pose, axis }.poses(reference[axis])).collect()
+        axes.flat_map(|axis| TurningAxis { machine, tip, pose, axis }.poses(reference[axis])).collect()
     };
     candidates.iter().flat_map(of).collect()
 }
 
 /// A candidate of which one more axis is turned.
-struct Turning<'a> {
+struct TurningAxis<'a> {
     machine: &'a Machine,
     tip: &'a Vector3<f64>,
     pose: &'a Pose,
     axis: usize,
 }
 
-impl Turning<'_> {
+impl TurningAxis<'_> {
     fn at(&self, degrees: f64) -> Pose {
         let mut pose = self.pose.clone();
         pose[self.axis] = degrees;

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 /// One diagonal, run from end to end with the other axes at rest.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Diagonal {
+pub struct DiagonalRun {
     /// Its direction by the signs of the three axes' motions: `ppp`, `npp`, `pnp`, `nnp`.
     pub name: String,
     /// Start and end (mm, deg).
@@ -18,7 +18,7 @@ pub struct Diagonal {
     pub deviations: Vec<f64>,
 }
 
-impl Diagonal {
+impl DiagonalRun {
     /// Returns the largest minus the smallest deviation, mm.
     pub fn range(&self) -> f64 {
         let (min, max) =
@@ -28,28 +28,34 @@ impl Diagonal {
 }
 
 /// A diagonal by the senses in which the three axes move.
-struct Sense {
+struct DiagonalSenses {
     name: &'static str,
     positive: [bool; 3],
 }
 
 /// The four diagonals; the last axis always moves in its positive sense.
-const SENSES: [Sense; 4] = [
-    Sense { name: "ppp", positive: [true, true, true] },
-    Sense { name: "npp", positive: [false, true, true] },
-    Sense { name: "pnp", positive: [true, false, true] },
-    Sense { name: "nnp", positive: [false, false, true] },
+const SENSES: [DiagonalSenses; 4] = [
+    DiagonalSenses { name: "ppp", positive: [true, true, true] },
+    DiagonalSenses { name: "npp", positive: [false, true, true] },
+    DiagonalSenses { name: "pnp", positive: [true, false, true] },
+    DiagonalSenses { name: "nnp", positive: [false, false, true] },
 ];
 
 /// Returns the body diagonals over the volume of [`space_axes`], `steps` intervals each; none without three such axes.
 /// `at` has the positions of the other axes.
-pub fn body_diagonals(field: &dyn Field, at: &OperatingPoint<'_>, steps: usize) -> Vec<Diagonal> {
+pub fn body_diagonals(field: &dyn Field, at: &OperatingPoint<'_>, steps: usize) -> Vec<DiagonalRun> {
     let machine = field.machine();
     let Ok(axes) = <[usize; 3]>::try_from(space_axes(machine)) else { return Vec::new() };
     SENSES.iter().map(|sense| diagonal(field, at, steps.max(1), &axes, sense)).collect()
 }
 
-fn diagonal(field: &dyn Field, at: &OperatingPoint<'_>, steps: usize, axes: &[usize; 3], sense: &Sense) -> Diagonal {
+fn diagonal(
+    field: &dyn Field,
+    at: &OperatingPoint<'_>,
+    steps: usize,
+    axes: &[usize; 3],
+    sense: &DiagonalSenses,
+) -> DiagonalRun {
     let machine = field.machine();
     let pose = |fraction: f64| {
         let mut pose = at.axes.to_vec();
@@ -67,7 +73,12 @@ fn diagonal(field: &dyn Field, at: &OperatingPoint<'_>, steps: usize, axes: &[us
     let deviation = |pose: &Pose| field.deviation(&at.conditions.at(pose)).position;
     let start = deviation(&ends[0]);
     let step = |i| (deviation(&pose(i as f64 / steps as f64)) - start).dot(&along);
-    Diagonal { name: sense.name.to_owned(), ends, length: travel.norm(), deviations: (0..=steps).map(step).collect() }
+    DiagonalRun {
+        name: sense.name.to_owned(),
+        ends,
+        length: travel.norm(),
+        deviations: (0..=steps).map(step).collect(),
+    }
 }
 
 /// Returns up to three linear axes with an interval in the volume that span space, sorted by name; of several parallel

@@ -56,7 +56,7 @@ pub fn map(field: &dyn Field, poses: &Poses, view: View, progress: Advance<'_>) 
     if poses.len() > MAX_POSES {
         return Err(MapFailure::TooManyPoses(poses.len()));
     }
-    Ok(Map::of(deviations(field, (poses, 0..poses.len()), view, progress)?))
+    Ok(Map::of(deviations(field, poses, 0..poses.len(), view, progress)?))
 }
 
 impl Map {
@@ -70,7 +70,8 @@ impl Map {
 /// Returns a field's deviations at a range of poses: to the bit the same on any number of threads, and in any range.
 pub(crate) fn deviations(
     field: &dyn Field,
-    (poses, range): (&Poses, Range<usize>),
+    poses: &Poses,
+    range: Range<usize>,
     view: View,
     progress: Advance<'_>,
 ) -> Result<Vec<Deviation>, Cancelled> {

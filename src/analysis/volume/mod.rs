@@ -13,11 +13,11 @@ mod reach;
 mod survey;
 mod work;
 
-pub use diagonals::{Diagonal, body_diagonals, space_axes};
+pub use diagonals::{DiagonalRun, body_diagonals, space_axes};
 pub use lever::{Lever, arm_shares, levers};
 pub(crate) use map::deviations;
 pub use map::{MAX_POSES, Map, MapFailure, View, deviation_in, map};
 pub use plane::{Plane, PlaneNodes};
 pub use reach::{ReachGrid, reach};
-pub use survey::{Block, MAX_SURVEYED, Survey, SurveyTask, survey, survey_with_rows};
+pub use survey::{MAX_SURVEYED, Survey, SurveyBlock, SurveyTask, survey, survey_with_rows};
 pub use work::Work;

@@ -1,7 +1,7 @@
 //! The tool poses of a grid that the nominal machine takes: tips over a box of the workpiece frame, each with every
 //! direction of a set.
 
-use crate::analysis::inverse::{Miss, ToolPose, inverse_all, placed_by_rotary_axes, rest, tool_pose};
+use crate::analysis::inverse::{Miss, ToolPose, inverse_all, rest, rotary_axes_place_tip, tool_pose};
 use crate::evaluate::{Poses, Random};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::run::{Advance, Cancelled};
@@ -35,7 +35,7 @@ impl ReachGrid {
     /// Returns the box over which the machine carries its tip: with rotary axes at rest and the linear ones over their
     /// travels; for a robot over the travels of all axes, as random poses show it.
     pub fn region_of(machine: &Machine) -> [[f64; 2]; 3] {
-        let poses: Vec<Pose> = if placed_by_rotary_axes(machine) {
+        let poses: Vec<Pose> = if rotary_axes_place_tip(machine) {
             let travels = machine.axes().iter().map(|axis| axis.travel.interval()).collect();
             Poses::Random(Random::new(travels, ROBOT_POSES, 0)).iter().collect()
         } else {

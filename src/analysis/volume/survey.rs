@@ -41,7 +41,7 @@ pub struct SurveyTask<'a> {
 
 /// Consecutive poses of a survey with their deviations.
 #[derive(Clone, Copy)]
-pub struct Block<'a> {
+pub struct SurveyBlock<'a> {
     /// Index of the first pose.
     pub first: usize,
     poses: &'a Batch<'a>,
@@ -49,7 +49,7 @@ pub struct Block<'a> {
     len: usize,
 }
 
-impl Block<'_> {
+impl SurveyBlock<'_> {
     /// Returns the poses (mm, deg) with their deviations (mm, rad).
     pub fn rows(&self) -> impl Iterator<Item = (Pose, Deviation)> {
         (0..self.len).map(|i| (self.poses.pose(i), self.columns.get(i)))
@@ -59,7 +59,7 @@ impl Block<'_> {
 /// Returns the survey of a field. Memory does not grow with the number of poses, and no bit depends on the number of
 /// threads. Calls `progress` with the number of poses done since its last call.
 pub fn survey(task: SurveyTask<'_>, progress: Advance<'_>) -> Result<Survey, Cancelled> {
-    let run = Run::new(task, progress, false);
+    let run = SurveyState::new(task, progress, false);
     // A thread takes the next block when it has finished one: none waits for another, and each has one tally.
     let (next, count) = (AtomicUsize::new(0), run.blocks());
     (0..rayon::current_num_threads().min(count)).into_par_iter().with_max_len(1).try_for_each(|_| {
@@ -74,18 +74,18 @@ pub fn survey(task: SurveyTask<'_>, progress: Advance<'_>) -> Result<Survey, Can
         run.dismiss(worker);
         Ok(())
     })?;
-    Ok(run.finished())
+    Ok(run.finish())
 }
 
 /// Returns the survey of a field, and calls `make` with every block, on any thread, and `sink` with the results in the
 /// order of the poses. Returns `None` as soon as `sink` returns false.
 pub fn survey_with_rows<T: Send>(
     task: SurveyTask<'_>,
-    make: &(dyn Fn(Block<'_>) -> T + Sync),
+    make: &(dyn Fn(SurveyBlock<'_>) -> T + Sync),
     sink: &mut dyn FnMut(T) -> bool,
     progress: Advance<'_>,
 ) -> Result<Option<Survey>, Cancelled> {
-    let run = Run::new(task, progress, true);
+    let run = SurveyState::new(task, progress, true);
     let round = 8 * rayon::current_num_threads();
     for start in (0..run.blocks()).step_by(round) {
         let blocks = start..(start + round).min(run.blocks());
@@ -93,7 +93,7 @@ pub fn survey_with_rows<T: Send>(
             let mut worker = run.worker();
             let range = run.block(&mut worker, block)?;
             let (first, len) = (range.start, range.len());
-            let made = make(Block { first, poses: &worker.poses.batch(), columns: &worker.columns, len });
+            let made = make(SurveyBlock { first, poses: &worker.poses.batch(), columns: &worker.columns, len });
             run.dismiss(worker);
             Ok(made)
         };
@@ -104,11 +104,11 @@ pub fn survey_with_rows<T: Send>(
             }
         }
     }
-    Ok(Some(run.finished()))
+    Ok(Some(run.finish()))
 }
 
 /// The state shared by all threads.
-struct Run<'a> {
+struct SurveyState<'a> {
     task: SurveyTask<'a>,
     count: usize,
     /// Poses of a block: of a grid whole lines.
@@ -130,7 +130,7 @@ struct Worker {
     columns: Columns,
 }
 
-impl<'a> Run<'a> {
+impl<'a> SurveyState<'a> {
     fn new(task: SurveyTask<'a>, progress: Advance<'a>, rows: bool) -> Self {
         let grid = match task.poses {
             Poses::Nodes(nodes) => task.field.compiled_model(task.view.conditions).and_then(|model| model.grid(nodes)),
@@ -161,7 +161,7 @@ impl<'a> Run<'a> {
     }
 
     /// Returns the survey of all tallies.
-    fn finished(self) -> Survey {
+    fn finish(self) -> Survey {
         let workers = self.idle.into_inner().unwrap_or_else(PoisonError::into_inner);
         let tallies = workers.into_iter().map(|worker| worker.tally);
         let tally = tallies.reduce(Tally::merged).unwrap_or_else(|| Tally::new(self.task.worst));

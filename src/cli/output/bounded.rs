@@ -1,4 +1,4 @@
-//! What bounds lead to, as text: for `map` and `compare`.
+//! Effect of bounds as text, for `map` and `compare`.
 
 use super::view::{axes_text, statistics_rows, table};
 use abbe::MachineFile;
@@ -78,7 +78,7 @@ pub(crate) fn worst(file: &MachineFile, of: &MapFromBounds) -> String {
     of.worst.iter().enumerate().map(line).collect()
 }
 
-/// Describes the contribution of bounded errors beside measured ones in a sentence.
+/// Describes the contribution of bounded errors beside measured ones of bounds beside measured errors.
 pub(crate) fn bounded_contribution(of: &AddedByBounds) -> String {
     let [rss, p95] = [of.position_um.rss, of.position_um.p95].map(|x| significant(x, 4));
     let errors = if of.errors == 1 { "1 error".to_owned() } else { format!("{} errors", of.errors) };

@@ -147,7 +147,7 @@ fn shared_uncertainties(r: &IdentifyResult) -> String {
     text
 }
 
-/// Returns the lines on the uncertainty of the prediction over the volume.
+/// Returns uncertainty lines on the uncertainty of the prediction over the volume.
 fn prediction(r: &IdentifyResult) -> String {
     let p = &r.prediction;
     let at: Vec<String> = p.at.iter().map(|(axis, q)| format!("{axis}={}", significant(*q, 4))).collect();

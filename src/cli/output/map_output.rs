@@ -3,7 +3,7 @@
 use super::session::Session;
 use crate::cli::Outcome;
 use crate::cli::arguments::{PictureFile, help, png, svg};
-use crate::cli::store::write::Staged;
+use crate::cli::store::write::StagedFile;
 use abbe::Diagnostic;
 use abbe::options::{MapTable, PlaneComponent, PlaneDrawing, PlaneOptions, TableForm};
 use abbe::results::Picture;
@@ -45,18 +45,19 @@ impl OutputArgs {
 
     /// Begins all files.
     pub(crate) fn begin(&self) -> Result<StagedTables, Diagnostic> {
-        let begin = |(form, path): (TableForm, &PathBuf)| Ok((form, path.display().to_string(), Staged::new(path)?));
+        let begin =
+            |(form, path): (TableForm, &PathBuf)| Ok((form, path.display().to_string(), StagedFile::new(path)?));
         Ok(StagedTables(self.files().map(begin).collect::<Result<_, _>>()?))
     }
 }
 
 /// The files of a map in the making.
-pub(crate) struct StagedTables(Vec<(TableForm, String, Staged)>);
+pub(crate) struct StagedTables(Vec<(TableForm, String, StagedFile)>);
 
 impl StagedTables {
     /// The files as tables to be filled.
     pub(crate) fn tables(&self) -> Result<Vec<MapTable<'static>>, Diagnostic> {
-        let table = |(form, name, staged): &(TableForm, String, Staged)| {
+        let table = |(form, name, staged): &(TableForm, String, StagedFile)| {
             let sink = Box::new(BufWriter::new(staged.writer()?));
             Ok(MapTable { name: name.clone(), form: *form, sink })
         };

@@ -100,7 +100,7 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
     text + "Negative differences: less error than the arrangement of the file, on the same tool poses.\n"
 }
 
-/// What the ranks are worth, and what it took.
+/// Confidence of the ranks, and the machines drawn for it.
 fn standing(of: &RankedArrangements) -> String {
     let (equal, open, worse) = (of.count(Verdict::Equal), of.count(Verdict::NotToldApart), of.count(Verdict::Worse));
     let mut text = format!("Against rank 1: {equal} equal to it, {open} not told apart from it, {worse} worse\n");

@@ -1,6 +1,6 @@
 //! One run of the program: its options, its diagnostics, and its two output streams.
 
-use super::progress::ProgressBar;
+use super::progress::StageProgress;
 use crate::cli::store::files::Recorded;
 use crate::cli::store::limited::standard_output;
 use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
@@ -17,7 +17,7 @@ use std::rc::Rc;
 /// The state of a run of the program.
 pub(crate) struct Session {
     global: Global,
-    bar: ProgressBar,
+    bar: StageProgress,
     /// Everything found wrong so far.
     pub diagnostics: Diagnostics,
     /// The disk, and what was read from it.
@@ -32,7 +32,7 @@ pub(crate) struct Session {
 
 impl Session {
     pub(crate) fn new(global: Global) -> Self {
-        let bar = ProgressBar::new(global.quiet);
+        let bar = StageProgress::new(global.quiet);
         let (document, unfit) = (RefCell::new(None), RefCell::new(None));
         let files = Rc::new(Recorded::within(global.confined.as_deref()));
         let (diagnostics, output_lost) = (Diagnostics::default(), Cell::new(None));

@@ -56,7 +56,7 @@ fn interval(p: Percentile) -> String {
     format!("{} ({}..{})", significant(p.value, 4), end(p.low), end(p.high))
 }
 
-/// What binds a tolerance, in words.
+/// The constraint that fixes a tolerance, in words.
 pub(crate) fn binding(of: Binding) -> &'static str {
     match of {
         Binding::Goal => "goal",

@@ -12,7 +12,7 @@ const REPLACED: &str = "replaced";
 
 /// Refuses, before any work, an archive that lies in the folder of the set.
 pub(crate) fn refuse_inside(session: &Session, record: &Path, out: &Path) -> Outcome {
-    if !placed(record).starts_with(placed(out)) {
+    if !resolve(record).starts_with(resolve(out)) {
         return Ok(());
     }
     session.usage("--record lies in --out: what is archived there would lie among the files of the controller")
@@ -21,7 +21,7 @@ pub(crate) fn refuse_inside(session: &Session, record: &Path, out: &Path) -> Out
 /// Copies the set in `out` into `record`, to `replaced/` and the first 16 digits of the hash of its manifest. Nothing
 /// is copied if there is no set, or if it is there already.
 pub(crate) fn keep(session: &mut Session, record: &Path, out: &Path) -> Outcome {
-    match kept(record, out) {
+    match archive_folder(record, out) {
         Ok(Some(folder)) => session.say(&format!("archived the set that is replaced: {}", folder.display())),
         Ok(None) => {}
         Err(refusal) => return session.refuse(refusal),
@@ -29,7 +29,7 @@ pub(crate) fn keep(session: &mut Session, record: &Path, out: &Path) -> Outcome 
     Ok(())
 }
 
-fn kept(record: &Path, out: &Path) -> Result<Option<PathBuf>, Diagnostic> {
+fn archive_folder(record: &Path, out: &Path) -> Result<Option<PathBuf>, Diagnostic> {
     if out.join(LOCK_NAME).symlink_metadata().is_err() {
         return Ok(None);
     }
@@ -46,7 +46,7 @@ fn unwhole(out: &Path, fault: &SetFault) -> Diagnostic {
 }
 
 /// A path with links resolved as far as it is there, and the rest by name.
-fn placed(path: &Path) -> PathBuf {
+fn resolve(path: &Path) -> PathBuf {
     let mut rest: Vec<Component<'_>> = path.components().collect();
     let mut beyond = Vec::new();
     loop {
@@ -75,9 +75,9 @@ mod tests {
     #[test]
     fn paths_that_are_not_there_yet_are_placed() {
         let top = std::env::temp_dir().canonicalize().unwrap();
-        assert_eq!(placed(&top.join("no-such/./a/../b")), top.join("no-such/b"));
-        assert!(placed(Path::new("no-such/x")).is_absolute());
-        assert!(placed(&top.join("none/deep")).starts_with(placed(&top.join("none"))));
-        assert!(!placed(&top.join("none2")).starts_with(placed(&top.join("none"))));
+        assert_eq!(resolve(&top.join("no-such/./a/../b")), top.join("no-such/b"));
+        assert!(resolve(Path::new("no-such/x")).is_absolute());
+        assert!(resolve(&top.join("none/deep")).starts_with(resolve(&top.join("none"))));
+        assert!(!resolve(&top.join("none2")).starts_with(resolve(&top.join("none"))));
     }
 }

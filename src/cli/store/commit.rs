@@ -65,16 +65,16 @@ impl Replacement<'_> {
         folder: &Path,
         between: impl FnOnce() -> Result<(), Diagnostic>,
     ) -> Result<Vec<Stale>, Diagnostic> {
-        let before = left_over(folder);
+        let before = leftovers(folder);
         // No number of the process: in a container that is always the same.
         let run = before.iter().map(|(run, _)| *run).max().unwrap_or(0).saturating_add(1);
         let manifest = manifest(&self.lock);
         let all: Vec<&RenderedFile> = self.files.iter().chain([&manifest]).collect();
-        let staged = Staged::write(folder, &all, run)?;
+        let staged = StagedFiles::write(folder, &all, run)?;
         let files = all.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
         staged.decide(folder, &Decided { run, files })?;
         between().map_err(|refusal| refusal.help(HALF))?;
-        let stale = self.put_in_place(folder, run).map_err(half)?;
+        let stale = self.put_in_place(folder, run).map_err(|(name, failure)| half_replaced(&name, &failure))?;
         let ours = before.iter().filter(|(_, path)| !(self.kept)(path));
         ours.for_each(|(_, path)| drop(fs::remove_file(path)));
         Ok(stale)
@@ -102,7 +102,7 @@ impl Replacement<'_> {
     }
 }
 
-fn half((name, failure): (String, std::io::Error)) -> Diagnostic {
+fn half_replaced(name: &str, failure: &std::io::Error) -> Diagnostic {
     Diagnostic::new(codes::E0810, format!("cannot replace `{name}`: {failure}")).help(HALF)
 }
 
@@ -138,15 +138,15 @@ fn manifest(lock: &Lock) -> RenderedFile {
 /// Refuses a set that a killed run has half replaced (E0733), and warns of a run that was killed before it changed
 /// anything (W0713). Changes nothing.
 pub(crate) fn check(folder: &Path, diagnostics: &mut Diagnostics) -> Result<(), Diagnostic> {
-    if !is_half_replaced(folder) && left_over(folder).is_empty() {
+    if !is_half_replaced(folder) && leftovers(folder).is_empty() {
         return Ok(());
     }
     // A run that is still at work is waited for.
-    let _guard = exclusive(folder).map_err(|failure| unfinished(folder, &format!(": {failure}")))?;
+    let _guard = exclusive(folder).map_err(|failure| unfinished_diagnostic(folder, &format!(": {failure}")))?;
     if is_half_replaced(folder) {
-        return Err(unfinished(folder, &format!(", by the list `{LIST_NAME}` in it")));
+        return Err(unfinished_diagnostic(folder, &format!(", by the list `{LIST_NAME}` in it")));
     }
-    let left = left_over(folder);
+    let left = leftovers(folder);
     if !left.is_empty() {
         let message = format!("a run was killed before it had written the whole of its set to `{}`", folder.display());
         let help =
@@ -161,7 +161,7 @@ pub(crate) fn is_half_replaced(folder: &Path) -> bool {
     folder.join(LIST_NAME).symlink_metadata().is_ok()
 }
 
-fn unfinished(folder: &Path, why: &str) -> Diagnostic {
+fn unfinished_diagnostic(folder: &Path, why: &str) -> Diagnostic {
     let message = format!("the set in `{}` is half replaced, a run was killed{why}", folder.display());
     Diagnostic::new(codes::E0733, message).help("load none of its files; compile again into this folder")
 }
@@ -207,7 +207,7 @@ fn temporary_name(name: &str, run: u32) -> String {
 }
 
 /// Temporary files of runs that were killed, with the numbers of the runs. Whoever holds the folder has no other.
-fn left_over(folder: &Path) -> Vec<(u32, PathBuf)> {
+fn leftovers(folder: &Path) -> Vec<(u32, PathBuf)> {
     let run = |name: &str| {
         let (name, run) = name.strip_prefix('.')?.strip_suffix(TEMPORARY)?.rsplit_once('.')?;
         run.parse().ok().filter(|_| !name.is_empty())
@@ -218,12 +218,12 @@ fn left_over(folder: &Path) -> Vec<(u32, PathBuf)> {
 }
 
 /// Files under temporary names, removed when it is dropped undecided.
-struct Staged {
+struct StagedFiles {
     run: u32,
     paths: Vec<PathBuf>,
 }
 
-impl Staged {
+impl StagedFiles {
     fn write(folder: &Path, files: &[&RenderedFile], run: u32) -> Result<Self, Diagnostic> {
         let mut staged = Self { run, paths: Vec::new() };
         for file in files {
@@ -254,7 +254,7 @@ impl Staged {
     }
 }
 
-impl Drop for Staged {
+impl Drop for StagedFiles {
     fn drop(&mut self) {
         for path in &self.paths {
             let _ = fs::remove_file(path);

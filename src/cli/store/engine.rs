@@ -14,7 +14,7 @@ const VARIANTS: [&str; 2] = ["plain", "relaxed"];
 const LIMIT: u64 = 4 << 20;
 
 /// Returns the engines of the package that this program is from; none for a program by itself.
-pub(crate) fn installed() -> Vec<EngineFile> {
+pub(crate) fn engines() -> Vec<EngineFile> {
     let program = std::env::current_exe().unwrap_or_default();
     let Some(folder) = program.parent().and_then(|bin| Some(bin.parent()?.join(FOLDER))) else { return Vec::new() };
     let engine = |variant: &str| {

@@ -27,7 +27,7 @@ pub(crate) struct NewSet<'a> {
 impl NewSet<'_> {
     /// Writes the set into a folder (made if it is not there), then its manifest. Returns warnings.
     pub(crate) fn write(&self, folder: &Path) -> Result<Vec<Diagnostic>, Diagnostic> {
-        self.prepared(folder)?.write(|| Ok(()))
+        self.prepare(folder)?.write(|| Ok(()))
     }
 
     /// Writes the sets of several targets into subfolders, and this one, the manifest above them: all are replaced as
@@ -37,8 +37,8 @@ impl NewSet<'_> {
         folder: &Path,
         parts: &[(&str, NewSet<'_>)],
     ) -> Result<Vec<Diagnostic>, Diagnostic> {
-        let above = self.prepared(folder)?;
-        let prepared = parts.iter().map(|(name, part)| part.prepared(&folder.join(name)));
+        let above = self.prepare(folder)?;
+        let prepared = parts.iter().map(|(name, part)| part.prepare(&folder.join(name)));
         let prepared = prepared.collect::<Result<Vec<_>, _>>()?;
         let mut warnings = Vec::new();
         let own = above.write(|| {
@@ -52,7 +52,7 @@ impl NewSet<'_> {
     }
 
     /// Refuses what may not be replaced, and holds the folder (made if it is not there).
-    fn prepared<'s>(&'s self, folder: &Path) -> Result<Prepared<'s>, Diagnostic> {
+    fn prepare<'s>(&'s self, folder: &Path) -> Result<Prepared<'s>, Diagnostic> {
         write::make_folder(folder)?;
         // A replacement goes through this name.
         write::refuse_input(&folder.join(commit::LIST_NAME), self.read)?;
@@ -73,12 +73,12 @@ impl NewSet<'_> {
             write::refuse_input(&folder.join(&file.name), self.read)?;
             refuse_foreign(folder, file, &ours)?;
         }
-        let (removed, stale) = self.gone(folder, old.as_ref(), &ours);
+        let (removed, stale) = self.leftovers(folder, old.as_ref(), &ours);
         Ok(Prepared { set: self, folder: folder.to_owned(), removed, stale, half_replaced, _guard: guard })
     }
 
     /// Returns the files of the old set that the new one does not have: those to be removed, and those that stay.
-    fn gone(&self, folder: &Path, old: Option<&Lock>, ours: &[Hashed]) -> (Vec<Hashed>, Vec<Stale>) {
+    fn leftovers(&self, folder: &Path, old: Option<&Lock>, ours: &[Hashed]) -> (Vec<Hashed>, Vec<Stale>) {
         let target = old.map_or(self.lock.target.as_str(), |lock| lock.target.as_str());
         let stale = old.map_or(&[][..], |lock| &lock.stale);
         let (mut removed, mut kept): (Vec<Hashed>, Vec<Stale>) = (Vec::new(), Vec::new());
@@ -127,12 +127,12 @@ impl Prepared<'_> {
         let kept = |path: &Path| write::is_input(path, self.set.read);
         let replacement = Replacement { files: self.set.files, lock, removed: &self.removed, kept: &kept };
         self.stale.extend(replacement.carry_out(&self.folder, between)?);
-        let mended = self.half_replaced.then(|| mended(&self.folder));
+        let mended = self.half_replaced.then(|| mend(&self.folder));
         Ok(mended.into_iter().chain(self.stale.iter().map(|stale| still_there(&self.folder, stale))).collect())
     }
 }
 
-fn mended(folder: &Path) -> Diagnostic {
+fn mend(folder: &Path) -> Diagnostic {
     let message = format!("a run was killed while it replaced the set in `{}`", folder.display());
     Diagnostic::new(codes::W0712, message).help("the set of this run is in its place now, whole")
 }

@@ -26,7 +26,7 @@ impl Files for Recorded {
     }
 
     fn read_at_most(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
-        let result = self.confined(path, limit);
+        let result = self.read_confined(path, limit);
         let state = result.as_ref().ok().map(|bytes| content(bytes));
         let _ = self.seen.borrow_mut().insert(path.to_owned(), (limit, state));
         result
@@ -57,7 +57,7 @@ impl Recorded {
         (!resolved.is_some_and(|resolved| resolved.starts_with(root))).then(|| named.clone())
     }
 
-    fn confined(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
+    fn read_confined(&self, path: &Path, limit: u64) -> Result<Vec<u8>, ReadFailure> {
         match self.outside(path) {
             Some(root) => Err(ReadFailure::Outside(root)),
             None => Disk.read_at_most(path, limit),
@@ -76,8 +76,8 @@ impl Recorded {
 
     /// True if any of the files has another content by now. Compares the content: times of modification are coarse on
     /// some file systems, and an editor may write the same again.
-    pub fn changed(&self) -> bool {
-        let now = |path: &PathBuf, limit: u64| self.confined(path, limit).ok().map(|bytes| content(&bytes));
+    pub fn has_changed(&self) -> bool {
+        let now = |path: &PathBuf, limit: u64| self.read_confined(path, limit).ok().map(|bytes| content(&bytes));
         self.seen.borrow().iter().any(|(path, (limit, before))| now(path, *limit) != *before)
     }
 }

@@ -38,7 +38,7 @@ pub(crate) fn write_new_folder(folder: &Path, files: &[(String, Vec<u8>)]) -> Re
     make_folder(parent)?;
     let name = name.to_string_lossy();
     clear_left_over(parent, &name);
-    let staged = Staged::new(parent, &name).map_err(|failure| unwritable_folder(folder, &failure.to_string()))?;
+    let staged = StagedFolder::new(parent, &name).map_err(|failure| unwritable_folder(folder, &failure.to_string()))?;
     let written = staged.fill(files).and_then(|()| fs::rename(&staged.path, folder));
     written.map_err(|failure| match fs::symlink_metadata(folder) {
         Ok(_) if refuse_existing(folder).is_err() => unwritable_folder(folder, "another run has made it meanwhile"),
@@ -58,13 +58,13 @@ fn holds(folder: &Path, files: &[(String, Vec<u8>)]) -> bool {
 }
 
 /// A folder under its temporary name, removed when it is dropped before it was renamed.
-struct Staged {
+struct StagedFolder {
     path: PathBuf,
     /// Held while the run is alive: by that another run tells what a killed one left.
     _lock: Option<fs::File>,
 }
 
-impl Staged {
+impl StagedFolder {
     fn new(parent: &Path, name: &str) -> std::io::Result<Self> {
         let path = parent.join(format!(".{name}.{}{TEMPORARY}", std::process::id()));
         fs::create_dir(&path)?;
@@ -92,7 +92,7 @@ impl Staged {
     }
 }
 
-impl Drop for Staged {
+impl Drop for StagedFolder {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.path);
     }

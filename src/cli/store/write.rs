@@ -19,14 +19,14 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8], read: &Recorded) -> Result<
 
 /// Like [`write_whole`], for a file of our own that may have been read before.
 pub(crate) fn replace_whole(path: &Path, bytes: &[u8]) -> Result<(), Diagnostic> {
-    let staged = Staged::new(path)?;
-    staged.writer()?.write_all(bytes).map_err(|failure| staged.failed(&failure))?;
+    let staged = StagedFile::new(path)?;
+    staged.writer()?.write_all(bytes).map_err(|failure| staged.failure(&failure))?;
     staged.commit()
 }
 
 /// A file in the making, beside the one it becomes; gone if it is not finished. Where the system has files without a
 /// name it is one until then: a program that was killed leaves nothing.
-pub(crate) struct Staged {
+pub(crate) struct StagedFile {
     path: PathBuf,
     target: PathBuf,
     temporary: PathBuf,
@@ -35,7 +35,7 @@ pub(crate) struct Staged {
     unnamed: bool,
 }
 
-impl Staged {
+impl StagedFile {
     /// Opens it.
     pub(crate) fn new(path: &Path) -> Result<Self, Diagnostic> {
         let target = replaceable(path)?;
@@ -53,12 +53,12 @@ impl Staged {
 
     /// Returns a handle for writing.
     pub(crate) fn writer(&self) -> Result<LimitedWriter<File>, Diagnostic> {
-        let file = self.file.try_clone().map_err(|failure| self.failed(&failure))?;
+        let file = self.file.try_clone().map_err(|failure| self.failure(&failure))?;
         Ok(LimitedWriter::new(file, 0))
     }
 
     /// Returns the diagnostic of a file that cannot be written.
-    pub(crate) fn failed(&self, failure: &io::Error) -> Diagnostic {
+    pub(crate) fn failure(&self, failure: &io::Error) -> Diagnostic {
         unwritable(&self.path, &failure.to_string())
     }
 
@@ -74,11 +74,11 @@ impl Staged {
             }
             fs::rename(&self.temporary, &self.target)
         };
-        finished().map_err(|failure| self.failed(&failure))
+        finished().map_err(|failure| self.failure(&failure))
     }
 }
 
-impl Drop for Staged {
+impl Drop for StagedFile {
     fn drop(&mut self) {
         // A failed attempt leaves a file that is ours alone; if it cannot be removed either, there is no more to
         // report. After a commit there is nothing of this name.
@@ -343,12 +343,12 @@ mod tests {
     fn a_file_in_the_making_has_no_name_where_the_system_can() {
         let folder = Folder::new("unfinished");
         let path = folder.0.join("map.csv");
-        let staged = Staged::new(&path).unwrap();
+        let staged = StagedFile::new(&path).unwrap();
         staged.writer().unwrap().write_all(b"all of it").unwrap();
         assert_eq!(folder.entries(), usize::from(!staged.unnamed));
         staged.commit().unwrap();
         assert_eq!((fs::read(&path).unwrap().as_slice(), folder.entries()), (&b"all of it"[..], 1));
-        drop(Staged::new(&path).unwrap());
+        drop(StagedFile::new(&path).unwrap());
         assert_eq!(folder.entries(), 1);
     }
 

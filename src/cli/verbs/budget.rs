@@ -93,7 +93,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
             file.write(&picture, session)?;
         }
     }
-    let report = Report { args, file: &file, result: &result };
+    let report = BudgetText { args, file: &file, result: &result };
     match session.format() {
         Format::Json => session.print_json(json!(result)),
         Format::Csv => session.print(&report.csv()),
@@ -119,13 +119,13 @@ fn part(session: &mut Session, args: &Args, file: &MachineFile, state: &PathBuf)
 }
 
 /// The printed budget.
-struct Report<'a> {
+struct BudgetText<'a> {
     args: &'a Args,
     file: &'a MachineFile,
     result: &'a BudgetResult,
 }
 
-impl Report<'_> {
+impl BudgetText<'_> {
     /// One line for each error.
     fn csv(&self) -> String {
         let goal = self.result.goal.as_ref();
@@ -188,7 +188,7 @@ impl Report<'_> {
         text + &self.directions() + &goal
     }
 
-    /// What the directions of the bounds are, where that is not plain from their names.
+    /// The directions of the bounds, where their names do not say them.
     fn directions(&self) -> String {
         let mut text = String::new();
         let bounds = &self.result.budget.tighten;

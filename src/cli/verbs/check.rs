@@ -95,7 +95,7 @@ fn csv(machine: &MachineFile) -> String {
 /// The same of several files, with the name of the file in front; refused ones have no rows.
 fn csv_of_several(checked: &[CheckedFile]) -> String {
     let of = |CheckedFile { file, machine, .. }: &CheckedFile| {
-        let name = quoted(file);
+        let name = quote(file);
         machine.iter().flat_map(rows).map(|row| format!("{name},{row}")).collect::<Vec<_>>()
     };
     std::iter::once("file,error,kind,value".to_owned())
@@ -104,7 +104,7 @@ fn csv_of_several(checked: &[CheckedFile]) -> String {
         .join("\n")
 }
 
-fn quoted(text: &str) -> String {
+fn quote(text: &str) -> String {
     let plain = !text.contains([',', '"', '\n', '\r']);
     if plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
 }

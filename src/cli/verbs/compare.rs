@@ -88,7 +88,7 @@ fn csv(result: &CompareResult) -> String {
         for (i, machine) in result.machines.iter().enumerate() {
             let place = numbers([row.tip_mm, row.direction].into_iter().flatten());
             let mut cells = vec![pose.to_string(), cell(&machine.file), place];
-            let bounded = row.bounded[i].map(bounded_numbers);
+            let bounded = row.bounded[i].map(bound_columns);
             if measured {
                 let deviation = &row.deviations[i];
                 let (um, urad) = (deviation.position_mm.map(|x| x * 1e3), deviation.rotation_rad.map(|x| x * 1e6));
@@ -96,7 +96,7 @@ fn csv(result: &CompareResult) -> String {
                 cells.push(six.unwrap_or_else(|| ",".repeat(5)));
             }
             if let Some(drawn) = drawn {
-                let first = row.bounded[0].map(bounded_numbers);
+                let first = row.bounded[0].map(bound_columns);
                 let minus = bounded.zip(first).map(|(own, first)| std::array::from_fn(|k| own[k] - first[k]));
                 cells.extend(
                     [bounded, minus].map(|four| four.map_or_else(|| ",".repeat(3), |four: [f64; 4]| numbers(four))),
@@ -111,7 +111,7 @@ fn csv(result: &CompareResult) -> String {
 }
 
 /// In the order of the columns, um and urad.
-fn bounded_numbers(of: BoundedDeviation) -> [f64; 4] {
+fn bound_columns(of: BoundedDeviation) -> [f64; 4] {
     let (p, r) = (of.position, of.rotation);
     [p.rss * 1e3, p.p95 * 1e3, r.rss * 1e6, r.p95 * 1e6]
 }

@@ -76,11 +76,11 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         file_set::check(session, installed)?;
     }
     if args.targets().len() > 1 {
-        return composed(session, args, &file);
+        return compose(session, args, &file);
     }
     let answer = abbe::compile(&file, &args.options(), session.run());
     let set = session.take(answer)?;
-    archived(session, args)?;
+    archive(session, args)?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
     let new = NewSet { files: &set.files, lock: &set.lock, read: &session.files, writes: &writes };
@@ -93,14 +93,14 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 /// Archives the set that is there, once the new one is known to compile.
-fn archived(session: &mut Session, args: &Args) -> Outcome {
+fn archive(session: &mut Session, args: &Args) -> Outcome {
     args.record.as_ref().map_or(Ok(()), |record| archive::keep(session, record, &args.out))
 }
 
 /// Writes the sets of two targets into subfolders, then the manifest over both.
-fn composed(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
+fn compose(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
     let set = session.take(abbe::compile_composed(file, &args.targets(), &args.options(), session.run()))?;
-    archived(session, args)?;
+    archive(session, args)?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
     let of = |files, lock| NewSet { files, lock, read: &session.files, writes: &writes };

@@ -91,21 +91,21 @@ fn machines_text(of: &MachineDifference) -> String {
     }
     let mut rows = table(&["differs", "1", "2", "95 %, um"]);
     for d in &of.differences {
-        let effect = d.minus_first_um.map_or_else(|| "-".to_owned(), signed);
-        let _ = rows.add_row([named(d), d.first.clone(), d.second.clone(), effect]);
+        let effect = d.minus_first_um.map_or_else(|| "-".to_owned(), sign_text);
+        let _ = rows.add_row([property_name(d), d.first.clone(), d.second.clone(), effect]);
     }
     let [first, second] = of.p95_um.map(|um| significant(um, 4));
     let chain = if of.differences[0].kind == "chain" { ", the others on the chain of machine 2" } else { "" };
     text + &format!(
         "{rows}\n95 %, um: change of the 95 % position deviation of machine 1 with this difference alone{chain}.\n\
          All together: {first} um -> {second} um ({}), over {} of {} tool poses that both reach.\n",
-        signed(of.minus_first_um),
+        sign_text(of.minus_first_um),
         of.poses,
         of.asked
     )
 }
 
-fn named(difference: &PropertyDifference) -> String {
+fn property_name(difference: &PropertyDifference) -> String {
     match difference.kind {
         "error" => difference.name.clone(),
         kind if difference.name.is_empty() => kind.to_owned(),
@@ -113,7 +113,7 @@ fn named(difference: &PropertyDifference) -> String {
     }
 }
 
-fn signed(um: f64) -> String {
+fn sign_text(um: f64) -> String {
     let sign = if um > 0.0 { "+" } else { "" };
     format!("{sign}{}", significant(um + 0.0, 4))
 }

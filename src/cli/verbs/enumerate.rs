@@ -95,7 +95,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let answer = enumerate(&machine, &args.options(), file, session.run());
     let result = session.take(answer)?;
     let ranked = match &result {
-        EnumerateResult::Part(progress) => return part_done(session, progress),
+        EnumerateResult::Part(progress) => return print_progress(session, progress),
         EnumerateResult::Ranked(ranked) => ranked,
     };
     match session.format() {
@@ -106,7 +106,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     Ok(())
 }
 
-fn part_done(session: &Session, progress: &StudyProgress) -> Outcome {
+fn print_progress(session: &Session, progress: &StudyProgress) -> Outcome {
     let StudyProgress { state, round, walks_done, walks } = progress;
     match session.format() {
         Format::Json => session.print_json(json!(progress)),

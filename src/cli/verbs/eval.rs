@@ -73,13 +73,14 @@ fn csv(file: &MachineFile, result: &EvalResult) -> String {
     let stated = result.poses.iter().any(|pose| pose.uncertainty.is_some());
     let expanded = names[3..].iter().map(|name| format!("U {name}")).take(if stated { 6 } else { 0 });
     let effects = effect_names(result);
-    let asked = asked_columns(file, result, &effects);
+    let asked = extra_columns(file, result, &effects);
     let header: Vec<String> = axes.chain(names.map(str::to_owned)).chain(expanded).chain(asked).collect();
     let line = |pose: &PoseResult| {
         let vectors = [pose.nominal, pose.deviation, pose.rotation];
         let expanded = pose.uncertainty.iter().flat_map(|u| [u.deviation, u.rotation]);
         let undone = pose.inverse.iter().flat_map(AxisPositions::values).copied();
-        let own: BTreeMap<&str, &ErrorEffect> = listed(pose).map(|effect| (effect.error.as_str(), effect)).collect();
+        let own: BTreeMap<&str, &ErrorEffect> =
+            effects_of(pose).map(|effect| (effect.error.as_str(), effect)).collect();
         // Pairs without an effect at a pose are not listed there.
         let six = |name: &&str| own.get(name).map_or([[0.0; 3]; 2], |effect| [effect.deviation, effect.rotation]);
         let stated = vectors.into_iter().chain(expanded).flatten();
@@ -90,7 +91,7 @@ fn csv(file: &MachineFile, result: &EvalResult) -> String {
 }
 
 /// The columns of what poses have where it is asked for: motions that undo the errors, effects of errors and of pairs.
-fn asked_columns(file: &MachineFile, result: &EvalResult, effects: &[&str]) -> Vec<String> {
+fn extra_columns(file: &MachineFile, result: &EvalResult, effects: &[&str]) -> Vec<String> {
     let unit = |name: &String| file.axis_index(name).map_or("mm", |i| file.axes()[i].unit());
     let inverse = result.poses.first().and_then(|pose| pose.inverse.as_ref());
     let undone = inverse.into_iter().flat_map(AxisPositions::keys).map(|name| format!("undo {name} [{}]", unit(name)));
@@ -109,12 +110,12 @@ fn asked_columns(file: &MachineFile, result: &EvalResult, effects: &[&str]) -> V
 /// Names of the errors and of the pairs that have an effect at a pose, each once.
 fn effect_names(result: &EvalResult) -> Vec<&str> {
     let mut known = BTreeSet::new();
-    let all = result.poses.iter().flat_map(listed).map(|effect| effect.error.as_str());
+    let all = result.poses.iter().flat_map(effects_of).map(|effect| effect.error.as_str());
     all.filter(|name| known.insert(*name)).collect()
 }
 
 /// The effects of errors and of pairs of errors, where they are asked for.
-fn listed(pose: &PoseResult) -> impl Iterator<Item = &ErrorEffect> {
+fn effects_of(pose: &PoseResult) -> impl Iterator<Item = &ErrorEffect> {
     pose.sensitivity.iter().chain(&pose.interactions).flatten()
 }
 

@@ -66,9 +66,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 /// Header and rows of the figures.
-type Figures = (Vec<&'static str>, Vec<Vec<String>>);
+type FigureRows = (Vec<&'static str>, Vec<Vec<String>>);
 
-fn rows(result: &TestFigures) -> Figures {
+fn rows(result: &TestFigures) -> FigureRows {
     match result {
         TestFigures::Circle(test) => circle(test),
         TestFigures::Rotation(test) => rotation(test),
@@ -85,7 +85,7 @@ fn maybe(x: Option<f64>) -> String {
     x.map_or_else(|| "-".to_owned(), n)
 }
 
-fn circle(test: &CircleTest) -> Figures {
+fn circle(test: &CircleTest) -> FigureRows {
     let line =
         |name: &str, value: String, sigma: String, unit: &str| vec![name.to_owned(), value, sigma, unit.to_owned()];
     let blank = String::new;
@@ -100,12 +100,12 @@ fn circle(test: &CircleTest) -> Figures {
         line("F clockwise", ends(f.clockwise), blank(), "um"),
     ];
     let [u, v] = test.plane.directions().map(|i| ["X", "Y", "Z"][i]);
-    rows.extend(test.causes.iter().flat_map(|causes| caused(causes, [u, v])));
+    rows.extend(test.causes.iter().flat_map(|causes| cause_rows(causes, [u, v])));
     (vec!["figure", "value", "u", "unit"], rows)
 }
 
 /// The causes of a circle in a plane of two directions.
-fn caused(causes: &CauseTest, [u, v]: [&str; 2]) -> Vec<Vec<String>> {
+fn cause_rows(causes: &CauseTest, [u, v]: [&str; 2]) -> Vec<Vec<String>> {
     let line = |name: String, of: UncertainValue, unit: &str| vec![name, n(of.value), maybe(of.sigma), unit.to_owned()];
     let [first, second] = causes.reversal_um;
     let mut rows = vec![
@@ -143,7 +143,7 @@ fn spike(at: &TurningTest) -> Vec<Vec<String>> {
     rows
 }
 
-fn rotation(test: &RotationTest) -> Figures {
+fn rotation(test: &RotationTest) -> FigureRows {
     let header = vec!["motion", "unit", "total", "synchronous", "asynchronous", "once a turn", "synchronous with it"];
     let row = |m: &abbe::results::MotionTest| {
         let figures = [n(m.total), n(m.synchronous), maybe(m.asynchronous), n(m.once), n(m.synchronous_with_once)];
@@ -152,7 +152,7 @@ fn rotation(test: &RotationTest) -> Figures {
     (header, test.motions.iter().map(row).collect())
 }
 
-fn drift(test: &DriftTest) -> Figures {
+fn drift(test: &DriftTest) -> FigureRows {
     let header = vec!["drift", "unit", "range", "first 60 min", "largest in 60 min", "change"];
     let row = |d: &abbe::results::DriftOf| {
         let figures = [d.range, d.first_hour, d.largest_in_an_hour, d.change].map(n);
@@ -166,7 +166,7 @@ fn drift(test: &DriftTest) -> Figures {
     (header, test.drifts.iter().map(row).chain(warm).collect())
 }
 
-fn diagonals(test: &DiagonalsTest) -> Figures {
+fn diagonals(test: &DiagonalsTest) -> FigureRows {
     let header =
         vec!["diagonal", "length, mm", "targets", "runs", "E, um", "B, um", "mean B, um", "M, um", "R, um", "A, um"];
     let row = |d: &abbe::results::DiagonalTest| {
@@ -177,7 +177,7 @@ fn diagonals(test: &DiagonalsTest) -> Figures {
     (header, test.diagonals.iter().map(row).collect())
 }
 
-fn csv((header, rows): &Figures) -> String {
+fn csv((header, rows): &FigureRows) -> String {
     let lines = rows.iter().map(|row| row.iter().map(|cell| cell.replace(',', ";")).collect::<Vec<_>>().join(","));
     [header.join(",")].into_iter().chain(lines).map(|line| line + "\n").collect()
 }

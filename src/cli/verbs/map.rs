@@ -133,7 +133,7 @@ fn no_table(count: usize) -> Diagnostic {
 
 fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     if let Some(of) = &result.bounds {
-        return bounded_text(file, args, (result, of));
+        return text_of_bounds(file, args, result, of);
     }
     let mut text = format!(
         "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{} poses ({})\n{}\n",
@@ -167,7 +167,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
 }
 
 /// The map of a machine of which nothing is measured.
-fn bounded_text(file: &MachineFile, args: &Args, (result, of): (&MapResult, &MapFromBounds)) -> String {
+fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapFromBounds) -> String {
     let mut text = format!(
         "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{} poses ({}), {} \
          frame, first order\n{}\n{}\n{}{}",

@@ -73,7 +73,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     refuse_outputs(&args.out, &session.files).or_else(|d| session.refuse(d))?;
     let report = compute(session, args)?;
-    let page = report.page(&engine::installed()).or_else(|d| session.refuse(d))?;
+    let page = report.page(&engine::engines()).or_else(|d| session.refuse(d))?;
     let (out, bytes) = (args.out.as_deref().unwrap_or(Path::new("")), page.text.len());
     write_whole(out, page.text.as_bytes(), &session.files).or_else(|d| session.refuse(d))?;
     match session.format() {

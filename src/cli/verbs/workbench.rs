@@ -75,18 +75,18 @@ struct Bench {
     /// Held while the file is compared and replaced.
     saving: Mutex<()>,
     /// Sources of the answers.
-    inputs: Mutex<Inputs>,
+    inputs: Mutex<InputFiles>,
 }
 
 /// The files that were read for answers since the last change of one of them.
 #[derive(Default)]
-struct Inputs {
+struct InputFiles {
     read: Recorded,
     /// Number of changes so far.
     changes: u64,
 }
 
-/// What the page sends to save the file.
+/// Request of the page to save the file.
 #[derive(Deserialize)]
 struct SaveRequest {
     /// The text to write.
@@ -153,8 +153,8 @@ impl Bench {
     /// Returns the text of the file as it is now, and how often a file that answers were computed from has changed.
     fn follow(&self) -> PageResponse {
         let mut inputs = self.inputs.lock().unwrap_or_else(PoisonError::into_inner);
-        if inputs.read.changed() {
-            *inputs = Inputs { read: self.files(), changes: inputs.changes + 1 };
+        if inputs.read.has_changed() {
+            *inputs = InputFiles { read: self.files(), changes: inputs.changes + 1 };
         }
         answer(StatusCode::OK, &json!({"text": self.text(), "changes": inputs.changes}))
     }
@@ -162,7 +162,7 @@ impl Bench {
     fn open(&self) -> PageResponse {
         match self.text() {
             Some(text) => answer(StatusCode::OK, &json!({"machine": self.machine, "text": text})),
-            None => failed(StatusCode::NOT_FOUND, "the file cannot be read as text"),
+            None => failure(StatusCode::NOT_FOUND, "the file cannot be read as text"),
         }
     }
 
@@ -171,10 +171,10 @@ impl Bench {
         match self.text() {
             Some(text) if text == request.before => match replace_whole(&self.machine, request.text.as_bytes()) {
                 Ok(()) => answer(StatusCode::OK, &json!({"saved": true})),
-                Err(diagnostic) => failed(StatusCode::INTERNAL_SERVER_ERROR, &diagnostic.message),
+                Err(diagnostic) => failure(StatusCode::INTERNAL_SERVER_ERROR, &diagnostic.message),
             },
-            Some(_) => failed(StatusCode::CONFLICT, "the file on the disk has changed since the page read it"),
-            None => failed(StatusCode::CONFLICT, "the file on the disk can no longer be read"),
+            Some(_) => failure(StatusCode::CONFLICT, "the file on the disk has changed since the page read it"),
+            None => failure(StatusCode::CONFLICT, "the file on the disk can no longer be read"),
         }
     }
 }
@@ -183,7 +183,7 @@ fn answer(status: StatusCode, value: &Value) -> PageResponse {
     PageResponse { status, media: "application/json", body: value.to_string().into_bytes().into() }
 }
 
-fn failed(status: StatusCode, message: &str) -> PageResponse {
+fn failure(status: StatusCode, message: &str) -> PageResponse {
     answer(status, &json!({"failure": message}))
 }
 

@@ -12,24 +12,24 @@ pub type Added<'a> = Box<dyn Fn(&OperatingPoint<'_>) -> Vec<f64> + 'a>;
 
 /// The set that a controller has read.
 #[derive(Debug, Clone)]
-pub enum Effect {
+pub enum ControllerEffect {
     /// Tables beside the motion.
     CorrectionTables(CorrectionTables),
     /// A module in place of the kinematics, and the tables beside it.
     Module(Box<KinematicsModule>, CorrectionTables),
 }
 
-impl Effect {
+impl ControllerEffect {
     /// Returns the motions that the controller adds to commands.
-    pub fn added<'a>(&'a self, machine: &'a Machine, target: &'a ControllerTarget) -> Added<'a> {
+    pub fn addition<'a>(&'a self, machine: &'a Machine, target: &'a ControllerTarget) -> Added<'a> {
         match self {
             Self::CorrectionTables(tables) => {
                 let replay = Replay::new(machine, target, tables);
-                Box::new(move |at| replay.added(at))
+                Box::new(move |at| replay.addition(at))
             }
             Self::Module(carried, beside) => {
                 let driven = ModuleField::new(machine, carried).beside(Replay::new(machine, target, beside));
-                Box::new(move |at| driven.added(at))
+                Box::new(move |at| driven.addition(at))
             }
         }
     }

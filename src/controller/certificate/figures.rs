@@ -46,7 +46,7 @@ pub(crate) fn is_worse(before: f64, after: f64) -> bool {
 }
 
 /// Returns the figures of the position deviation that a set raises, approached from one side.
-pub(crate) fn raised(approach: Approach, before: &Figures, after: &Figures) -> Vec<RaisedFigure> {
+pub(crate) fn raised_figures(approach: Approach, before: &Figures, after: &Figures) -> Vec<RaisedFigure> {
     let (before, after) = (before.position_um, after.position_um);
     let figures = [("95 %", before.p95, after.p95), ("rms", before.rms, after.rms), ("max", before.max, after.max)];
     let worse = figures.into_iter().filter(|(_, before, after)| is_worse(*before, *after));
@@ -66,7 +66,12 @@ pub(crate) struct Judgement {
 pub(crate) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judgement {
     let one = |approach: Approach| {
         let [uncompensated, compensated] = [bare, with].map(|field| figures(field, poses, approach.into()));
-        Judgement { approach, raised: raised(approach, &uncompensated, &compensated), uncompensated, compensated }
+        Judgement {
+            approach,
+            raised: raised_figures(approach, &uncompensated, &compensated),
+            uncompensated,
+            compensated,
+        }
     };
     let p95 = |judgement: &Judgement| judgement.compensated.position_um.p95;
     let (mut worse, mut raised) = (None, Vec::new());

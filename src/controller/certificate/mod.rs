@@ -22,7 +22,7 @@ mod zero_shift;
 pub use content::{Certificate, ProgrammingFigures, ToolDirection};
 pub use depth::Depth;
 pub(super) use depth::{LatticeSubset, single_error_poses};
-pub use effect::Effect;
+pub use effect::ControllerEffect;
 pub use figures::{Figures, ROUNDING_UM, RaisedFigure, micro};
 pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
 pub use sign_test::Strongest;

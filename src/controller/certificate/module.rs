@@ -57,14 +57,14 @@ pub(in crate::controller) fn judge_module(
         compensated,
         errors: single_errors.par_iter().map(|one| judge_single(machine, set.tables.target, one, &single)).collect(),
         single_error_poses: single.len(),
-        at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.added(&approach.at(&zero))),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.addition(&approach.at(&zero))),
         shifted: None,
         raised,
         programming: set
             .module
             .parameters()
-            .map_or_else(Vec::new, |own| programming(machine, (own, set), &poses, approach.into())),
-        strongest: strongest_at(machine, (&poses, &[Approach::Mean]), |at| module.added(at)),
+            .map_or_else(Vec::new, |own| programming(machine, own, set, &poses, approach.into())),
+        strongest: strongest_at(machine, &poses, &[Approach::Mean], |at| module.addition(at)),
     }
 }
 
@@ -72,7 +72,8 @@ pub(in crate::controller) fn judge_module(
 /// in the spindle as the one in use does, and for one that is longer: parameters are right for every tool.
 fn programming(
     machine: &Machine,
-    (own, set): (&Parameters, ModuleSet),
+    own: &Parameters,
+    set: ModuleSet,
     poses: &[Pose],
     conditions: OperatingConditions,
 ) -> Vec<ProgrammingFigures> {
@@ -85,7 +86,7 @@ fn programming(
     let tools: Vec<_> = of_file.chain([longer]).collect();
     let ways: Vec<_> = tools.iter().flat_map(|of| [(of, false), (of, true)]).collect();
     let judged = ways.into_par_iter().map(|((machine, longer_mm), vectors)| {
-        let module = KinematicsModule::KinematicParameters(own.clone().programmed(vectors));
+        let module = KinematicsModule::KinematicParameters(own.clone().with_programming(vectors));
         let driven = set.tables.beside(machine, &module);
         let bare = Bare { machine, order: Order::Exact };
         let uncompensated = figures(&bare, poses, conditions);
@@ -121,6 +122,6 @@ fn judge_single(
         .as_ref()
         .map(|module| ModuleField::new(&alone, module).beside(Replay::new(&alone, target, &single.beside)));
     judge_one(single.error.clone(), &alone, poses, |_, at| {
-        field.as_ref().map_or_else(|| vec![0.0; at.axes.len()], |field| field.added(at))
+        field.as_ref().map_or_else(|| vec![0.0; at.axes.len()], |field| field.addition(at))
     })
 }

@@ -23,7 +23,8 @@ const ROUNDING: f64 = 1e-10;
 /// Returns the largest motion over poses and directions of approach.
 fn strongest_of(
     machine: &Machine,
-    (poses, approaches): (&[Pose], &[Approach]),
+    poses: &[Pose],
+    approaches: &[Approach],
     added: impl Fn(&OperatingPoint<'_>) -> Vec<f64>,
 ) -> Option<Strongest> {
     let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
@@ -42,7 +43,8 @@ fn strongest_of(
 /// reads it, or elsewhere if there is none.
 pub(crate) fn strongest_at(
     machine: &Machine,
-    (poses, approaches): (&[Pose], &[Approach]),
+    poses: &[Pose],
+    approaches: &[Approach],
     added: impl Fn(&OperatingPoint<'_>) -> Vec<f64>,
 ) -> Option<Strongest> {
     let linear = |axis: usize| machine.axes()[axis].kind == AxisKind::Linear;
@@ -52,8 +54,8 @@ pub(crate) fn strongest_at(
     let within = |pose: &Pose| machine.beyond_travel(pose).next().is_none();
     let with_linear = |found: &Strongest| linear(found.axis);
     let leveled: Vec<Pose> = poses.iter().map(level).filter(within).collect();
-    let found = strongest_of(machine, (&leveled, approaches), &added).filter(with_linear);
-    found.or_else(|| strongest_of(machine, (poses, approaches), &added))
+    let found = strongest_of(machine, &leveled, approaches, &added).filter(with_linear);
+    found.or_else(|| strongest_of(machine, poses, approaches, &added))
 }
 
 /// Some axes at positions, the others at 0, or as near to them as they come: tables may reach beyond the travel.
@@ -86,8 +88,8 @@ pub(super) fn strongest(
     added: impl Fn(&OperatingPoint<'_>) -> Vec<f64>,
 ) -> Option<Strongest> {
     if tables.errors.is_empty() {
-        strongest_of(machine, (&peaks(machine, tables), approaches(machine)), added)
+        strongest_of(machine, &peaks(machine, tables), approaches(machine), added)
     } else {
-        strongest_at(machine, (poses, approaches(machine)), added)
+        strongest_at(machine, poses, approaches(machine), added)
     }
 }

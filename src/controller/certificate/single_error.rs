@@ -98,7 +98,7 @@ impl SetOfTables<'_> {
             (SingleErrors::Lattice(cells), [lattice]) => {
                 let replay = Replay::new(self.machine, self.target, self.tables);
                 let poses = &poses[..LatticeSubset::of(&replay, poses).poses];
-                let cells = Cells { lattice, replay: &replay, cells };
+                let cells = ErrorCells { lattice, replay: &replay, cells };
                 (cells.judge(self.machine, &nominal(self.machine, poses)), poses.len())
             }
             // Cells of a lattice that the set does not have.
@@ -116,7 +116,7 @@ impl SetOfTables<'_> {
         let tables = set.tables.tables.iter().filter(|table| !is_zero(table)).cloned().collect();
         let tables = CorrectionTables { tables, errors: set.tables.errors.clone() };
         let replay = Replay::new(&alone, self.target, &tables);
-        judge_one(set.error.clone(), &alone, poses, |_, at| replay.added(at))
+        judge_one(set.error.clone(), &alone, poses, |_, at| replay.addition(at))
     }
 }
 
@@ -125,7 +125,7 @@ fn is_zero(table: &CorrectionTable) -> bool {
 }
 
 /// Parts of a lattice for single errors.
-struct Cells<'a> {
+struct ErrorCells<'a> {
     lattice: &'a CorrectionTable,
     replay: &'a Replay<'a>,
     cells: &'a LatticeCells,
@@ -134,13 +134,13 @@ struct Cells<'a> {
 /// Corners of a cell: where a node is among those filled, with its weight.
 type Corners = Vec<(usize, f64)>;
 
-impl Cells<'_> {
+impl ErrorCells<'_> {
     fn judge(&self, machine: &Machine, poses: &[NominalAt]) -> Vec<SingleErrorResidual> {
         let axes = machine.axes().len();
         let corners: Vec<Corners> = poses.iter().map(|place| self.corners(place.pose)).collect();
         let one = |(error, values): &(ErrorId, Vec<f64>)| {
             let alone = machine.filtered(|id| id == error);
-            judge_one(error.clone(), &alone, poses, |number, _| self.added(axes, &corners[number], values))
+            judge_one(error.clone(), &alone, poses, |number, _| self.addition(axes, &corners[number], values))
         };
         self.cells.errors.par_iter().map(one).collect()
     }
@@ -151,7 +151,7 @@ impl Cells<'_> {
         self.replay.lattice_corners(pose).into_iter().filter_map(place).collect()
     }
 
-    fn added(&self, axes: usize, corners: &Corners, values: &[f64]) -> Vec<f64> {
+    fn addition(&self, axes: usize, corners: &Corners, values: &[f64]) -> Vec<f64> {
         let mut added = vec![0.0; axes];
         for (place, weight) in corners {
             let row = &values[place * self.lattice.corrected.len()..];

@@ -57,7 +57,7 @@ pub(in crate::controller) fn judge_tables(
     let fixed = |rules: &TableRules| rules.reference == Reference::Zero || rules.spacing == Spacing::Line;
     let vanishing = target.manifest.mechanism.iter().any(|(_, rules)| fixed(rules));
     let shifted = || {
-        let added = |at: &OperatingPoint<'_>| compensated.replay.added(at);
+        let added = |at: &OperatingPoint<'_>| compensated.replay.addition(at);
         let nothing = |at: &OperatingPoint<'_>| vec![0.0; at.axes.len()];
         let (shift, position_um) = Shiftable { field: &compensated, added: &added }.best_shift(&poses, approach.into());
         ZeroShift {
@@ -76,10 +76,10 @@ pub(in crate::controller) fn judge_tables(
         compensated: left,
         errors,
         single_error_poses,
-        at_reference: [Approach::Forward, Approach::Reverse].map(|side| replay.added(&side.at(&zero))),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|side| replay.addition(&side.at(&zero))),
         shifted: vanishing.then(shifted),
         raised,
         programming: Vec::new(),
-        strongest: strongest(machine, tables, &poses, |at| replay.added(at)),
+        strongest: strongest(machine, tables, &poses, |at| replay.addition(at)),
     }
 }

@@ -6,13 +6,13 @@ use crate::machine::Machine;
 
 impl ControllerTarget {
     /// Returns the name of the machine as the files hold it.
-    pub(super) fn written_name(&self, machine: &Machine) -> String {
-        if self.manifest.ascii { transliterated(machine.name()) } else { machine.name().to_owned() }
+    pub(super) fn file_name(&self, machine: &Machine) -> String {
+        if self.manifest.ascii { transliterate(machine.name()) } else { machine.name().to_owned() }
     }
 
     /// Warns of a name that the files hold in other letters: W0609.
-    pub fn renamed(&self, machine: &Machine) -> Option<Diagnostic> {
-        let (name, written) = (machine.name(), self.written_name(machine));
+    pub fn name_warning(&self, machine: &Machine) -> Option<Diagnostic> {
+        let (name, written) = (machine.name(), self.file_name(machine));
         let message = format!("the name `{name}` is written as `{written}`: the controller reads ASCII only");
         let help = "give the machine a name in ASCII to have it the same everywhere";
         (name != written).then(|| Diagnostic::new(codes::W0609, message).help(help))
@@ -20,7 +20,7 @@ impl ControllerTarget {
 }
 
 /// Returns a text in ASCII: German and Nordic letters as they are spelt without, others as `_`.
-fn transliterated(text: &str) -> String {
+fn transliterate(text: &str) -> String {
     let mut written = String::with_capacity(text.len());
     for c in text.chars() {
         match c {

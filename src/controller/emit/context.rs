@@ -1,11 +1,11 @@
 //! The variables of templates for a set of tables: everything rounded and as text.
 
-use super::number::{fixed, push_fixed};
+use super::number::{decimal_text, push_decimal};
 use super::stored::{StoredColumn, StoredPosition, differences};
 use crate::compensation::{
-    CorrectionTable, CorrectionTables, Directions, Encoding, ErrorCurve, Spacing, TABLES_OF_A_PRODUCT, TableRules,
+    AxisErrorCurve, CorrectionTable, CorrectionTables, Directions, Encoding, Spacing, TABLES_OF_A_PRODUCT, TableRules,
 };
-use crate::controller::manifest::{AssignedAxis, ControllerTarget, Layout, OutsideTable};
+use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileLayout, OutsideTable};
 use crate::machine::{AxisKind, Branch, ErrorId, Location, Machine, Tool};
 use minijinja::{Value, context};
 use std::sync::Arc;
@@ -39,17 +39,17 @@ impl TableWords<'_> {
         self.machine.axes()[axis].kind
     }
 
-    fn assigned(&self, axis: usize) -> Option<&AssignedAxis> {
+    fn axis_assignment(&self, axis: usize) -> Option<&AssignedAxis> {
         self.letters.iter().find(|known| known.axis == axis)
     }
 
     /// Number of an axis from 1.
     fn number(&self, axis: usize) -> usize {
-        self.assigned(axis).map_or(axis + 1, |known| known.number)
+        self.axis_assignment(axis).map_or(axis + 1, |known| known.number)
     }
 
     fn letter(&self, axis: usize) -> &str {
-        self.assigned(axis).map_or("", |known| &known.letter)
+        self.axis_assignment(axis).map_or("", |known| &known.letter)
     }
 
     fn rules(&self, table: &CorrectionTable) -> Option<&TableRules> {
@@ -77,7 +77,7 @@ impl TableWords<'_> {
     /// geometry for controllers with the model (mm).
     pub fn chain(&self) -> Value {
         let axes = self.machine.axes();
-        let number = |x: f64| fixed(x, 6);
+        let number = |x: f64| decimal_text(x, 6);
         let rotary = axes.iter().enumerate().filter(|(_, a)| a.kind == AxisKind::Rotary);
         let lines: Vec<Value> = rotary
             .map(|(i, a)| {
@@ -102,7 +102,7 @@ impl TableWords<'_> {
         let mut seen = Vec::new();
         for table in &self.tables.tables {
             let apart = self.rules(table).is_some_and(|rules| rules.directions == Directions::TwoTables);
-            let directed = directed(table, number, apart);
+            let directed = direction_entries(table, number, apart);
             number += table.count(apart);
             if keep(table)
                 && let Some(rules) = self.rules(table)
@@ -142,8 +142,8 @@ impl TableWords<'_> {
             cells => if table.axes.len() > 1 { self.cells(table, rules) } else { Value::UNDEFINED },
             rows => if table.axes.len() == 2 { self.matrix(table, rules) } else { Value::UNDEFINED },
             slope => self.slope(table, rules),
-            magnification => fixed(rules.magnification_of(self.machine, table), 0),
-            rolled => if self.rolls(rules) { self.rolled(table, rules) } else { Value::UNDEFINED },
+            magnification => decimal_text(rules.magnification_of(self.machine, table), 0),
+            rolled => if self.rolls(rules) { self.roll(table, rules) } else { Value::UNDEFINED },
             factors => self.factors(table, rules, tables[0].number),
             ..first
         }
@@ -159,7 +159,7 @@ impl TableWords<'_> {
     fn input(&self, table: &CorrectionTable, rules: &TableRules, i: usize) -> Value {
         let (axis, nodes) = (table.axes[i], &table.nodes[i]);
         let place = StoredPosition { rules, kind: self.kind(axis) };
-        let text = |q: f64| fixed(place.stored(q), place.decimals());
+        let text = |q: f64| decimal_text(place.stored(q), place.decimals());
         let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
         let step = if nodes.len() > 1 { nodes[1] - nodes[0] } else { 0.0 };
         let zero = nodes.iter().enumerate().min_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).map_or(0, |(i, _)| i);
@@ -179,17 +179,17 @@ impl TableWords<'_> {
         let own = |i: usize| table.is_own_axis().then(|| table.nodes[0][i]);
         let reverse = table.reverse.as_ref().unwrap_or(&table.values);
         let stored = |values: &[f64]| -> Vec<f64> {
-            values.iter().enumerate().map(|(i, c)| column.stored(*c, own(i))).collect()
+            values.iter().enumerate().map(|(i, c)| column.to_stored(*c, own(i))).collect()
         };
         let (forward, reverse) = (stored(&table.values), stored(reverse));
         let told = if direction < 0 { &reverse } else { &forward };
         let steps =
             if rules.encoding == Encoding::Difference { [vec![0.0], differences(told)].concat() } else { Vec::new() };
-        let number = |x: f64| fixed(x, column.decimals());
+        let number = |x: f64| decimal_text(x, column.decimals());
         let point = |i: usize| {
             context! {
                 index => i,
-                position => fixed(place.stored(table.nodes[0][i]), place.decimals()),
+                position => decimal_text(place.stored(table.nodes[0][i]), place.decimals()),
                 value => number(told[i]),
                 forward => number(forward[i]), reverse => number(reverse[i]),
                 reversal => number(reverse[i] - forward[i]),
@@ -199,11 +199,11 @@ impl TableWords<'_> {
         (0..table.nodes[0].len()).map(point).collect()
     }
 
-    fn value(&self, table: &CorrectionTable, rules: &TableRules, (node, column): (usize, usize), times: f64) -> String {
+    fn value(&self, table: &CorrectionTable, rules: &TableRules, node: usize, column: usize, times: f64) -> String {
         let axis = table.corrected[column];
         let own = table.axes.iter().position(|a| *a == axis).map(|i| table.node(node)[i]);
         let cell = StoredColumn { times, ..StoredColumn::new(rules, self.kind(axis)) };
-        fixed(cell.stored(table.values[node * table.corrected.len() + column], own), cell.decimals())
+        decimal_text(cell.to_stored(table.values[node * table.corrected.len() + column], own), cell.decimals())
     }
 
     /// Nodes of a table over several axes, the last axis fastest.
@@ -220,11 +220,11 @@ impl TableWords<'_> {
         let cell = |node: usize| {
             let place = |(axis, q): (&usize, f64)| {
                 let place = StoredPosition { rules, kind: self.kind(*axis) };
-                fixed(place.stored(q), place.decimals())
+                decimal_text(place.stored(q), place.decimals())
             };
             let positions: Vec<String> = table.axes.iter().zip(table.node(node)).map(place).collect();
             let values: Vec<String> =
-                (0..table.corrected.len()).map(|c| self.value(table, rules, (node, c), times)).collect();
+                (0..table.corrected.len()).map(|c| self.value(table, rules, node, c, times)).collect();
             context! { number => node, index => index(node), positions, values }
         };
         (0..table.len()).map(cell).collect()
@@ -234,7 +234,7 @@ impl TableWords<'_> {
     fn matrix(&self, table: &CorrectionTable, rules: &TableRules) -> Value {
         let (width, rows) = (table.nodes[0].len(), table.nodes[1].len());
         let times = rules.magnification_of(self.machine, table);
-        let row = |j: usize| (0..width).map(|i| self.value(table, rules, (i * rows + j, 0), times)).collect::<Vec<_>>();
+        let row = |j: usize| (0..width).map(|i| self.value(table, rules, i * rows + j, 0, times)).collect::<Vec<_>>();
         (0..rows).map(|j| Value::from(row(j))).collect()
     }
 
@@ -244,9 +244,9 @@ impl TableWords<'_> {
         let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let factor = |k: usize, place: usize, sign: f64| {
             let number = number + TABLES_OF_A_PRODUCT * k + place + if sign < 0.0 { 2 } else { 0 };
-            let stored = |c: f64| sign * if place == 0 { column.stored(c, None) } else { column.weight(c) };
+            let stored = |c: f64| sign * if place == 0 { column.to_stored(c, None) } else { column.weight(c) };
             let point = |(index, c): (usize, &f64)| {
-                context! { index, value => fixed(stored(*c), column.decimals()) }
+                context! { index, value => decimal_text(stored(*c), column.decimals()) }
             };
             let points: Vec<Value> = table.factors[k][place].iter().enumerate().map(point).collect();
             let times = if place == 0 { number + 2 } else { 0 };
@@ -269,9 +269,9 @@ impl TableWords<'_> {
     /// Values from position 0 on, those of negative positions after the last, and again that of 0; of a plane line by
     /// line. The entries begin one step behind 0, so that the first value is omitted. A table over whole turns does
     /// without its last node.
-    fn rolled(&self, table: &CorrectionTable, rules: &TableRules) -> Value {
+    fn roll(&self, table: &CorrectionTable, rules: &TableRules) -> Value {
         let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
-        let number = |x: f64| fixed(x, column.decimals());
+        let number = |x: f64| decimal_text(x, column.decimals());
         let around: Vec<Vec<usize>> = (0..table.axes.len()).map(|place| self.around(table, place)).collect();
         let node = |indices: &[usize]| indices.iter().zip(&table.nodes).fold(0, |n, (i, nodes)| n * nodes.len() + i);
         let order: Vec<usize> = match &around[..] {
@@ -281,18 +281,18 @@ impl TableWords<'_> {
             }
             [] => Vec::new(),
         };
-        let stored = |node: usize| column.stored(table.values[node], None);
+        let stored = |node: usize| column.to_stored(table.values[node], None);
         let entries: Vec<String> = order.iter().skip(1).map(|node| number(stored(*node))).collect();
         let lengths: Vec<String> = (0..table.axes.len())
             .map(|place| {
                 let cell = StoredPosition { rules, kind: self.kind(table.axes[place]) };
                 let step = cell.stored(table.nodes[place][1] - table.nodes[place][0]);
-                fixed(step * (around[place].len() - 1) as f64, cell.decimals())
+                decimal_text(step * (around[place].len() - 1) as f64, cell.decimals())
             })
             .collect();
         // Correction removed when approaching in reverse: a constant at 0, and the difference from it elsewhere.
         let lost = |node: usize| {
-            table.reverse.as_ref().map_or(0.0, |reverse| stored(node) - column.stored(reverse[node], None))
+            table.reverse.as_ref().map_or(0.0, |reverse| stored(node) - column.to_stored(reverse[node], None))
         };
         let constant = order.first().map_or(0.0, |node| lost(*node));
         let lost_entries: Vec<String> = order.iter().skip(1).map(|node| number(lost(*node) - constant)).collect();
@@ -315,16 +315,16 @@ impl TableWords<'_> {
     fn slope(&self, table: &CorrectionTable, rules: &TableRules) -> Option<String> {
         let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let last = *table.values.last()?;
-        (rules.spacing == Spacing::Line).then(|| fixed(column.stored(last, None), column.decimals()))
+        (rules.spacing == Spacing::Line).then(|| decimal_text(column.to_stored(last, None), column.decimals()))
     }
 
     /// Curves of errors: the constants, and a block for every axis.
     pub fn errors(&self) -> Value {
         let Some(rules) = &self.target.manifest.mechanism.error_curves else { return Value::UNDEFINED };
-        let number = |curve: &ErrorCurve, i: usize| {
+        let number = |curve: &AxisErrorCurve, i: usize| {
             let kind = if curve.error.direction.is_rotation() { AxisKind::Rotary } else { AxisKind::Linear };
             let column = StoredColumn::new(rules, kind);
-            fixed(curve.values[i] * rules.increment.correction_scale.of(kind), column.decimals())
+            decimal_text(curve.values[i] * rules.increment.correction_scale.of(kind), column.decimals())
         };
         let all = &self.tables.errors;
         let constants: Vec<Value> = all
@@ -333,14 +333,14 @@ impl TableWords<'_> {
             .map(|c| context! { name => short(&c.error), value => number(c, 0) })
             .collect();
         let block = |axis: usize| {
-            let curves: Vec<&ErrorCurve> = all
+            let curves: Vec<&AxisErrorCurve> = all
                 .iter()
                 .filter(|c| !c.positions.is_empty() && c.error.axis == self.machine.axes()[axis].name)
                 .collect();
             let place = StoredPosition { rules, kind: self.kind(axis) };
             let row = |i: usize, q: f64| {
                 context! {
-                    position => fixed(place.stored(q), place.decimals()),
+                    position => decimal_text(place.stored(q), place.decimals()),
                     values => curves.iter().map(|c| number(c, i)).collect::<Vec<_>>(),
                 }
             };
@@ -356,7 +356,7 @@ impl TableWords<'_> {
     /// The header of a lattice as CSV, and its rows.
     pub fn lattice(&self) -> Option<(Vec<String>, Value)> {
         let table = self.tables.tables.first()?;
-        let csv = |layout: &Layout| matches!(layout, Layout::CsvLattice | Layout::JsonLattice);
+        let csv = |layout: &FileLayout| matches!(layout, FileLayout::CsvLattice | FileLayout::JsonLattice);
         if !self.target.manifest.files.iter().filter_map(|f| f.layout.as_ref()).any(csv) {
             return None;
         }
@@ -383,7 +383,7 @@ impl TableWords<'_> {
 }
 
 /// One entry for both directions, or one for each: with a number of its own if they have separate tables.
-fn directed(table: &CorrectionTable, number: usize, apart: bool) -> Vec<DirectedTable> {
+fn direction_entries(table: &CorrectionTable, number: usize, apart: bool) -> Vec<DirectedTable> {
     if table.reverse.is_none() {
         return vec![DirectedTable { direction: 0, number }];
     }
@@ -402,7 +402,7 @@ fn row(lattice: &CorrectionTable, number: usize, [position, correction]: [u8; 2]
         if !text.is_empty() {
             text.push(',');
         }
-        push_fixed(&mut text, value, decimals);
+        push_decimal(&mut text, value, decimals);
     };
     lattice.node(number).into_iter().for_each(|q| cell(q, position));
     lattice.values[number * width..(number + 1) * width].iter().for_each(|c| cell(*c, correction));

@@ -37,7 +37,7 @@ impl ControllerTarget {
                 all.push(refusal(format!("{name}: {count} tables, the controller has {}", rules.max_tables)));
             }
         }
-        if let Some(Crowded::Output(name, axis)) = self.manifest.mechanism.crowded(tables) {
+        if let Some(Crowded::Output(name, axis)) = self.manifest.mechanism.excess(tables) {
             let axis = &machine.axes()[axis].name;
             all.push(refusal(format!("{name}: more tables that correct `{axis}` than the controller has for an axis")));
         }
@@ -70,7 +70,7 @@ fn forbidden(machine: &Machine, table: &CorrectionTable, rules: &TableRules) -> 
         let name = &machine.axes()[*axis].name;
         let kind = machine.axes()[*axis].kind;
         let stored =
-            stored_column(table, rules, values, column, StoredColumn { times, ..StoredColumn::new(rules, kind) });
+            store_column(table, rules, values, column, StoredColumn { times, ..StoredColumn::new(rules, kind) });
         let largest = stored.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         if rules.largest.is_some_and(|max| largest > max) {
             let max = rules.largest.unwrap_or_default();
@@ -92,7 +92,7 @@ fn forbidden(machine: &Machine, table: &CorrectionTable, rules: &TableRules) -> 
 }
 
 /// Returns the numbers of a column as they are stored.
-fn stored_column(
+fn store_column(
     table: &CorrectionTable,
     rules: &TableRules,
     values: &[f64],
@@ -102,7 +102,7 @@ fn stored_column(
     let own = table.axes.iter().position(|axis| *axis == table.corrected[column]);
     let number = |node: usize| {
         let position = own.map(|place| table.node(node)[place]);
-        cell.stored(values[node * table.corrected.len() + column], position)
+        cell.to_stored(values[node * table.corrected.len() + column], position)
     };
     let all: Vec<f64> = (0..table.len()).map(number).collect();
     if rules.encoding == Encoding::Difference { differences(&all) } else { all }

@@ -1,6 +1,6 @@
 //! New tables on top of those that are installed on the machine.
 
-use crate::compensation::{CorrectionTable, CorrectionTables, Crowded, ErrorCurve, LatticeRequest, Spacing};
+use crate::compensation::{AxisErrorCurve, CorrectionTable, CorrectionTables, Crowded, LatticeRequest, Spacing};
 use crate::controller::manifest::ControllerTarget;
 use crate::controller::replay::Replay;
 use crate::diagnostic::{Diagnostic, codes};
@@ -23,7 +23,7 @@ impl ControllerTarget {
         let mut left_out = Vec::new();
         loop {
             let sum = self.sum(machine, &fresh, installed);
-            let crowded = self.manifest.mechanism.crowded(&sum);
+            let crowded = self.manifest.mechanism.excess(&sum);
             let Some(weakest) = crowded.and_then(|crowded| self.weakest(&fresh, installed, crowded)) else {
                 return (sum, left_out);
             };
@@ -57,7 +57,7 @@ impl ControllerTarget {
         };
         let mut sum = fresh.clone().plus(installed, &at);
         self.manifest.mechanism.round(machine, &mut sum);
-        sum.merged()
+        sum.merge()
     }
 
     /// Where points are free, gives the new tables the points of the old ones besides their own, as far as there is
@@ -76,7 +76,7 @@ impl ControllerTarget {
             return;
         };
         for curve in &mut fresh.errors {
-            let of_axis = |old: &&ErrorCurve| old.error.axis == curve.error.axis;
+            let of_axis = |old: &&AxisErrorCurve| old.error.axis == curve.error.axis;
             let old: Vec<f64> = installed.errors.iter().filter(of_axis).flat_map(|old| old.positions.clone()).collect();
             curve.add_points(&old, rules.max_points);
         }
@@ -118,8 +118,8 @@ impl ControllerTarget {
         });
         let gap = |place: &Vec<f64>| {
             let both = sides.map(|side| {
-                let was = added(machine, (&was, old), place, side);
-                let is = added(machine, (&is, &resampled), place, side);
+                let was = table_addition(machine, (&was, old), place, side);
+                let is = table_addition(machine, (&is, &resampled), place, side);
                 was.iter().zip(&is).map(|(a, b)| (a - b).abs()).collect::<Vec<f64>>()
             });
             both.concat()
@@ -179,9 +179,9 @@ fn loss(what: &str, max: f64, unit: &str) -> Diagnostic {
         .help("measure without the old tables, or give the curves points where the old tables have them")
 }
 
-fn curve_loss(new: &ErrorCurve, old: &ErrorCurve) -> Option<Diagnostic> {
+fn curve_loss(new: &AxisErrorCurve, old: &AxisErrorCurve) -> Option<Diagnostic> {
     let values = new.positions.iter().map(|q| old.value(*q, false)).collect();
-    let resampled = ErrorCurve { values, ..new.clone() };
+    let resampled = AxisErrorCurve { values, ..new.clone() };
     let range = new.positions[0]..=new.positions[new.positions.len() - 1];
     let within = old.positions.iter().filter(|q| range.contains(q));
     let max = within.map(|q| (old.value(*q, false) - resampled.value(*q, false)).abs()).fold(0.0, f64::max);
@@ -199,13 +199,13 @@ type Loaded<'a> = (&'a Replay<'a>, &'a CorrectionTable);
 
 /// Returns the motions that a table adds at the nodes of another one, node by node.
 fn at_nodes(machine: &Machine, old: Loaded, new: &CorrectionTable, approach: Approach) -> Vec<f64> {
-    (0..new.len()).flat_map(|node| added(machine, old, &new.node(node), approach)).collect()
+    (0..new.len()).flat_map(|node| table_addition(machine, old, &new.node(node), approach)).collect()
 }
 
 /// Returns the motions that a table adds at a position of each of its axes.
-fn added(machine: &Machine, (replay, table): Loaded, positions: &[f64], approach: Approach) -> Vec<f64> {
+fn table_addition(machine: &Machine, (replay, table): Loaded, positions: &[f64], approach: Approach) -> Vec<f64> {
     let mut pose = vec![0.0; machine.axes().len()];
     table.axes.iter().zip(positions).for_each(|(axis, q)| pose[*axis] = *q);
-    let added = replay.added(&approach.at(&pose));
+    let added = replay.addition(&approach.at(&pose));
     table.corrected.iter().map(|axis| added[*axis]).collect()
 }

@@ -59,7 +59,7 @@ impl Limits {
     }
 
     /// Returns a refusal for every limit that the tables exceed.
-    pub fn exceeded(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
+    pub fn excesses(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
         let [linear, rotary] = tables.largest(machine);
         let name = |axis: usize| machine.axes()[axis].name.as_str();
         let length = linear.filter(|(_, c)| c.abs() > self.length_mm).map(|(axis, c)| {

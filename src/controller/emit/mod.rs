@@ -18,6 +18,6 @@ mod stored;
 pub use limits::Limits;
 pub(super) use limits::RAISE_LIMIT;
 pub use lock::{LOCK_NAME, Lock};
-pub use number::{exact, fixed};
+pub use number::{decimal_text, exact};
 pub use render::{MAX_FILE_BYTES, RenderedFile};
 pub use stored::{StoredColumn, StoredPosition};

@@ -9,14 +9,14 @@ pub fn exact(value: f64) -> String {
 }
 
 /// Formats a number with `decimals` decimals, never `-0`. Callers have rounded it already, so nothing is lost.
-pub fn fixed(value: f64, decimals: u8) -> String {
+pub fn decimal_text(value: f64, decimals: u8) -> String {
     let mut text = String::new();
-    push_fixed(&mut text, value, decimals);
+    push_decimal(&mut text, value, decimals);
     text
 }
 
 /// The digits come from an integer: exact, and several times faster than the general formatter.
-pub fn push_fixed(text: &mut String, value: f64, decimals: u8) {
+pub fn push_decimal(text: &mut String, value: f64, decimals: u8) {
     use std::fmt::Write;
     const EXACT: f64 = 9_007_199_254_740_992.0;
     if !value.is_finite() {
@@ -40,7 +40,7 @@ pub fn push_fixed(text: &mut String, value: f64, decimals: u8) {
 
 #[cfg(test)]
 mod tests {
-    use super::{NOT_FINITE, exact, fixed};
+    use super::{NOT_FINITE, decimal_text, exact};
 
     #[test]
     fn numbers_are_plain_decimals() {
@@ -53,19 +53,19 @@ mod tests {
             (-359.9996, "-360.000"),
         ];
         for (value, text) in cases {
-            assert_eq!(fixed(value, 3), text);
+            assert_eq!(decimal_text(value, 3), text);
         }
-        assert_eq!(fixed(7.4, 0), "7");
-        assert_eq!(fixed(1e17, 2), "100000000000000000.00");
+        assert_eq!(decimal_text(7.4, 0), "7");
+        assert_eq!(decimal_text(1e17, 2), "100000000000000000.00");
         assert_eq!((exact(-0.0), exact(0.1)), ("0.0".to_owned(), "0.1".to_owned()));
     }
 
     #[test]
     fn what_is_not_finite_is_a_mark() {
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert_eq!((fixed(value, 3), exact(value)), (NOT_FINITE.to_string(), NOT_FINITE.to_string()));
+            assert_eq!((decimal_text(value, 3), exact(value)), (NOT_FINITE.to_string(), NOT_FINITE.to_string()));
         }
         // Finite, though too large for its decimals.
-        assert_eq!(fixed(1e308, 6).len(), 309 + 7);
+        assert_eq!(decimal_text(1e308, 6).len(), 309 + 7);
     }
 }

@@ -1,15 +1,15 @@
 //! Tables to files, through the target's minijinja templates.
 //!
-//! Numbers reach a template rounded and as text: [`fixed`] is the only formatter, and it knows neither `-0` nor a
-//! locale. A file with a number that is not finite is refused, whether it came so or the template made it. Templates
+//! Numbers reach a template rounded and as text: [`decimal_text`] is the only formatter, and it knows neither `-0` nor
+//! a locale. A file with a number that is not finite is refused, whether it came so or the template made it. Templates
 //! run with fuel and cannot read files. Fuel bounds their steps, not the cost of a step: a program that renders
 //! templates of others bounds their time and memory itself, as `abbe` does.
 
 use super::context::TableWords;
 use super::lock::LOCK_NAME;
-use super::number::{NOT_FINITE, fixed};
+use super::number::{NOT_FINITE, decimal_text};
 use crate::compensation::{CorrectionTable, CorrectionTables};
-use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileSpec, Per, assigned_letters, is_plain_name};
+use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileSpec, Per, axis_letters, is_plain_name};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::{AxisKind, Machine, Travel};
 use minijinja::syntax::SyntaxConfig;
@@ -65,12 +65,12 @@ impl From<minijinja::Error> for TemplateFailure {
 
 /// The text that a template has written so far, up to a limit and the first number that is not finite.
 #[derive(Default)]
-struct Bounded {
+struct BoundedText {
     text: Vec<u8>,
     not_finite: bool,
 }
 
-impl std::io::Write for Bounded {
+impl std::io::Write for BoundedText {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         self.not_finite |= bytes.contains(&(NOT_FINITE as u8));
         if self.not_finite || self.text.len() + bytes.len() > MAX_FILE_BYTES {
@@ -102,13 +102,13 @@ impl ControllerTarget {
         tables: &Arc<CorrectionTables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
-        let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
+        let letters = axis_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = TableWords { target: self, machine, tables, letters: &letters };
         let writer = Writer { words, environment: environment() };
-        match writer.files(|_| true).and_then(named_apart) {
+        match writer.files(|_| true).and_then(check_names) {
             Ok(files) => Some(files),
             Err(failure) => {
-                diagnostics.push(self.failed(&failure));
+                diagnostics.push(self.failure(&failure));
                 None
             }
         }
@@ -123,7 +123,7 @@ impl ControllerTarget {
         beside: &Arc<CorrectionTables>,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<RenderedFile>> {
-        let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
+        let letters = axis_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         let words = TableWords { target: self, machine, tables: beside, letters: &letters };
         let writer = Writer { words, environment: environment() };
         let files = || {
@@ -131,23 +131,23 @@ impl ControllerTarget {
             let beside: Vec<String> = tables.iter().map(|file| file.name.clone()).collect();
             let file = |(spec, template): (&FileSpec, &Arc<str>)| {
                 let context = context! {
-                    machine => self.written_name(machine),
+                    machine => self.file_name(machine),
                     version => env!("CARGO_PKG_VERSION"),
                     caution => self.manifest.caution(),
                     beside => beside.clone(),
                         ..own.clone()
                 };
-                rendered(&writer.environment, spec, template, context)
+                render_file(&writer.environment, spec, template, context)
             };
             let once = self.manifest.files.iter().zip(&self.templates).filter(|(spec, _)| !spec.is_of_tables());
             let mut files: Vec<RenderedFile> = once.map(file).collect::<Result<_, TemplateFailure>>()?;
             files.extend(tables);
-            named_apart(files)
+            check_names(files)
         };
-        files().map_err(|failure| diagnostics.push(self.failed(&failure))).ok()
+        files().map_err(|failure| diagnostics.push(self.failure(&failure))).ok()
     }
 
-    fn failed(&self, failure: &TemplateFailure) -> Diagnostic {
+    fn failure(&self, failure: &TemplateFailure) -> Diagnostic {
         let message = format!("target `{}`: {failure}", self.manifest.target);
         if matches!(failure, TemplateFailure::NotFinite(_)) {
             let help = "look for a wrong unit or power of ten in the machine file; nothing was written";
@@ -164,7 +164,7 @@ impl ControllerTarget {
         machine: &Machine,
         spec: &FileSpec,
     ) -> Result<Vec<(usize, String)>, TemplateFailure> {
-        let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        let letters = axis_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
         letters.iter().map(|known| Ok((known.axis, file_name(spec, name_context(machine, known))?))).collect()
     }
 }
@@ -183,7 +183,7 @@ fn environment() -> Environment<'static> {
 }
 
 /// Refuses a name that two files have.
-fn named_apart(files: Vec<RenderedFile>) -> Result<Vec<RenderedFile>, TemplateFailure> {
+fn check_names(files: Vec<RenderedFile>) -> Result<Vec<RenderedFile>, TemplateFailure> {
     let mut names = BTreeSet::from([LOCK_NAME]);
     let taken = files.iter().find(|file| !names.insert(file.name.as_str()));
     match taken.map(|file| file.name.clone()) {
@@ -236,7 +236,7 @@ impl ControllerTarget {
     }
 }
 
-fn rendered(
+fn render_file(
     environment: &Environment,
     spec: &FileSpec,
     template: &str,
@@ -244,7 +244,7 @@ fn rendered(
 ) -> Result<RenderedFile, TemplateFailure> {
     let name = file_name(spec, context.clone())?;
     let compiled = environment.template_from_str(template)?;
-    let mut text = Bounded::default();
+    let mut text = BoundedText::default();
     match compiled.render_captured_to(context, &mut text) {
         Ok(_) => Ok(RenderedFile { name, bytes: text.text }),
         Err(_) if text.not_finite => Err(TemplateFailure::NotFinite(name)),
@@ -280,7 +280,7 @@ impl Writer<'_> {
     }
 
     fn file(&self, spec: &FileSpec, template: &str, context: Value) -> Result<RenderedFile, TemplateFailure> {
-        rendered(&self.environment, spec, template, context)
+        render_file(&self.environment, spec, template, context)
     }
 
     fn limits(&self, axis: usize) -> (f64, f64) {
@@ -293,7 +293,7 @@ impl Writer<'_> {
     /// Formats a position outside a table.
     fn position(&self, value: f64) -> String {
         let rules = self.words.target.manifest.mechanism.iter().next();
-        fixed(value, rules.map_or(6, |(_, rules)| rules.increment.position_decimals))
+        decimal_text(value, rules.map_or(6, |(_, rules)| rules.increment.position_decimals))
     }
 
     /// An axis; with its tables in the file of an axis.
@@ -321,7 +321,7 @@ impl Writer<'_> {
 
     fn common(&self) -> Value {
         context! {
-            machine => self.words.target.written_name(self.words.machine),
+            machine => self.words.target.file_name(self.words.machine),
             version => env!("CARGO_PKG_VERSION"),
             caution => self.words.target.manifest.caution(),
         }

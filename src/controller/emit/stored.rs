@@ -23,7 +23,7 @@ impl<'a> StoredColumn<'a> {
     }
 
     /// The number stored for a correction. `position` is that of the corrected axis if it spans the table.
-    pub fn stored(self, correction: f64, position: Option<f64>) -> f64 {
+    pub fn to_stored(self, correction: f64, position: Option<f64>) -> f64 {
         let value = match self.rules.stored {
             Stored::Correction => correction,
             Stored::Error => -correction,

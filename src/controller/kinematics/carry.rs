@@ -1,11 +1,11 @@
 //! The content of a kinematics module, and the machines that it fits.
 
 use super::constants::LinearMap;
-use super::data::{Model, WORLD};
+use super::data::{ModuleModel, WORLD};
 use super::parameters::Parameters;
 use super::topology;
 use crate::compensation::{KinematicsMechanism, ModuleContent};
-use crate::controller::manifest::{ControllerTarget, assigned_letters};
+use crate::controller::manifest::{ControllerTarget, axis_letters};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
 
@@ -13,7 +13,7 @@ use crate::machine::Machine;
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub enum KinematicsModule {
     /// The chain with every error.
-    FullModel(Model),
+    FullModel(ModuleModel),
     /// X, Y, Z to their joints.
     LinearMap(LinearMap),
     /// Parameters of the controller's own transformation.
@@ -27,20 +27,20 @@ impl KinematicsModule {
             return Err(Diagnostic::new(codes::E0703, "this target does not replace the kinematics"));
         };
         let carried = match mechanism.carries {
-            ModuleContent::FullModel => Self::FullModel(Model::of(machine, mechanism.damping, orientation)?),
-            ModuleContent::LinearMap => Self::LinearMap(LinearMap::fitted(machine, &letters(machine, target)?)?),
+            ModuleContent::FullModel => Self::FullModel(ModuleModel::of(machine, mechanism.damping, orientation)?),
+            ModuleContent::LinearMap => Self::LinearMap(LinearMap::fit(machine, &letters(machine, target)?)?),
             ModuleContent::KinematicParameters => {
                 Self::KinematicParameters(Parameters::of(machine, mechanism, orientation)?)
             }
         };
-        Ok(carried.quantised(mechanism))
+        Ok(carried.quantise(mechanism))
     }
 
     /// The same with the machine's tool, which a full model has from the controller (G43) and not from its files.
     #[must_use]
     pub fn with_tool_of(self, machine: &Machine) -> Self {
         match self {
-            Self::FullModel(model) => Self::FullModel(Model { tool: super::data::tool(machine), ..model }),
+            Self::FullModel(model) => Self::FullModel(ModuleModel { tool: super::data::tool(machine), ..model }),
             other => other,
         }
     }
@@ -49,8 +49,8 @@ impl KinematicsModule {
     #[must_use]
     pub fn without_orientation(self) -> Self {
         match self {
-            Self::FullModel(model) => Self::FullModel(Model { orientation: false, ..model }),
-            Self::KinematicParameters(parameters) => Self::KinematicParameters(parameters.programmed(false)),
+            Self::FullModel(model) => Self::FullModel(ModuleModel { orientation: false, ..model }),
+            Self::KinematicParameters(parameters) => Self::KinematicParameters(parameters.with_programming(false)),
             other => other,
         }
     }
@@ -90,11 +90,11 @@ impl KinematicsModule {
     }
 
     /// Rounds the numbers to those that the files can hold.
-    fn quantised(self, mechanism: &KinematicsMechanism) -> Self {
+    fn quantise(self, mechanism: &KinematicsMechanism) -> Self {
         let decimals = mechanism.increment.correction_decimals;
         match self {
             Self::FullModel(model) => Self::FullModel(model),
-            Self::LinearMap(map) => Self::LinearMap(map.rounded(decimals)),
+            Self::LinearMap(map) => Self::LinearMap(map.round(decimals)),
             Self::KinematicParameters(parameters) => Self::KinematicParameters(parameters),
         }
     }
@@ -102,7 +102,7 @@ impl KinematicsModule {
 
 /// Returns for each axis of the walk its coordinate in [`WORLD`] and its joint.
 fn letters(machine: &Machine, target: &ControllerTarget) -> Result<Vec<(usize, usize)>, Diagnostic> {
-    let assigned = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).ok_or_else(|| {
+    let assigned = axis_letters(machine, target.manifest.axis_letters.as_ref(), None).ok_or_else(|| {
         Diagnostic::new(codes::E0601, "the controller has not letters enough for the axes of this machine")
             .help("this target knows the letters X Y Z, U V W and A B C")
     })?;

@@ -20,7 +20,7 @@ pub struct LinearMap {
 
 impl LinearMap {
     /// Fits the matrix with the smallest residual deviation of the functional point (least squares).
-    pub fn fitted(machine: &Machine, letters: &[(usize, usize)]) -> Result<Self, Diagnostic> {
+    pub fn fit(machine: &Machine, letters: &[(usize, usize)]) -> Result<Self, Diagnostic> {
         let axes = xyz(machine, letters).filter(|_| letters.len() == 3).ok_or_else(|| {
             Diagnostic::new(
                 codes::E0751,
@@ -49,7 +49,7 @@ impl LinearMap {
         command
     }
 
-    pub(super) fn rounded(mut self, decimals: u8) -> Self {
+    pub(super) fn round(mut self, decimals: u8) -> Self {
         self.matrix = self.matrix.map(|x| round(x, decimals));
         self
     }

@@ -2,12 +2,13 @@
 //! double; constants as plain decimals.
 
 use super::KinematicsModule;
-use super::data::{CurveData, Joint, Model, ModuleWords, WORLD};
+use super::data::{CurveData, ModuleJoint, ModuleModel, ModuleWords, WORLD};
 use super::parameters::WrittenParameter;
 use super::transformation::Transformation;
 use crate::compensation::KinematicsMechanism;
-use crate::controller::emit::{exact, fixed};
+use crate::controller::emit::{decimal_text, exact};
 use crate::machine::{Axis, AxisKind, Branch, Grid, Machine, Travel};
+use crate::units::Interval;
 use minijinja::{Value, context};
 
 fn list(numbers: &[f64]) -> Vec<String> {
@@ -24,7 +25,7 @@ pub fn context(machine: &Machine, carried: &KinematicsModule, mechanism: &Kinema
         KinematicsModule::LinearMap(map) => constants(&map.matrix, mechanism),
         KinematicsModule::KinematicParameters(parameters) => {
             let one = |p: WrittenParameter| context! { name => p.name, value => p.value, before => p.before };
-            let constants: Vec<Value> = parameters.written().into_iter().map(one).collect();
+            let constants: Vec<Value> = parameters.texts().into_iter().map(one).collect();
             context! { constants, ..chain(machine, parameters.transformation()) }
         }
     }
@@ -36,7 +37,7 @@ fn chain(machine: &Machine, transformation: &Transformation) -> Value {
     let all = machine.axes();
     let moved = |axis: &Axis, k: usize| {
         let carried = if axis.branch == Branch::Workpiece { -1.0 } else { 1.0 };
-        fixed(axis.direction[k] * axis.sign() * carried, 0)
+        decimal_text(axis.direction[k] * axis.sign() * carried, 0)
     };
     let one = |axis: &Axis| {
         let direction: Vec<String> = (0..3).map(|k| moved(axis, k)).collect();
@@ -55,14 +56,18 @@ fn chain(machine: &Machine, transformation: &Transformation) -> Value {
 }
 
 fn constants(values: &[f64], mechanism: &KinematicsMechanism) -> Value {
-    let text = |value: &f64| fixed(*value, mechanism.increment.correction_decimals);
+    let text = |value: &f64| decimal_text(*value, mechanism.increment.correction_decimals);
     let all = mechanism.constants.iter().zip(values).map(|(name, value)| context! { name, value => text(value) });
     context! { constants => all.collect::<Vec<_>>() }
 }
 
-fn full_model(machine: &Machine, model: &Model, mechanism: &KinematicsMechanism) -> Value {
+fn full_model(machine: &Machine, model: &ModuleModel, mechanism: &KinematicsMechanism) -> Value {
     let axes = machine.axes().iter().zip(machine.volume());
-    let joints = model.joints.iter().zip(axes).map(|(joint, of)| joint_context(model.words, joint, of, mechanism));
+    let joints = model
+        .joints
+        .iter()
+        .zip(axes)
+        .map(|(joint, (axis, volume))| joint_context(model.words, joint, axis, volume, mechanism));
     let mut start = 0;
     let curves = model.curves.iter().map(|curve| {
         let entry = curve_context(curve, start);
@@ -71,7 +76,7 @@ fn full_model(machine: &Machine, model: &Model, mechanism: &KinematicsMechanism)
     });
     let mut in_order: Vec<usize> = (0..model.joints.len()).collect();
     in_order.sort_by_key(|i| model.joints[*i].number);
-    let decimals = |x: &f64| fixed(*x, mechanism.increment.position_decimals);
+    let decimals = |x: &f64| decimal_text(*x, mechanism.increment.position_decimals);
     context! {
         joints => joints.collect::<Vec<_>>(),
         joints_in_order => in_order,
@@ -96,7 +101,7 @@ fn full_model(machine: &Machine, model: &Model, mechanism: &KinematicsMechanism)
 }
 
 /// The letters of the program's words, with the joint that each of them moves.
-fn coordinates(machine: &Machine, model: &Model) -> Vec<Value> {
+fn coordinates(machine: &Machine, model: &ModuleModel) -> Vec<Value> {
     let held = match model.words {
         ModuleWords::Tip => "XYZ",
         ModuleWords::Pose => "XYZABC",
@@ -117,31 +122,32 @@ fn coordinates(machine: &Machine, model: &Model) -> Vec<Value> {
 }
 
 /// Returns the program's zero in machine coordinates: the workpiece origin, where a word is a position of the tip.
-fn program_zero(model: &Model, k: usize) -> f64 {
-    let along = |joint: &Joint| joint.letter == Some(k) && !joint.rotary && joint.direction[k] > 0.5;
+fn program_zero(model: &ModuleModel, k: usize) -> f64 {
+    let along = |joint: &ModuleJoint| joint.letter == Some(k) && !joint.rotary && joint.direction[k] > 0.5;
     let placed = model.words != ModuleWords::Axes || model.joints.iter().any(along);
     if placed { model.workpiece[k] - model.gauge[k] } else { 0.0 }
 }
 
 /// Returns the position of a joint after homing: 0, or the middle of the volume where 0 may be a singular pose.
-fn home(words: ModuleWords, volume: &Grid, (min, max): (f64, f64)) -> f64 {
+fn home(words: ModuleWords, volume: &Grid, travel: Interval) -> f64 {
     let middle = 0.5 * (volume.min + volume.max);
-    (if words == ModuleWords::Pose { middle } else { 0.0 }).clamp(min, max)
+    (if words == ModuleWords::Pose { middle } else { 0.0 }).clamp(travel.min, travel.max)
 }
 
 fn joint_context(
     words: ModuleWords,
-    joint: &Joint,
-    (axis, volume): (&Axis, &Grid),
+    joint: &ModuleJoint,
+    axis: &Axis,
+    volume: &Grid,
     mechanism: &KinematicsMechanism,
 ) -> Value {
-    let (min, max) = match axis.travel {
-        Travel::Range(min, max) => (min, max),
+    let travel = match axis.travel {
+        Travel::Range(min, max) => Interval::new(min, max),
         // The range in which a controller's position stays exact enough.
-        Travel::Continuous => (-36_000.0, 36_000.0),
+        Travel::Continuous => Interval::new(-36_000.0, 36_000.0),
     };
     let curves = joint.curves.map(|pair| pair.map(|curve| curve.map_or(-1, |i| i as i64)).to_vec());
-    let position = |x: f64| fixed(x, mechanism.increment.position_decimals);
+    let position = |x: f64| decimal_text(x, mechanism.increment.position_decimals);
     context! {
         name => axis.name.as_str(),
         coordinate => joint.letter.map_or(-1, |letter| letter as i64),
@@ -157,12 +163,12 @@ fn joint_context(
         location => list(&joint.location),
         curves => curves.to_vec(),
         continuous => axis.travel == Travel::Continuous,
-        min => position(min),
-        max => position(max),
+        min => position(travel.min),
+        max => position(travel.max),
         // Corrections may leave the travel by a little.
-        limit_min => position(min - MARGIN),
-        limit_max => position(max + MARGIN),
-        home => position(home(words, volume, (min, max))),
+        limit_min => position(travel.min - MARGIN),
+        limit_max => position(travel.max + MARGIN),
+        home => position(home(words, volume, travel)),
     }
 }
 

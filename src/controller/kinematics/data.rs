@@ -27,11 +27,11 @@ impl ModuleWords {
 
 /// A machine as numbers.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Model {
+pub struct ModuleModel {
     /// The meaning of the words of its programs.
     pub words: ModuleWords,
     /// Its axes on the walk from workpiece to tool.
-    pub joints: Vec<Joint>,
+    pub joints: Vec<ModuleJoint>,
     /// Error curves; never empty.
     pub curves: Vec<CurveData>,
     /// Location errors displace the carried body instead of the axis.
@@ -60,7 +60,7 @@ pub struct Model {
 
 /// A joint.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Joint {
+pub struct ModuleJoint {
     /// Index in [`WORLD`] of the coordinate that is its position; none if the tip's place determines it.
     pub letter: Option<usize>,
     /// Number of the controller's joint.
@@ -125,13 +125,13 @@ pub struct CurveData {
     pub numbers: Vec<f64>,
 }
 
-impl Model {
+impl ModuleModel {
     /// Everything but the roles of the axes, which follow from it.
     pub(super) fn geometry(machine: &Machine, damping: f64, orientation: bool) -> Self {
         let mut curves = Vec::new();
         let conventions = machine.conventions();
         let decoded = |axis: &Axis| axis.convention(conventions);
-        let joint = |(index, axis): (usize, &Axis)| Joint {
+        let joint = |(index, axis): (usize, &Axis)| ModuleJoint {
             letter: None,
             number: index,
             rotary: axis.kind == AxisKind::Rotary,

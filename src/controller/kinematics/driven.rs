@@ -2,7 +2,7 @@
 
 use super::nominal::to_roll_pitch_yaw;
 use super::transformation::ProgrammedTool;
-use super::{KinematicsModule, Model, ModuleWords, World};
+use super::{KinematicsModule, ModuleModel, ModuleWords, World};
 use crate::algebra::rotation_about;
 use crate::controller::replay::Replay;
 use crate::evaluate::{Bare, Deviation, Field, Order, commanded_deviation};
@@ -40,7 +40,7 @@ impl<'a> ModuleField<'a> {
             }
             KinematicsModule::LinearMap(map) => Some(map.command(pose)),
             KinematicsModule::KinematicParameters(parameters) => {
-                Some(parameters.transformation().command(&programmed(self.machine, parameters.vectors, pose)))
+                Some(parameters.transformation().command(&programmed_block(self.machine, parameters.vectors, pose)))
             }
         }
     }
@@ -48,27 +48,27 @@ impl<'a> ModuleField<'a> {
     /// True where the controller keeps a rotary axis at a pole, so that the tool lacks the programmed direction.
     pub fn at_pole(&self, pose: &[f64]) -> bool {
         self.carried.parameters().is_some_and(|parameters| {
-            parameters.transformation().at_pole(&programmed(self.machine, parameters.vectors, pose))
+            parameters.transformation().at_pole(&programmed_block(self.machine, parameters.vectors, pose))
         })
     }
 
     /// Returns the commands of the motors; `None` if the module stops.
-    fn sent(&self, at: &OperatingPoint<'_>) -> Option<Vec<f64>> {
+    fn motor_commands(&self, at: &OperatingPoint<'_>) -> Option<Vec<f64>> {
         let command = self.command(at.axes)?;
-        let trim = |tables: &Replay<'_>| tables.added(&at.conditions.at(&command));
+        let trim = |tables: &Replay<'_>| tables.addition(&at.conditions.at(&command));
         let trims = self.beside.as_ref().map_or_else(|| vec![0.0; command.len()], trim);
         Some(command.iter().zip(trims).map(|(c, trim)| c + trim).collect())
     }
 
     /// Returns the corrections that are added to a pose; zeros where the module stops.
-    pub fn added(&self, at: &OperatingPoint<'_>) -> Vec<f64> {
-        let command = self.sent(at).unwrap_or_else(|| at.axes.to_vec());
+    pub fn addition(&self, at: &OperatingPoint<'_>) -> Vec<f64> {
+        let command = self.motor_commands(at).unwrap_or_else(|| at.axes.to_vec());
         command.iter().zip(at.axes).map(|(c, q)| c - q).collect()
     }
 }
 
 /// Returns the block by which the nominal machine goes to a pose.
-fn programmed<'a>(machine: &Machine, vectors: bool, pose: &'a [f64]) -> ProgrammedTool<'a> {
+fn programmed_block<'a>(machine: &Machine, vectors: bool, pose: &'a [f64]) -> ProgrammedTool<'a> {
     let nominal = NominalPose::at(machine, pose).pose;
     let [gauge, tip, nominal_axis] =
         [machine.tool().gauge, machine.tool().tip, machine.tool().direction].map(Vector3::from);
@@ -88,7 +88,7 @@ fn ideal_tip(machine: &Machine, pose: &[f64]) -> Vector3<f64> {
 }
 
 /// Returns a pose in the coordinates of a program.
-fn world(machine: &Machine, model: &Model, tip: &Vector3<f64>, pose: &[f64]) -> World {
+fn world(machine: &Machine, model: &ModuleModel, tip: &Vector3<f64>, pose: &[f64]) -> World {
     let mut world = [0.0; 9];
     if model.words != ModuleWords::Axes {
         world[..3].copy_from_slice(tip.as_slice());
@@ -119,7 +119,7 @@ impl Field for ModuleField<'_> {
 
     /// A pose where the module stops has the deviation without it.
     fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation {
-        match self.sent(at) {
+        match self.motor_commands(at) {
             Some(command) => commanded_deviation(self.machine, at.axes, &at.conditions.at(&command)),
             None => Bare { machine: self.machine, order: Order::Exact }.deviation(at),
         }

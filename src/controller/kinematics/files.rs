@@ -1,10 +1,10 @@
 //! The files of a kinematics module, written and read back.
 
 use super::context::context;
-use super::{CurveData, Form, Joint, KinematicsModule, Model, ModuleWords, Parameters};
+use super::{CurveData, Form, KinematicsModule, ModuleJoint, ModuleModel, ModuleWords, Parameters};
 use crate::compensation::{CorrectionTables, reversal_tables};
 use crate::controller::emit::RenderedFile;
-use crate::controller::manifest::{ControllerTarget, FileSpec, Layout, assigned_letters};
+use crate::controller::manifest::{ControllerTarget, FileLayout, FileSpec, axis_letters};
 use crate::controller::read::{Arrays, Fault, Pins, ReadBack};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
@@ -24,7 +24,7 @@ impl ControllerTarget {
     ) -> Option<Vec<RenderedFile>> {
         // The words of a full model are its own.
         if !matches!(carried, KinematicsModule::FullModel(_)) {
-            let _ = assigned_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
+            let _ = axis_letters(machine, self.manifest.axis_letters.as_ref(), Some(diagnostics))?;
         }
         let context = context(machine, carried, self.manifest.kinematics()?);
         self.render_once(machine, &context, reversal, diagnostics)
@@ -46,7 +46,7 @@ impl ControllerTarget {
     ) -> Option<Vec<f64>> {
         let parameters = meant.parameters()?;
         match self.parameters_of(machine, meant, parameters, &file.text) {
-            Ok(stored) => Some(parameters.stored(&stored)),
+            Ok(stored) => Some(parameters.decode(&stored)),
             Err(fault) => {
                 fault.report(file, diagnostics);
                 None
@@ -100,17 +100,19 @@ impl ControllerTarget {
         let mechanism = self.manifest.kinematics()?;
         let pins = Pins { modules: &mechanism.components, names: &mechanism.constants };
         let read = match (&spec.layout, meant) {
-            (Some(Layout::CArrays), KinematicsModule::FullModel(meant)) => Arrays::read(&file.text)
+            (Some(FileLayout::CArrays), KinematicsModule::FullModel(meant)) => Arrays::read(&file.text)
                 .and_then(|arrays| model(&arrays, machine, meant))
                 .map(KinematicsModule::FullModel),
-            (Some(Layout::HalConstants), KinematicsModule::LinearMap(meant)) => pins.set(&file.text).map(|matrix| {
-                let mut map = meant.clone();
-                map.matrix = matrix;
-                KinematicsModule::LinearMap(map)
-            }),
-            (Some(Layout::Parameters { .. }), of @ KinematicsModule::KinematicParameters(meant)) => {
+            (Some(FileLayout::HalConstants), KinematicsModule::LinearMap(meant)) => {
+                pins.set(&file.text).map(|matrix| {
+                    let mut map = meant.clone();
+                    map.matrix = matrix;
+                    KinematicsModule::LinearMap(map)
+                })
+            }
+            (Some(FileLayout::Parameters { .. }), of @ KinematicsModule::KinematicParameters(meant)) => {
                 let read = self.parameters_of(machine, of, meant, &file.text).and_then(|stored| {
-                    let values = meant.stored(&stored);
+                    let values = meant.decode(&stored);
                     meant.fault(&values).map_or(Ok(values), |why| Err(Fault::new(0, why)))
                 });
                 read.map(|values| KinematicsModule::KinematicParameters(meant.clone().with_values(values)))
@@ -128,7 +130,7 @@ impl ControllerTarget {
 }
 
 /// A full model for the same axes as `meant`.
-fn model(arrays: &Arrays, machine: &Machine, meant: &Model) -> Result<Model, Fault> {
+fn model(arrays: &Arrays, machine: &Machine, meant: &ModuleModel) -> Result<ModuleModel, Fault> {
     let axes = machine.axes().len().min(MAX_AXES);
     let curves = curves(arrays)?;
     let flags = |name: &str| Ok(arrays.whole(name, axes, 2)?.into_iter().map(|x| x == 1).collect::<Vec<_>>());
@@ -141,7 +143,7 @@ fn model(arrays: &Arrays, machine: &Machine, meant: &Model) -> Result<Model, Fau
     let origins = arrays.take("abbe_origin", 3 * axes)?;
     let locations = arrays.take("abbe_location", 6 * axes)?;
     let of_curves = arrays.indices("abbe_curve", 12 * axes, true, curves.len())?;
-    let joint = |i: usize| Joint {
+    let joint = |i: usize| ModuleJoint {
         letter: letters[i],
         number: numbers[i],
         rotary: rotary[i],
@@ -155,9 +157,9 @@ fn model(arrays: &Arrays, machine: &Machine, meant: &Model) -> Result<Model, Fau
         location: std::array::from_fn(|k| locations[6 * i + k]),
         curves: std::array::from_fn(|k| [of_curves[12 * i + 2 * k], of_curves[12 * i + 2 * k + 1]]),
     };
-    let joints: Vec<Joint> = (0..axes).map(joint).collect();
-    let part = |j: &Joint| (j.letter, j.number, j.rotary, j.solved);
-    let same = |a: &Joint, b: &Joint| part(a) == part(b);
+    let joints: Vec<ModuleJoint> = (0..axes).map(joint).collect();
+    let part = |j: &ModuleJoint| (j.letter, j.number, j.rotary, j.solved);
+    let same = |a: &ModuleJoint, b: &ModuleJoint| part(a) == part(b);
     if joints.len() != meant.joints.len() || !joints.iter().zip(&meant.joints).all(|(a, b)| same(a, b)) {
         return Err(
             arrays.fault("abbe_coordinate", "these are not the axes of this machine, in the order of its chain")
@@ -168,7 +170,7 @@ fn model(arrays: &Arrays, machine: &Machine, meant: &Model) -> Result<Model, Fau
     if words != meant.words {
         return Err(arrays.fault("abbe_words", "the words of the program mean something else on this machine"));
     }
-    let model = Model {
+    let model = ModuleModel {
         words,
         joints,
         curves,

@@ -3,7 +3,7 @@
 use super::{RotaryLine, Transformation};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::Machine;
-use crate::syntax::sheet::{Decimals, Line, Sheet, cells, drop_empty, number, separator, title};
+use crate::syntax::sheet::{Decimals, Sheet, SheetLine, cells, drop_empty, number, separator, title};
 use crate::units::{self, Dimension, FARTHEST, significant};
 use nalgebra::Vector3;
 
@@ -82,7 +82,7 @@ pub(crate) fn found_lines(
     let [first, rows @ ..] = lines.as_slice() else {
         return Err(refusal("the file is empty").at(Some(sheet.start()), ""));
     };
-    let at = |line: &Line, why: Diagnostic| why.at(Some(line.place.clone()), "");
+    let at = |line: &SheetLine, why: Diagnostic| why.at(Some(line.place.clone()), "");
     let (header, left_out) = header(&first.text).map_err(|why| at(first, why))?;
     let mut found: Vec<FoundLine> = Vec::new();
     let mut decimals = Decimals::default();
@@ -127,7 +127,7 @@ fn header(text: &str) -> Result<(Header, Vec<String>), Diagnostic> {
     Ok((Header { axis, columns, separator }, left_out))
 }
 
-/// What a number of a column is times, to be in mm or rad.
+/// Factor from the numbers of a column to mm or rad.
 fn factor(column: Column, title: &str, unit: Option<&str>) -> Result<f64, Diagnostic> {
     let dimension = match column {
         Column::Direction(_) if unit.is_none() => return Ok(1.0),

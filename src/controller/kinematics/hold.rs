@@ -4,7 +4,7 @@
 //! Gram matrices are inverted by `g(s) = 1 / (s + l^2(s))`, which is the inverse above a threshold and
 //! bounded and smooth below it: nothing jumps at a singular pose.
 
-use super::data::{Model, ModuleWords};
+use super::data::{ModuleModel, ModuleWords};
 use super::nominal::{BodyPlace, Setting};
 use super::topology::FLAT;
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix3xX, Matrix6, Matrix6xX, MatrixXx3, Vector3, Vector6};
@@ -26,7 +26,7 @@ impl Hold {
     }
 }
 
-impl Model {
+impl ModuleModel {
     /// At a place; `None` where linear axes that must span the room do not.
     pub fn hold(&self, place: &BodyPlace, setting: &Setting) -> Option<Hold> {
         match self.words {
@@ -35,20 +35,20 @@ impl Model {
         }
     }
 
-    fn chosen(&self, which: impl Fn(usize) -> bool) -> Vec<usize> {
+    fn indices_where(&self, which: impl Fn(usize) -> bool) -> Vec<usize> {
         (0..self.joints.len()).filter(|i| which(*i)).collect()
     }
 
     /// Linear axes hold the tip. Rotary axes, if they are to correct at all, hold the rest of the tip, then the tool
     /// axis with the freedom that remains.
     fn by_turns(&self, place: &BodyPlace, setting: &Setting) -> Option<Hold> {
-        let linear = self.chosen(|i| self.joints[i].solved && !self.joints[i].rotary);
-        let rotary = self.chosen(|i| setting.orientation && self.joints[i].rotary);
+        let linear = self.indices_where(|i| self.joints[i].solved && !self.joints[i].rotary);
+        let rotary = self.indices_where(|i| setting.orientation && self.joints[i].rotary);
         let ways = columns(&linear, |i| place.lever[i]);
         let (back, left) = match self.words {
-            ModuleWords::Tip => (self.spanned(&ways)?, Matrix3::zeros()),
+            ModuleWords::Tip => (self.span_inverse(&ways)?, Matrix3::zeros()),
             _ => {
-                let gram = self.bounded(&(&ways * ways.transpose()));
+                let gram = self.limit_gram(&(&ways * ways.transpose()));
                 let back = ways.transpose() * gram;
                 let left = Matrix3::identity() - &ways * &back;
                 (back, left)
@@ -58,9 +58,9 @@ impl Model {
         let levers = columns(&rotary, |i| place.lever[i]);
         let tilts = columns(&rotary, |i| place.turn[i] - axis * axis.dot(&place.turn[i]));
         let reach = left * &levers / self.arm;
-        let by_place = reach.transpose() * self.bounded(&(&reach * reach.transpose()));
+        let by_place = reach.transpose() * self.limit_gram(&(&reach * reach.transpose()));
         let free = &tilts - &tilts * &by_place * &reach;
-        let by_tilt = free.transpose() * self.bounded(&(&free * free.transpose()));
+        let by_tilt = free.transpose() * self.limit_gram(&(&free * free.transpose()));
         let by_place = by_place * left / self.arm;
         let by_place = &by_place - &by_tilt * &tilts * &by_place;
 
@@ -84,7 +84,7 @@ impl Model {
     }
 
     /// The inverse of three directions that span the room.
-    fn spanned(&self, ways: &Matrix3xX<f64>) -> Option<MatrixXx3<f64>> {
+    fn span_inverse(&self, ways: &Matrix3xX<f64>) -> Option<MatrixXx3<f64>> {
         let square: Matrix3<f64> = (ways.ncols() == 3).then(|| ways.fixed_columns::<3>(0).into_owned())?;
         let inverse = (square.determinant().abs() > FLAT).then(|| square.try_inverse())??;
         Some(MatrixXx3::from_column_slice(inverse.as_slice()))
@@ -92,7 +92,7 @@ impl Model {
 
     /// Six axes hold all of the tool.
     fn whole(&self, place: &BodyPlace) -> Hold {
-        let solved = self.chosen(|i| self.joints[i].solved);
+        let solved = self.indices_where(|i| self.joints[i].solved);
         // Scale to arms and rad.
         let unit = |i: usize| if self.joints[i].rotary { 1.0 } else { self.arm };
         let column = |i: &usize| {
@@ -129,7 +129,7 @@ impl Model {
     }
 
     /// g of a Gram matrix.
-    fn bounded(&self, gram: &Matrix3<f64>) -> Matrix3<f64> {
+    fn limit_gram(&self, gram: &Matrix3<f64>) -> Matrix3<f64> {
         let parts = gram.symmetric_eigen();
         let inverse = parts.eigenvalues.map(|s| (s.max(0.0) + self.square(s)).recip());
         parts.eigenvectors * Matrix3::from_diagonal(&inverse) * parts.eigenvectors.transpose()

@@ -33,12 +33,12 @@ impl Transformation {
         }
         let left = self.from(&Self::actual(&found.on(machine)?)?, machine)?;
         if !left.numbers().all(|x| x.abs() <= CLOSED) {
-            return Err(unreached());
+            return Err(unreached_diagnostic());
         }
         Ok(found.errors(machine))
     }
 
-    /// What leads from other lines to these: shifts across the nominal lines, and turns.
+    /// The motion from other lines to these: shifts across the nominal lines, and turns.
     fn from(&self, other: &Self, machine: &Machine) -> Result<Located, Diagnostic> {
         let nominal = Self::nominal(machine)?;
         let all = |of: &Self| of.table.iter().chain(&of.head).cloned().collect::<Vec<_>>();
@@ -54,7 +54,7 @@ impl Transformation {
     }
 }
 
-fn unreached() -> Diagnostic {
+fn unreached_diagnostic() -> Diagnostic {
     Diagnostic::new(codes::E0751, "no location errors of this machine lead to the lines of the rotary axes").help(
         "check points and directions; under conventions that displace bodies, `abbe convert` writes the machine \
                with `location: axis_only`",

@@ -35,7 +35,7 @@ mod topology;
 mod transformation;
 
 pub use carry::KinematicsModule;
-pub use data::{CurveData, Form, Joint, Model, ModuleWords};
+pub use data::{CurveData, Form, ModuleJoint, ModuleModel, ModuleWords};
 pub use driven::ModuleField;
 pub(crate) use found_lines::{FoundLine, found_lines};
 pub use parameters::Parameters;

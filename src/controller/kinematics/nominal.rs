@@ -1,6 +1,6 @@
 //! The nominal machine from the numbers of the files: where its tool is, and how every axis moves it.
 
-use super::data::{Joint, Model};
+use super::data::{ModuleJoint, ModuleModel};
 use crate::algebra::{Htm, rotation_about};
 use crate::machine::sin_cos_degrees;
 use nalgebra::{Matrix3, Vector3};
@@ -33,7 +33,7 @@ impl BodyPlace {
     }
 }
 
-impl Model {
+impl ModuleModel {
     /// The setting with which the module starts.
     pub fn setting(&self) -> Setting {
         Setting { tool: self.tool, orientation: self.orientation }
@@ -62,7 +62,7 @@ impl Model {
 }
 
 /// The nominal motion of a joint, its line through the zero of its own frame.
-pub fn motion(joint: &Joint, q: f64) -> Htm<f64> {
+pub fn motion(joint: &ModuleJoint, q: f64) -> Htm<f64> {
     if joint.rotary {
         Htm { linear: rotation_about(&joint.direction, sin_cos_degrees(q)), ..Htm::identity() }
     } else {

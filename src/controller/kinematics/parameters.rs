@@ -6,7 +6,7 @@
 
 use super::transformation::Transformation;
 use crate::compensation::{AssumedAxis, Increment, KinematicsMechanism, MachinePart, ParameterRules, ParameterVector};
-use crate::controller::emit::fixed;
+use crate::controller::emit::decimal_text;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{AxisKind, AxisName, Branch, Machine};
 use nalgebra::Vector3;
@@ -71,7 +71,7 @@ impl Parameters {
             rules,
             vectors,
         };
-        let moved = empty.moved_to(&actual);
+        let moved = empty.moving_to(&actual);
         match moved.beyond(&moved.values) {
             Some(why) => {
                 Err(Diagnostic::new(codes::E0751, why).help("the controller takes no such number: move the zero"))
@@ -84,19 +84,19 @@ impl Parameters {
     pub fn on_top_of(self, installed: Vec<f64>) -> Self {
         let change: Vec<f64> = self.values.iter().zip(&self.before).map(|(v, b)| v - b).collect();
         let values: Vec<f64> = installed.iter().zip(&change).map(|(old, change)| old + change).collect();
-        let rounded = self.rules.rounded(&values, self.increment);
+        let rounded = self.rules.round(&values, self.increment);
         Self { before: installed, ..self }.with_values(rounded)
     }
 
     /// The same parameters with other numbers, such as those read from a file.
     pub fn with_values(self, values: Vec<f64>) -> Self {
-        let transformation = self.rules.placed(&self.nominal, &self.effective(&values));
+        let transformation = self.rules.transformation(&self.nominal, &self.effective(&values));
         Self { values, transformation, ..self }
     }
 
     /// The same, with tool directions programmed by vectors, or by the rotary axes.
     #[must_use]
-    pub fn programmed(self, vectors: bool) -> Self {
+    pub fn with_programming(self, vectors: bool) -> Self {
         Self { vectors, ..self }
     }
 
@@ -122,11 +122,11 @@ impl Parameters {
     }
 
     /// The numbers as text.
-    pub fn written(&self) -> Vec<WrittenParameter> {
+    pub fn texts(&self) -> Vec<WrittenParameter> {
         let offsets = self.rules.offsets();
         let text = |value: f64, offset: bool| {
             let (scale, decimals) = step(self.increment, offset);
-            fixed(value * scale, decimals)
+            decimal_text(value * scale, decimals)
         };
         let numbers = self.values.iter().zip(&self.before).zip(offsets);
         let all = self.rules.names().zip(numbers);
@@ -139,7 +139,7 @@ impl Parameters {
     }
 
     /// Returns numbers of a file as mm and components of unit vectors.
-    pub fn stored(&self, stored: &[f64]) -> Vec<f64> {
+    pub fn decode(&self, stored: &[f64]) -> Vec<f64> {
         let offsets = self.rules.offsets();
         stored.iter().zip(&offsets).map(|(number, offset)| number / step(self.increment, *offset).0).collect()
     }
@@ -157,7 +157,7 @@ impl Parameters {
             return Some(why);
         }
         let effective = self.effective(values);
-        let placed = self.rules.placed(&self.nominal, &effective);
+        let placed = self.rules.transformation(&self.nominal, &effective);
         let directions = placed.table.iter().chain(&placed.head).map(|line| line.direction).chain([placed.tool]);
         if directions.into_iter().any(|direction| !(direction.norm() - 1.0).abs().lt(&1e-9)) {
             return Some("a direction has no length".to_owned());
@@ -166,7 +166,7 @@ impl Parameters {
         let (scale, decimals) = step(self.increment, true);
         let loose = LOOSE_STEPS / (scale * libm::pow(10.0, f64::from(decimals)));
         let open = (0..values.len()).find(|i| offsets[*i] && (effective[*i] - closed[*i]).abs() > loose)?;
-        let off = fixed(effective[open] - closed[open], 6);
+        let off = decimal_text(effective[open] - closed[open], 6);
         Some(format!(
             "`{}` does not close the chain of vectors: it is {off} mm off the sum of the others",
             self.names()[open]
@@ -186,11 +186,11 @@ impl Parameters {
     }
 
     /// The parameters of displaced lines, rounded.
-    fn moved_to(self, actual: &Transformation) -> Self {
-        let first = self.rules.rounded(&self.rules.numbers(actual), self.increment);
+    fn moving_to(self, actual: &Transformation) -> Self {
+        let first = self.rules.round(&self.rules.numbers(actual), self.increment);
         // Numbers that close a loop follow from the rounded others.
-        let closed = self.rules.numbers(&self.rules.placed(&self.nominal, &first));
-        let mut values = self.rules.rounded(&closed, self.increment);
+        let closed = self.rules.numbers(&self.rules.transformation(&self.nominal, &first));
+        let mut values = self.rules.round(&closed, self.increment);
         // A direction is normalised on the way: its rounding is the first.
         let offsets = self.rules.offsets();
         (0..values.len()).filter(|i| !offsets[*i]).for_each(|i| values[i] = first[i]);
@@ -269,7 +269,7 @@ impl ParameterRules {
     }
 
     /// Numbers as the controller takes them.
-    fn rounded(&self, numbers: &[f64], increment: Increment) -> Vec<f64> {
+    fn round(&self, numbers: &[f64], increment: Increment) -> Vec<f64> {
         let round = |(number, offset): (&f64, bool)| match offset {
             true => increment.position(*number, AxisKind::Linear),
             false => increment.correction(*number, AxisKind::Linear),
@@ -279,7 +279,7 @@ impl ParameterRules {
 
     /// The nominal transformation with the parts where numbers place them, one vector after the other. A vector
     /// between two parts that are placed already changes nothing.
-    fn placed(&self, nominal: &Transformation, numbers: &[f64]) -> Transformation {
+    fn transformation(&self, nominal: &Transformation, numbers: &[f64]) -> Transformation {
         let mut numbers = numbers.iter();
         let (mut found, mut done) = (nominal.clone(), vec![MachinePart::Gauge]);
         for vector in &self.parameters {

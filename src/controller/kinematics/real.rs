@@ -1,12 +1,12 @@
 //! The real machine from the numbers of the files: joints with their errors, curves.
 
-use super::data::{CurveData, Form, Joint, Model};
+use super::data::{CurveData, Form, ModuleJoint, ModuleModel};
 use super::nominal::{Setting, motion};
 use crate::algebra::{Htm, exp_hat, hat};
 use crate::machine::sin_cos_degrees;
 use nalgebra::{Matrix3, Vector3};
 
-impl Model {
+impl ModuleModel {
     /// The real machine at a command: orientation of the tool, place of its tip.
     pub fn real(&self, setting: &Setting, command: &[f64]) -> Htm<f64> {
         let clamped = Htm::about(&self.workpiece, self.error(&self.clamping, true));
@@ -17,7 +17,7 @@ impl Model {
     }
 
     /// A joint with its errors.
-    fn joint(&self, joint: &Joint, q: f64) -> Htm<f64> {
+    fn joint(&self, joint: &ModuleJoint, q: f64) -> Htm<f64> {
         let location = self.error(&joint.location, joint.location_inverted);
         let motion = motion(joint, q);
         let motion = match (self.carried_body, joint.rotary) {

@@ -74,14 +74,14 @@ impl Transformation {
         let spindle = |id: &ErrorId| machine.chain().spindle() == Some(&id.axis);
         let of_table = machine.filtered(|id| among(id, &lines.table));
         let located = machine.filtered(|id| among(id, &lines.table) || among(id, &lines.head) || spindle(id));
-        let zero = turned(&located, None);
+        let zero = tool_place(&located, None);
         // Errors that displace bodies turn the workpiece against the linear axes.
-        let workpiece = turned(&of_table, None);
+        let workpiece = tool_place(&of_table, None);
         let [back, from_workpiece] = [&zero, &workpiece].map(|of| of.inverse().unwrap_or_else(Htm::identity));
         let of_tool = from_workpiece.compose(&zero);
         let (gauge, nominal_gauge) = (of_tool.apply(&machine.tool().gauge), Vector3::from(machine.tool().gauge));
         for line in lines.table.iter_mut().chain(&mut lines.head) {
-            let quarter = turned(&located, Some(line.axis)).compose(&back);
+            let quarter = tool_place(&located, Some(line.axis)).compose(&back);
             let (direction, foot) = axis_of_quarter_turn(&from_workpiece.compose(&quarter).compose(&workpiece));
             let near = line.point + nominal_gauge - foot;
             line.point = foot + direction * direction.dot(&near) - gauge;
@@ -93,7 +93,7 @@ impl Transformation {
 }
 
 /// Returns the place of the tool with one axis at 90 deg and all others at 0.
-fn turned(machine: &Machine, axis: Option<usize>) -> Htm<f64> {
+fn tool_place(machine: &Machine, axis: Option<usize>) -> Htm<f64> {
     let pose: Vec<f64> = (0..machine.axes().len()).map(|i| if Some(i) == axis { 90.0 } else { 0.0 }).collect();
     Chain::<f64>::actual(machine, &pose, &values(machine, &Approach::Mean.at(&pose)), &Exact).t_wt()
 }
@@ -137,7 +137,7 @@ impl Transformation {
     fn tip_vector(&self, machine: &Machine) -> Vector3<f64> {
         let [gauge, tip, axis] =
             [machine.tool().gauge, machine.tool().tip, machine.tool().direction].map(Vector3::from);
-        self.tilted(&(tip - gauge), &axis)
+        self.tilt(&(tip - gauge), &axis)
     }
 }
 

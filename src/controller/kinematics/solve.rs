@@ -5,7 +5,7 @@
 //! the nominal machine has at q. The total x of the corrections solves `x = S (J x + missing)`, with J of the
 //! nominal machine at q and S its bounded inverse ([`Hold`](super::hold::Hold)).
 
-use super::data::{Model, ModuleWords, WORLD};
+use super::data::{ModuleModel, ModuleWords, WORLD};
 use super::nominal::{BodyPlace, Setting, from_roll_pitch_yaw, rotation_vector};
 use crate::algebra::Htm;
 use nalgebra::{DVector, Vector3, Vector6};
@@ -25,16 +25,16 @@ const MAX_STEP: (usize, f64) = (48, 0.3);
 /// Distances within which the nominal tool has reached its pose, mm and rad.
 const THERE: (f64, f64) = (1e-10, 1e-12);
 
-impl Model {
+impl ModuleModel {
     /// The command that the module gives for a pose, from the joints where they are; `None` if it reports
     /// a failure.
     pub fn command(&self, setting: &Setting, world: &World, joints: &[f64]) -> Option<Vec<f64>> {
         let nominal = self.nominal(setting, world, joints)?;
-        self.corrected(setting, &nominal)
+        self.corrected_command(setting, &nominal)
     }
 
     /// The nominal command with all of its correction.
-    pub fn corrected(&self, setting: &Setting, nominal: &[f64]) -> Option<Vec<f64>> {
+    pub fn corrected_command(&self, setting: &Setting, nominal: &[f64]) -> Option<Vec<f64>> {
         let place = self.place(setting, nominal);
         let hold = self.hold(&place, setting)?;
         let (mut command, mut made) = (nominal.to_vec(), DVector::zeros(nominal.len()));
@@ -79,7 +79,7 @@ impl Model {
             ModuleWords::Axes => Some(command),
             ModuleWords::Pose => {
                 let linear = from_roll_pitch_yaw(&[world[3], world[4], world[5]]);
-                self.reached(setting, &Htm { linear, translation: wanted }, command)
+                self.joints_reaching(setting, &Htm { linear, translation: wanted }, command)
             }
             ModuleWords::Tip => {
                 let solved = |i: &usize| self.joints[*i].letter.is_none();
@@ -97,7 +97,7 @@ impl Model {
     }
 
     /// The joints at which the nominal tool has a pose, from near ones.
-    fn reached(&self, setting: &Setting, wanted: &Htm<f64>, start: Vec<f64>) -> Option<Vec<f64>> {
+    fn joints_reaching(&self, setting: &Setting, wanted: &Htm<f64>, start: Vec<f64>) -> Option<Vec<f64>> {
         let (mut command, mut distance) = (start.clone(), None);
         let unit: Vec<f64> = self.joints.iter().map(|j| if j.rotary { 1f64.to_degrees() } else { self.arm }).collect();
         let whole = Setting { orientation: true, ..*setting };

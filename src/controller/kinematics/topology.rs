@@ -6,7 +6,7 @@
 //!
 //! Further axes have words of their own.
 
-use super::data::{Joint, Model, ModuleWords, WORLD};
+use super::data::{ModuleJoint, ModuleModel, ModuleWords, WORLD};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::random_poses;
 use crate::machine::{Axis, AxisKind, Machine, Pose};
@@ -18,7 +18,7 @@ const POSES: usize = 32;
 /// The seed of these poses.
 const SEED: u64 = 0;
 
-impl Model {
+impl ModuleModel {
     /// The numbers of a machine. Refusals: E0752.
     pub fn of(machine: &Machine, damping: f64, orientation: bool) -> Result<Self, Diagnostic> {
         let mut model = Self::geometry(machine, damping, orientation);
@@ -51,7 +51,7 @@ pub struct Topology {
 
 impl Topology {
     /// Finds them from the geometry of a model. Refusals: E0752.
-    pub fn of(machine: &Machine, model: &Model) -> Result<Self, Diagnostic> {
+    pub fn of(machine: &Machine, model: &ModuleModel) -> Result<Self, Diagnostic> {
         // The sine of an angle: directions closer to each other, or to a plane, count as one.
         let flat = model.damping;
         let poses = random_poses(machine, POSES, SEED);
@@ -80,7 +80,7 @@ impl Topology {
 }
 
 /// Returns the warnings for a programmer: W0601, W0760, W0761.
-pub fn warnings(machine: &Machine, model: &Model) -> Vec<Diagnostic> {
+pub fn warnings(machine: &Machine, model: &ModuleModel) -> Vec<Diagnostic> {
     let mut all = Vec::new();
     if model.words == ModuleWords::Axes {
         let message =
@@ -149,7 +149,7 @@ fn across<const N: usize>(vector: SVector<f64, N>, base: &[SVector<f64, N>]) -> 
 
 /// Six axes that move the tool in all degrees of freedom at some pose of the volume, those next to the tool first; in
 /// the order of the walk.
-fn six(model: &Model, poses: &[Pose], arm: f64, flat: f64) -> Option<Vec<usize>> {
+fn six(model: &ModuleModel, poses: &[Pose], arm: f64, flat: f64) -> Option<Vec<usize>> {
     if model.joints.len() < 6 {
         return None;
     }
@@ -173,9 +173,9 @@ fn six(model: &Model, poses: &[Pose], arm: f64, flat: f64) -> Option<Vec<usize>>
 }
 
 /// Motion of the tool per unit of each axis: the tip's in arms, then the rotation.
-fn columns(model: &Model, pose: &Pose, arm: f64) -> Vec<Vector6<f64>> {
+fn columns(model: &ModuleModel, pose: &Pose, arm: f64) -> Vec<Vector6<f64>> {
     let place = model.place(&model.setting(), pose);
-    let column = |((joint, lever), turn): ((&Joint, &Vector3<f64>), &Vector3<f64>)| {
+    let column = |((joint, lever), turn): ((&ModuleJoint, &Vector3<f64>), &Vector3<f64>)| {
         let way = if joint.rotary { lever / arm } else { *lever };
         Vector6::new(way[0], way[1], way[2], turn[0], turn[1], turn[2])
     };
@@ -185,7 +185,7 @@ fn columns(model: &Model, pose: &Pose, arm: f64) -> Vec<Vector6<f64>> {
 /// Smallest arm, mm.
 const SHORTEST: f64 = 1.0;
 
-fn arm(model: &Model, poses: &[Pose]) -> f64 {
+fn arm(model: &ModuleModel, poses: &[Pose]) -> f64 {
     let levers = |pose: &Pose| {
         let place = model.place(&model.setting(), pose);
         let rotary = model.joints.iter().zip(place.lever).filter(|(joint, _)| joint.rotary);

@@ -81,9 +81,9 @@ impl Transformation {
         if let Some(vector) = &program.vector {
             self.turn(vector, &mut command);
         }
-        let on_table = self.table.iter().fold(program.tip, |point, line| line.turned(&point, -command[line.axis]));
+        let on_table = self.table.iter().fold(program.tip, |point, line| line.turn(&point, -command[line.axis]));
         let tip = self.tip(program);
-        let of_head = self.head.iter().rev().fold(tip, |point, line| line.turned(&point, command[line.axis]));
+        let of_head = self.head.iter().rev().fold(tip, |point, line| line.turn(&point, command[line.axis]));
         self.linear.iter().enumerate().for_each(|(k, axis)| command[*axis] = on_table[k] - of_head[k]);
         command
     }
@@ -105,11 +105,11 @@ impl Transformation {
 
     /// The tip from the gauge point, rotary axes at 0: a tool stands along the controller's tool axis.
     fn tip(&self, program: &ProgrammedTool) -> Vector3<f64> {
-        self.tilted(&program.tool, &program.nominal_axis)
+        self.tilt(&program.tool, &program.nominal_axis)
     }
 
     /// A vector turned as the nominal tool axis is to this one.
-    pub fn tilted(&self, vector: &Vector3<f64>, nominal_axis: &Vector3<f64>) -> Vector3<f64> {
+    pub fn tilt(&self, vector: &Vector3<f64>, nominal_axis: &Vector3<f64>) -> Vector3<f64> {
         let about = hat(&nominal_axis.cross(&self.tool).into());
         let tilt = Matrix3::identity() + about + about * about / (1.0 + nominal_axis.dot(&self.tool));
         tilt * vector
@@ -167,7 +167,7 @@ impl RotaryLine {
     }
 
     /// A point turned about the line by an angle, deg.
-    fn turned(&self, point: &Vector3<f64>, degrees: f64) -> Vector3<f64> {
+    fn turn(&self, point: &Vector3<f64>, degrees: f64) -> Vector3<f64> {
         self.point + self.rotation(degrees) * (point - self.point)
     }
 

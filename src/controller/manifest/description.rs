@@ -94,7 +94,7 @@ impl Level {
 /// At which position the controller looks its tables up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Lookup {
+pub enum LookupPosition {
     /// At the commanded position.
     Command,
     /// At the position that the tables before have corrected; the axes are corrected from the last to the first.
@@ -140,7 +140,7 @@ pub enum Arithmetic {
 #[serde(deny_unknown_fields)]
 pub struct Controller {
     /// The position at which it looks up.
-    pub lookup: Lookup,
+    pub lookup: LookupPosition,
     /// Between points.
     pub interpolation: Interpolation,
     /// Outside.
@@ -195,11 +195,11 @@ pub enum Per {
 /// The layout by which a file is read back.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "format", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Layout {
+pub enum FileLayout {
     /// Lines of numbers between blanks, nothing else.
     Columns {
         /// The meaning of each column.
-        columns: Vec<Column>,
+        columns: Vec<TableColumn>,
     },
     /// CSV: a column per axis, then a column `d` + axis per corrected axis, units in the header.
     CsvLattice,
@@ -222,7 +222,7 @@ pub enum Layout {
         /// Name of the column that is added approaching with falling position.
         reversal: String,
         /// The lines around the columns.
-        frame: Frame,
+        frame: TextFrame,
     },
     /// Constant arrays of C: the numbers of a full kinematics model.
     CArrays,
@@ -246,7 +246,7 @@ pub enum Layout {
 /// The lines around columns.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Frame {
+pub struct TextFrame {
     /// The mark that begins a comment.
     pub comment: String,
     /// The first line: one of these patterns.
@@ -288,7 +288,7 @@ pub enum Edge {
 /// A column of a table of one axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Column {
+pub enum TableColumn {
     /// Position.
     Position,
     /// Correction approaching with rising position.
@@ -312,7 +312,7 @@ pub struct FileSpec {
     pub of: Option<String>,
     /// The layout by which it is read back; absent for files without tables.
     #[serde(default)]
-    pub layout: Option<Layout>,
+    pub layout: Option<FileLayout>,
     /// The form in which it assigns files to axes, if it does.
     #[serde(default)]
     pub index: Option<Index>,
@@ -341,7 +341,7 @@ pub enum Index {
 
 impl Manifest {
     /// True if it rests on memory alone.
-    pub fn unverified(&self) -> bool {
+    pub fn rests_on_memory(&self) -> bool {
         let mut stated = [&self.certainty.syntax, &self.certainty.sign].into_iter().chain(&self.certainty.frame);
         stated.any(|c| c.level == Level::Memory)
     }
@@ -349,7 +349,7 @@ impl Manifest {
     /// A line for the head of a file.
     pub fn caution(&self) -> String {
         let (syntax, sign) = (self.certainty.syntax.level.word(), self.certainty.sign.level.word());
-        let test = if self.unverified() { "NOT VERIFIED, from memory: " } else { "" };
+        let test = if self.rests_on_memory() { "NOT VERIFIED, from memory: " } else { "" };
         format!("{test}syntax {syntax}, sign {sign}; test the sign first")
     }
 

@@ -19,7 +19,7 @@ pub struct AssignedAxis {
 /// the machine file or the option gives, or its own name, or the first free letter of its kind, with a warning (W0601).
 /// It has the number that is stated, where the controller takes numbers from the machine, or its place in the order. If
 /// there is no letter, or one for two axes, the machine is refused (E0601).
-pub fn assigned_letters(
+pub fn axis_letters(
     machine: &Machine,
     letters: Option<&AxisLetters>,
     mut diagnostics: Option<&mut Diagnostics>,
@@ -30,7 +30,7 @@ pub fn assigned_letters(
         return Some(machine.axes().iter().enumerate().map(plain).collect());
     };
     let mut report = |said: Diagnostic| diagnostics.iter_mut().for_each(|all| all.push(said.clone()));
-    let mut assigned = match letters.stated(machine) {
+    let mut assigned = match letters.stated_letters(machine) {
         Ok(stated) => stated,
         Err(refusal) => {
             report(refusal);
@@ -48,7 +48,7 @@ pub fn assigned_letters(
     }
     let mut order: Vec<(usize, char)> = assigned.into_iter().flatten().enumerate().collect();
     order.sort_by_key(|(_, letter)| letters.order.find(*letter));
-    let number = |place: usize, axis: usize| letters.stated_number(machine, axis).map_or(place + 1, usize::from);
+    let number = |place: usize, axis: usize| letters.number_of(machine, axis).map_or(place + 1, usize::from);
     let all = order.into_iter().enumerate();
     Some(
         all.map(|(place, (axis, letter))| AssignedAxis { axis, letter: letter.into(), number: number(place, axis) })
@@ -74,7 +74,7 @@ impl AxisLetters {
     }
 
     /// The letters that are stated, and those of axes that bear one as their name.
-    fn stated(&self, machine: &Machine) -> Result<Vec<Option<char>>, Diagnostic> {
+    fn stated_letters(&self, machine: &Machine) -> Result<Vec<Option<char>>, Diagnostic> {
         let mut assigned: Vec<Option<char>> = Vec::new();
         for axis in machine.axes() {
             let stated = self.words(axis).letter;
@@ -92,7 +92,7 @@ impl AxisLetters {
     }
 
     /// The number that is stated for an axis, where the controller takes numbers from the machine.
-    fn stated_number(&self, machine: &Machine, axis: usize) -> Option<u16> {
+    fn number_of(&self, machine: &Machine, axis: usize) -> Option<u16> {
         self.numbers.as_ref().and(self.words(&machine.axes()[axis]).number)
     }
 
@@ -106,14 +106,14 @@ impl AxisLetters {
             return Some(Diagnostic::new(codes::E0712, message).help(format!("its axes are {}", known.join(", "))));
         }
         let numbers = self.numbers.as_ref()?;
-        let assigned = assigned_letters(machine, Some(self), None)?;
+        let assigned = axis_letters(machine, Some(self), None)?;
         let name = |of: &AssignedAxis| machine.axes()[of.axis].name.as_str();
-        let missing = |of: &&AssignedAxis| self.stated_number(machine, of.axis).is_none();
+        let missing = |of: &&AssignedAxis| self.number_of(machine, of.axis).is_none();
         let unstated: Vec<&str> = assigned.iter().filter(missing).map(name).collect();
         if !unstated.is_empty() {
             let map = |of: &AssignedAxis| format!("{}={}{}", name(of), numbers.prefix, of.number);
             let all: Vec<String> = assigned.iter().map(map).collect();
-            return Some(not_stated(target, &unstated, &numbers.are).help(format!(
+            return Some(missing_letter(target, &unstated, &numbers.are).help(format!(
                 "look them up in the control; if they stand in this order, write --map {}, or into the machine file \
                  `axes: {{ {}: {{ controller: {} }} }}`",
                 all.join(","),
@@ -133,7 +133,7 @@ impl AxisLetters {
     }
 }
 
-fn not_stated(target: &str, axes: &[&str], are: &str) -> Diagnostic {
+fn missing_letter(target: &str, axes: &[&str], are: &str) -> Diagnostic {
     let message = format!(
         "files of target `{target}` name axes by their numbers in the controller ({are}), which are not stated: {}",
         axes.join(", ")

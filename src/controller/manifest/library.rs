@@ -166,8 +166,8 @@ pub struct ControllerTarget {
 impl ControllerTarget {
     /// Finds a target by name, in the binary or in `folder/NAME/`.
     pub fn find(name: &str, folder: Option<&Path>, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Self> {
-        if let Some(target) = Self::embedded(name) {
-            if let Some(changed) = folder.and_then(|folder| changed(name, &folder.join(name), files)) {
+        if let Some(target) = Self::builtin(name) {
+            if let Some(changed) = folder.and_then(|folder| override_in(name, &folder.join(name), files)) {
                 let message = format!("`{}` is not the file of the target `{name}` that abbe knows", changed.display());
                 let help = "a target of your own has a name of its own: rename its folder, and `target:` in its \
                             target.yaml";
@@ -184,13 +184,13 @@ impl ControllerTarget {
     }
 
     /// A target of the binary. Its manifest is read once: to recognise a set is to try all of them.
-    pub fn embedded(name: &str) -> Option<Self> {
+    pub fn builtin(name: &str) -> Option<Self> {
         static READ: [OnceLock<Option<ControllerTarget>>; NAMES.len()] = [const { OnceLock::new() }; NAMES.len()];
         let index = NAMES.iter().position(|known| *known == name)?;
-        READ[index].get_or_init(|| Self::parsed(name)).clone()
+        READ[index].get_or_init(|| Self::parse(name)).clone()
     }
 
-    fn parsed(name: &str) -> Option<Self> {
+    fn parse(name: &str) -> Option<Self> {
         let text = |file: &str| {
             let path = format!("{name}/{file}");
             EMBEDDED.iter().find(|(known, _)| *known == path).map(|(_, text)| *text)
@@ -205,7 +205,7 @@ impl ControllerTarget {
         let mut text = |file: &str| read_text(&folder.join(file), None, files, diagnostics).map(|(_, text)| text);
         let manifest = text("target.yaml")?;
         let name = folder.file_name().unwrap_or_default().to_string_lossy();
-        let manifest = match sound(&manifest).and_then(|manifest| named(manifest, &name)) {
+        let manifest = match sound(&manifest).and_then(|manifest| check_name(manifest, &name)) {
             Ok(manifest) => manifest,
             Err(fault) => {
                 let message = format!("`{}`: {fault}", folder.join("target.yaml").display());
@@ -224,7 +224,7 @@ impl ControllerTarget {
 const MAX_FILE: u64 = 1 << 20;
 
 /// Returns a file of the binary's target that a folder has in another form.
-fn changed(name: &str, folder: &Path, files: &dyn Files) -> Option<PathBuf> {
+fn override_in(name: &str, folder: &Path, files: &dyn Files) -> Option<PathBuf> {
     let own = EMBEDDED.iter().filter_map(|(path, text)| Some((path.strip_prefix(name)?.strip_prefix('/')?, *text)));
     let mut own = own.map(|(file, text)| (folder.join(file), text));
     own.find(|(path, text)| files.read_at_most(path, MAX_FILE).is_ok_and(|bytes| bytes != text.as_bytes()))
@@ -269,7 +269,7 @@ fn sound(text: &str) -> Result<Manifest, ManifestFault> {
 }
 
 /// Refuses a manifest that names another target than its folder: the files would be judged by that one.
-fn named(manifest: Manifest, folder: &str) -> Result<Manifest, ManifestFault> {
+fn check_name(manifest: Manifest, folder: &str) -> Result<Manifest, ManifestFault> {
     if manifest.target == folder {
         return Ok(manifest);
     }
@@ -336,6 +336,6 @@ mod tests {
         found.sort();
         embedded.sort();
         assert_eq!(found, embedded);
-        assert!(NAMES.iter().all(|name| ControllerTarget::embedded(name).is_some_and(|t| t.manifest.target == *name)));
+        assert!(NAMES.iter().all(|name| ControllerTarget::builtin(name).is_some_and(|t| t.manifest.target == *name)));
     }
 }

@@ -1,6 +1,6 @@
 //! Checks of a manifest: the reasons why it cannot be used.
 
-use super::{Column, Layout, Manifest, Per};
+use super::{FileLayout, Manifest, Per, TableColumn};
 use crate::compensation::{
     Encoding, Increment, KinematicsMechanism, ModuleContent, OwnAxisContent, ParameterRules, Spacing, Stored,
     TableRules,
@@ -99,12 +99,13 @@ impl Manifest {
     /// A kinematics module is one set of files, and one of them is read back; tables beside it have files of their own.
     fn unfit_files(&self, mechanism: &KinematicsMechanism) -> Option<String> {
         let module = || self.files.iter().filter(|file| !file.is_of_tables());
-        let layouts: Vec<&Layout> = module().filter_map(|file| file.layout.as_ref()).collect();
+        let layouts: Vec<&FileLayout> = module().filter_map(|file| file.layout.as_ref()).collect();
         let one = matches!(layouts[..], [layout] if layout_fits(mechanism.carries, layout));
         let once = module().all(|file| file.per == Per::Machine);
         let tables = self.files.iter().filter(|file| file.is_of_tables());
-        let read =
-            tables.clone().all(|file| matches!(file.layout, Some(Layout::Columns { .. } | Layout::Lines { .. })));
+        let read = tables
+            .clone()
+            .all(|file| matches!(file.layout, Some(FileLayout::Columns { .. } | FileLayout::Lines { .. })));
         let known = tables.clone().count() == 0 || self.reversal().is_some();
         (!one || !once || !read || !known).then(|| {
             "files: all `per: machine`, and one of them with the layout c_arrays (full_model), parameters \
@@ -115,11 +116,11 @@ impl Manifest {
 }
 
 /// True if a layout holds this content of a module.
-fn layout_fits(carries: ModuleContent, layout: &Layout) -> bool {
+fn layout_fits(carries: ModuleContent, layout: &FileLayout) -> bool {
     match carries {
-        ModuleContent::FullModel => *layout == Layout::CArrays,
-        ModuleContent::LinearMap => *layout == Layout::HalConstants,
-        ModuleContent::KinematicParameters => matches!(layout, Layout::Parameters { comment, line, .. }
+        ModuleContent::FullModel => *layout == FileLayout::CArrays,
+        ModuleContent::LinearMap => *layout == FileLayout::HalConstants,
+        ModuleContent::KinematicParameters => matches!(layout, FileLayout::Parameters { comment, line, .. }
             if !comment.is_empty() && line.contains("<name>") && line.contains("<value>")),
     }
 }
@@ -133,11 +134,12 @@ const MAX_POINTS: usize = 100_000;
 /// Maximum number of nodes: a lattice of this size of six axes is half a gigabyte of text.
 const MAX_NODES: usize = 5_000_000;
 
-impl Layout {
+impl FileLayout {
     fn fault(&self, bidirectional: bool) -> Option<String> {
         let Self::Columns { columns } = self else { return None };
         let count = |column| columns.iter().filter(|c| **c == column).count();
-        let (position, forward, reverse) = (count(Column::Position), count(Column::Forward), count(Column::Reverse));
+        let (position, forward, reverse) =
+            (count(TableColumn::Position), count(TableColumn::Forward), count(TableColumn::Reverse));
         let fits = position == 1 && forward == 1 && reverse == usize::from(bidirectional);
         (!fits)
             .then(|| "columns: position, forward, and reverse if the mechanism is bidirectional, each once".to_owned())

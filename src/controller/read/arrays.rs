@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 pub struct Arrays(BTreeMap<String, (usize, Vec<f64>)>);
 
 /// A word, a number or a sign, with its line.
-type Token<'a> = (usize, &'a str);
+type ArrayToken<'a> = (usize, &'a str);
 
 impl Arrays {
     /// Reads every array; anything else but comments and preprocessor lines is refused.
@@ -25,7 +25,7 @@ impl Arrays {
     }
 
     /// Reads one array from the start of the tokens; returns the tokens after it.
-    fn statement<'a>(&mut self, tokens: &'a [Token<'a>]) -> Result<&'a [Token<'a>], Fault> {
+    fn statement<'a>(&mut self, tokens: &'a [ArrayToken<'a>]) -> Result<&'a [ArrayToken<'a>], Fault> {
         let line = tokens[0].0;
         let fault = |message: &str| Fault { line, message: message.to_owned() };
         let words: Vec<&str> = tokens.iter().take(4).map(|(_, word)| *word).collect();
@@ -103,7 +103,7 @@ fn without_comments(text: &str) -> Result<String, Fault> {
     Ok(lines.collect::<Vec<_>>().join("\n"))
 }
 
-fn tokens(text: &str) -> Vec<Token<'_>> {
+fn tokens(text: &str) -> Vec<ArrayToken<'_>> {
     let mut found = Vec::new();
     for (number, line) in text.split('\n').enumerate() {
         let mut rest = line.trim_start();

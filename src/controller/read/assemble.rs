@@ -1,14 +1,14 @@
 //! Builds tables from the fields of a file, as the controller would.
 
-use super::lines::{Fields, Record};
-use super::products::{TableEntry, multiplied};
-use super::{Fault, Reading, number};
-use crate::compensation::{CorrectionTable, CorrectionTables, Encoding, ErrorCurve, PlaneGrid, TableRules};
+use super::lines::{Fields, TableFields};
+use super::products::{TableEntry, multiply};
+use super::{Fault, ReadContext, number};
+use crate::compensation::{AxisErrorCurve, CorrectionTable, CorrectionTables, Encoding, PlaneGrid, TableRules};
 use crate::controller::emit::{StoredColumn, StoredPosition};
 use crate::machine::{AxisKind, Direction, parse_error_name};
 
 /// Tables and error curves of all records. Fields before the first named record hold for all.
-pub(super) fn tables(reading: &Reading, records: &[Record]) -> Result<CorrectionTables, Fault> {
+pub(super) fn tables(reading: &ReadContext, records: &[TableFields]) -> Result<CorrectionTables, Fault> {
     let named = records.iter().any(|record| !record.name.is_empty());
     let common = records.iter().find(|record| named && record.name.is_empty());
     let mut all = CorrectionTables::default();
@@ -26,7 +26,7 @@ pub(super) fn tables(reading: &Reading, records: &[Record]) -> Result<Correction
             read.push(TableEntry { table: assembly.table()?, times, record });
         }
     }
-    all.tables = multiplied(reading, read)?;
+    all.tables = multiply(reading, read)?;
     Ok(all)
 }
 
@@ -35,8 +35,8 @@ const SUFFIXES: [&str; 3] = ["", "_2", "_3"];
 
 /// A record that becomes a table.
 pub(super) struct Assembly<'a> {
-    pub reading: &'a Reading<'a>,
-    pub record: &'a Record,
+    pub reading: &'a ReadContext<'a>,
+    pub record: &'a TableFields,
     pub common: Option<&'a Fields>,
 }
 
@@ -55,7 +55,7 @@ impl Assembly<'_> {
         number(text).map(Some).map_err(|message| Fault::new(*line, message))
     }
 
-    pub fn needed(&self, name: &str) -> Result<f64, Fault> {
+    pub fn required_number(&self, name: &str) -> Result<f64, Fault> {
         self.number(name)?.ok_or_else(|| self.fault(format!("there is no `{name}` for this table")))
     }
 
@@ -122,7 +122,7 @@ impl Assembly<'_> {
             return self.incremental(table, rules);
         }
         if self.field("length").is_some() {
-            return self.rolled(table, rules);
+            return self.unroll(table, rules);
         }
         for (place, suffix) in SUFFIXES.iter().enumerate().take(table.axes.len()) {
             let nodes = self.nodes(&table, place, suffix, rules)?;
@@ -130,15 +130,15 @@ impl Assembly<'_> {
         }
         self.check(&table, rules)?;
         self.values(&mut table, rules)?;
-        self.directed(&mut table)?;
-        self.closed(&table)?;
+        self.check_direction(&mut table)?;
+        self.check_ends(&table)?;
         Ok(table)
     }
 
     /// A line through position 0.
     fn line(&self, mut table: CorrectionTable, rules: &TableRules, line: usize) -> Result<CorrectionTable, Fault> {
         let kind = self.kind(table.corrected[0]);
-        let slope = self.needed("slope")?;
+        let slope = self.required_number("slope")?;
         if rules.largest.is_some_and(|max| slope.abs() > max) {
             return Err(Fault::new(line, "the controller would refuse this factor"));
         }
@@ -170,11 +170,12 @@ impl Assembly<'_> {
             });
             return listed.collect();
         }
-        let min = self.needed(&format!("min{suffix}"))?;
+        let min = self.required_number(&format!("min{suffix}"))?;
         let mechanisms = &self.reading.target.manifest.mechanism;
         let same_step = mechanisms.name_of(table) == Some("plane")
             && mechanisms.plane.as_ref().is_some_and(|plane| plane.grid == PlaneGrid::SameStep);
-        let step = if same_step { self.needed("step")? } else { self.needed(&format!("step{suffix}"))? };
+        let step =
+            if same_step { self.required_number("step")? } else { self.required_number(&format!("step{suffix}"))? };
         let count = self.count(place, suffix)?;
         let nodes: Vec<f64> = (0..count).map(|i| place_of.position(min + i as f64 * step)).collect();
         if let (Some(max), Some(last)) = (self.number(&format!("max{suffix}"))?, nodes.last()) {
@@ -237,16 +238,16 @@ impl Assembly<'_> {
             let fields = listed.ok_or_else(|| {
                 self.fault(format!(
                     "point {} is missing: the controller would keep what it had there",
-                    shown(&index, table.axes.len())
+                    index_text(&index, table.axes.len())
                 ))
             })?;
             for output in 0..outputs {
                 let named = bidirectional || fields.contains_key("forward");
                 let key = if named { "forward".to_owned() } else { format!("value{}", SUFFIXES[output.min(2)]) };
-                values.push(self.value(table, rules, fields, (node, output), &key)?);
+                values.push(self.value(table, rules, fields, node, output, &key)?);
             }
             if bidirectional {
-                reverse.push(self.value(table, rules, fields, (node, 0), "reverse")?);
+                reverse.push(self.value(table, rules, fields, node, 0, "reverse")?);
             }
         }
         table.values = values;
@@ -259,20 +260,22 @@ impl Assembly<'_> {
         table: &CorrectionTable,
         rules: &TableRules,
         fields: &Fields,
-        (node, output): (usize, usize),
+        node: usize,
+        output: usize,
         key: &str,
     ) -> Result<f64, Fault> {
         let missing = || self.fault(format!("point {node} has no {key}"));
         let (text, line) = fields.get(key).ok_or_else(missing)?;
         let stored = number(text).map_err(|message| Fault::new(*line, message))?;
-        self.correction(table, rules, (node, output), stored, *line)
+        self.correction(table, rules, node, output, stored, *line)
     }
 
     fn correction(
         &self,
         table: &CorrectionTable,
         rules: &TableRules,
-        (node, output): (usize, usize),
+        node: usize,
+        output: usize,
         stored: f64,
         line: usize,
     ) -> Result<f64, Fault> {
@@ -313,7 +316,7 @@ impl Assembly<'_> {
             }
             for (i, stored) in row.iter().enumerate() {
                 let node = i * height + j;
-                values[node] = self.correction(table, rules, (node, 0), *stored, *line)?;
+                values[node] = self.correction(table, rules, node, 0, *stored, *line)?;
             }
         }
         table.values = values;
@@ -321,7 +324,7 @@ impl Assembly<'_> {
     }
 
     /// A table for one direction of approach adds nothing in the other.
-    fn directed(&self, table: &mut CorrectionTable) -> Result<(), Fault> {
+    fn check_direction(&self, table: &mut CorrectionTable) -> Result<(), Fault> {
         let count = table.values.len();
         let none = || vec![0.0; count];
         let Some((word, line)) = self.field("direction") else { return Ok(()) };
@@ -338,7 +341,7 @@ impl Assembly<'_> {
     }
 
     /// The ends of a table that repeats itself agree.
-    fn closed(&self, table: &CorrectionTable) -> Result<(), Fault> {
+    fn check_ends(&self, table: &CorrectionTable) -> Result<(), Fault> {
         let Some((word, line)) = self.field("modulo") else { return Ok(()) };
         let differ = std::iter::once(&table.values).chain(&table.reverse).any(|v| v.first() != v.last());
         match &**word {
@@ -352,17 +355,17 @@ impl Assembly<'_> {
     }
 
     /// A curve or constant of an error by its ISO name.
-    fn error(&self) -> Result<ErrorCurve, Fault> {
+    fn error(&self) -> Result<AxisErrorCurve, Fault> {
         let unknown = || self.fault(format!("`{}` is no error of this machine's axes", self.record.name));
         let error = parse_error_name(&self.record.name).ok_or_else(unknown)?;
         let axis = self.reading.machine.axis_index(error.axis.as_str()).ok_or_else(unknown)?;
         let rules = self.reading.target.manifest.mechanism.error_curves.as_ref().ok_or_else(unknown)?;
         if error.is_location() {
-            let value = error_value(rules, error.direction, self.needed("constant")?);
-            return Ok(ErrorCurve { error, positions: Vec::new(), values: vec![value] });
+            let value = error_value(rules, error.direction, self.required_number("constant")?);
+            return Ok(AxisErrorCurve { error, positions: Vec::new(), values: vec![value] });
         }
         let place = StoredPosition { rules, kind: self.kind(axis) };
-        let mut curve = ErrorCurve { error, positions: Vec::new(), values: Vec::new() };
+        let mut curve = AxisErrorCurve { error, positions: Vec::new(), values: Vec::new() };
         for fields in self.record.points.values() {
             let part = |key: &str| {
                 let (text, line) = fields.get(key).ok_or_else(|| self.fault("a point without position or value"))?;
@@ -399,6 +402,6 @@ fn index_of(table: &CorrectionTable, mut number: usize) -> [usize; 3] {
     index
 }
 
-fn shown(index: &[usize; 3], places: usize) -> String {
+fn index_text(index: &[usize; 3], places: usize) -> String {
     index[..places.min(3)].iter().map(usize::to_string).collect::<Vec<_>>().join(",")
 }

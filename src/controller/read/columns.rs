@@ -1,16 +1,16 @@
 //! Lines of numbers between blanks and nothing else: the table of one axis.
 
-use super::{Fault, Reading, number};
+use super::{Fault, ReadContext, number};
 use crate::compensation::CorrectionTable;
 use crate::controller::emit::{StoredColumn, StoredPosition};
-use crate::controller::manifest::Column;
+use crate::controller::manifest::TableColumn;
 use crate::machine::AxisKind;
 
 /// Three numbers need a quarter of it; LinuxCNC's buffer takes no more and reads the rest as a line of its own.
 const MAX_LINE: usize = 254;
 
 /// Reads the table of the file's axis.
-pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Result<CorrectionTable, Fault> {
+pub(super) fn own_axis(reading: &ReadContext, columns: &[TableColumn], text: &str) -> Result<CorrectionTable, Fault> {
     let axis = reading.axis.unwrap_or(0);
     let max = reading.target.manifest.mechanism.own_axis.as_ref().map_or(usize::MAX, |own| own.table.max_points);
     let mut table = CorrectionTable::curve(axis, Vec::new(), axis, Vec::new());
@@ -19,9 +19,9 @@ pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Res
         let at = |message: String| Fault { line, message };
         for (column, value) in columns.iter().zip(point(columns, line, cells)?) {
             match column {
-                Column::Position => table.nodes[0].push(value),
-                Column::Forward => table.values.push(value),
-                Column::Reverse => reverse.push(value),
+                TableColumn::Position => table.nodes[0].push(value),
+                TableColumn::Forward => table.values.push(value),
+                TableColumn::Reverse => reverse.push(value),
             }
         }
         if line >= max {
@@ -36,13 +36,13 @@ pub(super) fn own_axis(reading: &Reading, columns: &[Column], text: &str) -> Res
     if table.is_empty() {
         return Err(Fault::new(0, "the table is empty"));
     }
-    table.reverse = columns.contains(&Column::Reverse).then_some(reverse);
+    table.reverse = columns.contains(&TableColumn::Reverse).then_some(reverse);
     let kind = reading.machine.axes()[axis].kind;
     Ok(in_millimetres(reading, table, kind))
 }
 
 /// Converts stored numbers to positions and corrections.
-fn in_millimetres(reading: &Reading, mut table: CorrectionTable, kind: AxisKind) -> CorrectionTable {
+fn in_millimetres(reading: &ReadContext, mut table: CorrectionTable, kind: AxisKind) -> CorrectionTable {
     let Some(own) = reading.target.manifest.mechanism.own_axis.as_ref() else { return table };
     let rules = &own.table;
     let (place, column) = (StoredPosition { rules, kind }, StoredColumn::new(rules, kind));
@@ -55,7 +55,7 @@ fn in_millimetres(reading: &Reading, mut table: CorrectionTable, kind: AxisKind)
 }
 
 /// Returns the numbers on a line, or its fault.
-fn point(columns: &[Column], number_of_line: usize, line: &str) -> Result<Vec<f64>, Fault> {
+fn point(columns: &[TableColumn], number_of_line: usize, line: &str) -> Result<Vec<f64>, Fault> {
     let fault = |message: String| Fault::new(number_of_line, message);
     if line.len() > MAX_LINE {
         return Err(fault(format!("{} characters in a line: the controller would cut it in pieces", line.len())));

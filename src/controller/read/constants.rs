@@ -2,7 +2,7 @@
 
 use super::{Arrays, Fault, ParameterLines};
 use crate::compensation::ModuleContent;
-use crate::controller::manifest::{ControllerTarget, Layout};
+use crate::controller::manifest::{ControllerTarget, FileLayout};
 use crate::units;
 
 impl ControllerTarget {
@@ -27,7 +27,7 @@ impl ControllerTarget {
     /// The lines of its file of kinematic parameters.
     pub fn parameter_lines(&self) -> Result<ParameterLines<'_>, Fault> {
         let lines = self.manifest.files.iter().find_map(|file| match &file.layout {
-            Some(Layout::Parameters { comment, line, structure, others }) => {
+            Some(FileLayout::Parameters { comment, line, structure, others }) => {
                 Some(ParameterLines { comment, line, structure, others })
             }
             _ => None,

@@ -9,7 +9,7 @@ use crate::units::significant;
 
 impl ControllerTarget {
     /// Warns of tables and curves whose points do not reach the ends of the volume (W0705).
-    pub fn uncovered(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
+    pub fn coverage_warnings(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
         let of_table = |table: &CorrectionTable| -> Vec<Diagnostic> {
             let rules = self.manifest.mechanism.rules(table);
             if rules.is_none_or(|rules| rules.spacing == Spacing::Line) {
@@ -20,7 +20,7 @@ impl ControllerTarget {
             let spans = table.axes.iter().zip(&table.nodes);
             spans.filter_map(|(axis, nodes)| self.short(machine, &what, *axis, nodes)).collect()
         };
-        let of_curve = |curve: &crate::compensation::ErrorCurve| {
+        let of_curve = |curve: &crate::compensation::AxisErrorCurve| {
             let axis = machine.axis_index(curve.error.axis.as_str())?;
             self.short(machine, &format!("the curve of {}", curve.error), axis, &curve.positions)
         };

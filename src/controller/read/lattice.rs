@@ -107,11 +107,11 @@ fn lattice_columns(machine: &Machine, header: &str) -> Result<(Vec<usize>, Vec<u
 /// The same as JSON: `{"columns": ["X [mm]", "dX [mm]"], "rows": [[0, 0.001], ...]}` with any other keys.
 pub(super) fn json(machine: &Machine, text: &str) -> Result<CorrectionTable, Fault> {
     #[derive(serde::Deserialize)]
-    struct Grid {
+    struct LatticeGrid {
         columns: Vec<String>,
         rows: Vec<Vec<f64>>,
     }
-    let grid: Grid = serde_json::from_str(text)
+    let grid: LatticeGrid = serde_json::from_str(text)
         .map_err(|failure| Fault { line: failure.line().saturating_sub(1), message: failure.to_string() })?;
     let mut csv = grid.columns.join(",") + "\n";
     for row in grid.rows {

@@ -1,42 +1,44 @@
 //! A text of a known layout to tables.
 
-use super::{Fault, Reading, assemble, columns, lattice, lines, named};
+use super::{Fault, ReadContext, assemble, columns, lattice, lines, named};
 use crate::compensation::CorrectionTables;
-use crate::controller::manifest::Layout;
+use crate::controller::manifest::FileLayout;
 
-impl Reading<'_> {
-    pub fn file(&self, layout: &Layout, text: &str) -> Result<CorrectionTables, Fault> {
+impl ReadContext<'_> {
+    pub fn file(&self, layout: &FileLayout, text: &str) -> Result<CorrectionTables, Fault> {
         if text.trim().is_empty() {
             return Err(Fault::new(0, "the file is empty: it was cut off, and the controller would read no values"));
         }
         let one = |table| CorrectionTables { tables: vec![table], errors: Vec::new() };
         match layout {
-            Layout::Columns { columns } => columns::own_axis(self, columns, text).map(one),
-            Layout::CsvLattice => lattice::csv(self.machine, text).map(one),
-            Layout::JsonLattice => lattice::json(self.machine, text).map(one),
+            FileLayout::Columns { columns } => columns::own_axis(self, columns, text).map(one),
+            FileLayout::CsvLattice => lattice::csv(self.machine, text).map(one),
+            FileLayout::JsonLattice => lattice::json(self.machine, text).map(one),
             // Those of kinematics modules have a reader of their own.
-            Layout::CArrays | Layout::HalConstants | Layout::Parameters { .. } => Ok(CorrectionTables::default()),
-            Layout::Lines { comment, lines } => {
+            FileLayout::CArrays | FileLayout::HalConstants | FileLayout::Parameters { .. } => {
+                Ok(CorrectionTables::default())
+            }
+            FileLayout::Lines { comment, lines } => {
                 let records = lines::records(comment.as_deref(), lines, text)?;
                 assemble::tables(self, &records)
             }
-            Layout::ErrorColumns => named::error_columns(self, text),
-            Layout::AxisColumns { position, reversal, frame } => {
-                named::axis_columns(self, &named::Header { position, reversal, frame }, text)
+            FileLayout::ErrorColumns => named::error_columns(self, text),
+            FileLayout::AxisColumns { position, reversal, frame } => {
+                named::axis_columns(self, &named::CurveHeader { position, reversal, frame }, text)
             }
         }
     }
 }
 
-impl Reading<'_> {
+impl ReadContext<'_> {
     /// True if a text without tables can be recognised as this layout.
-    pub fn is_of_layout(&self, layout: &Layout, text: &str) -> Result<bool, Fault> {
+    pub fn is_of_layout(&self, layout: &FileLayout, text: &str) -> Result<bool, Fault> {
         match layout {
-            Layout::Lines { comment, lines } => {
+            FileLayout::Lines { comment, lines } => {
                 let told = !lines::records(comment.as_deref(), lines, text)?.is_empty();
                 Ok(told || lines.iter().any(|line| line.required))
             }
-            Layout::ErrorColumns => {
+            FileLayout::ErrorColumns => {
                 Ok(text.lines().any(|line| !line.trim_start().starts_with("//") && !line.trim().is_empty()))
             }
             _ => Ok(false),

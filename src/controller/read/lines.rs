@@ -17,7 +17,7 @@ pub(super) type Fields = BTreeMap<String, FieldValue>;
 
 /// The fields of one table in a file.
 #[derive(Debug, Default)]
-pub(super) struct Record {
+pub(super) struct TableFields {
     /// Its name, empty if the file holds one only.
     pub name: String,
     /// The first line that spoke of it.
@@ -38,10 +38,10 @@ const OF_POINTS: [&str; 9] =
 const MAX_POINTS: usize = 5_000_000;
 
 /// Reads the lines of a file.
-pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> Result<Vec<Record>, Fault> {
-    let patterns: Vec<(Vec<Piece>, &LineSpec)> = specs.iter().map(|spec| (pieces(&spec.line), spec)).collect();
+pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> Result<Vec<TableFields>, Fault> {
+    let patterns: Vec<(Vec<PatternPiece>, &LineSpec)> = specs.iter().map(|spec| (pieces(&spec.line), spec)).collect();
     let mut met = vec![false; specs.len()];
-    let mut records: Vec<Record> = Vec::new();
+    let mut records: Vec<TableFields> = Vec::new();
     let mut current = 0;
     let mut open: Option<usize> = None;
     for (number, line) in text.lines().enumerate() {
@@ -49,8 +49,8 @@ pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> 
         if bare.is_empty() && comment.is_some() {
             continue;
         }
-        let fits = |(pieces, spec): &(Vec<Piece>, &LineSpec)| {
-            spec.at.is_none_or(|at| at == number + 1).then(|| matched(pieces, bare)).flatten()
+        let fits = |(pieces, spec): &(Vec<PatternPiece>, &LineSpec)| {
+            spec.at.is_none_or(|at| at == number + 1).then(|| match_pattern(pieces, bare)).flatten()
         };
         let Some((which, fields)) = patterns.iter().enumerate().find_map(|(i, p)| Some((i, fits(p)?))) else {
             return Err(Fault::new(number, "the controller would not understand this line"));
@@ -78,7 +78,7 @@ pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> 
 
 /// Puts the fields of a line where they belong: to the record that the line names, else to the last one.
 fn take(
-    records: &mut Vec<Record>,
+    records: &mut Vec<TableFields>,
     current: &mut usize,
     said: impl Iterator<Item = (String, String)>,
     line: usize,
@@ -95,7 +95,7 @@ fn take(
     };
     let at = known.unwrap_or(records.len());
     if known.is_none() {
-        records.push(Record { name: name.unwrap_or_default(), line, ..Record::default() });
+        records.push(TableFields { name: name.unwrap_or_default(), line, ..TableFields::default() });
     }
     *current = at;
     let record = &mut records[at];
@@ -133,17 +133,17 @@ fn index(said: &mut BTreeMap<String, String>, next: usize, line: usize) -> Resul
 
 /// True if a line fits a pattern from end to end.
 pub(super) fn fits(pattern: &str, line: &str) -> bool {
-    matched(&pieces(pattern), line).is_some()
+    match_pattern(&pieces(pattern), line).is_some()
 }
 
 /// The fields of a line that fits a pattern from end to end.
 pub(super) fn fields(pattern: &str, line: &str) -> Option<Vec<(String, String)>> {
-    matched(&pieces(pattern), line)
+    match_pattern(&pieces(pattern), line)
 }
 
 /// A piece of a pattern.
 #[derive(Debug, Clone, PartialEq)]
-enum Piece {
+enum PatternPiece {
     /// Literal letters.
     Text(String),
     /// Any blanks.
@@ -152,20 +152,20 @@ enum Piece {
     Field(String),
 }
 
-fn pieces(pattern: &str) -> Vec<Piece> {
+fn pieces(pattern: &str) -> Vec<PatternPiece> {
     let mut pieces = Vec::new();
     let mut rest = pattern.trim();
     while let Some(first) = rest.chars().next() {
         if first.is_whitespace() {
             rest = rest.trim_start();
-            pieces.push(Piece::Blank);
+            pieces.push(PatternPiece::Blank);
         } else if let Some((field, after)) = rest.strip_prefix('<').and_then(|r| r.split_once('>')) {
-            pieces.push(Piece::Field(field.to_owned()));
+            pieces.push(PatternPiece::Field(field.to_owned()));
             rest = after;
         } else {
             let tail = &rest[first.len_utf8()..];
             let end = tail.find(|c: char| c.is_whitespace() || c == '<').unwrap_or(tail.len()) + first.len_utf8();
-            pieces.push(Piece::Text(rest[..end].to_owned()));
+            pieces.push(PatternPiece::Text(rest[..end].to_owned()));
             rest = &rest[end..];
         }
     }
@@ -173,21 +173,21 @@ fn pieces(pattern: &str) -> Vec<Piece> {
 }
 
 /// The fields of a line that fits a pattern from end to end.
-fn matched(pieces: &[Piece], line: &str) -> Option<Vec<(String, String)>> {
+fn match_pattern(pieces: &[PatternPiece], line: &str) -> Option<Vec<(String, String)>> {
     let mut fields = Vec::new();
     let mut rest = line;
     for (i, piece) in pieces.iter().enumerate() {
         match piece {
-            Piece::Text(text) => rest = rest.strip_prefix(&**text)?,
-            Piece::Blank => {
+            PatternPiece::Text(text) => rest = rest.strip_prefix(&**text)?,
+            PatternPiece::Blank => {
                 let after = rest.trim_start();
                 (after.len() < rest.len()).then_some(())?;
                 rest = after;
             }
-            Piece::Field(name) => {
+            PatternPiece::Field(name) => {
                 let end = match pieces.get(i + 1) {
                     _ if name == "row" || name == "any" && i + 1 == pieces.len() => rest.len(),
-                    Some(Piece::Text(next)) => rest.find(&**next)?,
+                    Some(PatternPiece::Text(next)) => rest.find(&**next)?,
                     _ => rest.find(char::is_whitespace).unwrap_or(rest.len()),
                 };
                 let value = rest[..end].trim();

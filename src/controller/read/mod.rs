@@ -30,4 +30,4 @@ pub use parameters::ParameterLines;
 pub use recognise::{RecognisedSet, recognise};
 
 use file::number;
-use reading::Reading;
+use reading::ReadContext;

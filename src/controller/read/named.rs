@@ -1,10 +1,10 @@
 //! Formats whose columns are named in the file: blocks of ISO errors, and tables over one axis.
 
 use super::assemble::error_value;
-use super::{Fault, Reading, lines, number};
-use crate::compensation::{CorrectionTable, CorrectionTables, ErrorCurve};
+use super::{Fault, ReadContext, lines, number};
+use crate::compensation::{AxisErrorCurve, CorrectionTable, CorrectionTables};
 use crate::controller::emit::{StoredColumn, StoredPosition};
-use crate::controller::manifest::Frame;
+use crate::controller::manifest::TextFrame;
 use crate::machine::{AxisKind, AxisName, parse_error_name};
 use nalgebra::Vector3;
 
@@ -37,7 +37,7 @@ struct OffLine {
 
 /// Refuses lines of rotary axes by which the curves of the file would have another effect. After a second round they
 /// are off by what the kinematic parameters were corrected by: that counts as a product with the errors.
-fn same_effect(lines: &[OffLine], errors: &[ErrorCurve]) -> Result<(), Fault> {
+fn same_effect(lines: &[OffLine], errors: &[AxisErrorCurve]) -> Result<(), Fault> {
     let largest = |rotations: bool| {
         let of_kind = errors.iter().filter(|curve| curve.error.direction.is_rotation() == rotations);
         of_kind.flat_map(|curve| &curve.values).fold(0.0, |max: f64, x| max.max(x.abs()))
@@ -54,7 +54,7 @@ fn same_effect(lines: &[OffLine], errors: &[ErrorCurve]) -> Result<(), Fault> {
 }
 
 /// Reads lines of rotary axes (`PXC PYC PZC`, a point; `VXC VYC VZC`, the direction).
-fn lines_of_turns(reading: &Reading, line: usize, names: &[&str], row: &[f64]) -> Result<Vec<OffLine>, Fault> {
+fn lines_of_turns(reading: &ReadContext, line: usize, names: &[&str], row: &[f64]) -> Result<Vec<OffLine>, Fault> {
     let mut all = Vec::new();
     for axis in reading.machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary) {
         let words = ["PX", "PY", "PZ", "VX", "VY", "VZ"].iter().map(|word| format!("{word}{}", axis.name));
@@ -75,20 +75,20 @@ fn lines_of_turns(reading: &Reading, line: usize, names: &[&str], row: &[f64]) -
 }
 
 /// True if it names the position of an axis, of this machine or of another one.
-fn is_argument(reading: &Reading, name: &str) -> bool {
+fn is_argument(reading: &ReadContext, name: &str) -> bool {
     reading.machine.axis_index(name).is_some() || matches!(name, "X" | "Y" | "Z" | "A" | "B" | "C")
 }
 
 /// Blocks of columns under a line of names, `//` before a comment, a line with `#` between blocks: one
 /// row of constants, or an axis and its errors.
-pub(super) fn error_columns(reading: &Reading, text: &str) -> Result<CorrectionTables, Fault> {
+pub(super) fn error_columns(reading: &ReadContext, text: &str) -> Result<CorrectionTables, Fault> {
     let (mut all, mut turns) = (CorrectionTables::default(), Vec::new());
     let mut header: Option<(usize, Vec<&str>)> = None;
     let mut rows: Vec<(usize, Vec<f64>)> = Vec::new();
     for (line, words) in text.lines().enumerate() {
         let bare = words.split("//").next().unwrap_or_default().trim();
         if bare.starts_with('#') {
-            block(reading, header.take(), &std::mem::take(&mut rows), (&mut all, &mut turns))?;
+            block(reading, header.take(), &std::mem::take(&mut rows), &mut all, &mut turns)?;
         } else if bare.is_empty() {
         } else if let Some((_, names)) = &header {
             let cells: Result<Vec<f64>, _> = bare.split_whitespace().map(number).collect();
@@ -101,16 +101,17 @@ pub(super) fn error_columns(reading: &Reading, text: &str) -> Result<CorrectionT
             header = Some((line, bare.split_whitespace().collect()));
         }
     }
-    block(reading, header, &rows, (&mut all, &mut turns))?;
+    block(reading, header, &rows, &mut all, &mut turns)?;
     same_effect(&turns, &all.errors)?;
     Ok(all)
 }
 
 fn block(
-    reading: &Reading,
+    reading: &ReadContext,
     header: Option<(usize, Vec<&str>)>,
     rows: &[(usize, Vec<f64>)],
-    (all, turns): (&mut CorrectionTables, &mut Vec<OffLine>),
+    all: &mut CorrectionTables,
+    turns: &mut Vec<OffLine>,
 ) -> Result<(), Fault> {
     let Some((line, names)) = header else { return Ok(()) };
     let Some(rules) = reading.target.manifest.mechanism.error_curves.as_ref() else { return Ok(()) };
@@ -156,20 +157,20 @@ fn block(
             return Err(Fault::new(line, format!("`{name}` is there twice (error 70469)")));
         }
         let values = rows.iter().map(|(_, row)| error_value(rules, error.direction, row[column])).collect();
-        all.errors.push(ErrorCurve { error, positions: positions.clone(), values });
+        all.errors.push(AxisErrorCurve { error, positions: positions.clone(), values });
     }
     Ok(())
 }
 
 /// The names of the columns over one axis.
-pub(super) struct Header<'a> {
+pub(super) struct CurveHeader<'a> {
     pub position: &'a str,
     pub reversal: &'a str,
-    pub frame: &'a Frame,
+    pub frame: &'a TextFrame,
 }
 
 /// The lines between the first and the last one of a frame, without comments and blank lines.
-fn framed<'a>(frame: &Frame, text: &'a str) -> Result<Vec<(usize, &'a str)>, Fault> {
+fn lines_in_frame<'a>(frame: &TextFrame, text: &'a str) -> Result<Vec<(usize, &'a str)>, Fault> {
     let said = text.lines().map(str::trim).enumerate();
     let mut said = said.filter(|(_, line)| !line.is_empty() && !line.starts_with(&*frame.comment));
     let (line, first) = said.next().ok_or_else(|| Fault::new(0, "there is nothing but comments"))?;
@@ -192,11 +193,11 @@ fn framed<'a>(frame: &Frame, text: &'a str) -> Result<Vec<(usize, &'a str)>, Fau
 
 /// A line of names, then rows: number, position, and a column for every corrected axis. The file's axis is the input. A
 /// column for the negative direction is accepted as long as it holds no other values.
-pub(super) fn axis_columns(reading: &Reading, header: &Header, text: &str) -> Result<CorrectionTables, Fault> {
+pub(super) fn axis_columns(reading: &ReadContext, header: &CurveHeader, text: &str) -> Result<CorrectionTables, Fault> {
     let input = reading.axis.unwrap_or(0);
     let mut names: Option<Vec<&str>> = None;
     let mut rows: Vec<(usize, Vec<Option<f64>>)> = Vec::new();
-    for (line, bare) in framed(header.frame, text)? {
+    for (line, bare) in lines_in_frame(header.frame, text)? {
         let cells: Vec<&str> = bare.split_whitespace().collect();
         let Some(names) = &names else {
             names = Some(cells);
@@ -227,16 +228,18 @@ pub(super) fn axis_columns(reading: &Reading, header: &Header, text: &str) -> Re
         }
         let output =
             reading.by_letter(name).ok_or_else(|| Fault::new(0, format!("the machine has no axis `{name}`")))?;
-        all.tables.push(axis_column(reading, (input, output), &rows, (position, at))?);
+        all.tables.push(axis_column(reading, input, output, &rows, position, at)?);
     }
     if all.tables.is_empty() { Err(Fault::new(0, "no axis is corrected")) } else { Ok(all) }
 }
 
 fn axis_column(
-    reading: &Reading,
-    (input, output): (usize, usize),
+    reading: &ReadContext,
+    input: usize,
+    output: usize,
     rows: &[(usize, Vec<Option<f64>>)],
-    (position, value): (usize, usize),
+    position: usize,
+    value: usize,
 ) -> Result<CorrectionTable, Fault> {
     let mut table = CorrectionTable::curve(input, Vec::new(), output, Vec::new());
     let rules = reading.target.manifest.mechanism.rules(&table);

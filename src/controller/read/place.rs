@@ -2,7 +2,7 @@
 //! positions.
 
 use super::{Fault, ReadBack};
-use crate::controller::manifest::{AssignedAxis, ControllerTarget, Index, Layout, by_number};
+use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileLayout, Index, by_number};
 use crate::machine::Machine;
 
 /// An axis, assigned to a file by another file.
@@ -14,16 +14,17 @@ pub(super) struct AxisFile {
 }
 
 /// Returns the assignments of a file. A fault: its settings make the controller read the files differently.
-pub(super) fn assigned(index: &Index, letters: &[AssignedAxis], text: &str) -> Result<Vec<AxisFile>, Fault> {
+pub(super) fn axis_files(index: &Index, letters: &[AssignedAxis], text: &str) -> Result<Vec<AxisFile>, Fault> {
     match index {
-        Index::Sections { prefix, key, with } => sections((prefix, key), with, letters, text),
+        Index::Sections { prefix, key, with } => sections(prefix, key, with, letters, text),
         Index::Columns { header } => Ok(columns(header, letters, text)),
     }
 }
 
 /// `[PREFIXn]`, n counted from 0, then `KEY = FILE`.
 fn sections(
-    (prefix, key): (&str, &str),
+    prefix: &str,
+    key: &str,
     with: &std::collections::BTreeMap<String, String>,
     letters: &[AssignedAxis],
     text: &str,
@@ -74,8 +75,8 @@ fn base(path: &str) -> &str {
 }
 
 /// The axis whose file, as the target names it, is named in the first line around the columns, and which line that is.
-pub(super) fn by_frame(layout: &Layout, names: &[(Option<usize>, String)], text: &str) -> Option<(usize, usize)> {
-    let Layout::AxisColumns { frame, .. } = layout else { return None };
+pub(super) fn by_frame(layout: &FileLayout, names: &[(Option<usize>, String)], text: &str) -> Option<(usize, usize)> {
+    let FileLayout::AxisColumns { frame, .. } = layout else { return None };
     let said = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with(&*frame.comment);
     let (line, first) = text.lines().enumerate().find(|(_, line)| said(line))?;
     let words: Vec<&str> = first.split([' ', '.', '\t']).collect();
@@ -104,6 +105,6 @@ pub(super) fn index_fault(
     let indices = target.manifest.files.iter().filter_map(|spec| Some((spec, spec.index.as_ref()?)));
     indices.into_iter().find_map(|(spec, index)| {
         let at = files.iter().position(|file| file.name == spec.path)?;
-        assigned(index, letters, &files[at].text).err().map(|fault| (at, fault))
+        axis_files(index, letters, &files[at].text).err().map(|fault| (at, fault))
     })
 }

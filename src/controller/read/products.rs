@@ -1,7 +1,7 @@
 //! Tables that multiply one another.
 
-use super::lines::Record;
-use super::{Fault, Reading};
+use super::lines::TableFields;
+use super::{Fault, ReadContext};
 use crate::compensation::CorrectionTable;
 use crate::controller::emit::StoredColumn;
 
@@ -10,12 +10,12 @@ pub(super) struct TableEntry<'a> {
     pub table: CorrectionTable,
     /// The number, from 1, of the table by which it is multiplied; 0 for none.
     pub times: usize,
-    pub record: &'a Record,
+    pub record: &'a TableFields,
 }
 
 /// Sums up the tables of a file: the plain ones, and the products. Whether the controller also adds the factor tables
 /// themselves is documented nowhere, so they are only read where their contributions cancel.
-pub(super) fn multiplied(reading: &Reading, read: Vec<TableEntry>) -> Result<Vec<CorrectionTable>, Fault> {
+pub(super) fn multiply(reading: &ReadContext, read: Vec<TableEntry>) -> Result<Vec<CorrectionTable>, Fault> {
     let mut products: Vec<CorrectionTable> = Vec::new();
     let mut factors: Vec<usize> = Vec::new();
     for (at, numbered) in read.iter().enumerate().filter(|(_, numbered)| numbered.times > 0) {
@@ -58,7 +58,7 @@ fn key(table: &CorrectionTable) -> (&Vec<usize>, &Vec<Vec<f64>>, &Vec<usize>) {
 
 /// The table over two axes of a product.
 fn product(
-    reading: &Reading,
+    reading: &ReadContext,
     first: &CorrectionTable,
     second: &CorrectionTable,
     line: usize,

@@ -4,7 +4,7 @@ use crate::controller::manifest::{AssignedAxis, ControllerTarget, by_number};
 use crate::machine::Machine;
 
 /// The context in which a file is read.
-pub struct Reading<'a> {
+pub struct ReadContext<'a> {
     pub target: &'a ControllerTarget,
     pub machine: &'a Machine,
     /// The axes in the controller's order.
@@ -13,7 +13,7 @@ pub struct Reading<'a> {
     pub axis: Option<usize>,
 }
 
-impl Reading<'_> {
+impl ReadContext<'_> {
     /// The axis with one of the controller's letters.
     pub fn by_letter(&self, letter: &str) -> Option<usize> {
         self.letters.iter().find(|known| known.letter == letter).map(|known| known.axis)

@@ -7,9 +7,9 @@
 //!
 //! A file that fits no place is ignored, with a warning (W0711).
 
-use super::place::{assigned, by_frame, spans};
-use super::{Fault, ReadBack, Reading};
-use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileSpec, Layout, Per, assigned_letters};
+use super::place::{axis_files, by_frame, spans};
+use super::{Fault, ReadBack, ReadContext};
+use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileLayout, FileSpec, Per, axis_letters};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
 
@@ -66,7 +66,7 @@ pub fn recognise(
         diagnostics.push(ambiguous(best, &rivals, files));
         return None;
     }
-    best.settled(machine, files, diagnostics)
+    best.settle(machine, files, diagnostics)
 }
 
 /// Reports the fault that is furthest down in a file.
@@ -93,7 +93,7 @@ fn ambiguous(best: &TargetFit, rivals: &[&TargetFit], files: &[NamedText]) -> Di
 impl TargetFit {
     /// None if the machine is none for this target.
     fn of(target: ControllerTarget, machine: &Machine, files: &[NamedText]) -> Option<Self> {
-        let letters = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None)?;
+        let letters = axis_letters(machine, target.manifest.axis_letters.as_ref(), None)?;
         let (mut placed, mut failed) = (Vec::new(), Vec::new());
         for (file, (_, text)) in files.iter().enumerate() {
             let mut trial = Trial { target: &target, machine, letters: &letters, text, furthest: None };
@@ -105,7 +105,7 @@ impl TargetFit {
         // Tables beside a kinematics module do not count without the module.
         let of_module = |placed: &FilePlace| {
             let layout = target.manifest.files[placed.spec].layout.as_ref();
-            matches!(layout, Some(Layout::CArrays | Layout::HalConstants | Layout::Parameters { .. }))
+            matches!(layout, Some(FileLayout::CArrays | FileLayout::HalConstants | FileLayout::Parameters { .. }))
         };
         if target.manifest.kinematics().is_some() && !placed.iter().any(of_module) {
             placed.clear();
@@ -120,9 +120,9 @@ impl TargetFit {
     }
 
     /// Every file in one place.
-    fn settled(&self, machine: &Machine, files: &[NamedText], diagnostics: &mut Diagnostics) -> Option<RecognisedSet> {
+    fn settle(&self, machine: &Machine, files: &[NamedText], diagnostics: &mut Diagnostics) -> Option<RecognisedSet> {
         let target = &self.target;
-        let letters = assigned_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        let letters = axis_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
         let axes = self.axes(machine, &letters, files, diagnostics)?;
         let mut found: Vec<ReadBack> = Vec::new();
         for (placed, axis) in self.placed.iter().zip(axes) {
@@ -140,7 +140,7 @@ impl TargetFit {
             }
             found.push(ReadBack { name, found: own.clone(), text: text.clone() });
         }
-        self.report_ignored(files, diagnostics);
+        self.report_unread(files, diagnostics);
         Some(RecognisedSet { target: target.clone(), files: found })
     }
 
@@ -156,7 +156,7 @@ impl TargetFit {
         for placed in &self.placed {
             known.push(match placed.axes[..] {
                 [axis] => Some(axis),
-                _ => self.assigned_axis(placed, machine, letters, files, diagnostics)?,
+                _ => self.axis_of_file(placed, machine, letters, files, diagnostics)?,
             });
         }
         // One file may leave only one axis for the next.
@@ -182,7 +182,7 @@ impl TargetFit {
         }
         let nowhere = (0..known.len()).find(|i| known[*i].is_none() && !self.placed[*i].axes.is_empty());
         if let Some(i) = nowhere {
-            diagnostics.push(self.unplaced(&self.placed[i], machine, files));
+            diagnostics.push(self.unknown_place(&self.placed[i], machine, files));
             return None;
         }
         Some(known)
@@ -190,7 +190,7 @@ impl TargetFit {
 
     /// Returns the axis of a file by a file that assigns it, or by its own first lines. The outer none: a refusal was
     /// reported.
-    fn assigned_axis(
+    fn axis_of_file(
         &self,
         placed: &FilePlace,
         machine: &Machine,
@@ -201,7 +201,7 @@ impl TargetFit {
         let (own, text) = &files[placed.file];
         for index in self.target.manifest.files.iter().filter_map(|spec| spec.index.as_ref()) {
             for (name, text) in files {
-                match assigned(index, letters, text) {
+                match axis_files(index, letters, text) {
                     Ok(all) => {
                         let axis = all.iter().find(|a| a.file == *own).map(|a| a.axis);
                         if let Some(axis) = axis.filter(|axis| placed.axes.contains(axis)) {
@@ -223,7 +223,7 @@ impl TargetFit {
         Some(framed.filter(|axis| placed.axes.contains(axis)))
     }
 
-    fn unplaced(&self, placed: &FilePlace, machine: &Machine, files: &[NamedText]) -> Diagnostic {
+    fn unknown_place(&self, placed: &FilePlace, machine: &Machine, files: &[NamedText]) -> Diagnostic {
         let spec = &self.target.manifest.files[placed.spec];
         let candidates: Vec<String> = self
             .target
@@ -244,7 +244,7 @@ impl TargetFit {
     }
 
     /// Reports the files that were not read.
-    fn report_ignored(&self, files: &[NamedText], diagnostics: &mut Diagnostics) {
+    fn report_unread(&self, files: &[NamedText], diagnostics: &mut Diagnostics) {
         let known = |name: &str| {
             let plain = |spec: &FileSpec| spec.layout.is_none() && spec.path == name;
             self.target.manifest.files.iter().any(plain)
@@ -283,15 +283,15 @@ impl Trial<'_> {
     }
 
     /// The axes for which the file reads as this part of the set.
-    fn fits(&mut self, spec: &FileSpec, layout: &Layout) -> Option<(Vec<usize>, Vec<f64>)> {
-        if let Layout::CArrays | Layout::HalConstants | Layout::Parameters { .. } = layout {
+    fn fits(&mut self, spec: &FileSpec, layout: &FileLayout) -> Option<(Vec<usize>, Vec<f64>)> {
+        if let FileLayout::CArrays | FileLayout::HalConstants | FileLayout::Parameters { .. } = layout {
             let told = self.target.accept_kinematics(self.text);
-            return self.kept(told).map(|()| Default::default());
+            return self.keep(told).map(|()| Default::default());
         }
         if spec.per == Per::Machine {
             return self.read(layout, None).map(|_| Default::default());
         }
-        let says_axis = !matches!(layout, Layout::Columns { .. } | Layout::AxisColumns { .. });
+        let says_axis = !matches!(layout, FileLayout::Columns { .. } | FileLayout::AxisColumns { .. });
         if let Some((Some(axis), positions)) =
             says_axis.then(|| self.read(layout, None).map(|r| of(spec.per, r))).flatten()
         {
@@ -306,8 +306,8 @@ impl Trial<'_> {
         (!axes.is_empty()).then_some((axes, positions))
     }
 
-    fn read(&mut self, layout: &Layout, axis: Option<usize>) -> Option<crate::compensation::CorrectionTables> {
-        let reading = Reading { target: self.target, machine: self.machine, letters: self.letters.to_vec(), axis };
+    fn read(&mut self, layout: &FileLayout, axis: Option<usize>) -> Option<crate::compensation::CorrectionTables> {
+        let reading = ReadContext { target: self.target, machine: self.machine, letters: self.letters.to_vec(), axis };
         let read = reading.file(layout, self.text).and_then(|tables| {
             let empty = tables.tables.is_empty() && tables.errors.is_empty();
             if empty && !reading.is_of_layout(layout, self.text)? {
@@ -316,10 +316,10 @@ impl Trial<'_> {
                 Ok(tables)
             }
         });
-        self.kept(read)
+        self.keep(read)
     }
 
-    fn kept<T>(&mut self, read: Result<T, Fault>) -> Option<T> {
+    fn keep<T>(&mut self, read: Result<T, Fault>) -> Option<T> {
         match read {
             Ok(read) => Some(read),
             Err(fault) => {

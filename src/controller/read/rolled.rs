@@ -4,9 +4,10 @@ use super::assemble::Assembly;
 use super::{Fault, number};
 use crate::compensation::{CorrectionTable, Directions, TableRules};
 use crate::controller::emit::{StoredColumn, StoredPosition};
+use std::ops::RangeInclusive;
 
 impl Assembly<'_> {
-    fn required(&self, name: &str) -> Result<usize, Fault> {
+    fn required_index(&self, name: &str) -> Result<usize, Fault> {
         self.whole(name)?.ok_or_else(|| self.fault(format!("there is no `{name}`")))
     }
 
@@ -16,7 +17,7 @@ impl Assembly<'_> {
         let axis = table.axes[0];
         let (kind, turns) = (self.kind(table.corrected[0]), self.reading.machine.is_continuous(axis));
         let (reference, first, last) =
-            (self.required("reference")?, self.required("first")?, self.required("last_number")?);
+            (self.required_index("reference")?, self.required_index("first")?, self.required_index("last_number")?);
         // Over a turn the farthest point in - is the reference point itself, and repeats the value of the last one.
         let repeated = turns && first == reference;
         let lowest = if repeated { first } else { first.wrapping_sub(1) };
@@ -27,7 +28,7 @@ impl Assembly<'_> {
             return Err(self.fault("the reference point is none of the points"));
         }
         let zero = reference - lowest;
-        let forward = self.sums(rules, (first, last), repeated, turns)?;
+        let forward = self.sums(rules, first..=last, repeated, turns)?;
         let told = ["two_sided", "first_reverse", "reverse_at_reference"].map(|name| self.field(name).is_some());
         if told[0] != told[1] || told[1] != told[2] {
             return Err(self.fault(
@@ -37,7 +38,7 @@ impl Assembly<'_> {
         }
         let reverse = match self.whole("first_reverse")? {
             None => None,
-            Some(start) => Some(self.sums(rules, (start, start + (last - first)), repeated, turns)?),
+            Some(start) => Some(self.sums(rules, start..=start + (last - first), repeated, turns)?),
         };
         let ranges = [Some(first), self.whole("first_reverse")?];
         let ours = |n: usize| ranges.iter().flatten().any(|start| (*start..=start + (last - first)).contains(&n));
@@ -45,7 +46,7 @@ impl Assembly<'_> {
             return Err(self.fault(format!("point {} is outside {first} to {last}", index[0])));
         }
         let (place, column) = (StoredPosition { rules, kind: self.kind(axis) }, StoredColumn::new(rules, kind));
-        let step = self.needed("step")?;
+        let step = self.required_number("step")?;
         let position = |n: usize| place.position((n as f64 - reference as f64) * step);
         let correction = |sums: &[f64], start: f64| -> Vec<f64> {
             sums.iter().map(|s| column.correction(s - sums[zero] + start, None)).collect()
@@ -61,10 +62,11 @@ impl Assembly<'_> {
     fn sums(
         &self,
         rules: &TableRules,
-        (first, last): (usize, usize),
+        numbers: RangeInclusive<usize>,
         repeated: bool,
         turns: bool,
     ) -> Result<Vec<f64>, Fault> {
+        let (first, last) = numbers.into_inner();
         let times = self.number("magnification")?.unwrap_or(1.0);
         let increment = |n: usize| {
             let missing = || self.fault(format!("point {n} is missing: the controller would keep what it had there"));
@@ -95,7 +97,7 @@ impl Assembly<'_> {
     }
 
     /// Entries from one step behind 0 on, of a plane line by line; entries beyond the travel hold negative positions.
-    pub fn rolled(&self, mut table: CorrectionTable, rules: &TableRules) -> Result<CorrectionTable, Fault> {
+    pub fn unroll(&self, mut table: CorrectionTable, rules: &TableRules) -> Result<CorrectionTable, Fault> {
         let column = StoredColumn::new(rules, self.kind(table.corrected[0]));
         let counts = self.counts(table.axes.len())?;
         let entries = self.entries(&counts)?;
@@ -194,7 +196,7 @@ impl Assembly<'_> {
     /// Positions of the entries over an axis with their numbers, rising. A turn has its first one at its end too.
     fn around(&self, axis: usize, count: usize, length: &str, rules: &TableRules) -> Result<Vec<(f64, usize)>, Fault> {
         let place = StoredPosition { rules, kind: self.kind(axis) };
-        let length = self.needed(length)?;
+        let length = self.required_number(length)?;
         let step = length / count as f64;
         let turns = self.reading.machine.is_continuous(axis);
         let (_, max) = self.reading.machine.axes()[axis].travel.interval();

@@ -1,8 +1,8 @@
 //! The files of a set by their names, and their tables.
 
-use super::{Fault, ReadBack, Reading, place};
+use super::{Fault, ReadBack, ReadContext, place};
 use crate::compensation::CorrectionTables;
-use crate::controller::manifest::{ControllerTarget, FileSpec, Per, assigned_letters, path_fits};
+use crate::controller::manifest::{ControllerTarget, FileSpec, Per, axis_letters, path_fits};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
 
@@ -70,11 +70,11 @@ impl ControllerTarget {
         keep: impl Fn(&FileSpec) -> bool,
         diagnostics: &mut Diagnostics,
     ) -> Option<CorrectionTables> {
-        let letters = assigned_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
+        let letters = axis_letters(machine, self.manifest.axis_letters.as_ref(), None).unwrap_or_default();
         if let Some((at, fault)) = place::index_fault(self, &letters, files) {
             fault.report(&files[at], diagnostics);
         }
-        let mut reading = Reading { target: self, machine, letters, axis: None };
+        let mut reading = ReadContext { target: self, machine, letters, axis: None };
         let mut all = CorrectionTables::default();
         let mut any = false;
         for spec in self.manifest.files.iter().filter(|spec| keep(spec)) {
@@ -108,7 +108,7 @@ impl ControllerTarget {
             }
         }
         (!diagnostics.refused() && any).then(|| {
-            let mut all = all.merged();
+            let mut all = all.merge();
             // A sum of rounded numbers is one of them again.
             self.manifest.mechanism.round_sums(machine, &mut all);
             all

@@ -5,14 +5,14 @@
 //! of these turn about the zero of the machine coordinates.
 
 use super::lookup::between;
-use crate::compensation::ErrorCurve;
+use crate::compensation::AxisErrorCurve;
 use crate::controller::manifest::OutsideTable;
 use crate::lower::{NominalPose, sensitivities_to};
 use crate::machine::{AxisKind, Direction, ErrorId, Machine};
 use nalgebra::{Matrix3, Vector3};
 
 /// Returns the motions of the linear axes that such a controller adds to a command (mm, deg; order of the walk).
-pub(super) fn motion(machine: &Machine, command: &[f64], curves: &[ErrorCurve]) -> Vec<f64> {
+pub(super) fn motion(machine: &Machine, command: &[f64], curves: &[AxisErrorCurve]) -> Vec<f64> {
     let mut added = vec![0.0; command.len()];
     let linear: Vec<usize> = (0..command.len()).filter(|axis| machine.axes()[*axis].kind == AxisKind::Linear).collect();
     let [x, y, z] = linear[..] else { return added };
@@ -26,32 +26,32 @@ pub(super) fn motion(machine: &Machine, command: &[f64], curves: &[ErrorCurve]) 
 }
 
 /// Returns the displacement of the functional point (mm, unturned workpiece frame) by all curves.
-fn displacement(machine: &Machine, command: &[f64], curves: &[ErrorCurve]) -> Vector3<f64> {
-    let terms: Vec<Term> = curves.iter().flat_map(|curve| terms(machine, command, curve)).collect();
+fn displacement(machine: &Machine, command: &[f64], curves: &[AxisErrorCurve]) -> Vector3<f64> {
+    let terms: Vec<ModelTerm> = curves.iter().flat_map(|curve| terms(machine, command, curve)).collect();
     let errors: Vec<ErrorId> = terms.iter().map(|term| term.error.clone()).collect();
     let units = sensitivities_to(machine, command, &errors);
     units.iter().zip(&terms).map(|(unit, term)| unit.deviation * term.value).sum()
 }
 
 /// A value (mm or rad) of an error, about the origin of its axis.
-struct Term {
+struct ModelTerm {
     error: ErrorId,
     value: f64,
 }
 
 /// Returns the terms of a curve at a command: its own error and, of a turn about the machine's zero, the translation of
 /// the axis's origin.
-fn terms(machine: &Machine, command: &[f64], curve: &ErrorCurve) -> Vec<Term> {
+fn terms(machine: &Machine, command: &[f64], curve: &AxisErrorCurve) -> Vec<ModelTerm> {
     let Some(index) = machine.axis_index(curve.error.axis.as_str()) else { return Vec::new() };
     let axis = &machine.axes()[index];
     let value = look_up(curve, command[index], machine.is_continuous(index));
-    let mut all = vec![Term { error: curve.error.clone(), value }];
+    let mut all = vec![ModelTerm { error: curve.error.clone(), value }];
     if axis.kind == AxisKind::Linear && curve.error.direction.is_rotation() {
         let turn = Vector3::from_fn(|i, _| if i == curve.error.direction.index() - 3 { value } else { 0.0 });
         let moved = turn.cross(&Vector3::from(axis.origin));
         let along = |(i, value): (usize, &f64)| {
             let error = ErrorId { direction: Direction::ALL[i], ..curve.error.clone() };
-            Term { error, value: *value }
+            ModelTerm { error, value: *value }
         };
         all.extend(moved.iter().enumerate().filter(|(_, value)| **value != 0.0).map(along));
     }
@@ -60,7 +60,7 @@ fn terms(machine: &Machine, command: &[f64], curve: &ErrorCurve) -> Vec<Term> {
 
 /// Returns the value (mm or rad) of a curve at a position: straight lines, held at the ends, by whole turns on a
 /// continuous axis.
-fn look_up(curve: &ErrorCurve, position: f64, continuous: bool) -> f64 {
+fn look_up(curve: &AxisErrorCurve, position: f64, continuous: bool) -> f64 {
     let Some(first) = curve.positions.first() else { return curve.values.first().copied().unwrap_or(0.0) };
     let position = if continuous { first + (position - first).rem_euclid(360.0) } else { position };
     between(&curve.positions, &curve.values, position, OutsideTable::Hold)

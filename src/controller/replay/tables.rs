@@ -5,7 +5,7 @@ use super::lookup::{between, cell, period, single_precision};
 use super::model;
 use crate::compensation::{CorrectionTable, CorrectionTables, Spacing};
 use crate::controller::manifest::ControllerTarget;
-use crate::controller::manifest::{Arithmetic, Controller, Lookup, OutsideTable};
+use crate::controller::manifest::{Arithmetic, Controller, LookupPosition, OutsideTable};
 use crate::evaluate::{Deviation, Field, commanded_deviation};
 use crate::machine::{Approach, Machine, OperatingPoint};
 
@@ -39,7 +39,7 @@ impl<'a> Replay<'a> {
     }
 
     /// Returns the motions that the controller adds to a command (mm, deg).
-    pub fn added(&self, at: &OperatingPoint<'_>) -> Vec<f64> {
+    pub fn addition(&self, at: &OperatingPoint<'_>) -> Vec<f64> {
         let command = at.axes;
         let mut added = vec![0.0; command.len()];
         if !self.tables.errors.is_empty() {
@@ -47,15 +47,15 @@ impl<'a> Replay<'a> {
         }
         let moved = |added: &[f64]| -> Vec<f64> { command.iter().zip(added).map(|(q, c)| q + c).collect() };
         match self.controller.lookup {
-            Lookup::Command => self.add_tables(at, &mut added, |_| true),
-            Lookup::LinesThenPlanes => {
+            LookupPosition::Command => self.add_tables(at, &mut added, |_| true),
+            LookupPosition::LinesThenPlanes => {
                 let line = |table: &CorrectionTable| table.axes.len() == 1;
                 self.add_tables(at, &mut added, line);
                 let moved = moved(&added);
                 self.add_tables(&at.conditions.at(&moved), &mut added, |table| !line(table));
             }
             // Klipper and Marlin: y' = y - z*yz, then x' = x - y'*xy - z*xz.
-            Lookup::Corrected => {
+            LookupPosition::Corrected => {
                 let mut order: Vec<usize> = self.tables.tables.iter().map(|t| t.corrected[0]).collect();
                 order.sort_by_key(|axis| std::cmp::Reverse(self.machine.axes()[*axis].name.clone()));
                 order.dedup();
@@ -66,7 +66,7 @@ impl<'a> Replay<'a> {
             }
         }
         if let Some(installed) = &self.installed {
-            let before = installed.added(at);
+            let before = installed.addition(at);
             added.iter_mut().zip(before).for_each(|(a, b)| *a -= b);
         }
         added
@@ -76,7 +76,7 @@ impl<'a> Replay<'a> {
         let looked_up = self.modulo.iter().zip(&self.factors);
         for (table, (modulo, factor)) in self.tables.tables.iter().zip(looked_up).filter(|(table, _)| keep(table)) {
             if let ([axis], [corrected]) = (&table.axes[..], &table.corrected[..]) {
-                let position = self.turned(table, 0, *axis, at.axes[*axis], *modulo);
+                let position = self.lookup_position(table, 0, *axis, at.axes[*axis], *modulo);
                 let outside = if *factor { OutsideTable::Extrapolate } else { self.controller.outside };
                 added[*corrected] += self.curve(table, position, at.conditions.approach, outside);
                 continue;
@@ -103,7 +103,7 @@ impl<'a> Replay<'a> {
     }
 
     /// Returns the position at which a table is looked up.
-    fn turned(&self, table: &CorrectionTable, place: usize, axis: usize, position: f64, modulo: bool) -> f64 {
+    fn lookup_position(&self, table: &CorrectionTable, place: usize, axis: usize, position: f64, modulo: bool) -> f64 {
         let nodes = &table.nodes[place];
         let first = nodes[0];
         if modulo && self.machine.is_continuous(axis) {
@@ -119,7 +119,7 @@ impl<'a> Replay<'a> {
     pub fn corners(&self, lattice: &CorrectionTable, command: &[f64], modulo: bool) -> Vec<(usize, f64)> {
         let mut corners = vec![(0, 1.0)];
         for (place, (axis, nodes)) in lattice.axes.iter().zip(&lattice.nodes).enumerate() {
-            let position = self.turned(lattice, place, *axis, command[*axis], modulo);
+            let position = self.lookup_position(lattice, place, *axis, command[*axis], modulo);
             let Some((low, high, fraction)) = cell(nodes, position, self.controller.outside) else { return Vec::new() };
             corners = corners
                 .iter()
@@ -155,7 +155,7 @@ impl Field for Compensated<'_> {
     }
 
     fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation {
-        let added = self.replay.added(at);
+        let added = self.replay.addition(at);
         let command: Vec<f64> = at.axes.iter().zip(&added).map(|(q, c)| q + c).collect();
         commanded_deviation(self.machine, at.axes, &at.conditions.at(&command))
     }

@@ -16,7 +16,7 @@ pub type ComposedSets<'a> = ((&'a ControllerTarget, &'a Parameters), TablesUnder
 /// the parameters alone beside the certificate.
 ///
 /// A single error is judged in two steps: what the parameters leave of it stands in `rest`, and has tables of its own.
-pub fn certify_composed(
+pub fn certify_sets(
     machine: &Machine,
     rest: &Machine,
     ((target, parameters), tables): ComposedSets,
@@ -24,7 +24,7 @@ pub fn certify_composed(
     depth: Depth,
 ) -> (Certificate, Figures) {
     let module = KinematicsModule::KinematicParameters(parameters.clone());
-    let first = certify_kinematics(machine, target, (&module, &CorrectionTables::default()), depth);
+    let first = certify_kinematics(machine, target, &module, &CorrectionTables::default(), depth);
     let second = certify(rest, tables, scope, depth.poses, depth.seed);
     let mut both = judge_module(machine, ModuleSet { module: &module, tables }, &[], depth);
     let left = |one: &SingleErrorResidual| {

@@ -5,6 +5,6 @@ mod composed;
 mod module;
 mod tables;
 
-pub use composed::certify_composed;
+pub use composed::certify_sets;
 pub use module::certify_kinematics;
 pub use tables::certify;

@@ -14,7 +14,8 @@ use rayon::prelude::*;
 pub fn certify_kinematics(
     machine: &Machine,
     target: &ControllerTarget,
-    (module, beside): (&KinematicsModule, &CorrectionTables),
+    module: &KinematicsModule,
+    beside: &CorrectionTables,
     depth: Depth,
 ) -> Certificate {
     let singles = single_error_modules(machine, target, module.orientation());
@@ -37,7 +38,7 @@ fn single_error_modules(machine: &Machine, target: &ControllerTarget, orientatio
 impl Limits {
     /// Returns a refusal for every limit that a module's correction exceeds: of the functional point and of the tool
     /// axis.
-    pub fn exceeded_by(&self, certificate: &Certificate) -> Vec<Diagnostic> {
+    pub fn module_excesses(&self, certificate: &Certificate) -> Vec<Diagnostic> {
         let (position, axis) =
             (certificate.uncompensated.position_um.max, certificate.uncompensated.tool_axis_urad.max);
         let refusal = |what: String| Diagnostic::new(codes::E0602, what).help(RAISE_LIMIT);

@@ -10,11 +10,11 @@ use crate::machine::Machine;
 /// Compares the machine with and without tables on `poses` seeded poses.
 pub fn certify(machine: &Machine, judged: TablesUnderTest, scope: Scope, poses: usize, seed: u64) -> Certificate {
     let depth = Depth { poses, seed };
-    judge_tables(machine, judged, &filled(machine, judged, scope, depth), depth)
+    judge_tables(machine, judged, &fill(machine, judged, scope, depth), depth)
 }
 
 /// Fills the tables of every error alone; of a lattice the cells that the certificate looks at.
-fn filled(machine: &Machine, judged: TablesUnderTest, scope: Scope, depth: Depth) -> SingleErrors {
+fn fill(machine: &Machine, judged: TablesUnderTest, scope: Scope, depth: Depth) -> SingleErrors {
     let TablesUnderTest { target, tables, .. } = judged;
     let mechanisms = &target.manifest.mechanism;
     let nodes = mechanisms.free_lattice(tables).map_or_else(Vec::new, |_| {

@@ -12,7 +12,7 @@ use crate::identify::thresholds::{MIN_LENGTH_MM, MIN_WEIGHT};
 use crate::lower::{NominalPose, Source};
 use crate::machine::{Approach, Direction, Machine, Pose};
 use crate::syntax::Files;
-use crate::syntax::sheet::{self, Decimals, Line, read_sheet};
+use crate::syntax::sheet::{self, Decimals, SheetLine, read_sheet};
 use crate::units::{FARTHEST, counted};
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
@@ -228,7 +228,7 @@ impl MeasurementReader<'_> {
     }
 
     /// Takes the points of a tracker.
-    fn read_points(&mut self, columns: &PointColumns, lines: &[Line], diagnostics: &mut Diagnostics) {
+    fn read_points(&mut self, columns: &PointColumns, lines: &[SheetLine], diagnostics: &mut Diagnostics) {
         let first = lines.first().map(|line| line.place.clone());
         let mut refuse = |message: String, place: Option<Place>| diagnostics.push(points_refusal(message, place));
         let Some(poses) = &self.poses else {
@@ -259,7 +259,7 @@ impl MeasurementReader<'_> {
     fn body(
         &mut self,
         columns: &[MeasurementColumn],
-        lines: impl Iterator<Item = Line>,
+        lines: impl Iterator<Item = SheetLine>,
         separator: char,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Draft>> {
@@ -304,7 +304,7 @@ impl MeasurementReader<'_> {
     fn draft(
         &self,
         columns: &[MeasurementColumn],
-        line: &Line,
+        line: &SheetLine,
         separator: char,
         decimals: &mut Decimals,
     ) -> Result<Draft, RowFailure> {

@@ -5,7 +5,7 @@ use super::failure::RowFailure;
 use crate::algebra::linear::Svd;
 use crate::diagnostic::{Place, shown};
 use crate::identify::thresholds::{COLLINEAR_SHARE, MAX_FRAME_MISFIT_SHARE};
-use crate::syntax::sheet::{self, Decimals, Line};
+use crate::syntax::sheet::{self, Decimals, SheetLine};
 use crate::units::{self, Dimension, FARTHEST, significant};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use std::fmt;
@@ -47,7 +47,7 @@ pub(super) struct TrackedPoint {
 }
 
 /// Returns the columns of an export of points; `None` if it is none.
-pub(super) fn recognise(lines: &[Line]) -> Option<PointColumns> {
+pub(super) fn recognise(lines: &[SheetLine]) -> Option<PointColumns> {
     let header =
         lines.iter().take(MAX_PREAMBLE_LINES).enumerate().find_map(|(index, line)| columns_by_title(index, &line.text));
     header.or_else(|| columns_without_header(&lines.first()?.text))
@@ -132,7 +132,7 @@ impl PointFailure {
 
 impl PointColumns {
     /// Returns the points; the first row that is none refuses the file.
-    pub fn points(&self, lines: &[Line]) -> Result<Vec<TrackedPoint>, PointFailure> {
+    pub fn points(&self, lines: &[SheetLine]) -> Result<Vec<TrackedPoint>, PointFailure> {
         let mut decimals = Decimals::default();
         let mut group: Option<String> = None;
         let mut points = Vec::new();
@@ -272,11 +272,11 @@ mod tests {
     use super::*;
     use crate::diagnostic::SourceId;
 
-    fn lines(text: &str) -> Vec<Line> {
+    fn lines(text: &str) -> Vec<SheetLine> {
         let place = Place { source: SourceId(0), range: 0..0 };
         text.lines()
             .enumerate()
-            .map(|(i, l)| Line { place: place.clone(), number: i + 1, text: l.to_owned() })
+            .map(|(i, l)| SheetLine { place: place.clone(), number: i + 1, text: l.to_owned() })
             .collect()
     }
 

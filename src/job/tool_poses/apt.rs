@@ -5,7 +5,7 @@
 
 use super::{Aim, MAX_TOOL_POSES, Row, columns::unit_vector, wrong};
 use crate::diagnostic::{Diagnostic, Place, shown};
-use crate::syntax::sheet::{Line, Sheet};
+use crate::syntax::sheet::{Sheet, SheetLine};
 use crate::units;
 use nalgebra::Vector3;
 
@@ -28,7 +28,7 @@ struct Record {
 
 /// True if a text is CL data.
 pub(crate) fn is_cl_data(sheet: &Sheet) -> bool {
-    let goto = |line: &Line| {
+    let goto = |line: &SheetLine| {
         let text = line.text.trim_start().to_ascii_uppercase();
         text.strip_prefix("GOTO").is_some_and(|rest| rest.trim_start().starts_with('/'))
     };
@@ -54,7 +54,7 @@ pub(crate) fn rows(sheet: &Sheet) -> Result<Vec<Row>, Diagnostic> {
 /// Returns the records: lines joined where `$` ends them, comments (`$$`, `PPRINT`) beside them.
 fn records(sheet: &Sheet) -> Vec<Record> {
     let mut records: Vec<Record> = Vec::new();
-    let mut open: Option<(Line, String)> = None;
+    let mut open: Option<(SheetLine, String)> = None;
     for line in sheet.lines() {
         let (content, comment) = match line.text.split_once("$$") {
             Some((content, comment)) => (content.trim().to_owned(), Some(comment.trim().to_owned())),
@@ -75,7 +75,7 @@ fn records(sheet: &Sheet) -> Vec<Record> {
     records
 }
 
-fn record(line: &Line, text: &str, comment: Option<String>) -> Record {
+fn record(line: &SheetLine, text: &str, comment: Option<String>) -> Record {
     let (word, rest) = text.split_once('/').unwrap_or((text, ""));
     let upper = word.trim().to_ascii_uppercase();
     let printed = upper.strip_prefix("PPRINT").map(|_| {

@@ -4,7 +4,7 @@ use super::{Aim, MAX_TOOL_POSES, Row, wrong};
 use crate::diagnostic::{Diagnostic, shown};
 use crate::lower::into_part;
 use crate::machine::{AxisKind, Machine};
-use crate::syntax::sheet::{Decimals, Line, Sheet, cells, drop_empty, number, separator, title};
+use crate::syntax::sheet::{Decimals, Sheet, SheetLine, cells, drop_empty, number, separator, title};
 use crate::units::{self, Dimension};
 use nalgebra::Vector3;
 
@@ -43,13 +43,13 @@ pub(crate) fn rows(machine: &Machine, sheet: &Sheet) -> Result<Vec<Row>, Diagnos
         return Err(wrong("the file has no header").at(Some(sheet.start()), "").help(help));
     };
     let separator = separator(&header.text);
-    let at = |line: &Line, refusal: Diagnostic| refusal.at(Some(line.place.clone()), "").help(help);
+    let at = |line: &SheetLine, refusal: Diagnostic| refusal.at(Some(line.place.clone()), "").help(help);
     let columns = columns(machine, &cells(&header.text, separator)).map_err(|refusal| at(header, refusal))?;
     if data.len() > MAX_TOOL_POSES {
         return Err(at(&data[MAX_TOOL_POSES], wrong(format!("more than {MAX_TOOL_POSES} tool poses"))));
     }
     let mut table = Table { machine, columns, separator, decimals: Decimals::default() };
-    let row = |line: &Line| table.row(line).map_err(|refusal| at(line, refusal));
+    let row = |line: &SheetLine| table.row(line).map_err(|refusal| at(line, refusal));
     let rows = data.iter().map(row).collect::<Result<Vec<_>, _>>()?;
     if rows.is_empty() { Err(at(header, wrong("the file has no tool poses"))) } else { Ok(rows) }
 }
@@ -126,7 +126,7 @@ struct Table<'a> {
 }
 
 impl Table<'_> {
-    fn row(&mut self, line: &Line) -> Result<Row, Diagnostic> {
+    fn row(&mut self, line: &SheetLine) -> Result<Row, Diagnostic> {
         let mut cells = cells(&line.text, self.separator);
         drop_empty(&mut cells, self.columns.len());
         if cells.len() != self.columns.len() {

@@ -52,12 +52,12 @@ pub fn certificate(data: &RecordData) -> Result<String, DccFault> {
     let mut written: Vec<(&str, &str, WrittenTables)> = Vec::new();
     for (state, name, tables) in states {
         tables.iter().try_for_each(QuantityTable::check).map_err(DccFault::List)?;
-        let tables = tables.iter().map(|table| (table.name.clone(), table.written()));
+        let tables = tables.iter().map(|table| (table.name.clone(), table.lists()));
         written.push((state, name, tables.collect()));
     }
     let figures = figures(data);
     figures.iter().try_for_each(QuantityTable::check).map_err(DccFault::List)?;
-    written.push(("figures", "Figures", figures.iter().map(|table| (table.name.clone(), table.written())).collect()));
+    written.push(("figures", "Figures", figures.iter().map(|table| (table.name.clone(), table.lists())).collect()));
     written.retain(|(_, _, tables)| !tables.is_empty());
     let temperatures = temperatures(data)?;
     let decisions: Vec<&str> = data.decisions.iter().map(|decision| conformity(decision.decision)).collect();
@@ -165,6 +165,6 @@ fn temperatures(data: &RecordData) -> Result<Value, DccFault> {
     };
     let tables: Vec<QuantityTable> = data.temperatures.iter().map(of).collect();
     tables.iter().try_for_each(QuantityTable::check).map_err(DccFault::List)?;
-    let written: WrittenTables = tables.iter().map(|table| (table.name.clone(), table.written())).collect();
+    let written: WrittenTables = tables.iter().map(|table| (table.name.clone(), table.lists())).collect();
     Ok(Value::from(ViaSerde(&written)))
 }

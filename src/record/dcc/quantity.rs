@@ -148,7 +148,7 @@ impl QuantityTable {
         Ok(())
     }
 
-    pub(crate) fn written(&self) -> Vec<WrittenList> {
+    pub(crate) fn lists(&self) -> Vec<WrittenList> {
         let text = |values: &[f64]| values.iter().map(|x| significant(*x, DIGITS)).collect::<Vec<_>>().join(" ");
         let each = |word: &str, list: &QuantityList| vec![word; list.expanded.len()].join(" ");
         let written = |list: &QuantityList| WrittenList {

@@ -27,12 +27,12 @@ pub struct ComparisonData {
 }
 
 /// Machines with their poses at the tool poses that all of them reach.
-pub type Sides<'a> = Vec<(&'a Machine, Vec<Pose>)>;
+pub type MachinePoses<'a> = Vec<(&'a Machine, Vec<Pose>)>;
 
-/// What the bounds of a machine lead to at its poses for the work, where nothing is measured.
-fn of_bounds((given, (_, poses)): (&MachineInput<'_>, &(&Machine, Vec<Pose>))) -> Option<BoundedFigures> {
-    let bounded = given.bounded().filter(|_| !poses.is_empty())?;
-    let found = given.at(bounded, &Poses::Listed(poses.clone()), Frame::Workpiece);
+/// Returns the effect of the bounds of a machine at its poses for the work, where nothing is measured.
+fn of_bounds(given: &MachineInput<'_>, poses: &[Pose]) -> Option<BoundedFigures> {
+    let bounded = given.budget().filter(|_| !poses.is_empty())?;
+    let found = given.at(bounded, &Poses::Listed(poses.to_vec()), Frame::Workpiece);
     Some(MachineInput::figures(bounded, &found))
 }
 
@@ -41,7 +41,7 @@ const ERRORS: usize = 20;
 
 impl ComparisonData {
     /// Two or more machines at tool poses drawn from the volume of the first.
-    pub fn work<'a>(given: &[MachineInput<'a>]) -> Option<(Comparison, Sides<'a>)> {
+    pub fn work<'a>(given: &[MachineInput<'a>]) -> Option<(Comparison, MachinePoses<'a>)> {
         let first = given.first().filter(|_| given.len() > 1)?;
         let bare: Vec<Bare<'_>> = given.iter().map(|g| Bare { machine: g.machine, order: g.order }).collect();
         let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
@@ -52,8 +52,9 @@ impl ComparisonData {
     }
 
     /// Content of the page for them; `budgets` is null if there are none.
-    pub fn new(given: &[MachineInput<'_>], (comparison, sides): &(Comparison, Sides<'_>), budgets: Value) -> Self {
-        let bounded: Vec<Option<BoundedFigures>> = given.iter().zip(sides).map(of_bounds).collect();
+    pub fn new(given: &[MachineInput<'_>], comparison: &Comparison, sides: &MachinePoses<'_>, budgets: Value) -> Self {
+        let bounded: Vec<Option<BoundedFigures>> =
+            given.iter().zip(sides).map(|(given, (_, poses))| of_bounds(given, poses)).collect();
         let statistics: Vec<Statistics> = bounded
             .iter()
             .zip(&comparison.machines)

@@ -94,8 +94,8 @@ impl MachineData {
         let few_poses = MachineInput { poses: few, ..*given }.sample();
         let named = |i: &usize| {
             let d = &map.deviations[*i];
-            json!({"axes": axis_positions(machine, &poses.get(*i)), "deviation_um": scaled(d.position, 1e3),
-                "length_um": d.position.norm() * 1e3, "rotation_urad": scaled(d.rotation, 1e6)})
+            json!({"axes": axis_positions(machine, &poses.get(*i)), "deviation_um": scale(d.position, 1e3),
+                "length_um": d.position.norm() * 1e3, "rotation_urad": scale(d.rotation, 1e6)})
         };
         Self {
             statistics: statistics(&map.statistics),
@@ -107,7 +107,7 @@ impl MachineData {
                 .collect(),
             diagonals: diagonals(&bare, given.conditions),
             certificates: given.written.iter().map(|written| certificate(machine, written)).collect(),
-            ..Self::described(number, given, FieldData::new(given))
+            ..Self::describe(number, given, FieldData::new(given))
         }
     }
 
@@ -128,7 +128,7 @@ impl MachineData {
             statistics: statistics(&figures.statistics(poses.len())),
             bounds: json!(figures),
             worst: order.iter().take(WORST).map(named).collect(),
-            ..Self::described(number, given, FieldData::of_bounds(given, bounded))
+            ..Self::describe(number, given, FieldData::of_bounds(given, bounded))
         }
     }
 
@@ -148,8 +148,8 @@ impl MachineData {
         Self { uncertainty, ..self }
     }
 
-    /// What does not hang on deviations.
-    fn described(number: usize, given: &MachineInput<'_>, field: FieldData) -> Self {
+    /// Returns the data that do not depend on deviations.
+    fn describe(number: usize, given: &MachineInput<'_>, field: FieldData) -> Self {
         let machine = given.machine;
         Self {
             id: format!("m{number}"),
@@ -159,7 +159,7 @@ impl MachineData {
             tool: tool(machine),
             workpiece_origin_mm: machine.workpiece(),
             workpiece_rotation_deg: machine.workpiece_angles(),
-            order: if given.bounded().is_some() { "first order".to_owned() } else { order_word(given.order) },
+            order: if given.budget().is_some() { "first order".to_owned() } else { order_word(given.order) },
             direction: given.conditions.approach,
             poses: given.poses.0,
             seed: given.poses.1,
@@ -168,12 +168,12 @@ impl MachineData {
             provenance: machine.provenance().entries.clone(),
             warnings: given.warnings.to_vec(),
             words: given.words.clone(),
-            locations: locations(machine, given.bounded()),
+            locations: locations(machine, given.budget()),
             statistics: Value::Null,
             bounds: Value::Null,
             bounds_add: given.bounds_add.clone(),
             uncertainty: Value::Null,
-            bounded_components: given.budget.map_or(0, bounded_components),
+            bounded_components: given.budget.map_or(0, component_bounds),
             work: given.work.map_or(Value::Null, |(_, work)| work.clone()),
             worst: Vec::new(),
             source_poses: 0,
@@ -188,7 +188,7 @@ impl MachineData {
 }
 
 /// Number of bounds of component errors.
-fn bounded_components(budget: &BudgetFigures) -> usize {
+fn component_bounds(budget: &BudgetFigures) -> usize {
     budget.bounds.iter().filter(|bound| !bound.error.is_location()).count()
 }
 
@@ -215,7 +215,7 @@ impl MachineData {
 }
 
 /// Adding zero turns -0 into 0.
-fn scaled(v: nalgebra::Vector3<f64>, factor: f64) -> [f64; 3] {
+fn scale(v: nalgebra::Vector3<f64>, factor: f64) -> [f64; 3] {
     v.map(|x| x * factor + 0.0).into()
 }
 
@@ -292,7 +292,7 @@ fn source(source: &ErrorStatistics) -> Value {
 
 fn diagonals(bare: &Bare<'_>, conditions: OperatingConditions) -> Vec<Value> {
     let machine = bare.machine;
-    let of = |d: &crate::analysis::Diagonal| {
+    let of = |d: &crate::analysis::DiagonalRun| {
         let deviations: Vec<f64> = d.deviations.iter().map(|x| x * 1e3 + 0.0).collect();
         json!({"name": d.name, "from": axis_positions(machine, &d.ends[0]), "to": axis_positions(machine, &d.ends[1]),
             "length_mm": d.length, "range_um": d.range() * 1e3, "end_um": deviations.last(),

@@ -48,8 +48,8 @@ fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
     let view = View { conditions, frame: Frame::Workpiece };
     let names = axes.map(|i| machine.axes()[i].name.to_string());
     let heading = format!("{}-{} plane", names[0], names[1]);
-    if let Some(bounded) = given.bounded() {
-        return (heading, vec![bounded_plane(given, bounded, (axes, view))]);
+    if let Some(bounded) = given.budget() {
+        return (heading, vec![bound_plane(given, bounded, axes, view)]);
     }
     let counts = counts(machine, axes, PLANE_NODES);
     let of = |field: &dyn Field| Plane::of(field, axes, &rest(machine), counts, view);
@@ -85,7 +85,7 @@ fn counts(machine: &Machine, axes: [usize; 2], longer: f64) -> [usize; 2] {
 }
 
 /// The plane of a machine of which nothing is measured: the 95 % value.
-fn bounded_plane(given: &MachineInput<'_>, bounded: &BudgetFigures, (axes, view): ([usize; 2], View)) -> String {
+fn bound_plane(given: &MachineInput<'_>, bounded: &BudgetFigures, axes: [usize; 2], view: View) -> String {
     let machine = given.machine;
     let p95 = |poses: Vec<Pose>| {
         let found = given.at(bounded, &Poses::Listed(poses), Frame::Workpiece);

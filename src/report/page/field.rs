@@ -22,9 +22,9 @@ pub struct FieldData {
     /// Axes of the grid, the first running fastest.
     grid: Vec<GridAxis>,
     /// Positions of the other axes.
-    stations: Vec<Station>,
+    stations: Vec<FieldStation>,
     /// Fields on it.
-    layers: Vec<Layer>,
+    layers: Vec<FieldLayer>,
     /// Factors to choose from.
     exaggerations: Vec<f64>,
     /// Index of the factor to begin with.
@@ -41,7 +41,7 @@ struct GridAxis {
 
 /// One set of positions of the other axes.
 #[derive(Debug, Clone, Serialize)]
-struct Station {
+struct FieldStation {
     label: String,
     /// Nominal tip at each node, relative to the workpiece origin in machine directions, mm; three numbers a node.
     nominal_mm: Vec<f64>,
@@ -49,7 +49,7 @@ struct Station {
 
 /// A field on the grid.
 #[derive(Debug, Clone, Serialize)]
-struct Layer {
+struct FieldLayer {
     id: String,
     label: String,
     /// `total`, `axis`, `kind`, `error`, `after` or `removed`.
@@ -120,21 +120,21 @@ impl FieldData {
         let machine = given.machine;
         let axes = grid_axes(machine);
         let poses = stations(machine, &axes);
-        let groups = bounded_groups(machine, bounded);
+        let groups = bound_groups(machine, bounded);
         let count = BOUNDED_NODES;
         let lattice = Lattice { given, axes, count };
         let nodes: Vec<Pose> =
             poses.iter().flat_map(|station| (0..lattice.len()).map(|node| lattice.pose(station, node))).collect();
         let found = given.at(bounded, &Poses::Listed(nodes.clone()), Frame::Workpiece);
-        let rows: Vec<Vec<f64>> = nodes.par_iter().map(|pose| squared_effects(machine, bounded, pose)).collect();
+        let rows: Vec<Vec<f64>> = nodes.par_iter().map(|pose| effect_squares(machine, bounded, pose)).collect();
         let of = |lengths: Vec<f64>| lengths.chunks(lattice.len()).map(|at| lattice.of_lengths(at)).collect();
-        let group = |(id, label, group, members): &BoundedGroup| Layer {
+        let group = |(id, label, group, members): &BoundedGroup| FieldLayer {
             id: id.clone(),
             label: label.clone(),
             group,
             at: of(rows.iter().map(|row| members.iter().map(|i| row[*i]).sum::<f64>().sqrt() * 1e3).collect()),
         };
-        let total = |id: &str, label: &str, length: fn(&BoundedLength) -> f64| Layer {
+        let total = |id: &str, label: &str, length: fn(&BoundedLength) -> f64| FieldLayer {
             id: id.to_owned(),
             label: label.to_owned(),
             group: "total",
@@ -157,7 +157,7 @@ impl FieldData {
 }
 
 /// Squared effects of the bounds alone on the position at a pose, mm^2, in their order.
-fn squared_effects(machine: &Machine, bounded: &BudgetFigures, pose: &[f64]) -> Vec<f64> {
+fn effect_squares(machine: &Machine, bounded: &BudgetFigures, pose: &[f64]) -> Vec<f64> {
     let mut squares = vec![0.0; bounded.bounds.len()];
     effects_at(machine, &bounded.bounds, pose).into_iter().for_each(|(i, length)| squares[i] = length * length);
     squares
@@ -167,7 +167,7 @@ fn squared_effects(machine: &Machine, bounded: &BudgetFigures, pose: &[f64]) -> 
 type BoundedGroup = (String, String, &'static str, Vec<usize>);
 
 /// Groups of bounds by kind, by axis, and one by one.
-fn bounded_groups(machine: &Machine, bounded: &BudgetFigures) -> Vec<BoundedGroup> {
+fn bound_groups(machine: &Machine, bounded: &BudgetFigures) -> Vec<BoundedGroup> {
     let members = |keep: &dyn Fn(&Bound) -> bool| -> Vec<usize> {
         bounded.bounds.iter().enumerate().filter(|(_, bound)| keep(bound)).map(|(i, _)| i).collect()
     };
@@ -221,7 +221,7 @@ fn stations(machine: &Machine, grid: &[usize]) -> Vec<Pose> {
 }
 
 /// A choice of errors: id, label, group, and the errors.
-struct Group {
+struct LayerGroup {
     id: String,
     label: String,
     group: &'static str,
@@ -229,10 +229,10 @@ struct Group {
 }
 
 /// Groups of errors by kind, by axis, and one by one.
-fn groups(machine: &Machine) -> Vec<Group> {
+fn groups(machine: &Machine) -> Vec<LayerGroup> {
     let known: Vec<ErrorId> =
         machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).map(|(id, _)| id).collect();
-    let of = |id: String, label: String, group, keep: &dyn Fn(&ErrorId) -> bool| Group {
+    let of = |id: String, label: String, group, keep: &dyn Fn(&ErrorId) -> bool| LayerGroup {
         id,
         label,
         group,
@@ -297,7 +297,7 @@ impl Lattice<'_> {
         GridAxis { name: of.name.to_string(), unit: of.unit(), positions }
     }
 
-    fn sample(&self, station: &Pose, groups: &[Group]) -> Sampled {
+    fn sample(&self, station: &Pose, groups: &[LayerGroup]) -> Sampled {
         let rows: Vec<_> =
             (0..self.len()).into_par_iter().map(|node| self.node(&self.pose(station, node), groups)).collect();
         let (nominal, nodes) = rows.into_iter().unzip();
@@ -305,13 +305,13 @@ impl Lattice<'_> {
     }
 
     /// Nominal tip, and the deviation of every layer, in machine directions.
-    fn node(&self, pose: &Pose, groups: &[Group]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
+    fn node(&self, pose: &Pose, groups: &[LayerGroup]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
         let MachineInput { machine, order, conditions, written, .. } = *self.given;
         let view = View { conditions, frame: Frame::Machine };
         let total = deviation_in(&Bare { machine, order }, pose, view).position;
         let alone = error_by_error(machine, &conditions.at(pose));
         let turn = frame_rotation(machine, pose, Frame::Machine).unwrap_or_else(nalgebra::Matrix3::identity);
-        let together = |group: &Group| {
+        let together = |group: &LayerGroup| {
             let members = alone.iter().filter(|(id, _)| group.members.contains(id));
             turn * members.map(|(_, d): &(ErrorId, Deviation)| d.position).sum::<Vector3<f64>>()
         };
@@ -325,17 +325,17 @@ impl Lattice<'_> {
         (evaluate(machine, &conditions.at(pose), order, Frame::Machine).nominal, row)
     }
 
-    fn stations(&self, poses: &[Pose], sampled: Vec<Sampled>) -> Vec<Station> {
+    fn stations(&self, poses: &[Pose], sampled: Vec<Sampled>) -> Vec<FieldStation> {
         let others: Vec<usize> = (0..poses[0].len()).filter(|axis| !self.axes.contains(axis)).collect();
         let micrometre = |x: &f64| (x * 1e3).round() / 1e3 + 0.0;
-        let station = |(pose, s): (&Pose, Sampled)| Station {
+        let station = |(pose, s): (&Pose, Sampled)| FieldStation {
             label: pose_words(self.given.machine, &others, pose),
             nominal_mm: s.nominal.iter().flat_map(|p| p.iter().map(micrometre).collect::<Vec<_>>()).collect(),
         };
         poses.iter().zip(sampled).map(station).collect()
     }
 
-    fn layers(&self, stations: &[Sampled], groups: &[Group]) -> Vec<Layer> {
+    fn layers(&self, stations: &[Sampled], groups: &[LayerGroup]) -> Vec<FieldLayer> {
         let mut heads = vec![("total".to_owned(), "all errors".to_owned(), "total")];
         heads.extend(groups.iter().map(|g| (g.id.clone(), g.label.clone(), g.group)));
         for written in self.given.written {
@@ -343,12 +343,12 @@ impl Lattice<'_> {
             heads.push((format!("after-{name}"), format!("after {name}"), "after"));
             heads.push((format!("removed-{name}"), format!("removed by {name}"), "removed"));
         }
-        heads.into_iter().enumerate().map(|(k, head)| self.layer(k, head, stations)).collect()
+        heads.into_iter().enumerate().map(|(k, (id, label, group))| self.layer(k, id, label, group, stations)).collect()
     }
 
-    fn layer(&self, k: usize, (id, label, group): (String, String, &'static str), stations: &[Sampled]) -> Layer {
+    fn layer(&self, k: usize, id: String, label: String, group: &'static str, stations: &[Sampled]) -> FieldLayer {
         let at = stations.iter().map(|station| self.layer_at(k, station)).collect();
-        Layer { id, label, group, at }
+        FieldLayer { id, label, group, at }
     }
 
     fn layer_at(&self, k: usize, station: &Sampled) -> LayerAt {

@@ -2,7 +2,7 @@
 
 use super::instruments::Instruments;
 use crate::analysis::budget::{Draws, PoseByPose, PosesRequest, is_measured, pose_by_pose};
-use crate::controller::{Certificate, ControllerTarget, Effect};
+use crate::controller::{Certificate, ControllerEffect, ControllerTarget};
 use crate::evaluate::{Frame, Order, Poses, Random};
 use crate::machine::{Machine, OperatingConditions, Pose};
 use crate::report::text::{BoundedFigures, BudgetFigures};
@@ -30,7 +30,7 @@ pub struct MachineInput<'a> {
     pub instruments: &'a Instruments,
     /// Its budget, if errors are bounded.
     pub budget: Option<&'a BudgetFigures>,
-    /// What the bounds of errors without a value add to the measured ones; null where they add nothing.
+    /// Effect of the bounds of errors without a value beside the measured ones; null without any.
     pub bounds_add: &'a Value,
     /// Uncertainties that all readings of its fit shared (type B), in words.
     pub type_b: &'a [String],
@@ -46,18 +46,18 @@ pub struct TargetResult {
     /// The controller.
     pub target: ControllerTarget,
     /// Its tables, or its kinematics.
-    pub effect: Effect,
+    pub effect: ControllerEffect,
     /// Certificate of the residual.
     pub certificate: Certificate,
 }
 
 impl<'a> MachineInput<'a> {
     /// The bounds of a machine of which nothing is measured, with the machines drawn.
-    pub fn bounded(&self) -> Option<&'a BudgetFigures> {
+    pub fn budget(&self) -> Option<&'a BudgetFigures> {
         self.budget.filter(|_| !is_measured(self.machine))
     }
 
-    /// What bounds lead to at poses, in the frame.
+    /// Returns the effect of bounds at poses, in the frame.
     pub fn at(&self, bounded: &BudgetFigures, poses: &Poses, frame: Frame) -> PoseByPose {
         let draws = Draws::new(bounded.drawing.seed, bounded.drawing.distribution);
         let (machine, bounds, samples) = (self.machine, bounded.bounds.as_slice(), bounded.drawing.samples);

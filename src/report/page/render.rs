@@ -2,7 +2,7 @@
 
 use super::bench::{BenchPage, EngineFile};
 use super::data::PageData;
-use crate::report::pictures::escaped;
+use crate::report::pictures::escape;
 use crate::run::sha256;
 use crate::units::significant;
 use base64::Engine as _;
@@ -43,7 +43,7 @@ pub struct Page<'a> {
     pub data: &'a PageData,
     /// The same for each machine.
     pub pictures: &'a [Pictures],
-    /// What the workbench starts with.
+    /// Content with which the workbench starts.
     pub start: &'a serde_json::Value,
     /// The library as WebAssembly; none for a page that only shows.
     pub engines: &'a [EngineFile],
@@ -52,8 +52,8 @@ pub struct Page<'a> {
 impl Page<'_> {
     /// Returns the page; fails if the data cannot be written as JSON or the template does not render.
     pub fn html(&self) -> Result<RenderedPage, PageFailure> {
-        let data = packed(self.data).map_err(PageFailure::Data)?;
-        let start = packed(self.start).map_err(PageFailure::Data)?;
+        let data = pack(self.data).map_err(PageFailure::Data)?;
+        let start = pack(self.start).map_err(PageFailure::Data)?;
         let start = json!({"evaluator": "report", "zlib": start}).to_string();
         // Another one for other content; it only tells the page's style from that of its text, which is escaped.
         let nonce = sha256(format!("{data}{start}").as_bytes());
@@ -108,7 +108,7 @@ impl std::error::Error for PageFailure {}
 const LEVEL: u8 = 9;
 
 /// Returns JSON as the page holds it, compressed by zlib in base64: no markup is in it.
-fn packed(data: &impl Serialize) -> serde_json::Result<String> {
+fn pack(data: &impl Serialize) -> serde_json::Result<String> {
     let json = serde_json::to_vec(data)?;
     Ok(BASE64.encode(compress_to_vec_zlib(&json, LEVEL)))
 }
@@ -142,16 +142,16 @@ fn number(data: Value, pointer: String, options: Kwargs) -> Result<Value, miniji
         return Ok(Value::from_safe_string("–".to_owned()));
     }
     let number = f64::try_from(value)?;
-    let text = shown(number, digits);
+    let text = number_text(number, digits);
     let zero = !text.contains(|c: char| ('1'..='9').contains(&c));
     let plus = if sign == Some(true) && number > 0.0 && !zero { "+" } else { "" };
     let kept = digits.map_or(String::new(), |digits| format!(r#" data-digits="{digits}""#));
-    Ok(Value::from_safe_string(format!(r#"<span class="n" data-at="{}"{kept}>{plus}{text}</span>"#, escaped(&pointer))))
+    Ok(Value::from_safe_string(format!(r#"<span class="n" data-at="{}"{kept}>{plus}{text}</span>"#, escape(&pointer))))
 }
 
 /// Formats a value with `digits` significant digits, or two decimals; with a real minus, and without noise far below
 /// any measurement.
-fn shown(value: f64, digits: Option<usize>) -> String {
+fn number_text(value: f64, digits: Option<usize>) -> String {
     let value = if value.abs() < 5e-10 { 0.0 } else { value };
     let text = digits.map_or_else(|| format!("{value:.2}"), |digits| significant(value, digits));
     if text == "-0.00" { "0.00".to_owned() } else { text.replace('-', "−") }
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn packed_data_hold_no_markup_and_come_back_whole() {
         let data = serde_json::json!({"name": "</script><!--\u{2028}&", "value": -0.1});
-        let text = packed(&data).unwrap();
+        let text = pack(&data).unwrap();
         assert!(text.chars().all(|c| c.is_ascii_alphanumeric() || "+/=".contains(c)), "{text}");
         let bytes = miniz_oxide::inflate::decompress_to_vec_zlib(&BASE64.decode(text).unwrap()).unwrap();
         assert_eq!(serde_json::from_slice::<serde_json::Value>(&bytes).unwrap(), data);

@@ -10,10 +10,10 @@ pub fn chain_dot(machine: &Machine) -> String {
     let graph = machine.chain().graph();
     let mut dot = String::from("digraph chain {\n  rankdir=LR;\n  node [shape=box, fontname=\"sans-serif\"];\n");
     // Writing to a string cannot fail.
-    let _ = writeln!(dot, "  label={};", quoted(&format!("{}\n{}", machine.name(), machine.chain())));
+    let _ = writeln!(dot, "  label={};", quote(&format!("{}\n{}", machine.name(), machine.chain())));
     for index in graph.node_indices() {
         let (label, style) = node(machine, &graph[index]);
-        let _ = writeln!(dot, "  n{} [label={}{style}];", index.index(), quoted(&label));
+        let _ = writeln!(dot, "  n{} [label={}{style}];", index.index(), quote(&label));
     }
     for edge in graph.edge_references() {
         // In a drawing from left to right the workpiece comes first, as on the walk.
@@ -45,7 +45,7 @@ fn axis(machine: &Machine, name: &str) -> String {
 }
 
 /// A double-quoted string; in DOT only the quote and the backslash need care.
-fn quoted(text: &str) -> String {
+fn quote(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {

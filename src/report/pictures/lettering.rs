@@ -1,8 +1,10 @@
 //! Text and numbers in pictures: fonts, colours, anchors.
 
+use super::svg::Point;
+
 /// Anchor of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Anchor {
+pub enum TextAnchor {
     /// It begins at the point.
     Start,
     /// It is centred on the point.
@@ -58,10 +60,10 @@ impl Font {
 /// A line of text.
 #[derive(Debug, Clone)]
 pub(crate) struct Text {
-    pub at: (f64, f64),
+    pub at: Point,
     pub text: String,
     pub font: Font,
-    pub anchor: Anchor,
+    pub anchor: TextAnchor,
     pub turned: f64,
 }
 

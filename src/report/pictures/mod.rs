@@ -38,4 +38,4 @@ pub use readings::{DiagonalPicture, RTestPicture};
 pub use runs::{LinePanel, LinePicture, RunCurves, RunPanel, RunPicture};
 pub(super) use scale::{rising, round_step};
 pub use svg::Picture;
-pub(super) use svg::escaped;
+pub(super) use svg::escape;

@@ -2,7 +2,7 @@
 //! the least-squares centre, one exaggeration for all panels.
 
 use super::scale::round_step;
-use super::svg::{Anchor, FIRST, Font, INK, LINE, Picture, SECOND, Svg, polygon, polyline, wrapped};
+use super::svg::{FIRST, Font, INK, LINE, Picture, Point, SECOND, Svg, TextAnchor, polygon, polyline, wrap};
 use crate::analysis::instrument::BallBar;
 use crate::machine::sin_cos_degrees;
 use crate::units::significant;
@@ -116,9 +116,9 @@ impl Stroke {
     }
 
     /// A sample of the line with its name; returns where the next one may begin.
-    pub(crate) fn key(&self, svg: &mut Svg, (x, y): (f64, f64), name: &str) -> f64 {
+    pub(crate) fn key(&self, svg: &mut Svg, x: f64, y: f64, name: &str) -> f64 {
         svg.line((x, y - 4.0), (x + 26.0, y - 4.0), &self.style(1.8));
-        svg.text((x + 32.0, y), name, Font::plain(12.0), Anchor::Start, 0.0);
+        svg.text((x + 32.0, y), name, Font::plain(12.0), TextAnchor::Start, 0.0);
         x + 60.0 + 7.0 * name.chars().count() as f64
     }
 }
@@ -126,7 +126,7 @@ impl Stroke {
 /// The rings of a diagram about a centre, and the value of one of them (um).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Dial {
-    centre: (f64, f64),
+    centre: Point,
     ring: f64,
 }
 
@@ -135,7 +135,7 @@ impl Dial {
     pub(crate) const SIZE: f64 = PANEL;
 
     /// A dial for values up to `largest` (um).
-    pub(crate) fn new(centre: (f64, f64), largest: f64) -> Self {
+    pub(crate) fn new(centre: Point, largest: f64) -> Self {
         // Below a picometre there is nothing but rounding to draw.
         Self { centre, ring: round_step(largest.max(1e-6), RINGS as usize) }
     }
@@ -153,31 +153,31 @@ impl Dial {
             svg.circle(centre, NOMINAL + PITCH * f64::from(k), &format!(r#"fill="none" stroke="{colour}""#));
         }
         let faint = format!(r#"stroke="{LINE}""#);
-        svg.line((centre.0 - outer, centre.1), (centre.0 + outer, centre.1), &faint);
-        svg.line((centre.0, centre.1 - outer), (centre.0, centre.1 + outer), &faint);
-        svg.text((centre.0 + outer, centre.1 - 5.0), right, Font::bold(12.0), Anchor::End, 0.0);
-        svg.text((centre.0 + 6.0, centre.1 - outer + 4.0), up, Font::bold(12.0), Anchor::Start, 0.0);
+        svg.line((centre.x - outer, centre.y), (centre.x + outer, centre.y), &faint);
+        svg.line((centre.x, centre.y - outer), (centre.x, centre.y + outer), &faint);
+        svg.text((centre.x + outer, centre.y - 5.0), right, Font::bold(12.0), TextAnchor::End, 0.0);
+        svg.text((centre.x + 6.0, centre.y - outer + 4.0), up, Font::bold(12.0), TextAnchor::Start, 0.0);
     }
 
     /// Values (um) over angles (deg).
     pub(crate) fn curve(&self, svg: &mut Svg, values: impl Iterator<Item = (f64, f64)>, closed: bool, stroke: Stroke) {
-        let points: Vec<(f64, f64)> = values.map(|(angle, value)| self.point(angle, value)).collect();
+        let points: Vec<Point> = values.map(|(angle, value)| self.point(angle, value)).collect();
         let path = if closed { polygon(&points) } else { polyline(&points) };
         svg.path(&path, &stroke.style(1.5));
     }
 
-    fn point(&self, angle: f64, value: f64) -> (f64, f64) {
+    fn point(&self, angle: f64, value: f64) -> Point {
         self.at(angle, NOMINAL + PITCH * value / self.ring)
     }
 
-    fn at(&self, angle: f64, radius: f64) -> (f64, f64) {
+    fn at(&self, angle: f64, radius: f64) -> Point {
         let (sine, cosine) = sin_cos_degrees(angle);
-        (self.centre.0 + radius * cosine, self.centre.1 - radius * sine)
+        Point { x: self.centre.x + radius * cosine, y: self.centre.y - radius * sine }
     }
 
     /// Lays a wide line over a stretch of a curve.
     fn highlight(&self, svg: &mut Svg, stretch: &[(f64, f64)], stroke: Stroke) {
-        let points: Vec<(f64, f64)> = stretch.iter().map(|(angle, value)| self.point(*angle, *value)).collect();
+        let points: Vec<Point> = stretch.iter().map(|(angle, value)| self.point(*angle, *value)).collect();
         if points.len() > 1 {
             let wide = Stroke { dashes: "", ..stroke };
             svg.path(&polyline(&points), &format!(r#"{} stroke-opacity="0.35""#, wide.style(7.0)));
@@ -186,15 +186,15 @@ impl Dial {
 
     /// Writes the name of a mark within the rings.
     fn label(&self, svg: &mut Svg, mark: &DialMark) {
-        let (x, y) = self.at(mark.angle, NOMINAL - PITCH * f64::from(RINGS) - 14.0);
-        svg.text((x, y - 3.0), &mark.label, Font::bold(11.0), Anchor::Middle, 0.0);
+        let Point { x, y } = self.at(mark.angle, NOMINAL - PITCH * f64::from(RINGS) - 14.0);
+        svg.text((x, y - 3.0), &mark.label, Font::bold(11.0), TextAnchor::Middle, 0.0);
     }
 
     /// Draws the text below it, in bold and faint.
     fn below(&self, svg: &mut Svg, title: &str, line: &str) {
-        let y = self.centre.1 + Self::outer() + 22.0;
-        svg.text((self.centre.0, y), title, Font::bold(13.0), Anchor::Middle, 0.0);
-        svg.text((self.centre.0, y + 18.0), line, Font::faint(12.0), Anchor::Middle, 0.0);
+        let y = self.centre.y + Self::outer() + 22.0;
+        svg.text((self.centre.x, y), title, Font::bold(13.0), TextAnchor::Middle, 0.0);
+        svg.text((self.centre.x, y + 18.0), line, Font::faint(12.0), TextAnchor::Middle, 0.0);
     }
 
     /// Returns the value of one ring, in words.
@@ -222,18 +222,19 @@ impl<'a> PolarPicture<'a> {
         let width = 2.0 * LEFT + PANEL * self.panels.len().clamp(2, ACROSS) as f64;
         let below = TOP + ROW * self.panels.len().div_ceil(ACROSS) as f64 + 6.0;
         let mut svg = Svg::new(width, below + 42.0);
-        svg.heading(LEFT, (self.title, 60), (self.subtitle, (width / 7.5) as usize));
+        svg.heading(LEFT, self.title, 60, self.subtitle, (width / 7.5) as usize);
         let all = self.panels.iter().flat_map(|panel| panel.curves.iter().flatten());
         let largest = all.fold(0.0_f64, |max, (_, x)| max.max(x.abs()));
         let dial = |i: usize| {
             let (column, row) = ((i % ACROSS) as f64, (i / ACROSS) as f64);
-            Dial::new((LEFT + PANEL * (column + 0.5), TOP + PANEL * 0.5 + ROW * row), largest)
+            let centre = Point { x: LEFT + PANEL * (column + 0.5), y: TOP + PANEL * 0.5 + ROW * row };
+            Dial::new(centre, largest)
         };
         self.panels.iter().enumerate().for_each(|(i, panel)| self.draw(&mut svg, panel, dial(i)));
-        let _ = self.ways.iter().fold(LEFT, |x, (name, stroke)| stroke.key(&mut svg, (x, below), name));
+        let _ = self.ways.iter().fold(LEFT, |x, (name, stroke)| stroke.key(&mut svg, x, below, name));
         let note = format!("One ring is {}{}", dial(0).ring_words(), self.outwards);
-        for (i, line) in wrapped(&note, (width / 6.4) as usize).iter().enumerate() {
-            svg.text((LEFT, below + 22.0 + 16.0 * i as f64), line, Font::faint(12.0), Anchor::Start, 0.0);
+        for (i, line) in wrap(&note, (width / 6.4) as usize).iter().enumerate() {
+            svg.text((LEFT, below + 22.0 + 16.0 * i as f64), line, Font::faint(12.0), TextAnchor::Start, 0.0);
         }
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }

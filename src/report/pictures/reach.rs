@@ -1,8 +1,8 @@
 //! The workspace: sections of a box, each tip coloured by the share of tool directions that are reached there.
 
-use super::frame::{Axis, PlotFrame};
+use super::frame::{PlotAxis, PlotFrame};
 use super::scale::rising;
-use super::svg::{Anchor, FAINT, Font, Picture, Svg, fitted, wrapped};
+use super::svg::{FAINT, Font, Picture, Svg, TextAnchor, truncate, wrap};
 use crate::analysis::ReachGrid;
 use crate::units::significant;
 
@@ -39,12 +39,12 @@ impl ReachPicture<'_> {
         let [right, up] = sides_of(normal);
         let height = self.height(right, up);
         let rows = steps.len().div_ceil(COLUMNS);
-        let notes: Vec<String> = self.notes.iter().flat_map(|note| wrapped(note, 118)).collect();
+        let notes: Vec<String> = self.notes.iter().flat_map(|note| wrap(note, 118)).collect();
         let below = TOP + rows as f64 * (height + GAP) - 20.0;
         let mut svg = Svg::new(WIDTH, below + 18.5 * notes.len() as f64 + 12.0);
         let subtitle = format!("Reach of the nominal machine, sections across {} of the part", SIDES[normal]);
-        svg.text((28.0, 32.0), &fitted(self.title, 80), Font::bold(18.0), Anchor::Start, 0.0);
-        svg.text((28.0, 54.0), &subtitle, Font::faint(14.0), Anchor::Start, 0.0);
+        svg.text((28.0, 32.0), &truncate(self.title, 80), Font::bold(18.0), TextAnchor::Start, 0.0);
+        svg.text((28.0, 54.0), &subtitle, Font::faint(14.0), TextAnchor::Start, 0.0);
         for (i, step) in steps.iter().enumerate() {
             let left = LEFT + ACROSS * (i % COLUMNS) as f64;
             let top = TOP + (height + GAP) * (i / COLUMNS) as f64;
@@ -53,7 +53,7 @@ impl ReachPicture<'_> {
         }
         bar(&mut svg);
         for (i, note) in notes.iter().enumerate() {
-            svg.text((28.0, below + 18.5 * i as f64), note, Font::plain(13.5), Anchor::Start, 0.0);
+            svg.text((28.0, below + 18.5 * i as f64), note, Font::plain(13.5), TextAnchor::Start, 0.0);
         }
         svg.picture(&format!("{}: {subtitle}", self.title))
     }
@@ -100,12 +100,12 @@ impl ReachPicture<'_> {
         let ends = |side: usize| {
             let [min, max] = grid.region[side];
             let half = 0.5 * (max - min) / grid.counts[side].saturating_sub(1).max(1) as f64;
-            Axis::new(min - half, max + half)
+            PlotAxis::new(min - half, max + half)
         };
         frame.horizontal(svg, &ends(right), &format!("{}, mm", SIDES[right]));
         frame.vertical(svg, &ends(up), &format!("{}, mm", SIDES[up]));
         let head = format!("{} = {} mm", SIDES[normal], significant(grid.position(normal, step), 6));
-        svg.text((frame.left, frame.top - 9.0), &head, Font::plain(13.0), Anchor::Start, 0.0);
+        svg.text((frame.left, frame.top - 9.0), &head, Font::plain(13.0), TextAnchor::Start, 0.0);
     }
 }
 
@@ -127,6 +127,6 @@ fn bar(svg: &mut Svg) {
         svg.rect((left + width * k as f64, 44.0), (width, 12.0), &format!(r#"fill="{colour}""#));
     }
     svg.rect((left, 44.0), (200.0, 12.0), &format!(r#"fill="none" stroke="{FAINT}""#));
-    svg.text((left - 8.0, 54.5), "0", Font::plain(12.0), Anchor::End, 0.0);
-    svg.text((left + 208.0, 54.5), "all directions", Font::plain(12.0), Anchor::Start, 0.0);
+    svg.text((left - 8.0, 54.5), "0", Font::plain(12.0), TextAnchor::End, 0.0);
+    svg.text((left + 208.0, 54.5), "all directions", Font::plain(12.0), TextAnchor::Start, 0.0);
 }

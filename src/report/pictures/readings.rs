@@ -1,9 +1,9 @@
 //! Diagrams of instruments' readings along a path: an R-test over the turn of a rotary axis, a laser along the
 //! diagonals there and back. All panels of a picture have one scale.
 
-use super::frame::{Axis, PlotFrame};
+use super::frame::{PlotAxis, PlotFrame};
 use super::polar::{Dial, Stroke};
-use super::svg::{Anchor, FIRST, Font, Picture, SECOND, Svg, THIRD, polyline};
+use super::svg::{FIRST, Font, Picture, Point, SECOND, Svg, THIRD, TextAnchor, polyline};
 use crate::analysis::instrument::{Diagonal, RTest};
 use crate::units::significant;
 
@@ -45,19 +45,19 @@ const WAYS: [(&str, Stroke); 2] =
 /// Begins a picture of readings.
 pub(super) fn begin(title: &str, subtitle: &str, height: f64) -> Svg {
     let mut svg = Svg::new(WIDTH, height);
-    svg.heading(LEFT, (title, 70), (subtitle, 120));
+    svg.heading(LEFT, title, 70, subtitle, 120);
     svg
 }
 
 /// An axis with zero and all values in it; differences below a picometre are rounding.
-fn scale(values: impl Iterator<Item = f64>) -> Axis {
+fn scale(values: impl Iterator<Item = f64>) -> PlotAxis {
     let (min, max) = values.fold((0.0_f64, 0.0_f64), |(min, max), x| (min.min(x), max.max(x)));
     let air = 0.06 * (max - min).max(1e-6);
-    Axis::new(min - air, max + air)
+    PlotAxis::new(min - air, max + air)
 }
 
 /// Points of a curve, joined; dots too if there are few of them.
-fn curve(svg: &mut Svg, points: &[(f64, f64)], stroke: Stroke) {
+fn curve(svg: &mut Svg, points: &[Point], stroke: Stroke) {
     svg.path(&polyline(points), &stroke.style(1.7));
     if points.len() <= 40 {
         points.iter().for_each(|point| svg.circle(*point, 2.1, &format!(r#"fill="{}""#, stroke.colour)));
@@ -85,28 +85,28 @@ impl RTestPicture<'_> {
         for (i, test) in self.tests.iter().enumerate() {
             let top = TOP + ROW * i as f64;
             let frame = PlotFrame { left: LEFT + MARGIN, top: top + 16.0, width: 470.0, height: Dial::SIZE - 70.0 };
-            let dial = Dial::new((LEFT + 730.0, top + 0.5 * Dial::SIZE - 12.0), largest);
-            row(&mut svg, test, (frame, &axis), dial);
+            let dial = Dial::new(Point { x: LEFT + 730.0, y: top + 0.5 * Dial::SIZE - 12.0 }, largest);
+            row(&mut svg, test, frame, &axis, dial);
         }
         let below = height - 34.0;
-        let end = COMPONENTS.iter().fold(LEFT + MARGIN, |x, (name, stroke)| stroke.key(&mut svg, (x, below), name));
+        let end = COMPONENTS.iter().fold(LEFT + MARGIN, |x, (name, stroke)| stroke.key(&mut svg, x, below, name));
         let note = format!(
             "One ring is {}; the dark circle is zero, outwards is plus.",
-            Dial::new((0.0, 0.0), largest).ring_words()
+            Dial::new(Point { x: 0.0, y: 0.0 }, largest).ring_words()
         );
-        svg.text((end + 20.0, below), &note, Font::faint(12.0), Anchor::Start, 0.0);
+        svg.text((end + 20.0, below), &note, Font::faint(12.0), TextAnchor::Start, 0.0);
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 }
 
-fn row(svg: &mut Svg, test: &RTest, (frame, axis): (PlotFrame, &Axis), dial: Dial) {
+fn row(svg: &mut Svg, test: &RTest, frame: PlotFrame, axis: &PlotAxis, dial: Dial) {
     let name = &test.axis;
     let positions: Vec<f64> = test.readings.iter().map(|reading| reading.position_deg).collect();
     let ends = (positions.first().copied().unwrap_or(0.0), positions.last().copied().unwrap_or(0.0));
-    let across = Axis::degrees(ends.0.min(ends.1), ends.0.max(ends.1));
+    let across = PlotAxis::degrees(ends.0.min(ends.1), ends.0.max(ends.1));
     let ranges = test.range_um.map(|um| significant(um, 3)).join(", ");
     let title = format!("{name}: ranges {ranges} µm");
-    svg.text((frame.left, frame.top - 12.0), &title, Font::bold(13.0), Anchor::Start, 0.0);
+    svg.text((frame.left, frame.top - 12.0), &title, Font::bold(13.0), TextAnchor::Start, 0.0);
     frame.vertical(svg, axis, "µm");
     let first = name.split('+').next().unwrap_or(name);
     frame.horizontal(svg, &across, &format!("{first} in degrees"));
@@ -114,7 +114,7 @@ fn row(svg: &mut Svg, test: &RTest, (frame, axis): (PlotFrame, &Axis), dial: Dia
     for (k, (_, stroke)) in COMPONENTS.iter().enumerate() {
         for stretch in stretches(&positions) {
             let values = || stretch.clone().map(|i| (positions[i], test.readings[i].reading_um[k]));
-            let points: Vec<(f64, f64)> = values().map(|(q, d)| (frame.x(&across, q), frame.y(axis, d))).collect();
+            let points: Vec<Point> = values().map(|(q, d)| frame.point(&across, q, axis, d)).collect();
             curve(svg, &points, *stroke);
             dial.curve(svg, values(), false, *stroke);
         }
@@ -137,24 +137,23 @@ impl DiagonalPicture<'_> {
             panel(&mut svg, d, frame, &axis);
         }
         let below = height - 18.0;
-        let end = WAYS.iter().fold(LEFT + MARGIN, |x, (name, stroke)| stroke.key(&mut svg, (x, below), name));
+        let end = WAYS.iter().fold(LEFT + MARGIN, |x, (name, stroke)| stroke.key(&mut svg, x, below, name));
         let note =
             "Actual minus nominal travel along the diagonal. p: the axis rises, n: it falls, in the order X, Y, Z.";
-        svg.text((end + 20.0, below), note, Font::faint(12.0), Anchor::Start, 0.0);
+        svg.text((end + 20.0, below), note, Font::faint(12.0), TextAnchor::Start, 0.0);
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 }
 
-fn panel(svg: &mut Svg, d: &Diagonal, frame: PlotFrame, axis: &Axis) {
-    let across = Axis::new(0.0, d.way_mm.last().copied().unwrap_or(1.0));
+fn panel(svg: &mut Svg, d: &Diagonal, frame: PlotFrame, axis: &PlotAxis) {
+    let across = PlotAxis::new(0.0, d.way_mm.last().copied().unwrap_or(1.0));
     let (e, b) = (significant(d.e_d_um, 3), significant(d.b_d_um, 3));
     let title = format!("{}: E_d {e} µm, B_d {b} µm", d.name);
-    svg.text((frame.left, frame.top - 10.0), &title, Font::bold(13.0), Anchor::Start, 0.0);
+    svg.text((frame.left, frame.top - 10.0), &title, Font::bold(13.0), TextAnchor::Start, 0.0);
     frame.vertical(svg, axis, "µm");
     frame.horizontal(svg, &across, "travel along the diagonal in mm");
     for (way, (_, stroke)) in [&d.there_um, &d.back_um].into_iter().zip(WAYS) {
-        let points: Vec<(f64, f64)> =
-            d.way_mm.iter().zip(way).map(|(x, y)| (frame.x(&across, *x), frame.y(axis, *y))).collect();
+        let points: Vec<Point> = d.way_mm.iter().zip(way).map(|(x, y)| frame.point(&across, *x, axis, *y)).collect();
         curve(svg, &points, stroke);
     }
 }

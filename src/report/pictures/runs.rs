@@ -1,10 +1,10 @@
 //! Runs of a single-axis measurement: every reading, and for each direction the mean with its band of 2 s. Readings
 //! over time as lines.
 
-use super::frame::{Axis, PlotFrame};
+use super::frame::{PlotAxis, PlotFrame};
 use super::polar::Stroke;
 use super::readings::{LEFT, MARGIN, TOP, begin};
-use super::svg::{Anchor, FIRST, Font, INK, Picture, SECOND, Svg, THIRD, polyline};
+use super::svg::{FIRST, Font, INK, Picture, Point, SECOND, Svg, THIRD, TextAnchor, polyline};
 
 /// Readings of one direction of approach.
 #[derive(Debug, Clone, Default)]
@@ -58,7 +58,7 @@ impl RunPicture<'_> {
         }
         let there = |k: usize| self.panels.iter().any(|panel| !panel.ways[k].means.is_empty());
         let keys = (0..WAYS.len()).filter(|k| there(*k));
-        let _ = keys.fold(LEFT + MARGIN, |x, k| WAYS[k].1.key(&mut svg, (x, height - 16.0), WAYS[k].0));
+        let _ = keys.fold(LEFT + MARGIN, |x, k| WAYS[k].1.key(&mut svg, x, height - 16.0, WAYS[k].0));
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
     }
 }
@@ -73,16 +73,16 @@ impl RunPanel {
         let read = self.ways.iter().flat_map(|way| &way.readings).map(|(_, value)| *value);
         let (across, up) =
             (scale(means().map(|(at, _, _)| *at), 0.02), scale(means().flat_map(edges).chain(read), 0.06));
-        svg.text((frame.left, frame.top - 12.0), &self.title, Font::bold(13.0), Anchor::Start, 0.0);
+        svg.text((frame.left, frame.top - 12.0), &self.title, Font::bold(13.0), TextAnchor::Start, 0.0);
         frame.vertical(svg, &up, self.unit);
         frame.horizontal(svg, &across, position);
         for (way, (_, stroke)) in self.ways.iter().zip(WAYS) {
-            let at = |(x, y): (f64, f64)| (frame.x(&across, x), frame.y(&up, y));
-            for reading in &way.readings {
-                svg.circle(at(*reading), 1.6, &format!(r#"fill="{}" fill-opacity="0.55""#, stroke.colour));
+            let at = |x: f64, y: f64| frame.point(&across, x, &up, y);
+            for (x, y) in &way.readings {
+                svg.circle(at(*x, *y), 1.6, &format!(r#"fill="{}" fill-opacity="0.55""#, stroke.colour));
             }
-            let line = |of: &dyn Fn(f64, f64) -> f64| -> Vec<(f64, f64)> {
-                way.means.iter().map(|(x, mean, band)| at((*x, of(*mean, band.unwrap_or(0.0))))).collect()
+            let line = |of: &dyn Fn(f64, f64) -> f64| -> Vec<Point> {
+                way.means.iter().map(|(x, mean, band)| at(*x, of(*mean, band.unwrap_or(0.0)))).collect()
             };
             svg.path(&polyline(&line(&|mean, _| mean)), &stroke.style(1.8));
             if way.means.iter().any(|(_, _, band)| band.is_some()) {
@@ -140,10 +140,9 @@ impl LinePicture<'_> {
             frame.horizontal(&mut svg, &across, self.across);
             let mut key = frame.left;
             for ((name, points), stroke) in panel.curves.iter().zip(STROKES.iter().cycle()) {
-                let line: Vec<(f64, f64)> =
-                    points.iter().map(|(x, y)| (frame.x(&across, *x), frame.y(&up, *y))).collect();
+                let line: Vec<Point> = points.iter().map(|(x, y)| frame.point(&across, *x, &up, *y)).collect();
                 svg.path(&polyline(&line), &stroke.style(1.6));
-                key = stroke.key(&mut svg, (key, top - 8.0), name);
+                key = stroke.key(&mut svg, key, top - 8.0, name);
             }
         }
         svg.picture(&format!("{}: {}", self.title, self.subtitle))
@@ -151,8 +150,8 @@ impl LinePicture<'_> {
 }
 
 /// An axis about values with some air.
-fn scale(values: impl Iterator<Item = f64>, air: f64) -> Axis {
+fn scale(values: impl Iterator<Item = f64>, air: f64) -> PlotAxis {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     let air = air * (high - low).max(1e-6);
-    if high >= low { Axis::new(low - air, high + air) } else { Axis::new(0.0, 1.0) }
+    if high >= low { PlotAxis::new(low - air, high + air) } else { PlotAxis::new(0.0, 1.0) }
 }

@@ -1,5 +1,7 @@
 //! Ticks at round numbers, and colours whose differences look like the differences they show.
 
+use crate::units::Interval;
+
 /// Returns the 1, 2 or 5 times a power of ten that divides `range` into at most `max_steps` steps.
 pub fn round_step(range: f64, max_steps: usize) -> f64 {
     if !(range > 0.0 && range.is_finite()) {
@@ -12,8 +14,8 @@ pub fn round_step(range: f64, max_steps: usize) -> f64 {
 }
 
 /// Multiples of the step within the interval.
-pub fn ticks((min, max): (f64, f64), step: f64) -> Vec<f64> {
-    let (first, last) = (libm::ceil(min / step - 1e-6), libm::floor(max / step + 1e-6));
+pub fn ticks(range: Interval, step: f64) -> Vec<f64> {
+    let (first, last) = (libm::ceil(range.min / step - 1e-6), libm::floor(range.max / step + 1e-6));
     // A step that suits the interval makes a few dozen at most.
     let count = (last - first).clamp(-1.0, 200.0) as i64;
     (0..=count).map(|i| (first + i as f64) * step + 0.0).collect()
@@ -42,15 +44,15 @@ const SIGNED: [Lch; 5] =
 
 /// Colour of a fraction of the largest value, 0 to 1.
 pub fn rising(fraction: f64) -> String {
-    blended(&RISING, fraction)
+    blend(&RISING, fraction)
 }
 
 /// Colour of a fraction of the largest absolute value, -1 to 1.
-pub fn signed(fraction: f64) -> String {
-    blended(&SIGNED, 0.5 + 0.5 * fraction)
+pub fn diverging_colour(fraction: f64) -> String {
+    blend(&SIGNED, 0.5 + 0.5 * fraction)
 }
 
-fn blended(stops: &[Lch], fraction: f64) -> String {
+fn blend(stops: &[Lch], fraction: f64) -> String {
     let place = fraction.clamp(0.0, 1.0) * (stops.len() - 1) as f64;
     let i = (place as usize).min(stops.len() - 2);
     let (a, b, t) = (lab(stops[i]), lab(stops[i + 1]), place - i as f64);
@@ -90,13 +92,13 @@ mod tests {
         assert_eq!(round_step(500.0, 6), 100.0);
         assert_eq!(round_step(0.7, 5), 0.2);
         assert_eq!(round_step(0.0, 5), 1.0);
-        assert_eq!(ticks((-400.0, 0.0), 100.0), [-400.0, -300.0, -200.0, -100.0, 0.0]);
+        assert_eq!(ticks(Interval::new(-400.0, 0.0), 100.0), [-400.0, -300.0, -200.0, -100.0, 0.0]);
         assert_eq!([tick_text(-0.0, 0.5), tick_text(-1.5, 0.5), tick_text(200.0, 100.0)], ["0.0", "-1.5", "200"]);
     }
 
     #[test]
     fn colours_run_from_light_to_dark_and_through_white() {
-        assert_eq!(signed(0.0), "#f7f7f7");
+        assert_eq!(diverging_colour(0.0), "#f7f7f7");
         let brightness = |colour: String| u32::from_str_radix(&colour[3..5], 16).unwrap();
         assert!((0..10).all(|i| brightness(rising(f64::from(i) / 10.0)) > brightness(rising(f64::from(i + 1) / 10.0))));
     }

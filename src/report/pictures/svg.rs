@@ -2,8 +2,23 @@
 //! bytes for the same picture. A finished [`Picture`] can be had as PNG too, its text as outlines.
 
 use super::lettering::Text;
-pub use super::lettering::{Anchor, FAINT, FIRST, Font, INK, LINE, SECOND, THIRD, number};
+pub use super::lettering::{FAINT, FIRST, Font, INK, LINE, SECOND, THIRD, TextAnchor, number};
 use super::png::{self, PictureFailure};
+
+/// A point, an offset or a size in a picture, px: x to the right, y downwards.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// To the right.
+    pub x: f64,
+    /// Downwards.
+    pub y: f64,
+}
+
+impl From<(f64, f64)> for Point {
+    fn from((x, y): (f64, f64)) -> Self {
+        Self { x, y }
+    }
+}
 
 /// A picture in the making; coordinates in px, y downwards.
 #[derive(Debug, Clone)]
@@ -46,8 +61,9 @@ impl Svg {
     }
 
     /// Puts another picture here, enlarged by `times`.
-    pub fn place(&mut self, corner: (f64, f64), times: f64, other: Self) {
-        let transform = format!(r#"transform="translate({} {}) scale({times})""#, number(corner.0), number(corner.1));
+    pub fn place(&mut self, corner: impl Into<Point>, times: f64, other: Self) {
+        let corner = corner.into();
+        let transform = format!(r#"transform="translate({} {}) scale({times})""#, number(corner.x), number(corner.y));
         self.group(&transform, |svg| {
             for piece in other.body {
                 match piece {
@@ -64,23 +80,23 @@ impl Svg {
     }
 
     /// A straight line.
-    pub fn line(&mut self, from: (f64, f64), to: (f64, f64), style: &str) {
-        let (x1, y1, x2, y2) = (number(from.0), number(from.1), number(to.0), number(to.1));
+    pub fn line(&mut self, from: impl Into<Point>, to: impl Into<Point>, style: &str) {
+        let (from, to) = (from.into(), to.into());
+        let (x1, y1, x2, y2) = (number(from.x), number(from.y), number(to.x), number(to.y));
         self.element("line", &format!(r#"x1="{x1}" y1="{y1}" x2="{x2}" y2="{y2}" {style}"#));
     }
 
     /// An upright rectangle from its upper left corner.
-    pub fn rect(&mut self, corner: (f64, f64), size: (f64, f64), style: &str) {
-        let (x, y, w, h) = (number(corner.0), number(corner.1), number(size.0), number(size.1));
+    pub fn rect(&mut self, corner: impl Into<Point>, size: impl Into<Point>, style: &str) {
+        let (corner, size) = (corner.into(), size.into());
+        let (x, y, w, h) = (number(corner.x), number(corner.y), number(size.x), number(size.y));
         self.element("rect", &format!(r#"x="{x}" y="{y}" width="{w}" height="{h}" {style}"#));
     }
 
     /// A circle.
-    pub fn circle(&mut self, centre: (f64, f64), radius: f64, style: &str) {
-        self.element(
-            "circle",
-            &format!(r#"cx="{}" cy="{}" r="{}" {style}"#, number(centre.0), number(centre.1), number(radius)),
-        );
+    pub fn circle(&mut self, centre: impl Into<Point>, radius: f64, style: &str) {
+        let Point { x, y } = centre.into();
+        self.element("circle", &format!(r#"cx="{}" cy="{}" r="{}" {style}"#, number(x), number(y), number(radius)));
     }
 
     /// A path.
@@ -89,30 +105,31 @@ impl Svg {
     }
 
     /// A line with a filled head at its end; shorter than a head, the head alone.
-    pub fn arrow(&mut self, from: (f64, f64), to: (f64, f64), width: f64, colour: &str) {
-        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    pub fn arrow(&mut self, from: Point, to: Point, width: f64, colour: &str) {
+        let (dx, dy) = (to.x - from.x, to.y - from.y);
         let length = dx.hypot(dy);
         if length < 0.5 {
             return;
         }
         let head = (width * 4.5).min(length);
         let (ux, uy) = (dx / length, dy / length);
-        let neck = (to.0 - ux * head, to.1 - uy * head);
+        let neck = Point { x: to.x - ux * head, y: to.y - uy * head };
         self.line(from, neck, &format!(r#"stroke="{colour}" stroke-width="{}""#, number(width)));
         let half = head * 0.38;
-        let points = [to, (neck.0 - uy * half, neck.1 + ux * half), (neck.0 + uy * half, neck.1 - ux * half)];
+        let side = |half: f64| Point { x: neck.x - uy * half, y: neck.y + ux * half };
+        let points = [to, side(half), side(-half)];
         self.path(&polygon(&points), &format!(r#"fill="{colour}""#));
     }
 
     /// A line of text; `turned` by that many degrees about its point. Escaped here.
-    pub fn text(&mut self, at: (f64, f64), text: &str, font: Font, anchor: Anchor, turned: f64) {
-        self.body.push(Piece::Text(Text { at, text: text.to_owned(), font, anchor, turned }));
+    pub fn text(&mut self, at: impl Into<Point>, text: &str, font: Font, anchor: TextAnchor, turned: f64) {
+        self.body.push(Piece::Text(Text { at: at.into(), text: text.to_owned(), font, anchor, turned }));
     }
 
-    /// Draws the lines at the top, a title and a subtitle, each cut to its number of characters.
-    pub fn heading(&mut self, left: f64, (title, room): (&str, usize), (subtitle, more): (&str, usize)) {
-        self.text((left, 32.0), &fitted(title, room), Font::bold(18.0), Anchor::Start, 0.0);
-        self.text((left, 54.0), &fitted(subtitle, more), Font::faint(13.0), Anchor::Start, 0.0);
+    /// Draws the two lines at the top, each cut to a number of characters.
+    pub fn heading(&mut self, left: f64, title: &str, title_room: usize, subtitle: &str, subtitle_room: usize) {
+        self.text((left, 32.0), &truncate(title, title_room), Font::bold(18.0), TextAnchor::Start, 0.0);
+        self.text((left, 54.0), &truncate(subtitle, subtitle_room), Font::faint(13.0), TextAnchor::Start, 0.0);
     }
 
     /// Returns the finished picture. `title` is the text for screen readers.
@@ -140,7 +157,7 @@ impl Svg {
             ),
             w = number(self.width),
             h = number(self.height),
-            title = escaped(title),
+            title = escape(title),
             body = body,
         )
     }
@@ -148,11 +165,11 @@ impl Svg {
 
 /// A text element.
 fn text_element(text: &Text) -> String {
-    let (x, y) = (number(text.at.0), number(text.at.1));
+    let (x, y) = (number(text.at.x), number(text.at.y));
     let anchor = match text.anchor {
-        Anchor::Start => "",
-        Anchor::Middle => r#" text-anchor="middle""#,
-        Anchor::End => r#" text-anchor="end""#,
+        TextAnchor::Start => "",
+        TextAnchor::Middle => r#" text-anchor="middle""#,
+        TextAnchor::End => r#" text-anchor="end""#,
     };
     let weight = if text.font.bold { r#" font-weight="bold""# } else { "" };
     let turn = if text.turned == 0.0 {
@@ -160,7 +177,7 @@ fn text_element(text: &Text) -> String {
     } else {
         format!(r#" transform="rotate({} {x} {y})""#, number(text.turned))
     };
-    let (size, colour, words) = (number(text.font.size), text.font.colour, escaped(&text.text));
+    let (size, colour, words) = (number(text.font.size), text.font.colour, escape(&text.text));
     format!("<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"{colour}\"{weight}{anchor}{turn}>{words}</text>\n")
 }
 
@@ -185,21 +202,20 @@ impl Picture {
 }
 
 /// Data of a closed path.
-pub fn polygon(points: &[(f64, f64)]) -> String {
+pub fn polygon(points: &[Point]) -> String {
     let mut data = polyline(points);
     data.push('Z');
     data
 }
 
 /// Data of an open path.
-pub fn polyline(points: &[(f64, f64)]) -> String {
-    let step =
-        |(i, (x, y)): (usize, &(f64, f64))| format!("{}{} {}", if i == 0 { "M" } else { "L" }, number(*x), number(*y));
+pub fn polyline(points: &[Point]) -> String {
+    let step = |(i, p): (usize, &Point)| format!("{}{} {}", if i == 0 { "M" } else { "L" }, number(p.x), number(p.y));
     points.iter().enumerate().map(step).collect()
 }
 
 /// Text as XML takes it, in elements and in quoted attributes.
-pub fn escaped(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
@@ -217,10 +233,10 @@ pub fn escaped(text: &str) -> String {
 }
 
 /// Lines of at most `longest` characters, broken at blanks; a longer word is cut.
-pub fn wrapped(text: &str, longest: usize) -> Vec<String> {
+pub fn wrap(text: &str, longest: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
-        let word = fitted(word, longest);
+        let word = truncate(word, longest);
         match lines.last_mut() {
             Some(line) if line.chars().count() + 1 + word.chars().count() <= longest => {
                 line.push(' ');
@@ -233,7 +249,7 @@ pub fn wrapped(text: &str, longest: usize) -> Vec<String> {
 }
 
 /// Returns at most `longest` characters, cut with an ellipsis.
-pub fn fitted(text: &str, longest: usize) -> String {
+pub fn truncate(text: &str, longest: usize) -> String {
     if text.chars().count() <= longest {
         return text.to_owned();
     }
@@ -247,8 +263,8 @@ mod tests {
     #[test]
     fn numbers_are_short_and_text_is_harmless() {
         assert_eq!([-0.001, 1.5, 100.0, f64::NAN].map(number), ["0", "1.5", "100", "0"]);
-        assert_eq!(escaped("</script>&\"'\u{1}"), "&lt;/script&gt;&amp;&quot;&#39;\u{fffd}");
-        assert_eq!(wrapped("a bc def", 4), ["a bc", "def"]);
-        assert_eq!(fitted("abcdef", 4), "abc…");
+        assert_eq!(escape("</script>&\"'\u{1}"), "&lt;/script&gt;&amp;&quot;&#39;\u{fffd}");
+        assert_eq!(wrap("a bc def", 4), ["a bc", "def"]);
+        assert_eq!(truncate("abcdef", 4), "abc…");
     }
 }

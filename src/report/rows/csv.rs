@@ -12,7 +12,7 @@ pub(super) struct Csv<W> {
 pub(super) fn line(rows: &Rows<'_>, index: usize, row: &[f64], text: &mut String) {
     let work = rows.work.and_then(|work| Some((work, work.reached.get(index)?)));
     if let Some((work, at)) = work {
-        unreached(rows, index, text);
+        write_unreached(rows, index, text);
         text.push_str(&work.lead(at.line, at.feature.as_deref()));
     }
     for (i, x) in row.iter().enumerate() {
@@ -26,10 +26,10 @@ pub(super) fn line(rows: &Rows<'_>, index: usize, row: &[f64], text: &mut String
 }
 
 /// The lines of the unreached rows before the pose with an index.
-pub(super) fn unreached(rows: &Rows<'_>, index: usize, text: &mut String) {
+pub(super) fn write_unreached(rows: &Rows<'_>, index: usize, text: &mut String) {
     let Some(work) = rows.work else { return };
     let numbers = rows.columns().len() + if rows.drawn.is_some() { 3 } else { 0 };
-    work.unreached_before(index).iter().for_each(|row| text.push_str(&work.csv_line(row, numbers)));
+    work.misses_before(index).iter().for_each(|row| text.push_str(&work.csv_line(row, numbers)));
 }
 
 impl<W: Write> Csv<W> {

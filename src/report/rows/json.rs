@@ -32,7 +32,7 @@ impl Rows<'_> {
 
     /// Writes the objects of the unreached rows before the pose with an index.
     pub(super) fn json_unreached(&self, index: usize, text: &mut String) {
-        for row in self.work.map_or(&[][..], |work| work.unreached_before(index)) {
+        for row in self.work.map_or(&[][..], |work| work.misses_before(index)) {
             text.push_str(",\n");
             text.push_str(&row.json.to_string());
         }

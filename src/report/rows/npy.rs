@@ -7,7 +7,7 @@ pub(super) struct Npy<W> {
     out: W,
 }
 
-/// What stands before the header: the magic number, the version and the length of the header.
+/// Bytes before the header: the magic number, the version and the length of the header.
 const LEAD: usize = 10;
 
 /// Data begin at a multiple of this.

@@ -29,8 +29,8 @@ impl<W: Write + Send> Parquet<W> {
             .build();
         let columns = rows.columns();
         let waiting = vec![Vec::new(); columns.len()];
-        let schema = schema(columns).map_err(failed)?;
-        let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties)).map_err(failed)?;
+        let schema = schema(columns).map_err(to_io)?;
+        let writer = SerializedFileWriter::new(out, Arc::new(schema), Arc::new(properties)).map_err(to_io)?;
         Ok(Self { writer, waiting })
     }
 
@@ -56,7 +56,7 @@ impl<W: Write + Send> Stream for Parquet<W> {
         for row in &rows.rows {
             self.waiting.iter_mut().zip(row).for_each(|(column, x)| column.push(*x));
             if self.waiting() == GROUP {
-                self.group().map_err(failed)?;
+                self.group().map_err(to_io)?;
             }
         }
         Ok(())
@@ -64,9 +64,9 @@ impl<W: Write + Send> Stream for Parquet<W> {
 
     fn finish(mut self: Box<Self>) -> io::Result<()> {
         if self.waiting() > 0 {
-            self.group().map_err(failed)?;
+            self.group().map_err(to_io)?;
         }
-        let _ = self.writer.close().map_err(failed)?;
+        let _ = self.writer.close().map_err(to_io)?;
         Ok(())
     }
 }
@@ -80,7 +80,7 @@ fn schema(columns: Vec<String>) -> Result<Type, ParquetError> {
     Type::group_type_builder("map").with_fields(fields).build()
 }
 
-fn failed(failure: ParquetError) -> io::Error {
+fn to_io(failure: ParquetError) -> io::Error {
     match failure {
         ParquetError::External(inner) => io::Error::other(inner),
         other => io::Error::other(other),

@@ -10,7 +10,7 @@ use std::io;
 impl<'a> Rows<'a> {
     /// Prepares rows for some forms: `first` is the index of the first pose, deviations (mm, rad) are in the frame of
     /// the view.
-    pub fn prepared(
+    pub fn prepare(
         &self,
         forms: &[RowFormat],
         first: usize,
@@ -38,7 +38,7 @@ impl<'a> Rows<'a> {
         }
         if index == self.poses.len() {
             if wants(RowFormat::Csv) {
-                csv::unreached(self, index, &mut made.csv);
+                csv::write_unreached(self, index, &mut made.csv);
             }
             if wants(RowFormat::Json) {
                 self.json_unreached(index, &mut made.json);

@@ -114,7 +114,7 @@ impl Rows<'_> {
 
     /// Nominal tip from the workpiece origin, mm, in the frame of the vectors.
     pub(super) fn tip(&self, pose: &[f64]) -> [f64; 3] {
-        let tip = tool_pose(self.machine, pose).unturned(self.machine).tip;
+        let tip = tool_pose(self.machine, pose).to_unturned(self.machine).tip;
         match frame_rotation(self.machine, pose, self.view.frame) {
             Some(turn) => (turn * tip).map(|x| x + 0.0).into(),
             None => tip.map(|x| x + 0.0).into(),

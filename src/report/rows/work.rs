@@ -63,7 +63,7 @@ impl WorkRows {
 
     /// Returns the unreached rows between the pose before an index and that pose; after the last pose all the
     /// rest.
-    pub(super) fn unreached_before(&self, index: usize) -> &[UnreachedRow] {
+    pub(super) fn misses_before(&self, index: usize) -> &[UnreachedRow] {
         let until = |end: usize| match self.reached.get(end) {
             Some(row) => self.unreached.partition_point(|missed| missed.line < row.line),
             None => self.unreached.len(),
@@ -107,7 +107,7 @@ mod tests {
         let missed = |line| UnreachedRow { line, feature: None, words: "x, y".to_owned(), json: json!({}) };
         let row = |line| WorkRow { line, feature: None };
         let work = WorkRows::new([3, 6].map(row).to_vec(), [2, 4, 5, 9].map(missed).to_vec());
-        let lines = |index| work.unreached_before(index).iter().map(|row| row.line).collect::<Vec<_>>();
+        let lines = |index| work.misses_before(index).iter().map(|row| row.line).collect::<Vec<_>>();
         assert_eq!((lines(0), lines(1), lines(2)), (vec![2], vec![4, 5], vec![9]));
         assert_eq!(work.csv_line(&work.unreached[0], 3), "2,,,,\"x, y\"\n");
     }

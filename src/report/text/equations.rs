@@ -3,7 +3,7 @@
 use crate::algebra::symbolic::Symbolic;
 use crate::algebra::weil::Monomial;
 use crate::algebra::{Algebra, Htm};
-use crate::analysis::{Equations, Meaning, Symbol};
+use crate::analysis::{Equations, Symbol, SymbolMeaning};
 use crate::machine::Machine;
 use nalgebra::{Matrix4, Vector3};
 
@@ -121,11 +121,13 @@ pub fn text(machine: &Machine, equations: &Equations) -> String {
 /// Explanation of a symbol.
 fn remark(machine: &Machine, symbol: &Symbol) -> Option<String> {
     match symbol.meaning {
-        Meaning::ToolLength => {
+        SymbolMeaning::ToolLength => {
             let length = machine.tool().tip[2] - machine.tool().gauge[2];
             Some(format!("L: Z of the functional point from the gauge point, {length} mm on this machine"))
         }
-        Meaning::Error(_, -1) => Some(format!("{} is the error in ISO's names with the opposite sign", symbol.text)),
+        SymbolMeaning::Error(_, -1) => {
+            Some(format!("{} is the error in ISO's names with the opposite sign", symbol.text))
+        }
         _ => None,
     }
 }
@@ -233,10 +235,11 @@ mod tests {
 
     #[test]
     fn powers_of_functions_stand_before_their_argument() {
-        let meaning = Meaning::Cosine(0);
+        let meaning = SymbolMeaning::Cosine(0);
         let symbol = Symbol { text: "cos(A)".to_owned(), latex: "\\cos\\mathit{A}".to_owned(), meaning };
         assert_eq!(latex_power(Some(&symbol), 2), "\\cos^{2}\\mathit{A}");
-        let plain = Symbol { text: "X".to_owned(), latex: "\\mathit{X}".to_owned(), meaning: Meaning::Position(0) };
+        let plain =
+            Symbol { text: "X".to_owned(), latex: "\\mathit{X}".to_owned(), meaning: SymbolMeaning::Position(0) };
         assert_eq!(latex_power(Some(&plain), 3), "{\\mathit{X}}^{3}");
     }
 

@@ -59,7 +59,7 @@ fn every_config_is_held_where_the_program_wants_it() {
 /// The replay of the certificate is another implementation of the same numbers.
 fn replay_agrees(name: &str, bench: &Bench, module: &Module, poses: &[Pose]) {
     let machine = configs::machine(name);
-    let target = ControllerTarget::embedded("linuxcnc-kins").unwrap();
+    let target = ControllerTarget::builtin("linuxcnc-kins").unwrap();
     let carried = KinematicsModule::of(&machine, &target, true).unwrap();
     let driven = ModuleField::new(&machine, &carried);
     let asked: Vec<Ask> = poses.iter().map(|pose| bench.ask(pose, 1.0)).collect();

@@ -144,10 +144,22 @@ impl Triple {
         ErrorId { axis: axis.clone(), family: self.family, direction }
     }
 
-    fn bound(&self, axis: &AxisName, slot: usize, tolerance: f64, (of_class, by_letter): (bool, bool)) -> Bound {
+    fn bound(&self, axis: &AxisName, slot: usize, tolerance: f64, source: BoundSource) -> Bound {
         let (direction, role) = (self.directions[slot], self.roles[slot]);
+        let (of_class, by_letter) = (source == BoundSource::Class, source == BoundSource::Letter);
         Bound { error: self.error(axis, slot), direction, tolerance, of_class, by_letter, role }
     }
+}
+
+/// Where the tolerance of a bound stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum BoundSource {
+    /// In a class.
+    Class,
+    /// In the machine file, at an error.
+    Letter,
+    /// In the machine file, along or across an axis.
+    Frame,
 }
 
 /// The four triples of a joint, in the order of its errors.
@@ -187,11 +199,11 @@ pub fn bounds(machine: &Machine, class: Option<&Class>) -> Vec<Bound> {
             let own = axis.is_some_and(|axis| triple.roles[slot].is_along(axis, slot));
             let of_class = class.filter(|_| wanted).and_then(|class| class.tolerance(axis, &error, own));
             if let Some(tolerance) = triple.written[slot] {
-                bounds.push(triple.bound(name, slot, tolerance, (false, true)));
-            } else if let Some(tolerance) = framed(machine, name, triple, slot) {
-                bounds.push(triple.bound(name, slot, tolerance, (false, false)));
+                bounds.push(triple.bound(name, slot, tolerance, BoundSource::Letter));
+            } else if let Some(tolerance) = bound_in_frame(machine, name, triple, slot) {
+                bounds.push(triple.bound(name, slot, tolerance, BoundSource::Frame));
             } else if let Some(tolerance) = of_class {
-                bounds.push(triple.bound(name, slot, tolerance, (true, false)));
+                bounds.push(triple.bound(name, slot, tolerance, BoundSource::Class));
             }
         }
     }
@@ -200,7 +212,7 @@ pub fn bounds(machine: &Machine, class: Option<&Class>) -> Vec<Bound> {
 }
 
 /// Returns what the file bounds along or across an axis, or as squareness.
-fn framed(machine: &Machine, axis: &AxisName, triple: &Triple, slot: usize) -> Option<f64> {
+fn bound_in_frame(machine: &Machine, axis: &AxisName, triple: &Triple, slot: usize) -> Option<f64> {
     let (all, role) = (machine.tolerances(), triple.roles[slot]);
     let square = match role {
         Role::Square(other) => axis.main().and_then(|own| all.squareness.get(&[other, own])).copied(),
@@ -233,8 +245,10 @@ pub fn on_other_sides(machine: &Machine, bounds: &[Bound]) -> Vec<Bound> {
             for slot in 0..3 {
                 let known = all.iter().position(|bound| is_of(bound, slot));
                 match (triple.written[slot], known) {
-                    (Some(tolerance), Some(i)) => all[i] = triple.bound(&axis.name, slot, tolerance, (false, true)),
-                    (Some(tolerance), None) => all.push(triple.bound(&axis.name, slot, tolerance, (false, true))),
+                    (Some(tolerance), Some(i)) => {
+                        all[i] = triple.bound(&axis.name, slot, tolerance, BoundSource::Letter)
+                    }
+                    (Some(tolerance), None) => all.push(triple.bound(&axis.name, slot, tolerance, BoundSource::Letter)),
                     (None, Some(i)) if all[i].by_letter => drop(all.remove(i)),
                     (None, Some(i)) => (all[i].direction, all[i].role) = (triple.directions[slot], triple.roles[slot]),
                     (None, None) => {}

@@ -57,7 +57,7 @@ impl Price {
 
 impl CostModel {
     /// Returns a model that was read, if it is one. Fails with the reason.
-    pub fn checked(self) -> Result<Self, Reason> {
+    pub fn validate(self) -> Result<Self, Reason> {
         let model = self;
         if !(model.power > 0.0 && model.power <= 10.0) {
             return Err(Reason::new(format!("`power` is {}; it is above 0 and 10 at most", model.power)));
@@ -120,7 +120,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<CostModel, Reason> {
-        serde_yaml::from_str::<CostModel>(text).map_err(Reason::new)?.checked()
+        serde_yaml::from_str::<CostModel>(text).map_err(Reason::new)?.validate()
     }
 
     #[test]

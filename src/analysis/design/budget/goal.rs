@@ -17,7 +17,7 @@ use super::bounds::Bound;
 use super::cost::Price;
 use super::draw::Draws;
 use super::kernel::{BudgetPose, JointBounds, by_joint};
-use super::monte_carlo::{self, Sample, Statistic};
+use super::monte_carlo::{self, DrawnMachine, Statistic};
 use super::quantile::{Percentile, rank};
 use crate::evaluate::error_by_error;
 use crate::lower::Quantity;
@@ -125,14 +125,14 @@ pub struct Unavoidable {
 }
 
 /// The search.
-struct Search<'a> {
+struct GoalSearch<'a> {
     request: GoalRequest<'a>,
     joints: Vec<JointBounds>,
     poses: Vec<BudgetPose>,
 }
 
 /// The value of machines drawn with some tolerances, mm.
-struct Evaluation {
+struct DrawnValue {
     sorted: Vec<f64>,
     /// Mean of the worst machines.
     worst: f64,
@@ -140,7 +140,7 @@ struct Evaluation {
     parts: Vec<f64>,
 }
 
-impl Evaluation {
+impl DrawnValue {
     fn p95(&self) -> f64 {
         self.sorted[rank(self.sorted.len(), 95) - 1]
     }
@@ -152,11 +152,11 @@ impl Evaluation {
 
 /// Returns the cheapest tolerances; the request has at least one bound, pose and sample.
 pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
-    let search = Search::new(request);
+    let search = GoalSearch::new(request);
     let [_, correcting, proving] = request.draws;
     let finest: Vec<f64> = request.prices.iter().map(|price| price.finest).collect();
     let staying_um = search.staying() * 1e3;
-    let least = search.evaluated(&finest, request.draws[0], request.samples).p95();
+    let least = search.evaluate(&finest, request.draws[0], request.samples).p95();
     if least > request.goal_mm {
         return GoalAnswer::OutOfReach(Unavoidable { finest_um: least * 1e3, staying_um });
     }
@@ -166,7 +166,7 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
     let (mut aim, mut steps) = (request.goal_mm, 0);
     for _ in 0..MAX_CORRECTIONS {
         steps += search.settle(&mut tolerances, aim);
-        let kept = search.evaluated(&tolerances, correcting, request.proof_samples).p95();
+        let kept = search.evaluate(&tolerances, correcting, request.proof_samples).p95();
         let at_coarsest = tolerances.iter().zip(request.prices).all(|(t, price)| *t >= price.coarsest);
         if (kept / request.goal_mm - 1.0).abs() <= KEPT || (at_coarsest && kept <= request.goal_mm) {
             break;
@@ -175,17 +175,17 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
         aim *= by;
         tolerances.iter_mut().zip(request.prices).for_each(|(t, p)| *t = (*t * by).clamp(p.finest, p.coarsest));
     }
-    let before = search.evaluated(&present, request.draws[0], request.samples).percentile_um();
-    let proof = search.evaluated(&tolerances, proving, request.proof_samples);
-    GoalAnswer::Kept(Box::new(search.answer(tolerances, (&present, before), &proof, (staying_um, steps))))
+    let before = search.evaluate(&present, request.draws[0], request.samples).percentile_um();
+    let proof = search.evaluate(&tolerances, proving, request.proof_samples);
+    GoalAnswer::Kept(Box::new(search.answer(tolerances, &present, before, &proof, staying_um, steps)))
 }
 
-impl<'a> Search<'a> {
+impl<'a> GoalSearch<'a> {
     fn new(request: GoalRequest<'a>) -> Self {
         let joints = by_joint(request.machine, request.bounds);
         let at = |pose: &Pose| {
             let maps = BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
-            maps.with_fixed(staying(request.machine, request.bounds, pose))
+            maps.with_constant(staying(request.machine, request.bounds, pose))
         };
         let poses = request.poses.par_iter().map(at).collect();
         Self { request, joints, poses }
@@ -194,11 +194,11 @@ impl<'a> Search<'a> {
     /// Returns the statistic of the errors that stay alone, mm.
     fn staying(&self) -> f64 {
         let length = |v: [f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-        let mut lengths: Vec<f64> = self.poses.iter().map(|pose| length(pose.fixed())).collect();
+        let mut lengths: Vec<f64> = self.poses.iter().map(|pose| length(pose.constant_deviation())).collect();
         self.request.statistic.of(&mut lengths)
     }
 
-    fn evaluated(&self, tolerances: &[f64], draws: &Draws, samples: usize) -> Evaluation {
+    fn evaluate(&self, tolerances: &[f64], draws: &Draws, samples: usize) -> DrawnValue {
         let GoalRequest { bounds, statistic, .. } = self.request;
         let bounds: Vec<Bound> = bounds
             .iter()
@@ -209,15 +209,15 @@ impl<'a> Search<'a> {
             monte_carlo::draw(&self.poses, &self.joints, &bounds, draws, statistic, 0..samples, &unheard);
         drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
         let worst = &drawn[drawn.len() - drawn.len().div_ceil(WORST)..];
-        let mean = |of: &dyn Fn(&Sample) -> f64| worst.iter().map(of).sum::<f64>() / worst.len() as f64;
+        let mean = |of: &dyn Fn(&DrawnMachine) -> f64| worst.iter().map(of).sum::<f64>() / worst.len() as f64;
         let parts = (0..bounds.len()).map(|i| mean(&|sample| sample.parts[i])).collect();
-        Evaluation { worst: mean(&|sample| sample.value), parts, sorted: drawn.iter().map(|s| s.value).collect() }
+        DrawnValue { worst: mean(&|sample| sample.value), parts, sorted: drawn.iter().map(|s| s.value).collect() }
     }
 
     /// Moves tolerances to the cheapest ones whose 95 % value is `aim` (mm); returns the number of steps.
     fn settle(&self, tolerances: &mut [f64], aim: f64) -> usize {
         for step in 0..MAX_STEPS {
-            let found = self.evaluated(tolerances, self.request.draws[0], self.request.samples);
+            let found = self.evaluate(tolerances, self.request.draws[0], self.request.samples);
             let next = self.step(tolerances, &found, aim);
             let mut change = 0.0_f64;
             for (t, next) in tolerances.iter_mut().zip(next) {
@@ -233,7 +233,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the optimum of the model: the square of the value is a sum of squares.
-    fn step(&self, tolerances: &[f64], found: &Evaluation, aim: f64) -> Vec<f64> {
+    fn step(&self, tolerances: &[f64], found: &DrawnValue, aim: f64) -> Vec<f64> {
         let GoalRequest { prices, power, .. } = self.request;
         let value = found.worst;
         let staying = value - found.parts.iter().sum::<f64>();
@@ -263,9 +263,11 @@ impl<'a> Search<'a> {
     fn answer(
         &self,
         tolerances: Vec<f64>,
-        (present, before): (&[f64], Percentile),
-        proof: &Evaluation,
-        (staying_um, steps): (f64, usize),
+        present: &[f64],
+        before: Percentile,
+        proof: &DrawnValue,
+        staying_um: f64,
+        steps: usize,
     ) -> CheapestTolerances {
         let GoalRequest { prices, power, .. } = self.request;
         let binding = |(t, price): (&f64, &Price)| match *t {

@@ -13,11 +13,11 @@ pub const SAMPLE_LANES: usize = 40;
 pub type SampleLanes = [f64; SAMPLE_LANES];
 
 /// The effect of each source of a joint at a pose, per mm or rad of it.
-pub type Columns = Vec<[f64; 3]>;
+pub type SourceEffects = Vec<[f64; 3]>;
 
 /// A bounded source of a joint.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Source {
+pub struct DrawnSource {
     /// Index in the list of bounds.
     bound: usize,
     /// Translations and rotations X, Y, Z, A, B, C per unit of it.
@@ -28,9 +28,9 @@ pub struct Source {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointBounds {
     /// Of location errors.
-    pub location: Vec<Source>,
+    pub location: Vec<DrawnSource>,
     /// Of component errors.
-    pub component: Vec<Source>,
+    pub component: Vec<DrawnSource>,
     interval: (f64, f64),
     closed: bool,
 }
@@ -46,7 +46,7 @@ pub fn by_joint(machine: &Machine, bounds: &[Bound]) -> Vec<JointBounds> {
     for (i, bound) in bounds.iter().enumerate() {
         let index = machine.axis_index(bound.error.axis.as_str()).unwrap_or(machine.axes().len());
         let of = if bound.error.is_location() { &mut joints[index].location } else { &mut joints[index].component };
-        of.push(Source { bound: i, letters: bound.letters() });
+        of.push(DrawnSource { bound: i, letters: bound.letters() });
     }
     joints
 }
@@ -91,7 +91,7 @@ pub struct SampleChunk(Vec<JointSamples>);
 impl SampleChunk {
     /// Draws samples `first..first + SAMPLE_LANES`.
     pub fn new(joints: &[JointBounds], bounds: &[Bound], draws: &Draws, first: usize) -> Self {
-        Self(joints.iter().map(|joint| drawn(joint, bounds, draws, first)).collect())
+        Self(joints.iter().map(|joint| joint_samples(joint, bounds, draws, first)).collect())
     }
 
     /// Returns the location errors of a joint.
@@ -109,8 +109,8 @@ impl SampleChunk {
     }
 }
 
-fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> JointSamples {
-    let location = |source: &Source| {
+fn joint_samples(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> JointSamples {
+    let location = |source: &DrawnSource| {
         let (bound, stream) = (&bounds[source.bound], bounds[source.bound].stream());
         std::array::from_fn(|lane| bound.tolerance * draws.constant(&stream, first + lane))
     };
@@ -127,7 +127,7 @@ fn drawn(joint: &JointBounds, bounds: &[Bound], draws: &Draws, first: usize) -> 
 }
 
 /// Returns the effects of sources by the map of their joint.
-pub fn columns(map: &TwistMap, sources: &[Source]) -> Columns {
+pub fn columns(map: &TwistMap, sources: &[DrawnSource]) -> SourceEffects {
     let effect = |row: &[f64; 6], letters: &[f64; 6]| {
         // A letter by itself keeps its entry to the bit.
         let parts = row.iter().zip(letters).filter(|(_, letter)| **letter != 0.0);
@@ -163,8 +163,8 @@ pub fn squares(d: &[SampleLanes; 3]) -> SampleLanes {
 /// The effects of all sources at a pose, for any number of samples.
 #[derive(Debug, Clone)]
 pub struct BudgetPose {
-    /// Of location and of component errors of every joint.
-    columns: Vec<[Columns; 2]>,
+    /// Deviations by location and by component errors of every joint.
+    columns: Vec<[SourceEffects; 2]>,
     points: Vec<CurvePoint>,
     /// Deviation that is the same in every sample.
     fixed: [f64; 3],
@@ -188,12 +188,12 @@ impl BudgetPose {
     }
 
     /// Returns the pose with a deviation (mm or rad) that every sample has besides the drawn one.
-    pub fn with_fixed(self, fixed: [f64; 3]) -> Self {
+    pub fn with_constant(self, fixed: [f64; 3]) -> Self {
         Self { fixed, ..self }
     }
 
     /// The deviation that every sample has.
-    pub fn fixed(&self) -> [f64; 3] {
+    pub fn constant_deviation(&self) -> [f64; 3] {
         self.fixed
     }
 

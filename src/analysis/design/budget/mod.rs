@@ -39,7 +39,8 @@ pub(in crate::analysis) use draw::Normals;
 pub use draw::{Distribution, Draws, NODES};
 pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};
 pub(crate) use kernel::{
-    Columns, CurvePoint, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, Source, add, by_joint, columns, squares,
+    CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, SourceEffects, add, by_joint,
+    columns, squares,
 };
 pub use monte_carlo::Statistic;
 pub use paired::{PairedDifference, PairedTest, Verdict, VersusFirst, are_equal, percentile_95, round_sizes};
@@ -47,6 +48,7 @@ pub use pose_by_pose::{BoundedDeviation, BoundedLength, PoseByPose, PosesRequest
 pub use quantile::{Percentile, mean, rank};
 pub use side_by_side::{BoundedError, BudgetPart, side_by_side};
 pub use totals::{
-    Budget, Contribution, DrawnSamples, PERCENTS, Request, Totals, budget, budget_of_drawn, budget_poses, drawn,
+    Budget, Contribution, DrawnSamples, PERCENTS, Request, Totals, budget, budget_from_samples, budget_poses,
+    draw_samples,
 };
 pub use worst::longest;

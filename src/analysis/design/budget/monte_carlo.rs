@@ -30,7 +30,7 @@ impl Statistic {
     }
 
     /// Returns the pose that attains it, with the value there; of equal ones the first.
-    pub fn attained(self, values: &[f64]) -> (usize, f64) {
+    pub fn pose_with_value(self, values: &[f64]) -> (usize, f64) {
         let mut indices: Vec<usize> = (0..values.len()).collect();
         let order = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]).then(b.cmp(a));
         let place = match self {
@@ -45,7 +45,7 @@ impl Statistic {
 /// One drawn machine.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sample {
+pub struct DrawnMachine {
     /// Its statistic over the poses (mm or rad).
     pub value: f64,
     /// The part of that value by each bounded error; with that of a fixed deviation they sum up to it. Divided by the
@@ -64,7 +64,7 @@ pub fn draw<F: Send>(
     statistic: Statistic,
     samples: Range<usize>,
     progress: Advance<'_, F>,
-) -> Result<Vec<Sample>, F> {
+) -> Result<Vec<DrawnMachine>, F> {
     let chunk = |index: usize| {
         let first = samples.start + index * SAMPLE_LANES;
         let chunk = SampleChunk::new(joints, bounds, draws, first);
@@ -73,14 +73,14 @@ pub fn draw<F: Send>(
         progress(count)?;
         let sample = |lane: usize| {
             let column: Vec<f64> = lengths.iter().map(|lanes| lanes[lane]).collect();
-            let (pose, square) = statistic.attained(&column);
+            let (pose, square) = statistic.pose_with_value(&column);
             let value = square.sqrt();
             let vectors = poses[pose].parts(&chunk, joints, lane, bounds.len());
-            Sample { value, parts: parts(&vectors, poses[pose].fixed()) }
+            DrawnMachine { value, parts: parts(&vectors, poses[pose].constant_deviation()) }
         };
         Ok((0..count).map(sample).collect::<Vec<_>>())
     };
-    let chunks: Vec<Vec<Sample>> =
+    let chunks: Vec<Vec<DrawnMachine>> =
         (0..samples.len().div_ceil(SAMPLE_LANES)).into_par_iter().map(chunk).collect::<Result<_, F>>()?;
     Ok(chunks.into_iter().flatten().collect())
 }
@@ -107,10 +107,10 @@ mod tests {
                 (Statistic::Max, sorted[sorted.len() - 1]),
                 (Statistic::P95, sorted[(n as usize * 95).div_ceil(100) - 1]),
             ] {
-                let (pose, value) = statistic.attained(&values);
+                let (pose, value) = statistic.pose_with_value(&values);
                 assert_eq!((value, values[pose], statistic.of(&mut values.clone())), (truth, truth, truth), "{n}");
             }
-            let largest = Statistic::Max.attained(&values).0;
+            let largest = Statistic::Max.pose_with_value(&values).0;
             assert!(values[..largest].iter().all(|x| *x < values[largest]), "of equal ones the first");
         }
     }

@@ -8,6 +8,7 @@
 //! numbers in it.
 
 use super::quantile::ranks;
+use crate::units::Interval;
 
 /// The ranked percentile, in percent.
 const PERCENT: usize = 95;
@@ -133,8 +134,8 @@ impl PairedTest {
         // A shift below all differences makes `a` exceed in every sample.
         let min_a = a.iter().copied().fold(f64::INFINITY, f64::min);
         let max_b = b.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let outer = (min_a - max_b).min(value) - (max_b - bounds.0).max(1.0);
-        bisected(outer, value, |shift| self.rejects(a, b, bounds, shift))
+        let outer = (min_a - max_b).min(value) - (max_b - bounds.min).max(1.0);
+        bisect(outer, value, |shift| self.rejects(a, b, bounds, shift))
     }
 
     /// Returns a machine against the first.
@@ -152,7 +153,7 @@ impl PairedTest {
     }
 
     /// Returns the values between which the 95 % value of a machine is; `None` with too few samples.
-    fn bounds(&self, b: &[f64]) -> Option<(f64, f64)> {
+    fn bounds(&self, b: &[f64]) -> Option<Interval> {
         let (low, high) = self.ranks;
         if low < 1 || high > self.samples || b.len() != self.samples {
             return None;
@@ -161,12 +162,13 @@ impl PairedTest {
         let (_, upper, _) = sorted.select_nth_unstable_by(high - 1, f64::total_cmp);
         let upper = *upper;
         let (_, lower, _) = sorted.select_nth_unstable_by(low - 1, f64::total_cmp);
-        Some((*lower, upper))
+        Some(Interval::new(*lower, upper))
     }
 
     /// True if at every value between the bounds `a`, lowered by a shift, exceeds alone so often that it is no chance.
-    fn rejects(&self, a: &[f64], b: &[f64], (low, high): (f64, f64), shift: f64) -> bool {
-        let mut alone = (0_usize, 0_usize);
+    fn rejects(&self, a: &[f64], b: &[f64], range: Interval, shift: f64) -> bool {
+        let Interval { min: low, max: high } = range;
+        let mut alone = AloneCounts::default();
         let mut events: Vec<(f64, bool, bool)> = Vec::new();
         for (a, b) in a.iter().zip(b) {
             let a = a - shift;
@@ -176,7 +178,7 @@ impl PairedTest {
                 continue;
             }
             if from <= low {
-                *of(&mut alone, first) += 1;
+                *alone.of(first) += 1;
             } else {
                 events.push((from, true, first));
             }
@@ -190,7 +192,7 @@ impl PairedTest {
         events.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut events = events.into_iter().peekable();
         while let Some((value, begins, first)) = events.next() {
-            let count = of(&mut alone, first);
+            let count = alone.of(first);
             *count = if begins { *count + 1 } else { count.saturating_sub(1) };
             let last_here = events.peek().is_none_or(|(next, ..)| *next > value);
             if last_here && !self.is_majority(alone) {
@@ -200,17 +202,26 @@ impl PairedTest {
         true
     }
 
-    fn is_majority(&self, (first, second): (usize, usize)) -> bool {
-        self.min_of.get(first + second).is_some_and(|min| first >= *min)
+    fn is_majority(&self, alone: AloneCounts) -> bool {
+        self.min_of.get(alone.first + alone.second).is_some_and(|min| alone.first >= *min)
     }
 }
 
-fn of(counts: &mut (usize, usize), first: bool) -> &mut usize {
-    if first { &mut counts.0 } else { &mut counts.1 }
+/// Numbers of samples of which only one of two machines exceeds a value.
+#[derive(Debug, Clone, Copy, Default)]
+struct AloneCounts {
+    first: usize,
+    second: usize,
+}
+
+impl AloneCounts {
+    fn of(&mut self, first: bool) -> &mut usize {
+        if first { &mut self.first } else { &mut self.second }
+    }
 }
 
 /// Returns the shift nearest to `inner` that is still rejected; `None` if not even `outer` is.
-fn bisected(outer: f64, inner: f64, rejected: impl Fn(f64) -> bool) -> Option<f64> {
+fn bisect(outer: f64, inner: f64, rejected: impl Fn(f64) -> bool) -> Option<f64> {
     if !rejected(outer) {
         return None;
     }

@@ -83,12 +83,12 @@ pub fn pose_by_pose<F: Send>(request: PosesRequest<'_>, progress: Advance<'_, F>
     let chunks = request.samples.div_ceil(SAMPLE_LANES);
     let block = (HELD / (chunks * SAMPLE_LANES)).clamp(1, MAX_BLOCK);
     let mut poses = Vec::with_capacity(request.poses.len());
-    let mut extremes = vec![Extremes::NONE; chunks];
+    let mut extremes = vec![SampleExtremes::NONE; chunks];
     for first in (0..request.poses.len()).step_by(block) {
         let count = block.min(request.poses.len() - first);
-        let of = |i: usize| Place::new(&request, &joints, &request.poses.get(first + i));
-        let places: Vec<Place> = (0..count).into_par_iter().map(of).collect();
-        let chunk = |(chunk, extremes): (usize, &mut Extremes)| {
+        let of = |i: usize| BoundEffects::new(&request, &joints, &request.poses.get(first + i));
+        let places: Vec<BoundEffects> = (0..count).into_par_iter().map(of).collect();
+        let chunk = |(chunk, extremes): (usize, &mut SampleExtremes)| {
             let drawn = SampleChunk::new(&joints, request.bounds, request.draws, chunk * SAMPLE_LANES);
             let lengths = places.iter().map(|place| place.squares(&drawn, extremes)).collect();
             progress(count)?;
@@ -110,7 +110,7 @@ pub fn pose_by_pose<F: Send>(request: PosesRequest<'_>, progress: Advance<'_, F>
 
 /// Values of all samples in their order, from the lanes of each chunk.
 fn lanes<'a>(
-    extremes: &'a [Extremes],
+    extremes: &'a [SampleExtremes],
     samples: usize,
     of: impl Fn(&'a [Extreme; 2]) -> SampleLanes + 'a,
 ) -> impl Iterator<Item = f64> + 'a {
@@ -127,7 +127,7 @@ fn quantile(values: &mut [f64]) -> f64 {
 
 /// Extremes over the poses of position and orientation, for the samples of a chunk.
 #[derive(Debug, Clone)]
-struct Extremes([Extreme; 2]);
+struct SampleExtremes([Extreme; 2]);
 
 /// Extremes of one quantity.
 #[derive(Debug, Clone)]
@@ -138,7 +138,7 @@ struct Extreme {
     components: [[SampleLanes; 2]; 3],
 }
 
-impl Extremes {
+impl SampleExtremes {
     const NONE: Self = {
         let components = [[[f64::INFINITY; SAMPLE_LANES], [f64::NEG_INFINITY; SAMPLE_LANES]]; 3];
         let none = Extreme { square: [0.0; SAMPLE_LANES], components };
@@ -157,14 +157,14 @@ impl Extreme {
 }
 
 /// The effects of the bounds at a pose.
-struct Place {
+struct BoundEffects {
     effects: [BudgetPose; 2],
     rss: [f64; 2],
     /// From the workpiece frame into that of the vectors.
     turn: Option<Matrix3<f64>>,
 }
 
-impl Place {
+impl BoundEffects {
     fn new(request: &PosesRequest<'_>, joints: &[JointBounds], pose: &Pose) -> Self {
         let effects = QUANTITIES.map(|quantity| BudgetPose::new(request.machine, joints, pose, quantity));
         let rss = |effects: &BudgetPose| {
@@ -176,16 +176,16 @@ impl Place {
     }
 
     /// Returns the squared lengths of the samples of a chunk, and notes their extremes.
-    fn squares(&self, drawn: &SampleChunk, extremes: &mut Extremes) -> [SampleLanes; 2] {
+    fn squares(&self, drawn: &SampleChunk, extremes: &mut SampleExtremes) -> [SampleLanes; 2] {
         std::array::from_fn(|q| {
             let deviations = self.effects[q].deviations(drawn);
             let squares = squares(&deviations);
-            extremes.0[q].take(&self.turned(deviations), &squares);
+            extremes.0[q].take(&self.turn(deviations), &squares);
             squares
         })
     }
 
-    fn turned(&self, d: [SampleLanes; 3]) -> [SampleLanes; 3] {
+    fn turn(&self, d: [SampleLanes; 3]) -> [SampleLanes; 3] {
         let Some(turn) = &self.turn else { return d };
         let row =
             |i: usize, lane: usize| turn[(i, 0)] * d[0][lane] + turn[(i, 1)] * d[1][lane] + turn[(i, 2)] * d[2][lane];

@@ -30,7 +30,7 @@ pub fn exceeds(a: f64, b: f64) -> bool {
 }
 
 /// Errors at their bounds at a pose.
-pub type Vectors<'a> = &'a (dyn Fn(&[f64]) -> Vec<[f64; 3]> + Sync);
+pub type BoundVectors<'a> = &'a (dyn Fn(&[f64]) -> Vec<[f64; 3]> + Sync);
 
 /// The quantity that is maximised.
 #[derive(Clone, Copy)]
@@ -42,15 +42,15 @@ pub struct Objective<'a> {
 }
 
 /// The axes of a volume.
-pub struct Search<'a> {
-    axes: Vec<Line>,
-    at: Vectors<'a>,
+pub struct VolumeSearch<'a> {
+    axes: Vec<TravelLine>,
+    at: BoundVectors<'a>,
     objective: Objective<'a>,
 }
 
 /// The interval of an axis.
 #[derive(Debug, Clone, Copy)]
-struct Line {
+struct TravelLine {
     min: f64,
     max: f64,
     turns: bool,
@@ -62,13 +62,13 @@ struct Line {
 }
 
 /// True if the ends of the volume of an axis are one place.
-pub fn closed(axis: &Axis, grid: &Grid) -> bool {
+pub fn is_closed(axis: &Axis, grid: &Grid) -> bool {
     axis.kind == AxisKind::Rotary && grid.max - grid.min >= 360.0
 }
 
-impl<'a> Search<'a> {
+impl<'a> VolumeSearch<'a> {
     /// A search over the volume of a machine.
-    pub fn new(machine: &Machine, at: Vectors<'a>, objective: Objective<'a>) -> Self {
+    pub fn new(machine: &Machine, at: BoundVectors<'a>, objective: Objective<'a>) -> Self {
         let pairs = || machine.axes().iter().zip(machine.volume()).filter(|(_, grid)| grid.max > grid.min);
         let of = |kind: AxisKind| pairs().filter(|(axis, _)| axis.kind == kind).count();
         let (linear, rotary) = (of(AxisKind::Linear), of(AxisKind::Rotary));
@@ -83,7 +83,7 @@ impl<'a> Search<'a> {
                 (false, false) => 1,
             };
             let step = (grid.max - grid.min) / (nodes.max(2) - 1) as f64;
-            Line { min: grid.min, max: grid.max, turns, closed: closed(axis, grid), step, nodes }
+            TravelLine { min: grid.min, max: grid.max, turns, closed: is_closed(axis, grid), step, nodes }
         };
         Self { axes: machine.axes().iter().zip(machine.volume()).map(line).collect(), at, objective }
     }
@@ -115,7 +115,7 @@ impl<'a> Search<'a> {
                 starts.push(pose);
             }
         }
-        let climbed: Vec<(Pose, f64)> = starts.into_par_iter().map(|start| self.climbed(start)).collect();
+        let climbed: Vec<(Pose, f64)> = starts.into_par_iter().map(|start| self.climb(start)).collect();
         let best = (0..climbed.len()).fold(0, |best, i| if exceeds(climbed[i].1, climbed[best].1) { i } else { best });
         let (pose, value) = climbed[best].clone();
         let vectors = (self.at)(&pose);
@@ -135,7 +135,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    fn climbed(&self, mut pose: Pose) -> (Pose, f64) {
+    fn climb(&self, mut pose: Pose) -> (Pose, f64) {
         let mut best = self.value(&pose);
         for _ in 0..ROUNDS {
             let before = best;
@@ -168,7 +168,7 @@ impl<'a> Search<'a> {
     }
 
     /// Golden sections around the position of a rotary axis.
-    fn along(&self, axis: usize, line: &Line, pose: &mut Pose, best: &mut f64) {
+    fn along(&self, axis: usize, line: &TravelLine, pose: &mut Pose, best: &mut f64) {
         const GOLDEN: f64 = 0.618_033_988_749_894_9;
         let middle = pose[axis];
         let inside = |q: f64| match line.closed {

@@ -3,9 +3,9 @@
 use super::bounds::Bound;
 use super::draw::Draws;
 use super::kernel::{BudgetPose, JointBounds, by_joint};
-use super::monte_carlo::{self, Sample, Statistic};
+use super::monte_carlo::{self, DrawnMachine, Statistic};
 use super::quantile::{Percentile, mean};
-use super::search::{Objective, Search, closed, exceeds};
+use super::search::{Objective, VolumeSearch, exceeds, is_closed};
 use super::worst::longest;
 use crate::evaluate::{Poses, Random};
 use crate::lower::Quantity;
@@ -112,7 +112,7 @@ pub fn budget_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
     let corner = |k: usize| {
         let mut pose: Pose = volume.iter().map(|grid| grid.min).collect();
         let far = |i: usize| {
-            let opposite = closed(&machine.axes()[i], &volume[i]);
+            let opposite = is_closed(&machine.axes()[i], &volume[i]);
             if opposite { volume[i].min + 180.0 } else { volume[i].max }
         };
         moving.iter().enumerate().filter(|(bit, _)| k >> bit & 1 == 1).for_each(|(_, i)| pose[*i] = far(*i));
@@ -128,35 +128,40 @@ pub fn budget_poses(machine: &Machine, count: usize, seed: u64) -> Vec<Pose> {
 #[serde(deny_unknown_fields)]
 pub struct DrawnSamples {
     /// Statistic of the position, mm.
-    pub position: Vec<Sample>,
+    pub position: Vec<DrawnMachine>,
     /// Statistic of the orientation of the tool, rad.
-    pub rotation: Vec<Sample>,
+    pub rotation: Vec<DrawnMachine>,
 }
 
-/// Returns the drawn machines with these indices, for [`budget_of_drawn`]. Calls `progress` with the number of machines
-/// drawn since its last call: in all twice their number.
-pub fn drawn(request: Request<'_>, samples: Range<usize>, progress: Advance<'_>) -> Result<DrawnSamples, Cancelled> {
+/// Returns the drawn machines with these indices, for [`budget_from_samples`]. Calls `progress` with the number of
+/// machines drawn since its last call: in all twice their number.
+pub fn draw_samples(
+    request: Request<'_>,
+    samples: Range<usize>,
+    progress: Advance<'_>,
+) -> Result<DrawnSamples, Cancelled> {
     let joints = by_joint(request.machine, request.bounds);
-    let of = |quantity| drawn_at(&request, &joints, &placed(&request, &joints, quantity), samples.clone(), progress);
+    let of =
+        |quantity| samples_at(&request, &joints, &poses_of(&request, &joints, quantity), samples.clone(), progress);
     Ok(DrawnSamples { position: of(Quantity::Position)?, rotation: of(Quantity::Rotation)? })
 }
 
 /// Returns the budget; the request has at least one bound, pose and sample. Calls `progress` with the number of
 /// machines drawn since its last call: in all twice the samples.
 pub fn budget(request: Request<'_>, progress: Advance<'_>) -> Result<Budget, Cancelled> {
-    budget_of_drawn(request, None, progress)
+    budget_from_samples(request, None, progress)
 }
 
 /// Returns the budget with machines that are drawn already: all that the request asks for.
-pub fn budget_of_drawn(
+pub fn budget_from_samples(
     request: Request<'_>,
     drawn: Option<DrawnSamples>,
     progress: Advance<'_>,
 ) -> Result<Budget, Cancelled> {
     let joints = by_joint(request.machine, request.bounds);
     let (of_position, of_rotation) = drawn.map(|drawn| (drawn.position, drawn.rotation)).unzip();
-    let (position, extremes, worst) = totals(&request, &joints, (Quantity::Position, of_position), progress)?;
-    let (rotation, ..) = totals(&request, &joints, (Quantity::Rotation, of_rotation), progress)?;
+    let (position, extremes, worst) = totals(&request, &joints, Quantity::Position, of_position, progress)?;
+    let (rotation, ..) = totals(&request, &joints, Quantity::Rotation, of_rotation, progress)?;
     let at = request.at.map(|pose| {
         let budget_pose = BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
         contributions(&lengths(&budget_pose.extremes(&joints, request.bounds)))
@@ -173,29 +178,30 @@ pub fn budget_of_drawn(
 /// Deviations by every error at its bound, at every pose.
 type Extremes = Vec<Vec<[f64; 3]>>;
 
-fn placed(request: &Request<'_>, joints: &[JointBounds], quantity: Quantity) -> Vec<BudgetPose> {
+fn poses_of(request: &Request<'_>, joints: &[JointBounds], quantity: Quantity) -> Vec<BudgetPose> {
     request.poses.par_iter().map(|pose| BudgetPose::new(request.machine, joints, pose, quantity)).collect()
 }
 
-fn drawn_at(
+fn samples_at(
     request: &Request<'_>,
     joints: &[JointBounds],
     poses: &[BudgetPose],
     samples: Range<usize>,
     progress: Advance<'_>,
-) -> Result<Vec<Sample>, Cancelled> {
+) -> Result<Vec<DrawnMachine>, Cancelled> {
     monte_carlo::draw(poses, joints, request.bounds, request.draws, request.statistic, samples, progress)
 }
 
 fn totals(
     request: &Request<'_>,
     joints: &[JointBounds],
-    (quantity, drawn): (Quantity, Option<Vec<Sample>>),
+    quantity: Quantity,
+    drawn: Option<Vec<DrawnMachine>>,
     progress: Advance<'_>,
 ) -> Result<(Totals, Extremes, Vec<[f64; 3]>), Cancelled> {
     let Request { machine, bounds, poses, samples, searched, .. } = *request;
     let scale = if quantity == Quantity::Position { 1e3 } else { 1e6 };
-    let budget_poses = placed(request, joints, quantity);
+    let budget_poses = poses_of(request, joints, quantity);
     let extremes: Extremes = budget_poses.par_iter().map(|budget_pose| budget_pose.extremes(joints, bounds)).collect();
     let (worst, mut worst_case) = worst_of(&extremes);
     let sums: Vec<f64> = extremes.iter().map(|list| rss(list)).collect();
@@ -205,13 +211,13 @@ fn totals(
     if searched {
         let at = |pose: &[f64]| BudgetPose::new(machine, joints, pose, quantity).extremes(joints, bounds);
         let sum = |list: &[[f64; 3]]| lengths(list).iter().sum::<f64>();
-        let search = |objective: Objective<'_>, known: &Pose| Search::new(machine, &at, objective).worst(known);
+        let search = |objective: Objective<'_>, known: &Pose| VolumeSearch::new(machine, &at, objective).worst(known);
         (worst_pose, _, worst_case) = search(Objective { value: &longest, bound: &sum }, &worst_pose);
         (rss_pose, at_rss, largest_sum) = search(Objective { value: &rss, bound: &rss }, &rss_pose);
     }
     let mut drawn = match drawn {
         Some(drawn) => drawn,
-        None => drawn_at(request, joints, &budget_poses, 0..samples, progress)?,
+        None => samples_at(request, joints, &budget_poses, 0..samples, progress)?,
     };
     let in_order = drawn.iter().map(|sample| sample.value * scale).collect();
     // A stable order of equal values keeps the window the same on every run.
@@ -295,7 +301,7 @@ fn contributions(lengths: &[f64]) -> Vec<Contribution> {
 }
 
 /// Returns the means of the parts over the samples around the 95 % value.
-fn tighten(drawn: &[Sample], count: usize, scale: f64) -> Vec<ToleranceEffect> {
+fn tighten(drawn: &[DrawnMachine], count: usize, scale: f64) -> Vec<ToleranceEffect> {
     let n = drawn.len() as f64;
     let first = ((WINDOW.0 * n) as usize).min(drawn.len() - 1);
     let last = (libm::ceil(WINDOW.1 * n) as usize).clamp(first + 1, drawn.len());

@@ -13,7 +13,7 @@ const WITHIN: f64 = 1e-12;
 #[cfg_attr(small_engine, optimize(speed))]
 pub fn longest(vectors: &[[f64; 3]]) -> f64 {
     let vectors: Vec<Vector3<f64>> = vectors.iter().map(|v| Vector3::from(*v)).filter(|v| v.norm() > 0.0).collect();
-    let vectors = merged(vectors);
+    let vectors = merge_parallel(vectors);
     if let [one] = vectors[..] {
         return one.norm();
     }
@@ -40,7 +40,7 @@ pub fn longest(vectors: &[[f64; 3]]) -> f64 {
 }
 
 /// Returns the vectors with parallel ones added up.
-fn merged(vectors: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
+fn merge_parallel(vectors: Vec<Vector3<f64>>) -> Vec<Vector3<f64>> {
     let mut merged: Vec<Vector3<f64>> = Vec::new();
     for v in vectors {
         match merged.iter_mut().find(|m| m.cross(&v).norm() <= WITHIN * m.norm() * v.norm()) {

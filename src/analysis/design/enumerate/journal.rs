@@ -1,15 +1,15 @@
 //! Results walk by walk.
 
-use super::ranking::Row;
+use super::ranking::ArrangementRow;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What one round gives of an arrangement.
+/// Result of one round for an arrangement.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Record {
+pub struct RoundRecord {
     /// The arrangement; without a result, which needs all rounds.
-    pub row: Row,
+    pub row: ArrangementRow,
     /// Position error of each machine drawn in the round, in their order, um; by the errors given a single one.
     pub values: Vec<f64>,
     /// The ranked value of the machine as its file has it, on the same tool poses and all machines drawn so far, um;
@@ -34,7 +34,7 @@ pub struct Journal {
     /// Number of walks.
     pub steps: usize,
     /// Records of the finished walks.
-    pub done: BTreeMap<RoundStep, Vec<Record>>,
+    pub done: BTreeMap<RoundStep, Vec<RoundRecord>>,
 }
 
 impl Journal {
@@ -44,7 +44,7 @@ impl Journal {
     }
 
     /// Returns the records of a round with their walks, walk by walk.
-    pub fn round(&self, round: usize) -> impl Iterator<Item = (usize, &Record)> {
+    pub fn round(&self, round: usize) -> impl Iterator<Item = (usize, &RoundRecord)> {
         let range = RoundStep { round, step: 0 }..RoundStep { round: round + 1, step: 0 };
         self.done.range(range).flat_map(|(at, records)| records.iter().map(|record| (at.step, record)))
     }

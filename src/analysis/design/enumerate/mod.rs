@@ -6,7 +6,7 @@
 //! 3. A walk that cannot turn the tool as the work requires is set apart.
 //! 4. The others are judged by a budget (the same drawn errors for all) or by the errors given. Those that could be
 //!    among the first have more machines drawn, in [`Rounds`].
-//! 5. [`ranked`] puts them in order, and apart those whose geometry the file does not state; [`Journal`] keeps results
+//! 5. [`rank`] puts them in order, and apart those whose geometry the file does not state; [`Journal`] keeps results
 //!    walk by walk, so that a run can be interrupted, cut into parts and put together again. A walk's result depends on
 //!    nothing else.
 //!
@@ -22,8 +22,8 @@ mod study;
 mod walk_budget;
 
 pub use arrangement::{MAX_ARRANGEMENTS, TooMany, Walk, walks};
-pub use journal::{Journal, Record, RoundStep};
-pub use ranking::{NeededRange, Ranking, Reach, Row, Standing, ranked};
+pub use journal::{Journal, RoundRecord, RoundStep};
+pub use ranking::{ArrangementRow, NeededRange, Ranking, Reach, Standing, rank};
 pub use rounds::{MissingSteps, RoundCount, Rounds, Standings, StudyEnd, standings};
 pub use rule::{Rule, RuleFailure};
 pub use study::{Judge, Study, StudyRound};

@@ -18,7 +18,7 @@ pub enum Standing {
 
 /// An arrangement and its result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Row {
+pub struct ArrangementRow {
     /// The chain as ISO prints it.
     pub chain: String,
     /// Number of axes that carry the workpiece.
@@ -30,7 +30,7 @@ pub struct Row {
     /// Those it does not.
     pub unreachable: UnreachableCount,
     /// Over the tool poses it reaches, um.
-    pub result: Option<Outcome>,
+    pub result: Option<ArrangementErrors>,
     /// Names of the axes, or `workpiece`, whose geometry the file does not state for the side where they stand.
     pub not_stated: Vec<String>,
     /// The travel that the work needs of each axis (mm, deg), for a study that sizes them.
@@ -51,7 +51,7 @@ pub struct NeededRange {
 
 /// The position error of an arrangement over the tool poses it reaches, um.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct Outcome {
+pub struct ArrangementErrors {
     /// Value of the ranking: the 95 % value of the drawn machines, or the statistic of the errors given.
     pub um: f64,
     /// Interval that holds the 95 % value with 95 % confidence, where there are enough samples.
@@ -72,13 +72,13 @@ pub struct Outcome {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranking {
     /// Best first; of equal ones the one listed first.
-    pub ranked: Vec<Row>,
+    pub ranked: Vec<ArrangementRow>,
     /// Judged, but they reach a smaller fraction of the work than required; those that reach more come first.
-    pub short: Vec<Row>,
+    pub short: Vec<ArrangementRow>,
     /// The file does not state their geometry; first those that reach enough of the work, best first.
-    pub not_stated: Vec<Row>,
+    pub not_stated: Vec<ArrangementRow>,
     /// They cannot turn the tool as the work requires.
-    pub cannot_turn: Vec<Row>,
+    pub cannot_turn: Vec<ArrangementRow>,
 }
 
 /// The part of the work that a ranked arrangement reaches.
@@ -92,15 +92,17 @@ pub struct Reach {
 
 impl Reach {
     /// True for an arrangement that reaches enough.
-    pub fn is_enough(self, row: &Row) -> bool {
+    pub fn is_enough(self, row: &ArrangementRow) -> bool {
         row.standing == Standing::Judged && row.reached as f64 >= self.fraction * self.work as f64
     }
 }
 
 /// Returns the arrangements in order.
-pub fn ranked(rows: Vec<Row>, reach: Reach) -> Ranking {
-    let (cannot_turn, able): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|r| r.standing == Standing::CannotTurn);
-    let (not_stated, able): (Vec<Row>, Vec<Row>) = able.into_iter().partition(|row| !row.not_stated.is_empty());
+pub fn rank(rows: Vec<ArrangementRow>, reach: Reach) -> Ranking {
+    let (cannot_turn, able): (Vec<ArrangementRow>, Vec<ArrangementRow>) =
+        rows.into_iter().partition(|r| r.standing == Standing::CannotTurn);
+    let (not_stated, able): (Vec<ArrangementRow>, Vec<ArrangementRow>) =
+        able.into_iter().partition(|row| !row.not_stated.is_empty());
     let (ranked, short) = in_order(able, reach);
     let (mut apart, rest) = in_order(not_stated, reach);
     apart.extend(rest);
@@ -108,11 +110,12 @@ pub fn ranked(rows: Vec<Row>, reach: Reach) -> Ranking {
 }
 
 /// Returns those that reach enough, best first, and the others, of which those that reach more come first.
-fn in_order(rows: Vec<Row>, reach: Reach) -> (Vec<Row>, Vec<Row>) {
-    let (mut ranked, mut short): (Vec<Row>, Vec<Row>) = rows.into_iter().partition(|row| reach.is_enough(row));
-    let um = |row: &Row| row.result.map_or(f64::INFINITY, |result| result.um);
+fn in_order(rows: Vec<ArrangementRow>, reach: Reach) -> (Vec<ArrangementRow>, Vec<ArrangementRow>) {
+    let (mut ranked, mut short): (Vec<ArrangementRow>, Vec<ArrangementRow>) =
+        rows.into_iter().partition(|row| reach.is_enough(row));
+    let um = |row: &ArrangementRow| row.result.map_or(f64::INFINITY, |result| result.um);
     // Against rank 1, on the machines drawn of both: what was left after a round has fewer of them.
-    let key = |row: &Row| match row.result.and_then(|result| result.versus_first) {
+    let key = |row: &ArrangementRow| match row.result.and_then(|result| result.versus_first) {
         Some(VersusFirst { verdict: Verdict::First, .. }) => f64::NEG_INFINITY,
         Some(versus) => versus.minus_first.value,
         None => um(row),

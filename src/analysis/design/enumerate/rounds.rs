@@ -5,8 +5,8 @@
 //! from the results of all in the order of arrangements, those leave that are worse than each of the first K. Which
 //! they are depends on the records alone, not on how the study was cut.
 
-use super::journal::{Journal, Record, RoundStep};
-use super::ranking::{Outcome, Reach, Row};
+use super::journal::{Journal, RoundRecord, RoundStep};
+use super::ranking::{ArrangementErrors, ArrangementRow, Reach};
 use crate::analysis::design::budget::{
     PairedDifference, PairedTest, Percentile, Verdict, VersusFirst, are_equal, mean, percentile_95, round_sizes,
 };
@@ -63,7 +63,7 @@ pub struct RoundCount {
     pub arrangements: usize,
 }
 
-/// What the records of a study lead to.
+/// State of a study by its records.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Standings {
     /// Walks are not done.
@@ -87,7 +87,7 @@ pub struct MissingSteps {
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyEnd {
     /// All arrangements with their results.
-    pub rows: Vec<Row>,
+    pub rows: Vec<ArrangementRow>,
     /// Limits of the ranked ones.
     pub reach: Reach,
     /// The rounds.
@@ -99,14 +99,14 @@ pub struct StudyEnd {
 /// A ranked arrangement.
 struct Entrant<'a> {
     step: usize,
-    record: &'a Record,
+    record: &'a RoundRecord,
     values: Vec<f64>,
     file: Option<f64>,
     /// Number of different arrangements in its last round.
     rivals: usize,
 }
 
-/// What a round decides.
+/// Decision of a round.
 struct Decision {
     /// Rank 1, among the entrants.
     leader: usize,
@@ -140,7 +140,7 @@ pub fn standings(journal: &Journal, rounds: &Rounds, fraction: f64) -> Standings
             }
             inside.iter().for_each(|i| take(journal, round, &mut entrants[*i]));
         }
-        let Some(decision) = decided(&mut entrants, &inside, rounds, round) else { break };
+        let Some(decision) = decide(&mut entrants, &inside, rounds, round) else { break };
         counts.push(RoundCount { samples: rounds.sizes[round], arrangements: inside.len() });
         inside.clone_from(&decision.next);
         let told = decision.told;
@@ -149,7 +149,7 @@ pub fn standings(journal: &Journal, rounds: &Rounds, fraction: f64) -> Standings
             break;
         }
     }
-    Standings::Done(ended(journal, rounds, reach, (&entrants, last, counts)))
+    Standings::Done(study_end(journal, rounds, reach, &entrants, last, counts))
 }
 
 /// Returns the walks of a round that are not done, if any.
@@ -178,7 +178,7 @@ fn take(journal: &Journal, round: usize, entrant: &mut Entrant<'_>) {
 }
 
 /// Returns the decision after a round; `None` without arrangements.
-fn decided(entrants: &mut [Entrant<'_>], inside: &[usize], rounds: &Rounds, round: usize) -> Option<Decision> {
+fn decide(entrants: &mut [Entrant<'_>], inside: &[usize], rounds: &Rounds, round: usize) -> Option<Decision> {
     let classes = equal_classes(entrants, inside);
     let leader = *classes.first()?.first()?;
     inside.iter().for_each(|i| entrants[*i].rivals = classes.len());
@@ -218,11 +218,13 @@ fn equal_classes(entrants: &[Entrant<'_>], inside: &[usize]) -> Vec<Vec<usize>> 
 }
 
 /// Returns the results of all arrangements.
-fn ended(
+fn study_end(
     journal: &Journal,
     rounds: &Rounds,
     reach: Reach,
-    (entrants, last, counts): (&[Entrant<'_>], Option<Decision>, Vec<RoundCount>),
+    entrants: &[Entrant<'_>],
+    last: Option<Decision>,
+    counts: Vec<RoundCount>,
 ) -> StudyEnd {
     let mut tests: BTreeMap<(usize, usize), PairedTest> = BTreeMap::new();
     if rounds.drawn {
@@ -235,25 +237,23 @@ fn ended(
     let result = |i: usize| {
         let entrant = &entrants[i];
         let test = tests.get(&(entrant.values.len(), entrant.rivals));
-        let versus = leader.map(|first| versus_first((i, entrant), (first, &entrants[first]), test));
+        let versus = leader.map(|first| versus_first(entrants, i, first, test));
         ((entrant.step, entrant.record.row.table), outcome(&entrant.values, entrant.file, versus, rounds.drawn))
     };
-    let results: BTreeMap<(usize, usize), Option<Outcome>> = (0..entrants.len()).into_par_iter().map(result).collect();
-    let row = |(step, record): (usize, &Record)| {
+    let results: BTreeMap<(usize, usize), Option<ArrangementErrors>> =
+        (0..entrants.len()).into_par_iter().map(result).collect();
+    let row = |(step, record): (usize, &RoundRecord)| {
         let ranked = results.get(&(step, record.row.table)).copied();
         let result = ranked.unwrap_or_else(|| outcome(&record.values, record.file, None, rounds.drawn));
-        Row { result, ..record.row.clone() }
+        ArrangementRow { result, ..record.row.clone() }
     };
     let rows = journal.round(0).map(row).collect();
     StudyEnd { rows, reach, rounds: counts, told: last.is_some_and(|decision| decision.told) }
 }
 
-/// Returns the standing of an entrant against rank 1; both with their index.
-fn versus_first(
-    (i, entrant): (usize, &Entrant<'_>),
-    (first, leader): (usize, &Entrant<'_>),
-    test: Option<&PairedTest>,
-) -> VersusFirst {
+/// Returns the standing of an entrant against rank 1; both by their index.
+fn versus_first(entrants: &[Entrant<'_>], i: usize, first: usize, test: Option<&PairedTest>) -> VersusFirst {
+    let (entrant, leader) = (&entrants[i], &entrants[first]);
     let same = leader.values.get(..entrant.values.len()).unwrap_or(&leader.values);
     if i == first {
         return VersusFirst { verdict: Verdict::First, minus_first: PairedDifference::certain(same, same) };
@@ -268,7 +268,12 @@ fn versus_first(
 }
 
 /// Returns the result of values (um), if there are any.
-fn outcome(values: &[f64], file: Option<f64>, versus_first: Option<VersusFirst>, drawn: bool) -> Option<Outcome> {
+fn outcome(
+    values: &[f64],
+    file: Option<f64>,
+    versus_first: Option<VersusFirst>,
+    drawn: bool,
+) -> Option<ArrangementErrors> {
     let file = file.filter(|_| !values.is_empty())?;
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -276,9 +281,9 @@ fn outcome(values: &[f64], file: Option<f64>, versus_first: Option<VersusFirst>,
     let minus_file = um - file;
     Some(if drawn {
         let mean = Some(mean(values).0);
-        Outcome { um, low, high, mean, minus_file, samples: Some(values.len()), versus_first }
+        ArrangementErrors { um, low, high, mean, minus_file, samples: Some(values.len()), versus_first }
     } else {
-        Outcome { um, low: None, high: None, mean: None, minus_file, samples: None, versus_first }
+        ArrangementErrors { um, low: None, high: None, mean: None, minus_file, samples: None, versus_first }
     })
 }
 
@@ -286,7 +291,7 @@ fn outcome(values: &[f64], file: Option<f64>, versus_first: Option<VersusFirst>,
 mod tests {
     use super::*;
     use crate::analysis::design::compare::UnreachableCount;
-    use crate::analysis::design::enumerate::ranking::{Standing, ranked};
+    use crate::analysis::design::enumerate::ranking::{Standing, rank};
 
     #[test]
     fn rounds_double_up_to_the_limit() {
@@ -317,7 +322,7 @@ mod tests {
             };
             for step in missing.todo.keys() {
                 let (k, worse) = arrangements[*step];
-                let row = Row {
+                let row = ArrangementRow {
                     chain: format!("{step}"),
                     table: 0,
                     standing: Standing::Judged,
@@ -329,7 +334,7 @@ mod tests {
                 };
                 let values = rounds.samples(missing.round).map(|sample| value(k, sample, worse)).collect();
                 let at = RoundStep { round: missing.round, step: *step };
-                let _ = journal.done.insert(at, vec![Record { row, values, file: Some(100.0) }]);
+                let _ = journal.done.insert(at, vec![RoundRecord { row, values, file: Some(100.0) }]);
             }
         }
     }
@@ -345,7 +350,7 @@ mod tests {
         assert!(end.told, "{:?}", end.rounds);
         assert_eq!(end.rounds[0], RoundCount { samples: 400, arrangements: 360 });
         assert!(end.rounds.len() > 1 && end.rounds[1].arrangements <= 352, "{:?}", end.rounds);
-        let ranking = ranked(end.rows, end.reach);
+        let ranking = rank(end.rows, end.reach);
         let verdicts: Vec<Verdict> =
             ranking.ranked.iter().map(|row| row.result.unwrap().versus_first.unwrap().verdict).collect();
         assert_eq!(verdicts[0], Verdict::First);

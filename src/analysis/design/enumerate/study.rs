@@ -1,8 +1,8 @@
 //! A study: every walk on the same tool poses, judged by a budget or by the errors that have a value.
 
 use super::arrangement::Walk;
-use super::journal::Record;
-use super::ranking::{NeededRange, Row, Standing};
+use super::journal::RoundRecord;
+use super::ranking::{ArrangementRow, NeededRange, Standing};
 use super::side_draws::SideDraws;
 use super::walk_budget;
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
@@ -47,12 +47,12 @@ pub struct StudyRound<'a> {
     study: &'a Study<'a>,
     samples: Range<usize>,
     drawn: SideDraws,
-    reference: Reference,
+    reference: ReferenceMachine,
 }
 
 /// The machine as its file has it: squared lengths of the deviations (mm^2) at every tool pose.
 #[derive(Debug)]
-enum Reference {
+enum ReferenceMachine {
     /// Chunk by chunk.
     Drawn(Vec<Vec<SampleLanes>>),
     Values(Vec<f64>),
@@ -69,7 +69,7 @@ impl<'a> Study<'a> {
     }
 
     /// The same study, which also tells the travel that the work needs of each arrangement.
-    pub fn sized(self, sized: bool) -> Self {
+    pub fn with_travel(self, sized: bool) -> Self {
         Self { sized, ..self }
     }
 
@@ -81,14 +81,14 @@ impl<'a> Study<'a> {
                 study: self,
                 samples,
                 drawn: SideDraws::default(),
-                reference: Reference::Values(values),
+                reference: ReferenceMachine::Values(values),
             };
         };
         let drawn = SideDraws::new(self.machine, bounds, draws, samples.end);
         let axes: Vec<usize> = (0..self.machine.axes().len()).collect();
         let table = self.machine.axes().iter().filter(|a| a.branch == Branch::Workpiece).count();
         let lengths = walk_budget::squared_lengths(self.machine, &axes, table, &self.poses, &drawn);
-        StudyRound { study: self, samples, drawn, reference: Reference::Drawn(lengths) }
+        StudyRound { study: self, samples, drawn, reference: ReferenceMachine::Drawn(lengths) }
     }
 
     /// Returns the tool poses of the work.
@@ -109,7 +109,7 @@ impl<'a> Study<'a> {
 
 impl StudyRound<'_> {
     /// Returns the records of the arrangements of one walk that have so many axes on the table: `None` for all.
-    pub fn step(&self, index: usize, tables: Option<&[usize]>) -> Vec<Record> {
+    pub fn step(&self, index: usize, tables: Option<&[usize]>) -> Vec<RoundRecord> {
         let (walk, machine) = (&self.study.walks[index], self.study.machine);
         let wanted = |table: &usize| tables.is_none_or(|tables| tables.contains(table));
         let (tables, machines): (Vec<usize>, Vec<Machine>) = walk
@@ -129,10 +129,10 @@ impl StudyRound<'_> {
     }
 
     /// Returns the records of arrangements with the same nominal machine.
-    fn alike(&self, walk: &Walk, machines: &[Machine], tables: &[usize]) -> Vec<Record> {
+    fn alike(&self, walk: &Walk, machines: &[Machine], tables: &[usize]) -> Vec<RoundRecord> {
         let study = self.study;
         let nominal = &machines[0];
-        let row = |(machine, table): (&Machine, &usize), standing, missed: UnreachableCount| Row {
+        let row = |(machine, table): (&Machine, &usize), standing, missed: UnreachableCount| ArrangementRow {
             chain: machine.chain().to_string(),
             table: *table,
             standing,
@@ -143,7 +143,7 @@ impl StudyRound<'_> {
             travel: Vec::new(),
         };
         let each = || machines.iter().zip(tables);
-        let apart = |row: Row| Record { row, values: Vec::new(), file: None };
+        let apart = |row: ArrangementRow| RoundRecord { row, values: Vec::new(), file: None };
         if freedom(nominal) < study.freedom {
             let all = study.work.len();
             let missed = UnreachableCount { total: all, direction: all, ..UnreachableCount::default() };
@@ -151,15 +151,15 @@ impl StudyRound<'_> {
         }
         let found: Vec<Result<Pose, Miss>> = inverse_all(nominal, &study.work);
         let missed = UnreachableCount::count(found.iter().filter_map(|pose| Some(&pose.as_ref().err()?.why)));
-        let travel = if study.sized { needed(nominal, &found) } else { Vec::new() };
+        let travel = if study.sized { travel_needs(nominal, &found) } else { Vec::new() };
         let (reached, poses): (Vec<usize>, Vec<Pose>) =
             found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
         if poses.is_empty() {
             return each().map(|of| apart(row(of, Standing::ReachesNothing, missed))).collect();
         }
         let (values, file) = self.values(walk, machines, tables, &reached, &poses);
-        let judged = each().zip(values).map(|(of, values)| Record {
-            row: Row { travel: travel.clone(), ..row(of, Standing::Judged, missed) },
+        let judged = each().zip(values).map(|(of, values)| RoundRecord {
+            row: ArrangementRow { travel: travel.clone(), ..row(of, Standing::Judged, missed) },
             values,
             file: Some(file),
         });
@@ -178,7 +178,7 @@ impl StudyRound<'_> {
         let statistic = self.study.statistic;
         let um = |mm: f64| mm * 1e3;
         match &self.reference {
-            Reference::Drawn(own) => {
+            ReferenceMachine::Drawn(own) => {
                 let file = own.iter().flat_map(|lanes| {
                     let same: Vec<SampleLanes> = reached.iter().map(|i| lanes[*i]).collect();
                     walk_budget::over_poses(statistic, &same)
@@ -188,7 +188,7 @@ impl StudyRound<'_> {
                 let rows = walk_budget::statistics(&machines[0], &walk.axes, tables, poses, &round, statistic);
                 (rows.into_iter().map(|row| row.into_iter().map(um).collect()).collect(), percentile_95(&file))
             }
-            Reference::Values(own) => {
+            ReferenceMachine::Values(own) => {
                 let file = statistic.of(&mut reached.iter().map(|i| own[*i]).collect::<Vec<_>>()).sqrt();
                 let value = |machine: &Machine| {
                     let mut squares: Vec<f64> = poses.iter().map(|pose| squared_deviation(machine, pose)).collect();
@@ -201,7 +201,7 @@ impl StudyRound<'_> {
 }
 
 /// Returns the travel that the work needs of each axis.
-fn needed(machine: &Machine, found: &[Result<Pose, Miss>]) -> Vec<NeededRange> {
+fn travel_needs(machine: &Machine, found: &[Result<Pose, Miss>]) -> Vec<NeededRange> {
     let ranges = Needs::of(found.iter().map(|pose| pose.as_ref())).ranges;
     let of = |(axis, (min, max)): (&Axis, (f64, f64))| NeededRange { axis: axis.name.to_string(), min, max };
     machine.axes().iter().zip(ranges).map(of).collect()

@@ -5,7 +5,7 @@
 
 use super::side_draws::SideDraws;
 use crate::analysis::design::budget::{
-    Columns, CurvePoint, JointBounds, SAMPLE_LANES, SampleLanes, Source, Statistic, add, columns, squares,
+    CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleLanes, SourceEffects, Statistic, add, columns, squares,
 };
 use crate::lower::{Quantity, SideWeights, twists};
 use crate::machine::{Axis, Branch, Machine, Pose};
@@ -16,8 +16,8 @@ struct JointMaps {
     /// Index among the drawn joints.
     drawn: usize,
     point: [CurvePoint; 2],
-    location: [Columns; 2],
-    component: [Columns; 2],
+    location: [SourceEffects; 2],
+    component: [SourceEffects; 2],
     /// True if a location error acts the same on either side.
     alike: bool,
 }
@@ -25,7 +25,7 @@ struct JointMaps {
 /// All joints of the walk at one pose.
 struct PoseMaps {
     joints: Vec<JointMaps>,
-    spindle: Columns,
+    spindle: SourceEffects,
 }
 
 /// Samples over which a round is computed, of all that are drawn.
@@ -105,7 +105,7 @@ fn maps(machine: &Machine, axes: &[usize], pose: &[f64], drawn: &SideDraws) -> P
         let location = sides.each_ref().map(|axis| SideWeights::location(axis, conventions));
         let component = sides.each_ref().map(|axis| SideWeights::component(axis, conventions));
         let bounds = Branch::BOTH.map(|branch| drawn.bounds(axes[i], branch));
-        let of = |weights: [SideWeights; 2], sources: fn(&JointBounds) -> &[Source]| {
+        let of = |weights: [SideWeights; 2], sources: fn(&JointBounds) -> &[DrawnSource]| {
             [0, 1].map(|side| columns(&weights[side].map(&twists[i]), sources(bounds[side])))
         };
         JointMaps {

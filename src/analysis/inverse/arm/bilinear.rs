@@ -25,7 +25,7 @@ const DEPENDENT: f64 = 1e-3;
 /// Returns the candidates (a, b), rad, for the zeros of two functions of that kind; `free` is taken for a first angle
 /// that nothing depends on.
 pub fn candidates(of: impl Fn(f64, f64) -> [f64; 2], free: f64) -> Vec<(f64, f64)> {
-    let pair = [0, 1].map(|k| scaled(coefficients(|a, b| of(a, b)[k])));
+    let pair = [0, 1].map(|k| scale(coefficients(|a, b| of(a, b)[k])));
     let angles: Vec<f64> = match flat(&pair) {
         Some(k) => trigonometric_roots(&pair[k][0]),
         None => roots(|b| resultant(&pair, b)),
@@ -50,7 +50,7 @@ fn coefficients(of: impl Fn(f64, f64) -> f64) -> Coefficients {
     [mean, (columns[0] - columns[1]) / 2.0, columns[2] - mean]
 }
 
-fn scaled(equation: Coefficients) -> Coefficients {
+fn scale(equation: Coefficients) -> Coefficients {
     let largest = equation.iter().map(|row| row.amax()).fold(0.0, f64::max);
     if largest > 0.0 { equation.map(|row| row / largest) } else { equation }
 }

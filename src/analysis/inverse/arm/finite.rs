@@ -2,7 +2,7 @@
 //! neighbouring axes that are parallel. All branches are returned as candidates, for `newton` to refine.
 
 use super::bilinear::{candidates, trigonometric_roots};
-use super::screws::{Motion, Screw, meeting_point, parallel, reversed};
+use super::screws::{Screw, ScrewMotion, meeting_point, parallel, reverse};
 use crate::analysis::inverse::rotary::{angle, pair_angles};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -15,7 +15,7 @@ pub type Angles = [f64; 6];
 
 /// The geometry that makes the branches finite.
 #[derive(Debug, Clone, Copy)]
-pub enum Finite {
+pub enum FiniteBranches {
     /// The last three axes meet at a point (mm).
     Wrist(Vector3<f64>),
     /// Three axes from this index on (0 or 1) are parallel.
@@ -26,7 +26,7 @@ pub enum Finite {
 #[derive(Debug, Clone, Copy)]
 pub struct FiniteArm {
     screws: [Screw; 6],
-    kind: Finite,
+    kind: FiniteBranches,
     /// True if the screws are those of the walk from tool to workpiece.
     back: bool,
 }
@@ -39,25 +39,25 @@ impl FiniteArm {
             return None;
         }
         [false, true].into_iter().find_map(|back| {
-            let screws = if back { reversed(&screws) } else { screws };
-            let wrist = || meeting_point(&screws[3..], MEET_MM).map(Finite::Wrist);
+            let screws = if back { reverse(&screws) } else { screws };
+            let wrist = || meeting_point(&screws[3..], MEET_MM).map(FiniteBranches::Wrist);
             let three = |k: &usize| parallel(&screws[*k], &screws[k + 1]) && parallel(&screws[*k], &screws[k + 2]);
-            let kind = wrist().or_else(|| [1, 0].into_iter().find(three).map(Finite::Parallel))?;
+            let kind = wrist().or_else(|| [1, 0].into_iter().find(three).map(FiniteBranches::Parallel))?;
             Some(Self { screws, kind, back })
         })
     }
 
     /// Returns the candidates for all branches at a motion of the tool; `free` are the angles (rad) of axes on which
     /// nothing depends.
-    pub fn branches(&self, motion: &Motion, free: &Angles) -> Vec<Angles> {
+    pub fn branches(&self, motion: &ScrewMotion, free: &Angles) -> Vec<Angles> {
         let (mut free, motion) = (*free, if self.back { motion.inverse() } else { *motion });
         if self.back {
             free.reverse();
         }
         let mut found = match self.kind {
-            Finite::Wrist(point) => self.by_wrist(&point, &motion, &free),
-            Finite::Parallel(0) => self.parallel_first(&motion, &free),
-            Finite::Parallel(_) => self.parallel_second(&motion, &free),
+            FiniteBranches::Wrist(point) => self.by_wrist(&point, &motion, &free),
+            FiniteBranches::Parallel(0) => self.parallel_first(&motion, &free),
+            FiniteBranches::Parallel(_) => self.parallel_second(&motion, &free),
         };
         if self.back {
             found.iter_mut().for_each(|angles| angles.reverse());
@@ -66,13 +66,13 @@ impl FiniteArm {
     }
 
     /// The first three axes bring the wrist to its place; then the last three give the attitude.
-    fn by_wrist(&self, wrist: &Vector3<f64>, motion: &Motion, free: &Angles) -> Vec<Angles> {
+    fn by_wrist(&self, wrist: &Vector3<f64>, motion: &ScrewMotion, free: &Angles) -> Vec<Angles> {
         let [s0, s1, s2, ..] = &self.screws;
         let place = motion.apply(wrist);
         let from = place - s0.o;
         // What the first axis does not change: height along it, and distance from a point of it.
         let (height, square) = (s0.w.dot(&from), from.norm_squared());
-        let carried = |a: f64, b: f64| s1.turned(a).apply(&s2.turned(b).apply(wrist)) - s0.o;
+        let carried = |a: f64, b: f64| s1.motion_at(a).apply(&s2.motion_at(b).apply(wrist)) - s0.o;
         let of = |a: f64, b: f64| {
             let at = carried(a, b);
             [s0.w.dot(&at) - height, at.norm_squared() - square]
@@ -101,11 +101,11 @@ impl FiniteArm {
     }
 
     /// Axes 1, 2 and 3 are parallel: what they do together keeps their direction, and heights along it.
-    fn parallel_second(&self, motion: &Motion, free: &Angles) -> Vec<Angles> {
+    fn parallel_second(&self, motion: &ScrewMotion, free: &Angles) -> Vec<Angles> {
         let [s0, s1, _, _, s4, s5] = &self.screws;
         let w = s1.w;
         let image = |a: f64| motion.r.transpose() * (s0.rotation(a) * w);
-        let seen = |b: f64| motion.apply(&s5.turned(-b).apply(&s4.o)) - s0.o;
+        let seen = |b: f64| motion.apply(&s5.motion_at(-b).apply(&s4.o)) - s0.o;
         let of = |a: f64, b: f64| {
             let along = s4.w.dot(&(s5.rotation(b) * image(a))) - s4.w.dot(&w);
             let height = (s0.rotation(a) * w).dot(&seen(b)) + w.dot(&(s0.o - s4.o));
@@ -114,27 +114,27 @@ impl FiniteArm {
         let mut found = Vec::new();
         for (a, b) in candidates(of, free[0]) {
             let fifth = angle(&s4.w, &(s5.rotation(b) * image(a)), &w).unwrap_or(free[4]);
-            let outer = s4.turned(fifth).after(&s5.turned(b));
-            let planar = s0.turned(-a).after(motion).after(&outer.inverse());
+            let outer = s4.motion_at(fifth).after(&s5.motion_at(b));
+            let planar = s0.motion_at(-a).after(motion).after(&outer.inverse());
             found.extend(self.planar(1, &planar, free).into_iter().map(|[x, y, z]| [a, x, y, z, fifth, b]));
         }
         found
     }
 
     /// Axes 0, 1 and 2 are parallel.
-    fn parallel_first(&self, motion: &Motion, free: &Angles) -> Vec<Angles> {
+    fn parallel_first(&self, motion: &ScrewMotion, free: &Angles) -> Vec<Angles> {
         let [s0, _, _, s3, s4, s5] = &self.screws;
         let w = s0.w;
         let image = motion.r.transpose() * w;
         let of = |a: f64, b: f64| {
             let along = s3.w.dot(&(s4.rotation(a) * s5.rotation(b) * image)) - s3.w.dot(&w);
-            let seen = motion.apply(&s5.turned(-b).apply(&s4.turned(-a).apply(&s3.o)));
+            let seen = motion.apply(&s5.motion_at(-b).apply(&s4.motion_at(-a).apply(&s3.o)));
             [along, w.dot(&(seen - s3.o))]
         };
         let mut found = Vec::new();
         for (a, b) in candidates(of, free[4]) {
             let fourth = angle(&s3.w, &(s4.rotation(a) * s5.rotation(b) * image), &w).unwrap_or(free[3]);
-            let outer = s3.turned(fourth).after(&s4.turned(a)).after(&s5.turned(b));
+            let outer = s3.motion_at(fourth).after(&s4.motion_at(a)).after(&s5.motion_at(b));
             let planar = motion.after(&outer.inverse());
             found.extend(self.planar(0, &planar, free).into_iter().map(|[x, y, z]| [x, y, z, fourth, a, b]));
         }
@@ -142,14 +142,14 @@ impl FiniteArm {
     }
 
     /// Returns the angles of three parallel axes from an index on for their motion together.
-    fn planar(&self, from: usize, motion: &Motion, free: &Angles) -> Vec<[f64; 3]> {
+    fn planar(&self, from: usize, motion: &ScrewMotion, free: &Angles) -> Vec<[f64; 3]> {
         let [s1, s2, s3] = [0, 1, 2].map(|k| &self.screws[from + k]);
         let w = s1.w;
         let across = perpendicular(&w);
         let Some(sum) = angle(&w, &across, &(motion.r * across)) else { return Vec::new() };
         // The third axis does not move its own points.
         let place = beside(&w, &(motion.apply(&s3.o) - s1.o));
-        let bent = |b: f64| beside(&w, &(s2.turned(b).apply(&s3.o) - s1.o));
+        let bent = |b: f64| beside(&w, &(s2.motion_at(b).apply(&s3.o) - s1.o));
         let square = |b: f64| bent(b).norm_squared() - place.norm_squared();
         let (zero, half, quarter) = (square(0.0), square(PI), square(FRAC_PI_2));
         let mean = (zero + half) / 2.0;

@@ -21,8 +21,8 @@ use crate::lower::NominalPose;
 use crate::machine::{Machine, Pose, Travel};
 use finite::{Angles, FiniteArm};
 use nalgebra::{Matrix3, Vector3};
-use newton::{Chain, Goal};
-use screws::{Motion, screws};
+use newton::{ArmChain, ToolGoal};
+use screws::{ScrewMotion, screws};
 use std::f64::consts::TAU;
 
 /// Spins tried for a free tool, and those tried if none of them is within reach.
@@ -40,21 +40,21 @@ const SPANNED: f64 = 1e-9;
 
 /// A machine that places its tip by rotary axes.
 #[derive(Debug)]
-pub struct Arm<'a> {
+pub struct RotaryArm<'a> {
     machine: &'a Machine,
-    chain: Chain,
+    chain: ArmChain,
     finite: Option<FiniteArm>,
 }
 
 /// Poses that take a tool pose, whatever the travels.
-struct Found {
+struct ArmPoses {
     /// Within the travels.
     within: Vec<Pose>,
     /// Beyond them.
     beyond: Vec<Pose>,
 }
 
-impl<'a> Arm<'a> {
+impl<'a> RotaryArm<'a> {
     /// Returns the arm of a machine; `None` if its linear axes place the tip, or if fewer than two axes turn: a lathe's
     /// spindle brings places into the plane of its slides in closed form.
     pub fn of(machine: &'a Machine) -> Option<Self> {
@@ -66,7 +66,7 @@ impl<'a> Arm<'a> {
         }
         let travels = machine.axes().iter().map(|axis| axis.travel).collect();
         let finite = FiniteArm::of(&screws);
-        Some(Self { machine, chain: Chain { screws, tip: machine.tool().tip.into(), travels }, finite })
+        Some(Self { machine, chain: ArmChain { screws, tip: machine.tool().tip.into(), travels }, finite })
     }
 
     /// True if all branches at a given spin are found.
@@ -84,7 +84,7 @@ impl<'a> Arm<'a> {
         let found = match (&self.finite, target.spin_rad) {
             (Some(arm), Some(spin)) => self.branches(arm, target, spin, &reference),
             (Some(arm), None) => self.spun(arm, target, &reference),
-            (None, _) => Found { within: self.sought(target, &reference), beyond: Vec::new() },
+            (None, _) => ArmPoses { within: self.sought(target, &reference), beyond: Vec::new() },
         };
         let nearest =
             |list: Vec<Pose>| list.into_iter().min_by(|a, b| cost(a, &reference).total_cmp(&cost(b, &reference)));
@@ -106,15 +106,15 @@ impl<'a> Arm<'a> {
     }
 
     /// Returns the branches at a spin (rad).
-    fn branches(&self, arm: &FiniteArm, target: &ToolPose, spin: f64, reference: &[f64]) -> Found {
+    fn branches(&self, arm: &FiniteArm, target: &ToolPose, spin: f64, reference: &[f64]) -> ArmPoses {
         let goal = self.goal(target, Some(spin));
-        let motion = Motion { r: goal.attitude, t: goal.tip - goal.attitude * self.chain.tip };
+        let motion = ScrewMotion { r: goal.attitude, t: goal.tip - goal.attitude * self.chain.tip };
         let mut free: Angles = [0.0; 6];
         free.iter_mut().zip(reference).for_each(|(angle, q)| *angle = q.to_radians());
-        let mut found = Found { within: Vec::new(), beyond: Vec::new() };
+        let mut found = ArmPoses { within: Vec::new(), beyond: Vec::new() };
         for candidate in arm.branches(&motion, &free) {
             let start: Pose = candidate.iter().map(|angle| angle.to_degrees()).collect();
-            let Some(refined) = self.chain.refined(&goal, &start, REFINING) else { continue };
+            let Some(refined) = self.chain.refine(&goal, &start, REFINING) else { continue };
             let axes = self.machine.axes().iter().zip(&refined).zip(reference);
             let turned: Vec<(f64, bool)> = axes
                 .map(|((axis, q), reference)| match wrapped(axis.travel, *reference, q.to_radians()) {
@@ -133,8 +133,8 @@ impl<'a> Arm<'a> {
     }
 
     /// Returns the branches over the spins of the tool, with the best of them moved towards the reference.
-    fn spun(&self, arm: &FiniteArm, target: &ToolPose, reference: &[f64]) -> Found {
-        let mut found = Found { within: Vec::new(), beyond: Vec::new() };
+    fn spun(&self, arm: &FiniteArm, target: &ToolPose, reference: &[f64]) -> ArmPoses {
+        let mut found = ArmPoses { within: Vec::new(), beyond: Vec::new() };
         for spins in [SPINS, MANY_SPINS] {
             for k in 0..spins {
                 let at = self.branches(arm, target, TAU * k as f64 / spins as f64, reference);
@@ -175,10 +175,10 @@ impl<'a> Arm<'a> {
         self.chain.travels.iter().zip(bases.iter().cycle()).map(position).collect()
     }
 
-    fn goal(&self, target: &ToolPose, spin: Option<f64>) -> Goal {
+    fn goal(&self, target: &ToolPose, spin: Option<f64>) -> ToolGoal {
         let tip = target.tip + Vector3::from(self.machine.workpiece());
         let tool = Vector3::from(self.machine.tool().direction);
-        Goal { tip, attitude: attitude(&tool, &target.direction, spin.unwrap_or(0.0)), tool, spins: spin.is_none() }
+        ToolGoal { tip, attitude: attitude(&tool, &target.direction, spin.unwrap_or(0.0)), tool, spins: spin.is_none() }
     }
 
     /// True if the nominal machine takes the tool pose at a pose.

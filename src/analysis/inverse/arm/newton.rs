@@ -1,7 +1,7 @@
 //! Positions of all axes together, by Newton's iteration: the last digits of a branch, and poses of chains without
 //! closed form, with the least motion from a reference.
 
-use super::screws::{Motion, Screw};
+use super::screws::{Screw, ScrewMotion};
 use crate::machine::{Pose, Travel};
 use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
 
@@ -21,9 +21,9 @@ const ROUNDING_MM: f64 = 1e-11;
 /// Part of the way to the reference that a step takes.
 const PULL: f64 = 0.5;
 
-/// What the tool has to do.
+/// The tool pose to reach.
 #[derive(Debug, Clone, Copy)]
-pub struct Goal {
+pub struct ToolGoal {
     /// Image of the tip in machine coordinates of the walk, mm.
     pub tip: Vector3<f64>,
     /// Attitude of the tool; of it only the tool axis if its spin is free.
@@ -36,7 +36,7 @@ pub struct Goal {
 
 /// A chain with its tip (mm) at the zero pose and its travels.
 #[derive(Debug, Clone)]
-pub struct Chain {
+pub struct ArmChain {
     /// Axes on the walk from workpiece to tool.
     pub screws: Vec<Screw>,
     /// The tip at the zero pose, mm.
@@ -51,14 +51,14 @@ struct Linearised {
     columns: Vec<Vector6<f64>>,
 }
 
-impl Chain {
+impl ArmChain {
     /// Returns the motion of the tool at positions (mm, deg).
-    pub fn motion(&self, pose: &[f64]) -> Motion {
+    pub fn motion(&self, pose: &[f64]) -> ScrewMotion {
         let joints = self.screws.iter().zip(pose).map(|(screw, q)| screw.motion(*q));
-        joints.fold(Motion::identity(), |motion, joint| motion.after(&joint))
+        joints.fold(ScrewMotion::identity(), |motion, joint| motion.after(&joint))
     }
 
-    fn linearised(&self, goal: &Goal, pose: &[f64]) -> Linearised {
+    fn linearise(&self, goal: &ToolGoal, pose: &[f64]) -> Linearised {
         let end = self.motion(pose);
         let tip = end.apply(&self.tip);
         let axis = end.r * goal.tool;
@@ -73,7 +73,7 @@ impl Chain {
             let turn = counts(turn) * LEVER_MM;
             Vector6::new(place.x, place.y, place.z, turn.x, turn.y, turn.z)
         };
-        let mut motion = Motion::identity();
+        let mut motion = ScrewMotion::identity();
         let mut columns = Vec::with_capacity(pose.len());
         for (screw, q) in self.screws.iter().zip(pose) {
             let w = motion.r * screw.w;
@@ -88,11 +88,11 @@ impl Chain {
 
     /// Returns positions near a start that reach the goal, whatever the travels; `None` if the iteration does not come
     /// there.
-    pub fn refined(&self, goal: &Goal, start: &[f64], steps: usize) -> Option<Pose> {
+    pub fn refine(&self, goal: &ToolGoal, start: &[f64], steps: usize) -> Option<Pose> {
         let mut pose = start.to_vec();
         let mut last = f64::INFINITY;
         for _ in 0..steps {
-            let at = self.linearised(goal, &pose);
+            let at = self.linearise(goal, &pose);
             let size = at.residual.norm();
             if size < ROUNDING_MM || (size < 1e-6 && size >= last) {
                 break;
@@ -101,15 +101,15 @@ impl Chain {
             let step = steps_to(&at, &vec![0.0; pose.len()]);
             self.take(&mut pose, &step, false);
         }
-        (self.linearised(goal, &pose).residual.norm() < 1e-8).then_some(pose)
+        (self.linearise(goal, &pose).residual.norm() < 1e-8).then_some(pose)
     }
 
     /// Returns positions within the travels that reach the goal, moved towards the reference as far as the goal leaves
     /// it open; `None` if the iteration does not come there.
-    pub fn nearest(&self, goal: &Goal, start: &[f64], reference: &[f64]) -> Option<Pose> {
+    pub fn nearest(&self, goal: &ToolGoal, start: &[f64], reference: &[f64]) -> Option<Pose> {
         let mut pose = start.to_vec();
         for step in 0..PULLED + PLAIN {
-            let mut at = self.linearised(goal, &pose);
+            let mut at = self.linearise(goal, &pose);
             let wish = |(i, q): (usize, &f64)| if step < PULLED { PULL * (reference[i] - q) } else { 0.0 };
             let wish: Vec<f64> = pose.iter().enumerate().map(wish).collect();
             if step >= PULLED && at.residual.norm() < ROUNDING_MM {
@@ -123,7 +123,7 @@ impl Chain {
                 return None;
             }
         }
-        (self.linearised(goal, &pose).residual.norm() < 1e-8).then_some(pose)
+        (self.linearise(goal, &pose).residual.norm() < 1e-8).then_some(pose)
     }
 
     /// Returns the step in which axes that would leave an end of their travel stay there.

@@ -6,14 +6,14 @@ use nalgebra::{Matrix3, Vector3};
 
 /// A rigid motion `p -> r p + t`, mm.
 #[derive(Debug, Clone, Copy)]
-pub struct Motion {
+pub struct ScrewMotion {
     /// Rotation.
     pub r: Matrix3<f64>,
     /// Translation, mm.
     pub t: Vector3<f64>,
 }
 
-impl Motion {
+impl ScrewMotion {
     /// Returns the identity.
     pub fn identity() -> Self {
         Self { r: Matrix3::identity(), t: Vector3::zeros() }
@@ -60,18 +60,18 @@ impl Screw {
     }
 
     /// Returns the motion at an angle (rad) of a rotary axis.
-    pub fn turned(&self, angle: f64) -> Motion {
+    pub fn motion_at(&self, angle: f64) -> ScrewMotion {
         let r = self.rotation(angle);
-        Motion { r, t: self.o - r * self.o }
+        ScrewMotion { r, t: self.o - r * self.o }
     }
 
     /// Returns the motion at a position (mm, deg).
-    pub fn motion(&self, position: f64) -> Motion {
+    pub fn motion(&self, position: f64) -> ScrewMotion {
         if !self.turns {
-            return Motion { t: self.w * position, ..Motion::identity() };
+            return ScrewMotion { t: self.w * position, ..ScrewMotion::identity() };
         }
         let r = rotation_about(&self.w.into(), sin_cos_degrees(position));
-        Motion { r, t: self.o - r * self.o }
+        ScrewMotion { r, t: self.o - r * self.o }
     }
 }
 
@@ -81,7 +81,7 @@ pub fn screws(machine: &Machine) -> Vec<Screw> {
 }
 
 /// Returns the screws of the walk from tool to workpiece: at the same angles they make the inverse motion.
-pub fn reversed(screws: &[Screw; 6]) -> [Screw; 6] {
+pub fn reverse(screws: &[Screw; 6]) -> [Screw; 6] {
     let mut back = *screws;
     back.reverse();
     back.iter_mut().for_each(|screw| screw.w = -screw.w);

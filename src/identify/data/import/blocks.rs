@@ -9,7 +9,7 @@ use super::unit::component_error;
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::identify::lists::index_of;
 use crate::machine::{ErrorId, parse_error_name};
-use crate::syntax::sheet::Line;
+use crate::syntax::sheet::SheetLine;
 use crate::units;
 
 /// The entry of a constant, and the one that opens the rows of a curve.
@@ -32,7 +32,7 @@ fn entry(line: &str) -> Option<(String, &str)> {
 }
 
 /// True for a file of this layout.
-pub(super) fn is(lines: &[Line]) -> bool {
+pub(super) fn is(lines: &[SheetLine]) -> bool {
     lines.windows(2).any(|pair| {
         let known = |(key, _): (String, &str)| key == CONSTANT || key == CURVE;
         block(&pair[0].text).and_then(parse_error_name).is_some() && entry(&pair[1].text).is_some_and(known)
@@ -48,7 +48,7 @@ struct Blocks {
 }
 
 /// Reads the blocks of a file that begins at `place`.
-pub(super) fn read(lines: &[Line], place: &Place, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
+pub(super) fn read(lines: &[SheetLine], place: &Place, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
     let refuse = |message: String| Box::new(refusal(message, Some(place.clone())));
     let blocks = blocks(lines)?;
     let named = wanted.error.as_deref().map(component_error).transpose();
@@ -101,7 +101,7 @@ pub(super) fn read(lines: &[Line], place: &Place, wanted: &ImportRequest) -> Res
     gather::finish(import, wanted, &[], place)
 }
 
-fn blocks(lines: &[Line]) -> Result<Blocks, Box<Diagnostic>> {
+fn blocks(lines: &[SheetLine]) -> Result<Blocks, Box<Diagnostic>> {
     let mut found = Blocks::default();
     let mut name: Option<ErrorId> = None;
     let mut points: Option<Vec<(f64, f64)>> = None;

@@ -9,7 +9,7 @@ use super::sample::{AxisSample, Import, refusal};
 use super::unit::{self, position_unit};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::syntax::ColumnDirection::{self, Forward, Reverse};
-use crate::syntax::sheet::Line;
+use crate::syntax::sheet::SheetLine;
 use crate::units;
 use indexmap::IndexMap;
 
@@ -20,7 +20,7 @@ const REACHED: [(&str, ColumnDirection); 2] = [("REF_DATA_FWD", Forward), ("REF_
 const UNIT: &str = "UNIT";
 
 /// True for a file of this layout.
-pub(super) fn is(lines: &[Line]) -> bool {
+pub(super) fn is(lines: &[SheetLine]) -> bool {
     lines.iter().any(|line| entry(&line.text).is_some_and(|(name, indices, _)| name == TARGET && !indices.is_empty()))
 }
 
@@ -36,7 +36,7 @@ fn entry(line: &str) -> Option<(&str, Vec<usize>, &str)> {
 }
 
 /// Reads the entries of a file that begins at `place`.
-pub(super) fn read(lines: &[Line], place: &Place, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
+pub(super) fn read(lines: &[SheetLine], place: &Place, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
     let refuse = |message: &str| Box::new(refusal(message.to_owned(), Some(place.clone())));
     let axis = match (&wanted.axis, wanted.error.as_deref().map(unit::component_error)) {
         (_, Some(Err(failure))) => return Err(refuse(&failure.to_string())),

@@ -13,10 +13,14 @@ use crate::diagnostic::{Diagnostic, Place};
 use crate::identify::lists::index_of;
 use crate::machine::{AxisName, ErrorId, largest};
 use crate::syntax::ColumnDirection;
-use crate::syntax::sheet::{self, Decimals, Line};
+use crate::syntax::sheet::{self, Decimals, SheetLine};
 use crate::units::FARTHEST;
 
-pub(super) fn gather(lines: &[Line], header: &ImportHeader, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
+pub(super) fn gather(
+    lines: &[SheetLine],
+    header: &ImportHeader,
+    wanted: &ImportRequest,
+) -> Result<Import, Box<Diagnostic>> {
     let by_row = header.roles.contains(&ColumnRole::Other(ColumnMeaning::Direction));
     let mut import = Import {
         errors: header.errors.clone(),

@@ -13,7 +13,7 @@ use crate::identify::data::error_name::{parse_component_error, split_direction};
 use crate::identify::lists::index_of;
 use crate::machine::{Approach, AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
-use crate::syntax::sheet::{self, Line};
+use crate::syntax::sheet::{self, SheetLine};
 use crate::units;
 
 /// Lines before the table, at most.
@@ -134,7 +134,7 @@ fn begins(layout: &ExportLayout, cells: &[String], axis: Option<&str>, map: Opti
 }
 
 /// Finds and reads the header of an export.
-pub(super) fn find(lines: &[Line], wanted: &ImportRequest) -> Result<ImportHeader, Box<Diagnostic>> {
+pub(super) fn find(lines: &[SheetLine], wanted: &ImportRequest) -> Result<ImportHeader, Box<Diagnostic>> {
     check_request(wanted).map_err(|failure| Box::new(refusal(failure.to_string(), None)))?;
     let layout = &GENERAL;
     let of_error = wanted.error_id().map(|error| error.axis.to_string());
@@ -177,7 +177,7 @@ fn other_axis(axis: &str, title: &str, place: Place) -> Diagnostic {
     refusal(message, Some(place)).help(help)
 }
 
-fn no_header(lines: &[Line]) -> Diagnostic {
+fn no_header(lines: &[SheetLine]) -> Diagnostic {
     let first = lines.first().map(|line| line.place.clone());
     refusal("there is no header with a position column".to_owned(), first)
 }
@@ -206,7 +206,7 @@ fn check_runs(header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailu
 
 struct HeaderReader<'a> {
     layout: &'static ExportLayout,
-    lines: &'a [Line],
+    lines: &'a [SheetLine],
     wanted: &'a ImportRequest,
     metadata: &'a [(String, String)],
     separator: char,

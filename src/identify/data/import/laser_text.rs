@@ -11,7 +11,7 @@ use super::unit::{self, ReadingUnit, component_error, own_axis, reading_unit};
 use crate::diagnostic::{Diagnostic, Place, Reason, shown};
 use crate::machine::{AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
-use crate::syntax::sheet::{self, Decimals, Line};
+use crate::syntax::sheet::{self, Decimals, SheetLine};
 use std::path::Path;
 
 /// Quantities by the ending of a file's name: unit of the deviations where it is known, and true for the positioning
@@ -29,7 +29,7 @@ const RUN_COUNT: (&str, &str) = ("RUNS", "run-count");
 const DEVIATIONS: (&str, &str) = ("DEVIATIONS", "run target data");
 
 /// True for a file of this layout.
-pub(super) fn is(lines: &[Line]) -> bool {
+pub(super) fn is(lines: &[SheetLine]) -> bool {
     lines.first().is_some_and(|line| section(&line.text).is_some())
         && lines.iter().any(|line| section(&line.text) == Some(DEVIATIONS.0))
 }
@@ -51,7 +51,7 @@ struct Contents {
 
 /// Reads the sections of a file that begins at `first`.
 pub(super) fn read(
-    lines: &[Line],
+    lines: &[SheetLine],
     first: &Place,
     wanted: &ImportRequest,
     path: &Path,
@@ -79,7 +79,7 @@ pub(super) fn read(
 }
 
 /// Reads section by section.
-fn contents(lines: &[Line]) -> Result<Contents, Box<Diagnostic>> {
+fn contents(lines: &[SheetLine]) -> Result<Contents, Box<Diagnostic>> {
     let mut found = Contents::default();
     let (mut current, mut list) = (String::new(), String::new());
     let mut decimals = Decimals::default();

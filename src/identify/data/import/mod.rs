@@ -38,7 +38,7 @@ pub use sample::{AxisSample, Import, ReferenceLine, UnusedColumn};
 use super::tracker;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::syntax::Files;
-use crate::syntax::sheet::{Line, read_sheet};
+use crate::syntax::sheet::{SheetLine, read_sheet};
 use std::path::Path;
 
 /// Most rows of a file.
@@ -68,8 +68,8 @@ pub fn import(path: &Path, wanted: &ImportRequest, files: &dyn Files, diagnostic
     }
 }
 
-fn read(lines: &[Line], path: &Path, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
-    if let (None, Some(Line { place, .. })) = (&wanted.columns, lines.first()) {
+fn read(lines: &[SheetLine], path: &Path, wanted: &ImportRequest) -> Result<Import, Box<Diagnostic>> {
+    if let (None, Some(SheetLine { place, .. })) = (&wanted.columns, lines.first()) {
         if laser_text::is(lines) {
             return laser_text::read(lines, place, wanted, path);
         }

@@ -3,10 +3,10 @@
 
 use super::form::TableForm;
 use super::layout::{ColumnMeaning, GENERAL};
-use crate::syntax::sheet::{self, Line};
+use crate::syntax::sheet::{self, SheetLine};
 
 /// Returns the lines with the table turned, if its targets stand in a row.
-pub(super) fn transpose(lines: &[Line]) -> Option<Vec<Line>> {
+pub(super) fn transpose(lines: &[SheetLine]) -> Option<Vec<SheetLine>> {
     let at = (0..lines.len().saturating_sub(1)).find(|at| is_head(&lines[*at], &lines[at + 1]))?;
     let separator = sheet::separator(&lines[at].text);
     let mut rows: Vec<Vec<String>> = Vec::new();
@@ -29,13 +29,13 @@ pub(super) fn transpose(lines: &[Line]) -> Option<Vec<Line>> {
     let quoted = |cell: &str| if cell.contains(separator) { format!("\"{cell}\"") } else { cell.to_owned() };
     let turned = (0..columns).map(|k| {
         let cells: Vec<String> = rows.iter().map(|row| quoted(row.get(k).map_or("", String::as_str))).collect();
-        Line { place: lines[at].place.clone(), number: lines[at].number, text: cells.join(&separator.to_string()) }
+        SheetLine { place: lines[at].place.clone(), number: lines[at].number, text: cells.join(&separator.to_string()) }
     });
     Some(lines[..at].iter().cloned().chain(turned).collect())
 }
 
 /// True if a line holds targets side by side and the next one directions or readings with a label in words.
-fn is_head(line: &Line, next: &Line) -> bool {
+fn is_head(line: &SheetLine, next: &SheetLine) -> bool {
     let separator = sheet::separator(&line.text);
     let (head, below) = (sheet::cells(&line.text, separator), sheet::cells(&next.text, separator));
     let title = |cell: &str| sheet::title(cell).0.to_lowercase();

@@ -3,7 +3,7 @@
 //! The outlines are those of DejaVu Sans (`LICENSE`), the font that the SVG pictures name first; written by
 //! `generate.py`. Bold is drawn with a stroke. A character that is not there becomes the replacement mark.
 
-use super::lettering::{Anchor, Text, number};
+use super::lettering::{Text, TextAnchor, number};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
@@ -18,10 +18,10 @@ type Glyph = (f64, &'static str);
 
 fn glyphs() -> &'static BTreeMap<char, Glyph> {
     static GLYPHS: OnceLock<BTreeMap<char, Glyph>> = OnceLock::new();
-    GLYPHS.get_or_init(|| include_str!("glyphs.txt").lines().filter_map(parsed).collect())
+    GLYPHS.get_or_init(|| include_str!("glyphs.txt").lines().filter_map(parse_glyph).collect())
 }
 
-fn parsed(line: &'static str) -> Option<(char, Glyph)> {
+fn parse_glyph(line: &'static str) -> Option<(char, Glyph)> {
     let mut parts = line.splitn(3, ' ');
     let character = char::from_u32(u32::from_str_radix(parts.next()?, 16).ok()?)?;
     Some((character, (parts.next()?.parse().ok()?, parts.next().unwrap_or(""))))
@@ -37,11 +37,11 @@ pub fn path_elements(text: &Text) -> String {
     let scale = text.font.size / EM;
     let width: f64 = text.text.chars().map(|c| glyph(c).0).sum();
     let start = match text.anchor {
-        Anchor::Start => 0.0,
-        Anchor::Middle => -0.5 * width,
-        Anchor::End => -width,
+        TextAnchor::Start => 0.0,
+        TextAnchor::Middle => -0.5 * width,
+        TextAnchor::End => -width,
     };
-    let (x, y, colour) = (number(text.at.0), number(text.at.1), text.font.colour);
+    let (x, y, colour) = (number(text.at.x), number(text.at.y), text.font.colour);
     let stroke = if text.font.bold { format!(r#" stroke="{colour}" stroke-width="{BOLD}""#) } else { String::new() };
     let turn = if text.turned == 0.0 { String::new() } else { format!(" rotate({})", number(text.turned)) };
     let mut out =

@@ -1,12 +1,12 @@
 //! The drawing of a plane: colours and arrows or a deformed grid, frame, notes.
 
-use super::bands::Bands;
+use super::bands::ColourBands;
 use super::picture::{LEFT, MARGIN, PlanePicture, PlaneQuantity, PlaneStyle, TOP};
 use crate::analysis::{Plane, PlaneNodes};
 use crate::evaluate::{Frame, Order};
 use crate::machine::Approach;
 use crate::report::pictures::scale::{round_step, tick_text, ticks};
-use crate::report::pictures::svg::{Anchor, Font, INK, Picture, Svg, fitted, polygon, wrapped};
+use crate::report::pictures::svg::{Font, INK, Picture, Point, Svg, TextAnchor, polygon, truncate, wrap};
 use crate::report::text::DrawSettings;
 use crate::units::significant;
 
@@ -31,27 +31,27 @@ impl PlanePicture<'_> {
         let values = self.values(self.plane);
         let mut scaled = self.values(self.reference());
         scaled.extend(self.like.map(|_| 0.0));
-        let bands = Bands::new(&scaled, self.shown);
+        let bands = ColourBands::new(&scaled, self.shown);
         let scale = self.scale();
         let exaggeration = self.exaggeration(scale);
-        let notes: Vec<String> = self.notes(&values, exaggeration).iter().flat_map(|note| wrapped(note, 106)).collect();
+        let notes: Vec<String> = self.notes(&values, exaggeration).iter().flat_map(|note| wrap(note, 106)).collect();
         let area = self.area(scale);
         let min_height = if self.drawn == PlaneStyle::Colours { BAR } else { 0.0 };
         let below = TOP + (area.1 + 2.0 * self.margin()).max(min_height) + 66.0;
         let mut svg = Svg::new(WIDTH, below + 18.5 * notes.len() as f64 + 8.0);
-        svg.text((LEFT, 32.0), &fitted(&self.title(), 70), Font::bold(18.0), Anchor::Start, 0.0);
-        svg.text((LEFT, 54.0), &fitted(&self.subtitle(), 100), Font::faint(14.0), Anchor::Start, 0.0);
+        svg.text((LEFT, 32.0), &truncate(&self.title(), 70), Font::bold(18.0), TextAnchor::Start, 0.0);
+        svg.text((LEFT, 54.0), &truncate(&self.subtitle(), 100), Font::faint(14.0), TextAnchor::Start, 0.0);
         match self.drawn {
             PlaneStyle::Colours => {
                 self.fill(&mut svg, &values, &bands, scale);
                 svg.group(r#"class="on-colour""#, |svg| self.arrows(svg, scale));
-                bands.bar(&mut svg, (LEFT + area.0 + 34.0, TOP), area.1.max(BAR), &self.quantity());
+                bands.bar(&mut svg, Point { x: LEFT + area.0 + 34.0, y: TOP }, area.1.max(BAR), &self.quantity());
             }
-            PlaneStyle::Grid => self.deformed(&mut svg, scale, exaggeration),
+            PlaneStyle::Grid => self.draw_deformed(&mut svg, scale, exaggeration),
         }
         self.frame(&mut svg, scale);
         for (i, note) in notes.iter().enumerate() {
-            svg.text((LEFT, below + 18.5 * i as f64), note, Font::plain(13.5), Anchor::Start, 0.0);
+            svg.text((LEFT, below + 18.5 * i as f64), note, Font::plain(13.5), TextAnchor::Start, 0.0);
         }
         svg
     }
@@ -91,7 +91,7 @@ impl PlanePicture<'_> {
     }
 
     /// The notes below a picture of what bounds lead to.
-    fn bounded_notes(&self, values: &[f64], drawn: &DrawSettings, tool: &str) -> Vec<String> {
+    fn bound_notes(&self, values: &[f64], drawn: &DrawSettings, tool: &str) -> Vec<String> {
         vec![
             format!(
                 "Colour: the length of the deviation d that 95 % of the drawn machines do not exceed at that place; \
@@ -124,7 +124,7 @@ impl PlanePicture<'_> {
             format!(", tool {}", self.machine.tool().name)
         };
         if let Some(drawn) = self.drawing {
-            return self.bounded_notes(values, drawn, &tool);
+            return self.bound_notes(values, drawn, &tool);
         }
         let colour = match self.shown {
             PlaneQuantity::Length => "length of the deviation d".to_owned(),
@@ -132,7 +132,7 @@ impl PlanePicture<'_> {
                 format!("component of the deviation d along {} of the {frame} frame", ["x", "y", "z"][k.min(2)])
             }
         };
-        let drawn = exaggeration.map_or("No deviation within the plane.".to_owned(), |e| self.drawn_note(e));
+        let drawn = exaggeration.map_or("No deviation within the plane.".to_owned(), |e| self.exaggeration_note(e));
         let first = if self.drawn == PlaneStyle::Colours { "Colour" } else { "In all directions" };
         let shared = if self.like.is_some_and(|like| !std::ptr::eq(like, self.plane)) {
             " Colours and factor are those of the first picture."
@@ -147,7 +147,7 @@ impl PlanePicture<'_> {
         ]
     }
 
-    fn drawn_note(&self, exaggeration: f64) -> String {
+    fn exaggeration_note(&self, exaggeration: f64) -> String {
         let [right, times] = [self.axis(0).to_owned(), thousands(exaggeration)];
         match self.drawn {
             PlaneStyle::Colours => format!(
@@ -164,14 +164,14 @@ impl PlanePicture<'_> {
     fn largest(&self, values: &[f64]) -> String {
         let order = |a: &usize, b: &usize| values[*a].abs().total_cmp(&values[*b].abs()).then(b.cmp(a));
         let worst = (0..values.len()).max_by(order).unwrap_or(0);
-        let (x, y) = self.node(worst % self.plane.counts[0], worst / self.plane.counts[0]);
+        let Point { x, y } = self.node(worst % self.plane.counts[0], worst / self.plane.counts[0]);
         let value = values.get(worst).copied().unwrap_or(0.0);
         let place = format!("{} = {}, {} = {} mm", self.axis(0), significant(x, 6), self.axis(1), significant(y, 6));
         format!("largest {} µm at {place}", significant(value, 4))
     }
 
     /// Every band over the ones below it: a path of whole cells and of cut ones.
-    fn fill(&self, svg: &mut Svg, values: &[f64], bands: &Bands, scale: f64) {
+    fn fill(&self, svg: &mut Svg, values: &[f64], bands: &ColourBands, scale: f64) {
         let (width, height) = self.area(scale);
         svg.rect((LEFT, TOP), (width, height), &format!(r#"fill="{}""#, bands.colour(0)));
         for band in 1..bands.count() {
@@ -191,10 +191,10 @@ impl PlanePicture<'_> {
         for j in 0..rows - 1 {
             let mut whole: Option<usize> = None;
             for i in 0..columns {
-                let cell = (i + 1 < columns).then(|| self.cell(values, level, (i, j)));
+                let cell = (i + 1 < columns).then(|| self.cell(values, level, i, j));
                 match (cell, whole) {
-                    (Some(cell), None) if cell.len() == 4 && self.is_whole(values, level, (i, j)) => whole = Some(i),
-                    (Some(_), Some(_)) if self.is_whole(values, level, (i, j)) => {}
+                    (Some(cell), None) if cell.len() == 4 && self.is_whole(values, level, i, j) => whole = Some(i),
+                    (Some(_), Some(_)) if self.is_whole(values, level, i, j) => {}
                     (cell, run) => {
                         if let Some(start) = run.or(whole.take()) {
                             let corners = [(start, j), (i, j), (i, j + 1), (start, j + 1)];
@@ -211,18 +211,18 @@ impl PlanePicture<'_> {
         data
     }
 
-    fn corners(&self, values: &[f64], (i, j): (usize, usize)) -> [((f64, f64), f64); 4] {
+    fn corners(&self, values: &[f64], i: usize, j: usize) -> [(Point, f64); 4] {
         [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
             .map(|(i, j)| (self.node(i, j), values[j * self.plane.counts[0] + i]))
     }
 
-    fn is_whole(&self, values: &[f64], level: f64, cell: (usize, usize)) -> bool {
-        self.corners(values, cell).iter().all(|(_, value)| *value >= level)
+    fn is_whole(&self, values: &[f64], level: f64, i: usize, j: usize) -> bool {
+        self.corners(values, i, j).iter().all(|(_, value)| *value >= level)
     }
 
     /// The cell cut off where the value, linear along its edges, falls below the level.
-    fn cell(&self, values: &[f64], level: f64, cell: (usize, usize)) -> Vec<(f64, f64)> {
-        let corners = self.corners(values, cell);
+    fn cell(&self, values: &[f64], level: f64, i: usize, j: usize) -> Vec<Point> {
+        let corners = self.corners(values, i, j);
         let mut polygon = Vec::new();
         for (k, (a, va)) in corners.into_iter().enumerate() {
             let (b, vb) = corners[(k + 1) % 4];
@@ -231,7 +231,7 @@ impl PlanePicture<'_> {
             }
             if (va >= level) != (vb >= level) {
                 let t = (level - va) / (vb - va);
-                polygon.push((a.0 + (b.0 - a.0) * t, a.1 + (b.1 - a.1) * t));
+                polygon.push(Point { x: a.x + (b.x - a.x) * t, y: a.y + (b.y - a.y) * t });
             }
         }
         polygon
@@ -244,31 +244,31 @@ impl PlanePicture<'_> {
         svg.rect((LEFT, TOP), (width, height), &format!(r#"fill="none" stroke="{INK}""#));
         let tick = format!(r#"stroke="{INK}""#);
         let step = round_step(self.span(0), ((width / 80.0) as usize).clamp(1, 8));
-        let at = |value: &f64| self.at(scale, (*value, 0.0)).0;
-        for value in spread(ticks(self.plane.intervals[0], step), at, 40.0) {
+        let at = |value: &f64| self.at(scale, Point { x: *value, y: 0.0 }).x;
+        for value in thin_ticks(ticks(self.interval(0), step), at, 40.0) {
             let (x, y) = (at(&value), TOP + height);
             svg.line((x, y), (x, y + 5.0), &tick);
-            svg.text((x, y + 19.0), &tick_text(value, step), Font::plain(13.0), Anchor::Middle, 0.0);
+            svg.text((x, y + 19.0), &tick_text(value, step), Font::plain(13.0), TextAnchor::Middle, 0.0);
         }
         let step = round_step(self.span(1), ((height / 50.0) as usize).clamp(1, 8));
-        let at = |value: &f64| self.at(scale, (0.0, *value)).1;
-        for value in spread(ticks(self.plane.intervals[1], step), at, 14.0) {
+        let at = |value: &f64| self.at(scale, Point { x: 0.0, y: *value }).y;
+        for value in thin_ticks(ticks(self.interval(1), step), at, 14.0) {
             let y = at(&value);
             svg.line((LEFT - 5.0, y), (LEFT, y), &tick);
-            svg.text((LEFT - 9.0, y + 4.0), &tick_text(value, step), Font::plain(13.0), Anchor::End, 0.0);
+            svg.text((LEFT - 9.0, y + 4.0), &tick_text(value, step), Font::plain(13.0), TextAnchor::End, 0.0);
         }
         svg.text(
             (LEFT + width / 2.0, TOP + height + 40.0),
             &format!("{} in mm", self.axis(0)),
             Font::plain(14.0),
-            Anchor::Middle,
+            TextAnchor::Middle,
             0.0,
         );
         svg.text(
             (22.0, TOP + height / 2.0),
             &format!("{} in mm", self.axis(1)),
             Font::plain(14.0),
-            Anchor::Middle,
+            TextAnchor::Middle,
             -90.0,
         );
     }
@@ -315,16 +315,16 @@ impl PlanePicture<'_> {
     fn arrows(&self, svg: &mut Svg, scale: f64) {
         let Some(exaggeration) = self.exaggeration(scale) else { return };
         for (i, j) in self.arrow_nodes() {
-            let (from, [u, v]) = (self.at(scale, self.node(i, j)), self.in_plane((i, j)));
+            let (from, [u, v]) = (self.at(scale, self.node(i, j)), self.in_plane(i, j));
             let pixels = exaggeration * scale;
             svg.circle(from, 1.3, &format!(r#"fill="{INK}""#));
-            svg.arrow(from, (from.0 + u * pixels, from.1 - v * pixels), 1.2, INK);
+            svg.arrow(from, Point { x: from.x + u * pixels, y: from.y - v * pixels }, 1.2, INK);
         }
     }
 }
 
 /// Thins ticks to those at least `apart` px apart: those of a very short side would cover each other.
-fn spread(ticks: Vec<f64>, at: impl Fn(&f64) -> f64, apart: f64) -> Vec<f64> {
+fn thin_ticks(ticks: Vec<f64>, at: impl Fn(&f64) -> f64, apart: f64) -> Vec<f64> {
     let mut kept: Vec<f64> = Vec::new();
     for tick in ticks {
         if kept.last().is_none_or(|last| (at(&tick) - at(last)).abs() >= apart) {

@@ -3,7 +3,9 @@
 use crate::analysis::{Plane, View};
 use crate::evaluate::Order;
 use crate::machine::Machine;
+use crate::report::pictures::svg::Point;
 use crate::report::text::DrawSettings;
+use crate::units::Interval;
 
 /// Quantity that the colours show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,9 +67,13 @@ impl PlanePicture<'_> {
         self.machine.axes()[self.plane.axes[k]].name.as_str()
     }
 
-    pub(super) fn span(&self, k: usize) -> f64 {
+    pub(super) fn interval(&self, k: usize) -> Interval {
         let (min, max) = self.plane.intervals[k];
-        (max - min).max(1e-9)
+        Interval::new(min, max)
+    }
+
+    pub(super) fn span(&self, k: usize) -> f64 {
+        self.interval(k).span().max(1e-9)
     }
 
     pub(super) fn margin(&self) -> f64 {
@@ -84,17 +90,18 @@ impl PlanePicture<'_> {
         (self.span(0) * scale, self.span(1) * scale)
     }
 
-    pub(super) fn at(&self, scale: f64, position: (f64, f64)) -> (f64, f64) {
+    pub(super) fn at(&self, scale: f64, position: Point) -> Point {
         let [(left, _), (_, top)] = self.plane.intervals;
         let margin = self.margin();
-        (LEFT + margin + (position.0 - left) * scale, TOP + margin + (top - position.1) * scale)
+        Point { x: LEFT + margin + (position.x - left) * scale, y: TOP + margin + (top - position.y) * scale }
     }
 
-    pub(super) fn node(&self, i: usize, j: usize) -> (f64, f64) {
-        (self.plane.position(0, i), self.plane.position(1, j))
+    /// Returns the position of a node in the plane, mm.
+    pub(super) fn node(&self, i: usize, j: usize) -> Point {
+        Point { x: self.plane.position(0, i), y: self.plane.position(1, j) }
     }
 
-    pub(super) fn in_plane(&self, (i, j): (usize, usize)) -> [f64; 2] {
+    pub(super) fn in_plane(&self, i: usize, j: usize) -> [f64; 2] {
         self.plane.in_plane(j * self.plane.counts[0] + i).unwrap_or_default()
     }
 
