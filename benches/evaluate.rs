@@ -92,7 +92,7 @@ impl Bench {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.parse().ok()?).build().unwrap();
                 let _ = (field.compiled_model(view.conditions), pool.broadcast(|_| ()));
                 let task = SurveyTask { field: &field, poses: &poses, view, worst: 5 };
-                Some(clock(poses.len(), &mut || drop(pool.install(|| survey(task, &|_| ())))))
+                Some(clock(poses.len(), &mut || drop(pool.install(|| survey(task, &|_| Ok(()))))))
             }
             ["general", order] => {
                 let plan = plan(&self.machine, order, "widest");

@@ -8,7 +8,7 @@
 //! files; an [`Answer`] with the value and the warnings comes back, or the [`Diagnostics`] that refuse the input.
 //!
 //! The functions and their options are here; the types of options' fields in [`options`], of results in [`results`],
-//! numbers and diagnostics as text in [`text`], sets of files in a folder in [`sets`].
+//! numbers and diagnostics as text in [`text`], sets of files in a folder in [`sets`], the verbs as data in [`verbs`].
 //!
 //! Deviations are actual minus nominal, tool relative to workpiece, in ISO 841 directions. Lengths are in mm and angles
 //! in rad unless a name ends in another unit; positions of rotary axes are in deg as programmed.
@@ -94,7 +94,7 @@
 pub use api::*;
 pub use wire::report::report;
 pub use wire::report_options::ReportOptions;
-pub use wire::workbench::{workbench, workbench_of_parts, workbench_part};
+pub use wire::workbench::workbench;
 
 /// Types of the fields of options.
 pub mod options {
@@ -107,6 +107,14 @@ pub mod results {
 
     pub use crate::api::results::*;
     pub use crate::wire::report::Report;
+}
+
+/// The verbs as data, for whoever speaks JSON; the page's requests in parts.
+pub mod verbs {
+    pub use crate::wire::verbs::{
+        ResultSchema, VERBS, Verb, VerbAnswer, VerbCall, VerbRequest, answers, options, results,
+    };
+    pub use crate::wire::workbench::{workbench_of_parts, workbench_part};
 }
 
 #[doc(hidden)]

@@ -59,7 +59,7 @@ fn statistics(bencher: Bencher, order: Order) {
     let machine = trunnion();
     let (field, poses) = (CompiledField::new(&machine, order), Poses::Nodes(Nodes::of(&machine)));
     let task = SurveyTask { field: &field, poses: &poses, view: View::default(), worst: 5 };
-    bencher.counter(ItemsCount::new(poses.len())).bench_local(|| survey(task, &|_| ()));
+    bencher.counter(ItemsCount::new(poses.len())).bench_local(|| survey(task, &|_| Ok(())));
 }
 
 #[divan::bench(args = ORDERS)]

@@ -3,8 +3,9 @@
 use crate::diagnostics::one;
 use crate::interrupt::run_borrowed;
 use abbe::options::Frame;
+use abbe::results::CompiledModel;
 use abbe::results::DeviationSlices;
-use abbe::{Cancellation, CompiledModel, Diagnostic};
+use abbe::{Cancellation, Diagnostic};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -22,7 +22,12 @@ pub fn pool(threads: usize) -> PyResult<Arc<ThreadPool>> {
     if let Some(pool) = pools.get(&key) {
         return Ok(Arc::clone(pool));
     }
-    let built = ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK_BYTES).build();
+    let built = ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .stack_size(STACK_BYTES)
+        // Whoever waits for a job that broke off notices, and the process goes on.
+        .panic_handler(|_| ())
+        .build();
     let pool = Arc::new(built.map_err(|failure| PyRuntimeError::new_err(format!("no threads: {failure}")))?);
     pools.insert(key, Arc::clone(&pool));
     Ok(pool)

@@ -3,8 +3,9 @@
 use crate::machine::Loaded;
 use abbe::results::FolderEntry;
 use abbe::results::ReadFailure;
-use abbe::{Diagnostic, Diagnostics, Disk, Files, MachineFile, MemoryFiles, Run, codes};
-use serde::de::DeserializeOwned;
+use abbe::verbs::{Verb, VerbAnswer, VerbRequest};
+use abbe::{Diagnostic, Diagnostics, Disk, Files, MemoryFiles, Run, codes};
+use serde_json::Value;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -34,41 +35,40 @@ const RUST_TYPES: [(&str, &str); 6] = [
 ];
 
 impl Request {
-    /// Reads the options.
-    pub fn options<T: DeserializeOwned>(&self) -> Result<T, Diagnostics> {
+    /// Calls a verb. The document has the warnings of the reading of all machines too.
+    pub fn ask(&self, verb: &Verb, run: Run<'_>) -> Result<VerbAnswer, Diagnostics> {
         // A value has no lines and columns, which nobody has written.
-        let value: serde_json::Value = serde_json::from_str(&self.options).map_err(|why| unfit(&why.to_string()))?;
-        serde_path_to_error::deserialize(value).map_err(|failure| {
-            let why = RUST_TYPES.iter().fold(failure.inner().to_string(), |why, (of, words)| why.replace(of, words));
-            let message = format!("option `{}`: {why}", failure.path());
-            let help = "the method's docstring names its options and their values: `help(abbe.Machine)`";
-            Diagnostic::new(codes::E0818, message).help(help).into()
-        })
-    }
-
-    /// Returns the only machine.
-    pub fn machine(&self) -> Result<&MachineFile, Diagnostics> {
-        self.machines.first().map(|loaded| &loaded.file).ok_or_else(|| unfit("a machine is missing"))
-    }
-
-    /// Returns copies of all machines.
-    pub fn machine_files(&self) -> Vec<MachineFile> {
-        self.machines.iter().map(|loaded| loaded.file.clone()).collect()
-    }
-
-    /// Returns a word by its index.
-    pub fn word(&self, index: usize) -> Result<&str, Diagnostics> {
-        self.words.get(index).map(String::as_str).ok_or_else(|| unfit("a path or a name is missing"))
-    }
-
-    /// Returns a path by its index.
-    pub fn path(&self, index: usize) -> Result<&Path, Diagnostics> {
-        self.word(index).map(Path::new)
+        let options: Value = serde_json::from_str(&self.options).map_err(|why| unfit("", &why.to_string()))?;
+        let request = VerbRequest {
+            machines: self.machines.iter().map(|loaded| &loaded.file).collect(),
+            words: &self.words,
+            texts: &self.texts,
+            options: &options,
+            rows: self.rows,
+            unfit: &unfit,
+        };
+        let answer = (verb.run)(&request, run)?;
+        let mut all = Diagnostics::default();
+        for loaded in &self.machines {
+            let count = all.count();
+            all.absorb(loaded.warnings.clone());
+            if self.machines.len() > 1 {
+                all.name_file(count, loaded.file.path());
+            }
+        }
+        all.absorb(answer.warnings.clone());
+        Ok(VerbAnswer { document: all.document(answer.document), ..answer })
     }
 }
 
-fn unfit(message: &str) -> Diagnostics {
-    Diagnostic::new(codes::E0818, message).into()
+/// Refuses an option by its path, or the request.
+fn unfit(path: &str, why: &str) -> Diagnostic {
+    if path.is_empty() {
+        return Diagnostic::new(codes::E0818, why);
+    }
+    let why = RUST_TYPES.iter().fold(why.to_owned(), |why, (of, words)| why.replace(of, words));
+    let help = "the method's docstring names its options and their values: `help(abbe.Machine)`";
+    Diagnostic::new(codes::E0818, format!("option `{path}`: {why}")).help(help)
 }
 
 /// The texts of machines that are in memory, and the disk behind them.

@@ -37,7 +37,7 @@ pub use inverse::{
 pub use uncertainty::{Bands, SummaryBand, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
 pub(crate) use volume::deviations;
 pub use volume::{
-    DiagonalRun, Lever, MAX_POSES, MAX_SURVEYED, Map, Plane, PlaneNodes, ReachGrid, Survey, SurveyBlock, SurveyTask,
-    TooManyPoses, View, Work, arm_shares, body_diagonals, deviation_in, levers, map, reach, space_axes, survey,
+    DiagonalRun, Lever, MAX_POSES, MAX_SURVEYED, Map, MapFailure, Plane, PlaneNodes, ReachGrid, Survey, SurveyBlock,
+    SurveyTask, View, Work, arm_shares, body_diagonals, deviation_in, levers, map, reach, space_axes, survey,
     survey_with_rows,
 };

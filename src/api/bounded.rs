@@ -44,7 +44,13 @@ impl DrawnBounds {
     }
 
     /// Returns what they lead to at poses.
-    pub(crate) fn at(&self, call: &Call<'_>, machine: &Machine, poses: &Poses, frame: Frame) -> PoseByPose {
+    pub(crate) fn at(
+        &self,
+        call: &Call<'_>,
+        machine: &Machine,
+        poses: &Poses,
+        frame: Frame,
+    ) -> Result<PoseByPose, Refused> {
         let (draws, samples) = (self.draws(), self.drawing.samples);
         let request = PosesRequest { machine, bounds: &self.bounds, poses, frame, draws: &draws, samples };
         call.stage(request.steps(), |advance| pose_by_pose(request, advance))
@@ -106,7 +112,7 @@ pub(crate) fn added(
     let (draws, statistic) = (tolerances.draws(seed), tolerances.statistic);
     let request =
         Request { machine, bounds: &bounds, poses: &poses, searched, at: None, draws: &draws, samples, statistic };
-    let found = call.stage(2 * samples, |advance| budget(request, advance));
+    let found = call.stage(2 * samples, |advance| budget(request, advance))?;
     let [position_um, rotation_urad] = [&found.position, &found.rotation]
         .map(|totals| AddedDeviation { rss: totals.rss, p95: totals.percentile(95).value });
     Ok(Some(AddedByBounds { errors: bounds.len(), poses: poses.len(), samples, seed, position_um, rotation_urad }))

@@ -1,6 +1,6 @@
 //! From tolerances to the volumetric error.
 
-use super::goal::{ToleranceGoal, goal};
+use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{Bound, Draws, Request, budget_from_samples, budget_poses};
 use crate::diagnostic::Diagnostics;
@@ -65,6 +65,11 @@ impl BudgetOptions {
     /// Returns what drawn machines depend on.
     fn drawn_by(&self) -> impl std::fmt::Debug {
         (self.seed, self.samples, &self.tolerances)
+    }
+
+    fn goal_inputs(&self) -> GoalInputs<'_> {
+        let Self { cost, tolerances, samples, seed, .. } = self;
+        GoalInputs { cost: cost.as_deref(), tolerances, samples: *samples, seed: *seed }
     }
 
     fn division<'a>(&'a self, drawn_by: &'a dyn std::fmt::Debug) -> Division<'a> {
@@ -208,9 +213,9 @@ pub(crate) fn budget_of(
     let request = work.request(machine, options, (&bounds, at.as_deref()));
     let drawn = budget_parts::merged(call, options.division(&options.drawn_by()), request)?;
     let steps = if drawn.is_some() { 0 } else { 2 * options.samples };
-    let budget = call.stage(steps, |advance| budget_from_samples(request, drawn, advance));
+    let budget = call.stage(steps, |advance| budget_from_samples(request, drawn, advance))?;
     let goal = match options.goal_mm {
-        Some(goal_mm) => Some(goal(call, machine, options, (&bounds, &work.poses), goal_mm)?),
+        Some(goal_mm) => Some(goal(call, machine, options.goal_inputs(), (&bounds, &work.poses), goal_mm)?),
         None => None,
     };
     let drawing = options.tolerances.drawing(class, options.samples, options.seed);

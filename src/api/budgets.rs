@@ -182,7 +182,7 @@ pub(crate) fn budgets(
         call.checked()?;
         return Ok(None);
     }
-    let (list, versus_first) = budgeted(call, sides, &all, drawn);
+    let (list, versus_first) = budgeted(call, sides, &all, drawn)?;
     let common = classes.iter().all(|class| *class == classes[0]).then(|| classes[0].clone()).flatten();
     let pairs: Vec<(&[Bound], &Budget)> = all.iter().map(Vec::as_slice).zip(&list).collect();
     let samples = list.first().map_or(drawn.samples, |budget| budget.position.drawn.len());
@@ -206,7 +206,7 @@ fn budgeted(
     sides: &[(&Machine, Vec<Pose>)],
     bounds: &[Vec<Bound>],
     drawn: DrawnMachines<'_>,
-) -> (Vec<Budget>, Vec<VersusFirst>) {
+) -> Result<(Vec<Budget>, Vec<VersusFirst>), Refused> {
     let (draws, statistic) = (drawn.tolerances.draws(drawn.seed), drawn.tolerances.statistic);
     let sizes = round_sizes(drawn.samples, drawn.max_samples);
     let mut last = (Vec::new(), Vec::new());
@@ -219,7 +219,7 @@ fn budgeted(
                 )
             };
             sides.iter().zip(bounds).map(one).collect()
-        });
+        })?;
         let test = PairedTest::of_round(samples, list.len(), sizes.len());
         let values: Vec<&[f64]> = list.iter().map(|budget| budget.position.drawn.as_slice()).collect();
         let versus: Vec<VersusFirst> = values.iter().skip(1).map(|of| test.versus(of, values[0])).collect();
@@ -229,5 +229,5 @@ fn budgeted(
             break;
         }
     }
-    last
+    Ok(last)
 }

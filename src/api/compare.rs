@@ -196,7 +196,7 @@ fn side_by_side(
         Some(asked) => Work::Listed(asked.list(first)),
         None => Work::random(first, options.poses, options.seed),
     };
-    let comparison = call.stage(work.len(), |advance| compared(&fields, &work, options.approach.into(), advance));
+    let comparison = call.stage(work.len(), |advance| compared(&fields, &work, options.approach.into(), advance))?;
     let sides: Vec<(&Machine, Vec<Pose>)> =
         files.iter().zip(&comparison.machines).map(|(file, side)| (&**file, poses(side))).collect();
     let mut missed = vec![None; sides.len()];
@@ -225,7 +225,7 @@ fn side_by_side(
         let settings = (&options.tolerances, samples, seed);
         let of = call.about(file.path(), |call| DrawnBounds::of(call, machine, settings))?;
         adds.push(call.about(file.path(), |call| added(call, machine, settings, Some(poses)))?);
-        bounded.push(of.map(|of| Bounded::new(call, &of, machine, poses)));
+        bounded.push(of.map(|of| Bounded::new(call, &of, machine, poses)).transpose()?);
     }
     call.checked()?;
     // Figures from bounds have no uncertainty: they are one.
@@ -261,9 +261,9 @@ struct Bounded {
 }
 
 impl Bounded {
-    fn new(call: &Call<'_>, of: &DrawnBounds, machine: &Machine, poses: &[Pose]) -> Self {
-        let found = of.at(call, machine, &Poses::Listed(poses.to_vec()), Frame::Workpiece);
-        Self { figures: of.figures(&found), found }
+    fn new(call: &Call<'_>, of: &DrawnBounds, machine: &Machine, poses: &[Pose]) -> Result<Self, Refused> {
+        let found = of.at(call, machine, &Poses::Listed(poses.to_vec()), Frame::Workpiece)?;
+        Ok(Self { figures: of.figures(&found), found })
     }
 }
 

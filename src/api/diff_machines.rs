@@ -71,7 +71,7 @@ fn difference(
         machines.iter().map(|machine| Bare { machine, order: order_of(machine, options.order) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
     let work = Work::random(first, options.poses, options.seed);
-    let found = call.stage(work.len(), |advance| compared(&fields, &work, options.approach.into(), advance));
+    let found = call.stage(work.len(), |advance| compared(&fields, &work, options.approach.into(), advance))?;
     if found.common.is_empty() {
         return call.refuse(nothing_in_common(files, &found));
     }

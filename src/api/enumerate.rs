@@ -537,13 +537,15 @@ fn computed_round(
 ) -> Result<Journal, Refused> {
     let keeper = study::Keeper::new(begun, file);
     let drawn = study.round(rounds.samples(round));
-    call.stage(todo.len(), |advance| {
-        todo.into_par_iter().for_each(|(step, tables)| {
-            if !keeper.has_failed() {
-                keeper.keep(RoundStep { round, step }, drawn.step(step, tables.as_deref()));
-                advance(1);
+    let done = call.stage(todo.len(), |advance| {
+        todo.into_par_iter().try_for_each(|(step, tables)| {
+            if keeper.has_failed() {
+                return Ok(());
             }
-        });
+            keeper.keep(RoundStep { round, step }, drawn.step(step, tables.as_deref()));
+            advance(1)
+        })
     });
+    done?;
     keeper.finish().or_else(|refusal| call.refuse(refusal))
 }

@@ -1,6 +1,6 @@
 //! The cheapest tolerances for a goal.
 
-use super::budget::BudgetOptions;
+use super::tolerances::ToleranceOptions;
 use crate::analysis::budget::{
     Binding, Bound, CheapestTolerances, CostModel, GoalAnswer, GoalRequest, Percentile, Price, cheapest,
 };
@@ -22,6 +22,16 @@ const MIN_PROOF: usize = 8000;
 
 /// Seeds of the correction and of the proof, from that of the search.
 const NEXT_SEEDS: [u64; 2] = [0x9E37_79B9_7F4A_7C15, 0xD1B5_4A32_D192_ED03];
+
+/// How tolerances are searched for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct GoalInputs<'a> {
+    /// A file of costs.
+    pub cost: Option<&'a Path>,
+    pub tolerances: &'a ToleranceOptions,
+    pub samples: usize,
+    pub seed: u64,
+}
 
 /// The cheapest tolerances for a goal.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -86,27 +96,27 @@ pub struct GoalTolerance {
 pub(crate) fn goal(
     call: &mut Call<'_>,
     machine: &Machine,
-    options: &BudgetOptions,
+    inputs: GoalInputs<'_>,
     (bounds, poses): (&[Bound], &[Pose]),
     goal_mm: f64,
 ) -> Result<ToleranceGoal, Refused> {
     if !(goal_mm > 0.0 && goal_mm.is_finite()) {
         return call.usage("`--goal` is a length above 0, such as `30 um`");
     }
-    let model = match &options.cost {
+    let model = match &inputs.cost {
         Some(path) => read(call, path)?,
         None => CostModel::default(),
     };
-    let prices = match (model.prices(machine, bounds), &options.cost) {
+    let prices = match (model.prices(machine, bounds), &inputs.cost) {
         (Ok(prices), _) => prices,
         (Err(failure), path) => {
             let name = path.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
             return call.refuse(refused(&name, &failure));
         }
     };
-    let tolerances = &options.tolerances;
-    let [first, second, third] = [0, NEXT_SEEDS[0], NEXT_SEEDS[1]].map(|by| tolerances.draws(options.seed ^ by));
-    let proof_samples = options.samples.max(MIN_PROOF);
+    let tolerances = inputs.tolerances;
+    let [first, second, third] = [0, NEXT_SEEDS[0], NEXT_SEEDS[1]].map(|by| tolerances.draws(inputs.seed ^ by));
+    let proof_samples = inputs.samples.max(MIN_PROOF);
     let request = GoalRequest {
         machine,
         bounds,
@@ -114,12 +124,12 @@ pub(crate) fn goal(
         power: model.power,
         poses,
         draws: [&first, &second, &third],
-        samples: options.samples.max(MIN_SEARCHED),
+        samples: inputs.samples.max(MIN_SEARCHED),
         proof_samples,
         statistic: tolerances.statistic,
         goal_mm,
     };
-    match call.stage(1, |_| cheapest(request)) {
+    match call.stage(1, |_| Ok(cheapest(request)))? {
         GoalAnswer::Kept(found) => Ok(ToleranceGoal {
             goal_um: goal_mm * 1e3,
             before_um: found.before,

@@ -67,7 +67,7 @@ pub(crate) trait MapParts {
         poses: &Poses,
         view: View,
     ) -> Result<Vec<Deviation>, Refused> {
-        Ok(computed(call, field, poses, 0..poses.len(), view))
+        computed(call, field, poses, 0..poses.len(), view)
     }
 }
 
@@ -83,7 +83,7 @@ pub(crate) fn computed(
     poses: &Poses,
     range: Range<usize>,
     view: View,
-) -> Vec<Deviation> {
+) -> Result<Vec<Deviation>, Refused> {
     call.stage(range.len(), |advance| deviations(field, poses, range, view, advance))
 }
 

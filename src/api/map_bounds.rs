@@ -38,15 +38,15 @@ pub(crate) fn volume(
     let rows =
         Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawn.drawing) };
     let tables = Tables::new(rows, tables).or_else(|refusal| call.refuse(refusal))?;
-    let found = drawn.at(call, machine, &poses, view.frame);
+    let found = drawn.at(call, machine, &poses, view.frame)?;
     tables.write(&found.poses).or_else(|refusal| call.refuse(refusal))?;
     let p95 = |poses: Vec<Pose>| {
-        let found = drawn.at(call, machine, &Poses::Listed(poses), view.frame);
-        found.poses.iter().map(|pose| pose.position.p95).collect()
+        let found = drawn.at(call, machine, &Poses::Listed(poses), view.frame)?;
+        Ok(found.poses.iter().map(|pose| pose.position.p95).collect())
     };
     let subject = BoundedSubject { machine, view, drawing: &drawn.drawing, p95: &p95 };
     let drawn_picture = options.picture.as_ref().zip(place.as_ref());
-    let picture = drawn_picture.map(|(picture, place)| picture.bounded_picture(place, &subject));
+    let picture = drawn_picture.map(|(picture, place)| picture.bounded_picture(place, &subject)).transpose()?;
     let features = tool_poses.as_ref().map(|reached| bounded_features(machine, reached, &drawn.bounds, &found));
     let figures = drawn.figures(&found);
     let result = MapResult::empty(&rows, figures.statistics(poses.len()));

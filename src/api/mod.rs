@@ -59,7 +59,7 @@ pub use check::check;
 pub use classify::{ClassifyOptions, classify};
 pub use compare::{CompareOptions, compare};
 pub use compile::{CompileOptions, compile};
-pub use compiled_model::{CompiledModel, compile_model};
+pub use compiled_model::compile_model;
 pub use compose::compile_composed;
 pub use convert::{ConvertOptions, convert};
 pub use diff::{DiffOptions, diff};

@@ -13,7 +13,7 @@ pub use crate::analysis::Naming;
 pub use crate::analysis::budget::{Distribution, Statistic};
 pub use crate::analysis::instrument::CirclePlane;
 pub use crate::compensation::{Fit, Goal, Stored};
-pub use crate::controller::Limits;
+pub use crate::controller::{Limits, TemplateLimit, TemplateWatch};
 pub use crate::evaluate::{Frame, Order};
 pub use crate::file_set::options::{CompensationOptions, CorrectingAxes};
 pub use crate::machine::Approach;

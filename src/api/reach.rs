@@ -167,7 +167,7 @@ fn found(call: &mut Call<'_>, machine: &Machine, options: &ReachOptions) -> Resu
     let grid = ReachGrid::new(region, step).filter(|grid| grid.len().saturating_mul(directions.list.len()) <= max);
     let Some(grid) = grid else { return call.refuse(too_many(step, directions.list.len(), max)) };
     let at_tip = |results: Vec<Result<Pose, Miss>>| at_tip(machine, results);
-    let tips = call.stage(grid.len(), |progress| reached(machine, &grid, &directions.list, &at_tip, progress));
+    let tips = call.stage(grid.len(), |progress| reached(machine, &grid, &directions.list, &at_tip, progress))?;
     Ok(summed(machine, grid, &directions, tips))
 }
 

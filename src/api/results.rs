@@ -10,7 +10,7 @@ pub use super::check::CheckedFile;
 pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
 pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
 pub use super::compile::CompiledSet;
-pub use super::compiled_model::{DeviationColumns, DeviationSlices, PoseDeviation};
+pub use super::compiled_model::{CompiledModel, DeviationColumns, DeviationSlices, PoseDeviation};
 pub use super::compose::{ComposedPart, ComposedSet};
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
 pub use super::diff::{AxisDifference, SetDifference};

@@ -1,12 +1,12 @@
 //! Each error alone over the volume: which of them dominate.
 
-use crate::analysis::{ErrorStatistics, View, error_statistics, map, rest};
+use crate::analysis::{ErrorStatistics, MapFailure, View, error_statistics, map, rest};
 use crate::diagnostic::Diagnostics;
 use crate::evaluate::{CompiledField, Frame, Order, Poses, Random, worst};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
 use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::machine::{Approach, AxisKind, Direction, ErrorFamily, ErrorId, Machine, Pose};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Answer, Call, Cancelled, Count, Refused, Run};
 use crate::syntax::{component_words, location_words};
 use indexmap::IndexMap;
 
@@ -94,7 +94,10 @@ fn found(call: &mut Call<'_>, machine: &Machine, options: &SourcesOptions) -> Re
     let at = match &options.at {
         Some(at) => poses(call, machine, (&[], std::slice::from_ref(at), None))?.swap_remove(0),
         None => {
-            let all = call.stage(count, |advance| map(&field, &volume, view, advance));
+            let all = call.stage(count, |advance| match map(&field, &volume, view, advance) {
+                Err(MapFailure::Cancelled) => Err(Cancelled),
+                all => Ok(all),
+            })?;
             let deviations = all.map(|map| map.deviations).unwrap_or_default();
             worst(&deviations, 1).first().map_or_else(|| rest(machine), |i| volume.get(*i))
         }

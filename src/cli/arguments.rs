@@ -257,3 +257,28 @@ pub(super) fn percent(text: &str) -> Result<f64, Reason> {
     let share = text.parse::<f64>().ok().filter(|share| (0.0..=100.0).contains(share));
     share.ok_or_else(|| Reason::new("a share is a number from 0 to 100, in percent"))
 }
+
+/// Options of the evaluation and of its tool.
+#[derive(Debug, Clone, clap::Args)]
+pub(crate) struct ViewArgs {
+    #[command(flatten)]
+    order: OrderArg,
+    #[command(flatten)]
+    direction: DirectionArg,
+    #[command(flatten)]
+    tool: ToolArg,
+}
+
+impl ViewArgs {
+    pub(crate) fn order(&self) -> Option<Order> {
+        self.order.order
+    }
+
+    pub(crate) fn approach(&self) -> Approach {
+        self.direction.approach()
+    }
+
+    pub(crate) fn tool(&self) -> Option<&str> {
+        self.tool.name()
+    }
+}

@@ -1,7 +1,8 @@
 //! Options of the compensation of a machine: `compile`, `verify`, `diff`, `map` and `report` share them.
 
 use super::arguments::{PosesArg, SeedArg, ToolArg};
-use abbe::options::{CompensationOptions, CorrectingAxes, Fit, Goal, Stored};
+use super::confined;
+use abbe::options::{CompensationOptions, CorrectingAxes, Fit, Goal, Stored, TemplateLimit, TemplateWatch};
 use std::path::PathBuf;
 
 /// Options that `compile` and `verify` share.
@@ -44,6 +45,22 @@ pub(super) struct CompensationArgs {
     /// Letters and numbers of axes in the controller [default: `controller` of the axes in the machine file].
     #[arg(long, value_name = "A=AX6,C=AX7", value_delimiter = ',')]
     map: Vec<String>,
+    /// True in the resource-limited child that renders user templates.
+    #[arg(from_global)]
+    template_child: bool,
+}
+
+/// Bounds the processor time of templates in the child.
+struct TimeOfTemplates;
+
+impl TemplateLimit for TimeOfTemplates {
+    fn begin(&self) {
+        confined::limit_time(Some(confined::TEMPLATE_SECONDS));
+    }
+
+    fn end(&self) {
+        confined::limit_time(None);
+    }
 }
 
 impl CompensationArgs {
@@ -57,6 +74,7 @@ impl CompensationArgs {
             without: self.without.clone(),
             fit: self.own_axis,
             map: self.map.clone(),
+            watch: if self.template_child { TemplateWatch::new(TimeOfTemplates) } else { TemplateWatch::default() },
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Tests: an option means the same in every verb, states its range and default, and stands in docs/options.md.
 
 use super::arguments::{EFFORT, png, svg};
+use super::global::GLOBAL;
+use super::program::Cli;
 use super::store::write::PictureKind;
-use super::{Cli, GLOBAL};
 use clap::builder::ValueParser;
 use clap::{Arg, Command, CommandFactory};
 use std::any::TypeId;

@@ -115,3 +115,10 @@ fn window(text: &str, ranges: &[Range<usize>]) -> Range<usize> {
     let end = if end - last > WIDEST_LINE { floor(last + WIDEST_LINE) } else { end };
     start..end
 }
+
+/// All of them as the program prints them, with the places in their files.
+impl std::fmt::Display for Diagnostics {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(render(self, Rendering { color: false }).trim_end())
+    }
+}

@@ -52,8 +52,8 @@ pub(crate) fn rendered(
     let reversal = Arc::new(target.reversal_tables(machine));
     call.extend(limits.excesses(machine, &reversal));
     call.checked()?;
-    let rendered = call.templates(|call| target.render_kinematics(machine, &meant, &reversal, &mut call.diagnostics));
-    let rendered = rendered.ok_or(Refused)?;
+    let render = || target.render_kinematics(machine, &meant, &reversal, &mut call.diagnostics);
+    let rendered = target.watch.during(render).ok_or(Refused)?;
     call.checked()?;
     let (module, beside) = read_back(call, machine, target, &rendered, (&meant, &reversal))?;
     Ok(ModuleFiles { rendered, module, beside })

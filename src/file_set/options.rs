@@ -1,7 +1,7 @@
 //! Options of the compensation of a machine: `compile`, `verify`, `diff`, `map` and `report` share them.
 
 use crate::compensation::{Fit, Goal, Scope, Stored};
-use crate::controller::{ControllerTarget, Lock, is_plain_name};
+use crate::controller::{ControllerTarget, Lock, TemplateWatch, is_plain_name};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{AxisName, ControllerAxis};
 use crate::run::{Call, Refused};
@@ -27,6 +27,9 @@ pub struct CompensationOptions {
     pub fit: Option<Fit>,
     /// Letters and numbers of axes in the controller, such as `A=AX6` or `X1=U`, over those of the machine file.
     pub map: Vec<String>,
+    /// What bounds the time of templates.
+    #[serde(skip)]
+    pub watch: TemplateWatch,
 }
 
 /// Axes that correct.
@@ -131,6 +134,7 @@ impl CompensationOptions {
         }
         let target = ControllerTarget::find(name, self.templates.as_deref(), call.run.files, &mut call.diagnostics);
         let mut target = target.ok_or(Refused)?;
+        target.watch = self.watch.clone();
         if let Some(stored) = self.stored {
             target.manifest.mechanism.store(stored);
         }

@@ -73,7 +73,7 @@ pub(crate) fn rendered(
     call.extend(limits.excesses(machine, &tables));
     call.extend(target.violations(machine, &tables));
     call.checked()?;
-    let rendered = call.templates(|call| target.render(machine, &tables, &mut call.diagnostics)).ok_or(Refused)?;
+    let rendered = target.watch.during(|| target.render(machine, &tables, &mut call.diagnostics)).ok_or(Refused)?;
     call.checked()?;
     let tables = read_back(call, machine, target, &rendered, &tables)?;
     Ok(RenderedTables { rendered, tables })

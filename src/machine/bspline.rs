@@ -2,7 +2,7 @@
 //! support (de Boor, A Practical Guide to Splines, 1978). Open ones have knots of full multiplicity at both ends, so
 //! that the first and the last coefficient are the values there; periodic ones continue on the other side.
 
-use super::curve::{Knots, KnotsFailure};
+use super::knots::{Knots, KnotsFailure};
 
 /// Highest degree.
 const DEGREE: usize = 3;

@@ -2,7 +2,7 @@
 
 use super::{
     AlgebraChoice, Axis, AxisKind, AxisName, Conventions, CurveArgument, ErrorId, ErrorTerm, Geometry, JointErrors,
-    JointUncertainty, KinematicChain, NamedClass, ResidualForm, Tolerances, Travel, sin_cos_degrees,
+    JointUncertainty, KinematicChain, NamedClass, ResidualForm, SetUp, Tolerances, Travel, sin_cos_degrees,
 };
 use crate::algebra::rotation_about;
 use indexmap::IndexMap;
@@ -32,15 +32,6 @@ pub struct Tool {
     pub tip: [f64; 3],
     /// Its axis: a unit vector from the tip towards the spindle.
     pub direction: [f64; 3],
-}
-
-/// Set-up errors, in the real machine only.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SetUp {
-    /// Displacement of the tip from its nominal place (mm).
-    pub tool: [f64; 3],
-    /// Displacement of the workpiece itself about its origin (mm, rad), in machine directions at the zero pose.
-    pub workpiece: [f64; 6],
 }
 
 /// A rotary axis on another nominal line.

@@ -4,7 +4,8 @@
 //! 2. [`errors`] makes the table of errors and the curves, [`figures`] reads the figures, [`decisions`] judges both by
 //!    their limits: together the [`RecordData`].
 //! 3. [`record_page`] writes it for print, [`dcc`] as a digital calibration certificate.
-//! 4. [`make`] does all of it. [`check`] compares a folder with the list of its hashes; [`trend`] puts records in a line.
+//! 4. [`make`] does all of it. [`check`] compares a folder with the list of its hashes; [`trend`] puts records in a
+//!    line.
 
 pub mod check;
 mod data;

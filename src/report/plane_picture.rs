@@ -86,7 +86,7 @@ pub(crate) struct BoundedSubject<'a> {
     /// Drawing of machines from their bounds.
     pub drawing: &'a DrawSettings,
     /// Returns the 95 % value of the deviation at each pose, mm.
-    pub p95: &'a dyn Fn(Vec<Pose>) -> Vec<f64>,
+    pub p95: &'a dyn Fn(Vec<Pose>) -> Result<Vec<f64>, Refused>,
 }
 
 impl PlaneOptions {
@@ -102,9 +102,9 @@ impl PlaneOptions {
     }
 
     /// Returns the picture of the 95 % value of the deviation that bounds lead to.
-    pub(crate) fn bounded_picture(&self, place: &PlanePlace, subject: &BoundedSubject<'_>) -> Picture {
+    pub(crate) fn bounded_picture(&self, place: &PlanePlace, subject: &BoundedSubject<'_>) -> Result<Picture, Refused> {
         let BoundedSubject { machine, view, drawing, p95 } = *subject;
-        let plane = Plane::of_lengths(machine, place.axes, &place.at, bounded_nodes(machine, place.axes), p95);
+        let plane = Plane::of_lengths(machine, place.axes, &place.at, bounded_nodes(machine, place.axes), p95)?;
         let picture = PlanePicture {
             machine,
             plane: &plane,
@@ -116,7 +116,7 @@ impl PlaneOptions {
             like: None,
             drawing: Some(drawing),
         };
-        picture.picture()
+        Ok(picture.picture())
     }
 
     /// Refuses a picture that cannot be drawn, before any work.

@@ -3,33 +3,41 @@
 use super::finite;
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::syntax::{Disk, Files, MemoryFiles};
+use std::cell::Cell;
+use std::convert::Infallible;
 use std::ops::Deref;
-use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Hears of the progress of a long job. All methods do nothing by default.
-///
-/// [`Monitor::advance`] may cancel the job by `std::panic::resume_unwind`: the job leaves nothing behind, and the
-/// caller catches it by `std::panic::catch_unwind` around the call.
+/// Hears of the progress of a long job, and may cancel it. All methods do nothing by default.
 pub trait Monitor: Sync {
     /// A stage of `total` steps begins; 0 if nobody knows how many there will be.
     fn begin(&self, _total: usize) {}
-    /// `steps` more of them are done. May be called from several threads.
-    fn advance(&self, _steps: usize) {}
+    /// `steps` more of them are done; of 0 steps the job only asks whether to go on. May be called from several
+    /// threads.
+    ///
+    /// A failure cancels the job: it leaves nothing behind, and its [`Diagnostics`] are
+    /// [`cancelled`](Diagnostics::cancelled).
+    fn advance(&self, _steps: usize) -> Result<(), Cancelled> {
+        Ok(())
+    }
     /// The stage has ended.
     fn end(&self) {}
-    /// Templates of a target begin to run: from here on the program may bound the time that they take.
-    fn begin_templates(&self) {}
-    /// They have ended.
-    fn end_templates(&self) {}
 }
 
-/// A flag that ends a job when it next reports progress, as [`Monitor::advance`] may. Clones share it.
+/// What a long loop reports its steps to; a failure ends it.
+pub type Advance<'a, F = Cancelled> = &'a (dyn Fn(usize) -> Result<(), F> + Sync);
+
+/// Hears of steps and never cancels.
+pub fn unheard(_steps: usize) -> Result<(), Infallible> {
+    Ok(())
+}
+
+/// A flag that cancels a job when it next reports progress. Clones share it.
 #[derive(Debug, Clone, Default)]
 pub struct Cancellation(Arc<AtomicBool>);
 
-/// Payload with which a cancelled job unwinds.
+/// The job is cancelled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cancelled;
 
@@ -46,15 +54,8 @@ impl Cancellation {
 }
 
 impl Monitor for Cancellation {
-    fn begin(&self, _total: usize) {
-        self.advance(0);
-    }
-
-    fn advance(&self, _steps: usize) {
-        if self.is_asked() {
-            // No panic: no hook hears of it.
-            resume_unwind(Box::new(Cancelled));
-        }
+    fn advance(&self, _steps: usize) -> Result<(), Cancelled> {
+        if self.is_asked() { Err(Cancelled) } else { Ok(()) }
     }
 }
 
@@ -134,6 +135,8 @@ pub(crate) struct Call<'a> {
     pub run: Run<'a>,
     /// Everything found wrong so far.
     pub diagnostics: Diagnostics,
+    /// True if the monitor has cancelled a stage.
+    cancelled: Cell<bool>,
 }
 
 impl<'a> Call<'a> {
@@ -158,11 +161,16 @@ impl<'a> Call<'a> {
         sources: &Sources,
         job: impl FnOnce(&mut Self) -> Result<T, Refused>,
     ) -> Result<Answer<T>, Diagnostics> {
-        let mut call = Self { run, diagnostics: Diagnostics::about(sources.clone()) };
+        let mut call = Self { run, diagnostics: Diagnostics::about(sources.clone()), cancelled: Cell::new(false) };
         let value = job(&mut call);
         match (value, call.checked()) {
             (Ok(value), Ok(())) => Ok(Answer { value, warnings: call.diagnostics }),
-            _ => Err(call.diagnostics),
+            _ => {
+                if call.cancelled.get() {
+                    call.diagnostics.cancel();
+                }
+                Err(call.diagnostics)
+            }
         }
     }
 
@@ -231,21 +239,23 @@ impl<'a> Call<'a> {
         }
     }
 
-    /// Reports that templates run while `job` does.
-    pub fn templates<T>(&mut self, job: impl FnOnce(&mut Self) -> T) -> T {
-        let monitor = self.run.monitor;
-        monitor.begin_templates();
-        let value = job(self);
-        monitor.end_templates();
-        value
+    /// Ends the call if it is cancelled.
+    pub fn go_on(&self) -> Result<(), Refused> {
+        self.run.monitor.advance(0).map_err(|Cancelled| {
+            self.cancelled.set(true);
+            Refused
+        })
     }
 
-    /// Reports a stage of `total` steps while `job` runs.
-    pub fn stage<T>(&self, total: usize, job: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
+    /// Reports a stage of `total` steps while `job` runs; ends the call if it is cancelled.
+    pub fn stage<T>(&self, total: usize, job: impl FnOnce(Advance<'_>) -> Result<T, Cancelled>) -> Result<T, Refused> {
         let monitor = self.run.monitor;
         monitor.begin(total);
-        let value = job(&|steps| monitor.advance(steps));
+        let value = monitor.advance(0).and_then(|()| job(&|steps| monitor.advance(steps)));
         monitor.end();
-        value
+        value.map_err(|Cancelled| {
+            self.cancelled.set(true);
+            Refused
+        })
     }
 }

@@ -72,7 +72,7 @@ pub(crate) fn drawn_part(
         Ok(None) => {}
         Err(refusal) => return call.refuse(refusal),
     }
-    let drawn = call.stage(2 * range.len(), |advance| draw_samples(request, range, advance));
+    let drawn = call.stage(2 * range.len(), |advance| draw_samples(request, range, advance))?;
     Ok(BudgetShard { abbe_budget: FORM.to_owned(), fingerprint, samples, first, drawn })
 }
 

@@ -1,5 +1,6 @@
 //! Files of the results of a study of arrangements: read, kept while walks are computed, put together.
 
+use super::journal::{parse, to_text};
 use crate::analysis::enumerate::{Journal, RoundRecord, RoundStep};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::run::{Call, Refused};
@@ -49,7 +50,7 @@ impl<'a> Keeper<'a> {
     fn write(&self, state: &mut State, last: bool) {
         let Some(file) = self.file.filter(|_| state.failure.is_none()) else { return };
         let journal = &state.journal;
-        if let Err(refusal) = file.keep(&|| journal.to_text(), last) {
+        if let Err(refusal) = file.keep(&|| to_text(journal), last) {
             state.failure = Some(refusal);
             self.failed.store(true, Ordering::Relaxed);
         }
@@ -84,7 +85,7 @@ fn of_study(call: &Call<'_>, path: &Path, empty: &Journal) -> Result<Journal, Di
         Ok(Err(_)) => return Err(foreign(format!("`{name}` is not a state file: not UTF-8"))),
         Err(failure) => return Err(foreign(format!("`{name}` cannot be read: {}", why(&failure)))),
     };
-    let journal = Journal::parse(&text)
+    let journal = parse(&text)
         .map_err(|failure| foreign(format!("`{name}` is not a state file: line {}: {}", failure.line, failure.why)))?;
     if (&journal.fingerprint, journal.steps) != (&empty.fingerprint, empty.steps) {
         let message =

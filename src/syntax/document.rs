@@ -1,9 +1,9 @@
 //! The content of a machine file, section by section, before anything is judged.
 
 use super::entry::entry;
-use super::extends::Layer;
 use super::forms::{Forms, deserialize_by_forms};
-use super::geometry::{PositionEntry, SideEntry, WrittenChains};
+use super::geometry::{Branches, PositionEntry, SideEntry, TravelEntry, WrittenChains};
+use super::layer::Layer;
 use super::places::{Keys, Places, below, keys};
 use super::scalar::Scalar;
 use super::term::TermEntry;
@@ -65,37 +65,27 @@ pub struct Document {
     pub chains: WrittenChains,
 }
 
-/// The chain as two lists from the bed outwards.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct Branches {
-    /// Axes that carry the workpiece.
-    pub workpiece: Vec<String>,
-    /// Axes that carry the tool; a name in parentheses at the end is the spindle.
-    pub tool: Vec<String>,
-}
-
 /// An axis.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct AxisEntry {
     /// `linear` or `rotary`; follows from the letter.
-    #[schemars(schema_with = "super::schema::kind")]
+    #[schemars(schema_with = "super::schema_forms::kind")]
     pub kind: Option<String>,
     /// The direction of positive motion; follows from the letter.
-    #[schemars(schema_with = "super::schema::direction")]
+    #[schemars(schema_with = "super::schema_forms::direction")]
     pub direction: Option<Vec<Scalar>>,
     /// A point of the axis (mm).
-    #[schemars(schema_with = "super::schema::position_entry")]
+    #[schemars(schema_with = "super::schema_forms::position_entry")]
     pub origin: Option<PositionEntry>,
     /// Its travel.
-    #[schemars(schema_with = "super::schema::travel")]
+    #[schemars(schema_with = "super::schema_forms::travel")]
     pub travel: Option<TravelEntry>,
     /// `iso841` or `direct`.
-    #[schemars(schema_with = "super::schema::sense")]
+    #[schemars(schema_with = "super::schema_forms::sense")]
     pub sense: Option<String>,
     /// Its letter or number in the controller, or both.
-    #[schemars(schema_with = "super::schema::controller_axis")]
+    #[schemars(schema_with = "super::schema_forms::controller_axis")]
     pub controller: Option<ControllerEntry>,
     /// Geometry and errors when it carries the tool, over the plain keys.
     pub on_tool: Option<SideEntry>,
@@ -112,30 +102,21 @@ pub enum ControllerEntry {
     Both(Vec<Scalar>),
 }
 
-/// `[min, max]` or `continuous`.
-#[derive(Debug, Clone, PartialEq)]
-pub enum TravelEntry {
-    /// A word: `continuous`.
-    Word(String),
-    /// Lower and upper end.
-    Range(Vec<Scalar>),
-}
-
 /// A tool: `gauge` and either `length` or `offset`.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ToolEntry {
     /// Gauge point in machine coordinates at the zero pose.
-    #[schemars(schema_with = "super::schema::point")]
+    #[schemars(schema_with = "super::schema_forms::point")]
     pub gauge: Option<Vec<Scalar>>,
     /// The tip is this far from it, against the tool axis.
-    #[schemars(schema_with = "super::schema::length")]
+    #[schemars(schema_with = "super::schema_forms::length")]
     pub length: Option<Scalar>,
     /// Or the tip's coordinates relative to it.
-    #[schemars(schema_with = "super::schema::point")]
+    #[schemars(schema_with = "super::schema_forms::point")]
     pub offset: Option<Vec<Scalar>>,
     /// The tool axis, from the tip towards the spindle; default [0, 0, 1].
-    #[schemars(schema_with = "super::schema::direction")]
+    #[schemars(schema_with = "super::schema_forms::direction")]
     pub direction: Option<Vec<Scalar>>,
 }
 
@@ -144,10 +125,10 @@ pub struct ToolEntry {
 #[serde(deny_unknown_fields, default)]
 pub struct WorkpieceEntry {
     /// Its origin in machine coordinates at the zero pose.
-    #[schemars(schema_with = "super::schema::position_entry")]
+    #[schemars(schema_with = "super::schema_forms::position_entry")]
     pub origin: Option<PositionEntry>,
     /// Rotation of its coordinates, deg: by A, then B, then C about X, Y, Z of the machine.
-    #[schemars(schema_with = "super::schema::workpiece_rotation")]
+    #[schemars(schema_with = "super::schema_forms::workpiece_rotation")]
     pub rotation: IndexMap<String, Scalar>,
 }
 
@@ -156,28 +137,28 @@ pub struct WorkpieceEntry {
 #[serde(deny_unknown_fields, default)]
 pub struct ConventionsEntry {
     /// Name of a preset.
-    #[schemars(schema_with = "super::schema::preset")]
+    #[schemars(schema_with = "super::schema_forms::preset")]
     pub preset: Option<String>,
     /// The action of location errors.
-    #[schemars(schema_with = "super::schema::location")]
+    #[schemars(schema_with = "super::schema_forms::location")]
     pub location: Option<String>,
     /// Component errors of linear axes.
-    #[schemars(schema_with = "super::schema::linear_order")]
+    #[schemars(schema_with = "super::schema_forms::linear_order")]
     pub linear: Option<String>,
     /// Component errors of rotary axes.
-    #[schemars(schema_with = "super::schema::rotary_order")]
+    #[schemars(schema_with = "super::schema_forms::rotary_order")]
     pub rotary: Option<String>,
     /// Sense of workpiece-side axes.
-    #[schemars(schema_with = "super::schema::sense")]
+    #[schemars(schema_with = "super::schema_forms::sense")]
     pub workpiece_axes: Option<String>,
     /// Whose errors those of workpiece-side axes are.
-    #[schemars(schema_with = "super::schema::errors_are")]
+    #[schemars(schema_with = "super::schema_forms::errors_are")]
     pub errors_are: Option<String>,
     /// Order of location errors.
-    #[schemars(schema_with = "super::schema::location_order")]
+    #[schemars(schema_with = "super::schema_forms::location_order")]
     pub location_order: Option<String>,
     /// Shape of error matrices.
-    #[schemars(schema_with = "super::schema::joints")]
+    #[schemars(schema_with = "super::schema_forms::joints")]
     pub joints: Option<String>,
 }
 
@@ -200,10 +181,10 @@ pub enum VolumeAxis {
 #[serde(deny_unknown_fields, default)]
 pub struct SetUpEntry {
     /// Displacement of the tip: X, Y, Z.
-    #[schemars(schema_with = "super::schema::tool_setup")]
+    #[schemars(schema_with = "super::schema_forms::tool_setup")]
     pub tool: IndexMap<String, Scalar>,
     /// Displacement of the workpiece: X, Y, Z, A, B, C.
-    #[schemars(schema_with = "super::schema::workpiece_setup")]
+    #[schemars(schema_with = "super::schema_forms::workpiece_setup")]
     pub workpiece: IndexMap<String, Scalar>,
 }
 
@@ -227,13 +208,13 @@ pub struct FormEntry {
     /// The axis.
     pub axis: Option<String>,
     /// Standard deviation of its displacement in each direction.
-    #[schemars(schema_with = "super::schema::quantity")]
+    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub size: Option<Scalar>,
     /// Standard deviation of its rotation about each direction.
-    #[schemars(schema_with = "super::schema::quantity")]
+    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub rotation: Option<Scalar>,
     /// Correlation length: a length or, of a rotary axis, an angle.
-    #[schemars(schema_with = "super::schema::quantity")]
+    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub length: Option<Scalar>,
 }
 
@@ -242,10 +223,10 @@ pub struct FormEntry {
 #[serde(deny_unknown_fields, default)]
 pub struct AlgebraEntry {
     /// Highest total degree that is kept.
-    #[schemars(schema_with = "super::schema::degree")]
+    #[schemars(schema_with = "super::schema_forms::degree")]
     pub degree: Option<u8>,
     /// One generator for what.
-    #[schemars(schema_with = "super::schema::generators")]
+    #[schemars(schema_with = "super::schema_forms::generators")]
     pub generators: Option<GeneratorsEntry>,
     /// Monomials set to zero, such as `EXX*EYX` or `EXX^2`.
     pub vanish: Vec<String>,
@@ -273,24 +254,24 @@ pub struct IdentifyEntry {
     /// Basis by error name: `poly3`, `fourier2`, `spline8`, `bspline8`, `blocks4`; `spline`, `bspline` and `blocks`
     /// with given knots.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
-    #[schemars(schema_with = "super::schema::bases")]
+    #[schemars(schema_with = "super::schema_forms::bases")]
     pub basis: IndexMap<String, String>,
     /// Positions of knots by error name, for `spline`, `bspline` and `blocks`; the ends of the travel are added.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
-    #[schemars(schema_with = "super::schema::knots")]
+    #[schemars(schema_with = "super::schema_forms::knots")]
     pub knots: IndexMap<String, Vec<Scalar>>,
     /// Parameters of one's own: for every error that moves with it, the coefficients by rising power of its axis's
     /// position (mm, rad; mm or deg).
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
-    #[schemars(schema_with = "super::schema::own_parameters")]
+    #[schemars(schema_with = "super::schema_forms::own_parameters")]
     pub parameters: IndexMap<String, IndexMap<String, Vec<Scalar>>>,
     /// Errors that follow others: `EBY: { EBX: -1 }` is EBY = -EBX.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
-    #[schemars(schema_with = "super::schema::tie_schema")]
+    #[schemars(schema_with = "super::schema_forms::tie_schema")]
     pub tied: IndexMap<String, IndexMap<String, Scalar>>,
     /// Standard deviation of the slope of a fitted curve: `EXX: 20 um/m`.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
-    #[schemars(schema_with = "super::schema::slopes")]
+    #[schemars(schema_with = "super::schema_forms::slopes")]
     pub slopes: IndexMap<String, Scalar>,
     /// Values that are known before the data: `EC0Y 5 urad`, `ball b1 50 um`, `file`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -312,11 +293,11 @@ pub struct IdentifyEntry {
 pub struct PlausibleEntry {
     /// Of lengths.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(schema_with = "super::schema::quantity")]
+    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub length: Option<Scalar>,
     /// Of angles.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(schema_with = "super::schema::quantity")]
+    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub angle: Option<Scalar>,
 }
 
@@ -503,10 +484,10 @@ struct VolumeEntry(VolumeAxis);
 #[serde(deny_unknown_fields, default)]
 pub(super) struct VolumeFields {
     /// Lower and upper end.
-    #[schemars(schema_with = "super::schema::interval")]
+    #[schemars(schema_with = "super::schema_forms::interval")]
     range: Option<Vec<Scalar>>,
     /// Largest distance of two nodes.
-    #[schemars(schema_with = "super::schema::step")]
+    #[schemars(schema_with = "super::schema_forms::step")]
     step: Option<Scalar>,
 }
 
@@ -547,18 +528,6 @@ impl Forms for PresetOr {
     }
 }
 
-impl Forms for TravelEntry {
-    const EXPECTING: &'static str = "[min, max] or continuous";
-
-    fn scalar(word: Scalar) -> Option<Self> {
-        if let Scalar::Text(word) = word { Some(Self::Word(word)) } else { None }
-    }
-
-    fn list(range: Vec<Scalar>) -> Option<Self> {
-        Some(Self::Range(range))
-    }
-}
-
 impl Forms for ControllerEntry {
     const EXPECTING: &'static str = "a letter or a number, or both: [A, 6]";
 
@@ -583,4 +552,4 @@ impl Forms for GeneratorsEntry {
     }
 }
 
-deserialize_by_forms!(VolumeEntry, PresetOr, WalkText, TravelEntry, ControllerEntry, GeneratorsEntry);
+deserialize_by_forms!(VolumeEntry, PresetOr, WalkText, ControllerEntry, GeneratorsEntry);

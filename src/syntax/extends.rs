@@ -7,6 +7,7 @@
 use super::files::{Files, lexical};
 use super::geometry::{self, WrittenChains};
 use super::index::index;
+use super::layer::Layer;
 use super::nulls::refuse_unknown;
 use super::places::{Keys, Places, below, keys};
 use super::read::read_text;
@@ -17,13 +18,6 @@ use std::path::{Path, PathBuf};
 
 /// Most files in a chain of `extends`, the first one included.
 const DEPTH: usize = 8;
-
-/// The merged tree and where its entries stand.
-pub struct Layer {
-    pub map: Mapping,
-    pub places: Places,
-    pub chains: WrittenChains,
-}
 
 /// Reads the file and, below it, what it extends.
 pub fn layers(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Layer> {

@@ -2,6 +2,7 @@
 //! the place of a mistake.
 
 use super::scalar::Scalar;
+use serde::Deserialize;
 use serde::de::{self, Deserializer, MapAccess, SeqAccess, Unexpected, Visitor};
 use std::fmt;
 use std::marker::PhantomData;
@@ -42,6 +43,20 @@ pub(super) use deserialize_by_forms;
 /// Deserialises whichever form is there.
 pub fn forms<'de, T: Forms, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     deserializer.deserialize_any(FormsVisitor(PhantomData))
+}
+
+impl Forms for Scalar {
+    const EXPECTING: &'static str = "a number with its unit";
+
+    fn scalar(scalar: Scalar) -> Option<Self> {
+        Some(scalar)
+    }
+}
+
+impl<'de> Deserialize<'de> for Scalar {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        forms(deserializer)
+    }
 }
 
 struct FormsVisitor<T>(PhantomData<T>);

@@ -1,6 +1,5 @@
 //! Geometry as written: positions, absolute or from a named point, and what holds on one side of the bed.
 
-use super::document::{Branches, TravelEntry};
 use super::forms::{Forms, deserialize_by_forms};
 use super::places::{Keys, keys};
 use super::scalar::Scalar;
@@ -11,6 +10,39 @@ use serde::de::value::MapAccessDeserializer;
 use serde::{Deserialize, Serialize};
 use serde_yaml::{Mapping, Value};
 use std::collections::BTreeMap;
+
+/// The chain as two lists from the bed outwards.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Branches {
+    /// Axes that carry the workpiece.
+    pub workpiece: Vec<String>,
+    /// Axes that carry the tool; a name in parentheses at the end is the spindle.
+    pub tool: Vec<String>,
+}
+
+/// `[min, max]` or `continuous`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TravelEntry {
+    /// A word: `continuous`.
+    Word(String),
+    /// Lower and upper end.
+    Range(Vec<Scalar>),
+}
+
+impl Forms for TravelEntry {
+    const EXPECTING: &'static str = "[min, max] or continuous";
+
+    fn scalar(word: Scalar) -> Option<Self> {
+        if let Scalar::Text(word) = word { Some(Self::Word(word)) } else { None }
+    }
+
+    fn list(range: Vec<Scalar>) -> Option<Self> {
+        Some(Self::Range(range))
+    }
+}
+
+deserialize_by_forms!(TravelEntry);
 
 /// A position: three coordinates, or the same from a named point.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,16 +68,16 @@ pub struct RelativeEntry {
 #[serde(deny_unknown_fields, default)]
 pub struct SideEntry {
     /// A point of the axis.
-    #[schemars(schema_with = "super::schema::position_entry")]
+    #[schemars(schema_with = "super::schema_forms::position_entry")]
     pub origin: Option<PositionEntry>,
     /// Its travel.
-    #[schemars(schema_with = "super::schema::travel")]
+    #[schemars(schema_with = "super::schema_forms::travel")]
     pub travel: Option<TravelEntry>,
     /// The direction of positive motion.
-    #[schemars(schema_with = "super::schema::direction")]
+    #[schemars(schema_with = "super::schema_forms::direction")]
     pub direction: Option<Vec<Scalar>>,
     /// Errors of this axis by name, in place of those of the same name under `errors`.
-    #[schemars(schema_with = "super::schema::side_errors")]
+    #[schemars(schema_with = "super::schema_errors::side_errors")]
     pub errors: IndexMap<String, TermEntry>,
 }
 

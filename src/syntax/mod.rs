@@ -12,12 +12,14 @@ mod files;
 mod forms;
 mod geometry;
 mod index;
+mod layer;
 mod nulls;
 mod places;
 mod read;
 mod scalar;
 mod schema;
 mod schema_errors;
+mod schema_forms;
 pub mod sheet;
 mod table;
 mod term;
@@ -29,11 +31,11 @@ pub use disk::Disk;
 pub use document::{
     AlgebraEntry, AxisEntry, ControllerEntry, ConventionsEntry, CovarianceEntry, DatumEntry, DatumLine, DatumZero,
     Document, FormEntry, GeneratorsEntry, IdentifyEntry, PlausibleEntry, SetUpEntry, SquarenessSite, ToolEntry,
-    TravelEntry, VolumeAxis,
+    VolumeAxis,
 };
 pub(crate) use error_words::{component_words, location_words};
 pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};
-pub use geometry::{PositionEntry, RelativeEntry, SideEntry, WrittenChain, WrittenChains};
+pub use geometry::{PositionEntry, RelativeEntry, SideEntry, TravelEntry, WrittenChain, WrittenChains};
 pub use places::{Keys, below, keys};
 pub use read::read_text;
 pub(crate) use read::unreadable;

@@ -3,7 +3,8 @@
 //! `{ step: 100,5 mm }` has the key `5 mm`.
 
 use super::places::{Keys, Places, below};
-use super::schema::{AXIS, schema};
+use super::schema::schema;
+use super::schema_forms::AXIS;
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, did_you_mean, shown};
 use serde_json::Value as Schema;
 use serde_yaml::{Mapping, Value};

@@ -1,6 +1,5 @@
 //! A single value as written: a bare number or text such as `12 um`.
 
-use super::forms::{Forms, deserialize_by_forms};
 use std::fmt;
 
 /// A number without, or a text with, a unit.
@@ -21,13 +20,3 @@ impl fmt::Display for Scalar {
         }
     }
 }
-
-impl Forms for Scalar {
-    const EXPECTING: &'static str = "a number with its unit";
-
-    fn scalar(scalar: Scalar) -> Option<Self> {
-        Some(scalar)
-    }
-}
-
-deserialize_by_forms!(Scalar);

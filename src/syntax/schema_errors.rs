@@ -2,7 +2,7 @@
 //! the rest.
 
 use super::error_words::{component_words, location_words};
-use super::schema::{ANGLE, AXIS, LENGTH, NUMBER, any, notes, object, quantity, text};
+use super::schema_forms::{ANGLE, AXIS, LENGTH, NUMBER, any, notes, object, quantity, text};
 use super::term::TermEntry;
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::{Map, Value, json};
@@ -107,4 +107,9 @@ fn patterns() -> Map<String, Value> {
     }
     put("^S(xy|xz|yz)$".to_owned(), 3, "Constant");
     patterns
+}
+
+/// Errors of an axis that hold on one side of the bed.
+pub fn side_errors(_: &mut SchemaGenerator) -> Schema {
+    Schema::try_from(errors()).unwrap_or_default()
 }

@@ -2,7 +2,9 @@
 
 use super::forms::{Forms, deserialize_by_forms};
 use super::scalar::Scalar;
+use super::schema_forms::{object, quantity};
 use indexmap::IndexMap;
+use schemars::{Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde::de::MapAccess;
 use serde::de::value::MapAccessDeserializer;
@@ -22,69 +24,69 @@ pub struct BSplineEntry {
 /// One of the forms of a curve: exactly one of `value`, `table`, `points`, `polynomial`, `harmonics`, `bspline`.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default, remote = "Self")]
-#[schemars(transform = super::schema::one_form)]
+#[schemars(transform = super::schema_forms::one_form)]
 pub struct CurveEntry {
     /// A constant with its unit.
-    #[schemars(schema_with = "super::schema::quantity")]
+    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub value: Option<Scalar>,
     /// Path of a CSV file that has a column of this error's name.
     pub table: Option<String>,
     /// Points in the file: [position, value].
-    #[schemars(schema_with = "super::schema::points")]
+    #[schemars(schema_with = "super::schema_forms::points")]
     pub points: Option<Vec<Vec<Scalar>>>,
     /// Between points: `linear` (default) or `cubic`.
-    #[schemars(schema_with = "super::schema::interpolation")]
+    #[schemars(schema_with = "super::schema_forms::interpolation")]
     pub interpolation: Option<String>,
     /// Coefficients by rising power of the position.
-    #[schemars(schema_with = "super::schema::polynomial")]
+    #[schemars(schema_with = "super::schema_forms::polynomial")]
     pub polynomial: Option<Vec<Scalar>>,
     /// [cosine, sine] by order; rotary axes only.
-    #[schemars(schema_with = "super::schema::harmonics")]
+    #[schemars(schema_with = "super::schema_forms::harmonics")]
     pub harmonics: Option<IndexMap<String, Vec<Scalar>>>,
     /// Degree, knots and coefficients.
-    #[schemars(schema_with = "super::schema::bspline")]
+    #[schemars(schema_with = "super::schema_forms::bspline")]
     pub bspline: Option<BSplineEntry>,
 }
 
 /// An error term: a curve, one for each direction, or a tolerance.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default, remote = "Self")]
-#[schemars(transform = super::schema::one_form)]
+#[schemars(transform = super::schema_forms::one_form)]
 pub struct TermEntry {
     /// A constant with its unit.
-    #[schemars(schema_with = "super::schema::quantity")]
+    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub value: Option<Scalar>,
     /// Path of a CSV file that has a column of this error's name.
     pub table: Option<String>,
     /// Points in the file: [position, value].
-    #[schemars(schema_with = "super::schema::points")]
+    #[schemars(schema_with = "super::schema_forms::points")]
     pub points: Option<Vec<Vec<Scalar>>>,
     /// Between points: `linear` (default) or `cubic`.
-    #[schemars(schema_with = "super::schema::interpolation")]
+    #[schemars(schema_with = "super::schema_forms::interpolation")]
     pub interpolation: Option<String>,
     /// Coefficients by rising power of the position.
-    #[schemars(schema_with = "super::schema::polynomial")]
+    #[schemars(schema_with = "super::schema_forms::polynomial")]
     pub polynomial: Option<Vec<Scalar>>,
     /// [cosine, sine] by order; rotary axes only.
-    #[schemars(schema_with = "super::schema::harmonics")]
+    #[schemars(schema_with = "super::schema_forms::harmonics")]
     pub harmonics: Option<IndexMap<String, Vec<Scalar>>>,
     /// Degree, knots and coefficients.
-    #[schemars(schema_with = "super::schema::bspline")]
+    #[schemars(schema_with = "super::schema_forms::bspline")]
     pub bspline: Option<BSplineEntry>,
     /// The curve for rising positions.
-    #[schemars(schema_with = "super::schema::curve")]
+    #[schemars(schema_with = "curve")]
     pub forward: Option<CurveEntry>,
     /// The curve for falling positions.
-    #[schemars(schema_with = "super::schema::curve")]
+    #[schemars(schema_with = "curve")]
     pub reverse: Option<CurveEntry>,
     /// Not known, only bounded.
-    #[schemars(schema_with = "super::schema::quantity")]
+    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub tolerance: Option<Scalar>,
     /// Expanded uncertainty (k = 2) of the values.
-    #[schemars(schema_with = "super::schema::quantity")]
+    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub uncertainty: Option<Scalar>,
     /// The origin of the numbers.
-    #[schemars(schema_with = "super::schema::notes")]
+    #[schemars(schema_with = "super::schema_forms::notes")]
     pub provenance: Option<IndexMap<String, Scalar>>,
 }
 
@@ -128,3 +130,9 @@ impl Forms for TermEntry {
 }
 
 deserialize_by_forms!(CurveEntry, TermEntry);
+
+/// A curve of one direction, short or long.
+pub fn curve(generator: &mut SchemaGenerator) -> Schema {
+    let (short, long) = (quantity(generator).to_value(), object::<CurveEntry>(generator));
+    json_schema!({ "anyOf": [short, long] })
+}

@@ -3,7 +3,7 @@
 use super::mailed;
 use super::report_options::ReportOptions;
 use crate::analysis::figure_bands::field_bands;
-use crate::analysis::{MAX_POSES, TooManyPoses, View, map};
+use crate::analysis::{MAX_POSES, MapFailure, View, map};
 use crate::api::bounded::{DrawnBounds, added};
 use crate::api::budget::{BudgetOptions, BudgetResult, budget_of};
 use crate::api::budgets::{DrawnMachines, budgets};
@@ -21,7 +21,7 @@ use crate::report::page::{
     ComparisonData, EngineFile, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
     TargetResult, colours,
 };
-use crate::run::{Answer, Call, Count, Refused, Run, finite};
+use crate::run::{Advance, Answer, Call, Cancelled, Count, Refused, Run, finite};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -78,8 +78,10 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
     let mut report = Report::default();
     report.data.comparison = comparison(call, options, &given)?;
     let drawn = call.stage(given.iter().map(|given| given.poses.0).sum(), |advance| {
-        given.iter().enumerate().map(|(i, given)| drawn(i + 1, given, advance)).collect::<Result<Vec<_>, _>>()
-    });
+        let all =
+            given.iter().enumerate().map(|(i, given)| drawn(i + 1, given, advance)).collect::<Result<Vec<_>, _>>();
+        if let Err(MapFailure::Cancelled) = all { Err(Cancelled) } else { Ok(all) }
+    })?;
     let Ok(drawn) = drawn else { return call.usage(format!("a report takes {MAX_POSES} poses at most")) };
     (report.data.machines, report.pictures) = drawn.into_iter().unzip();
     report.start = mailed::start(call, files, options);
@@ -87,15 +89,11 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
 }
 
 /// Content of the page for a machine.
-fn drawn(
-    number: usize,
-    given: &MachineInput<'_>,
-    advance: &(dyn Fn(usize) + Sync),
-) -> Result<(MachineData, Pictures), TooManyPoses> {
+fn drawn(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Result<(MachineData, Pictures), MapFailure> {
     let view = View { conditions: given.conditions, frame: Frame::Workpiece };
     if let Some(bounded) = given.budget() {
         let data = MachineData::of_bounds(number, given, bounded);
-        advance(given.poses.0);
+        advance(given.poses.0)?;
         let pictures = Pictures::new(given, &data);
         return Ok((data, pictures));
     }
@@ -194,7 +192,7 @@ fn work(
     let view = View { conditions: options.approach.into(), frame: Frame::Workpiece };
     let features = match bounded {
         Some(drawn) => {
-            let found = drawn.at(call, machine, &Poses::Listed(reached.poses.clone()), view.frame);
+            let found = drawn.at(call, machine, &Poses::Listed(reached.poses.clone()), view.frame)?;
             bounded_features(machine, &reached, &drawn.bounds, &found)
         }
         None => features(&bare, &reached, view, true),

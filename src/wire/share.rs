@@ -57,14 +57,14 @@ impl MapParts for MapShare<'_> {
     ) -> Result<Vec<Deviation>, Refused> {
         match self {
             Self::Part(part) => {
-                let computed = computed(call, field, poses, part.range(poses.len()), view);
+                let computed = computed(call, field, poses, part.range(poses.len()), view)?;
                 let _ = part.bytes.replace(written(&computed));
                 Err(Refused)
             }
             Self::Given(bytes) => {
                 let bytes = bytes.take();
                 let fits = bytes.len() == poses.len() * BYTES;
-                Ok(if fits { read(&bytes) } else { computed(call, field, poses, 0..poses.len(), view) })
+                if fits { Ok(read(&bytes)) } else { computed(call, field, poses, 0..poses.len(), view) }
             }
         }
     }

@@ -139,7 +139,7 @@ fn three_equal_errors_at_one_place_have_the_moments_of_their_sum() {
             samples: 8000,
             statistic: Statistic::Max,
         };
-        let b = budget(request, &|_| {});
+        let b = budget(request, &|_| Ok(())).unwrap();
         let squares: Vec<f64> = b.position.sorted.iter().map(|x| x * x).collect();
         let (mean, sigma) = mean(&squares);
         // The variance of each is the square of tolerance times `deviation`: 100/3 or 100/6.
@@ -308,7 +308,7 @@ fn extremes_of(machine: &Machine) -> [(f64, Vec<f64>); 2] {
         samples,
         statistic,
     };
-    let p = budget(request, &|_| {}).position;
+    let p = budget(request, &|_| Ok(())).unwrap().position;
     [(p.worst_case, p.worst_pose), (p.rss, p.rss_pose)]
 }
 

@@ -59,7 +59,10 @@ fn of_class(machine: &Machine) -> Vec<Bound> {
 fn budgeted(machine: &Machine, bounds: &[Bound], searched: bool) -> Budget {
     let (poses, draws) = (budget_poses(machine, 25, 1), Draws::new(3, Distribution::Uniform));
     let (statistic, samples) = (Statistic::Max, 40);
-    budget(Request { machine, bounds, poses: &poses, searched, at: None, draws: &draws, samples, statistic }, &|_| {})
+    budget(Request { machine, bounds, poses: &poses, searched, at: None, draws: &draws, samples, statistic }, &|_| {
+        Ok(())
+    })
+    .unwrap()
 }
 
 /// Largest relative difference of worst case, RSS and every drawn machine.
@@ -227,7 +230,7 @@ fn the_tilt_of_a_45_degree_axis_is_bounded_across_it() {
             samples,
             statistic,
         };
-        let at = budget(request, &|_| {}).at.unwrap();
+        let at = budget(request, &|_| Ok(())).unwrap().at.unwrap();
         let um = |name: &str| at.iter().find(|c| limits[c.bound].to_string() == name).unwrap().um;
         let across = by_tilt([0.0, diagonal * 50e-6, -diagonal * 50e-6], q) * 1e3;
         assert!((um("B location about across 2") - across).abs() < 1e-9 * across, "{q}");
@@ -299,7 +302,7 @@ fn drawn_machines_are_those_of_the_model_with_tied_letters() {
             by_hand.iter_mut().zip(&deviations).for_each(|(most, d)| *most = most.max(d.norm() * 1e3));
         }
         by_hand.sort_by(f64::total_cmp);
-        let found = budget(request, &|_| {}).position.sorted;
+        let found = budget(request, &|_| Ok(())).unwrap().position.sorted;
         assert!(by_hand.iter().zip(&found).all(|(a, b)| (a - b).abs() < 1e-9 * a), "{name}: {by_hand:?} {found:?}");
     }
 }

@@ -15,8 +15,7 @@ use abbe::identify::{
 };
 use abbe::lower::{ErrorSite, Exact, Source, actual_point, position_jacobian, values};
 use abbe::machine::{Approach, Direction, Machine, machine_file};
-use abbe::syntax::Disk;
-use abbe::syntax::IdentifyEntry;
+use abbe::syntax::{Disk, IdentifyEntry};
 use nalgebra::{DMatrix, Vector3};
 
 pub fn wanted(machine: &Machine, words: &[&str]) -> Vec<Parameter> {

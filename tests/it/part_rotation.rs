@@ -81,7 +81,7 @@ fn surveyed(field: &CompiledField, poses: &Poses, view: View) -> Vec<Deviation> 
         all.extend(rows);
         true
     };
-    assert!(survey_with_rows(task, &rows, &mut keep, &|_| {}).is_some());
+    assert!(survey_with_rows(task, &rows, &mut keep, &|_| Ok(())).unwrap().is_some());
     all
 }
 
@@ -104,7 +104,7 @@ fn maps_and_surveys_count_in_the_coordinates_of_the_part() {
                 let view = View { frame, ..View::default() };
                 let rows = |machine: &Machine| {
                     let field = CompiledField::new(machine, order);
-                    let map = map(&field, poses, view, &|_| {}).unwrap();
+                    let map = map(&field, poses, view, &|_| Ok(())).unwrap();
                     let streamed = surveyed(&field, poses, view);
                     (map.deviations, streamed, map.statistics.position_um.max)
                 };

@@ -398,8 +398,8 @@ fn a_survey_is_a_map_that_is_not_kept() {
             (Poses::Random(abbe::evaluate::Random::of(&machine, 40_000, 3)), Frame::Machine),
         ] {
             let view = View { frame, ..View::default() };
-            let kept = map(&field, &poses, view, &|_| ()).unwrap();
-            let survey = || survey(SurveyTask { field: &field, poses: &poses, view, worst: 4 }, &|_| ());
+            let kept = map(&field, &poses, view, &|_| Ok(())).unwrap();
+            let survey = || survey(SurveyTask { field: &field, poses: &poses, view, worst: 4 }, &|_| Ok(())).unwrap();
             let found = survey();
             assert_eq!(found.statistics.poses, poses.len());
             let close =

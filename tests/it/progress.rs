@@ -1,10 +1,11 @@
 //! Long work reports how far it is, and ends when its caller wants it to.
 
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use abbe::{BudgetOptions, Diagnostics, IdentifyOptions, LoadOptions, MachineFile, MapOptions, Monitor, Run};
+use abbe::{
+    BudgetOptions, Cancelled, Diagnostics, IdentifyOptions, LoadOptions, MachineFile, MapOptions, Monitor, Run,
+};
 
 use crate::support::config;
 
@@ -18,17 +19,14 @@ struct Counter {
     limit: usize,
 }
 
-struct Enough;
-
 impl Monitor for Counter {
     fn begin(&self, total: usize) {
         self.total.fetch_add(total, Ordering::Relaxed);
     }
 
-    fn advance(&self, steps: usize) {
-        if self.done.fetch_add(steps, Ordering::Relaxed) + steps > self.limit {
-            resume_unwind(Box::new(Enough));
-        }
+    fn advance(&self, steps: usize) -> Result<(), Cancelled> {
+        let done = self.done.fetch_add(steps, Ordering::Relaxed) + steps;
+        if done > self.limit { Err(Cancelled) } else { Ok(()) }
     }
 
     fn end(&self) {
@@ -44,8 +42,9 @@ fn counted(path: &Path, job: Job) -> Counter {
     let whole = Counter { limit: usize::MAX, ..Counter::default() };
     job(&file, Run { monitor: &whole, ..Run::on_disk() }).unwrap();
     let half = Counter { limit: whole.done.load(Ordering::Relaxed) / 2, ..Counter::default() };
-    let stopped = catch_unwind(AssertUnwindSafe(|| job(&file, Run { monitor: &half, ..Run::on_disk() })));
-    assert!(stopped.is_err_and(|payload| payload.is::<Enough>()));
+    let stopped = job(&file, Run { monitor: &half, ..Run::on_disk() });
+    assert!(stopped.is_err_and(|diagnostics| diagnostics.cancelled() && diagnostics.is_empty()));
+    assert!(half.done.load(Ordering::Relaxed) < whole.done.load(Ordering::Relaxed), "it ends early");
     whole
 }
 

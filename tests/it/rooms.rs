@@ -5,10 +5,6 @@ use crate::tidy::{code_lines, sources};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Stages without circles of files.
-const STAGES: [&str; 8] =
-    ["controller", "evaluate", "analysis", "compensation", "identify", "job", "file_set", "shards"];
-
 /// The rooms of `controller`: each may import those before it.
 const ROOMS: [&str; 7] = ["manifest", "replay", "emit", "read", "kinematics", "certificate", "single_errors"];
 
@@ -158,7 +154,9 @@ fn circles(edges: &BTreeMap<PathBuf, BTreeSet<PathBuf>>) -> BTreeSet<Vec<String>
 #[test]
 fn no_stage_has_a_circle_of_files() {
     let modules = modules();
-    let found: BTreeSet<Vec<String>> = STAGES.iter().flat_map(|stage| circles(&edges(&modules, stage))).collect();
+    let stages: BTreeSet<&str> = modules.values().map(|module| module.path[0].as_str()).collect();
+    assert!(stages.len() > 20, "{stages:?}");
+    let found: BTreeSet<Vec<String>> = stages.iter().flat_map(|stage| circles(&edges(&modules, stage))).collect();
     assert!(found.is_empty(), "files import one another in a circle: {found:#?}");
 }
 

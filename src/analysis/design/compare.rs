@@ -6,6 +6,7 @@ use crate::analysis::volume::Work;
 use crate::analysis::volume::{View, deviation_in};
 use crate::evaluate::{Deviation, Difference, Field, Frame, Statistics};
 use crate::machine::{OperatingConditions, Pose};
+use crate::run::Advance;
 use rayon::prelude::*;
 
 /// Two or more machines over the tool poses that all of them can reach.
@@ -79,14 +80,14 @@ type ComparisonRow = Vec<Result<(Pose, Deviation), Miss>>;
 /// Returns the comparison of machines on the same work, which may be the tool poses of the first. Of several poses for
 /// a tool pose each machine takes the one nearest to its zero pose. Calls `progress` with the number of tool poses done
 /// since its last call.
-pub fn compare(
+pub fn compare<F: Send>(
     fields: &[&dyn Field],
     work: &Work,
     conditions: OperatingConditions,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Comparison {
+    progress: Advance<'_, F>,
+) -> Result<Comparison, F> {
     let Some(first) = fields.first() else {
-        return Comparison { asked: work.len(), common: Vec::new(), machines: Vec::new() };
+        return Ok(Comparison { asked: work.len(), common: Vec::new(), machines: Vec::new() });
     };
     let targets: Vec<ToolPose> = (0..work.len()).into_par_iter().map(|i| work.get(first.machine(), i)).collect();
     let found: Vec<_> = fields.iter().map(|field| inverse_all(field.machine(), &targets)).collect();
@@ -97,11 +98,11 @@ pub fn compare(
             Ok((pose, deviation))
         };
         let row: ComparisonRow = fields.iter().zip(&found).map(at).collect();
-        progress(1);
-        (targets[index], row)
+        progress(1)?;
+        Ok((targets[index], row))
     };
-    let rows: Vec<(ToolPose, ComparisonRow)> = (0..work.len()).into_par_iter().map(row).collect();
-    side_by_side(rows, fields.len())
+    let rows: Vec<(ToolPose, ComparisonRow)> = (0..work.len()).into_par_iter().map(row).collect::<Result<_, F>>()?;
+    Ok(side_by_side(rows, fields.len()))
 }
 
 fn side_by_side(rows: Vec<(ToolPose, ComparisonRow)>, count: usize) -> Comparison {

@@ -5,6 +5,7 @@ use crate::evaluate::{
     frame_rotation,
 };
 use crate::machine::{Approach, OperatingConditions};
+use crate::run::{Advance, Cancelled};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -34,22 +35,28 @@ pub struct Map {
     pub statistics: Statistics,
 }
 
-/// A map was refused: it would have this number of poses, more than [`MAX_POSES`].
+/// Reason why there is no map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct TooManyPoses(pub usize);
+pub enum MapFailure {
+    /// More than [`MAX_POSES`] poses.
+    TooManyPoses(usize),
+    /// The job is cancelled.
+    Cancelled,
+}
+
+impl From<Cancelled> for MapFailure {
+    fn from(Cancelled: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
 
 /// Returns a field's deviations at all poses with their statistics. Calls `progress` with the number of poses done
 /// since its last call. Fails with more than [`MAX_POSES`] poses.
-pub fn map(
-    field: &dyn Field,
-    poses: &Poses,
-    view: View,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Result<Map, TooManyPoses> {
+pub fn map(field: &dyn Field, poses: &Poses, view: View, progress: Advance<'_>) -> Result<Map, MapFailure> {
     if poses.len() > MAX_POSES {
-        return Err(TooManyPoses(poses.len()));
+        return Err(MapFailure::TooManyPoses(poses.len()));
     }
-    Ok(Map::of(deviations(field, poses, 0..poses.len(), view, progress)))
+    Ok(Map::of(deviations(field, poses, 0..poses.len(), view, progress)?))
 }
 
 impl Map {
@@ -66,20 +73,20 @@ pub(crate) fn deviations(
     poses: &Poses,
     range: Range<usize>,
     view: View,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Vec<Deviation> {
+    progress: Advance<'_>,
+) -> Result<Vec<Deviation>, Cancelled> {
     let mut deviations = vec![Deviation { position: Vector3::zeros(), rotation: Vector3::zeros() }; range.len()];
     let frames = frames(field, view.frame);
-    deviations.par_chunks_mut(BLOCK).enumerate().for_each(|(block, chunk)| {
+    deviations.par_chunks_mut(BLOCK).enumerate().try_for_each(|(block, chunk)| {
         let (mut at, mut columns) = (PoseColumns::new(field.machine().axes().len()), Columns::new(chunk.len()));
         let first = range.start + block * BLOCK;
         poses.fill(first..first + chunk.len(), &mut at);
         field.deviations(&at.batch(), view.conditions, columns.output(chunk.len()));
         into_frame(frames.as_ref(), view.frame, &at.batch(), columns.output(chunk.len()));
         chunk.iter_mut().enumerate().for_each(|(i, deviation)| *deviation = columns.get(i));
-        progress(chunk.len());
-    });
-    deviations
+        progress(chunk.len())
+    })?;
+    Ok(deviations)
 }
 
 /// Returns a compiled model that serves [`into_frame`] for a field's machine; `None` if its deviations are in the

@@ -16,7 +16,7 @@ mod work;
 pub use diagonals::{DiagonalRun, body_diagonals, space_axes};
 pub use lever::{Lever, arm_shares, levers};
 pub(crate) use map::deviations;
-pub use map::{MAX_POSES, Map, TooManyPoses, View, deviation_in, map};
+pub use map::{MAX_POSES, Map, MapFailure, View, deviation_in, map};
 pub use plane::{Plane, PlaneNodes};
 pub use reach::{ReachGrid, reach};
 pub use survey::{MAX_SURVEYED, Survey, SurveyBlock, SurveyTask, survey, survey_with_rows};

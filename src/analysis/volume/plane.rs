@@ -60,19 +60,19 @@ impl Plane {
     }
 
     /// Returns lengths (mm) over the volume's intervals of two different linear axes, `counts` nodes each, at least 2;
-    /// `of` returns those at poses (mm, deg).
-    pub fn of_lengths(
+    /// `of` returns those at poses (mm, deg), and fails with it.
+    pub fn of_lengths<F>(
         machine: &Machine,
         axes: [usize; 2],
         at: &[f64],
         counts: [usize; 2],
-        of: impl FnOnce(Vec<Pose>) -> Vec<f64>,
-    ) -> Self {
+        of: impl FnOnce(Vec<Pose>) -> Result<Vec<f64>, F>,
+    ) -> Result<Self, F> {
         let intervals = axes.map(|i| (machine.volume()[i].min, machine.volume()[i].max));
         let counts = counts.map(|count| count.max(2));
         let empty = Self { axes, intervals, counts, at: at.to_vec(), nodes: PlaneNodes::Lengths(Vec::new()) };
-        let lengths = of((0..counts[0] * counts[1]).map(|index| empty.pose(index)).collect());
-        Self { nodes: PlaneNodes::Lengths(lengths), ..empty }
+        let lengths = of((0..counts[0] * counts[1]).map(|index| empty.pose(index)).collect())?;
+        Ok(Self { nodes: PlaneNodes::Lengths(lengths), ..empty })
     }
 
     /// Returns the pose (mm, deg) of a node.

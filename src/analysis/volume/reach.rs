@@ -4,6 +4,7 @@
 use crate::analysis::inverse::{Miss, ToolPose, inverse_all, rest, rotary_axes_place_tip, tool_pose};
 use crate::evaluate::{Poses, Random};
 use crate::machine::{AxisKind, Machine, Pose};
+use crate::run::{Advance, Cancelled};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -100,14 +101,14 @@ pub fn reach<T: Send>(
     grid: &ReachGrid,
     directions: &[Vector3<f64>],
     sum: &(dyn Fn(Vec<Result<Pose, Miss>>) -> T + Sync),
-    progress: &(dyn Fn(usize) + Sync),
-) -> Vec<T> {
+    progress: Advance<'_>,
+) -> Result<Vec<T>, Cancelled> {
     let one = |index: usize| {
         let tip = grid.tip(index);
         let targets: Vec<ToolPose> = directions.iter().map(|direction| ToolPose::new(tip, *direction)).collect();
         let summed = sum(inverse_all(machine, &targets));
-        progress(1);
-        summed
+        progress(1)?;
+        Ok(summed)
     };
     (0..grid.len()).into_par_iter().map(one).collect()
 }

@@ -5,6 +5,7 @@ use crate::evaluate::{
     Batch, Columns, CompiledGrid, CompiledModel, Deviation, Field, PoseColumns, Poses, Statistics, Tally,
 };
 use crate::machine::Pose;
+use crate::run::{Advance, Cancelled};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -57,22 +58,23 @@ impl SurveyBlock<'_> {
 
 /// Returns the survey of a field. Memory does not grow with the number of poses, and no bit depends on the number of
 /// threads. Calls `progress` with the number of poses done since its last call.
-pub fn survey(task: SurveyTask<'_>, progress: &(dyn Fn(usize) + Sync)) -> Survey {
+pub fn survey(task: SurveyTask<'_>, progress: Advance<'_>) -> Result<Survey, Cancelled> {
     let run = SurveyState::new(task, progress, false);
     // A thread takes the next block when it has finished one: none waits for another, and each has one tally.
     let (next, count) = (AtomicUsize::new(0), run.blocks());
-    (0..rayon::current_num_threads().min(count)).into_par_iter().with_max_len(1).for_each(|_| {
+    (0..rayon::current_num_threads().min(count)).into_par_iter().with_max_len(1).try_for_each(|_| {
         let mut worker = run.worker();
         loop {
             let block = next.fetch_add(1, Ordering::Relaxed);
             if block >= count {
                 break;
             }
-            run.block(&mut worker, block);
+            let _ = run.block(&mut worker, block)?;
         }
         run.dismiss(worker);
-    });
-    run.finish()
+        Ok(())
+    })?;
+    Ok(run.finish())
 }
 
 /// Returns the survey of a field, and calls `make` with every block, on any thread, and `sink` with the results in the
@@ -81,28 +83,28 @@ pub fn survey_with_rows<T: Send>(
     task: SurveyTask<'_>,
     make: &(dyn Fn(SurveyBlock<'_>) -> T + Sync),
     sink: &mut dyn FnMut(T) -> bool,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Option<Survey> {
+    progress: Advance<'_>,
+) -> Result<Option<Survey>, Cancelled> {
     let run = SurveyState::new(task, progress, true);
     let round = 8 * rayon::current_num_threads();
     for start in (0..run.blocks()).step_by(round) {
         let blocks = start..(start + round).min(run.blocks());
         let one = |block: usize| {
             let mut worker = run.worker();
-            let range = run.block(&mut worker, block);
+            let range = run.block(&mut worker, block)?;
             let (first, len) = (range.start, range.len());
             let made = make(SurveyBlock { first, poses: &worker.poses.batch(), columns: &worker.columns, len });
             run.dismiss(worker);
-            made
+            Ok(made)
         };
-        let done: Vec<T> = blocks.into_par_iter().map(one).collect();
+        let done: Vec<T> = blocks.into_par_iter().map(one).collect::<Result<_, Cancelled>>()?;
         for made in done {
             if !sink(made) {
-                return None;
+                return Ok(None);
             }
         }
     }
-    Some(run.finish())
+    Ok(Some(run.finish()))
 }
 
 /// The state shared by all threads.
@@ -115,7 +117,7 @@ struct SurveyState<'a> {
     frames: Option<CompiledModel>,
     /// True if positions are computed; a grid has its own.
     positions: bool,
-    progress: &'a (dyn Fn(usize) + Sync),
+    progress: Advance<'a>,
     /// Idle workers, for reuse: setting one up costs as much as a block.
     idle: Mutex<Vec<Worker>>,
 }
@@ -129,7 +131,7 @@ struct Worker {
 }
 
 impl<'a> SurveyState<'a> {
-    fn new(task: SurveyTask<'a>, progress: &'a (dyn Fn(usize) + Sync), rows: bool) -> Self {
+    fn new(task: SurveyTask<'a>, progress: Advance<'a>, rows: bool) -> Self {
         let grid = match task.poses {
             Poses::Nodes(nodes) => task.field.compiled_model(task.view.conditions).and_then(|model| model.grid(nodes)),
             _ => None,
@@ -167,7 +169,7 @@ impl<'a> SurveyState<'a> {
     }
 
     /// Adds a block to a worker's tally; returns the indices of its poses.
-    fn block(&self, worker: &mut Worker, block: usize) -> Range<usize> {
+    fn block(&self, worker: &mut Worker, block: usize) -> Result<Range<usize>, Cancelled> {
         let Worker { tally, poses, columns } = worker;
         let range = block * self.block..((block + 1) * self.block).min(self.count);
         let len = range.len();
@@ -180,7 +182,7 @@ impl<'a> SurveyState<'a> {
         }
         into_frame(self.frames.as_ref(), self.task.view.frame, &poses.batch(), columns.output(len));
         tally.add(range.start, columns, len);
-        (self.progress)(len);
-        range
+        (self.progress)(len)?;
+        Ok(range)
     }
 }

@@ -1,8 +1,8 @@
 //! Budgets of several machines on the same work: for `compare`.
 
+use super::budget_text::{TOTALS, TOTALS_NOTE, totals_row};
 use super::ranking::difference;
 use super::view::table;
-use crate::cli::verbs::budget::{TOTALS, TOTALS_NOTE, totals_row};
 use abbe::results::{ComparedBudget, ComparedBudgets, Verdict, VersusFirst};
 use abbe::text::significant;
 

@@ -2,6 +2,7 @@
 
 pub(super) mod bands;
 pub(super) mod bounded;
+pub(super) mod budget_text;
 pub(super) mod budgets;
 pub(super) mod certificate;
 pub(super) mod identify_report;

@@ -1,7 +1,6 @@
 //! Progress on standard error: only on a terminal, and only for work that lasts over a second.
 
-use crate::cli::confined;
-use abbe::Monitor;
+use abbe::{Cancelled, Monitor};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 use std::io::IsTerminal;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -22,15 +21,13 @@ const UNKNOWN: &str = "{pos} steps in {elapsed}";
 /// The progress of the stages of a call, one after the other.
 pub(crate) struct StageProgress {
     visible: bool,
-    /// True in the resource-limited child.
-    confined: bool,
     stage: Mutex<Option<ProgressBar>>,
 }
 
 impl StageProgress {
     /// Starts the display; `quiet` prints nothing.
-    pub(crate) fn new(quiet: bool, confined: bool) -> Self {
-        Self { visible: !quiet && std::io::stderr().is_terminal(), confined, stage: Mutex::new(None) }
+    pub(crate) fn new(quiet: bool) -> Self {
+        Self { visible: !quiet && std::io::stderr().is_terminal(), stage: Mutex::new(None) }
     }
 
     fn stage(&self) -> MutexGuard<'_, Option<ProgressBar>> {
@@ -53,28 +50,17 @@ impl Monitor for StageProgress {
         *self.stage() = self.visible.then(|| hidden_bar(total));
     }
 
-    fn advance(&self, steps: usize) {
-        let Some(bar) = self.stage().clone() else { return };
+    fn advance(&self, steps: usize) -> Result<(), Cancelled> {
+        let Some(bar) = self.stage().clone() else { return Ok(()) };
         bar.inc(steps as u64);
         if bar.is_hidden() && bar.elapsed() >= PATIENCE {
             bar.set_draw_target(ProgressDrawTarget::stderr_with_hz(PACE));
         }
+        Ok(())
     }
 
     fn end(&self) {
         *self.stage() = None;
-    }
-
-    fn begin_templates(&self) {
-        if self.confined {
-            confined::limit_time(Some(confined::TEMPLATE_SECONDS));
-        }
-    }
-
-    fn end_templates(&self) {
-        if self.confined {
-            confined::limit_time(None);
-        }
     }
 }
 

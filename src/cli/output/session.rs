@@ -32,7 +32,7 @@ pub(crate) struct Session {
 
 impl Session {
     pub(crate) fn new(global: Global) -> Self {
-        let bar = StageProgress::new(global.quiet, global.template_child);
+        let bar = StageProgress::new(global.quiet);
         let (document, unfit) = (RefCell::new(None), RefCell::new(None));
         let files = Rc::new(Recorded::within(global.confined.as_deref()));
         let (diagnostics, output_lost) = (Diagnostics::default(), Cell::new(None));

@@ -1,7 +1,7 @@
 //! Tolerances for a goal as text: for `budget`.
 
+use super::budget_text::tolerance_text;
 use super::view::table;
-use crate::cli::verbs::budget::tolerance_text;
 use abbe::results::{Binding, Percentile, ToleranceGoal};
 use abbe::text::significant;
 

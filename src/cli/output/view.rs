@@ -1,36 +1,10 @@
 //! Options that the verbs about whole volumes share, and the format of their numbers.
 
-use crate::cli::arguments::{DirectionArg, OrderArg, ToolArg};
-use abbe::options::{Approach, Frame, Order};
+use abbe::options::{Frame, Order};
 use abbe::results::{MissedToolPose, NeededTravel, ReachedToolPoses, Statistics, Summary};
 use abbe::text::{UnknownOrder, shown, significant};
 
 pub(crate) use abbe::text::axes_text;
-
-/// Options of the evaluation and of its tool.
-#[derive(Debug, Clone, clap::Args)]
-pub(crate) struct ViewArgs {
-    #[command(flatten)]
-    order: OrderArg,
-    #[command(flatten)]
-    direction: DirectionArg,
-    #[command(flatten)]
-    tool: ToolArg,
-}
-
-impl ViewArgs {
-    pub(crate) fn order(&self) -> Option<Order> {
-        self.order.order
-    }
-
-    pub(crate) fn approach(&self) -> Approach {
-        self.direction.approach()
-    }
-
-    pub(crate) fn tool(&self) -> Option<&str> {
-        self.tool.name()
-    }
-}
 
 /// `exact` or a number of 1..=6.
 pub(crate) fn order(text: &str) -> Result<Order, UnknownOrder> {

@@ -3,6 +3,7 @@
 use crate::cli::arguments::{
     self, PartsArgs, PictureFile, PosesArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, help, svg,
 };
+use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, short, tolerance_text, totals_row};
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, reach_text, table, tool_poses_text};
@@ -10,8 +11,8 @@ use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::Statistic;
-use abbe::results::{BoundedContribution, BudgetResult, DeviationBudget, PercentileInterval, Tightening};
-use abbe::text::{Reason, angle, length, significant};
+use abbe::results::{BoundedContribution, BudgetResult, Tightening};
+use abbe::text::{Reason, significant};
 use abbe::{BudgetOptions, MachineFile, budget, budget_part};
 use serde_json::json;
 use std::path::PathBuf;
@@ -122,10 +123,6 @@ struct BudgetText<'a> {
     args: &'a Args,
     file: &'a MachineFile,
     result: &'a BudgetResult,
-}
-
-fn short(value: f64) -> String {
-    significant(value, 4)
 }
 
 impl BudgetText<'_> {
@@ -253,30 +250,6 @@ impl BudgetText<'_> {
     }
 }
 
-/// Heads of a table of totals.
-pub(crate) const TOTALS: [&str; 9] =
-    ["", "worst case", "RSS", "mean of both", "Monte Carlo: mean", "median", "90 %", "95 %", "99 %"];
-
-/// Note below the totals.
-pub(crate) const TOTALS_NOTE: &str =
-    "In brackets: 95 % confidence by the number of machines drawn; - where they are too few.";
-
-/// A row of it.
-pub(crate) fn totals_row(name: &str, t: &DeviationBudget) -> Vec<String> {
-    let interval = |p: &PercentileInterval| {
-        let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
-        format!("{} ({}..{})", short(p.value), end(p.low), end(p.high))
-    };
-    let head = [name.to_owned(), short(t.worst_case), short(t.rss), short(t.mean_of_both), short(t.monte_carlo.mean)];
-    head.into_iter().chain(t.monte_carlo.percentiles.values().map(interval)).collect()
-}
-
 fn bound_text(of: &Tightening) -> String {
     tolerance_text(of.tolerance, of.unit)
-}
-
-/// A tolerance in um or urad as `± 20 um`.
-pub(crate) fn tolerance_text(tolerance: f64, unit: &str) -> String {
-    let value = if unit == "um" { length(tolerance * 1e-3) } else { angle(tolerance * 1e-6) };
-    format!("± {value}")
 }

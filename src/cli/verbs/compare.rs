@@ -1,8 +1,8 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
-use crate::cli::arguments::{MaxSamplesArg, PosesArg, SamplesArg, SeedArg, ToolPosesArg, TopArg};
+use crate::cli::arguments::{MaxSamplesArg, PosesArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{STATISTICS, ViewArgs, cell, numbers, reach_text, statistics_rows, table};
+use crate::cli::output::view::{STATISTICS, cell, numbers, reach_text, statistics_rows, table};
 use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
 use crate::cli::{Format, Outcome};

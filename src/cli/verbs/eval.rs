@@ -1,8 +1,8 @@
 //! `abbe eval`: deviation and E_VE at poses.
 
-use crate::cli::arguments::{AlgebraArg, FrameOption, help};
+use crate::cli::arguments::{AlgebraArg, FrameOption, ViewArgs, help};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{ViewArgs, frame_text, length, numbers, table};
+use crate::cli::output::view::{frame_text, length, numbers, table};
 use crate::cli::{Format, Outcome};
 use abbe::options::Approach;
 use abbe::results::{AxisPositions, ErrorEffect, EvalResult, Neglected, PoseResult};

@@ -1,9 +1,8 @@
 //! `abbe man`, hidden: the manual pages, for packages.
 
+use crate::cli::Outcome;
 use crate::cli::output::session::Session;
 use crate::cli::store::write::{make_folder, replace_whole};
-use crate::cli::{Cli, Outcome};
-use clap::CommandFactory;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -12,9 +11,9 @@ pub(crate) struct Args {
     folder: PathBuf,
 }
 
-pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
+pub(crate) fn run(session: &mut Session, args: &Args, program: clap::Command) -> Outcome {
     make_folder(&args.folder).or_else(|refusal| session.refuse(refusal))?;
-    let mut program = Cli::command().disable_help_subcommand(true);
+    let mut program = program.disable_help_subcommand(true);
     program.build();
     for command in [&program].into_iter().chain(program.get_subcommands().filter(|verb| !verb.is_hide_set())) {
         let (name, text) = page(command);

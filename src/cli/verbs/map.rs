@@ -1,11 +1,11 @@
 //! `abbe map`: the error over a volume.
 
-use crate::cli::arguments::{FrameOption, SamplesArg, SeedArg, ToolPosesArg, help};
+use crate::cli::arguments::{FrameOption, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, help};
 use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
-    STATISTICS, ViewArgs, axes_text, frame_text, reach_text, statistics_rows, table, tool_poses_text,
+    STATISTICS, axes_text, frame_text, reach_text, statistics_rows, table, tool_poses_text,
 };
 use crate::cli::output::{bands, bounded};
 use crate::cli::store::write::refuse_outputs;

@@ -114,12 +114,53 @@ const EMBEDDED: [(&str, &str); 72] = [
     ("grid-json/target.yaml", include_str!("../../../templates/grid-json/target.yaml")),
 ];
 
+/// Bounds the time that templates take.
+pub trait TemplateLimit: Send + Sync {
+    /// Templates begin to run.
+    fn begin(&self);
+    /// They have ended.
+    fn end(&self);
+}
+
+/// What bounds the time of templates; nothing by default. Two of them count as equal: no result depends on them.
+#[derive(Clone, Default)]
+pub struct TemplateWatch(Option<Arc<dyn TemplateLimit>>);
+
+impl TemplateWatch {
+    /// Bounds templates by a limit.
+    pub fn new(limit: impl TemplateLimit + 'static) -> Self {
+        Self(Some(Arc::new(limit)))
+    }
+
+    /// Runs templates within the limit.
+    pub(crate) fn during<T>(&self, job: impl FnOnce() -> T) -> T {
+        self.0.iter().for_each(|limit| limit.begin());
+        let value = job();
+        self.0.iter().for_each(|limit| limit.end());
+        value
+    }
+}
+
+impl PartialEq for TemplateWatch {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl std::fmt::Debug for TemplateWatch {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("TemplateWatch")
+    }
+}
+
 /// A target: its manifest and the text of its templates, in the order of the manifest's files.
 #[derive(Debug, Clone)]
 pub struct ControllerTarget {
     /// Its manifest.
     pub manifest: Manifest,
     pub(crate) templates: Vec<Arc<str>>,
+    /// Hears when they run.
+    pub(crate) watch: TemplateWatch,
 }
 
 impl ControllerTarget {
@@ -157,7 +198,7 @@ impl ControllerTarget {
         let manifest: Manifest = serde_yaml::from_str(text("target.yaml")?).ok()?;
         let template = |file: &str| text(file).map(Arc::from);
         let templates = manifest.files.iter().map(|file| template(&file.template)).collect::<Option<Vec<_>>>()?;
-        Some(Self { manifest, templates })
+        Some(Self { manifest, templates, watch: TemplateWatch::default() })
     }
 
     fn from_folder(folder: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Self> {
@@ -175,7 +216,7 @@ impl ControllerTarget {
             }
         };
         let templates = manifest.files.iter().map(|file| text(&file.template)).collect::<Option<Vec<_>>>()?;
-        Some(Self { manifest, templates })
+        Some(Self { manifest, templates, watch: TemplateWatch::default() })
     }
 }
 

@@ -13,6 +13,7 @@ use crate::lower::{
     ErrorLift, ErrorSite, ErrorValues, Exact, NominalPose, OrderN, Source, point, position_jacobian, values,
 };
 use crate::machine::{Approach, LocationOrder, Machine};
+use crate::run::Advance;
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
@@ -40,7 +41,7 @@ pub struct FitModel<'a> {
     /// True if location errors count in the real part.
     real_locations: bool,
     /// Receives the number of measurements evaluated.
-    progress: &'a (dyn Fn(usize) + Sync),
+    progress: Advance<'a>,
 }
 
 /// Effect of a parameter on a source: factor times function. Indices are those of the model's lists.
@@ -112,7 +113,7 @@ impl<'a> FitModel<'a> {
         let slopes = DMatrix::zeros(0, parameters.len());
         let real_locations = machine.conventions().location_order == LocationOrder::Real;
         let (order, known) = (Order::Exact, Vec::new());
-        let progress = &|_| ();
+        let progress = &|_| Ok(());
         Self { machines, parameters, own, sources, functions, links, order, slopes, known, real_locations, progress }
     }
 
@@ -137,9 +138,14 @@ impl<'a> FitModel<'a> {
     }
 
     /// Returns the same, which reports how many measurements were evaluated.
-    pub fn with_progress(mut self, progress: &'a (dyn Fn(usize) + Sync)) -> Self {
+    pub fn with_progress(mut self, progress: Advance<'a>) -> Self {
         self.progress = progress;
         self
+    }
+
+    /// True if the job is cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        (self.progress)(0).is_err()
     }
 
     /// Returns the same with unknowns of which values are known before the data.
@@ -285,7 +291,8 @@ impl<'a> FitModel<'a> {
             for (measurement, weight) in data.iter().zip(weights) {
                 self.fill(measurement, libm::sqrt(*weight), theta, sum.extend(measurement.readings()));
             }
-            (self.progress)(data.len());
+            // Whoever repeats this looks whether the job is cancelled.
+            let _ = (self.progress)(data.len());
             sum
         };
         let mut whole = Triangle::new(self.parameters.len());

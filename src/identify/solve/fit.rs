@@ -6,8 +6,7 @@
 
 use crate::algebra::linear::{ReducedSystem, Svd};
 use crate::identify::data::{Measurement, ReadingKind};
-use crate::identify::model::FitModel;
-use crate::identify::model::Prior;
+use crate::identify::model::{FitModel, Prior};
 use crate::identify::thresholds::*;
 use nalgebra::{DMatrix, DVector};
 
@@ -116,8 +115,16 @@ impl<'a> FitSearch<'a> {
     fn descend(&self, weights: Vec<f64>, theta: Vec<f64>, reduced: ReducedSystem) -> ParameterFit {
         let linear = |theta: &[f64]| self.model.triangle(self.data, &weights, theta);
         let prior = &self.prior;
-        let mut descent =
-            Descent { linear: &linear, prior, theta, reduced, damping: FIRST_DAMPING, steps: 0, last_reduction: None };
+        let mut descent = Descent {
+            linear: &linear,
+            cancelled: &|| self.model.is_cancelled(),
+            prior,
+            theta,
+            reduced,
+            damping: FIRST_DAMPING,
+            steps: 0,
+            last_reduction: None,
+        };
         let converged = descent.run();
         let Descent { theta, reduced, steps, .. } = descent;
         let initial_rms = prior.initial_rms;
@@ -129,6 +136,8 @@ impl<'a> FitSearch<'a> {
 struct Descent<'a> {
     /// Returns the linear problem at given values.
     linear: &'a dyn Fn(&[f64]) -> ReducedSystem,
+    /// True if nobody wants the fit any more.
+    cancelled: &'a dyn Fn() -> bool,
     prior: &'a Prior,
     theta: Vec<f64>,
     reduced: ReducedSystem,
@@ -141,7 +150,7 @@ struct Descent<'a> {
 impl Descent<'_> {
     /// Iterates until no step reduces the cost. Returns false if it ran out of steps, or if damping found no step.
     fn run(&mut self) -> bool {
-        while self.steps < MAX_FIT_STEPS && self.damping <= MAX_DAMPING {
+        while self.steps < MAX_FIT_STEPS && self.damping <= MAX_DAMPING && !(self.cancelled)() {
             // The prior is weighed against this scatter.
             let variance = self.scatter();
             let problem = StepProblem::new(self.prior, &self.reduced, &self.theta, variance);

@@ -242,7 +242,7 @@ impl VolumeForms {
         }
         let weights = vec![1.0; poses.len()];
         // These poses are not readings: they do not count as progress.
-        let model = &model.clone().with_progress(&|_| ());
+        let model = &model.clone().with_progress(&|_| Ok(()));
         let effects = model.triangle(&poses, &weights, &fit.theta).r;
         let Sums { forms, cross, .. } = Sums::of(model, &poses, &ParameterFit { weights, ..fit.clone() }, axes);
         Self::project(&effects, root, forms, &cross)

@@ -17,7 +17,7 @@ use crate::identify::{
 use crate::job::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
 use crate::job::poses;
 use crate::machine::Machine;
-use crate::run::{Call, Refused, sha256};
+use crate::run::{Advance, Call, Refused, sha256};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
 use crate::units::counted;
 use std::cell::RefCell;
@@ -30,7 +30,7 @@ pub(crate) type Draw<'a> = &'a dyn Fn(&FitModel<'_>, &[Measurement], &[f64]) -> 
 /// The results of a fit that are asked for beside its values, and its progress.
 pub(crate) struct FitOutputs<'a> {
     /// Hears of measurements that were evaluated.
-    pub progress: &'a (dyn Fn(usize) + Sync),
+    pub progress: Advance<'a>,
     /// Writes the fitted machine file.
     pub machine_file: bool,
     pub draw: Option<Draw<'a>>,

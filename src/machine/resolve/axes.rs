@@ -1,7 +1,7 @@
 //! Axes: kind, direction, origin, travel, and what holds of them on one side of the bed.
 
 use super::context::{Context, dotted_path};
-use super::positions::{PositionDraft, position};
+use super::positions::{PositionDraft, block_key, position};
 use crate::diagnostic::{codes, did_you_mean, shown};
 use crate::machine::{AxisKind, AxisName, Branch, ControllerAxis, Sense, Travel};
 use crate::syntax::{AxisEntry, ControllerEntry, Keys, Scalar, SideEntry, TravelEntry, below, keys};
@@ -73,11 +73,6 @@ impl AxisDraft {
             _ => below(&axis, "travel"),
         }
     }
-}
-
-/// Returns the key of the block of a side.
-pub fn block_key(branch: Branch) -> &'static str {
-    if branch == Branch::Tool { "on_tool" } else { "on_workpiece" }
 }
 
 /// Returns the block of a side as written.

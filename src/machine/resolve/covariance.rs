@@ -1,11 +1,11 @@
 //! The joint covariance of errors: independent parts, each written like the errors themselves.
 
 use super::context::{Context, dotted_path};
-use super::errors::{Errors, find_error, once, term};
+use super::errors::{once, term};
+use super::found_errors::Errors;
+use super::joint_names::{JointNames, find_error};
 use super::parts::setup_at;
-use super::uses::JointNames;
-use crate::diagnostic::codes;
-use crate::diagnostic::{did_you_mean, shown};
+use crate::diagnostic::{codes, did_you_mean, shown};
 use crate::machine::{Direction, JointUncertainty, ResidualForm};
 use crate::syntax::{CovarianceEntry, FormEntry, Keys, Scalar, below, keys};
 

@@ -2,7 +2,7 @@
 //! error says: data that carries both is counted twice.
 
 use super::context::Context;
-use super::errors::Errors;
+use super::found_errors::Errors;
 use crate::algebra::rotation_about;
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{

@@ -2,16 +2,15 @@
 
 use super::context::{Context, dotted_path};
 use super::curves::{CurveOf, component, from_table, one_way};
-use super::names::{Spelling, readings};
-use super::tolerances::{NEGATIVE, Named, letter, meaning};
-use super::uses::JointNames;
-use crate::diagnostic::{Diagnostic, Place, codes, did_you_mean, shown};
-use crate::machine::{
-    AxisKind, AxisName, Branch, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, KinematicChain,
-};
-use crate::syntax::{ColumnDirection, CurveEntry, Keys, Scalar, TermEntry, below, keys};
+use super::found_errors::{Errors, bounded};
+use super::joint_names::{JointNames, find_error};
+use super::names::Spelling;
+use super::tolerances::{Named, letter, meaning};
+use crate::diagnostic::{Diagnostic, Place, codes};
+use crate::machine::{AxisKind, AxisName, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm};
+use crate::syntax::{ColumnDirection, CurveEntry, Keys, TermEntry, below, keys};
 use crate::units::{self, Dimension};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Errors above these are mistakes of unit (mm, rad).
 const MAX_TRANSLATION: f64 = 10.0;
@@ -19,17 +18,6 @@ const MAX_ROTATION: f64 = 0.1;
 /// The same, whatever the file says.
 const LARGEST_TRANSLATION: f64 = 500.0;
 const LARGEST_ROTATION: f64 = 0.5;
-
-/// The errors by joint, and where each one stands.
-#[derive(Default)]
-pub struct Errors {
-    pub joints: BTreeMap<AxisName, JointErrors>,
-    pub places: BTreeMap<ErrorId, Option<Place>>,
-    /// Expanded uncertainties (mm, rad).
-    pub uncertainty: BTreeMap<ErrorId, f64>,
-    /// All errors of axes on the side where the axis does not stand, if they may differ there.
-    pub other_side: BTreeMap<AxisName, (Branch, JointErrors)>,
-}
 
 /// The errors to read.
 pub struct ErrorScope<'a> {
@@ -42,19 +30,6 @@ pub struct ErrorScope<'a> {
 impl ErrorScope<'_> {
     fn skips(&self, error: &ErrorId) -> bool {
         self.replaced.contains(error) || self.axes.is_some_and(|axes| !axes.contains(&error.axis))
-    }
-}
-
-impl Errors {
-    pub fn put(&mut self, error: &ErrorId, term: Option<ErrorTerm>) {
-        let joint = self.joints.entry(error.axis.clone()).or_default();
-        joint.six_mut(error.family)[error.direction.index()] = term;
-    }
-
-    /// By joint in the order of the walk, then the spindle's; those of other axes stay behind.
-    pub fn in_order(&mut self, chain: &KinematicChain) -> Vec<JointErrors> {
-        let names = chain.walk().into_iter().map(|(name, _)| name).chain(chain.spindle());
-        names.map(|name| self.joints.remove(name).unwrap_or_default()).collect()
     }
 }
 
@@ -106,42 +81,6 @@ pub fn put_term(
     if let Some(value) = uncertainty(context, &spelling.error, entry, at) {
         let _ = errors.uncertainty.insert(spelling.error.clone(), value);
     }
-}
-
-/// Returns the error that a name means, if its axis (or spindle) is there.
-pub fn find_error(
-    context: &mut Context<'_>,
-    name: &str,
-    known: &JointNames<'_>,
-    place: Option<Place>,
-) -> Option<Spelling> {
-    let readings = readings(name);
-    let there = |axis: &AxisName| known.axis(axis).is_some() || known.spindle == Some(axis);
-    if let Some(reading) = readings.iter().find(|r| there(&r.error.axis)) {
-        return Some(reading.clone());
-    }
-    let spindle = known.spindle.map(AxisName::as_str);
-    let axes: Vec<&str> = known.declared.iter().map(|d| d.name.as_str()).chain(spindle).collect();
-    let refusal = match readings.first() {
-        Some(reading) => {
-            let axis = &reading.error.axis;
-            if known.spindle != Some(axis) && context.document.places.is_lost(&keys(["axes"])) {
-                return None;
-            }
-            let help = format!("declare the axis, or correct the name; {}", did_you_mean(axis.as_str(), &axes));
-            Diagnostic::new(
-                codes::E0406,
-                format!("`{}` is an error of axis `{axis}`, which is not declared", shown(name)),
-            )
-            .help(help)
-        }
-        None => {
-            let help = "E, direction (X Y Z A B C), axis: `EXX`; location errors with a zero: `EC0Y`";
-            Diagnostic::new(codes::E0405, format!("`{}` is not the name of an error", shown(name))).help(help)
-        }
-    };
-    context.diagnostics.push(refusal.at(place, ""));
-    None
 }
 
 /// True if the error has not been given elsewhere.
@@ -249,16 +188,6 @@ pub fn term(
     };
     let component = component?;
     plausible_curve(context, &of, &component, at).then_some(ErrorTerm::Component(component))
-}
-
-/// Returns the bound of an error, from zero up.
-pub fn bounded(context: &mut Context<'_>, scalar: &Scalar, direction: Direction, here: &Keys) -> Option<f64> {
-    let value = context.error_value(scalar, direction, here)?;
-    if value < 0.0 {
-        context.at_value(codes::E0411, here, "a negative tolerance", NEGATIVE);
-        return None;
-    }
-    context.plausible(value, direction, here).then_some(value)
 }
 
 fn constant(

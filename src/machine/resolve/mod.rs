@@ -3,12 +3,15 @@
 
 mod axes;
 mod chain;
+mod circles;
 mod context;
 mod conventions;
 mod covariance;
 mod curves;
 mod doubles;
 mod errors;
+mod found_errors;
+mod joint_names;
 mod names;
 mod parts;
 mod positions;
@@ -28,8 +31,8 @@ use crate::diagnostic::{Diagnostics, codes};
 use crate::syntax::{Document, Files, keys};
 use axes::AxisDraft;
 use context::Context;
-use errors::Errors;
-use uses::JointNames;
+use found_errors::Errors;
+use joint_names::JointNames;
 
 /// Resolves a document; tables are read through `files`. `None` if anything at all was refused,
 /// by this stage or before.
@@ -57,7 +60,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
     let tools = parts::tools(context);
     let workpiece = parts::workpiece(context);
     let workpiece_rotation = parts::workpiece_rotation(context);
-    positions::circles(context, &declared, workpiece.as_ref());
+    circles::circles(context, &declared, workpiece.as_ref());
     let setup = parts::setup(context);
     let provenance = parts::provenance(context);
     let known = JointNames { declared: &declared, spindle: chain.as_ref().and_then(|c| c.spindle()) };

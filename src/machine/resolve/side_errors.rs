@@ -1,10 +1,12 @@
 //! Errors that hold on one side of the bed: `on_tool: { errors }`, `on_workpiece: { errors }`. They replace those of
 //! the same name under `errors`; curves cover the travel of their side.
 
-use super::axes::{AxisDraft, block_entry, block_key};
+use super::axes::{AxisDraft, block_entry};
 use super::context::{Context, dotted_path};
-use super::errors::{ErrorScope, Errors, find_error, once, plain, put_term};
-use super::uses::JointNames;
+use super::errors::{ErrorScope, once, plain, put_term};
+use super::found_errors::Errors;
+use super::joint_names::{JointNames, find_error};
+use super::positions::block_key;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{AxisName, Branch, ErrorId, JointErrors, Sides};
 use crate::syntax::{below, keys};

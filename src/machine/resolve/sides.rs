@@ -3,7 +3,7 @@
 use super::axes::AxisDraft;
 use super::chain::side_in;
 use super::context::Context;
-use super::errors::Errors;
+use super::found_errors::Errors;
 use super::positions::{NamedPoint, PositionDraft, line_to_write};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::{

@@ -1,8 +1,8 @@
 //! The sections `tolerances` and `class`: bounds of errors, of axes, of squareness, and of everything else.
 
 use super::context::{Context, dotted_path};
-use super::errors::{Errors, bounded};
-use super::uses::JointNames;
+use super::found_errors::{Errors, NEGATIVE, bounded};
+use super::joint_names::JointNames;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{
     AxisKind, AxisName, CLASS_NAMES, ClassNumbers, Direction, ErrorFamily, ErrorId, ErrorKind, ErrorTerm, FRAME_KEYS,
@@ -14,9 +14,6 @@ use crate::syntax::{BoundEntry, FrameEntry, Keys, Scalar, below, keys};
 /// The bound is half of their sum. docs/guide-data-sheets.md derives it.
 const WORDS: [(&str, &[&str]); 6] =
     [("A", &[]), ("E", &["R"]), ("M", &["B", "R"]), ("P", &[]), ("Pa", &["U", "Ps"]), ("width", &[])];
-
-/// The remedy of a negative bound.
-pub const NEGATIVE: &str = "a tolerance is a bound: `20 urad` means ±20 urad";
 
 /// The meaning of a name under `tolerances`.
 pub enum Named {

@@ -1,43 +1,18 @@
 //! The sections `algebra` and `identify`: the error names and words in them are checked. `identify`
 //! stays in the document for a later stage.
 
-use super::axes::AxisDraft;
 use super::context::{Context, dotted_path};
-use super::errors::find_error;
+use super::joint_names::{JointNames, find_error};
 use super::names::Spelling;
 use crate::diagnostic::{codes, shown};
 use crate::machine::algebra::{AlgebraChoice, named_monomial};
-use crate::machine::{AxisName, Direction, parse_error_name};
+use crate::machine::{Direction, parse_error_name};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, Scalar, below, keys};
 
 /// Groups that may be fitted.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 /// Families of basis functions, each with its order behind it.
 const BASES: [&str; 5] = ["poly", "fourier", "spline", "bspline", "blocks"];
-
-/// The axes and the spindle whose errors may be named.
-pub struct JointNames<'a> {
-    pub declared: &'a [AxisDraft],
-    pub spindle: Option<&'a AxisName>,
-}
-
-impl<'a> JointNames<'a> {
-    /// Returns the axis of this name, if it is declared.
-    pub fn axis(&self, name: &AxisName) -> Option<&AxisDraft> {
-        self.declared.iter().find(|d| d.name == *name)
-    }
-
-    /// Returns every axis and the spindle.
-    fn names(&self) -> Vec<&'a str> {
-        self.declared.iter().map(|d| &d.name).chain(self.spindle).map(AxisName::as_str).collect()
-    }
-
-    /// Reports a name that is none.
-    fn error(&self, context: &mut Context<'_>, name: &str, at: &Keys) {
-        let place = context.document.places.value(at);
-        let _ = find_error(context, name, self, place);
-    }
-}
 
 /// Returns the section `algebra`.
 pub fn algebra(context: &mut Context<'_>, known: &JointNames<'_>) -> Option<AlgebraChoice> {

@@ -1,11 +1,11 @@
 //! Two or more machines on the same tool poses.
 
 use super::given::MachineInput;
-use crate::analysis::{Comparison, ErrorContribution, MachineResult, Work};
-use crate::analysis::{compare, contributions};
+use crate::analysis::{Comparison, ErrorContribution, MachineResult, Work, compare, contributions};
 use crate::evaluate::{Bare, Field, Frame, Poses, Statistics};
 use crate::machine::{Machine, Pose};
 use crate::report::text::BoundedFigures;
+use crate::run::unheard;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -45,7 +45,7 @@ impl ComparisonData {
         let first = given.first().filter(|_| given.len() > 1)?;
         let bare: Vec<Bare<'_>> = given.iter().map(|g| Bare { machine: g.machine, order: g.order }).collect();
         let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-        let comparison = compare(&fields, &Work::OfPoses(first.sample()), first.conditions, &|_| {});
+        let Ok(comparison) = compare(&fields, &Work::OfPoses(first.sample()), first.conditions, &unheard);
         let poses = |c: &MachineResult| c.reached.iter().map(|(pose, _)| pose.clone()).collect();
         let sides = given.iter().zip(&comparison.machines).map(|(g, c)| (g.machine, poses(c))).collect();
         Some((comparison, sides))

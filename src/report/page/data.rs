@@ -5,8 +5,7 @@ use super::comparison::ComparisonData;
 use super::field::FieldData;
 use super::given::{MachineInput, TargetResult};
 use crate::analysis::budget::BoundedDeviation;
-use crate::analysis::error_statistics;
-use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, levers, rest};
+use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, error_statistics, levers, rest};
 use crate::controller::CompensationDegree;
 use crate::evaluate::{Bare, Frame, Order, Statistics, Summary, worst};
 use crate::machine::{

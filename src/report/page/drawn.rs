@@ -8,6 +8,7 @@ use crate::evaluate::{Bare, Field, Frame, Poses};
 use crate::machine::{Machine, Pose};
 use crate::report::pictures::{PlanePicture, PlaneQuantity, PlaneStyle, axis_curves, chain_picture};
 use crate::report::text::BudgetFigures;
+use std::convert::Infallible;
 
 /// Intervals along the longer side of a plane.
 const PLANE_NODES: f64 = 48.0;
@@ -88,9 +89,9 @@ fn bound_plane(given: &MachineInput<'_>, bounded: &BudgetFigures, axes: [usize; 
     let machine = given.machine;
     let p95 = |poses: Vec<Pose>| {
         let found = given.at(bounded, &Poses::Listed(poses), Frame::Workpiece);
-        found.poses.iter().map(|pose| pose.position.p95).collect()
+        Ok::<_, Infallible>(found.poses.iter().map(|pose| pose.position.p95).collect())
     };
-    let plane = Plane::of_lengths(machine, axes, &rest(machine), counts(machine, axes, BOUNDED_NODES), p95);
+    let Ok(plane) = Plane::of_lengths(machine, axes, &rest(machine), counts(machine, axes, BOUNDED_NODES), p95);
     let picture = PlanePicture {
         machine,
         plane: &plane,

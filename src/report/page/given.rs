@@ -6,6 +6,7 @@ use crate::controller::{Certificate, ControllerEffect, ControllerTarget};
 use crate::evaluate::{Frame, Order, Poses, Random};
 use crate::machine::{Machine, OperatingConditions, Pose};
 use crate::report::text::{BoundedFigures, BudgetFigures};
+use crate::run::unheard;
 use serde_json::Value;
 
 /// One machine that was given, and how it is looked at.
@@ -60,7 +61,9 @@ impl<'a> MachineInput<'a> {
     pub fn at(&self, bounded: &BudgetFigures, poses: &Poses, frame: Frame) -> PoseByPose {
         let draws = Draws::new(bounded.drawing.seed, bounded.drawing.distribution);
         let (machine, bounds, samples) = (self.machine, bounded.bounds.as_slice(), bounded.drawing.samples);
-        pose_by_pose(PosesRequest { machine, bounds, poses, frame, draws: &draws, samples }, &|_| {})
+        let request = PosesRequest { machine, bounds, poses, frame, draws: &draws, samples };
+        let Ok(found) = pose_by_pose(request, &unheard);
+        found
     }
 
     /// The figures of what bounds lead to.

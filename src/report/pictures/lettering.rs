@@ -1,6 +1,6 @@
 //! Text and numbers in pictures: fonts, colours, anchors.
 
-use super::svg::Point;
+use super::point::Point;
 
 /// Anchor of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

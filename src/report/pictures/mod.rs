@@ -18,6 +18,7 @@ mod lettering;
 mod outlines;
 mod plane;
 mod png;
+mod point;
 mod polar;
 mod reach;
 mod readings;

@@ -4,21 +4,7 @@
 use super::lettering::Text;
 pub use super::lettering::{FAINT, FIRST, Font, INK, LINE, SECOND, THIRD, TextAnchor, number};
 use super::png::{self, PictureFailure};
-
-/// A point, an offset or a size in a picture, px: x to the right, y downwards.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
-    /// To the right.
-    pub x: f64,
-    /// Downwards.
-    pub y: f64,
-}
-
-impl From<(f64, f64)> for Point {
-    fn from((x, y): (f64, f64)) -> Self {
-        Self { x, y }
-    }
-}
+pub use super::point::Point;
 
 /// A picture in the making; coordinates in px, y downwards.
 #[derive(Debug, Clone)]

@@ -6,7 +6,8 @@
 // Exported names are the only unsafe attribute; no pointer is followed here.
 #![allow(unsafe_code, reason = "names of the exports")]
 
-use abbe::{MemoryFiles, Run, workbench_of_parts, workbench_part};
+use abbe::verbs::{workbench_of_parts, workbench_part};
+use abbe::{MemoryFiles, Run};
 use std::cell::RefCell;
 
 /// What the page and the engine hand each other.

@@ -22,6 +22,7 @@ use super::quantile::{Percentile, rank};
 use crate::evaluate::error_by_error;
 use crate::lower::Quantity;
 use crate::machine::{Approach, ErrorId, Machine, Pose};
+use crate::run::unheard;
 use rayon::prelude::*;
 
 /// Maximum number of steps for one goal.
@@ -204,8 +205,8 @@ impl<'a> GoalSearch<'a> {
             .zip(tolerances)
             .map(|(bound, tolerance)| Bound { tolerance: *tolerance, ..bound.clone() })
             .collect();
-        let mut drawn: Vec<DrawnMachine> =
-            monte_carlo::draw(&self.poses, &self.joints, &bounds, draws, statistic, 0..samples, &|_| ());
+        let Ok(mut drawn) =
+            monte_carlo::draw(&self.poses, &self.joints, &bounds, draws, statistic, 0..samples, &unheard);
         drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
         let worst = &drawn[drawn.len() - drawn.len().div_ceil(WORST)..];
         let mean = |of: &dyn Fn(&DrawnMachine) -> f64| worst.iter().map(of).sum::<f64>() / worst.len() as f64;

@@ -4,6 +4,7 @@ use super::bounds::Bound;
 use super::draw::Draws;
 use super::kernel::{BudgetPose, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, squares};
 use super::quantile::rank;
+use crate::run::Advance;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -55,21 +56,21 @@ pub struct DrawnMachine {
 
 /// Returns the drawn machines with these indices; the same to the bit on any number of threads, and for any range that
 /// they lie in.
-pub fn draw(
+pub fn draw<F: Send>(
     poses: &[BudgetPose],
     joints: &[JointBounds],
     bounds: &[Bound],
     draws: &Draws,
     statistic: Statistic,
     samples: Range<usize>,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Vec<DrawnMachine> {
+    progress: Advance<'_, F>,
+) -> Result<Vec<DrawnMachine>, F> {
     let chunk = |index: usize| {
         let first = samples.start + index * SAMPLE_LANES;
         let chunk = SampleChunk::new(joints, bounds, draws, first);
         let lengths: Vec<SampleLanes> = poses.iter().map(|pose| squares(&pose.deviations(&chunk))).collect();
         let count = SAMPLE_LANES.min(samples.end - first);
-        progress(count);
+        progress(count)?;
         let sample = |lane: usize| {
             let column: Vec<f64> = lengths.iter().map(|lanes| lanes[lane]).collect();
             let (pose, square) = statistic.pose_with_value(&column);
@@ -77,9 +78,11 @@ pub fn draw(
             let vectors = poses[pose].parts(&chunk, joints, lane, bounds.len());
             DrawnMachine { value, parts: parts(&vectors, poses[pose].constant_deviation()) }
         };
-        (0..count).map(sample).collect::<Vec<_>>()
+        Ok((0..count).map(sample).collect::<Vec<_>>())
     };
-    (0..samples.len().div_ceil(SAMPLE_LANES)).into_par_iter().flat_map_iter(chunk).collect()
+    let chunks: Vec<Vec<DrawnMachine>> =
+        (0..samples.len().div_ceil(SAMPLE_LANES)).into_par_iter().map(chunk).collect::<Result<_, F>>()?;
+    Ok(chunks.into_iter().flatten().collect())
 }
 
 /// Returns the components of vectors along their sum, in which a fixed vector is too.

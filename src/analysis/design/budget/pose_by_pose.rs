@@ -10,6 +10,7 @@ use super::quantile::rank;
 use crate::evaluate::{Frame, Poses, frame_rotation};
 use crate::lower::Quantity;
 use crate::machine::{Machine, Pose};
+use crate::run::Advance;
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
@@ -77,7 +78,7 @@ const MAX_BLOCK: usize = 1 << 13;
 
 /// Returns the effect of bounds at poses; the same to the bit on any number of threads. Calls `progress` with the
 /// number of steps done since its last call.
-pub fn pose_by_pose(request: PosesRequest<'_>, progress: &(dyn Fn(usize) + Sync)) -> PoseByPose {
+pub fn pose_by_pose<F: Send>(request: PosesRequest<'_>, progress: Advance<'_, F>) -> Result<PoseByPose, F> {
     let joints = by_joint(request.machine, request.bounds);
     let chunks = request.samples.div_ceil(SAMPLE_LANES);
     let block = (HELD / (chunks * SAMPLE_LANES)).clamp(1, MAX_BLOCK);
@@ -90,10 +91,11 @@ pub fn pose_by_pose(request: PosesRequest<'_>, progress: &(dyn Fn(usize) + Sync)
         let chunk = |(chunk, extremes): (usize, &mut SampleExtremes)| {
             let drawn = SampleChunk::new(&joints, request.bounds, request.draws, chunk * SAMPLE_LANES);
             let lengths = places.iter().map(|place| place.squares(&drawn, extremes)).collect();
-            progress(count);
-            lengths
+            progress(count)?;
+            Ok(lengths)
         };
-        let squares: Vec<Vec<[SampleLanes; 2]>> = extremes.par_iter_mut().enumerate().map(chunk).collect();
+        let squares: Vec<Vec<[SampleLanes; 2]>> =
+            extremes.par_iter_mut().enumerate().map(chunk).collect::<Result<_, F>>()?;
         let one = |i: usize| places[i].deviation(&squares, i, request.samples);
         poses.par_extend((0..count).into_par_iter().map(one));
     }
@@ -103,7 +105,7 @@ pub fn pose_by_pose(request: PosesRequest<'_>, progress: &(dyn Fn(usize) + Sync)
         quantile(&mut ranges.collect::<Vec<_>>())
     };
     let ranges = [0, 1].map(|q| std::array::from_fn(|k| range(q, k)));
-    PoseByPose { poses, largest, ranges }
+    Ok(PoseByPose { poses, largest, ranges })
 }
 
 /// Values of all samples in their order, from the lanes of each chunk.

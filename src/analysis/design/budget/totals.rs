@@ -10,6 +10,7 @@ use super::worst::longest;
 use crate::evaluate::{Poses, Random};
 use crate::lower::Quantity;
 use crate::machine::{Machine, Pose};
+use crate::run::{Advance, Cancelled};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -134,16 +135,20 @@ pub struct DrawnSamples {
 
 /// Returns the drawn machines with these indices, for [`budget_from_samples`]. Calls `progress` with the number of
 /// machines drawn since its last call: in all twice their number.
-pub fn draw_samples(request: Request<'_>, samples: Range<usize>, progress: &(dyn Fn(usize) + Sync)) -> DrawnSamples {
+pub fn draw_samples(
+    request: Request<'_>,
+    samples: Range<usize>,
+    progress: Advance<'_>,
+) -> Result<DrawnSamples, Cancelled> {
     let joints = by_joint(request.machine, request.bounds);
     let of =
         |quantity| samples_at(&request, &joints, &poses_of(&request, &joints, quantity), samples.clone(), progress);
-    DrawnSamples { position: of(Quantity::Position), rotation: of(Quantity::Rotation) }
+    Ok(DrawnSamples { position: of(Quantity::Position)?, rotation: of(Quantity::Rotation)? })
 }
 
 /// Returns the budget; the request has at least one bound, pose and sample. Calls `progress` with the number of
 /// machines drawn since its last call: in all twice the samples.
-pub fn budget(request: Request<'_>, progress: &(dyn Fn(usize) + Sync)) -> Budget {
+pub fn budget(request: Request<'_>, progress: Advance<'_>) -> Result<Budget, Cancelled> {
     budget_from_samples(request, None, progress)
 }
 
@@ -151,23 +156,23 @@ pub fn budget(request: Request<'_>, progress: &(dyn Fn(usize) + Sync)) -> Budget
 pub fn budget_from_samples(
     request: Request<'_>,
     drawn: Option<DrawnSamples>,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Budget {
+    progress: Advance<'_>,
+) -> Result<Budget, Cancelled> {
     let joints = by_joint(request.machine, request.bounds);
     let (of_position, of_rotation) = drawn.map(|drawn| (drawn.position, drawn.rotation)).unzip();
-    let (position, extremes, worst) = totals(&request, &joints, Quantity::Position, of_position, progress);
-    let (rotation, ..) = totals(&request, &joints, Quantity::Rotation, of_rotation, progress);
+    let (position, extremes, worst) = totals(&request, &joints, Quantity::Position, of_position, progress)?;
+    let (rotation, ..) = totals(&request, &joints, Quantity::Rotation, of_rotation, progress)?;
     let at = request.at.map(|pose| {
         let budget_pose = BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
         contributions(&lengths(&budget_pose.extremes(&joints, request.bounds)))
     });
-    Budget {
+    Ok(Budget {
         position,
         rotation,
         worst: contributions(&lengths(&worst)),
         average: contributions(&root_mean_square(&extremes)),
         at,
-    }
+    })
 }
 
 /// Deviations by every error at its bound, at every pose.
@@ -182,8 +187,8 @@ fn samples_at(
     joints: &[JointBounds],
     poses: &[BudgetPose],
     samples: Range<usize>,
-    progress: &(dyn Fn(usize) + Sync),
-) -> Vec<DrawnMachine> {
+    progress: Advance<'_>,
+) -> Result<Vec<DrawnMachine>, Cancelled> {
     monte_carlo::draw(poses, joints, request.bounds, request.draws, request.statistic, samples, progress)
 }
 
@@ -192,8 +197,8 @@ fn totals(
     joints: &[JointBounds],
     quantity: Quantity,
     drawn: Option<Vec<DrawnMachine>>,
-    progress: &(dyn Fn(usize) + Sync),
-) -> (Totals, Extremes, Vec<[f64; 3]>) {
+    progress: Advance<'_>,
+) -> Result<(Totals, Extremes, Vec<[f64; 3]>), Cancelled> {
     let Request { machine, bounds, poses, samples, searched, .. } = *request;
     let scale = if quantity == Quantity::Position { 1e3 } else { 1e6 };
     let budget_poses = poses_of(request, joints, quantity);
@@ -210,7 +215,10 @@ fn totals(
         (worst_pose, _, worst_case) = search(Objective { value: &longest, bound: &sum }, &worst_pose);
         (rss_pose, at_rss, largest_sum) = search(Objective { value: &rss, bound: &rss }, &rss_pose);
     }
-    let mut drawn = drawn.unwrap_or_else(|| samples_at(request, joints, &budget_poses, 0..samples, progress));
+    let mut drawn = match drawn {
+        Some(drawn) => drawn,
+        None => samples_at(request, joints, &budget_poses, 0..samples, progress)?,
+    };
     let in_order = drawn.iter().map(|sample| sample.value * scale).collect();
     // A stable order of equal values keeps the window the same on every run.
     drawn.sort_by(|a, b| a.value.total_cmp(&b.value));
@@ -225,7 +233,7 @@ fn totals(
         drawn: in_order,
         sorted,
     };
-    (totals, extremes, at_rss)
+    Ok((totals, extremes, at_rss))
 }
 
 /// Returns the root of the sum of squares.
