@@ -28,8 +28,9 @@ pub fn correct(machine: &Machine, at: &OperatingPoint<'_>, scope: Scope) -> Corr
     let mut correction = Correction::none(machine);
     let nominal = NominalPose::at(machine, at.axes).pose;
     let jacobian = Jacobian::at(machine, at.axes);
-    let deviation =
-        |correction: &Correction| command_deviation(machine, &nominal, &at.conditions.at(&correction.applied(at.axes)));
+    let deviation = |correction: &Correction| {
+        command_deviation(machine, &nominal, &at.conditions.at_pose(&correction.applied(at.axes)))
+    };
     let mut residual = deviation(&correction);
     for _ in 0..MAX_STEPS {
         let step = jacobian.correction(&residual, &correction, scope);

@@ -23,7 +23,7 @@ pub trait Field: Sync {
     /// method.
     fn deviations(&self, poses: &Batch<'_>, conditions: OperatingConditions, mut out: Output<'_>) {
         for i in 0..out.len() {
-            out.put(i, &self.deviation(&conditions.at(&poses.pose(i))));
+            out.put(i, &self.deviation(&conditions.at_pose(&poses.pose(i))));
         }
     }
 
