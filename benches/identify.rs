@@ -35,7 +35,7 @@ fn data(machine: &Machine, count: usize) -> Vec<Measurement> {
     };
     let place = abbe::diagnostic::Place { source: Diagnostics::default().sources.add("bench", ""), range: 0..0 };
     let one = |pose: Vec<f64>| {
-        let d = evaluate(machine, &Approach::Mean.at(&pose), Order::Exact, Frame::Workpiece).deviation.position;
+        let d = evaluate(machine, &Approach::Mean.at_pose(&pose), Order::Exact, Frame::Workpiece).deviation.position;
         let values = [Some(d.x + noise()), Some(d.y + noise()), Some(d.z + noise())];
         let reading = Reading::Deviation { values, frame: Frame::Workpiece, zero: [None; 3] };
         Measurement::new(pose, reading, place.clone())

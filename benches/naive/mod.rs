@@ -147,7 +147,7 @@ impl Chain {
 
 /// One pose over the general algebra.
 pub fn general(plan: &CompiledModel, pose: &[f64], out: &mut Columns, index: usize) {
-    let d = evaluate(plan.machine(), &plan.conditions().at(pose), plan.order(), Frame::Workpiece).deviation;
+    let d = evaluate(plan.machine(), &plan.conditions().at_pose(pose), plan.order(), Frame::Workpiece).deviation;
     for k in 0..3 {
         out.position[k][index] = d.position[k];
         out.rotation[k][index] = d.rotation[k];

@@ -80,7 +80,7 @@ fn model(file: &MachineFile, order: Order, approach: Approach, poses: &[Vec<f64>
     let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
     let Ok(found) = model.deviations(&columns) else { return };
     let general: Vec<Evaluation> =
-        poses.iter().map(|pose| evaluate(file, &approach.at(pose), order, Frame::Workpiece)).collect();
+        poses.iter().map(|pose| evaluate(file, &approach.at_pose(pose), order, Frame::Workpiece)).collect();
     let largest = |of: fn(&Evaluation) -> f64| general.iter().map(of).fold(0.0, f64::max);
     let mm = FRACTION * largest(|at| at.deviation.position.amax()) + ROUNDING * size(file, &general);
     let rad = FRACTION * largest(|at| at.deviation.rotation.amax()) + ROUNDING;

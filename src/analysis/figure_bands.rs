@@ -73,7 +73,7 @@ pub(crate) fn field_bands(
         return None;
     }
     let places: Vec<Pose> = band_places(poses.len(), besides).into_iter().map(|i| poses.get(i)).collect();
-    let values = places.par_iter().map(|pose| field.deviation(&conditions.at(pose))).collect();
+    let values = places.par_iter().map(|pose| field.deviation(&conditions.at_pose(pose))).collect();
     let deviations = UncertainDeviations::of(machine, &parts, &places, values, whole, conditions);
     bands(&[deviations], seed).0.pop()
 }

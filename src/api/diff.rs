@@ -86,7 +86,7 @@ pub fn diff(
         for pose in random_poses(file, options.poses, options.seed) {
             let jacobian = Jacobian::at(file, &pose);
             for approach in [Approach::Forward, Approach::Reverse] {
-                let [a, b] = [0, 1].map(|i: usize| added[i](&approach.at(&pose)));
+                let [a, b] = [0, 1].map(|i: usize| added[i](&approach.at_pose(&pose)));
                 let difference: Vec<f64> = a.iter().zip(&b).map(|(a, b)| b - a).collect();
                 axes.iter_mut().zip(&difference).for_each(|(all, d)| all.push(*d));
                 moved.push(jacobian.displacement(&Correction(difference)) * 1000.0);

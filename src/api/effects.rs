@@ -67,7 +67,7 @@ pub(crate) fn effects(
 ) -> Result<(Vec<Effects>, Option<Neglected>), Refused> {
     let calculation = interactions(machine, 1 + u8::from(interacting)).or_else(|refusal| call.refuse(refusal))?;
     let each = poses.first().map_or(0, |pose| {
-        let one = calculation.at(&conditions.at(pose));
+        let one = calculation.at(&conditions.at_pose(pose));
         one.first.len() + one.second.len()
     });
     if each.saturating_mul(poses.len()) > MAX_EFFECTS {
@@ -77,10 +77,10 @@ pub(crate) fn effects(
             poses.len()
         ));
     }
-    let at: Vec<Interactions> = poses.iter().map(|pose| calculation.at(&conditions.at(pose))).collect();
+    let at: Vec<Interactions> = poses.iter().map(|pose| calculation.at(&conditions.at_pose(pose))).collect();
     let bound = || {
         let volume = random_poses(machine, BOUND_POSES, 1).into_iter();
-        let volume = volume.map(|pose| Neglected::of(&calculation.at(&conditions.at(&pose))));
+        let volume = volume.map(|pose| Neglected::of(&calculation.at(&conditions.at_pose(&pose))));
         let none = Neglected { position_mm: 0.0, rotation_rad: 0.0 };
         volume.chain(at.iter().map(Neglected::of)).fold(none, Neglected::max)
     };

@@ -130,8 +130,8 @@ fn evaluated(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> R
     }
     let (order, conditions) = (order_of(machine, options.order), OperatingConditions::from(options.approach));
     let one = |pose: &Pose| match &lift {
-        Some(lift) => evaluate_over(machine, &conditions.at(pose), lift, options.frame),
-        None => evaluate(machine, &conditions.at(pose), order, options.frame),
+        Some(lift) => evaluate_over(machine, &conditions.at_pose(pose), lift, options.frame),
+        None => evaluate(machine, &conditions.at_pose(pose), order, options.frame),
     };
     let mut results: Vec<PoseResult> = poses.iter().map(|pose| result(machine, pose, &one(pose))).collect();
     if let Some(list) = PoseUncertainty::at(machine, &poses, conditions, options.frame) {
@@ -169,7 +169,7 @@ fn besides(
     }
     if let Some(lift) = lift.filter(|_| options.inverse) {
         for (result, pose) in results.iter_mut().zip(poses) {
-            result.inverse = Some(inverse(call, machine, &options.approach.at(pose), lift)?);
+            result.inverse = Some(inverse(call, machine, &options.approach.at_pose(pose), lift)?);
         }
     }
     Ok(neglected)

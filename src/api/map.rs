@@ -138,7 +138,7 @@ fn volume(
     let features = tool_poses.as_ref().map(|reached| features(field, reached, view, replayed.is_none()));
     let features = features.unwrap_or_default();
     let bounds_add = added(call, machine, settings, tool_poses.as_ref().map(|reached| reached.poses.as_slice()))?;
-    let diagonals = body_diagonals(field, &view.conditions.at(&rest(machine)), DIAGONAL_STEPS);
+    let diagonals = body_diagonals(field, &view.conditions.at_pose(&rest(machine)), DIAGONAL_STEPS);
     let result = result(&rows, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
     let besides: Vec<usize> = survey.worst.iter().map(|(i, _)| *i).collect();

@@ -114,5 +114,5 @@ fn added(
     };
     let mut command = vec![0.0; file.axes().len()];
     command[*axis] = at.position;
-    Ok(replay.addition(&at.approach.at(&command))[*axis])
+    Ok(replay.addition(&at.approach.at_pose(&command))[*axis])
 }

@@ -102,7 +102,7 @@ fn found(call: &mut Call<'_>, machine: &Machine, options: &SourcesOptions) -> Re
             worst(&deviations, 1).first().map_or_else(|| rest(machine), |i| volume.get(*i))
         }
     };
-    let errors = error_statistics(&field, &volume, &approach.at(&at));
+    let errors = error_statistics(&field, &volume, &approach.at_pose(&at));
     Ok(ErrorSources {
         machine: machine.name().to_owned(),
         poses: count,

@@ -29,7 +29,7 @@ pub fn correct(machine: &Machine, at: &OperatingPoint<'_>, scope: Scope) -> Corr
     let nominal = NominalPose::at(machine, at.axes).pose;
     let jacobian = Jacobian::at(machine, at.axes);
     let deviation = |correction: &Correction| {
-        command_deviation(machine, &nominal, &at.conditions.at(&correction.corrected_command(at.axes)))
+        command_deviation(machine, &nominal, &at.conditions.at_pose(&correction.corrected_command(at.axes)))
     };
     let mut residual = deviation(&correction);
     for _ in 0..MAX_STEPS {

@@ -99,7 +99,7 @@ fn interpolation_error(machine: &Machine, axis: usize, count: usize) -> f64 {
 
 /// Corrections of the linear axes to first order (mm).
 fn linear_correction(machine: &Machine, pose: &[f64]) -> Vec<f64> {
-    let deviation = Bare { machine, order: Order::Exact }.deviation(&Approach::Mean.at(pose));
+    let deviation = Bare { machine, order: Order::Exact }.deviation(&Approach::Mean.at_pose(pose));
     let Correction(all) =
         Jacobian::at(machine, pose).correction(&deviation, &Correction::none(machine), Scope::POSITION);
     all

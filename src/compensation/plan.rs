@@ -104,7 +104,7 @@ pub(super) fn own_axis_addition(tables: &[CorrectionTable], at: &OperatingPoint<
 
 /// Returns corrections of all axes at poses with the own-error tables in force: the linear axes correct their residual.
 fn corrections_beside(plan: &CompiledModel, own: &[CorrectionTable], poses: &[Pose]) -> Vec<Vec<f64>> {
-    let start = |pose: &Pose| Correction(own_axis_addition(own, &plan.conditions().at(pose)));
+    let start = |pose: &Pose| Correction(own_axis_addition(own, &plan.conditions().at_pose(pose)));
     let all = correct_all_from(plan, poses, poses.iter().map(start).collect(), Scope::POSITION);
     // The plan is exact: there is always an answer.
     all.unwrap_or_default().into_iter().map(|corrected| corrected.correction.0).collect()

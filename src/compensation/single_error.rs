@@ -63,7 +63,7 @@ fn lattice_cells(machine: &Machine, lattice: &CorrectionTable, layout: &SetLayou
         let jacobian = Jacobian::at(machine, &pose);
         let step = |deviation| jacobian.correction(&deviation, &none, scope).0;
         let picked = |all: Vec<f64>| lattice.corrected.iter().map(|axis| all[*axis]).collect();
-        let each = error_by_error(machine, &Approach::Mean.at(&pose)).into_iter();
+        let each = error_by_error(machine, &Approach::Mean.at_pose(&pose)).into_iter();
         each.map(|(_, deviation)| picked(step(deviation))).collect()
     };
     let rows: Vec<Vec<Vec<f64>>> = layout.lattice_nodes.par_iter().map(row).collect();
@@ -107,7 +107,7 @@ fn single_error_tables(
         })
         .collect()
     };
-    let mean = |poses: &[Pose]| poses.iter().map(|pose| linear(Approach::Mean.at(pose)).concat()).collect();
+    let mean = |poses: &[Pose]| poses.iter().map(|pose| linear(Approach::Mean.at_pose(pose)).concat()).collect();
     let two_sided: Vec<bool> =
         machine.axes().iter().map(|axis| machine.filtered(|id| id.axis == axis.name).is_bidirectional()).collect();
     let half_at = |pose: &Pose, axis: usize| {
@@ -115,7 +115,7 @@ fn single_error_tables(
         if !two_sided[axis] {
             return vec![0.0; pose.len() * ids.len()];
         }
-        let (forward, reverse) = (linear(Approach::Forward.at(pose)), linear(Approach::Reverse.at(pose)));
+        let (forward, reverse) = (linear(Approach::Forward.at_pose(pose)), linear(Approach::Reverse.at_pose(pose)));
         let both = ids.iter().zip(forward.iter().zip(&reverse));
         both.flat_map(|(id, (f, r))| {
             let fraction = if id.axis == *name { 0.5 } else { 0.0 };

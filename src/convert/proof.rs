@@ -44,7 +44,7 @@ pub fn prove(old: &Machine, new: &Machine) -> Proof {
     let mut proof = Proof { poses: [lists[0].len(), lists[1].len()], position: 0.0, rotation: 0.0, one_sided };
     for pose in lists.iter().flat_map(Poses::iter) {
         for &approach in approaches {
-            let [position, rotation] = difference(old, new, &approach.at(&pose));
+            let [position, rotation] = difference(old, new, &approach.at_pose(&pose));
             proof.position = largest(proof.position, position);
             proof.rotation = largest(proof.rotation, rotation);
             if approach != Approach::Mean {
@@ -65,7 +65,7 @@ fn difference(old: &Machine, new: &Machine, at: &OperatingPoint<'_>) -> [f64; 2]
     let pose = at.axes;
     let over: Vec<bool> = old.axes().iter().zip(new.axes()).map(|(a, b)| a.sign() != b.sign()).collect();
     let turned: Pose = pose.iter().zip(&over).map(|(q, over)| if *over { -q } else { *q }).collect();
-    let errors = values_at(new, &at.conditions.at(&turned), &over);
+    let errors = values_at(new, &at.conditions.at_pose(&turned), &over);
     let before = Chain::actual(old, pose, &values(old, at), &Exact).tool_in_workpiece(&old.workpiece());
     let after = Chain::actual(new, &turned, &errors, &Exact).tool_in_workpiece(&new.workpiece());
     let nominal = [(old, pose), (new, &turned[..])]

@@ -23,7 +23,7 @@ pub trait Field: Sync {
     /// method.
     fn deviations(&self, poses: &Batch<'_>, conditions: OperatingConditions, mut out: Output<'_>) {
         for i in 0..out.len() {
-            out.put(i, &self.deviation(&conditions.at(&poses.pose(i))));
+            out.put(i, &self.deviation(&conditions.at_pose(&poses.pose(i))));
         }
     }
 
@@ -97,8 +97,8 @@ impl Field for CompiledField {
     }
 }
 
-/// Returns the deviation at a pose (mm, deg) when the controller sends another command in its place, by the exact model,
-/// unturned workpiece frame.
+/// Returns the deviation at a pose (mm, deg) when the controller sends another command in its place, by the exact
+/// model, unturned workpiece frame.
 pub fn commanded_deviation(machine: &Machine, pose: &[f64], command: &OperatingPoint<'_>) -> Deviation {
     command_deviation(machine, &NominalPose::at(machine, pose).pose, command)
 }

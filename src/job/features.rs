@@ -114,10 +114,10 @@ pub(crate) fn bounded_features(
 /// Returns the errors with the largest parts along the deviation at a pose.
 fn dominating(field: &dyn Field, pose: &[f64], view: View) -> Vec<DominatingError> {
     let machine: &Machine = field.machine();
-    let all = field.deviation(&view.conditions.at(pose)).position.try_normalize(0.0).unwrap_or_default();
+    let all = field.deviation(&view.conditions.at_pose(pose)).position.try_normalize(0.0).unwrap_or_default();
     let valued = machine.errors().map(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_)));
     let parts =
-        error_by_error(machine, &view.conditions.at(pose)).into_iter().zip(valued).filter(|(_, valued)| *valued);
+        error_by_error(machine, &view.conditions.at_pose(pose)).into_iter().zip(valued).filter(|(_, valued)| *valued);
     let part = |((error, deviation), _): ((crate::machine::ErrorId, crate::evaluate::Deviation), bool)| {
         DominatingError { error: error.to_string(), um: deviation.position.dot(&all) * 1e3 }
     };

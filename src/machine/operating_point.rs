@@ -48,13 +48,13 @@ impl OperatingConditions {
     }
 
     /// Returns the operating point at a pose (mm, deg).
-    pub fn at(self, axes: &[f64]) -> OperatingPoint<'_> {
+    pub fn at_pose(self, axes: &[f64]) -> OperatingPoint<'_> {
         OperatingPoint { axes, conditions: self }
     }
 
     /// Returns what a curve depends on at a position (mm or deg) of its axis, with the other axes at 0.
     pub fn at_position(self, position: f64) -> CurveArgument<'static> {
-        CurveArgument { position, at: self.at(&[]) }
+        CurveArgument { position, at: self.at_pose(&[]) }
     }
 }
 
@@ -69,8 +69,8 @@ impl Approach {
     }
 
     /// Returns the operating point at a pose (mm, deg) approached from this side.
-    pub fn at(self, axes: &[f64]) -> OperatingPoint<'_> {
-        OperatingConditions::from(self).at(axes)
+    pub fn at_pose(self, axes: &[f64]) -> OperatingPoint<'_> {
+        OperatingConditions::from(self).at_pose(axes)
     }
 
     /// Returns what a curve depends on at a position (mm or deg) of its axis approached from this side, with the other

@@ -144,7 +144,7 @@ impl Case<'_> {
                 for _ in 0..20 {
                     let pose: Vec<f64> = self.machine.axes().iter().map(|_| random.between(-300.0, 400.0)).collect();
                     let ordered: Vec<f64> = indices.iter().map(|axis| pose[*axis]).collect();
-                    let ours = replay.addition(&abbe::machine::Approach::Forward.at(&pose));
+                    let ours = replay.addition(&abbe::machine::Approach::Forward.at_pose(&pose));
                     for (axis, value) in indices.iter().zip(theirs(&ordered, false)) {
                         let size = ours[*axis].abs().max(1.0);
                         let near = (ours[*axis] - value).abs() <= 1e-9 * size;

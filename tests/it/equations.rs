@@ -23,7 +23,7 @@ fn of_order(machine: &Machine, order: u8, options: Options) -> Equations {
 
 /// Values of the symbols at a pose.
 fn symbols_at(machine: &Machine, found: &Equations, pose: &[f64]) -> Vec<f64> {
-    let errors = values(machine, &Approach::Mean.at(pose));
+    let errors = values(machine, &Approach::Mean.at_pose(pose));
     let value = |meaning: SymbolMeaning| match meaning {
         SymbolMeaning::Error(source, sign) => f64::from(sign) * errors.of(source),
         SymbolMeaning::Position(i) => pose[i],
@@ -47,7 +47,7 @@ fn agrees(machine: &Machine, order: u8, options: Options, tolerance: Tolerance) 
     for pose in random_poses(machine, 3, 11) {
         let at = symbols_at(machine, &found, &pose);
         let number = |p: &Symbolic| p.evaluate(|k| at[usize::from(k)]);
-        let expected = evaluate(machine, &Approach::Mean.at(&pose), Order::Degree(order), Frame::Workpiece);
+        let expected = evaluate(machine, &Approach::Mean.at_pose(&pose), Order::Degree(order), Frame::Workpiece);
         let position = (found.position.map(|p| number(&p)) - expected.deviation.position).amax();
         let rotation = (found.rotation.map(|p| number(&p)) - expected.deviation.rotation).amax();
         assert!(position < tolerance[0] && rotation < tolerance[1], "{name}: {position:e} {rotation:e}");
@@ -398,7 +398,7 @@ fn the_json_carries_the_polynomials() {
         })
     };
     let number = |p: &Value| p["terms"].as_array().unwrap().iter().map(term).sum::<f64>();
-    let expected = evaluate(&machine, &Approach::Mean.at(&pose), Order::Degree(2), Frame::Workpiece);
+    let expected = evaluate(&machine, &Approach::Mean.at_pose(&pose), Order::Degree(2), Frame::Workpiece);
     for i in 0..3 {
         assert!((number(&json["deviation"][i]) - expected.deviation.position[i]).abs() < 1e-13);
         assert!((number(&json["e_ve"][i][3]) - expected.e_ve[(i, 3)]).abs() < 1e-12);

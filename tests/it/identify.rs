@@ -72,7 +72,7 @@ fn tangents_are_the_derivatives_of_the_actual_point() {
             .filter(|s| s.place != ErrorSite::Tool || !s.direction.is_rotation())
             .collect();
         let pose = &sample.poses(&mut random, 1)[0];
-        let at = values(&machine, &Approach::Mean.at(pose));
+        let at = values(&machine, &Approach::Mean.at_pose(pose));
         let found = position_jacobian(&machine, pose, &at, &Exact, &sources);
         assert!((found.point - actual_point(&machine, pose, &at)).norm() < 1e-10);
         for (source, derivative) in sources.iter().zip(&found.derivatives) {
@@ -181,7 +181,7 @@ pub fn five_poses(random: &mut Random, count: usize) -> Vec<Vec<f64>> {
 }
 
 pub fn deviation(machine: &Machine, pose: &[f64]) -> [f64; 3] {
-    evaluate(machine, &Approach::Mean.at(pose), Order::Exact, Frame::Workpiece).deviation.position.into()
+    evaluate(machine, &Approach::Mean.at_pose(pose), Order::Exact, Frame::Workpiece).deviation.position.into()
 }
 
 /// A sum of twelve even numbers is normal enough: standard deviation 1.
@@ -294,7 +294,8 @@ fn a_fitted_file_of_any_machine_says_the_same_as_the_machine() {
         let after = after.unwrap_or_else(|| panic!("{text}\n{:?}", diagnostics.iter().next()));
         for pose in sample.poses(&mut random, 10) {
             for approach in [Approach::Mean, Approach::Forward, Approach::Reverse] {
-                let at = |machine| evaluate(machine, &approach.at(&pose), Order::Exact, Frame::Workpiece).deviation;
+                let at =
+                    |machine| evaluate(machine, &approach.at_pose(&pose), Order::Exact, Frame::Workpiece).deviation;
                 assert!((at(&before).position - at(&after).position).norm() < 1e-10, "{text}");
             }
         }

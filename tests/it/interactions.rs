@@ -48,7 +48,7 @@ fn the_first_degree_is_the_structured_form() {
         }
         let calculation = interactions(&machine, 1).unwrap();
         for pose in random_poses(&machine, 3, 21) {
-            let first = calculation.at(&Approach::Mean.at(&pose)).first;
+            let first = calculation.at(&Approach::Mean.at_pose(&pose)).first;
             for structured in sensitivities(&machine, &pose, |_| true) {
                 let error = structured.error.to_string();
                 let effect = first.iter().find(|e| e.errors == [error.clone()]).unwrap();
@@ -67,12 +67,13 @@ fn effects_sum_to_the_orders_and_bound_what_order_one_neglects() {
     for (name, machine) in configs::all() {
         let calculation = interactions(&machine, 2).unwrap();
         for pose in random_poses(&machine, 2, 22) {
-            let effects = calculation.at(&Approach::Mean.at(&pose));
-            let order = |n| evaluate(&machine, &Approach::Mean.at(&pose), Order::Degree(n), Frame::Workpiece).deviation;
+            let effects = calculation.at(&Approach::Mean.at_pose(&pose));
+            let order =
+                |n| evaluate(&machine, &Approach::Mean.at_pose(&pose), Order::Degree(n), Frame::Workpiece).deviation;
             let second: nalgebra::Vector3<f64> = effects.second.iter().map(|e| e.deviation * e.value).sum();
             let difference = order(2).position - order(1).position;
             assert!((second - difference).amax() < 2e-13, "{name} {second} {difference}");
-            let exact = evaluate(&machine, &Approach::Mean.at(&pose), Order::Exact, Frame::Workpiece).deviation;
+            let exact = evaluate(&machine, &Approach::Mean.at_pose(&pose), Order::Exact, Frame::Workpiece).deviation;
             let (position, rotation) = effects.neglected_bound();
             // The third degree is a thousandth of the second.
             assert!((exact.position - order(1).position).norm() <= 1.01 * position + 1e-13, "{name}");

@@ -204,7 +204,7 @@ fn pmac_plane_by_hand() {
     let tables =
         target.read(&machine, &[abbe::controller::ReadBack::new("compensation.pmc", list)], &mut diagnostics).unwrap();
     let replay = abbe::controller::Replay::new(&machine, &target, &tables);
-    let added = |x: f64, y: f64| replay.addition(&abbe::machine::Approach::Forward.at(&[x, y, 0.0]))[0];
+    let added = |x: f64, y: f64| replay.addition(&abbe::machine::Approach::Forward.at_pose(&[x, y, 0.0]))[0];
     // 160 sixteenths of a ten-thousandth of a millimetre are a micrometre.
     let cases = [
         (100.0, 0.0, 1.0),

@@ -304,7 +304,7 @@ fn the_configured_machines_are_the_closed_forms() {
 fn taylor(coefficients: &Coefficients, at: &[V3]) -> Vec<[f64; 3]> {
     let machine = silent(&[("machine.yaml", &coefficients.yaml(true))]);
     let one = |p: &V3| {
-        let errors = values(&machine, &Approach::Mean.at(p));
+        let errors = values(&machine, &Approach::Mean.at_pose(p));
         let chain = Chain::<Dual<3>>::actual(&machine, p, &errors, &OrderN);
         chain.tool_in_workpiece(&machine.workpiece()).translation.x.0
     };

@@ -142,7 +142,8 @@ fn both_directions_are_found_and_written() {
     let poses = five_poses(&mut Random::new(93), 60);
     let one = |(i, pose): (usize, &Vec<f64>)| {
         let approach = [Approach::Forward, Approach::Reverse, Approach::Mean][i % 3];
-        let d = abbe::evaluate::evaluate(&truth, &approach.at(pose), Order::Exact, abbe::evaluate::Frame::Workpiece);
+        let d =
+            abbe::evaluate::evaluate(&truth, &approach.at_pose(pose), Order::Exact, abbe::evaluate::Frame::Workpiece);
         Measurement { approach, ..measured(pose, d.deviation.position.into()) }
     };
     let data: Vec<Measurement> = poses.iter().enumerate().map(one).collect();

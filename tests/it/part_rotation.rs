@@ -54,7 +54,7 @@ fn deviations_turn_with_the_part_and_the_other_frames_stay() {
         let (plain, turned, r) = both(&machine, random.vector(180.0));
         for pose in random_poses(&plain, 4, 7) {
             for order in [Order::Exact, Order::Degree(2)] {
-                let at = |machine, frame| evaluate(machine, &Approach::Mean.at(&pose), order, frame);
+                let at = |machine, frame| evaluate(machine, &Approach::Mean.at_pose(&pose), order, frame);
                 let (before, after) = (at(&plain, Frame::Workpiece), at(&turned, Frame::Workpiece));
                 // 1e-12 mm of the deviation; the nominal tip is metres away.
                 assert!(near(&after.deviation.position, &(r.transpose() * before.deviation.position), 1e-12), "{name}");
@@ -188,7 +188,7 @@ fn instruments_read_the_same_but_for_planes_of_the_part() {
     assert_eq!(read(&plain), read(&turned));
     let bodies = |machine: &Machine| -> Vec<f64> {
         let field = Bare { machine, order: Order::Exact };
-        let all = body_diagonals(&field, &Approach::Mean.at(&rest(machine)), 6);
+        let all = body_diagonals(&field, &Approach::Mean.at_pose(&rest(machine)), 6);
         all.into_iter().flat_map(|diagonal| diagonal.deviations).collect()
     };
     assert_eq!(bodies(&plain), bodies(&turned));

@@ -55,8 +55,10 @@ const APPROACHES: [Approach; 3] = [Approach::Mean, Approach::Forward, Approach::
 fn agree(machine: &Machine, poses: &[Vec<f64>], order: Order, rounding: [f64; 2]) {
     for approach in APPROACHES {
         let plan = CompiledModel::new(machine, order, approach);
-        let general: Vec<_> =
-            poses.iter().map(|pose| evaluate(machine, &approach.at(pose), order, Frame::Workpiece).deviation).collect();
+        let general: Vec<_> = poses
+            .iter()
+            .map(|pose| evaluate(machine, &approach.at_pose(pose), order, Frame::Workpiece).deviation)
+            .collect();
         let (size, gap) = (largest(&general), largest(&differences(&planned(&plan, poses), &general)));
         for kind in [0, 1] {
             let tolerance = 1e-12 * size[kind] + rounding[kind];
@@ -296,7 +298,7 @@ fn commands_are_those_of_the_general_algebra() {
         for (i, (pose, added)) in poses.iter().zip(&added).enumerate() {
             let command: Vec<f64> = pose.iter().zip(added).map(|(q, c)| q + c).collect();
             let expected =
-                command_deviation(&machine, &NominalPose::at(&machine, pose).pose, &Approach::Mean.at(&command));
+                command_deviation(&machine, &NominalPose::at(&machine, pose).pose, &Approach::Mean.at_pose(&command));
             let gap = [out.get(i).position - expected.position, out.get(i).rotation - expected.rotation];
             let gap = gap.map(|v| v.amax());
             // Positions of a metre; curves are looked up at the sum, which is rounded.
@@ -435,7 +437,7 @@ fn corrections_in_batches_are_those_one_by_one() {
             let all = correct_all(&plan, &poses, scope).unwrap();
             assert_eq!(all.len(), poses.len());
             for (pose, found) in poses.iter().zip(&all) {
-                let one = correct(&machine, &Approach::Mean.at(pose), scope);
+                let one = correct(&machine, &Approach::Mean.at_pose(pose), scope);
                 let gaps = one.correction.0.iter().zip(&found.correction.0).map(|(a, b)| (a - b).abs());
                 // mm and deg; the rounding of positions, and the last step of an iteration that contracts by 1e-4.
                 assert!(gaps.fold(0.0, f64::max) < 1e-9, "{name} {scope:?} {pose:?}: {one:?} {found:?}");

@@ -72,7 +72,7 @@ fn difference(path: &Path, sample: &Sample, name: &str, out: &Path, rounds: usiz
         let pose = positions(&machine, &mut random);
         let ordered: Vec<f64> = indices.iter().map(|axis| pose[*axis]).collect();
         for (approach, reverse) in [(Approach::Forward, false), (Approach::Reverse, true)] {
-            let ours = replay.addition(&approach.at(&pose));
+            let ours = replay.addition(&approach.at_pose(&pose));
             let theirs = theirs(&ordered, reverse);
             for (axis, value) in indices.iter().zip(theirs) {
                 worst = worst.max((ours[*axis] - value).abs());

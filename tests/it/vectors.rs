@@ -70,7 +70,7 @@ fn added(target: &str, files: &[(&str, &str)], place: [f64; 3], expected: [f64; 
     let files: Files = files.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())).collect();
     let tables = replays::read(&loaded, &machine, &files)
         .unwrap_or_else(|diagnostics| panic!("{target}: {:?}", diagnostics.iter().collect::<Vec<_>>()));
-    let found = Replay::new(&machine, &loaded, &tables).addition(&Approach::Forward.at(&place));
+    let found = Replay::new(&machine, &loaded, &tables).addition(&Approach::Forward.at_pose(&place));
     let near = found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-12);
     assert!(near, "{target} at {place:?}: {found:?}, not {expected:?}");
 }

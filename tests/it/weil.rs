@@ -25,8 +25,8 @@ fn one_generator_is_order_n_to_the_last_bit() {
         for degree in 1..=4 {
             let lift = lift(&machine, &choice(degree, Generators::Single));
             for pose in &poses {
-                let ours = evaluate_over(&machine, &Approach::Mean.at(pose), &lift, Frame::Workpiece);
-                let theirs = evaluate(&machine, &Approach::Mean.at(pose), Order::Degree(degree), Frame::Workpiece);
+                let ours = evaluate_over(&machine, &Approach::Mean.at_pose(pose), &lift, Frame::Workpiece);
+                let theirs = evaluate(&machine, &Approach::Mean.at_pose(pose), Order::Degree(degree), Frame::Workpiece);
                 assert_eq!(ours, theirs, "{name} {pose:?}");
             }
         }
@@ -40,9 +40,9 @@ fn many_generators_sum_to_order_n() {
         for (degree, generators) in [(2, Generators::PerError), (4, Generators::PerAxis)] {
             let lift = lift(&machine, &choice(degree, generators));
             for pose in random_poses(&machine, 2, 6) {
-                let ours = evaluate_over(&machine, &Approach::Mean.at(&pose), &lift, Frame::Machine).deviation;
+                let ours = evaluate_over(&machine, &Approach::Mean.at_pose(&pose), &lift, Frame::Machine).deviation;
                 let theirs =
-                    evaluate(&machine, &Approach::Mean.at(&pose), Order::Degree(degree), Frame::Machine).deviation;
+                    evaluate(&machine, &Approach::Mean.at_pose(&pose), Order::Degree(degree), Frame::Machine).deviation;
                 let gap = (ours.position - theirs.position).amax();
                 assert!(gap < 1e-13 && (ours.rotation - theirs.rotation).amax() < 1e-16, "{name} {gap:e}");
             }
@@ -64,10 +64,11 @@ fn an_ideal_of_all_products_is_order_one() {
     let all = lift(&machine, &choice(2, Generators::PerAxis));
     for pose in random_poses(&machine, 3, 7) {
         let position = |lift: &WeilLift| {
-            evaluate_over(&machine, &Approach::Mean.at(&pose), lift, Frame::Workpiece).deviation.position
+            evaluate_over(&machine, &Approach::Mean.at_pose(&pose), lift, Frame::Workpiece).deviation.position
         };
-        let order =
-            |n| evaluate(&machine, &Approach::Mean.at(&pose), Order::Degree(n), Frame::Workpiece).deviation.position;
+        let order = |n| {
+            evaluate(&machine, &Approach::Mean.at_pose(&pose), Order::Degree(n), Frame::Workpiece).deviation.position
+        };
         assert!((position(&none) - order(1)).amax() < 1e-14);
         assert!((position(&all) - order(2)).amax() < 1e-14);
         let gap = (position(&mixed) - order(2)).amax();
@@ -116,7 +117,7 @@ fn newton_is_exact_after_as_many_steps_as_the_order_needs() {
         let machine = configs::machine(name);
         let mut at = vec![0.0; machine.axes().len()];
         pose.into_iter().for_each(|(axis, q)| at[machine.axis_index(axis).unwrap()] = q);
-        let errors = values(&machine, &Approach::Mean.at(&at));
+        let errors = values(&machine, &Approach::Mean.at_pose(&at));
         let problem = Inverse::new(&machine, &at, &errors);
         doubles::<2>(&problem);
         doubles::<3>(&problem);
@@ -130,7 +131,7 @@ fn newton_over_a_weil_algebra_is_exact() {
     let machine = configs::machine("trunnion.yaml");
     let lift = Large(lift(&machine, &choice(3, Generators::PerAxis)));
     let pose: Vec<f64> = machine.axes().iter().map(|a| if a.name.as_str() == "A" { -50.0 } else { -20.0 }).collect();
-    let errors = values(&machine, &Approach::Mean.at(&pose));
+    let errors = values(&machine, &Approach::Mean.at_pose(&pose));
     let problem = Inverse::new(&machine, &pose, &errors);
     let largest = |by: &[Weil]| {
         let rest = problem.residual(by, &lift);
@@ -205,8 +206,9 @@ fn the_inverse_undoes_the_errors() {
         loaded.axes().iter().map(|a| json["poses"][0]["axes"][a.name.as_str()].as_f64().unwrap()).collect();
     let moved: Vec<f64> =
         loaded.axes().iter().zip(&pose).map(|(a, q)| q + by[a.name.as_str()].as_f64().unwrap()).collect();
-    let before = evaluate(&loaded, &Approach::Mean.at(&pose), Order::Exact, Frame::Workpiece).deviation.position.norm();
-    let left = abbe::evaluate::commanded_deviation(&loaded, &pose, &Approach::Mean.at(&moved)).position.norm();
+    let before =
+        evaluate(&loaded, &Approach::Mean.at_pose(&pose), Order::Exact, Frame::Workpiece).deviation.position.norm();
+    let left = abbe::evaluate::commanded_deviation(&loaded, &pose, &Approach::Mean.at_pose(&moved)).position.norm();
     // The residual is the change of the error curves along the displacement.
     assert!(before > 1e-3 && left < 2e-3 * before, "{before} {left}");
 }

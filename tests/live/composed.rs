@@ -193,6 +193,6 @@ fn predicted(target: &str, path: &Path, out: &Path, poses: &[Vec<f64>]) -> Vec<V
     let tables = TablesUnderTest { target: &tables_target, tables: &tables, installed: None };
     let field = tables.beside(&machine, &module);
     let sent =
-        |pose: &Vec<f64>| pose.iter().zip(field.addition(&Approach::Mean.at(pose))).map(|(q, add)| q + add).collect();
+        |pose: &Vec<f64>| pose.iter().zip(field.addition(&Approach::Mean.at_pose(pose))).map(|(q, add)| q + add).collect();
     poses.iter().map(sent).collect()
 }

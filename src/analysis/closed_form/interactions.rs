@@ -58,7 +58,7 @@ pub fn interactions(machine: &Machine, degree: u8) -> Result<Calculation<'_>, Di
     let mut units = unit_values(machine);
     if machine.conventions().location_order == LocationOrder::Real {
         // These are no generators: they are in the real part as they are.
-        let actual = values(machine, &Approach::Mean.at(&vec![0.0; machine.axes().len()]));
+        let actual = values(machine, &Approach::Mean.at_pose(&vec![0.0; machine.axes().len()]));
         units.axes.iter_mut().zip(&actual.axes).for_each(|(unit, actual)| unit.location = actual.location);
         units.spindle = actual.spindle;
     }

@@ -47,7 +47,7 @@ pub fn contributions(machines: &[(&Machine, Vec<Pose>)], conditions: OperatingCo
 /// Returns the errors of one machine that have a value, with their 95 % deviation, um.
 fn deviation_alone(machine: &Machine, poses: &[Pose], conditions: OperatingConditions) -> Vec<(ErrorId, f64)> {
     let lengths = |pose: &Pose| -> Vec<f64> {
-        error_by_error(machine, &conditions.at(pose)).into_iter().map(|(_, d)| d.position.norm()).collect()
+        error_by_error(machine, &conditions.at_pose(pose)).into_iter().map(|(_, d)| d.position.norm()).collect()
     };
     let rows: Vec<Vec<f64>> = poses.par_iter().map(lengths).collect();
     let errors = machine.errors().enumerate().filter(|(_, (_, term))| !matches!(term, ErrorTerm::Tolerance(_)));

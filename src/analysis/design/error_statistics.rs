@@ -27,7 +27,7 @@ pub fn error_statistics(field: &dyn Field, poses: &Poses, worst: &OperatingPoint
     // What hangs on the geometry alone is computed once a pose, for all errors.
     let visits: Vec<Visit> = (0..poses.len()).into_par_iter().map(|i| visit(poses.get(i))).collect();
     let joints = NominalJoints::at(machine, worst.axes);
-    let at = |pose| worst.conditions.at(pose);
+    let at = |pose| worst.conditions.at_pose(pose);
     let all = field.deviation(worst).position.try_normalize(0.0).unwrap_or_default();
     let valued: Vec<(ErrorId, &ErrorTerm)> =
         machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).collect();

@@ -55,7 +55,7 @@ impl PosePath {
 /// Returns the deviation of the functional point (unturned workpiece frame, mm) at a pose (mm, deg), with a side of
 /// approach per axis.
 pub fn deviation_from(machine: &Machine, pose: &[f64], sides: &[Approach]) -> Vector3<f64> {
-    let of = |side: Approach| values(machine, &side.at(pose));
+    let of = |side: Approach| values(machine, &side.at_pose(pose));
     let (mean, forward, reverse) = (of(Approach::Mean), of(Approach::Forward), of(Approach::Reverse));
     let axis = |(i, side): (usize, &Approach)| match side {
         Approach::Mean => mean.axes[i],

@@ -70,7 +70,7 @@ fn diagonal(
     let tip = |pose: &Pose| NominalPose::at(machine, pose).pose.translation;
     let travel = tip(&ends[1]) - tip(&ends[0]);
     let along: Vector3<f64> = travel.try_normalize(0.0).unwrap_or_default();
-    let deviation = |pose: &Pose| field.deviation(&at.conditions.at(pose)).position;
+    let deviation = |pose: &Pose| field.deviation(&at.conditions.at_pose(pose)).position;
     let start = deviation(&ends[0]);
     let step = |i| (deviation(&pose(i as f64 / steps as f64)) - start).dot(&along);
     DiagonalRun {

@@ -54,7 +54,7 @@ pub fn arm_shares(machine: &Machine) -> Option<Vec<f64>> {
         }
     };
     for pose in Poses::Random(Random::of(machine, RANDOM_POSES, 0)).iter() {
-        let (at, joints) = (Approach::Mean.at(&pose), NominalJoints::at(machine, &pose));
+        let (at, joints) = (Approach::Mean.at_pose(&pose), NominalJoints::at(machine, &pose));
         let effect = |error: &JointError| error.effect(&joints, Quantity::Position);
         for (error, (id, term)) in errors.iter().zip(&terms) {
             let size = match term {

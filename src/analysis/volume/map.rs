@@ -105,7 +105,7 @@ pub(crate) fn into_frame(frames: Option<&CompiledModel>, frame: Frame, poses: &B
 
 /// Returns the deviation at a pose (mm, deg), in the conditions and the frame of the view.
 pub fn deviation_in(field: &dyn Field, pose: &[f64], view: View) -> Deviation {
-    let deviation = field.deviation(&view.conditions.at(pose));
+    let deviation = field.deviation(&view.conditions.at_pose(pose));
     match frame_rotation(field.machine(), pose, view.frame) {
         Some(r) => deviation.rotated(&r),
         None => deviation,

@@ -50,7 +50,7 @@ impl Plane {
                 let (min, max) = intervals[i];
                 pose[axes[i]] = min + (max - min) * (step as f64 / (counts[i] - 1) as f64);
             }
-            let unturned = field.deviation(&view.conditions.at(&pose)).position;
+            let unturned = field.deviation(&view.conditions.at_pose(&pose)).position;
             (deviation_in(field, &pose, view), directions.map(|u| u.dot(&unturned)))
         };
         let nodes: Vec<_> = (0..counts[0] * counts[1]).into_par_iter().map(node).collect();

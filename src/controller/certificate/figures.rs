@@ -92,7 +92,7 @@ pub(crate) fn approaches(machine: &Machine) -> &'static [Approach] {
 /// Returns the deviations at poses, one by one and in their order: no evaluator of many poses at once, which tables may
 /// have been filled with.
 pub(crate) fn deviations(field: &dyn Field, poses: &[Pose], conditions: OperatingConditions) -> Vec<Deviation> {
-    poses.par_iter().map(|pose| field.deviation(&conditions.at(pose))).collect()
+    poses.par_iter().map(|pose| field.deviation(&conditions.at_pose(pose))).collect()
 }
 
 pub(crate) fn figures(field: &dyn Field, poses: &[Pose], conditions: OperatingConditions) -> Figures {

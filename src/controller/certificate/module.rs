@@ -57,7 +57,7 @@ pub(in crate::controller) fn judge_module(
         compensated,
         errors: single_errors.par_iter().map(|one| judge_single(machine, set.tables.target, one, &single)).collect(),
         single_error_poses: single.len(),
-        at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.addition(&approach.at(&zero))),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|approach| driven.addition(&approach.at_pose(&zero))),
         shifted: None,
         raised,
         programming: set

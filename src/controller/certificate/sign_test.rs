@@ -32,7 +32,8 @@ fn strongest_of(
     let approaches = approaches.iter().rev();
     let entries =
         approaches.flat_map(|approach| poses.iter().map(|pose| (*approach, pose))).flat_map(|(approach, at)| {
-            let values = added(&approach.at(at)).into_iter().enumerate().filter(|(_, value)| value.abs() > ROUNDING);
+            let values =
+                added(&approach.at_pose(at)).into_iter().enumerate().filter(|(_, value)| value.abs() > ROUNDING);
             values.map(|(axis, value)| Strongest { axis, at: at.clone(), approach, value }).collect::<Vec<_>>()
         });
     let order = |s: &Strongest| (linear(s.axis), s.value.abs());

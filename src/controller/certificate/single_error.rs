@@ -66,9 +66,9 @@ pub(super) fn judge_one(
     let (mut alone_um, mut residual_um) = (0.0_f64, 0.0_f64);
     for approach in approaches(machine) {
         let at = |(number, place): (usize, &NominalAt)| {
-            let sent = |command: &[f64]| command_deviation(machine, &place.nominal, &approach.at(command));
+            let sent = |command: &[f64]| command_deviation(machine, &place.nominal, &approach.at_pose(command));
             let before = sent(place.pose);
-            let steps = added(number, &approach.at(place.pose));
+            let steps = added(number, &approach.at_pose(place.pose));
             if steps.iter().all(|step| *step == 0.0) {
                 return (before, before);
             }

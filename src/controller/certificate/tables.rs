@@ -76,7 +76,7 @@ pub(in crate::controller) fn judge_tables(
         compensated: left,
         errors,
         single_error_poses,
-        at_reference: [Approach::Forward, Approach::Reverse].map(|side| replay.addition(&side.at(&zero))),
+        at_reference: [Approach::Forward, Approach::Reverse].map(|side| replay.addition(&side.at_pose(&zero))),
         shifted: vanishing.then(shifted),
         raised,
         programming: Vec::new(),

@@ -77,8 +77,8 @@ impl Shiftable<'_> {
         let alone = machine.filtered(|id| id.axis == *name && !id.is_location());
         let turn = |(pose, motions): (&Pose, &Vec<AxisMotion>)| {
             let mut command = pose.clone();
-            command[axis] += (self.added)(&conditions.at(pose))[axis];
-            let rotation = commanded_deviation(&alone, pose, &conditions.at(&command)).rotation;
+            command[axis] += (self.added)(&conditions.at_pose(pose))[axis];
+            let rotation = commanded_deviation(&alone, pose, &conditions.at_pose(&command)).rotation;
             rotation.dot(&motions[axis].direction).to_degrees()
         };
         let turns: Vec<f64> = poses.par_iter().zip(motions).map(turn).collect();

@@ -206,6 +206,6 @@ fn at_nodes(machine: &Machine, old: Loaded, new: &CorrectionTable, approach: App
 fn table_addition(machine: &Machine, (replay, table): Loaded, positions: &[f64], approach: Approach) -> Vec<f64> {
     let mut pose = vec![0.0; machine.axes().len()];
     table.axes.iter().zip(positions).for_each(|(axis, q)| pose[*axis] = *q);
-    let added = replay.addition(&approach.at(&pose));
+    let added = replay.addition(&approach.at_pose(&pose));
     table.corrected.iter().map(|axis| added[*axis]).collect()
 }

@@ -30,7 +30,7 @@ impl LinearMap {
         })?;
         let (mut gram, mut moment) = (Matrix3::zeros(), Matrix3::zeros());
         for pose in random_poses(machine, POSES, 0) {
-            let Correction(added) = correct(machine, &Approach::Mean.at(&pose), Scope::POSITION).correction;
+            let Correction(added) = correct(machine, &Approach::Mean.at_pose(&pose), Scope::POSITION).correction;
             let [q, c] = [&pose, &added].map(|all| Vector3::from(axes.map(|i| all[i])));
             gram += q * q.transpose();
             moment += c * q.transpose();

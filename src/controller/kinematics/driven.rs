@@ -55,7 +55,7 @@ impl<'a> ModuleField<'a> {
     /// Returns the commands of the motors; `None` if the module stops.
     fn motor_commands(&self, at: &OperatingPoint<'_>) -> Option<Vec<f64>> {
         let command = self.command(at.axes)?;
-        let trim = |tables: &Replay<'_>| tables.addition(&at.conditions.at(&command));
+        let trim = |tables: &Replay<'_>| tables.addition(&at.conditions.at_pose(&command));
         let trims = self.beside.as_ref().map_or_else(|| vec![0.0; command.len()], trim);
         Some(command.iter().zip(trims).map(|(c, trim)| c + trim).collect())
     }
@@ -120,7 +120,7 @@ impl Field for ModuleField<'_> {
     /// A pose where the module stops has the deviation without it.
     fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation {
         match self.motor_commands(at) {
-            Some(command) => commanded_deviation(self.machine, at.axes, &at.conditions.at(&command)),
+            Some(command) => commanded_deviation(self.machine, at.axes, &at.conditions.at_pose(&command)),
             None => Bare { machine: self.machine, order: Order::Exact }.deviation(at),
         }
     }

@@ -95,7 +95,7 @@ impl Transformation {
 /// Returns the place of the tool with one axis at 90 deg and all others at 0.
 fn tool_place(machine: &Machine, axis: Option<usize>) -> Htm<f64> {
     let pose: Vec<f64> = (0..machine.axes().len()).map(|i| if Some(i) == axis { 90.0 } else { 0.0 }).collect();
-    Chain::<f64>::actual(machine, &pose, &values(machine, &Approach::Mean.at(&pose)), &Exact).t_wt()
+    Chain::<f64>::actual(machine, &pose, &values(machine, &Approach::Mean.at_pose(&pose)), &Exact).t_wt()
 }
 
 /// Smallest difference of direction cosines or mm that counts as a displacement of a line.

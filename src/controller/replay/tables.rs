@@ -52,7 +52,7 @@ impl<'a> Replay<'a> {
                 let line = |table: &CorrectionTable| table.axes.len() == 1;
                 self.add_tables(at, &mut added, line);
                 let moved = moved(&added);
-                self.add_tables(&at.conditions.at(&moved), &mut added, |table| !line(table));
+                self.add_tables(&at.conditions.at_pose(&moved), &mut added, |table| !line(table));
             }
             // Klipper and Marlin: y' = y - z*yz, then x' = x - y'*xy - z*xz.
             LookupPosition::Corrected => {
@@ -61,7 +61,7 @@ impl<'a> Replay<'a> {
                 order.dedup();
                 for axis in order {
                     let moved = moved(&added);
-                    self.add_tables(&at.conditions.at(&moved), &mut added, |table| table.corrected[0] == axis);
+                    self.add_tables(&at.conditions.at_pose(&moved), &mut added, |table| table.corrected[0] == axis);
                 }
             }
         }
@@ -157,6 +157,6 @@ impl Field for Compensated<'_> {
     fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation {
         let added = self.replay.addition(at);
         let command: Vec<f64> = at.axes.iter().zip(&added).map(|(q, c)| q + c).collect();
-        commanded_deviation(self.machine, at.axes, &at.conditions.at(&command))
+        commanded_deviation(self.machine, at.axes, &at.conditions.at_pose(&command))
     }
 }

@@ -166,7 +166,7 @@ impl CompiledModel {
                 command_deviation(
                     &self.machine,
                     &NominalPose::at(&self.machine, &pose).pose,
-                    &self.conditions.at(&command),
+                    &self.conditions.at_pose(&command),
                 )
             };
             out.put(index, &deviation);
@@ -175,7 +175,7 @@ impl CompiledModel {
 
     /// Returns the deviation over the general algebra.
     fn general(&self, pose: &[f64]) -> Deviation {
-        unturned_deviation(&self.machine, &self.conditions.at(pose), self.order)
+        unturned_deviation(&self.machine, &self.conditions.at_pose(pose), self.order)
     }
 }
 

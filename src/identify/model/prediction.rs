@@ -195,7 +195,7 @@ impl<'a> FitModel<'a> {
 
     /// Returns the errors at a pose: fitted sources by the parameters, the others as the machine file says.
     fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64], shares: &[f64]) -> ErrorValues {
-        let mut errors = values(self.machine(measurement), &measurement.approach.at(pose));
+        let mut errors = values(self.machine(measurement), &measurement.approach.at_pose(pose));
         let mut sums = vec![0.0; self.sources.len()];
         for (link, share) in self.links.iter().zip(shares) {
             sums[link.source] += theta[link.parameter] * share;

@@ -101,7 +101,7 @@ impl MachineData {
             statistics: statistics(&map.statistics),
             worst: bad.iter().map(named).collect(),
             source_poses: few.0,
-            sources: error_statistics(&bare, &few_poses, &given.conditions.at(&worst_pose))
+            sources: error_statistics(&bare, &few_poses, &given.conditions.at_pose(&worst_pose))
                 .iter()
                 .map(source)
                 .collect(),
@@ -298,7 +298,7 @@ fn diagonals(bare: &Bare<'_>, conditions: OperatingConditions) -> Vec<Value> {
             "length_mm": d.length, "range_um": d.range() * 1e3, "end_um": deviations.last(),
                 "deviations_um": deviations})
     };
-    body_diagonals(bare, &conditions.at(&rest(machine)), DIAGONAL_STEPS).iter().map(of).collect()
+    body_diagonals(bare, &conditions.at_pose(&rest(machine)), DIAGONAL_STEPS).iter().map(of).collect()
 }
 
 fn certificate(machine: &Machine, written: &TargetResult) -> Value {

@@ -143,7 +143,8 @@ impl FieldData {
         let mut layers = vec![total("total", "95 % of the drawn machines", |of| of.p95)];
         layers.push(total("rss", "RSS of all bounds", |of| of.rss));
         layers.extend(groups.iter().map(group));
-        let nominal = |pose: &Pose| evaluate(machine, &given.conditions.at(pose), given.order, Frame::Machine).nominal;
+        let nominal =
+            |pose: &Pose| evaluate(machine, &given.conditions.at_pose(pose), given.order, Frame::Machine).nominal;
         let places: Vec<Vector3<f64>> = nodes.par_iter().map(nominal).collect();
         let sampled = places.chunks(lattice.len()).map(|at| Sampled { nominal: at.to_vec(), nodes: Vec::new() });
         Self {
@@ -309,7 +310,7 @@ impl Lattice<'_> {
         let MachineInput { machine, order, conditions, written, .. } = *self.given;
         let view = View { conditions, frame: Frame::Machine };
         let total = deviation_in(&Bare { machine, order }, pose, view).position;
-        let alone = error_by_error(machine, &conditions.at(pose));
+        let alone = error_by_error(machine, &conditions.at_pose(pose));
         let turn = frame_rotation(machine, pose, Frame::Machine).unwrap_or_else(nalgebra::Matrix3::identity);
         let together = |group: &LayerGroup| {
             let members = alone.iter().filter(|(id, _)| group.members.contains(id));
@@ -322,7 +323,7 @@ impl Lattice<'_> {
             let left = deviation_in(&*field, pose, view).position;
             row.extend([left, total - left]);
         }
-        (evaluate(machine, &conditions.at(pose), order, Frame::Machine).nominal, row)
+        (evaluate(machine, &conditions.at_pose(pose), order, Frame::Machine).nominal, row)
     }
 
     fn stations(&self, poses: &[Pose], sampled: Vec<Sampled>) -> Vec<FieldStation> {

@@ -309,6 +309,7 @@ fn staying(machine: &Machine, bounds: &[Bound], pose: &[f64]) -> [f64; 3] {
         bound.error.axis == error.axis && bound.error.family == error.family && part > 1e-9
     };
     let stays = |error: &ErrorId| !bounds.iter().any(|bound| bounded(bound, error));
-    let deviations = error_by_error(machine, &Approach::Mean.at(pose)).into_iter().filter(|(error, _)| stays(error));
+    let deviations =
+        error_by_error(machine, &Approach::Mean.at_pose(pose)).into_iter().filter(|(error, _)| stays(error));
     deviations.map(|(_, deviation)| deviation.position).sum::<nalgebra::Vector3<f64>>().into()
 }

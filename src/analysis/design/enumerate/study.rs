@@ -224,5 +224,5 @@ fn turns(error: &ErrorId, axis: &AxisName) -> bool {
 
 /// Returns the squared length (mm^2) of the deviation by the errors that have a value.
 fn squared_deviation(machine: &Machine, pose: &[f64]) -> f64 {
-    Bare { machine, order: Order::Exact }.deviation(&Approach::Mean.at(pose)).position.norm_squared()
+    Bare { machine, order: Order::Exact }.deviation(&Approach::Mean.at_pose(pose)).position.norm_squared()
 }
