@@ -180,7 +180,7 @@ pub fn generated(bytes: &[u8]) -> Generated {
 }
 
 fn options(dice: &mut Dice) -> CompileOptions {
-    let mut options = crate::oracles::compile_options(NAMES[dice.below(NAMES.len())]);
+    let mut options = super::oracles::compile_options(NAMES[dice.below(NAMES.len())]);
     let choice = dice.byte();
     options.compensation = CompensationOptions {
         correct: [None, Some(Goal::Pose), Some(Goal::Position), None][choice % 4],

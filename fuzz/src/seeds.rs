@@ -1,16 +1,14 @@
 //! Inputs to begin with, from what the repository has: configurations, wrong files, blocks of the documentation, a set of
 //! every controller.
 
-use crate::case::joined;
-use crate::oracles::{compile_options, stored};
+use super::ROOT;
+use super::case::joined;
+use super::oracles::{compile_options, stored};
 use abbe::controller::NAMES;
 use abbe::sets::LOCK_NAME;
 use abbe::{LoadOptions, MachineFile, MemoryFiles, Run};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-
-/// The repository.
-const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 /// Machines with few knots: every execution reads a set of theirs back.
 const MACHINES: [(&str, &str); 3] = [
@@ -102,28 +100,8 @@ fn templates_in(target: &str, folder: &Path) -> MemoryFiles {
     files(&format!("templates/{target}"), "j2").into_iter().fold(MemoryFiles::new(), template)
 }
 
-/// Prepares the process for a target. Writes its seeds into the folder that the environment variable `SEEDS` names, and
-/// ends the process, if there is such a variable. Fails if all of them are refused: mutations of them would get nowhere.
-pub fn begin(target: &str, accepts: fn(&[u8]) -> bool) {
-    // What runs in parallel runs here, and hands nothing over. In vain if there is a pool already.
-    let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
-    let Some(folder) = std::env::var_os("SEEDS").map(PathBuf::from) else { return };
-    let seeds = seeds(target);
-    let accepted = seeds.iter().filter(|seed| accepts(seed)).count();
-    assert!(accepted > 0, "none of {} seeds is accepted", seeds.len());
-    println!("{accepted} of {} seeds are accepted", seeds.len());
-    let written = std::fs::create_dir_all(&folder).and_then(|()| {
-        let mut numbered = seeds.into_iter().enumerate();
-        numbered.try_for_each(|(number, seed)| std::fs::write(folder.join(format!("{number:03}")), seed))
-    });
-    match written {
-        Ok(()) => std::process::exit(0),
-        Err(why) => panic!("{}: {why}", folder.display()),
-    }
-}
-
 /// Returns the seeds of a target by name.
-fn seeds(target: &str) -> Vec<Vec<u8>> {
+pub fn seeds(target: &str) -> Vec<Vec<u8>> {
     let mut seeds = match target {
         "generated_machines" => (0..BYTE_SEEDS).map(bytes).collect(),
         "imports" => measured().into_iter().map(|text| [b"- - um errors\n", text.as_slice()].concat()).collect(),

@@ -1,10 +1,10 @@
 //! One function for each target of libFuzzer. All of them take any bytes, and return true for an input that was not
 //! refused.
 
-use crate::case::Case;
-use crate::generated::generated;
-use crate::oracles::{self, CERTIFIED_POSES, answered, compile_options};
-use crate::seeds;
+use super::case::Case;
+use super::generated::generated;
+use super::oracles::{self, CERTIFIED_POSES, answered, compile_options};
+use super::seeds;
 use abbe::options::{CompensationOptions, MapPoses};
 use abbe::sets::LOCK_NAME;
 use abbe::{

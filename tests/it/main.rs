@@ -22,6 +22,7 @@ mod compiled_columns;
 mod composed_sets;
 mod configs;
 mod convert;
+mod corpora;
 mod coverage;
 mod datum;
 mod defects;
