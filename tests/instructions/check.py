@@ -4,9 +4,10 @@
     check.py            compare with counts.json, 5 % either way
     check.py --renew    write counts.json
 
-What is counted: one sample of benches/evaluate.rs as it is released, less a run without any: start and reading cancel, and
-beside 65536 poses the plan's compilation, which is included, hardly counts. (In the development profile small functions are calls, and their counts
-went up where those of the release went down.) The vector width is forced, for valgrind emulates
+What is counted: one kernel on 8192 poses, compiled as it is released, less a run without any: start and reading cancel,
+and the plan's compilation is included. (In the development profile small functions are calls, and their counts
+went up where those of the release went down.) The crate beside this file has the stages up to the evaluator alone, from
+the sources of the library. The vector width is forced, for valgrind emulates
 a processor of its own (AVX2 at most), so the counts do not depend on this one. They do depend on the compiler: with
 another rustc than the one in counts.json differences are shown and not judged.
 """
@@ -25,8 +26,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 COUNTS = HERE / "counts.json"
 TOLERANCE = 0.05
-POSES = 65536
-KERNELS = [f"{kernel} {width} 1" for width in ("fused", "avx2") for kernel in ("batch 1", "batch exact", "grid 1", "grid exact")]
+POSES = 8192
+KERNELS = [f"{kernel} {width}" for width in ("fused", "avx2") for kernel in ("batch 1", "batch exact", "grid 1", "grid exact")]
 # The trunnion's volume, in the order of its walk: C A Y X Z.
 TRAVEL = [(0, 360), (-120, 30), (0, 450), (0, 500), (-400, 0)]
 
@@ -36,9 +37,10 @@ def output(*command):
 
 
 def binary():
-    lines = output("cargo", "build", "--locked", "--release", "--bench", "evaluate", "--message-format=json").splitlines()
-    built = [json.loads(line) for line in lines]
-    return [b["executable"] for b in built if b.get("target", {}).get("name") == "evaluate" and b.get("executable")][-1]
+    manifest = ROOT / "tests/instructions/Cargo.toml"
+    target = ROOT / "target/instructions"
+    output("cargo", "build", "--quiet", "--locked", "--release", "--manifest-path", manifest, "--target-dir", target)
+    return target / "release/abbe-instructions"
 
 
 def poses(folder):
@@ -48,16 +50,15 @@ def poses(folder):
     return path
 
 
-def instructions(program, path, folder, samples):
-    """Of one process that is asked for these samples."""
-    out = folder / f"callgrind.{'-'.join(samples).replace(' ', '-')}.out"
+def instructions(program, path, folder, kernel):
+    """Of one process that runs this kernel, and the widest vectors that it knows."""
+    out = folder / f"callgrind.{kernel.replace(' ', '-')}.out"
     run = subprocess.run(
-        ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", program, ROOT / "configs/trunnion.yaml", path],
-        input="".join(sample + "\n" for sample in samples), capture_output=True, text=True, cwd=ROOT)
-    answers = run.stdout.split()
-    if run.returncode != 0 or "unknown" in answers or len(answers) != 3 + len(samples):
-        raise SystemExit(f"{samples}: {run.stdout}{run.stderr}")
-    return int(next(line for line in out.read_text().splitlines() if line.startswith("summary:")).split()[1]), answers[1]
+        ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", program, ROOT / "configs/trunnion.yaml", path, *kernel.split()],
+        capture_output=True, text=True, cwd=ROOT)
+    if run.returncode != 0:
+        raise SystemExit(f"{kernel}: {run.stdout}{run.stderr}")
+    return int(next(line for line in out.read_text().splitlines() if line.startswith("summary:")).split()[1]), run.stdout.strip()
 
 
 def main():
@@ -69,12 +70,12 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         path = poses(folder)
-        start, width = instructions(program, path, folder, [])
+        start, width = instructions(program, path, folder, "")
         counted = [kernel for kernel in KERNELS if "avx2" not in kernel or width == "Avx2"]
         if counted != KERNELS:
             print("this processor has no AVX2, whose kernels are not counted")
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            counts = pool.map(lambda kernel: instructions(program, path, folder, [kernel])[0], counted)
+            counts = pool.map(lambda kernel: instructions(program, path, folder, kernel)[0], counted)
         for kernel, count in zip(counted, counts):
             found[kernel] = count - start
             expected = known.get("instructions", {}).get(kernel)
