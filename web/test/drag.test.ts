@@ -17,6 +17,9 @@ function shares(seed: number): () => number {
 }
 
 const axis = (change: Partial<Axis>): Axis => ({
+  arm_mm: { at_zero: 0, longest: 0, share: null },
+  geometry_stated: true,
+  other_side: null,
   name: "X",
   kind: "linear",
   side: "tool",
@@ -136,7 +139,7 @@ test("the mark on the edge of a table turns with it, and its ends stay", () => {
 });
 
 /** A tilting table that carries a table, and a head that turns. */
-const CHAIN: Chain = {
+const CHAIN = {
   machine: "M",
   chain: "w C' A' b X Z B t",
   axes: [
@@ -166,7 +169,7 @@ const CHAIN: Chain = {
   tools: [{ name: "t", gauge_mm: [0, 0, 120], tip_mm: [0, 0, 0], direction: [0, 0, 1] }],
   workpiece_origin_mm: [0, 0, -40],
   workpiece_rotation_deg: [0, 0, 0],
-};
+} as Chain;
 
 test("in the picture the point that was taken follows the pointer, at any pose", () => {
   const any = new three.MeshBasicMaterial();

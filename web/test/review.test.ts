@@ -84,26 +84,27 @@ test("names are taken apart as ISO 230-1 builds them", () => {
 });
 
 test("a difference within the uncertainty is none", () => {
-  const summary = { max: 0, mean: 0, rms: 0, p95: 0 };
+  const summary = { max: 0, mean: 0, rms: 0, p95: 0, range: [0, 0, 0] as [number, number, number] };
   const machine = { machine: "M", position_um: summary, rotation_urad: summary, minus_first: null };
-  const of = (p95: number, band: [number, number] | null): Comparison => ({
-    poses: 10,
-    asked: 10,
-    contributions: [],
-    machines: [
-      machine,
-      {
-        ...machine,
-        minus_first: { position_um: { ...summary, p95 }, rotation_urad: summary },
-        ...(band && {
-          uncertainty: {
-            minus_first: { position_um: { max: band, mean: band, rms: band, p95: band } },
-            told_apart: band[0] > 0 || band[1] < 0,
-          },
-        }),
-      },
-    ],
-  });
+  const of = (p95: number, band: [number, number] | null) =>
+    ({
+      poses: 10,
+      asked: 10,
+      contributions: [],
+      machines: [
+        machine,
+        {
+          ...machine,
+          minus_first: { position_um: { ...summary, p95 }, rotation_urad: summary },
+          ...(band && {
+            uncertainty: {
+              minus_first: { position_um: { max: band, mean: band, rms: band, p95: band } },
+              told_apart: band[0] > 0 || band[1] < 0,
+            },
+          }),
+        },
+      ],
+    }) as unknown as Comparison;
   assert.match(judgement(of(-2, [-3, -1])), /^Better than A by 2\.00 µm .*more than the uncertainty/);
   assert.match(judgement(of(2, [-1, 5])), /^Worse than A by 2\.00 µm .*within the uncertainty/);
   assert.match(judgement(of(2, null)), /state no uncertainty/);

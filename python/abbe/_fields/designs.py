@@ -48,7 +48,7 @@ class GoalCost(Record):
     power: Annotated[float, "Power of the tolerance in the cost."]
     before: Annotated[float, "Value with the old tolerances."]
     after: Annotated[float, "Value with the new tolerances."]
-    per_um: Annotated[float, "By um of the goal."]
+    per_um: Annotated[Union[float, None], "Cost of lowering the 95 % value by one um; none if no tolerance is free."]
 
 
 class GoalTolerance(Record):
@@ -70,13 +70,13 @@ class ToleranceGoal(Record):
     """The cheapest tolerances for a goal."""
 
     goal_um: Annotated[float, "The goal of the 95 % value, um."]
-    before_um: Annotated[Percentile, "The 95 % value with the old tolerances, um."]
-    proof_um: Annotated[Percentile, "The 95 % value with the new tolerances, of machines drawn anew, um."]
+    before_um: Annotated[Percentile, "The 95 % value with the old tolerances, um, by the machines of the search."]
+    proof_um: Annotated[Percentile, "The 95 % value with the new tolerances, um, of machines drawn anew."]
     proof_samples: Annotated[int, "Number of machines of the proof."]
     staying_um: Annotated[float, "The 95 % value of what no tolerance of the cost model changes, um."]
     steps: Annotated[int, "Number of steps of the search."]
     cost: Annotated[GoalCost, "The cost."]
-    tolerances: Annotated[list[GoalTolerance], "The tolerances."]
+    tolerances: Annotated[list[GoalTolerance], "The tolerances, those of the largest part in the 95 % value first."]
 
 
 class ContributionsAt(Record):
@@ -87,16 +87,14 @@ class ContributionsAt(Record):
 
 
 class BudgetFields(Record):
-    """A budget: to first order, in the workpiece frame."""
+    """A budget with what it is of."""
 
-    machine: Annotated[str, "Name of the machine."]
-    chain: Annotated[str, "The kinematic chain."]
     class_source: Annotated[Union[str, None], "Source of the class."]
     samples: Annotated[int, "Number of machines drawn."]
     seed: Annotated[int, "Seed of poses and errors."]
     distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
     statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
-    frame: Annotated[str, "Frame of the vectors: the workpiece frame."]
+    frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors: the workpiece frame."]
     order: Annotated[str, "Order of the errors: 1."]
     left_out: Annotated[int, "Number of errors that have values and are left out."]
     poses: Annotated[int, "Number of poses."]
@@ -105,9 +103,11 @@ class BudgetFields(Record):
     contributions: Annotated[list[BoundedContribution], "Effect of each error at its bound where the RSS is largest, largest first."]
     contributions_on_average: Annotated[list[BoundedContribution], "The same, averaged over the poses."]
     tighten: Annotated[list[Tightening], "The bounded errors; first the one whose tightening lowers the 95 % value most."]
+    machine: Annotated[str, "Name of the machine."]
+    chain: Annotated[str, "The kinematic chain."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches."]
-    goal: Annotated[Union[ToleranceGoal, None], "The cheapest tolerances for a goal."]
-    at: Annotated[Union[ContributionsAt, None], "Contributions at a pose that was named."]
+    goal: Annotated[Union[ToleranceGoal, None], "The cheapest tolerances, if a goal was given."]
+    at: Annotated[Union[ContributionsAt, None], "Contributions at the pose that was named."]
 
 
 class RoundCount(Record):
@@ -117,21 +117,20 @@ class RoundCount(Record):
     arrangements: Annotated[int, "Number of arrangements that took part."]
 
 
-class RoundsShape(Record):
+class RankingRounds(Record):
     """Rounds of a ranking."""
 
     max_samples: Annotated[int, "Maximum number of machines drawn of an arrangement."]
     first: Annotated[int, "Number of first ranks that were to be told apart."]
     told_apart: Annotated[bool, "True if they are."]
-    done: Annotated[list[RoundCount], "The rounds done."]
-    drawn: Annotated[int, "Number of machines drawn."]
-    drawn_without_elimination: Annotated[int, "Their number if no arrangement were left out."]
+    done: Annotated[list[RoundCount], "The rounds done: machines drawn, and arrangements that took part."]
+    drawn: Annotated[int, "Number of machines drawn of ranked arrangements."]
+    drawn_without_elimination: Annotated[int, "Their number if all arrangements had as many as the one with most."]
 
 
-class ArrangementShape(Record):
+class Arrangement(Record):
     """An arrangement of the axes."""
 
-    rank: Annotated[Union[int, None], "Its rank, from 1; of ranked arrangements only."]
     chain: Annotated[str, "Its kinematic chain."]
     on_table: Annotated[int, "Number of axes that carry the workpiece."]
     reached: Annotated[int, "Number of tool poses that it reaches."]
@@ -143,8 +142,9 @@ class ArrangementShape(Record):
     minus_file: Annotated[Union[float, None], "Its figure minus that of the arrangement of the file, um."]
     samples: Annotated[Union[int, None], "Number of machines drawn."]
     versus_first: Annotated[Union[VersusFirst, None], "Its figure minus that of the best."]
-    travel: Annotated[Union[Named[list[float]], None], "Travel that the work needs by axis, mm: minimum and maximum."]
+    travel: Annotated[Union[Named[list[float]], None], "Travel that the work needs by axis, mm or deg: minimum and maximum."]
     not_stated: Annotated[Union[list[str], None], "Geometry that the file does not state."]
+    rank: Annotated[Union[int, None], "Its rank, from 1; of ranked arrangements only."]
 
 
 class EnumerateFields(Record):
@@ -157,16 +157,16 @@ class EnumerateFields(Record):
     errors: Annotated[int, "Number of errors that count."]
     poses: Annotated[int, "Number of tool poses."]
     samples: Annotated[Union[int, None], "Number of machines drawn of every arrangement."]
-    rounds: Annotated[Union[RoundsShape, None], "The rounds, where machines are drawn."]
+    rounds: Annotated[Union[RankingRounds, None], "The rounds, where machines are drawn."]
     seed: Annotated[int, "Seed of poses and errors."]
     statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
     reach: Annotated[float, "Fraction of the tool poses that a ranked arrangement reaches."]
     arrangements: Annotated[int, "Number of arrangements."]
-    ranked: Annotated[list[ArrangementShape], "The arrangements, best first."]
-    reach_less: Annotated[list[ArrangementShape], "Arrangements that reach less."]
-    geometry_not_stated: Annotated[list[ArrangementShape], "Arrangements whose geometry the file does not state."]
-    cannot_turn_the_tool: Annotated[list[str], "Chains of arrangements that cannot turn the tool."]
-    tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches."]
+    ranked: Annotated[list[Arrangement], "The arrangements, best first."]
+    reach_less: Annotated[list[Arrangement], "Arrangements that reach less."]
+    geometry_not_stated: Annotated[list[Arrangement], "Arrangements whose geometry the file does not state."]
+    cannot_turn_the_tool: Annotated[list[str], "Arrangements that cannot turn the tool: their chains."]
+    tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches, as its file has it."]
 
 
 class ReportFields(Record):

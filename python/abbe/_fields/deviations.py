@@ -66,8 +66,8 @@ class EvalFields(Record):
     poses: Annotated[list[PoseResult], "The poses in their order."]
 
 
-class LengthFigures(Record):
-    """Statistics of lengths."""
+class LengthStatistics(Record):
+    """Statistics of lengths, or of lengths minus those of others."""
 
     max: Annotated[float, "Largest."]
     mean: Annotated[float, "Mean."]
@@ -92,10 +92,10 @@ class DrawnMachineFigures(Record):
     percentiles: Annotated[Named[PercentileInterval], "Percentiles by name, such as ``p95``."]
 
 
-class BoundedDeviationShape(Record):
+class BoundedLengths(Record):
     """A deviation that bounds lead to over poses."""
 
-    rss: Annotated[LengthFigures, "Statistics over the poses of the root of the sum of squares."]
+    rss: Annotated[LengthStatistics, "Statistics over the poses of the root of the sum of squares."]
     monte_carlo: Annotated[DrawnMachineFigures, "Largest deviation over the poses, of machines drawn."]
 
 
@@ -116,8 +116,8 @@ class MapFromBounds(Record):
     seed: Annotated[int, "Seed of poses and errors."]
     distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
     statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
-    position_um: Annotated[BoundedDeviationShape, "The position deviation, um."]
-    rotation_urad: Annotated[BoundedDeviationShape, "The rotation of the tool, urad."]
+    position_um: Annotated[BoundedLengths, "The position deviation, um."]
+    rotation_urad: Annotated[BoundedLengths, "The rotation of the tool, urad."]
     worst: Annotated[list[WorstBoundedPose], "The worst poses, largest 95 % value of the position deviation first."]
 
 
@@ -329,20 +329,11 @@ class ErrorContribution(Record):
     minus_first: Annotated[list[float], "The same minus that of the first machine."]
 
 
-class LengthDifference(Record):
-    """Statistics of lengths minus those of others."""
-
-    max: Annotated[float, "Of the largest."]
-    mean: Annotated[float, "Of the mean."]
-    rms: Annotated[float, "Of the root of the mean square."]
-    p95: Annotated[float, "Of the ceil(0.95 n)-th smallest."]
-
-
 class RssDifference(Record):
-    """Statistics of the RSS minus those of another machine; no ranges."""
+    """Statistics of the RSS minus those of another machine."""
 
-    position_um: Annotated[LengthDifference, "Of the position, um."]
-    rotation_urad: Annotated[LengthDifference, "Of the orientation, urad."]
+    position_um: Annotated[LengthStatistics, "Of the position, um."]
+    rotation_urad: Annotated[LengthStatistics, "Of the orientation, urad."]
 
 
 class ComparedBounds(Record):
@@ -354,8 +345,8 @@ class ComparedBounds(Record):
     seed: Annotated[int, "Seed of poses and errors."]
     distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
     statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
-    position_um: Annotated[BoundedDeviationShape, "The position deviation, um."]
-    rotation_urad: Annotated[BoundedDeviationShape, "The rotation of the tool, urad."]
+    position_um: Annotated[BoundedLengths, "The position deviation, um."]
+    rotation_urad: Annotated[BoundedLengths, "The rotation of the tool, urad."]
     rss_minus_first: Annotated[Union[RssDifference, None], "The statistics of the RSS minus those of the first machine."]
 
 
@@ -425,22 +416,22 @@ class DeviationBudgetDifference(Record):
 class BudgetDifference(Record):
     """Figures of a budget minus those of another."""
 
-    position_um: Annotated[Union[DeviationBudgetDifference, None], "Differences of the position deviation, um."]
-    rotation_urad: Annotated[Union[DeviationBudgetDifference, None], "Differences of the orientation deviation, urad."]
+    position_um: Annotated[DeviationBudgetDifference, "Differences of the position deviation, um."]
+    rotation_urad: Annotated[DeviationBudgetDifference, "Differences of the orientation deviation, urad."]
 
 
 class ComparedBudget(Record):
     """The budget of a machine beside others."""
 
     errors: Annotated[int, "Number of bounded errors."]
-    class_source: Annotated[Union[str, None], "Source of the class."]
     position_um: Annotated[DeviationBudget, "The position deviation, um."]
     rotation_urad: Annotated[DeviationBudget, "The rotation of the tool, urad."]
     minus_first: Annotated[BudgetDifference, "Minus the figures of the first machine."]
+    class_source: Annotated[Union[str, None], "Source of the class."]
 
 
 class ComparedContribution(Record):
-    """An error in several budgets; none where a machine does not bound it."""
+    """An error in several budgets; a list has a value for each machine, none where a machine does not bound it."""
 
     error: Annotated[str, "Name of the error."]
     unit: Annotated[str, "``um`` or ``urad``."]
@@ -471,14 +462,14 @@ class ComparedBudgets(Record):
 
     machines: Annotated[list[ComparedBudget], "The budget of each machine."]
     largest_um: Annotated[float, "Effect of the error that is first in ``contributions``, um."]
-    contributions: Annotated[list[ComparedContribution], "Error by error, largest first; a list has a value for each machine."]
+    contributions: Annotated[list[ComparedContribution], "Error by error, largest first."]
     class_source: Annotated[Union[str, None], "Source of the class."]
     samples: Annotated[int, "Number of machines drawn."]
     seed: Annotated[int, "Seed of poses and errors."]
     distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
     statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
-    max_samples: Annotated[int, "Number of machines that are drawn at most."]
-    versus_first_p95_um: Annotated[list[VersusFirst], "The 95 % value of each machine but the first, minus that of the first."]
+    max_samples: Annotated[int, "Number of machines that are drawn at most, if the first ones do not tell the machines apart."]
+    versus_first_p95_um: Annotated[list[VersusFirst], "The 95 % value of the position of each machine but the first, minus that of the first."]
 
 
 class CompareFields(Record):

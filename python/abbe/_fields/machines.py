@@ -243,7 +243,7 @@ class EquationSymbol(Record):
     latex: Annotated[str, "As LaTeX."]
 
 
-class TermShape(Record):
+class PolynomialTerm(Record):
     """A term of a polynomial."""
 
     coefficient: Annotated[float, "Its number."]
@@ -251,24 +251,24 @@ class TermShape(Record):
     order: Annotated[int, "Its order in the errors."]
 
 
-class PolynomialShape(Record):
+class Polynomial(Record):
     """A polynomial in the symbols."""
 
     text: Annotated[str, "As text."]
-    terms: Annotated[list[TermShape], "Its terms."]
+    terms: Annotated[list[PolynomialTerm], "Its terms."]
 
 
 class EquationsFields(Record):
-    """Closed forms; mm and rad, workpiece frame."""
+    """The closed forms of a machine; mm and rad, workpiece frame."""
 
     machine: Annotated[str, "Name of the machine."]
     degree: Annotated[int, "Degree of the algebra."]
     frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors: the workpiece frame."]
     units: Annotated[EquationUnits, "Units of lengths and angles."]
     symbols: Annotated[list[EquationSymbol], "The symbols."]
-    joints: Annotated[Named[list[list[PolynomialShape]]], "The matrix of each joint."]
-    t_tool: Annotated[list[list[PolynomialShape]], "From the bed to the tool."]
-    t_work: Annotated[list[list[PolynomialShape]], "From the bed to the workpiece."]
-    e_ve: Annotated[list[list[PolynomialShape]], "The volumetric error E_VE."]
-    deviation: Annotated[list[PolynomialShape], "Displacement of the functional point."]
-    rotation: Annotated[list[PolynomialShape], "Rotation of the tool."]
+    joints: Annotated[Named[list[list[Polynomial]]], "The matrix of each joint."]
+    t_tool: Annotated[list[list[Polynomial]], "From the bed to the tool."]
+    t_work: Annotated[list[list[Polynomial]], "From the bed to the workpiece."]
+    e_ve: Annotated[list[list[Polynomial]], "The volumetric error E_VE."]
+    deviation: Annotated[list[Polynomial], "Displacement of the functional point."]
+    rotation: Annotated[list[Polynomial], "Rotation of the tool."]

@@ -7,80 +7,80 @@ from typing import Annotated, Any, Literal, Union
 from .._record import Named, Record
 
 
-class BothSensesShape(Record):
-    """A figure by the sense of rotation."""
+class BothSenses(Record):
+    """Figures of each sense of rotation."""
 
-    counter_clockwise: Annotated[float, "By rising angle."]
-    clockwise: Annotated[float, "By falling angle."]
-
-
-class ExtremesShape(Record):
-    """Largest and smallest reading by the sense of rotation."""
-
-    counter_clockwise: Annotated[list[float], "By rising angle."]
-    clockwise: Annotated[list[float], "By falling angle."]
+    counter_clockwise: Annotated[float, "With rising angle."]
+    clockwise: Annotated[float, "With falling angle."]
 
 
-class CircleReadings(Record):
-    """A circle by both senses."""
+class BothSenses2(Record):
+    """Figures of each sense of rotation."""
 
-    plane: Annotated[str, "The plane, workpiece frame."]
-    circular_deviation_um: Annotated[BothSensesShape, "Circular deviation G, um."]
+    counter_clockwise: Annotated[list[float], "With rising angle."]
+    clockwise: Annotated[list[float], "With falling angle."]
+
+
+class BallBar(Record):
+    """A circle of a ball bar in both senses, evaluated by ISO 230-4."""
+
+    plane: Annotated[Literal["XY", "YZ", "ZX"], "The plane, workpiece frame."]
+    circular_deviation_um: Annotated[BothSenses, "Circular deviation G, um: range about the least-squares centre."]
     bidirectional_um: Annotated[float, "Bidirectional circular deviation G(b), um."]
     mean_radial_um: Annotated[float, "Mean bidirectional radial deviation D, um."]
-    radial_max_min_um: Annotated[ExtremesShape, "Radial deviations F, um: largest and smallest."]
-    squareness_urad: Annotated[float, "Angle between the plane's directions minus 90 deg, urad."]
+    radial_max_min_um: Annotated[BothSenses2, "Radial deviations F, um: largest and smallest reading."]
+    squareness_urad: Annotated[float, "Angle between the plane's directions minus 90 deg by the second harmonic, urad."]
     scale_mismatch_um_per_m: Annotated[float, "Scale of the first direction minus that of the second, um/m."]
-    angle_deg: Annotated[list[float], "Angles of the readings, deg."]
-    counter_clockwise_um: Annotated[list[float], "Length read minus radius, um."]
-    clockwise_um: Annotated[list[float], "Length read minus radius, um."]
+    angle_deg: Annotated[list[float], "Angles of the readings from the plane's first direction to its second, deg."]
+    counter_clockwise_um: Annotated[list[float], "Length read minus radius with rising angle, um."]
+    clockwise_um: Annotated[list[float], "Length read minus radius with falling angle, um."]
 
 
-class TurnReading(Record):
+class RTestReading(Record):
     """A reading of an R-test."""
 
-    position_deg: Annotated[float, "Position of the axis, deg."]
+    position_deg: Annotated[float, "Position of the first axis that turns, deg."]
     axes: Annotated[Named[float], "The pose, mm and deg."]
-    reading_um: Annotated[list[float], "Deviation minus that at the first position, um, machine frame."]
+    reading_um: Annotated[list[float], "Deviation of the functional point from the ball, tool relative to workpiece, minus that at the first position, um, machine frame."]
 
 
-class TurnReadings(Record):
-    """An R-test of an axis."""
+class RTest(Record):
+    """An R-test of rotary axes that turn together."""
 
-    axis: Annotated[str, "Name of the axis."]
-    range_um: Annotated[list[float], "Ranges along x, y, z, um."]
+    axis: Annotated[str, "The axes that turn, such as ``C`` or ``A+C``."]
+    range_um: Annotated[list[float], "Ranges of the readings along x, y, z, um."]
     count: Annotated[int, "Number of readings."]
     skipped: Annotated[int, "Number of positions that the other axes cannot follow."]
-    readings: Annotated[list[TurnReading], "The readings."]
+    readings: Annotated[list[RTestReading], "The readings."]
 
 
-class DiagonalReadings(Record):
+class Diagonal(Record):
     """A laser along a diagonal."""
 
-    name: Annotated[str, "Sense of each axis: p or n."]
+    name: Annotated[str, "Sense of each axis along it: p or n, in the order of ``axes``."]
     axes: Annotated[list[str], "Names of the axes."]
-    e_d_um: Annotated[float, "Range of both runs E_d, um."]
-    b_d_um: Annotated[float, "Largest difference of both runs B_d, um."]
-    by_axis_um: Annotated[Union[list[float], None], "Sum of the changes by each axis on the forward run, um; with steps only."]
+    e_d_um: Annotated[float, "E_d, um: range of both runs, the bidirectional systematic deviation E of ISO 230-2."]
+    b_d_um: Annotated[float, "B_d, um: largest difference of both runs."]
+    by_axis_um: Annotated[Union[list[float], None], "Sum of the changes of the reading by each axis's motions on the forward run, um; with steps only."]
     way_mm: Annotated[list[float], "Nominal displacement from the start, mm."]
-    there_um: Annotated[list[float], "Actual minus nominal on the forward run, um."]
-    back_um: Annotated[list[float], "Actual minus nominal on the return run, um."]
+    there_um: Annotated[list[float], "Actual minus nominal on the forward run, um; 0 at the start."]
+    back_um: Annotated[list[float], "Actual minus nominal on the return run, um, in the order of ``way_mm``."]
 
 
 class InstrumentFields(Record):
-    """Readings of an instrument; the fields of other instruments are absent."""
+    """Readings of an instrument on a machine, exact model."""
 
     machine: Annotated[str, "Name of the machine."]
-    instrument: Annotated[str, "``ball_bar``, ``r_test``, ``diagonals`` or ``step_diagonals``."]
-    centre: Annotated[Union[Named[float], None], "Ball bar: centre of the circles, mm and deg."]
-    radius_mm: Annotated[Union[float, None], "Ball bar: its length, mm."]
-    planes: Annotated[Union[list[CircleReadings], None], "Ball bar: the circles."]
-    ball_at: Annotated[Union[Named[float], None], "R-test: pose at which the ball is, mm and deg."]
-    frame: Annotated[Union[Literal["workpiece", "machine", "tool"], None], "R-test: frame of the readings, the machine frame."]
-    axes: Annotated[Union[list[TurnReadings], None], "R-test: the axes."]
-    at: Annotated[Union[Named[float], None], "Diagonals: pose of the axes that stand, mm and deg."]
-    diagonals: Annotated[Union[list[DiagonalReadings], None], "Diagonals: the lines."]
-    e_um: Annotated[Union[float, None], "Diagonals: the largest E_d, um."]
+    instrument: Annotated[Literal["ball_bar", "r_test", "diagonals", "step_diagonals"], ""]
+    centre: Annotated[Union[Named[float], None], "Centre of the circles, mm and deg."]
+    radius_mm: Annotated[Union[float, None], "Length of the ball bar, mm."]
+    planes: Annotated[Union[list[BallBar], None], "The circles, plane by plane."]
+    ball_at: Annotated[Union[Named[float], None], "Pose at which the ball is, mm and deg."]
+    frame: Annotated[Union[Literal["workpiece", "machine", "tool"], None], "Frame of the readings: the machine frame."]
+    axes: Annotated[Union[list[RTest], None], "The tests, axis by axis."]
+    at: Annotated[Union[Named[float], None], "Pose of the axes that stand, mm and deg."]
+    diagonals: Annotated[Union[list[Diagonal], None], "The diagonals, at least one."]
+    e_um: Annotated[Union[float, None], "The largest E_d, um."]
 
 
 class FittedParameter(Record):
@@ -485,14 +485,14 @@ class ImportFields(Record):
     metadata: Annotated[list[list[str]], "Entries before the table."]
 
 
-class BothSenses(Record):
+class BothSenses3(Record):
     """Figures of each sense of rotation."""
 
     counter_clockwise: Annotated[Union[float, None], "With rising angle."]
     clockwise: Annotated[Union[float, None], "With falling angle."]
 
 
-class BothSenses2(Record):
+class BothSenses4(Record):
     """Figures of each sense of rotation."""
 
     counter_clockwise: Annotated[Union[list[float], None], "With rising angle."]
@@ -594,10 +594,10 @@ class FiguresFields(Record):
     radius_mm: Annotated[Union[float, None], "Nominal radius."]
     arc_deg: Annotated[Union[float, None], "Arc on which there are readings."]
     readings: Annotated[Union[int, None], "Number of readings."]
-    circular_deviation_um: Annotated[Union[BothSenses, None], "Circular deviation G about the centre of least squares."]
+    circular_deviation_um: Annotated[Union[BothSenses3, None], "Circular deviation G about the centre of least squares."]
     bidirectional_um: Annotated[Union[float, None], "Bidirectional circular deviation G(b)."]
     mean_radial_um: Annotated[Union[float, None], "Mean bidirectional radial deviation D."]
-    radial_max_min_um: Annotated[Union[BothSenses2, None], "Radial deviations F about the nominal centre, largest and smallest."]
+    radial_max_min_um: Annotated[Union[BothSenses4, None], "Radial deviations F about the nominal centre, largest and smallest."]
     centre_um: Annotated[Union[list[float], None], "Centre of least squares from the nominal one: how the ball stood."]
     causes: Annotated[Union[CauseTest, None], "The circle taken apart; none where the readings do not tell causes apart."]
     note: Annotated[str, "The standard's text was not at hand."]

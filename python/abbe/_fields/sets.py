@@ -9,8 +9,26 @@ from .deviations import Bands, Summary
 from .machines import DiffFields
 
 
+class ReferenceShift(Record):
+    """Displacement of the reference."""
+
+    shift_um: Annotated[Named[float], "Shifts of the linear axes, um."]
+    shift_urad: Annotated[Named[float], "Shifts of the rotary axes, urad."]
+    position_um: Annotated[Summary, "Position deviation with it, um."]
+    without_tables_um: Annotated[Summary, "Position deviation by it alone, um."]
+
+
+class RaisedFigure(Record):
+    """A figure of the position deviation that the files raise."""
+
+    direction: Annotated[Literal["mean", "forward", "reverse"], "The side of approach."]
+    figure: Annotated[str, "Name of the figure."]
+    before_um: Annotated[float, "Its value without the files, um."]
+    after_um: Annotated[float, "Its value with the files, um."]
+
+
 class CertifiedFigures(Record):
-    """Figures of a certificate."""
+    """Figures of a certificate: statistics of a field over poses."""
 
     position_um: Annotated[Summary, "Deviation of the functional point, um."]
     rotation_urad: Annotated[Summary, "Rotation of the tool, urad."]
@@ -32,37 +50,19 @@ class AtReference(Record):
     reverse: Annotated[Named[float], "Approached in reverse."]
 
 
-class RaisedShape(Record):
-    """A figure that files raise."""
+class ProgrammingFigures(Record):
+    """Figures of a controller's transformation for one way to program the tool and one tool."""
 
-    direction: Annotated[Literal["mean", "forward", "reverse"], "The side of approach."]
-    figure: Annotated[str, "Name of the figure."]
-    before_um: Annotated[float, "Its value without the files, um."]
-    after_um: Annotated[float, "Its value with the files, um."]
-
-
-class ReferenceShift(Record):
-    """Displacement of the reference."""
-
-    shift_um: Annotated[Named[float], "Shifts of the linear axes, um."]
-    shift_urad: Annotated[Named[float], "Shifts of the rotary axes, urad."]
-    position_um: Annotated[Summary, "Position deviation with it, um."]
-    without_tables_um: Annotated[Summary, "Position deviation by it alone, um."]
-
-
-class ProgrammingShape(Record):
-    """Figures for one form of the tool direction."""
-
-    tool_direction: Annotated[str, "``vector`` or ``rotary axes``."]
+    tool_direction: Annotated[Literal["vector", "rotary axes"], "The way in which blocks program the direction of the tool."]
     tool: Annotated[str, "Name of the tool in the machine file, empty for the only one."]
-    longer_mm: Annotated[float, "Added to the length of the tool, mm."]
-    uncompensated: Annotated[CertifiedFigures, "Without the files."]
-    compensated: Annotated[CertifiedFigures, "With the files."]
-    at_poles: Annotated[int, "The number of poses at which the controller keeps an axis at a pole."]
-    away_from_poles: Annotated[Union[CertifiedFigures, None], "With the files at the other poses, where some are at a pole."]
+    longer_mm: Annotated[float, "Length by which the tool is longer than that of the machine file, mm."]
+    uncompensated: Annotated[CertifiedFigures, "Figures without the parameters."]
+    compensated: Annotated[CertifiedFigures, "Figures with them."]
+    at_poles: Annotated[int, "The number of poses at a pole, where the controller keeps an axis."]
+    away_from_poles: Annotated[Union[CertifiedFigures, None], "Figures with them without those poses; ``None`` if there are none, or no others."]
 
 
-class StepShape(Record):
+class CertificateStep(Record):
     """Figures after a step of a composed set."""
 
     target: Annotated[str, "Names of the targets so far."]
@@ -77,8 +77,10 @@ class CertificateBands(Record):
 
 
 class CertificateFields(Record):
-    """A machine after a controller has applied its files."""
+    """Residual of a machine after a controller has applied a set of files."""
 
+    reference_shift: Annotated[Union[ReferenceShift, None], "Displacement of the reference that the controller does not see; none for most."]
+    raised: Annotated[list[RaisedFigure], "Figures that the files raise."]
     target: Annotated[str, "Name of the target."]
     files: Annotated[list[str], "Names of the files."]
     poses: Annotated[int, "Number of poses."]
@@ -90,10 +92,8 @@ class CertificateFields(Record):
     single_error_poses: Annotated[int, "Number of poses for single errors."]
     at_reference: Annotated[AtReference, "Motions that the files add with all axes at 0."]
     cannot: Annotated[list[str], "Errors that the controller cannot correct, in words."]
-    raised: Annotated[list[RaisedShape], "Figures that the files raise."]
-    reference_shift: Annotated[Union[ReferenceShift, None], "Displacement of the reference that the controller does not see; none for most."]
-    programming: Annotated[Union[list[ProgrammingShape], None], "Figures for each form of the tool direction, where the controller transforms."]
-    steps: Annotated[Union[list[StepShape], None], "Figures after each step of a composed set."]
+    programming: Annotated[Union[list[ProgrammingFigures], None], "Figures for each form of the tool direction, where the controller transforms."]
+    steps: Annotated[Union[list[CertificateStep], None], "Figures after each step of a composed set, the last for all of it."]
     uncertainty: Annotated[Union[CertificateBands, None], "Intervals of the figures, where the machine file states uncertainties of errors."]
 
 

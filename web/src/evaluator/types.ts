@@ -1,5 +1,7 @@
 /** The interface between the page and the library: questions in, the JSON documents of `abbe ... --format json` out. */
 
+import type * as results from "./results";
+
 export type Vec3 = [number, number, number];
 
 /** A question about the machine: a verb of the program with its options, as `abbe::options::Question` has them. */
@@ -97,33 +99,11 @@ export interface OpenFile {
   text: string;
 }
 
-export interface Axis {
-  name: string;
-  kind: "linear" | "rotary";
-  side: "workpiece" | "tool";
-  sense: "iso841" | "direct";
-  direction: Vec3;
-  origin_mm: Vec3;
-  travel: [number, number];
-  continuous: boolean;
-  unit: string;
-}
+export type Axis = results.ChainAxis;
 
-export interface Tool {
-  name: string;
-  gauge_mm: Vec3;
-  tip_mm: Vec3;
-  direction: Vec3;
-}
+export type Tool = results.ChainTool;
 
-export interface Chain {
-  machine: string;
-  chain: string;
-  axes: Axis[];
-  tools: Tool[];
-  workpiece_origin_mm: Vec3;
-  workpiece_rotation_deg: Vec3;
-}
+export type Chain = results.ChainResult;
 
 /** What pictures and sliders hang on: the same for chains that differ by their errors only. */
 export function geometry(of: Chain): string {
@@ -143,118 +123,40 @@ export function geometry(of: Chain): string {
 
 export type Pose = Record<string, number>;
 
-export interface Summary {
-  max: number;
-  mean: number;
-  rms: number;
-  p95: number;
-}
+export type Summary = results.Summary;
 
-type Interval = [number, number];
+export type VolumeMap = results.MapResult;
 
-export interface VolumeMap {
-  poses: number;
-  from?: "bounds";
-  position_um: Summary;
-  rotation_urad: Summary;
-  uncertainty?: { position_um: Record<keyof Summary, Interval>; rotation_urad: Record<keyof Summary, Interval> };
-  bounds?: { worst: { axes: Pose; rss_um: number; p95_um: number }[] };
-  worst: { axes: Pose; deviation_um: Vec3 }[];
-}
+export type Source = results.ErrorSource;
 
-export interface Source {
-  error: string;
-  words: string;
-  p95_um: number;
-  max_um: number;
-  p95_urad: number;
-  /** Its part along the deviation at `at` of the answer. */
-  at_um: number;
-}
+export type Sources = results.ErrorSources;
 
-export interface Sources {
-  at: Pose;
-  errors: Source[];
-}
+export type Evaluated = results.EvalResult;
 
-export interface Evaluated {
-  poses: { axes: Pose; nominal: Vec3; deviation: Vec3; rotation: Vec3 }[];
-}
-
-export interface Reach {
-  tips: number;
-  directions: { kind: "one" | "circle" | "hemisphere"; count: number };
-  tool_poses: number;
-  reached: number;
-  share: number;
-  tips_in_all_directions: number;
+export type Reach = results.ReachResult & {
   /** What stops the rest, the most frequent first. */
   reasons: string[];
-}
+};
 
 /** A quantile of drawn machines with its interval, um. */
-export interface Quantile {
-  value: number;
-  low: number;
-  high: number;
-}
+export type Quantile = results.Percentile;
 
 /** A controller: what it corrects and what not, in words. */
-export interface Target {
-  target: string;
-  title: string;
-  expresses: string;
-  cannot: string[];
-}
+export type Target = results.TargetSummary;
 
-export interface BallBar {
-  radius_mm: number;
-  planes: { plane: string; bidirectional_um: number; squareness_urad: number }[];
-}
+export type BallBar = Extract<results.InstrumentResult, { instrument: "ball_bar" }>;
 
-export interface RTest {
-  axes: { axis: string; range_um: Vec3 }[];
-}
+export type RTest = Extract<results.InstrumentResult, { instrument: "r_test" }>;
 
-export interface Diagonals {
-  diagonals: { name: string; e_d_um: number; b_d_um: number }[];
-}
+export type Diagonals = Extract<results.InstrumentResult, { instrument: "diagonals" }>;
 
 /** The cheapest tolerances for a goal. */
-export interface ToleranceGoal {
-  goal_um: number;
-  before_um: Quantile;
-  proof_um: Quantile;
-  proof_samples: number;
-  staying_um: number;
-  cost: { before: number; after: number; per_um: number };
-  tolerances: { error: string; unit: string; old: number; new: number; um_of_p95: number; binds: string }[];
-}
+export type ToleranceGoal = results.ToleranceGoal;
 
 /** A machine beside another on the same tool poses. */
-export interface Comparison {
-  poses: number;
-  asked: number;
-  machines: ComparedMachine[];
-  budgets?: {
-    samples: number;
-    machines: { position_um: { monte_carlo: { percentiles: Record<string, { value: number }> } } }[];
-    versus_first_p95_um: {
-      verdict: "first" | "equal" | "not_told_apart" | "worse" | "better";
-      minus_first: { value: number; low: number | null; high: number | null };
-    }[];
-  };
-  contributions: { error: string; um: (number | null)[]; minus_first: number[] }[];
-}
+export type Comparison = results.CompareResult;
 
-export interface ComparedMachine {
-  machine: string;
-  from?: "bounds";
-  position_um: Summary;
-  rotation_urad: Summary;
-  minus_first: { position_um: Summary; rotation_urad: Summary } | null;
-  uncertainty?: { minus_first: { position_um: Record<keyof Summary, Interval> }; told_apart: boolean };
-}
+export type ComparedMachine = results.ComparedMachine;
 
 /** A row of a file of tool poses: reached with its deviation, or not with what it lacks. */
 export interface WorkRow {

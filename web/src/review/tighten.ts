@@ -86,13 +86,16 @@ export class Tighten {
 
   private shown(goal: ToleranceGoal): HTMLElement[] {
     const { cost, proof_um: proof } = goal;
+    const { low, high } = proof;
+    const interval = low === null || high === null ? "" : ` (${rounded(low)} to ${rounded(high)})`;
+    const price = cost.per_um === null ? "" : ` (${rounded(cost.per_um)} for a further µm)`;
     const facts = make(
       "p",
       {},
       figure("goal-proof", proof.value, "µm"),
-      ` (${rounded(proof.low)} to ${rounded(proof.high)}) by ${goal.proof_samples} other machines, `,
+      `${interval} by ${goal.proof_samples} other machines, `,
       `before ${rounded(goal.before_um.value)} µm; `,
-      `cost ${rounded(cost.before)} → ${rounded(cost.after)} (${rounded(cost.per_um)} for a further µm).`,
+      `cost ${rounded(cost.before)} → ${rounded(cost.after)}${price}.`,
     );
     const rows = goal.tolerances.map((of) => {
       const unit = of.unit.replace("u", "µ");

@@ -1,0 +1,1276 @@
+/** Answers of the library. python/generate.py writes this file from the results of the façade. */
+
+/** What the bounds of a machine add to its measured errors: a budget of those errors that have no value. */
+export interface AddedByBounds {
+  /** Number of these errors. */
+  errors: number;
+  /** Number of poses: those of the budget, or of the work. */
+  poses: number;
+  /** Number of machines drawn. */
+  samples: number;
+  /** Seed of poses and errors. */
+  seed: number;
+  /** Of the position deviation, um. */
+  position_um: AddedDeviation;
+  /** Of the orientation, urad. */
+  rotation_urad: AddedDeviation;
+}
+
+/** A deviation that bounds add. */
+export interface AddedDeviation {
+  /** Root of the sum of squares of the bounds' effects, at the pose where that is largest. */
+  rss: number;
+  /** The largest deviation over the poses that 95 % of the machines drawn do not exceed. */
+  p95: number;
+}
+
+/** The side from which a position is approached; curves may differ (reversal). */
+export type Approach = "mean" | "forward" | "reverse";
+
+/** A lever arm, mm. */
+export interface Arm {
+  /** At the zero pose. */
+  at_zero: number;
+  /** The longest over the volume. */
+  longest: number;
+  /** Fraction of the sum of squares of all errors, each by itself, that the angular errors of the axis make over the volume, at their values or bounds. None without errors. */
+  share: number | null;
+}
+
+/** The kind of motion of an axis. */
+export type AxisKind = "linear" | "rotary";
+
+/** An axis in short. */
+export interface AxisSummary {
+  /** Name of the axis. */
+  name: string;
+  /** Linear or rotary. */
+  kind: AxisKind;
+  /** The branch that the axis is on. */
+  branch: Branch;
+  /** Unit vector in machine coordinates at the zero pose. */
+  direction: [number, number, number];
+  /** Point about which angular errors turn, in machine coordinates at the zero pose, mm. */
+  origin: [number, number, number];
+  /** True if the axis turns without end. */
+  continuous: boolean;
+  /** Limits in `unit`; 0 and 360 for a continuous axis. */
+  travel: [number, number];
+  /** `mm` or `deg`. */
+  unit: string;
+  /** Arms from the point about which angular errors turn to the functional point, and what hangs on them. */
+  arm_mm: Arm;
+}
+
+/** A circle of a ball bar in both senses, evaluated by ISO 230-4. */
+export interface BallBar {
+  /** The plane, workpiece frame. */
+  plane: Plane;
+  /** Circular deviation G, um: range about the least-squares centre. */
+  circular_deviation_um: BothSenses;
+  /** Bidirectional circular deviation G(b), um. */
+  bidirectional_um: number;
+  /** Mean bidirectional radial deviation D, um. */
+  mean_radial_um: number;
+  /** Radial deviations F, um: largest and smallest reading. */
+  radial_max_min_um: BothSenses2;
+  /** Angle between the plane's directions minus 90 deg by the second harmonic, urad. */
+  squareness_urad: number;
+  /** Scale of the first direction minus that of the second, um/m. */
+  scale_mismatch_um_per_m: number;
+  /** Angles of the readings from the plane's first direction to its second, deg. */
+  angle_deg: number[];
+  /** Length read minus radius with rising angle, um. */
+  counter_clockwise_um: number[];
+  /** Length read minus radius with falling angle, um. */
+  clockwise_um: number[];
+}
+
+/** Intervals of the statistics of deviations. */
+export interface Bands {
+  /** Number of independent parts of the uncertainty. */
+  parts: number;
+  /** Number of poses at which they were followed. */
+  poses: number;
+  /** True if the intervals were drawn, false if they are to first order (k = 2). */
+  drawn: boolean;
+  /** Position deviations of the functional point, um. */
+  position_um: SummaryBand;
+  /** Rotations of the tool, urad. */
+  rotation_urad: SummaryBand;
+}
+
+/** An axis that would have to leave its travel. */
+export interface BeyondTravel {
+  /** Name of the axis. */
+  axis: string;
+  /** Distance from the nearer end of its travel: negative below the lower end. */
+  by: number;
+  /** `mm` or `deg`. */
+  unit: string;
+}
+
+/** What holds a tolerance where it is. */
+export type Binding = "goal" | "finest" | "coarsest";
+
+/** Displacement along a body diagonal. */
+export interface BodyDiagonal {
+  /** Senses of the axes along it, such as `ppp`. */
+  name: string;
+  /** The pose at its beginning, mm and deg. */
+  from: Record<string, number>;
+  /** The pose at its end, mm and deg. */
+  to: Record<string, number>;
+  /** Length, mm. */
+  length_mm: number;
+  /** Maximum minus minimum of the displacement, um. */
+  range_um: number;
+  /** Displacement along the diagonal at equal intervals, um. */
+  deviations_um: number[];
+}
+
+/** Figures of each sense of rotation. */
+export interface BothSenses {
+  /** With rising angle. */
+  counter_clockwise: number;
+  /** With falling angle. */
+  clockwise: number;
+}
+
+/** Figures of each sense of rotation. */
+export interface BothSenses2 {
+  /** With rising angle. */
+  counter_clockwise: [number, number];
+  /** With falling angle. */
+  clockwise: [number, number];
+}
+
+/** Effect of an error at its bound. */
+export interface BoundedContribution {
+  /** Name of the error. */
+  error: string;
+  /** Share of the sum of squares, 0 to 1. */
+  share: number;
+  /** Position deviation, um. */
+  um: number;
+}
+
+/** A deviation that bounds lead to over poses. */
+export interface BoundedLengths {
+  /** Statistics over the poses of the root of the sum of squares. */
+  rss: LengthStatistics;
+  /** Largest deviation over the poses, of machines drawn. */
+  monte_carlo: DrawnMachineFigures;
+}
+
+/** A side of the bed. */
+export type Branch = "workpiece" | "tool";
+
+/** Figures of a budget minus those of another. */
+export interface BudgetDifference {
+  /** Differences of the position deviation, um. */
+  position_um: DeviationBudgetDifference;
+  /** Differences of the orientation deviation, urad. */
+  rotation_urad: DeviationBudgetDifference;
+}
+
+/** A budget with what it is of. */
+export interface BudgetResult {
+  /** The class that bounds what the machine file does not. */
+  class: string | null;
+  /** Source of the class. */
+  class_source: string | null;
+  /** Number of machines drawn. */
+  samples: number;
+  /** Seed of poses and errors. */
+  seed: number;
+  /** Distribution of an error between its bounds. */
+  distribution: Distribution;
+  /** Statistic of a machine over the poses. */
+  statistic: Statistic;
+  /** Frame of the vectors: the workpiece frame. */
+  frame: Frame;
+  /** Order of the errors: 1. */
+  order: Order;
+  /** Number of errors that have values and are left out. */
+  left_out: number;
+  /** Number of poses. */
+  poses: number;
+  /** The position deviation, um. */
+  position_um: DeviationBudget;
+  /** The rotation of the tool, urad. */
+  rotation_urad: DeviationBudget;
+  /** Effect of each error at its bound where the RSS is largest, largest first. */
+  contributions: BoundedContribution[];
+  /** The same, averaged over the poses. */
+  contributions_on_average: BoundedContribution[];
+  /** The bounded errors; first the one whose tightening lowers the 95 % value most. */
+  tighten: Tightening[];
+  /** Name of the machine. */
+  machine: string;
+  /** The kinematic chain. */
+  chain: string;
+  /** Tool poses of a file that the machine reaches. */
+  tool_poses?: ReachedToolPoses | null;
+  /** The cheapest tolerances, if a goal was given. */
+  goal?: ToleranceGoal | null;
+  /** Contributions at the pose that was named. */
+  at?: ContributionsAt | null;
+}
+
+/** An axis of a chain, in machine coordinates at the zero pose. */
+export interface ChainAxis {
+  /** Name of the axis. */
+  name: string;
+  /** Linear or rotary. */
+  kind: AxisKind;
+  /** The branch that the axis stands on. */
+  side: Branch;
+  /** Sense of the positive direction. */
+  sense: Sense;
+  /** Unit vector. */
+  direction: [number, number, number];
+  /** Point about which angular errors turn, mm. */
+  origin_mm: [number, number, number];
+  /** Limits in `unit`; 0 and 360 for a continuous axis. */
+  travel: [number, number];
+  /** True if the axis turns without end. */
+  continuous: boolean;
+  /** `mm` or `deg`. */
+  unit: string;
+  /** Arms from the point about which angular errors turn to the functional point. */
+  arm_mm: Arm;
+  /** True if the file states the geometry for the side on which the axis stands. */
+  geometry_stated: boolean;
+  /** Geometry that the file states for the other side. */
+  other_side: OtherSide | null;
+}
+
+/** The kinematic chain of a machine. */
+export interface ChainResult {
+  /** Name of the machine. */
+  machine: string;
+  /** The chain from workpiece to tool, such as `w C' A' Y' b X Z t`. */
+  chain: string;
+  /** The axes in the order of the chain. */
+  axes: ChainAxis[];
+  /** The tools. */
+  tools: ChainTool[];
+  /** Origin of the workpiece in machine coordinates at the zero pose, mm. */
+  workpiece_origin_mm: [number, number, number];
+  /** Angles A, B, C by which the workpiece's coordinates are turned about X, then Y, then Z of the machine, deg. */
+  workpiece_rotation_deg: [number, number, number];
+  /** The conventions in force. */
+  conventions: Conventions;
+  /** The location errors. */
+  location_errors: LocationErrors;
+  /** The files that the machine was read from. */
+  inputs: InputFile[];
+}
+
+/** A tool, in machine coordinates at the zero pose. */
+export interface ChainTool {
+  /** Name of the tool; may be empty. */
+  name: string;
+  /** Gauge point, mm. */
+  gauge_mm: [number, number, number];
+  /** Functional point, mm. */
+  tip_mm: [number, number, number];
+  /** Unit vector of its axis, from the tip towards the spindle. */
+  direction: [number, number, number];
+}
+
+/** Machines side by side, over the tool poses that all of them reach. */
+export interface CompareResult {
+  /** Effect of each error alone, largest first. */
+  contributions: ErrorContribution[];
+  /** Number of tool poses asked for. */
+  asked: number;
+  /** Number of tool poses that all machines reach. */
+  poses: number;
+  /** Seed of the tool poses, and of the errors that are drawn. */
+  seed: number;
+  /** Frame of the vectors: the workpiece frame. */
+  frame: Frame;
+  /** Side of approach. */
+  direction: Approach;
+  /** The machines in their order. */
+  machines: ComparedMachine[];
+  /** Budgets on the same work, where every machine bounds errors. */
+  budgets?: ComparedBudgets | null;
+}
+
+/** Intervals of the statistics of a machine beside another. Machines share the uncertainty that both files state. */
+export interface ComparedBands {
+  /** Number of independent parts of the uncertainty. */
+  parts: number;
+  /** Number of poses at which they were followed. */
+  poses: number;
+  /** True if the intervals were drawn, false if they are to first order (k = 2). */
+  drawn: boolean;
+  /** Position deviations of the functional point, um. */
+  position_um: SummaryBand;
+  /** Rotations of the tool, urad. */
+  rotation_urad: SummaryBand;
+  /** Those of its statistics minus the first machine's. */
+  minus_first: Bands;
+  /** True if the 95 % position deviation differs from the first machine's by more than the uncertainty. */
+  told_apart: boolean;
+}
+
+/** What the bounds of a machine lead to on the tool poses, where nothing is measured. */
+export interface ComparedBounds {
+  /** Number of bounded errors. */
+  errors: number;
+  /** The class that bounds what the machine file does not. */
+  class: string | null;
+  /** Source of the class. */
+  class_source: string | null;
+  /** Number of machines drawn. */
+  samples: number;
+  /** Seed of poses and errors. */
+  seed: number;
+  /** Distribution of an error between its bounds. */
+  distribution: Distribution;
+  /** Statistic of a machine over the poses. */
+  statistic: Statistic;
+  /** The position deviation, um. */
+  position_um: BoundedLengths;
+  /** The rotation of the tool, urad. */
+  rotation_urad: BoundedLengths;
+  /** The statistics of the RSS minus those of the first machine. */
+  rss_minus_first: RssDifference | null;
+}
+
+/** The budget of a machine beside others. */
+export interface ComparedBudget {
+  /** Number of bounded errors. */
+  errors: number;
+  /** The position deviation, um. */
+  position_um: DeviationBudget;
+  /** The rotation of the tool, urad. */
+  rotation_urad: DeviationBudget;
+  /** Minus the figures of the first machine. */
+  minus_first: BudgetDifference;
+  /** The class that bounds what the machine file does not. */
+  class: string | null;
+  /** Source of the class. */
+  class_source: string | null;
+}
+
+/** Budgets on the same work. */
+export interface ComparedBudgets {
+  /** The budget of each machine. */
+  machines: ComparedBudget[];
+  /** Effect of the error that is first in `contributions`, um. */
+  largest_um: number;
+  /** Error by error, largest first. */
+  contributions: ComparedContribution[];
+  /** The class that bounds what the machine file does not. */
+  class: string | null;
+  /** Source of the class. */
+  class_source: string | null;
+  /** Number of machines drawn. */
+  samples: number;
+  /** Seed of poses and errors. */
+  seed: number;
+  /** Distribution of an error between its bounds. */
+  distribution: Distribution;
+  /** Statistic of a machine over the poses. */
+  statistic: Statistic;
+  /** Number of machines that are drawn at most, if the first ones do not tell the machines apart. */
+  max_samples: number;
+  /** The 95 % value of the position of each machine but the first, minus that of the first. */
+  versus_first_p95_um: VersusFirst[];
+}
+
+/** An error in several budgets; a list has a value for each machine, none where a machine does not bound it. */
+export interface ComparedContribution {
+  /** Name of the error. */
+  error: string;
+  /** `um` or `urad`. */
+  unit: string;
+  /** Its tolerance, in `unit`. */
+  tolerance: (number | null)[];
+  /** Its part of the 95 % value, um. */
+  um_of_p95: (number | null)[];
+  /** Standard error of that part, um. */
+  um_of_p95_sigma: (number | null)[];
+  /** That part minus that of the first machine, um. */
+  minus_first: number[];
+  /** Its effect averaged over the poses, um. */
+  average_um: (number | null)[];
+}
+
+/** One machine of a comparison. */
+export interface ComparedMachine {
+  /** Name of the machine. */
+  machine: string;
+  /** Name of its file. */
+  file: string;
+  /** Order of its errors. */
+  order: Order;
+  /** Number of tool poses that it does not reach, by reason. */
+  unreachable: UnreachableCount;
+  /** `bounds` where nothing is measured: then the statistics are of the 95 % value at each tool pose. */
+  from?: string | null;
+  /** What its bounds lead to, where nothing is measured. */
+  bounds?: ComparedBounds | null;
+  /** What bounds of errors without a value add to the measured ones. */
+  bounds_add?: AddedByBounds | null;
+  /** Statistics of the deviation of the functional point, um. */
+  position_um: Summary;
+  /** Statistics of the deviation of the orientation of the tool, urad. */
+  rotation_urad: Summary;
+  /** The statistics minus those of the first machine: negative is better than the first. None where of only one of the two nothing is measured. */
+  minus_first: Difference | null;
+  /** Intervals of its statistics, and of these minus those of the first machine, where any of the files states uncertainties of errors. */
+  uncertainty?: ComparedBands | null;
+  /** Rows of a file of tool poses that it does not reach. */
+  missed?: MissedToolPose[] | null;
+  /** The travel that the tool poses of a file need, axis by axis. */
+  travel?: NeededTravel[] | null;
+}
+
+/** Contributions at a pose. */
+export interface ContributionsAt {
+  /** The pose, mm and deg. */
+  axes: Record<string, number>;
+  /** Effect of each error at its bound, largest first. */
+  contributions: BoundedContribution[];
+}
+
+/** The conventions in force for a machine. */
+export interface Conventions {
+  /** The action of location errors. */
+  location: Location;
+  /** Component errors of linear axes. */
+  linear: LinearOrder;
+  /** Component errors of rotary axes. */
+  rotary: RotaryOrder;
+  /** Sense of workpiece-side axes. */
+  workpiece_axes: Sense;
+  /** Owner of the errors of workpiece-side axes. */
+  errors_are: ErrorsAre;
+  /** Order of location errors. */
+  location_order: LocationOrder;
+  /** Shape of error matrices. */
+  joints: Joints;
+  /** Order used when the command line names none (`hrdina-vasik-2014` is of order 1); `None` is exact. */
+  default_order: number | null;
+}
+
+/** A deviation, as bounds lead to it. */
+export interface DeviationBudget {
+  /** Sum of the effects of all bounds, at the pose where it is largest. */
+  worst_case: number;
+  /** Root of the sum of their squares, at the pose where it is largest. */
+  rss: number;
+  /** Mean of both. */
+  mean_of_both: number;
+  /** Pose of the worst case, mm and deg. */
+  worst_case_at: Record<string, number>;
+  /** Pose of the largest RSS, mm and deg. */
+  rss_at: Record<string, number>;
+  /** Machines drawn between the bounds. */
+  monte_carlo: DrawnMachineFigures;
+}
+
+/** Figures of a deviation minus those of another. */
+export interface DeviationBudgetDifference {
+  /** Difference of the worst cases. */
+  worst_case: number;
+  /** Difference of the RSS values. */
+  rss: number;
+  /** Difference of the means of both. */
+  mean_of_both: number;
+  /** Differences of the figures of machines drawn. */
+  monte_carlo: DrawnDifference;
+}
+
+/** A laser along a diagonal. */
+export interface Diagonal {
+  /** Sense of each axis along it: p or n, in the order of `axes`. */
+  name: string;
+  /** Names of the axes. */
+  axes: string[];
+  /** E_d, um: range of both runs, the bidirectional systematic deviation E of ISO 230-2. */
+  e_d_um: number;
+  /** B_d, um: largest difference of both runs. */
+  b_d_um: number;
+  /** Sum of the changes of the reading by each axis's motions on the forward run, um; with steps only. */
+  by_axis_um: number[] | null;
+  /** Nominal displacement from the start, mm. */
+  way_mm: number[];
+  /** Actual minus nominal on the forward run, um; 0 at the start. */
+  there_um: number[];
+  /** Actual minus nominal on the return run, um, in the order of `way_mm`. */
+  back_um: number[];
+}
+
+/** Statistics minus statistics. */
+export interface Difference {
+  /** Position deviations of the functional point, um. */
+  position_um: Summary;
+  /** Rotations of the tool, urad. */
+  rotation_urad: Summary;
+}
+
+/** The kind of a set of directions. */
+export type DirectionKind = "one" | "circle" | "hemisphere";
+
+/** The distribution of an error between its bounds. */
+export type Distribution = "uniform" | "triangular";
+
+/** An error in the deviation at a pose. */
+export interface DominatingError {
+  /** Name of the error. */
+  error: string;
+  /** Its part along the deviation, first order, um. */
+  um: number;
+}
+
+/** Figures of machines drawn minus those of others. */
+export interface DrawnDifference {
+  /** Difference of the means. */
+  mean: number;
+  /** Difference of the 95 % values. */
+  p95: number;
+}
+
+/** Figures of machines drawn. */
+export interface DrawnMachineFigures {
+  /** Mean. */
+  mean: number;
+  /** Standard error of the mean. */
+  mean_sigma: number;
+  /** Value that 95 % of the machines do not exceed. */
+  p95: number;
+  /** Percentiles by name, such as `p95`. */
+  percentiles: Record<string, PercentileInterval>;
+}
+
+/** Effect of an error alone in each machine. */
+export interface ErrorContribution {
+  /** Name of the error. */
+  error: string;
+  /** 95 % position deviation with only this error, first order, um, by machine; none without a value. */
+  um: (number | null)[];
+  /** The same minus that of the first machine. */
+  minus_first: number[];
+}
+
+/** Counts of the errors of a machine. */
+export interface ErrorCounts {
+  /** Location errors with a value. */
+  location: number;
+  /** Component errors with a value. */
+  component: number;
+  /** Errors of which only a bound is known. */
+  tolerance: number;
+}
+
+/** Effect of an error, or of a pair of errors, at a pose; workpiece frame. */
+export interface ErrorEffect {
+  /** Name of the error; of a pair `A*B`. */
+  error: string;
+  /** Displacement of the functional point when each error is 1 mm or 1 rad, mm. */
+  deviation: [number, number, number];
+  /** Rotation of the tool, rad. */
+  rotation: [number, number, number];
+  /** Product of the values of the errors at the pose, mm and rad. */
+  value: number;
+}
+
+export type ErrorId = string;
+
+/** The kind of an error. */
+export type ErrorKind = "positioning" | "straightness" | "angular" | "squareness" | "position" | "orientation" | "radial" | "axial" | "tilt" | "angular_positioning";
+
+/** One error alone, first order. */
+export interface ErrorSource {
+  /** Name of the error. */
+  error: ErrorId;
+  /** What it is, in words. */
+  words: string;
+  /** 95 % of the poses have a smaller position deviation, um. */
+  p95_um: number;
+  /** Largest position deviation, um. */
+  max_um: number;
+  /** 95 % of the poses have a smaller rotation of the tool, urad. */
+  p95_urad: number;
+  /** Its part along the deviation at one pose, um: the parts of all errors are, to first order, its length. */
+  at_um: number;
+}
+
+/** Each error that has a value, alone. */
+export interface ErrorSources {
+  /** Name of the machine. */
+  machine: string;
+  /** Number of poses. */
+  poses: number;
+  /** Seed of the poses. */
+  seed: number;
+  /** The pose of [`ErrorSource::at_um`], mm and deg. */
+  at: Record<string, number>;
+  /** The errors, largest 95 % position deviation first. */
+  errors: ErrorSource[];
+}
+
+/** The body whose error motion the numbers of a workpiece-side axis describe. */
+export type ErrorsAre = "tool_relative" | "body";
+
+/** Deviations at poses. */
+export interface EvalResult {
+  /** Name of the machine. */
+  machine: string;
+  /** `exact`, a degree, or the algebra in words. */
+  order: string;
+  /** Frame of the vectors. */
+  frame: Frame;
+  /** Side of approach. */
+  direction: Approach;
+  /** Name of the tool; empty for a tool without a name. */
+  tool: string;
+  /** Units of the numbers. */
+  units: EvalUnits;
+  /** The poses in their order. */
+  poses: PoseResult[];
+}
+
+/** Units of an [`EvalResult`]. */
+export interface EvalUnits {
+  /** Unit of positions and deviations of points. */
+  position: string;
+  /** Unit of rotations. */
+  rotation: string;
+  /** Unit of positions of linear axes. */
+  linear_axis: string;
+  /** Unit of positions of rotary axes. */
+  rotary_axis: string;
+}
+
+/** A feature of the work: rows of a file with the same label. */
+export interface FeatureResult {
+  /** Its label; empty for rows without. */
+  feature: string;
+  /** Number of its tool poses that are reached. */
+  poses: number;
+  /** Number of those that are not. */
+  unreached: number;
+  /** Largest deviation of the functional point, um; none without a pose. */
+  max_um: number | null;
+  /** Deviation below which 95 % of its poses lie, um. */
+  p95_um: number | null;
+  /** Line of the file with the largest deviation. */
+  line: number | null;
+  /** The pose there, mm and deg. */
+  axes: Record<string, number> | null;
+  /** The errors with the largest parts in that deviation. */
+  errors: DominatingError[];
+}
+
+/** Frame of vectors; all are parallel to the machine frame at the zero pose, but for the rotation of the workpiece. */
+export type Frame = "workpiece" | "machine" | "tool";
+
+/** The cost of tolerances. */
+export interface GoalCost {
+  /** Power of the tolerance in the cost. */
+  power: number;
+  /** Value with the old tolerances. */
+  before: number;
+  /** Value with the new tolerances. */
+  after: number;
+  /** Cost of lowering the 95 % value by one um; none if no tolerance is free. */
+  per_um: number | null;
+}
+
+/** A tolerance for a goal. */
+export interface GoalTolerance {
+  /** Name of the error. */
+  error: string;
+  /** The kind by which it is paid for. */
+  kind: ErrorKind;
+  /** `um` or `urad`. */
+  unit: string;
+  /** Before, in `unit`. */
+  old: number;
+  /** After, in `unit`. */
+  new: number;
+  /** The limit that holds it. */
+  binds: Binding;
+  /** Its part of the 95 % value, um. */
+  um_of_p95: number;
+  /** Its weight in the cost. */
+  weight: number;
+  /** Its cost before. */
+  cost_before: number;
+  /** Its cost after. */
+  cost_after: number;
+}
+
+/** A file that a machine was read from. */
+export interface InputFile {
+  /** Its path, as it was named. */
+  file: string;
+  /** SHA-256 of its text, hexadecimal. */
+  sha256: string;
+  /** True if it is outside the folder of the machine file, links resolved. */
+  outside: boolean;
+}
+
+/** Readings of an instrument on a machine, exact model. */
+export type InstrumentResult = {
+  /** Name of the machine. */
+  machine: string;
+} & ({
+  instrument: "ball_bar";
+  /** Centre of the circles, mm and deg. */
+  centre: Record<string, number>;
+  /** Length of the ball bar, mm. */
+  radius_mm: number;
+  /** The circles, plane by plane. */
+  planes: BallBar[];
+} | {
+  instrument: "r_test";
+  /** Pose at which the ball is, mm and deg. */
+  ball_at: Record<string, number>;
+  /** Frame of the readings: the machine frame. */
+  frame: Frame;
+  /** The tests, axis by axis. */
+  axes: RTest[];
+} | {
+  instrument: "diagonals";
+} & LaserReadings | {
+  instrument: "step_diagonals";
+} & LaserReadings);
+
+/** Shape of an error matrix. */
+export type Joints = "orthogonal" | "linearised";
+
+/** Tool poses that lack the same, with the largest amount. */
+export interface Lack {
+  /** The reason. */
+  why: Unreachable;
+  /** Name of the axis that would leave its travel; none for the other reasons. */
+  axis?: string | null;
+  /** The end of its travel, mm or deg. */
+  end?: number | null;
+  /** True if it would have to go above that end, false below it. */
+  above?: boolean | null;
+  /** Number of tool poses; one that several axes stop counts for each of them. */
+  tool_poses: number;
+  /** Largest amount, in `unit`; none where it is not known. */
+  up_to?: number | null;
+  /** `mm` or `deg`. */
+  unit?: string | null;
+}
+
+/** Readings of a laser along diagonals. */
+export interface LaserReadings {
+  /** Pose of the axes that stand, mm and deg. */
+  at: Record<string, number>;
+  /** The diagonals, at least one. */
+  diagonals: Diagonal[];
+  /** The largest E_d, um. */
+  e_um: number;
+}
+
+/** Statistics of lengths, or of lengths minus those of others. */
+export interface LengthStatistics {
+  /** Largest. */
+  max: number;
+  /** Mean. */
+  mean: number;
+  /** Root of the mean square. */
+  rms: number;
+  /** The ceil(0.95 n)-th smallest. */
+  p95: number;
+}
+
+/** The side of the motion on which the component errors of a linear axis act. */
+export type LinearOrder = "after" | "before";
+
+/** The action of a location error. */
+export type Location = "axis_only" | "carried_body";
+
+/** A location error that a chain needs. */
+export interface LocationError {
+  /** Name of the error. */
+  error: ErrorId;
+  /** Status of its value. */
+  status: Status;
+}
+
+/** The location errors of a chain. */
+export interface LocationErrors {
+  /** Those that the chain needs. */
+  set: LocationError[];
+  /** Names of those that are given besides. */
+  besides: ErrorId[];
+}
+
+/** The order of location errors. */
+export type LocationOrder = "nilpotent" | "real";
+
+/** A machine in short, as `check` prints it. */
+export interface MachineSummary {
+  /** Name of the machine. */
+  machine: string;
+  /** The kinematic chain from workpiece to tool, such as `w C' A' Y' b X Z t`. */
+  chain: string;
+  /** The axes in the order of the chain. */
+  axes: AxisSummary[];
+  /** Names of the tools; empty for a tool without a name. */
+  tools: string[];
+  /** The conventions in force. */
+  conventions: Conventions;
+  /** Counts of the errors. */
+  errors: ErrorCounts;
+  /** The files that the machine was read from. */
+  inputs: InputFile[];
+}
+
+/** What the bounds of a machine lead to over a map. */
+export interface MapFromBounds {
+  /** Number of bounded errors. */
+  errors: number;
+  /** The class that bounds what the machine file does not. */
+  class: string | null;
+  /** Source of the class. */
+  class_source: string | null;
+  /** Number of machines drawn. */
+  samples: number;
+  /** Seed of poses and errors. */
+  seed: number;
+  /** Distribution of an error between its bounds. */
+  distribution: Distribution;
+  /** Statistic of a machine over the poses. */
+  statistic: Statistic;
+  /** The position deviation, um. */
+  position_um: BoundedLengths;
+  /** The rotation of the tool, urad. */
+  rotation_urad: BoundedLengths;
+  /** The worst poses, largest 95 % value of the position deviation first. */
+  worst: WorstBoundedPose[];
+}
+
+/** A map of deviations, actual minus nominal; of a machine of which nothing is measured, of what its bounds lead to. */
+export interface MapResult {
+  /** Name of the machine. */
+  machine: string;
+  /** `exact`, or a degree. */
+  order: Order;
+  /** Frame of the vectors. */
+  frame: Frame;
+  /** Side of approach. */
+  direction: Approach;
+  /** Number of poses. */
+  poses: number;
+  /** `bounds` where nothing is measured: then the statistics are of the 95 % value at each pose. */
+  from?: string | null;
+  /** What the bounds lead to, where nothing is measured. */
+  bounds?: MapFromBounds | null;
+  /** What bounds of errors without a value add to the measured ones. */
+  bounds_add?: AddedByBounds | null;
+  /** Statistics of the deviation of the functional point, um. */
+  position_um: Summary;
+  /** Statistics of the deviation of the orientation of the tool, urad. */
+  rotation_urad: Summary;
+  /** Intervals of the statistics, where the machine file states uncertainties of errors. */
+  uncertainty?: Bands | null;
+  /** The worst poses, largest deviation of the functional point first. */
+  worst: WorstPose[];
+  /** The body diagonals of the volume. */
+  diagonals: BodyDiagonal[];
+  /** Relative error of the 95 % values, for a map of more than [`MapPoses::MAX_HELD`] poses. */
+  p95_relative_error?: number | null;
+  /** Tool poses of a file, with those that the machine reaches. */
+  tool_poses?: ReachedToolPoses | null;
+  /** The features of the file, where it names some: the largest deviation on each. */
+  features?: FeatureResult[];
+  /** The target whose compensation is in the map. */
+  target?: string | null;
+  /** The same without compensation, for a map with. */
+  uncompensated?: Uncompensated | null;
+}
+
+/** A tool pose that a machine does not reach. */
+export interface MissedToolPose {
+  /** Line of the file, from 1. */
+  line: number;
+  /** Name of the feature to which it belongs. */
+  feature?: string | null;
+  /** The reason. */
+  why: Unreachable;
+  /** The axes that would leave their travel. */
+  beyond?: BeyondTravel[];
+  /** Angle between the tool axis and the nearest direction in which the machine can hold its tool, deg. */
+  off_deg?: number | null;
+  /** Distance of the place from those that the axes span, mm. */
+  off_mm?: number | null;
+}
+
+/** The travel that a work needs of an axis, and the travel that it has. */
+export interface NeededTravel {
+  /** Name of the axis. */
+  axis: string;
+  /** `mm` or `deg`. */
+  unit: string;
+  /** Smallest and largest position over the tool poses that are reached, or would be with longer travels. */
+  needs: [number, number];
+  /** Ends of the travel; none of a continuous axis. */
+  has: [number, number] | null;
+  /** Length by which the travel is too short at its lower and its upper end. */
+  short: [number, number];
+}
+
+/** Bound of the terms that order 1 neglects: all interactions of second degree with one sign. */
+export interface Neglected {
+  /** Displacement of the functional point, mm. */
+  position_mm: number;
+  /** Rotation of the tool, rad. */
+  rotation_rad: number;
+}
+
+/** The order to which errors are followed; as text `exact` or `1` to `6`. */
+export type Order = string;
+
+/** Geometry of an axis for the side on which it does not stand, the other axes staying where they are. */
+export interface OtherSide {
+  /** The other branch. */
+  side: Branch;
+  /** Unit vector. */
+  direction: [number, number, number];
+  /** Point about which angular errors turn, mm. */
+  origin_mm: [number, number, number];
+  /** Limits in the unit of the axis; 0 and 360 for a continuous axis. */
+  travel: [number, number];
+  /** True if the axis turns without end. */
+  continuous: boolean;
+}
+
+/** The difference of two 95 % values with its interval; `None` where there are too few samples for an end. */
+export interface PairedDifference {
+  /** Of the samples. */
+  value: number;
+  /** Lower end. */
+  low: number | null;
+  /** Upper end. */
+  high: number | null;
+}
+
+/** A percentile of the population the samples come from. */
+export interface Percentile {
+  /** The percentile, in percent. */
+  percent: number;
+  /** The ceil(percent n / 100)-th smallest sample. */
+  value: number;
+  /** Lower end of the interval that holds it with 95 % confidence; `None` with too few samples. */
+  low: number | null;
+  /** Upper end. */
+  high: number | null;
+}
+
+/** A percentile of machines drawn with its confidence interval; none where there are too few machines for one. */
+export interface PercentileInterval {
+  /** The percentile. */
+  value: number;
+  /** Lower end of its 95 % confidence interval. */
+  low: number | null;
+  /** Upper end of its 95 % confidence interval. */
+  high: number | null;
+}
+
+/** A plane of the workpiece frame; the circle runs from its first to its second direction. */
+export type Plane = "XY" | "YZ" | "ZX";
+
+/** Deviation at one pose. */
+export interface PoseResult {
+  /** The pose, mm and deg. */
+  axes: Record<string, number>;
+  /** Nominal position of the functional point from the workpiece origin, mm. */
+  nominal: [number, number, number];
+  /** Actual minus nominal position of the functional point, mm. */
+  deviation: [number, number, number];
+  /** Actual minus nominal orientation of the tool, rad. */
+  rotation: [number, number, number];
+  /** `T_tool^-1 T_work`, actual minus nominal, row by row. */
+  e_ve: [[number, number, number, number], [number, number, number, number], [number, number, number, number], [number, number, number, number]];
+  /** Expanded uncertainty of the deviation, where the machine states that of its errors. */
+  uncertainty?: PoseUncertainty | null;
+  /** Effect of each error, with [`EvalOptions::sensitivity`]. */
+  sensitivity?: ErrorEffect[] | null;
+  /** Effect of pairs of errors, with [`EvalOptions::interactions`]. */
+  interactions?: ErrorEffect[] | null;
+  /** Bound of the terms that order 1 neglects at this pose, with [`EvalOptions::interactions`]. */
+  order_1_neglects?: Neglected | null;
+  /** Motions of the axes that undo the errors, mm and deg, with [`EvalOptions::inverse`]. */
+  inverse?: Record<string, number> | null;
+}
+
+/** Expanded uncertainty (k = 2) of the deviation at a pose, component by component, to first order. */
+export interface PoseUncertainty {
+  /** Uncertainty of the position of the functional point, mm. */
+  deviation: [number, number, number];
+  /** Uncertainty of the orientation of the tool, rad. */
+  rotation: [number, number, number];
+}
+
+/** An R-test of rotary axes that turn together. */
+export interface RTest {
+  /** The axes that turn, such as `C` or `A+C`. */
+  axis: string;
+  /** Ranges of the readings along x, y, z, um. */
+  range_um: [number, number, number];
+  /** Number of readings. */
+  count: number;
+  /** Number of positions that the other axes cannot follow. */
+  skipped: number;
+  /** The readings. */
+  readings: RTestReading[];
+}
+
+/** A reading of an R-test. */
+export interface RTestReading {
+  /** Position of the first axis that turns, deg. */
+  position_deg: number;
+  /** The pose, mm and deg. */
+  axes: Record<string, number>;
+  /** Deviation of the functional point from the ball, tool relative to workpiece, minus that at the first position, um, machine frame. */
+  reading_um: [number, number, number];
+}
+
+/** Directions of the tool at every tip. */
+export interface ReachDirections {
+  /** `one`, `circle` (equal turns of an axis) or `hemisphere` (equal areas). */
+  kind: DirectionKind;
+  /** Number of directions. */
+  count: number;
+  /** The tool axis at rest, from the tip to the holder, workpiece frame. */
+  about: [number, number, number];
+}
+
+/** The reach of a machine. */
+export interface ReachResult {
+  /** Name of the machine. */
+  machine: string;
+  /** Name of the tool; empty for a tool without a name. */
+  tool: string;
+  /** Ends of the box along x, y, z of the workpiece frame, mm. */
+  box_mm: [[number, number], [number, number], [number, number]];
+  /** Number of tips along x, y, z. */
+  counts: [number, number, number];
+  /** Number of tips. */
+  tips: number;
+  /** The directions at every tip. */
+  directions: ReachDirections;
+  /** Number of tool poses: tips times directions. */
+  tool_poses: number;
+  /** Number of them that are reached. */
+  reached: number;
+  /** Their fraction. */
+  share: number;
+  /** Number of tips that are reached in all directions. */
+  tips_in_all_directions: number;
+  /** Number of tips that are reached in at least one. */
+  tips_in_any_direction: number;
+  /** Number of the tool poses out of reach, by reason. */
+  unreachable: UnreachableCount;
+  /** What they lack, the most frequent first. */
+  lacks: Lack[];
+}
+
+/** Tool poses of a file that a machine reaches. */
+export interface ReachedToolPoses {
+  /** Name of the file. */
+  file: string;
+  /** Number of tool poses in the file. */
+  asked: number;
+  /** Number of tool poses that the machine reaches. */
+  reached: number;
+  /** Number of the others, by reason. */
+  unreachable: UnreachableCount;
+  /** The others, row by row. */
+  rows: MissedToolPose[];
+  /** The travel that the tool poses need, axis by axis. */
+  travel: NeededTravel[];
+}
+
+/** The side of the motion on which the component errors of a rotary axis act. */
+export type RotaryOrder = "stationary" | "rotating";
+
+/** Statistics of the RSS minus those of another machine. */
+export interface RssDifference {
+  /** Of the position, um. */
+  position_um: LengthStatistics;
+  /** Of the orientation, urad. */
+  rotation_urad: LengthStatistics;
+}
+
+/** The sense of a positive command of a workpiece-side axis. */
+export type Sense = "iso841" | "direct";
+
+/** The statistic of one machine's deviations over the poses. */
+export type Statistic = "max" | "p95";
+
+/** The state of a member of the set in the machine file. */
+export type Status = "given" | "bounded" | "covered" | "missing";
+
+/** Statistics of vectors: of their length, except for the range. */
+export interface Summary {
+  /** Largest length. */
+  max: number;
+  /** Mean length. */
+  mean: number;
+  /** Root of the mean of the squared length. */
+  rms: number;
+  /** The ceil(0.95 n)-th smallest length. */
+  p95: number;
+  /** Maximum minus minimum of each component; ISO 230-1 builds V_XYZ of these. */
+  range: [number, number, number];
+}
+
+/** Intervals of the statistics of vectors at a level of confidence of 95 %: lower and upper end. */
+export interface SummaryBand {
+  /** Interval of the largest length. */
+  max: [number, number];
+  /** Interval of the mean length. */
+  mean: [number, number];
+  /** Interval of the root of the mean of the squared length. */
+  rms: [number, number];
+  /** Interval of the 95 % value of the length. */
+  p95: [number, number];
+}
+
+/** Certainty of a fact, with its source. */
+export interface TargetCertainty {
+  /** Level in a word. */
+  level: string;
+  /** The source. */
+  source: string;
+}
+
+/** A controller in short. */
+export interface TargetSummary {
+  /** Name for `compile`. */
+  target: string;
+  /** The controller's own name. */
+  title: string;
+  /** Mechanisms of compensation, separated by spaces. */
+  mechanism: string;
+  /** Errors that it corrects, in words. */
+  expresses: string;
+  /** Errors that it cannot correct, in words. */
+  cannot: string[];
+  /** Limits of its tables, in words. */
+  limits: string;
+  /** A test of the sign at the machine. */
+  sign_test: string;
+  /** Certainty of the syntax. */
+  syntax: TargetCertainty;
+  /** Certainty of the sign. */
+  sign: TargetCertainty;
+  /** The frame of kinematic parameters, and its certainty; `None` of tables. */
+  frame: TargetCertainty | null;
+}
+
+/** A bounded error, and the effect of its tolerance. */
+export interface Tightening {
+  /** Name of the error. */
+  error: string;
+  /** Its tolerance, in `unit`. */
+  tolerance: number;
+  /** `um` or `urad`. */
+  unit: string;
+  /** Its direction, machine frame. */
+  direction: [number, number, number];
+  /** True if its name has the letter of a direction. */
+  by_letter: boolean;
+  /** True if the class bounds it, false if the machine file does. */
+  of_class: boolean;
+  /** Derivative of the 95 % value by the tolerance, um by unit. */
+  um_per_unit: number;
+  /** Standard error of the derivative, um by unit. */
+  sigma: number;
+  /** Its part of the 95 % value, um. */
+  um_of_p95: number;
+  /** Standard error of that part, um. */
+  um_of_p95_sigma: number;
+  /** Its effect where the RSS is largest, um. */
+  at_worst_um: number | null;
+  /** Its effect averaged over the poses, um. */
+  average_um: number | null;
+}
+
+/** The cheapest tolerances for a goal. */
+export interface ToleranceGoal {
+  /** The goal of the 95 % value, um. */
+  goal_um: number;
+  /** The 95 % value with the old tolerances, um, by the machines of the search. */
+  before_um: Percentile;
+  /** The 95 % value with the new tolerances, um, of machines drawn anew. */
+  proof_um: Percentile;
+  /** Number of machines of the proof. */
+  proof_samples: number;
+  /** The 95 % value of what no tolerance of the cost model changes, um. */
+  staying_um: number;
+  /** Number of steps of the search. */
+  steps: number;
+  /** The cost. */
+  cost: GoalCost;
+  /** The tolerances, those of the largest part in the 95 % value first. */
+  tolerances: GoalTolerance[];
+}
+
+/** Statistics of a machine without compensation. */
+export interface Uncompensated {
+  /** Displacement of the functional point, um. */
+  position_um: Summary;
+  /** Rotation of the tool, urad. */
+  rotation_urad: Summary;
+}
+
+/** The reason why a machine cannot take a tool pose. */
+export type Unreachable = "direction" | "place" | "travel";
+
+/** Number of unreachable tool poses, by reason. */
+export interface UnreachableCount {
+  /** Their total number. */
+  total: number;
+  /** Number for which the rotary axes cannot point the tool in the direction. */
+  direction: number;
+  /** Number whose place the linear axes do not span. */
+  place: number;
+  /** Number for which an axis would leave its travel. */
+  travel: number;
+}
+
+/** What is known of a machine or arrangement and the first. */
+export type Verdict = "first" | "equal" | "not_told_apart" | "worse" | "better";
+
+/** A machine or arrangement against the first, on the machines drawn of both. */
+export interface VersusFirst {
+  /** What is known of the two. */
+  verdict: Verdict;
+  /** Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence. */
+  minus_first: PairedDifference;
+}
+
+/** A pose with a large 95 % value. */
+export interface WorstBoundedPose {
+  /** The pose, mm and deg. */
+  axes: Record<string, number>;
+  /** Root of the sum of squares of the bounds' effects on the functional point, um. */
+  rss_um: number;
+  /** The position deviation that 95 % of the machines drawn do not exceed, um. */
+  p95_um: number;
+}
+
+/** A pose with a large deviation. */
+export interface WorstPose {
+  /** The pose, mm and deg. */
+  axes: Record<string, number>;
+  /** Deviation of the functional point, um. */
+  deviation_um: [number, number, number];
+}
