@@ -192,7 +192,8 @@ fn predicted(target: &str, path: &Path, out: &Path, poses: &[Vec<f64>]) -> Vec<V
     let tables = tables_target.read(&rest, &texts, &mut Diagnostics::default()).unwrap();
     let tables = TablesUnderTest { target: &tables_target, tables: &tables, installed: None };
     let field = tables.beside(&machine, &module);
-    let sent =
-        |pose: &Vec<f64>| pose.iter().zip(field.addition(&Approach::Mean.at_pose(pose))).map(|(q, add)| q + add).collect();
+    let sent = |pose: &Vec<f64>| {
+        pose.iter().zip(field.addition(&Approach::Mean.at_pose(pose))).map(|(q, add)| q + add).collect()
+    };
     poses.iter().map(sent).collect()
 }
