@@ -246,13 +246,14 @@ fn every_kind_covers(draws: u64) {
 }
 
 #[test]
+#[ignore = "soak: a minute"]
 fn expanded_uncertainties_cover_the_real_machine() {
     every_kind_covers(4);
 }
 
 /// The same with more draws: `cargo test --release --test it -- --ignored coverage --nocapture`.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "soak: minutes"]
 fn coverage_of_many_campaigns() {
     every_kind_covers(400);
 }

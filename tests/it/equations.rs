@@ -92,7 +92,7 @@ fn second_order_is_eval() {
 
 /// Products of terms are counted: the limit comes before the memory is full. The program refuses with exit code 1.
 #[test]
-#[ignore = "half a minute: by hand"]
+#[ignore = "soak: half a minute"]
 fn equations_without_end_are_refused() {
     let mut run = Command::new(env!("CARGO_BIN_EXE_abbe"));
     let output =

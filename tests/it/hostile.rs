@@ -418,6 +418,7 @@ fn measured_again(folder: &Folder, round: usize) -> std::path::PathBuf {
 
 /// Round after round, each on top of the last one, with and without new products: never more tables than the control has.
 #[test]
+#[ignore = "soak: half a minute"]
 fn rounds_of_sag_tables_stay_within_the_control() {
     let folder = Folder::new();
     let tables = |out: &Path| {
