@@ -113,7 +113,8 @@ impl BudgetResult {
         self.budget.pareto(&self.machine, top)
     }
 
-    /// Returns a picture of the use of the budget, tolerance by tolerance: the `top` largest, and the sum of the others.
+    /// Returns a picture of the use of the budget, tolerance by tolerance: the `top` largest, and the sum of the
+    /// others.
     pub fn waterfall(&self, top: usize) -> Picture {
         self.budget.waterfall(&self.machine, top)
     }

@@ -185,9 +185,9 @@ impl Diagnostics {
         self.cancelled
     }
 
-    /// Notes that the job was cancelled.
-    pub(crate) fn cancel(&mut self) {
-        self.cancelled = true;
+    /// Returns what a cancelled job ends with: nothing found wrong.
+    pub(crate) fn cancellation(sources: Sources) -> Self {
+        Self { cancelled: true, ..Self::about(sources) }
     }
 
     /// True if there are none.

@@ -165,12 +165,9 @@ impl<'a> Call<'a> {
         let value = job(&mut call);
         match (value, call.checked()) {
             (Ok(value), Ok(())) => Ok(Answer { value, warnings: call.diagnostics }),
-            _ => {
-                if call.cancelled.get() {
-                    call.diagnostics.cancel();
-                }
-                Err(call.diagnostics)
-            }
+            // What a cancelled job found is about half of an answer.
+            _ if call.cancelled.get() => Err(Diagnostics::cancellation(sources.clone())),
+            _ => Err(call.diagnostics),
         }
     }
 

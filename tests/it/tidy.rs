@@ -294,9 +294,9 @@ const JUDGES_MAY_IMPORT: [(&str, &[&str]); 3] = [
     (
         "compensation",
         &[
+            "AxisErrorCurve",
             "CorrectionTable",
             "CorrectionTables",
-            "ErrorCurve",
             "LatticeCells",
             "Reference",
             "SingleErrorTables",

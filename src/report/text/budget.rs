@@ -243,7 +243,8 @@ impl BudgetFigures {
         .picture()
     }
 
-    /// Returns a picture of the use of the budget, tolerance by tolerance: the `top` largest, and the sum of the others.
+    /// Returns a picture of the use of the budget, tolerance by tolerance: the `top` largest, and the sum of the
+    /// others.
     pub fn waterfall(&self, machine: &str, top: usize) -> Picture {
         let (first, others) = self.tighten.split_at(top.max(1).min(self.tighten.len()));
         let mut bars: Vec<Bar> = first.iter().map(|t| Bar { label: t.error.clone(), value: t.um_of_p95 }).collect();
