@@ -1,10 +1,10 @@
 //! Compensation of a machine: options, rendered sets of files, and the sets in folders.
 //!
-//! - [`options`]: goal, axes and target of the correction;
-//! - [`table_set`], [`module_set`]: sets of tables and kinematics modules, rendered and read back;
-//! - [`folder`], [`found_set`]: sets found in a folder, of whatever target;
-//! - [`composition`]: sets of two targets, kinematic parameters and tables for what they leave;
-//! - [`effect`]: the effect of any of them on a machine; [`verdict`]: the warnings of its certificate; [`differences`]:
+//! - `options`: goal, axes and target of the correction;
+//! - `table_set`, `module_set`: sets of tables and kinematics modules, rendered and read back;
+//! - `folder`, `found_set`: sets found in a folder, of whatever target;
+//! - `composition`: sets of two targets, kinematic parameters and tables for what they leave;
+//! - `effect`: the effect of any of them on a machine; `verdict`: the warnings of its certificate; `differences`:
 //!   those of a set that is no longer as its manifest states.
 
 pub(crate) mod composition;

@@ -1,10 +1,10 @@
 //! The record of a calibration as a folder.
 //!
-//! 1. [`description`] reads what the engineer states; [`files`] copies the files that it names.
-//! 2. [`errors`] makes the table of errors and the curves, [`figures`] reads the figures, [`decisions`] judges both by
+//! 1. `description` reads what the engineer states; `files` copies the files that it names.
+//! 2. `errors` makes the table of errors and the curves, `figures` reads the figures, `decisions` judges both by
 //!    their limits: together the [`RecordData`].
-//! 3. [`record_page`] writes it for print, [`dcc`] as a digital calibration certificate.
-//! 4. [`make`] does all of it. [`check`] compares a folder with the list of its hashes; [`trend`] puts records in a
+//! 3. `record_page` writes it for print, `dcc` as a digital calibration certificate.
+//! 4. `make` does all of it. `check` compares a folder with the list of its hashes; `trend` puts records in a
 //!    line.
 
 pub mod check;
