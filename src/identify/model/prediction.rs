@@ -288,10 +288,13 @@ impl<'a> FitModel<'a> {
         let piece = data.len().div_ceil(16).clamp(32, 4096);
         let one = |(data, weights): (&[Measurement], &[f64])| {
             let mut sum = Triangle::new(self.parameters.len());
+            // A cancelled job has no result: what is left of this one is skipped.
+            if self.is_cancelled() {
+                return sum;
+            }
             for (measurement, weight) in data.iter().zip(weights) {
                 self.fill(measurement, libm::sqrt(*weight), theta, sum.extend(measurement.readings()));
             }
-            // Whoever repeats this looks whether the job is cancelled.
             let _ = (self.progress)(data.len());
             sum
         };
