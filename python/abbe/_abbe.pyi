@@ -5,7 +5,18 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["NativeMachine", "NativeOutcome", "__version__", "csv", "length_mm", "load", "results", "run", "verbs"]
+__all__ = [
+    "NativeMachine",
+    "NativeOutcome",
+    "__version__",
+    "answers",
+    "csv",
+    "length_mm",
+    "load",
+    "results",
+    "run",
+    "verbs",
+]
 __version__: str
 
 @final
