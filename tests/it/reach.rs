@@ -2,6 +2,7 @@
 
 use crate::configs;
 use crate::oracle::matrix::{V3, minus, norm, turn};
+use crate::oracle::random::Random;
 use crate::oracle::rigid::{Held, State};
 use crate::program::{Folder, abbe, abbe_on, json, refused, text, well_formed};
 use crate::support::config;
@@ -285,4 +286,103 @@ fn files_hold_the_same_and_do_not_depend_on_threads() {
     let all = reached.iter().filter(|n| **n == 12.0).count() as u64;
     let any = reached.iter().filter(|n| **n > 0.0).count() as u64;
     assert_eq!((number("tips_in_all_directions"), number("tips_in_any_direction")), (all, any));
+}
+
+/// A machine with a free C and two slides in its plane, by hand: X and Y beside the spindle, or X below it.
+struct Plane {
+    x_below_c: bool,
+    /// Half of the travels of X and Y, mm.
+    half: [f64; 2],
+    /// Position of C in the plane, mm.
+    at: [f64; 2],
+}
+
+impl Plane {
+    /// Motions (mm) of X and Y that bring a tip to the tool at an angle (rad) of C.
+    fn motions(&self, [x, y]: [f64; 2], angle: f64) -> [f64; 2] {
+        let (s, c) = angle.sin_cos();
+        let (x, y) = (x - self.at[0], y - self.at[1]);
+        if !self.x_below_c {
+            return [c * x - s * y + self.at[0], s * x + c * y + self.at[1]];
+        }
+        // The slide carries the part on the table: its motion must bring the tip under the tool across X.
+        let slid = (s * y - self.at[0]) / c - x;
+        [slid, s * (x + slid) + c * y + self.at[1]]
+    }
+
+    fn lack(&self, tip: [f64; 2], angle: f64) -> f64 {
+        let of = |(q, half): (f64, f64)| (q.abs() - half).max(0.0);
+        self.motions(tip, angle).into_iter().zip(self.half).map(of).sum()
+    }
+
+    /// The least lack over 100,000 angles, then over hundredths of a step about the best of them.
+    fn least(&self, tip: [f64; 2]) -> f64 {
+        let step = std::f64::consts::TAU / 1e5;
+        let lack = |angle: f64| (self.lack(tip, angle), angle);
+        let best = |a: (f64, f64), b: (f64, f64)| if b.0 < a.0 { b } else { a };
+        let coarse = (0..100_000).map(|k| lack(f64::from(k) * step)).fold((f64::INFINITY, 0.0), best);
+        (-100..=100).map(|k| lack(coarse.1 + f64::from(k) * step / 100.0)).fold(coarse, best).0
+    }
+}
+
+#[test]
+fn no_tool_pose_is_lost_along_a_free_axis() {
+    let folder = Folder::new("reach-free");
+    let mut random = Random::new(40);
+    let (mut narrow, mut missed) = (0, 0);
+    for round in 0..16 {
+        let x_below_c = round % 2 == 1;
+        let half = [random.between(40.0, 120.0), random.between(0.5, 6.0)];
+        let plane = Plane { x_below_c, half, at: [random.around(30.0), random.around(3.0)] };
+        let chain = if x_below_c { "w X' C' b Y Z t" } else { "w C' b X Y Z t" };
+        let axes = format!(
+            "X: {{ travel: [-{0}, {0}], origin: [0, 0, 0] }}, Y: {{ travel: [-{1}, {1}], origin: [0, 0, 0] }}, \
+             Z: {{ travel: [-50, 50], origin: [0, 0, 0] }}, C: {{ travel: continuous, origin: [{2}, {3}, 0] }}",
+            half[0], half[1], plane.at[0], plane.at[1]
+        );
+        let machine = machine(&folder, chain, &axes, "");
+        let tips: Vec<[f64; 2]> = (0..24).map(|_| [random.around(140.0), random.around(140.0)]).collect();
+        // One is in reach by construction, so that the file is never refused as a whole.
+        let near = if x_below_c { [0.0, plane.at[1]] } else { plane.at };
+        let rows = tips.iter().chain([&near]).map(|[x, y]| format!("{x},{y},0\n")).collect::<String>();
+        let work = folder.with("work.csv", &format!("X,Y,Z\n{rows}"));
+        let map = json(&["map", text(&machine), "--tool-poses", text(&work), "--format", "json", "--quiet"]);
+        let rows = map["tool_poses"]["rows"].as_array().unwrap();
+        for (i, tip) in tips.iter().enumerate() {
+            let least = plane.least(*tip);
+            let row = rows.iter().find(|row| row["line"] == i + 2);
+            let by = |row: &Value| -> f64 {
+                row["beyond"].as_array().unwrap().iter().map(|b| b["by"].as_f64().unwrap().abs()).sum()
+            };
+            let lack = row.map_or(0.0, by);
+            // Not more than brute force finds, and not less by more than its step can hide.
+            assert!(lack <= least + 1e-8, "{chain} {tip:?}: {lack}, by brute force {least}");
+            // Below C the motions are steep where the tip is almost across X.
+            let hidden = if x_below_c { 0.2 } else { 0.02 };
+            assert!(lack >= least - hidden, "{chain} {tip:?}: {lack}, by brute force {least}");
+            narrow += usize::from(row.is_none());
+            missed += usize::from(row.is_some());
+        }
+    }
+    assert!(narrow > 60 && missed > 60, "{narrow} {missed}");
+}
+
+#[test]
+fn a_short_cross_slide_reaches_the_whole_circle() {
+    let folder = Folder::new("reach-short-y");
+    let axes = "X: { travel: [-100, 100], origin: [0, 0, 0] }, Y: { travel: [-2, 2], origin: [0, 0, 0] }, \
+                Z: { travel: [-50, 50], origin: [0, 0, 0] }, C: { travel: continuous, origin: [0, 0, 0] }";
+    let machine = machine(&folder, "w C' b X Y Z t", axes, "");
+    let row = |k: u32| {
+        let (s, c) = (f64::from(4 * k)).to_radians().sin_cos();
+        format!("{},{},0,0,0,1\n", 80.0 * c, 80.0 * s)
+    };
+    let work = folder.with("work.csv", &format!("X,Y,Z,I,J,K\n{}", (0..90).map(row).collect::<String>()));
+    let map = json(&["map", text(&machine), "--tool-poses", text(&work), "--format", "json", "--quiet"]);
+    assert_eq!((&map["tool_poses"]["asked"], &map["tool_poses"]["reached"]), (&90.into(), &90.into()));
+    // At a radius of 101 mm what lacks is least with the tip in X, or on the edge of Y: a length of 101 either way.
+    let far = folder.with("far.csv", "X,Y,Z\n80,0,0\n60.6,80.8,0\n");
+    let map = json(&["map", text(&machine), "--tool-poses", text(&far), "--format", "json", "--quiet"]);
+    let by = map["tool_poses"]["rows"][0]["beyond"][0]["by"].as_f64().unwrap();
+    assert!((by.abs() - ((101.0_f64.powi(2) - 4.0).sqrt() - 100.0)).abs() < 1e-9, "{by}");
 }

@@ -11,20 +11,31 @@ const ROUNDING_MM: f64 = 1e-9;
 /// A direction whose eigenvalue of J J^T is below this fraction of the largest is not spanned.
 const RANK_TOLERANCE: f64 = 1e-12;
 
-/// Sine of an angle below which two axes count as parallel, or one as lying in a plane.
-const FLAT: f64 = 1e-6;
-
 /// A linear axis at rotary positions.
 #[derive(Debug, Clone)]
-struct LinearSlide {
+pub struct LinearSlide {
     /// Index of the axis.
-    axis: usize,
+    pub axis: usize,
     /// Motion of the tool per mm, unturned workpiece frame.
-    direction: Vector3<f64>,
+    pub direction: Vector3<f64>,
     /// Travel from the reference in both senses, mm.
-    range: (f64, f64),
+    pub range: (f64, f64),
     /// Motion from the reference (mm) once the axis has come to an end of its travel.
-    end: Option<f64>,
+    pub end: Option<f64>,
+}
+
+impl LinearSlide {
+    /// Returns the position (mm) after a motion from the reference (mm).
+    fn position(&self, machine: &Machine, reference: &[f64], motion: f64) -> f64 {
+        let (min, max) = self.range;
+        let beyond = |by: f64| (0.0..=ROUNDING_MM).contains(&by);
+        match machine.axes()[self.axis].travel {
+            // The ends themselves, not reference plus range.
+            Travel::Range(_, end) if beyond(motion - max) => end,
+            Travel::Range(end, _) if beyond(min - motion) => end,
+            _ => reference[self.axis] + motion,
+        }
+    }
 }
 
 /// Returns the candidate with the positions of its linear axes that bring the tip to a place (mm, unturned workpiece
@@ -38,33 +49,16 @@ pub fn complete(machine: &Machine, tip: &Vector3<f64>, candidate: Pose, referenc
         Ok(found) => found,
         Err(LinearFailure::Place(off)) => return Err(Miss::place(off)),
         Err(LinearFailure::Travel(beyond)) => {
-            slides.iter().zip(beyond).for_each(|(s, motion)| pose[s.axis] = reference[s.axis] + motion);
+            slides.iter().zip(beyond).for_each(|(s, motion)| pose[s.axis] = s.position(machine, reference, motion));
             return Err(Miss::travel(pose));
         }
     };
-    for (slide, motion) in slides.iter().zip(found) {
-        let (min, max) = slide.range;
-        pose[slide.axis] = match machine.axes()[slide.axis].travel {
-            // The ends themselves, not reference plus range.
-            Travel::Range(_, end) if motion >= max => end,
-            Travel::Range(end, _) if motion <= min => end,
-            _ => reference[slide.axis] + motion,
-        };
-    }
+    slides.iter().zip(found).for_each(|(s, motion)| pose[s.axis] = s.position(machine, reference, motion));
     Ok(pose)
 }
 
-/// Returns the unit normal of the plane that the linear axes span at a pose, its sense that of the first two that span
-/// it; `None` if they span a line, or space.
-pub fn normal(axes: &[Axis], pose: &[f64]) -> Option<Vector3<f64>> {
-    let directions: Vec<Vector3<f64>> = slides(axes, pose, pose).into_iter().map(|slide| slide.direction).collect();
-    let pairs = directions.iter().enumerate().flat_map(|(i, a)| directions[i + 1..].iter().map(move |b| a.cross(b)));
-    let normal = pairs.into_iter().find(|n| n.norm() > FLAT)?.normalize();
-    directions.iter().all(|u| u.dot(&normal).abs() < FLAT).then_some(normal)
-}
-
 /// Returns every linear axis at the rotary positions of the pose.
-fn slides(axes: &[Axis], pose: &[f64], reference: &[f64]) -> Vec<LinearSlide> {
+pub fn slides(axes: &[Axis], pose: &[f64], reference: &[f64]) -> Vec<LinearSlide> {
     let mut turned = Matrix3::identity();
     let mut slides = Vec::new();
     for (i, axis) in axes.iter().enumerate() {

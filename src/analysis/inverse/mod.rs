@@ -4,7 +4,7 @@
 //! 1. `rotary` finds the positions of the rotary axes that give the direction: all of them where
 //!    two axes or fewer turn, in closed form; the nearest ones where there are more.
 //! 2. `linear` finds those of the linear axes that give the place, moving them as little as it can.
-//! 3. Where the linear axes span a plane only, `turning` brings the place into it by a rotary axis about the tool axis.
+//! 3. Where an axis is free, `sweep` gives the arcs of it that are in reach, in closed form.
 //! 4. The first of the candidates, nearest to the reference first, that is within the travel is taken,
 //!    and checked with the nominal machine (`nominal`).
 //!
@@ -23,8 +23,8 @@ mod linear;
 mod nominal;
 mod rotary;
 mod shortfall;
+mod sweep;
 mod tool_pose;
-mod turning;
 
 pub use algebra::Inverse;
 pub use directions::{DirectionKind, ToolDirections, freedom};

@@ -1,11 +1,12 @@
 //! The nominal inverse kinematics: candidates of the rotary axes, completed by the linear axes, and checked.
 
 use super::arm::RotaryArm;
+use super::linear;
 use super::rotary::RotaryDirections;
+use super::sweep::sweep_poses;
 use super::tool_pose::{
     DIRECTION_TOLERANCE, Miss, PLACE_TOLERANCE, ToolPose, Unreachable, rest, unturned_tool_pose, within_travel,
 };
-use super::{linear, turning};
 use crate::machine::{Machine, Pose};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -51,9 +52,17 @@ fn by_linear_axes(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Re
         })
     };
     let near = directions.nearest(&target.direction);
-    let found = tried(near.poses.clone())
-        .or_else(|| tried(turning::turn_into_plane(machine, &target.tip, &near.poses, &reference)))
-        .or_else(|| near.more.then(|| tried(directions.others(&target.direction))).flatten());
+    let mut found = tried(near.poses.clone());
+    let mut exact = !near.more;
+    if found.is_none() && !near.sweeps.is_empty() {
+        let swept = sweep_poses(machine, &target.tip, &near.sweeps, &reference);
+        exact |= swept.exact && near.sweeps.len() == 1 && directions.at_most_two();
+        found = tried(swept.arcs).or_else(|| tried(swept.shortfalls));
+    }
+    if found.is_none() && !exact {
+        let (others, sweeps) = directions.others(&target.direction);
+        found = tried(others).or_else(|| tried(sweep_poses(machine, &target.tip, &sweeps, &reference).arcs));
+    }
     let Some(pose) = found else {
         let turned = near.beyond_travel.map(|pose| {
             let completed = linear::complete(machine, &target.tip, pose.clone(), &reference);

@@ -49,8 +49,19 @@ pub struct Candidates {
     pub poses: Vec<Pose>,
     /// The pose that is least beyond the travel of the rotary axes, if a solution was found there.
     pub beyond_travel: Option<Pose>,
+    /// Turns that keep the direction. With two rotary axes or fewer and one sweep there is no other candidate.
+    pub sweeps: Vec<Sweep>,
     /// True if there may be others, further away, because some axis is free.
     pub more: bool,
+}
+
+/// A turn of rotary axes that keeps the direction of the tool: a free axis, or parallel axes against each other.
+#[derive(Debug, Clone)]
+pub struct Sweep {
+    /// A pose of it (mm, deg); the axes that turn may be beyond their travel.
+    pub pose: Pose,
+    /// The axes that turn, with their motion per deg of the sweep.
+    pub rates: Vec<(usize, f64)>,
 }
 
 /// One of a pair's angles (rad); `None` if any is a solution.
@@ -74,6 +85,7 @@ impl RotaryDirections {
         let start: Vec<f64> = self.turns.iter().map(|turn| turn.reference).collect();
         let mut search = DirectionSearch::new(self, direction);
         search.around(&start);
+        let sweeps = std::mem::take(&mut search.sweeps);
         if self.turns.len() > 2 {
             (1..SAMPLES).for_each(|sample| search.around(&self.sample(sample)));
             let rough = self.in_order(std::mem::take(&mut search.found));
@@ -85,15 +97,22 @@ impl RotaryDirections {
         }
         let beyond_travel = search.beyond.and_then(|(_, angles)| self.poses(vec![angles]).pop());
         let poses = self.poses(search.found);
-        Candidates { poses, beyond_travel, more: search.free || self.turns.len() > 2 }
+        Candidates { poses, beyond_travel, sweeps, more: search.free || self.turns.len() > 2 }
     }
 
-    /// Returns candidates whose free axes are away from their reference.
-    pub fn others(&self, direction: &Vector3<f64>) -> Vec<Pose> {
+    /// True if no more than two axes turn, so that [`RotaryDirections::nearest`] finds all solutions.
+    pub fn at_most_two(&self) -> bool {
+        self.turns.len() <= 2
+    }
+
+    /// Returns candidates whose free axes are away from their reference; of two rotary axes or fewer with the sweeps
+    /// through them.
+    pub fn others(&self, direction: &Vector3<f64>) -> (Vec<Pose>, Vec<Sweep>) {
         let mut search = DirectionSearch::new(self, direction);
         let samples = if self.turns.len() > 2 { MANY_SAMPLES } else { SAMPLES };
         (1..samples).for_each(|sample| search.around(&self.sample(sample)));
-        self.poses(search.found)
+        let sweeps = if self.turns.len() > 2 { Vec::new() } else { search.sweeps };
+        (self.poses(search.found), sweeps)
     }
 
     /// Returns positions (deg) spread over the travels: a Halton sequence.
@@ -247,12 +266,13 @@ struct DirectionSearch<'a> {
     found: Vec<Vec<f64>>,
     /// The positions least beyond the travel, with the sum of what is beyond (deg).
     beyond: Option<(f64, Vec<f64>)>,
+    sweeps: Vec<Sweep>,
     free: bool,
 }
 
 impl<'a> DirectionSearch<'a> {
     fn new(directions: &'a RotaryDirections, direction: &'a Vector3<f64>) -> Self {
-        Self { directions, direction, found: Vec::new(), beyond: None, free: false }
+        Self { directions, direction, found: Vec::new(), beyond: None, sweeps: Vec::new(), free: false }
     }
 
     /// Solves for every pair of axes (or the only one) with the others held at `angles`.
@@ -287,13 +307,28 @@ impl<'a> DirectionSearch<'a> {
         let after = between * d.rotation(j + 1..angles.len(), angles) * d.tool;
         let (w1, w2) = (d.turns[i].w, between * d.turns[j].w);
         if w1.cross(&w2).norm_squared() < 1e-12 {
-            // Parallel axes do the same: one is enough.
+            // Parallel axes do the same: one is enough. Against each other they keep the direction.
             self.single(i, angles);
-            return self.single(j, angles);
+            self.single(j, angles);
+            if j == i + 1 && same_height(&w1, &after, &before) {
+                let mut turned = angles.to_vec();
+                turned[i] = angle(&w1, &after, &before).map_or(angles[i], f64::to_degrees);
+                self.sweep(&turned, &[(i, 1.0), (j, -w1.dot(&w2).signum())]);
+            }
+            return;
         }
         for (first, second) in pair_angles(&w1, &w2, &after, &before) {
             self.keep(angles, &[(i, first), (j, second)]);
         }
+    }
+
+    /// Adds a sweep through positions (deg).
+    fn sweep(&mut self, angles: &[f64], rates: &[(usize, f64)]) {
+        let turns = &self.directions.turns;
+        let mut pose = self.directions.reference.clone();
+        turns.iter().zip(angles).for_each(|(turn, q)| pose[turn.axis] = *q);
+        let rates = rates.iter().map(|(k, rate)| (turns[*k].axis, *rate)).collect();
+        self.sweeps.push(Sweep { pose, rates });
     }
 
     fn keep(&mut self, angles: &[f64], solved: &[(usize, Angle)]) {
@@ -308,6 +343,9 @@ impl<'a> DirectionSearch<'a> {
             beyond += by;
         }
         if beyond == 0.0 {
+            for (index, _) in solved.iter().filter(|(_, angle)| angle.is_none()) {
+                self.sweep(&candidate, &[(*index, 1.0)]);
+            }
             self.found.push(candidate);
         } else if self.beyond.as_ref().is_none_or(|(least, _)| beyond < *least) {
             self.beyond = Some((beyond, candidate));
