@@ -1,15 +1,14 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{MaxSamplesArg, PosesArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{STATISTICS, cell, numbers, reach_text, statistics_rows, table};
 use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
-use crate::cli::{Format, Outcome};
 use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, Statistics};
 use abbe::text::significant;
 use abbe::{CompareOptions, compare};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -56,14 +55,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     for path in &args.machines {
         files.push(session.load_one_of(path, args.view.tool())?);
     }
-    let answer = compare(&files, &args.options(), session.run());
-    let result = session.take(answer)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&csv(&result)),
-        Format::Text => session.print(&text(args, &result)),
-    }
-    Ok(())
+    let result = session.take(compare(&files, &args.options(), session.run()))?;
+    session.show(&result, || csv(&result), || text(args, &result))
 }
 
 /// Columns of a deviation, and of what bounds lead to.
