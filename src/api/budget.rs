@@ -202,7 +202,6 @@ impl BudgetWork {
     }
 }
 
-/// Budgets bounds, given with their class.
 pub(crate) fn budget_of(
     call: &mut Call<'_>,
     machine: &Machine,

@@ -12,7 +12,6 @@ use crate::run::{Call, Refused};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Draws of machines.
 #[derive(Clone, Copy)]
 pub(crate) struct DrawnMachines<'a> {
     pub tolerances: &'a ToleranceOptions,

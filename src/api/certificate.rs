@@ -142,7 +142,6 @@ impl ReferenceShift {
     }
 }
 
-/// Values by the names of the axes.
 fn named(machine: &Machine, values: &[f64]) -> AxisPositions {
     machine.axes().iter().map(|axis| axis.name.to_string()).zip(values.iter().copied()).collect()
 }

@@ -192,7 +192,6 @@ fn unreadable(reason: &str) -> Diagnostic {
     )
 }
 
-/// The reason in a clause.
 fn reason(why: AdmissibilityFailure) -> String {
     match why {
         AdmissibilityFailure::LastRow(size) => format!("the last row is not 0 0 0 1 (by {})", significant(size, 3)),

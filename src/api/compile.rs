@@ -87,7 +87,6 @@ pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Result
     })
 }
 
-/// A set of tables.
 fn tables(
     call: &mut Call,
     file: &MachineFile,
@@ -115,7 +114,6 @@ fn tables(
     Ok(compiled((file, target), how.words(), set.rendered, certificate, (&judged.field(file), depth)))
 }
 
-/// The files of a kinematics module.
 fn module(
     call: &mut Call,
     file: &MachineFile,

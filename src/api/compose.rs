@@ -100,7 +100,6 @@ fn certificate(
     Ok(report)
 }
 
-/// The certificate of the composed set in a folder.
 pub(super) fn verify_composed(
     call: &mut Call,
     file: &MachineFile,

@@ -185,7 +185,6 @@ fn in_order(bounds: &[Bound], prices: &[Price], power: f64, found: &CheapestTole
     order.into_iter().map(one).collect()
 }
 
-/// Reads a cost model.
 fn read(call: &mut Call<'_>, path: &Path) -> Result<CostModel, Refused> {
     let files = call.run.files;
     let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };

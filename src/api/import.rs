@@ -137,7 +137,6 @@ fn left_out(found: &Import) -> Option<Diagnostic> {
     (count > 0).then(|| listed.fold(warning, |warning, row| warning.at(Some(row.place.clone()), row.reason.clone())))
 }
 
-/// Columns that no rule has.
 fn unknown_columns(found: &Import) -> Option<Diagnostic> {
     let unknown = found.unused_columns.iter().filter(|column| !column.known);
     let titles: Vec<&str> = unknown.map(|column| column.title.as_str()).collect();

@@ -215,7 +215,6 @@ fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> 
     Ok(InstrumentResult { machine: machine.name().to_owned(), readings, axes: machine.axes().to_vec(), at })
 }
 
-/// A pose of which only some axes are named.
 fn named(machine: &Machine, text: &str, mut pose: Pose) -> Result<Pose, Diagnostic> {
     let given = pose_at(machine, text)?;
     for part in text.split(',') {

@@ -71,7 +71,6 @@ pub(crate) trait MapParts {
     }
 }
 
-/// Computes all of them.
 struct WholeMap;
 
 impl MapParts for WholeMap {}

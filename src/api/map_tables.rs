@@ -19,7 +19,6 @@ pub struct MapTable<'a> {
 /// Rows of a block of a map that is held.
 const BLOCK: usize = 1 << 14;
 
-/// Tables in the making.
 pub(crate) struct Tables<'a> {
     rows: Rows<'a>,
     forms: Vec<RowFormat>,
@@ -27,7 +26,6 @@ pub(crate) struct Tables<'a> {
 }
 
 impl<'a> Tables<'a> {
-    /// Begins the tables.
     pub(crate) fn new(rows: Rows<'a>, tables: Vec<MapTable<'a>>) -> Result<Self, Diagnostic> {
         let forms = tables.iter().map(|table| table.form).collect();
         let begin = |MapTable { name, form, sink }: MapTable<'a>| match rows.stream(form, sink) {

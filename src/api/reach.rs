@@ -82,7 +82,6 @@ pub struct ReachResult {
     by_tip: Vec<usize>,
 }
 
-/// The result at a tip.
 struct AtTip {
     reached: usize,
     why: Vec<Unreachable>,

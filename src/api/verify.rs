@@ -112,7 +112,6 @@ pub(crate) fn tables(
     Ok((found, installed))
 }
 
-/// The certificate of a kinematics module.
 fn module(
     call: &mut Call,
     file: &MachineFile,

@@ -188,7 +188,6 @@ impl Accumulators {
     }
 }
 
-/// Returns squared lengths.
 #[inline(always)]
 fn squares([x, y, z]: [&[f64; 8]; 3]) -> [f64; 8] {
     let mut squares = [0.0; 8];

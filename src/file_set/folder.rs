@@ -14,7 +14,6 @@ const MAX_FILES: usize = 200;
 /// Maximum number of bytes of the files of a set together, by name and by content: what is read is held in memory.
 const MAX_BYTES: u64 = SET_LIMIT;
 
-/// A folder with its files.
 pub(crate) struct Folder<'a> {
     pub path: &'a Path,
     files: &'a dyn Files,

@@ -15,7 +15,6 @@ pub(crate) struct ModuleFiles {
     pub(crate) rendered: Vec<RenderedFile>,
     /// Data of the module.
     pub(crate) module: KinematicsModule,
-    /// The tables beside it.
     pub(crate) beside: CorrectionTables,
 }
 

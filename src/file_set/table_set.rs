@@ -18,7 +18,6 @@ pub(crate) struct RenderedTables {
     pub tables: CorrectionTables,
 }
 
-/// Tables to be filled.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TableRequest<'a> {
     /// Names of the axes that span a lattice; all if empty.
@@ -219,7 +218,6 @@ pub(crate) fn found(
     tables_of(call, machine, folder, set)
 }
 
-/// The tables of a set.
 pub(crate) fn tables_of(
     call: &mut Call,
     machine: &Machine,

@@ -180,7 +180,6 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     }
 }
 
-/// The folder of a file.
 fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }

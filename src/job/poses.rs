@@ -45,7 +45,6 @@ pub(crate) fn poses(
     Ok(list)
 }
 
-/// Returns the pose of an option, if it is given.
 pub(crate) fn pose_option(
     call: &mut Call<'_>,
     machine: &Machine,

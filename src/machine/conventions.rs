@@ -206,7 +206,6 @@ const CHOICES: [(&str, &[&str]); 7] = [
     ("joints", &["orthogonal", "linearised"]),
 ];
 
-/// Returns a word with its key.
 fn with_key(item: &str) -> Result<String, ConventionsFailure> {
     if item.contains(':') {
         return Ok(item.to_owned());

@@ -89,7 +89,6 @@ pub(crate) struct SetEntry {
     pub compile: Option<Line>,
 }
 
-/// A state of the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum StateName {

@@ -91,7 +91,6 @@ impl MeasuredTarget {
     }
 }
 
-/// The runs of one error, as they are drawn.
 pub(crate) struct DrawnRuns<'a> {
     /// Name of the error.
     pub error: &'a str,

@@ -21,7 +21,6 @@ pub trait Monitor: Sync {
     fn advance(&self, _steps: usize) -> Result<(), Cancelled> {
         Ok(())
     }
-    /// The stage has ended.
     fn end(&self) {}
 }
 

@@ -40,7 +40,6 @@ impl<'a> Keeper<'a> {
         self.failed.load(Ordering::Relaxed)
     }
 
-    /// Keeps the records of a walk.
     pub(crate) fn keep(&self, at: RoundStep, records: Vec<RoundRecord>) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = state.journal.done.insert(at, records);
@@ -74,7 +73,6 @@ pub(crate) fn begun(call: &mut Call<'_>, path: Option<&Path>, empty: Journal) ->
     }
 }
 
-/// Returns the results of a file, if they are of this study.
 fn of_study(call: &Call<'_>, path: &Path, empty: &Journal) -> Result<Journal, Diagnostic> {
     let name = path.display();
     let foreign = |message: String| {

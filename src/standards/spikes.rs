@@ -87,7 +87,6 @@ struct Laid {
     gain: f64,
 }
 
-/// A spike.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FoundSpike {
     pub pulse: Pulse,

@@ -16,7 +16,6 @@ pub(crate) enum MapShare<'a> {
     Given(RefCell<Vec<u8>>),
 }
 
-/// Part of the deviations of a map.
 #[derive(Debug, Clone)]
 pub(crate) struct MapPart {
     /// Index of the part, from 0.

@@ -264,7 +264,6 @@ fn described<O: Default + Serialize + JsonSchema>() -> Value {
 }
 
 impl VerbRequest<'_> {
-    /// Reads the options.
     fn options<T: DeserializeOwned>(&self) -> Result<T, Diagnostics> {
         serde_path_to_error::deserialize(self.options)
             .map_err(|failure| (self.unfit)(&failure.path().to_string(), &failure.inner().to_string()).into())
@@ -274,12 +273,10 @@ impl VerbRequest<'_> {
         Ok(IdentifyOptions { texts: self.texts.to_vec(), ..self.options()? })
     }
 
-    /// Returns the only machine.
     fn machine(&self) -> Result<&MachineFile, Diagnostics> {
         self.machines.first().copied().ok_or_else(|| (self.unfit)("", "a machine is missing").into())
     }
 
-    /// Returns copies of all machines.
     fn machine_files(&self) -> Vec<MachineFile> {
         self.machines.iter().map(|file| (*file).clone()).collect()
     }

@@ -218,7 +218,6 @@ fn with_reasons(answer: Answer<ReachResult>) -> Answer<ReasonedReach> {
     Answer { value: ReasonedReach { reach: answer.value, reasons }, warnings: answer.warnings }
 }
 
-/// A map, row by row.
 #[derive(Serialize)]
 struct MapRows {
     map: MapResult,

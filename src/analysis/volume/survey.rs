@@ -160,7 +160,6 @@ impl<'a> SurveyState<'a> {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(worker);
     }
 
-    /// Returns the survey of all tallies.
     fn finish(self) -> Survey {
         let workers = self.idle.into_inner().unwrap_or_else(PoisonError::into_inner);
         let tallies = workers.into_iter().map(|worker| worker.tally);

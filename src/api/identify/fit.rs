@@ -49,7 +49,6 @@ pub struct IdentifyOptions {
 }
 
 impl IdentifyOptions {
-    /// Returns what a fit is asked for.
     pub(super) fn inputs(&self) -> FitInputs<'_> {
         FitInputs {
             fit: &self.fit,

@@ -75,12 +75,10 @@ fn travel_table(travel: &[NeededTravel]) -> comfy_table::Table {
     rows
 }
 
-/// Length of a vector.
 pub(crate) fn length(v: &[f64; 3]) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// A table for the terminal, with its header.
 pub(crate) fn table(header: &[&str]) -> comfy_table::Table {
     let mut table = comfy_table::Table::new();
     let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN).set_header(header);

@@ -22,7 +22,6 @@ enum Column {
     AngleUncertainty,
 }
 
-/// Titles of columns.
 const TITLES: [(&str, Column); 11] = [
     ("x", Column::Point(0)),
     ("y", Column::Point(1)),

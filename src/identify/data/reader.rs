@@ -63,7 +63,6 @@ struct MeasurementReader<'a> {
     file: String,
     form: RowForm,
     data: MeasurementSet,
-    /// Poses of points.
     poses: Option<PointPoses>,
     /// True if a file has points by name.
     has_points: bool,
@@ -121,7 +120,6 @@ pub fn read_measurements(
     reader.data
 }
 
-/// Columns of a file.
 const COLUMNS: &str = "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, \
     or another kind of reading: `rel.dx [um]`, `ball`, `tracker.x [mm]`, `length [mm]`, `displacement [mm]`, \
     `dl [um]`, `along [um]`, `EXX [um]`; optionally `tool`, `run`, `approach`, `weight` or `u [um]`";

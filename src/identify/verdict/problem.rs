@@ -146,7 +146,6 @@ impl Files for Recording<'_> {
     }
 }
 
-/// Returns the measurements, and the hashes of their files.
 fn measurements(
     call: &mut Call<'_>,
     file: &MachineFile,

@@ -34,7 +34,6 @@ enum Aim {
     Rotary(Pose),
 }
 
-/// A row of the file.
 #[derive(Debug, Clone)]
 struct Row {
     /// Place of the row in the file.
@@ -123,7 +122,6 @@ pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Resul
     }
 }
 
-/// The poses for the tool poses of a file, if there is one.
 pub(crate) fn asked(
     call: &mut Call<'_>,
     machine: &Machine,

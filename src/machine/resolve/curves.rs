@@ -60,7 +60,6 @@ pub fn one_way(
     })
 }
 
-/// True if the interpolation is cubic.
 fn cubic(context: &mut Context<'_>, entry: &CurveEntry, at: &Keys) -> Option<bool> {
     match entry.interpolation.as_deref() {
         None | Some("linear") => Some(false),

@@ -151,7 +151,6 @@ fn figures(data: &RecordData) -> Vec<QuantityTable> {
     all.map(of).collect()
 }
 
-/// The temperatures, a list of one value each.
 fn temperatures(data: &RecordData) -> Result<Value, DccFault> {
     let of = |temperature: &super::Temperature| QuantityTable {
         name: temperature.name.to_string(),

@@ -111,7 +111,6 @@ pub struct QuantityTable {
     pub lists: Vec<QuantityList>,
 }
 
-/// A column as it is written.
 #[derive(Debug, Clone, serde::Serialize)]
 pub(crate) struct WrittenList {
     name: String,

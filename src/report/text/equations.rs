@@ -7,7 +7,6 @@ use crate::analysis::{Equations, Symbol, SymbolMeaning};
 use crate::machine::Machine;
 use nalgebra::{Matrix4, Vector3};
 
-/// Script of polynomials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Script {
     Text,
@@ -118,7 +117,6 @@ pub fn text(machine: &Machine, equations: &Equations) -> String {
     text
 }
 
-/// Explanation of a symbol.
 fn remark(machine: &Machine, symbol: &Symbol) -> Option<String> {
     match symbol.meaning {
         SymbolMeaning::ToolLength => {

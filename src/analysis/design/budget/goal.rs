@@ -124,7 +124,6 @@ pub struct Unavoidable {
     pub staying_um: f64,
 }
 
-/// The search.
 struct GoalSearch<'a> {
     request: GoalRequest<'a>,
     joints: Vec<JointBounds>,

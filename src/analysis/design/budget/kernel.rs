@@ -80,7 +80,6 @@ pub struct CurvePoint {
 #[derive(Debug)]
 pub struct JointSamples {
     location: Vec<SampleLanes>,
-    /// Node by node.
     nodes: Vec<Vec<SampleLanes>>,
 }
 
