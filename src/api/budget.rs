@@ -146,7 +146,7 @@ pub fn budget_part(
         let (bounds, _) = options.tolerances.bounds(call, file)?;
         let work = BudgetWork::of(call, file, options)?;
         let request = work.request(file, options, (&bounds, at.as_deref()));
-        budget_parts::drawn_part(call, options.division(&options.drawn_by()), request)
+        budget_parts::draw_part(call, options.division(&options.drawn_by()), request)
     })
 }
 
@@ -161,7 +161,7 @@ fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> 
 
 /// Refuses options that make no sense together, and returns the pose asked for.
 fn fitting(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<Option<Pose>, Refused> {
-    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+    call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
     if options.poses > MAX_POSES {
         return call.usage(format!("a budget takes {MAX_POSES} random poses at most, all of which are held"));
     }
@@ -211,7 +211,7 @@ pub(crate) fn budget_of(
 ) -> Result<BudgetResult, Refused> {
     let work = BudgetWork::of(call, machine, options)?;
     let request = work.request(machine, options, (&bounds, at.as_deref()));
-    let drawn = budget_parts::merged(call, options.division(&options.drawn_by()), request)?;
+    let drawn = budget_parts::merge(call, options.division(&options.drawn_by()), request)?;
     let steps = if drawn.is_some() { 0 } else { 2 * options.samples };
     let budget = call.stage(steps, |advance| budget_from_samples(request, drawn, advance))?;
     let goal = match options.goal_mm {

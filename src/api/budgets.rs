@@ -178,7 +178,7 @@ pub(crate) fn budgets(
         let message = format!("budgets are not compared: {} bounds no error", without.join(" and "));
         let help = "write tolerances into every file, or take those of a class: `--class production`";
         call.warn(Diagnostic::new(codes::W0607, message).help(help));
-        call.checked()?;
+        call.check()?;
         return Ok(None);
     }
     let (list, versus_first) = budgeted(call, sides, &all, drawn)?;

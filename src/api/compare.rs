@@ -186,8 +186,8 @@ fn side_by_side(
     options: &CompareOptions,
 ) -> Result<CompareResult, Refused> {
     let [first, _, ..] = files else { return call.usage("a comparison takes two machines at least") };
-    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
-    options.max_samples.map_or(Ok(()), |limit| call.bounded(&[Count::MaxMachines(limit)]))?;
+    call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+    options.max_samples.map_or(Ok(()), |limit| call.check_counts(&[Count::MaxMachines(limit)]))?;
     let order = |machine: &Machine| order_of(machine, options.order);
     let bare: Vec<Bare<'_>> = files.iter().map(|file| Bare { machine: file, order: order(file) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
@@ -227,7 +227,7 @@ fn side_by_side(
         adds.push(call.about(file.path(), |call| added(call, machine, settings, Some(poses)))?);
         bounded.push(of.map(|of| Bounded::new(call, &of, machine, poses)).transpose()?);
     }
-    call.checked()?;
+    call.check()?;
     // Figures from bounds have no uncertainty: they are one.
     let measured = bounded.iter().all(Option::is_none);
     let uncertainty = if measured { compared_bands(&sides, &comparison, options.approach.into(), seed) } else { None };

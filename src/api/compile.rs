@@ -76,7 +76,7 @@ pub struct CompiledSet {
 /// not read back as the intended set, and if an option does not fit.
 pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Result<Answer<CompiledSet>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
-        call.bounded(&[Count::Poses(options.poses)])?;
+        call.check_counts(&[Count::Poses(options.poses)])?;
         call.extend(bounded_only(file));
         let target = options.compensation.target(call, &options.target)?;
         refuse_unverified(call, &target, options.accept_unverified)?;
@@ -94,7 +94,7 @@ fn tables(
     options: &CompileOptions,
 ) -> Result<CompiledSet, Refused> {
     let how = &options.compensation;
-    let installed = table_set::installed(call, file, target, how, options.installed.as_deref())?;
+    let installed = table_set::load_installed(call, file, target, how, options.installed.as_deref())?;
     let request = TableRequest {
         lattice: &options.lattice,
         max_nodes: options.max_nodes,
@@ -104,14 +104,14 @@ fn tables(
     let whole = CompensationOptions { without: Vec::new(), ..how.clone() };
     let whole = whole.target(call, &options.target)?;
     let over = installed.as_ref().map(|installed| (installed, &whole));
-    let set = table_set::rendered(call, file, target, &request, over)?;
+    let set = table_set::render(call, file, target, &request, over)?;
     let target = over.map_or(target, |(_, whole)| whole);
     let judged = TablesUnderTest { target, tables: &set.tables, installed: installed.as_ref() };
     let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
     call.extend(verdict::warnings(&certificate));
-    call.checked()?;
+    call.check()?;
     let depth = Depth { poses: options.poses, seed: options.seed };
-    Ok(compiled((file, target), how.words(), set.rendered, certificate, (&judged.field(file), depth)))
+    Ok(assemble((file, target), how.words(), set.rendered, certificate, (&judged.field(file), depth)))
 }
 
 fn module(
@@ -120,18 +120,18 @@ fn module(
     target: &ControllerTarget,
     options: &CompileOptions,
 ) -> Result<CompiledSet, Refused> {
-    let before = module_set::installed(call, file, target, &options.compensation, options.installed.as_deref())?;
+    let before = module_set::load_installed(call, file, target, &options.compensation, options.installed.as_deref())?;
     let orientation = options.compensation.orientation();
     let limits = options.max_correction;
-    let set = module_set::rendered(call, file, target, ModuleRequest { orientation, limits, before })?;
+    let set = module_set::render(call, file, target, ModuleRequest { orientation, limits, before })?;
     let depth = Depth { poses: options.poses, seed: options.seed };
     let certificate = certify_kinematics(file, target, &set.module, &set.beside, depth);
     call.extend(limits.module_excesses(&certificate));
     call.extend(verdict::warnings(&certificate));
-    call.checked()?;
+    call.check()?;
     let goal = if orientation { "correct pose" } else { "correct position" };
     let effect = ControllerEffect::Module(Box::new(set.module), set.beside);
-    Ok(compiled(
+    Ok(assemble(
         (file, target),
         vec![goal.to_owned()],
         set.rendered,
@@ -140,7 +140,7 @@ fn module(
     ))
 }
 
-fn compiled(
+fn assemble(
     (file, target): (&MachineFile, &ControllerTarget),
     words: Vec<String>,
     files: Vec<RenderedFile>,

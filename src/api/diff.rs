@@ -74,12 +74,12 @@ pub fn diff(
     run: Run,
 ) -> Result<Answer<SetDifference>, Diagnostics> {
     Call::answer(run, file.sources(), |call| {
-        call.bounded(&[Count::Poses(options.poses)])?;
+        call.check_counts(&[Count::Poses(options.poses)])?;
         let mut found = |folder: &Path| {
             call.about(&folder.display().to_string(), |call| found_effect(call, file, folder, &options.compensation))
         };
         let ((old, of_old), (new, of_new)) = (found(old)?, found(new)?);
-        call.checked()?;
+        call.check()?;
         let added = [of_old.addition(file, &old), of_new.addition(file, &new)];
         let mut axes: Vec<Vec<f64>> = vec![Vec::new(); file.axes().len()];
         let mut moved = Vec::new();

@@ -150,12 +150,12 @@ pub fn equations(
     options: &EquationsOptions,
     run: Run<'_>,
 ) -> Result<Answer<EquationsResult>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| found(call, file, options))
+    Call::answer(run, file.sources(), |call| derive(call, file, options))
 }
 
-fn found(call: &mut Call<'_>, machine: &Machine, options: &EquationsOptions) -> Result<EquationsResult, Refused> {
+fn derive(call: &mut Call<'_>, machine: &Machine, options: &EquationsOptions) -> Result<EquationsResult, Refused> {
     let text = options.algebra.clone().unwrap_or_else(|| format!("degree: {}", options.order.unwrap_or(1)));
-    let declared = algebra::declared(call, machine, &text)?;
+    let declared = algebra::declare(call, machine, &text)?;
     let (naming, tool_length) = (options.symbols, options.tool_length);
     let found = closed_forms(machine, &declared, Options { naming, tool_length });
     let equations = found.or_else(|refusal| call.refuse(refusal))?;

@@ -70,7 +70,7 @@ pub fn import(path: impl AsRef<Path>, options: &ImportOptions, run: Run) -> Resu
             }
         };
         let found = import::import(path.as_ref(), &request, run.files, &mut call.diagnostics);
-        call.checked()?;
+        call.check()?;
         let found = found.ok_or(Refused)?;
         let table = found.table(options.continuous);
         call.extend(left_out(&found));

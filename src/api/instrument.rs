@@ -197,13 +197,13 @@ pub fn instrument(
 
 fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> Result<InstrumentResult, Refused> {
     call.extend(bounded_only(machine));
-    options.points.map_or(Ok(()), |points| call.bounded(&[Count::Points(points)]))?;
+    options.points.map_or(Ok(()), |points| call.check_counts(&[Count::Points(points)]))?;
     let share = if options.instrument == Instrument::RTest { 0.75 } else { 0.5 };
     let usual = within(machine, share);
     let at = match &options.at {
         None => usual,
         // Axes without a value stay at their usual place.
-        Some(text) => named(machine, text, usual).or_else(|refusal| call.refuse(refusal))?,
+        Some(text) => pose_by_names(machine, text, usual).or_else(|refusal| call.refuse(refusal))?,
     };
     check(call, machine, std::slice::from_ref(&at))?;
     let readings = match options.instrument {
@@ -215,7 +215,7 @@ fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> 
     Ok(InstrumentResult { machine: machine.name().to_owned(), readings, axes: machine.axes().to_vec(), at })
 }
 
-fn named(machine: &Machine, text: &str, mut pose: Pose) -> Result<Pose, Diagnostic> {
+fn pose_by_names(machine: &Machine, text: &str, mut pose: Pose) -> Result<Pose, Diagnostic> {
     let given = pose_at(machine, text)?;
     for part in text.split(',') {
         let name = part.split_once('=').map_or("", |(name, _)| name.trim());

@@ -145,15 +145,15 @@ fn from_parameters(
     if set.target.manifest.kinematics().is_none_or(|mechanism| mechanism.machines.is_empty()) {
         return call.usage(format!("`{}` holds files of `{name}`, which has no kinematic parameters", path.display()));
     }
-    let before = module_set::installed(call, file, &set.target, &how, options.installed.as_deref())?;
+    let before = module_set::load_installed(call, file, &set.target, &how, options.installed.as_deref())?;
     let request = ModuleRequest { before, ..ModuleRequest::plain(true) };
-    let (module, _) = module_set::found(call, file, &set.target, path, request, &set.files)?;
+    let (module, _) = module_set::find(call, file, &set.target, path, request, &set.files)?;
     let Some(parameters) = module.parameters() else { return Err(Refused) };
-    let errors = told(file, parameters).or_else(|refusal| call.refuse(refusal))?;
+    let errors = list_found(file, parameters).or_else(|refusal| call.refuse(refusal))?;
     Ok(Finding { target: Some(name.clone()), placed: Some(parameters.transformation().clone()), errors })
 }
 
-fn told(machine: &Machine, parameters: &Parameters) -> Result<Vec<Found>, Diagnostic> {
+fn list_found(machine: &Machine, parameters: &Parameters) -> Result<Vec<Found>, Diagnostic> {
     let mut found = Vec::new();
     for (id, value) in parameters.transformation().location_errors(machine)? {
         if parameters.tells(machine, &id)? {

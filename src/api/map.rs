@@ -96,7 +96,7 @@ fn volume(
     tables: Vec<MapTable<'_>>,
     parts: &dyn MapParts,
 ) -> Result<MapResult, Refused> {
-    call.bounded(&[Count::Machines(options.samples)])?;
+    call.check_counts(&[Count::Machines(options.samples)])?;
     if let MapPoses::Random(0) | MapPoses::LowDiscrepancy(0) = options.poses {
         return call.usage("a map takes 1 pose at least");
     }
@@ -186,7 +186,7 @@ fn found(
     let tables = Tables::new(*rows, tables).or_else(|refusal| call.refuse(refusal))?;
     if poses.len() > MAX_POSES {
         parts.refuse_other()?;
-        return tables.surveyed(call, SurveyTask { field, poses, view, worst: count });
+        return tables.survey(call, SurveyTask { field, poses, view, worst: count });
     }
     let analysis::Map { deviations, statistics } = analysis::Map::of(parts.deviations(call, field, poses, view)?);
     tables.write(&deviations).or_else(|refusal| call.refuse(refusal))?;

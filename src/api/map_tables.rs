@@ -66,7 +66,7 @@ impl<'a> Tables<'a> {
     }
 
     /// Surveys a field and writes its rows as they come: the deviations are not kept.
-    pub(crate) fn surveyed(mut self, call: &mut Call<'_>, task: SurveyTask<'_>) -> Result<Survey, Refused> {
+    pub(crate) fn survey(mut self, call: &mut Call<'_>, task: SurveyTask<'_>) -> Result<Survey, Refused> {
         if self.streams.is_empty() {
             return call.stage(task.poses.len(), |advance| survey(task, advance));
         }

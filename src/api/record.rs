@@ -5,7 +5,7 @@ use super::verify::{VerifyOptions, verify};
 use crate::diagnostic::{Diagnostics, Sources};
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::LoadOptions;
-use crate::record::make::{Record, made};
+use crate::record::make::{Record, make};
 use crate::record::trend::{RecordTrend, trend};
 use crate::run::{Answer, Call, Run};
 use serde_json::json;
@@ -40,11 +40,11 @@ impl Default for RecordOptions {
 pub fn record(path: &Path, options: &RecordOptions, run: Run<'_>) -> Result<Answer<Record>, Diagnostics> {
     Call::answer(run, &Sources::default(), |call| {
         let tool = LoadOptions { tool: options.tool.clone() };
-        made(call, path, &tool, &|call, machine, folder, installed| {
+        make(call, path, &tool, &|call, machine, folder, installed| {
             let RecordOptions { compensation, poses, seed, .. } = options.clone();
             let options = VerifyOptions { target: None, compensation, poses, seed, installed };
             let answer = verify(machine, folder, &options, call.run);
-            call.taken(answer).map(|report| json!(report))
+            call.take(answer).map(|report| json!(report))
         })
     })
 }
@@ -63,7 +63,7 @@ pub fn record_trend(
             let RecordOptions { poses, seed, .. } = *options;
             let compared = DiffMachinesOptions { poses, seed, ..DiffMachinesOptions::default() };
             let answer = diff_machines(&machines, &compared, call.run);
-            call.taken(answer)
+            call.take(answer)
         })
     })
 }

@@ -78,12 +78,12 @@ pub fn sources(
     options: &SourcesOptions,
     run: Run<'_>,
 ) -> Result<Answer<ErrorSources>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| found(call, file, options))
+    Call::answer(run, file.sources(), |call| find(call, file, options))
 }
 
-fn found(call: &mut Call<'_>, machine: &Machine, options: &SourcesOptions) -> Result<ErrorSources, Refused> {
+fn find(call: &mut Call<'_>, machine: &Machine, options: &SourcesOptions) -> Result<ErrorSources, Refused> {
     let SourcesOptions { poses: count, seed, order, approach, .. } = *options;
-    call.bounded(&[Count::Poses(count)])?;
+    call.check_counts(&[Count::Poses(count)])?;
     if count > SourcesOptions::MAX_POSES {
         return call.usage(format!("sources take {} poses at most", SourcesOptions::MAX_POSES));
     }

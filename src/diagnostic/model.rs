@@ -181,7 +181,7 @@ impl Diagnostics {
     }
 
     /// True if the job was cancelled: then nothing need be wrong.
-    pub fn cancelled(&self) -> bool {
+    pub fn is_cancelled(&self) -> bool {
         self.cancelled
     }
 
@@ -242,7 +242,7 @@ impl Diagnostics {
     }
 
     /// True if the input is refused.
-    pub fn refused(&self) -> bool {
+    pub fn is_refused(&self) -> bool {
         self.more[0] > 0 || self.list.iter().any(|d| d.severity == Severity::Refusal)
     }
 

@@ -168,7 +168,7 @@ impl Files for Overlay<'_> {
 fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) -> Result<MachineFile, Refused> {
     let document = syntax::load(path, files, &mut call.diagnostics);
     let machine = document.as_ref().and_then(|d| machine::resolve(d, files, &mut call.diagnostics));
-    call.checked()?;
+    call.check()?;
     let machine = machine.ok_or(Refused)?;
     let identify = document.and_then(|document| document.identify);
     let (sources, warnings) = (call.diagnostics.sources.clone(), call.diagnostics.iter().cloned().collect());

@@ -115,7 +115,7 @@ impl Conventions {
 
     /// These, changed as a text says: the name of a preset, words such as `carried_body`, or keys as in a machine
     /// file, `linear: before, rotary: rotating`; what is not named stays.
-    pub fn amended(&self, text: &str) -> Result<Self, ConventionsFailure> {
+    pub fn amend(&self, text: &str) -> Result<Self, ConventionsFailure> {
         let items: Vec<String> = text.split(',').map(|item| with_key(item.trim())).collect::<Result<_, _>>()?;
         let words: ConventionWords =
             from_yaml(&format!("{{{}}}", items.join(", "))).map_err(|e| ConventionsFailure::Keys(e.to_string()))?;

@@ -44,7 +44,7 @@ pub(crate) fn decisions(
             Err(refusal) => call.extend([refusal]),
         }
     }
-    call.checked()?;
+    call.check()?;
     Ok((all, alarms))
 }
 

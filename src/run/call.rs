@@ -17,7 +17,7 @@ pub trait Monitor: Sync {
     /// threads.
     ///
     /// A failure cancels the job: it leaves nothing behind, and its [`Diagnostics`] are
-    /// [`cancelled`](Diagnostics::cancelled).
+    /// [`is_cancelled`](Diagnostics::is_cancelled).
     fn advance(&self, _steps: usize) -> Result<(), Cancelled> {
         Ok(())
     }
@@ -162,7 +162,7 @@ impl<'a> Call<'a> {
     ) -> Result<Answer<T>, Diagnostics> {
         let mut call = Self { run, diagnostics: Diagnostics::about(sources.clone()), cancelled: Cell::new(false) };
         let value = job(&mut call);
-        match (value, call.checked()) {
+        match (value, call.check()) {
             (Ok(value), Ok(())) => Ok(Answer { value, warnings: call.diagnostics }),
             // What a cancelled job found is about half of an answer.
             _ if call.cancelled.get() => Err(Diagnostics::cancellation(sources.clone())),
@@ -201,7 +201,7 @@ impl<'a> Call<'a> {
     }
 
     /// Refuses counts beyond what the program takes: a caller may pass on any number.
-    pub fn bounded(&mut self, counts: &[Count]) -> Result<(), Refused> {
+    pub fn check_counts(&mut self, counts: &[Count]) -> Result<(), Refused> {
         let counts = counts.iter().map(|count| match *count {
             Count::Poses(count) => ("poses", count, 1..=1_000_000),
             Count::Machines(count) => ("machines to draw", count, 2..=100_000),
@@ -214,15 +214,15 @@ impl<'a> Call<'a> {
     }
 
     /// Stops if anything so far refuses the input, or warns where warnings are denied.
-    pub fn checked(&mut self) -> Result<(), Refused> {
+    pub fn check(&mut self) -> Result<(), Refused> {
         if self.run.deny_warnings && self.diagnostics.warnings() > 0 {
             self.diagnostics.deny_warnings();
         }
-        if self.diagnostics.refused() { Err(Refused) } else { Ok(()) }
+        if self.diagnostics.is_refused() { Err(Refused) } else { Ok(()) }
     }
 
     /// Takes over the warnings or the refusal of another call.
-    pub fn taken<T>(&mut self, answer: Result<Answer<T>, Diagnostics>) -> Result<T, Refused> {
+    pub fn take<T>(&mut self, answer: Result<Answer<T>, Diagnostics>) -> Result<T, Refused> {
         match answer {
             Ok(answer) => {
                 self.diagnostics.absorb(answer.warnings);

@@ -113,7 +113,7 @@ pub fn read_measurements(
         reader.file = if paths.len() > 1 { format!("{}/", shown(&stem)) } else { String::new() };
         reader.read(path.as_ref(), files, diagnostics);
     }
-    if reader.poses.is_some() && !reader.has_points && !diagnostics.refused() {
+    if reader.poses.is_some() && !reader.has_points && !diagnostics.is_refused() {
         let message = "no file of measurements has points by name, whose poses are given".to_owned();
         diagnostics.push(points_refusal(message, None));
     }

@@ -190,7 +190,7 @@ impl ToolPoses {
             }
             call.warn(told);
         }
-        call.checked()
+        call.check()
     }
 }
 
