@@ -3,13 +3,12 @@
 use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{Bound, Draws, Request, budget_from_samples, budget_poses};
-use crate::diagnostic::Diagnostics;
 use crate::job::machine_file::MachineFile;
 use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
 use crate::job::tool_poses::{self, ReachedToolPoses};
 use crate::machine::{Machine, Pose};
 use crate::report::{BoundedContribution, BudgetFigures, Picture, contributions};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use crate::shards::budget_parts::{self, BudgetShard, Division};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -123,7 +122,7 @@ impl BudgetResult {
 /// Budgets the errors that are only bounded, to first order.
 ///
 /// Fails if no error is bounded, and for poses or classes that do not fit the machine.
-pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Result<Answer<BudgetResult>, Diagnostics> {
+pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Reply<BudgetResult> {
     Call::answer(run, file.sources(), |call| {
         if options.shard.is_some() {
             return call.usage("a part of the machines has no budget: put all parts together with `merge`");
@@ -136,11 +135,7 @@ pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Resu
 /// A part that a file of [`BudgetOptions::merge`] holds already is not drawn again; such a file need not be there.
 ///
 /// Fails where [`budget`] does, and for a part that is not 1 to N.
-pub fn budget_part(
-    file: &MachineFile,
-    options: &BudgetOptions,
-    run: Run<'_>,
-) -> Result<Answer<BudgetShard>, Diagnostics> {
+pub fn budget_part(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Reply<BudgetShard> {
     Call::answer(run, file.sources(), |call| {
         let at = fitting(call, file, options)?;
         let (bounds, _) = options.tolerances.bounds(call, file)?;

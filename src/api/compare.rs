@@ -10,14 +10,14 @@ use crate::analysis::{
     Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
     contributions as contributions_of,
 };
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Difference, Field, Frame, Order, Poses, Statistics, Summary};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::poses::check;
 use crate::job::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use std::path::PathBuf;
 
 /// Options of [`compare`].
@@ -172,11 +172,7 @@ pub struct ComparedPose {
 /// Compares machines on the same tool poses; the first is the reference.
 ///
 /// Fails if no tool pose is reached by all machines. Warns of tool poses of a file that a machine does not reach.
-pub fn compare(
-    files: &[MachineFile],
-    options: &CompareOptions,
-    run: Run<'_>,
-) -> Result<Answer<CompareResult>, Diagnostics> {
+pub fn compare(files: &[MachineFile], options: &CompareOptions, run: Run<'_>) -> Reply<CompareResult> {
     Call::answer(run, &sources_of(files), |call| side_by_side(call, files, options))
 }
 

@@ -5,14 +5,14 @@ use crate::controller::{
     Certificate, ControllerEffect, ControllerTarget, Depth, Limits, Lock, NAMES, RenderedFile, TablesUnderTest,
     certify, certify_kinematics,
 };
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Field;
 use crate::file_set::module_set::{self, ModuleRequest};
 use crate::file_set::options::CompensationOptions;
 use crate::file_set::table_set::{self, TableRequest};
 use crate::file_set::verdict;
 use crate::job::machine_file::{MachineFile, bounded_only};
-use crate::run::{Answer, Call, Count, Hashed, Refused, Run};
+use crate::run::{Call, Count, Hashed, Refused, Reply, Run};
 use std::path::PathBuf;
 
 /// Options of [`compile`].
@@ -74,7 +74,7 @@ pub struct CompiledSet {
 ///
 /// Fails if the target is unknown or has nothing for this machine, if a correction exceeds the limits, if the files do
 /// not read back as the intended set, and if an option does not fit.
-pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Result<Answer<CompiledSet>, Diagnostics> {
+pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Reply<CompiledSet> {
     Call::answer(run, file.sources(), |call| {
         call.check_counts(&[Count::Poses(options.poses)])?;
         call.extend(bounded_only(file));

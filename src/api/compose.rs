@@ -4,11 +4,10 @@
 use super::certificate::{CertificateReport, CertificateStep};
 use super::compile::{CompileOptions, refuse_unverified};
 use crate::controller::{ControllerTarget, Depth, KinematicsModule, Lock, RenderedFile};
-use crate::diagnostic::Diagnostics;
 use crate::file_set::composition::{self, ComposedRequest, Composition, beside, compose, find, split, targets};
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::{MachineFile, bounded_only};
-use crate::run::{Answer, Call, Count, Hashed, Refused, Run};
+use crate::run::{Call, Count, Hashed, Refused, Reply, Run};
 use std::path::Path;
 
 /// A set of two targets in memory, with its certificate.
@@ -45,7 +44,7 @@ pub fn compile_composed(
     targets: &[String],
     options: &CompileOptions,
     run: Run,
-) -> Result<Answer<ComposedSet>, Diagnostics> {
+) -> Reply<ComposedSet> {
     Call::answer(run, file.sources(), |call| {
         call.check_counts(&[Count::Poses(options.poses)])?;
         call.extend(bounded_only(file));

@@ -1,10 +1,10 @@
 //! The same machine under other conventions, proved by comparing both.
 
 use crate::convert::{Change, Conversion, ConversionRequest, Misfit, Proof, ROUNDING, changes, prove};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::{MachineFile, read_back};
 use crate::machine::{Axis, AxisName, Conventions, Machine, MachineParts, machine_file};
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use crate::units::{angle, length, significant};
 use serde::Serialize;
 
@@ -113,7 +113,7 @@ pub struct ConversionProof {
 /// Rewrites a machine for other conventions, and proves that it is the same machine.
 ///
 /// Fails for unknown conventions or axes, and where the machines differ by more than is accepted.
-pub fn convert(file: &MachineFile, options: &ConvertOptions, run: Run) -> Result<Answer<ConvertResult>, Diagnostics> {
+pub fn convert(file: &MachineFile, options: &ConvertOptions, run: Run) -> Reply<ConvertResult> {
     Call::answer(run, file.sources(), |call| {
         let request = request(file, options).or_else(|refusal| call.refuse(refusal))?;
         let conversion = crate::convert::convert(file, &request).or_else(|refusal| call.refuse(refusal))?;

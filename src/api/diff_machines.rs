@@ -2,12 +2,11 @@
 
 use super::compare::nothing_in_common;
 use crate::analysis::{MachineResult, Work, compare as compared};
-use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Bare, Field, Order};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::machine::{Approach, Machine, MachineProperty};
 use crate::report::{MachineDifference, describe};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 
 /// Options of [`diff_machines`].
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -33,11 +32,7 @@ impl Default for DiffMachinesOptions {
 /// deviation over tool poses that both reach.
 ///
 /// Fails if the files are not two, and if no tool pose is reached by both machines.
-pub fn diff_machines(
-    files: &[MachineFile],
-    options: &DiffMachinesOptions,
-    run: Run<'_>,
-) -> Result<Answer<MachineDifference>, Diagnostics> {
+pub fn diff_machines(files: &[MachineFile], options: &DiffMachinesOptions, run: Run<'_>) -> Reply<MachineDifference> {
     Call::answer(run, &sources_of(files), |call| difference(call, files, options))
 }
 

@@ -7,11 +7,11 @@ use crate::analysis::enumerate::{
     RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk, rank, standings, walks,
 };
 use crate::analysis::{UnreachableCount, Work};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::MachineFile;
 use crate::job::tool_poses::{self, ReachedToolPoses};
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
-use crate::run::{Answer, Call, Count, Refused, Run, sha256};
+use crate::run::{Call, Count, Refused, Reply, Run, sha256};
 use crate::shards::study::{self, StudyFile};
 use indexmap::IndexMap;
 use rayon::prelude::*;
@@ -278,7 +278,7 @@ pub fn enumerate(
     options: &EnumerateOptions,
     file: Option<&dyn StudyFile>,
     run: Run<'_>,
-) -> Result<Answer<EnumerateResult>, Diagnostics> {
+) -> Reply<EnumerateResult> {
     Call::answer(run, machine.sources(), |call| studied(call, machine, options, file))
 }
 

@@ -5,12 +5,11 @@ use crate::algebra::symbolic::Symbolic;
 use crate::algebra::weil::Monomial;
 use crate::algebra::{Algebra, Htm};
 use crate::analysis::{Equations, Naming, Options, Symbol, SymbolMeaning, equations as closed_forms};
-use crate::diagnostic::Diagnostics;
 use crate::evaluate::Frame;
 use crate::job::machine_file::MachineFile;
 use crate::machine::Machine;
 use crate::report::equations as print;
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use indexmap::IndexMap;
 use nalgebra::{Matrix4, Vector3};
 use schemars::JsonSchema;
@@ -145,11 +144,7 @@ impl EquationsResult {
 /// Returns the closed forms of a machine.
 ///
 /// Fails for an algebra that does not fit the machine, and for errors that are no polynomials of the position.
-pub fn equations(
-    file: &MachineFile,
-    options: &EquationsOptions,
-    run: Run<'_>,
-) -> Result<Answer<EquationsResult>, Diagnostics> {
+pub fn equations(file: &MachineFile, options: &EquationsOptions, run: Run<'_>) -> Reply<EquationsResult> {
     Call::answer(run, file.sources(), |call| derive(call, file, options))
 }
 

@@ -3,13 +3,12 @@
 use super::algebra;
 use super::effects::{ErrorEffect, Neglected, effects, inverse};
 use crate::analysis::figure_bands::PoseUncertainty;
-use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Evaluation, Frame, Order, evaluate, evaluate_over};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
 use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::lower::WeilLift;
 use crate::machine::{Approach, Machine, OperatingConditions, Pose};
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
@@ -116,7 +115,7 @@ pub struct PoseResult {
 ///
 /// Fails for a pose that does not fit the machine, and where an error curve is not known. Warns of poses beyond the
 /// travel.
-pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run<'_>) -> Result<Answer<EvalResult>, Diagnostics> {
+pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run<'_>) -> Reply<EvalResult> {
     Call::answer(run, file.sources(), |call| evaluate_poses(call, file, options))
 }
 

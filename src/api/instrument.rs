@@ -4,13 +4,13 @@ use crate::analysis::Unreachable;
 use crate::analysis::instrument::{
     BallBar, CirclePlane, Diagonal, RTest, RTestReading, ball_bar, diagonals, r_test, within,
 };
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Frame;
 use crate::job::machine_file::{MachineFile, bounded_only};
 use crate::job::poses::{AxisPositions, axis_positions, check, pose_at};
 use crate::machine::{Axis, AxisKind, Machine, Pose};
 use crate::report::{DiagonalPicture, DialPanel, Picture, PolarPicture, RTestPicture};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use crate::units::significant;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -187,11 +187,7 @@ impl InstrumentResult {
 /// Returns the readings of a measuring instrument on a machine.
 ///
 /// Fails for a path that the machine cannot drive, and for a place or an axis that does not fit it.
-pub fn instrument(
-    file: &MachineFile,
-    options: &InstrumentOptions,
-    run: Run<'_>,
-) -> Result<Answer<InstrumentResult>, Diagnostics> {
+pub fn instrument(file: &MachineFile, options: &InstrumentOptions, run: Run<'_>) -> Reply<InstrumentResult> {
     Call::answer(run, file.sources(), |call| read(call, file, options))
 }
 

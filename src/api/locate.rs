@@ -3,13 +3,13 @@
 
 use super::import::columns_left_out;
 use crate::controller::{FoundLine, Parameters, RotaryLine, Transformation, found_lines};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::file_set::found_set;
 use crate::file_set::module_set::{self, ModuleRequest};
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::MachineFile;
 use crate::machine::{ErrorFamily, ErrorId, ErrorTerm, Machine, machine_file};
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use crate::syntax::sheet::read_sheet;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -105,12 +105,7 @@ struct Finding {
 ///
 /// Fails for a machine that has no kinematic parameters, for files that cannot be read, and for lines to which no
 /// location errors lead.
-pub fn locate(
-    file: &MachineFile,
-    path: Option<&Path>,
-    options: &LocateOptions,
-    run: Run<'_>,
-) -> Result<Answer<LocateResult>, Diagnostics> {
+pub fn locate(file: &MachineFile, path: Option<&Path>, options: &LocateOptions, run: Run<'_>) -> Reply<LocateResult> {
     Call::answer(run, file.sources(), |call| {
         let is_folder = path.is_some_and(|path| !call.run.files.entries(path).is_empty());
         if !is_folder && (options.target.is_some() || options.installed.is_some()) {

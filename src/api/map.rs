@@ -9,7 +9,7 @@ use crate::analysis::{
     self, DiagonalRun, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, deviations, rest,
 };
 use crate::controller::{ControllerEffect, ControllerTarget, Depth};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Deviation, Field, Order, Poses, Tally, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
@@ -19,14 +19,14 @@ use crate::job::tool_poses;
 use crate::machine::Machine;
 use crate::report::plane_picture::Subject;
 use crate::report::{Rows, WorkRows};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use std::ops::Range;
 
 /// Maps the deviations of a machine over its volume.
 ///
 /// Fails for more than 1e9 poses (1e6 where nothing is measured), and for a picture or a file of tool poses that does
 /// not fit the machine.
-pub fn map(file: &MachineFile, options: &MapOptions, run: Run<'_>) -> Result<Answer<MapResult>, Diagnostics> {
+pub fn map(file: &MachineFile, options: &MapOptions, run: Run<'_>) -> Reply<MapResult> {
     map_tables(file, options, Vec::new(), run)
 }
 
@@ -38,7 +38,7 @@ pub fn map_tables(
     options: &MapOptions,
     tables: Vec<MapTable<'_>>,
     run: Run<'_>,
-) -> Result<Answer<MapResult>, Diagnostics> {
+) -> Reply<MapResult> {
     Call::answer(run, file.sources(), |call| volume(call, file, options, tables, &WholeMap))
 }
 
@@ -48,7 +48,7 @@ pub(crate) fn map_of_parts(
     options: &MapOptions,
     parts: &dyn MapParts,
     run: Run<'_>,
-) -> Result<Answer<MapResult>, Diagnostics> {
+) -> Reply<MapResult> {
     Call::answer(run, file.sources(), |call| volume(call, file, options, Vec::new(), parts))
 }
 

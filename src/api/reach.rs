@@ -5,12 +5,12 @@ use crate::analysis::{
     DirectionKind, Miss, ReachGrid, ToolDirections, Unreachable, UnreachableCount, reach as reached,
     rotary_axes_place_tip,
 };
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::MachineFile;
 use crate::job::tool_poses::{Lack, Lacks, MissedToolPose};
 use crate::machine::{Machine, Pose};
 use crate::report::{Picture, ReachPicture, structured_grid};
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use crate::units::{FARTHEST, number, significant};
 
 /// Options of [`reach`].
@@ -143,7 +143,7 @@ impl ReachResult {
 ///
 /// Fails for a box, a step or a number of directions that makes no sense, and for more tool poses than
 /// [`ReachOptions::MAX`].
-pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run<'_>) -> Result<Answer<ReachResult>, Diagnostics> {
+pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run<'_>) -> Reply<ReachResult> {
     Call::answer(run, file.sources(), |call| find(call, file, options))
 }
 

@@ -2,11 +2,11 @@
 
 use super::verify::{VerifyOptions, open, tables};
 use crate::controller::{AssignedAxis, Replay, axis_letters, by_number};
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
+use crate::diagnostic::{Diagnostic, Sources, codes, shown};
 use crate::file_set::table_set::FoundTables;
 use crate::job::machine_file::MachineFile;
 use crate::machine::Approach;
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use crate::syntax::read_text;
 use crate::units::{FARTHEST, number};
 use std::path::Path;
@@ -28,7 +28,7 @@ impl ReplayPosition {
     /// further columns are ignored.
     ///
     /// Fails for another header, and for a line without such a position.
-    pub fn list(path: &Path, run: Run<'_>) -> Result<Answer<Vec<Self>>, Diagnostics> {
+    pub fn list(path: &Path, run: Run<'_>) -> Reply<Vec<Self>> {
         Call::answer(run, &Sources::default(), |call| list_positions(call, path))
     }
 
@@ -82,7 +82,7 @@ pub fn replay(
     positions: &[ReplayPosition],
     options: &VerifyOptions,
     run: Run,
-) -> Result<Answer<Vec<f64>>, Diagnostics> {
+) -> Reply<Vec<f64>> {
     Call::answer(run, file.sources(), |call| {
         let set = open(call, file, folder, options)?;
         if set.target.manifest.kinematics().is_some() {

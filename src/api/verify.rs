@@ -3,7 +3,7 @@
 use super::certificate::CertificateReport;
 use super::compose;
 use crate::controller::{ControllerEffect, Depth, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::file_set::differences::{warn_edited, warn_other_inputs, warn_other_tool};
 use crate::file_set::folder::Folder;
 use crate::file_set::found_set::{FoundSet, found_set};
@@ -12,7 +12,7 @@ use crate::file_set::options::CompensationOptions;
 use crate::file_set::table_set::{self, FoundTables};
 use crate::file_set::{composition, verdict};
 use crate::job::machine_file::MachineFile;
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use std::path::{Path, PathBuf};
 
 /// Options of [`verify`] and [`replay`](super::replay()).
@@ -45,12 +45,7 @@ pub fn set_manifest(folder: &Path, run: Run) -> Option<Lock> {
 /// Reads the files in a folder back, replays them as the controller would, and returns the residual.
 ///
 /// Fails if the folder holds no set of a known target, or one that the controller would misread.
-pub fn verify(
-    file: &MachineFile,
-    folder: &Path,
-    options: &VerifyOptions,
-    run: Run,
-) -> Result<Answer<CertificateReport>, Diagnostics> {
+pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: Run) -> Reply<CertificateReport> {
     Call::answer(run, file.sources(), |call| {
         call.check_counts(&[Count::Poses(options.poses)])?;
         if composition::is_composed(folder, call) {

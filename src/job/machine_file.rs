@@ -3,7 +3,7 @@
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::evaluate::{Nodes, Order};
 use crate::machine::{self, ErrorTerm, Machine};
-use crate::run::{Answer, Call, Hashed, Refused, Run, sha256};
+use crate::run::{Call, Hashed, Refused, Reply, Run, sha256};
 use crate::syntax::{self, Files, IdentifyEntry, MemoryFiles};
 use crate::units::counted;
 use std::ops::Deref;
@@ -129,12 +129,12 @@ pub struct LoadOptions {
 /// Reads a machine file, and the files it extends and names, through `run.files`.
 ///
 /// Fails with all faults of the files, each with its place.
-pub fn load(path: impl AsRef<Path>, options: &LoadOptions, run: Run) -> Result<Answer<MachineFile>, Diagnostics> {
+pub fn load(path: impl AsRef<Path>, options: &LoadOptions, run: Run) -> Reply<MachineFile> {
     Call::answer_of(run, &Sources::default(), |call| read(call, path.as_ref(), options, run.files))
 }
 
 /// Reads a machine from the text of a machine file. Files that the text names are read through `run.files`.
-pub fn loads(text: &str, options: &LoadOptions, run: Run) -> Result<Answer<MachineFile>, Diagnostics> {
+pub fn loads(text: &str, options: &LoadOptions, run: Run) -> Reply<MachineFile> {
     let files = Overlay { text: MemoryFiles::default().with(TEXT_NAME, text), files: run.files };
     Call::answer_of(run, &Sources::default(), |call| read(call, Path::new(TEXT_NAME), options, &files))
 }

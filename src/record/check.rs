@@ -2,9 +2,9 @@
 
 use super::files::{JSON_NAME, SUMS_NAME, set_files};
 use crate::controller::is_plain_name;
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
+use crate::diagnostic::{Diagnostic, Sources, codes, shown};
 use crate::file_set::folder::SET_LIMIT;
-use crate::run::{Answer, Call, Refused, Run, sha256};
+use crate::run::{Call, Refused, Reply, Run, sha256};
 use crate::syntax::{EntryKind, Files, ReadFailure, unreadable};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -36,7 +36,7 @@ pub struct RecordCheck {
 /// Compares every file of a record with its SHA-256.
 ///
 /// Fails if the folder is no record, and if a file is missing or has changed.
-pub fn check_record(folder: &Path, run: Run<'_>) -> Result<Answer<RecordCheck>, Diagnostics> {
+pub fn check_record(folder: &Path, run: Run<'_>) -> Reply<RecordCheck> {
     Call::answer(run, &Sources::default(), |call| check(call, folder))
 }
 

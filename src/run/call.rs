@@ -95,6 +95,9 @@ impl Default for Run<'_> {
     }
 }
 
+/// What a function of the library returns: the answer with its warnings, or what refuses the input.
+pub type Reply<T> = Result<Answer<T>, Diagnostics>;
+
 /// A value, and the warnings that were found on the way to it.
 #[derive(Debug, Clone)]
 pub struct Answer<T> {
@@ -146,7 +149,7 @@ impl<'a> Call<'a> {
         run: Run<'a>,
         sources: &Sources,
         job: impl FnOnce(&mut Self) -> Result<T, Refused>,
-    ) -> Result<Answer<T>, Diagnostics> {
+    ) -> Reply<T> {
         Self::answer_of(run, sources, |call| {
             let value = job(call)?;
             call.extend(finite::refusal(&value));
@@ -159,7 +162,7 @@ impl<'a> Call<'a> {
         run: Run<'a>,
         sources: &Sources,
         job: impl FnOnce(&mut Self) -> Result<T, Refused>,
-    ) -> Result<Answer<T>, Diagnostics> {
+    ) -> Reply<T> {
         let mut call = Self { run, diagnostics: Diagnostics::about(sources.clone()), cancelled: Cell::new(false) };
         let value = job(&mut call);
         match (value, call.check()) {
@@ -184,7 +187,7 @@ impl<'a> Call<'a> {
         value
     }
 
-    /// Adds warnings, or refusals that the next [`Self::checked`] stops at.
+    /// Adds warnings, or refusals that the next [`Self::check`] stops at.
     pub fn extend(&mut self, list: impl IntoIterator<Item = Diagnostic>) {
         list.into_iter().for_each(|diagnostic| self.diagnostics.push(diagnostic));
     }
@@ -222,7 +225,7 @@ impl<'a> Call<'a> {
     }
 
     /// Takes over the warnings or the refusal of another call.
-    pub fn take<T>(&mut self, answer: Result<Answer<T>, Diagnostics>) -> Result<T, Refused> {
+    pub fn take<T>(&mut self, answer: Reply<T>) -> Result<T, Refused> {
         match answer {
             Ok(answer) => {
                 self.diagnostics.absorb(answer.warnings);

@@ -10,7 +10,7 @@ use crate::api::budgets::{DrawnMachines, budgets};
 use crate::api::map_result::MapOptions;
 use crate::api::sources::all_words;
 use crate::controller::Depth;
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::{Bare, Frame, Poses, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::{bounded_features, features};
@@ -21,7 +21,7 @@ use crate::report::page::{
     ComparisonData, EngineFile, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
     TargetResult, colours,
 };
-use crate::run::{Advance, Answer, Call, Cancelled, Count, Refused, Run, finite};
+use crate::run::{Advance, Call, Cancelled, Count, Refused, Reply, Run, finite};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -62,7 +62,7 @@ impl Report {
 /// Computes a page about machines; several are compared on the tool poses of the first.
 ///
 /// Fails for targets and classes that are not there, and where [`compile`](crate::api::compile()) fails for a target.
-pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Result<Answer<Report>, Diagnostics> {
+pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Reply<Report> {
     Call::answer_of(run, &sources_of(files), |call| {
         let report = build(call, files, options)?;
         call.extend(finite::refusal(&report.data));

@@ -21,7 +21,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::job::machine_file::{LoadOptions, MachineFile, Overlay, load};
 use crate::job::tool_poses::{RowTip, tips};
 use crate::report::RowFormat;
-use crate::run::{Answer, Call, Run};
+use crate::run::{Answer, Call, Reply, Run};
 use crate::syntax::MemoryFiles;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -224,7 +224,7 @@ struct MapRows {
     rows: Value,
 }
 
-fn rows(machine: &MachineFile, options: &MapOptions, run: Run<'_>) -> Result<Answer<MapRows>, Diagnostics> {
+fn rows(machine: &MachineFile, options: &MapOptions, run: Run<'_>) -> Reply<MapRows> {
     let mut bytes = Cursor::new(Vec::new());
     let table = MapTable { name: "rows".to_owned(), form: RowFormat::Json, sink: Box::new(&mut bytes) };
     let Answer { value: map, warnings } = map_tables(machine, options, vec![table], run)?;
@@ -240,7 +240,7 @@ struct WorkRows {
     tips: Vec<RowTip>,
 }
 
-fn work(machine: &MachineFile, options: &WorkOptions, run: Run<'_>) -> Result<Answer<WorkRows>, Diagnostics> {
+fn work(machine: &MachineFile, options: &WorkOptions, run: Run<'_>) -> Reply<WorkRows> {
     let path = &options.tool_poses;
     let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, path))?.value;
     let poses = MapPoses::ToolPoses(path.clone());
@@ -250,7 +250,7 @@ fn work(machine: &MachineFile, options: &WorkOptions, run: Run<'_>) -> Result<An
     Ok(Answer { value: WorkRows { found, tips }, warnings })
 }
 
-fn document<T: Serialize>(answer: Result<Answer<T>, Diagnostics>) -> Value {
+fn document<T: Serialize>(answer: Reply<T>) -> Value {
     match answer {
         Ok(answer) => answer.warnings.document(json!(answer.value)),
         Err(diagnostics) => json!(diagnostics),

@@ -5,8 +5,8 @@ use crate::cli::store::files::Recorded;
 use crate::cli::store::limited::standard_output;
 use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
 use abbe::text::{Rendering, counts, render};
-use abbe::{Answer, LoadOptions, MachineFile, Run};
 use abbe::{Diagnostic, Diagnostics, codes};
+use abbe::{LoadOptions, MachineFile, Reply, Run};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::cell::{Cell, RefCell};
@@ -56,7 +56,7 @@ impl Session {
     }
 
     /// Keeps the diagnostics of a call of the library, and returns its value if it has one.
-    pub(crate) fn take<T>(&mut self, answer: Result<Answer<T>, Diagnostics>) -> Result<T, Exit> {
+    pub(crate) fn take<T>(&mut self, answer: Reply<T>) -> Result<T, Exit> {
         match answer {
             Ok(answer) => {
                 self.diagnostics.absorb(answer.warnings);
