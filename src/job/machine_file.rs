@@ -97,13 +97,9 @@ pub(crate) fn read_back(text: &str) -> Result<MachineFile, ReadBackFailure> {
 }
 
 /// The first reason why a machine file of our own making is refused.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", .0.as_ref().map_or("it does not read back", |refusal| &refusal.message))]
 pub(crate) struct ReadBackFailure(Option<Diagnostic>);
-
-impl std::fmt::Display for ReadBackFailure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.0.as_ref().map_or("it does not read back", |refusal| &refusal.message))
-    }
-}
 
 /// Plain names and hashes of files.
 pub(crate) fn hashed(sources: &Sources) -> Vec<Hashed> {

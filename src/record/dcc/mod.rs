@@ -11,7 +11,6 @@ use crate::standards::{Conformity, NOT_VERIFIED};
 use minijinja::value::Serde as ViaSerde;
 use minijinja::{Value, context};
 use quantity::WrittenList;
-use std::fmt;
 
 const TEMPLATE: &str = include_str!("certificate.xml.j2");
 
@@ -24,24 +23,15 @@ const POSITION: &str = "basic_nominalValue";
 const ERROR: &str = "basic_measurementError";
 
 /// Reason why a certificate cannot be written.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum DccFault {
     /// A table that is none.
+    #[error(transparent)]
     List(ListFault),
     /// The template does not render.
+    #[error(transparent)]
     Template(minijinja::Error),
 }
-
-impl fmt::Display for DccFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::List(fault) => fault.fmt(f),
-            Self::Template(failure) => failure.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for DccFault {}
 
 /// Returns the certificate of a record.
 ///

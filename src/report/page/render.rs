@@ -12,7 +12,6 @@ use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value, context};
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use serde::Serialize;
 use serde_json::json;
-use std::fmt;
 
 const TEMPLATE: &str = include_str!("appendices.html.j2");
 const STYLE: &str = include_str!("appendices.css");
@@ -85,24 +84,15 @@ pub struct RenderedPage {
 }
 
 /// Reason why a page cannot be rendered.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum PageFailure {
     /// The data have no JSON.
+    #[error(transparent)]
     Data(serde_json::Error),
     /// The template does not render.
+    #[error("{0:#}")]
     Template(minijinja::Error),
 }
-
-impl fmt::Display for PageFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Data(failure) => failure.fmt(f),
-            Self::Template(failure) => write!(f, "{failure:#}"),
-        }
-    }
-}
-
-impl std::error::Error for PageFailure {}
 
 /// Compression of the data: a level above takes longer and saves nothing.
 const LEVEL: u8 = 9;
