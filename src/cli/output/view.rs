@@ -97,6 +97,21 @@ pub(crate) fn statistics_rows(name: &str, statistics: &Statistics) -> [Vec<Strin
     [row(name, "position, um", &statistics.position_um), row("", "rotation, urad", &statistics.rotation_urad)]
 }
 
+/// A table with a column for each of several machines, and one for what each differs from the first in.
+pub(crate) fn table_of_machines(what: &str, count: usize) -> comfy_table::Table {
+    let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
+    let header: Vec<String> = std::iter::once(what.to_owned()).chain(columns).collect();
+    table(&header.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+/// Says how many errors are not listed.
+pub(crate) fn errors_more(count: usize, top: usize) -> String {
+    match count.saturating_sub(top) {
+        0 => String::new(),
+        more => format!("... and {more} errors more (`--top {count}`, or `--format json`)\n"),
+    }
+}
+
 /// A cell of a CSV file, quoted where it has to be.
 pub(crate) fn cell(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }

@@ -6,7 +6,8 @@ mod quantity;
 
 pub use quantity::{ListFault, QuantityList, QuantityTable, is_unit};
 
-use super::{ErrorCurve, RecordData, RecordedFigure, StateValue, environment};
+use super::{ErrorCurve, RecordData, RecordedFigure, StateValue};
+use crate::report::page::environment;
 use crate::standards::{Conformity, NOT_VERIFIED};
 use minijinja::value::Serde as ViaSerde;
 use minijinja::{Value, context};
@@ -52,13 +53,11 @@ pub fn certificate(data: &RecordData) -> Result<String, DccFault> {
     let temperatures = temperatures(data)?;
     let decisions: Vec<&str> = data.decisions.iter().map(|decision| conformity(decision.decision)).collect();
     let render = || {
-        let mut environment = environment()?;
-        environment.add_template("certificate.xml", TEMPLATE)?;
         let context = context! {
             r => Value::from(ViaSerde(data)), states => Value::from(ViaSerde(&written)), decisions, temperatures,
             unverified => NOT_VERIFIED,
         };
-        environment.get_template("certificate.xml")?.render(context)
+        environment()?.template_from_str(TEMPLATE)?.render(context)
     };
     render().map_err(DccFault::Template)
 }
