@@ -159,7 +159,6 @@ fn remaining(call: &mut Call, machine: &Machine, parameters: &Parameters) -> Res
     }
 }
 
-/// The name of both.
 fn join(first: &ControllerTarget, second: &ControllerTarget) -> String {
     format!("{}+{}", first.manifest.target, second.manifest.target)
 }
@@ -237,7 +236,6 @@ impl Composition {
     }
 }
 
-/// True if a folder holds a composed set.
 pub(crate) fn is_composed(folder: &Path, call: &Call) -> bool {
     Folder::new(folder, call.run.files).lock().is_some_and(|lock| !lock.parts.is_empty())
 }

@@ -13,7 +13,6 @@ use std::sync::Arc;
 /// The files of a module, and the numbers that the controller reads from them.
 pub(crate) struct ModuleFiles {
     pub(crate) rendered: Vec<RenderedFile>,
-    /// Data of the module.
     pub(crate) module: KinematicsModule,
     pub(crate) beside: CorrectionTables,
 }
@@ -23,7 +22,6 @@ pub(crate) struct ModuleFiles {
 pub(crate) struct ModuleRequest {
     /// True if the direction of the tool is corrected too.
     pub(crate) orientation: bool,
-    /// Limits on corrections.
     pub(crate) limits: Limits,
     /// Kinematic parameters with which the machine was measured, mm and components of unit vectors; the nominal
     /// machine's if there are none.
@@ -37,7 +35,6 @@ impl ModuleRequest {
     }
 }
 
-/// Renders a module and reads it back.
 pub(crate) fn render(
     call: &mut Call,
     machine: &Machine,

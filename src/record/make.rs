@@ -33,7 +33,6 @@ pub struct Record {
     pub data: RecordData,
 }
 
-/// The two states of the machine.
 struct States {
     found: MachineFile,
     left: Option<MachineFile>,
@@ -120,7 +119,6 @@ pub(crate) fn make(
     write(call, data, &pictures, files)
 }
 
-/// Writes the documents.
 fn write(
     call: &mut Call<'_>,
     data: RecordData,

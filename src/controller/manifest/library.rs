@@ -116,7 +116,6 @@ const EMBEDDED: [(&str, &str); 72] = [
 
 /// Bounds the time that templates take.
 pub trait TemplateLimit: Send + Sync {
-    /// Templates begin to run.
     fn begin(&self);
     fn end(&self);
 }
