@@ -5,6 +5,7 @@ use crate::analysis::budget::{
     Bound, BoundedError, Budget, BudgetPart, PairedTest, Request, Totals, Verdict, VersusFirst, budget, round_sizes,
     side_by_side,
 };
+use crate::analysis::reference::PartReference;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::report::{DeviationBudget, DrawSettings};
@@ -22,6 +23,8 @@ pub(crate) struct DrawnMachines<'a> {
     /// Limit of the rounds.
     pub max_samples: usize,
     pub seed: u64,
+    /// What the set-up of the part takes out on each machine.
+    pub references: &'a [Option<&'a PartReference>],
 }
 
 /// Budgets on the same work.
@@ -211,13 +214,14 @@ fn budgeted(
     let mut last = (Vec::new(), Vec::new());
     for samples in sizes.iter().copied() {
         let list: Vec<Budget> = call.stage(2 * samples * sides.len(), |advance| {
-            let one = |((machine, poses), bounds): (&(&Machine, Vec<Pose>), &Vec<Bound>)| {
-                budget(
-                    Request { machine, bounds, poses, searched: false, at: None, draws: &draws, samples, statistic },
-                    advance,
-                )
+            let one = |(i, (machine, poses)): (usize, &(&Machine, Vec<Pose>))| {
+                let (bounds, reference, draws) = (&bounds[i], drawn.references[i], &draws);
+                let searched = false;
+                let request =
+                    Request { machine, bounds, poses, reference, searched, at: None, draws, samples, statistic };
+                budget(request, advance)
             };
-            sides.iter().zip(bounds).map(one).collect()
+            sides.iter().enumerate().map(one).collect()
         })?;
         let test = PairedTest::of_round(samples, list.len(), sizes.len());
         let values: Vec<&[f64]> = list.iter().map(|budget| budget.position.drawn.as_slice()).collect();

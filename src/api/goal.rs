@@ -4,6 +4,7 @@ use super::tolerances::ToleranceOptions;
 use crate::analysis::budget::{
     Binding, Bound, CheapestTolerances, CostModel, GoalAnswer, GoalRequest, Percentile, Price, cheapest,
 };
+use crate::analysis::reference::PartReference;
 use crate::diagnostic::{Diagnostic, Reason, codes, shown};
 use crate::machine::{ErrorKind, Machine, Pose};
 use crate::report::tolerance_unit;
@@ -97,7 +98,7 @@ pub(crate) fn goal(
     call: &mut Call<'_>,
     machine: &Machine,
     inputs: GoalInputs<'_>,
-    (bounds, poses): (&[Bound], &[Pose]),
+    (bounds, poses, reference): (&[Bound], &[Pose], Option<&PartReference>),
     goal_mm: f64,
 ) -> Result<ToleranceGoal, Refused> {
     if !(goal_mm > 0.0 && goal_mm.is_finite()) {
@@ -123,6 +124,7 @@ pub(crate) fn goal(
         prices: &prices,
         power: model.power,
         poses,
+        reference,
         draws: [&first, &second, &third],
         samples: inputs.samples.max(MIN_SEARCHED),
         proof_samples,

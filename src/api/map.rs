@@ -14,9 +14,11 @@ use crate::evaluate::{CompiledField, Deviation, Field, Order, Poses, Tally, wors
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
 use crate::job::machine_file::{MachineFile, order_of};
+use crate::job::over::Over;
 use crate::job::poses::axis_positions;
+use crate::job::reference::{ReferenceKind, SetUp};
 use crate::job::tool_poses;
-use crate::machine::Machine;
+use crate::machine::{Machine, Pose};
 use crate::report::plane_picture::Subject;
 use crate::report::{Rows, WorkRows};
 use crate::run::{Call, Count, Refused, Reply, Run};
@@ -103,7 +105,7 @@ fn volume(
     let settings = (&options.tolerances, options.samples, options.seed);
     if let Some(drawn) = DrawnBounds::of(call, machine, settings)? {
         parts.refuse_other()?;
-        return map_bounds::volume(call, machine, options, (&drawn, tables));
+        return map_bounds::volume(call, machine, options, (drawn, tables));
     }
     let order = order_of(machine, options.order);
     let view = View { conditions: options.approach.into(), frame: options.frame };
@@ -114,36 +116,60 @@ fn volume(
         _ => None,
     };
     let compensation = compensation(call, machine, options, order)?;
-    let bare = CompiledField::new(machine, order);
-    let replayed = compensation.as_ref().map(|(target, effect)| effect.field(machine, target));
-    let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| &**field);
     let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
     if poses.len() > MAX_SURVEYED {
         return call.refuse(too_many(poses.len()));
     }
+    let set_up = set_up(call, machine, options, &poses, tool_poses.is_some())?;
+    let compiled = CompiledField::new(machine, order);
+    let replayed = compensation.as_ref().map(|(target, effect)| effect.field(machine, target));
+    let [set_up_bare, set_up_replayed] = [Some(&compiled as &dyn Field), replayed.as_deref()]
+        .map(|field| field.and_then(|field| set_up.field(field, order, view.conditions)));
+    let bare: &dyn Field = set_up_bare.as_ref().map_or(&compiled as &dyn Field, |field| field);
+    let corrected = set_up_replayed.as_ref().map(|field| field as &dyn Field).or(replayed.as_deref());
+    let field = corrected.unwrap_or(bare);
     let name = options.target.as_deref().unwrap_or_default();
     let work = tool_poses.as_ref().map(WorkRows::of);
     let rows = Rows { machine, poses: &poses, view, order, target: name, work: work.as_ref(), drawn: None };
     let before = match &replayed {
-        Some(_) => Some(found(call, &bare, &rows, Vec::new(), parts, 0)?.statistics),
+        Some(_) => Some(found(call, bare, &rows, Vec::new(), parts, 0)?.statistics),
         None => None,
     };
     let survey = found(call, field, &rows, tables, parts, options.worst)?;
     let state = if name.is_empty() { String::new() } else { format!("after {name}") };
-    let before_field = replayed.is_some().then_some(&bare as &dyn Field);
+    let before_field = replayed.is_some().then_some(bare);
     let subject = Subject { field, state: &state, before: before_field };
     let drawn = options.picture.as_ref().zip(place.as_ref());
     let picture = drawn.map(|(picture, place)| picture.picture(place, &subject, view, order));
-    let features = tool_poses.as_ref().map(|reached| features(field, reached, view, replayed.is_none()));
+    let features = tool_poses.as_ref().map(|of| features(field, of, view, replayed.is_none(), set_up.removed()));
     let features = features.unwrap_or_default();
-    let bounds_add = added(call, machine, settings, tool_poses.as_ref().map(|reached| reached.poses.as_slice()))?;
+    let reached = tool_poses.as_ref().map(|reached| reached.poses.as_slice());
+    let bounds_add = added(call, machine, settings, reached, set_up.removed())?;
     let diagonals = body_diagonals(field, &view.conditions.at_pose(&rest(machine)), DIAGONAL_STEPS);
-    let result = result(&rows, &survey, &diagonals);
+    let over = MapPoses::over(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
+    let result = result(&rows, over, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
     let besides: Vec<usize> = survey.worst.iter().map(|(i, _)| *i).collect();
-    let uncertainty = field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed);
+    let uncertainty =
+        field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed, set_up.removed());
     let target = options.target.clone();
     Ok(MapResult { picture, tool_poses, features, bounds_add, target, uncompensated, uncertainty, ..result })
+}
+
+/// Returns the set-up of the part of a map.
+pub(crate) fn set_up(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    options: &MapOptions,
+    poses: &Poses,
+    is_job: bool,
+) -> Result<SetUp, Refused> {
+    let fitted = options.reference.as_ref().is_some_and(|of| of.kind == ReferenceKind::BestFit);
+    if fitted && poses.len() > MAX_POSES {
+        return call.usage(format!("a best fit is over {MAX_POSES} poses at most, all of which are held"));
+    }
+    let list: Vec<Pose> = if fitted { poses.iter().collect() } else { Vec::new() };
+    SetUp::of(call, machine, (options.reference.as_ref(), is_job), &list)
 }
 
 /// Number of poses at which the warnings of a compensation are found.
@@ -194,7 +220,7 @@ fn found(
     Ok(Survey { statistics, worst })
 }
 
-fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[DiagonalRun]) -> MapResult {
+fn result(rows: &Rows<'_>, over: Over, survey: &Survey, diagonals: &[DiagonalRun]) -> MapResult {
     let Rows { machine, poses, .. } = *rows;
     let worst = |(i, deviation): &(usize, Deviation)| WorstPose {
         axes: axis_positions(machine, &poses.get(*i)),
@@ -212,6 +238,6 @@ fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[DiagonalRun]) -> MapRes
         worst: survey.worst.iter().map(worst).collect(),
         diagonals: diagonals.iter().map(diagonal).collect(),
         p95_relative_error: (poses.len() > MAX_POSES).then_some(Tally::QUANTILE_ERROR),
-        ..MapResult::empty(rows, survey.statistics)
+        ..MapResult::empty(rows, over, survey.statistics)
     }
 }

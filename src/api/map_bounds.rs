@@ -1,13 +1,13 @@
 //! The map of a machine of which nothing is measured: what its bounds lead to.
 
 use super::bounded::DrawnBounds;
+use super::map::set_up;
 use super::map_result::{MapFromBounds, MapOptions, MapPoses, MapResult, WorstBoundedPose};
 use super::map_tables::{MapTable, Tables};
 use crate::analysis::budget::{BoundedDeviation, PoseByPose};
 use crate::analysis::{MAX_POSES, View};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Order, Poses};
-use crate::job::features::bounded_features;
 use crate::job::poses::axis_positions;
 use crate::job::tool_poses;
 use crate::machine::{Machine, Pose};
@@ -19,7 +19,7 @@ pub(crate) fn volume(
     call: &mut Call<'_>,
     machine: &Machine,
     options: &MapOptions,
-    (drawn, tables): (&DrawnBounds, Vec<MapTable<'_>>),
+    (drawn, tables): (DrawnBounds, Vec<MapTable<'_>>),
 ) -> Result<MapResult, Refused> {
     refuse_measured(call, options)?;
     let place = options.picture.as_ref().map(|picture| picture.bounded_place(call, machine)).transpose()?;
@@ -34,9 +34,11 @@ pub(crate) fn volume(
     let view = View { conditions: options.approach.into(), frame: options.frame };
     let work = tool_poses.as_ref().map(WorkRows::of);
     let order = Order::Degree(1);
-    let rows =
-        Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawn.drawing) };
+    let drawing = drawn.drawing.clone();
+    let rows = Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawing) };
     let tables = Tables::new(rows, tables).or_else(|refusal| call.refuse(refusal))?;
+    let set_up = set_up(call, machine, options, &poses, tool_poses.is_some())?;
+    let drawn = drawn.without(set_up.removed());
     let found = drawn.at(call, machine, &poses, view.frame)?;
     tables.write(&found.poses).or_else(|refusal| call.refuse(refusal))?;
     let p95 = |poses: Vec<Pose>| {
@@ -46,9 +48,10 @@ pub(crate) fn volume(
     let subject = BoundedSubject { machine, view, drawing: &drawn.drawing, p95: &p95 };
     let drawn_picture = options.picture.as_ref().zip(place.as_ref());
     let picture = drawn_picture.map(|(picture, place)| picture.bounded_picture(place, &subject)).transpose()?;
-    let features = tool_poses.as_ref().map(|reached| bounded_features(machine, reached, &drawn.bounds, &found));
+    let features = tool_poses.as_ref().map(|reached| drawn.features(machine, reached, &found));
     let figures = drawn.figures(&found);
-    let result = MapResult::empty(&rows, figures.statistics(poses.len()));
+    let over = MapPoses::over(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
+    let result = MapResult::empty(&rows, over, figures.statistics(poses.len()));
     let worst = worst(machine, &poses, &found, options.worst);
     Ok(MapResult {
         from: Some("bounds"),

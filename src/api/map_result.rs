@@ -7,7 +7,9 @@ use crate::evaluate::{Frame, Nodes, Order, Poses, Random, Spread, Statistics, Su
 use crate::file_set::options::CompensationOptions;
 use crate::job::features::FeatureResult;
 use crate::job::machine_file::MachineFile;
+use crate::job::over::{Over, OverKind};
 use crate::job::poses::{AxisPositions, poses};
+use crate::job::reference::Reference;
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::plane_picture::PlaneOptions;
@@ -26,6 +28,9 @@ pub struct MapOptions {
     pub seed: u64,
     /// Order of the errors; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,
+    /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
+    /// poses, nothing for a volume.
+    pub reference: Option<Reference>,
     /// Side of approach, where forward and reverse curves were given.
     pub approach: Approach,
     /// Frame of the vectors.
@@ -51,6 +56,7 @@ impl Default for MapOptions {
             poses: MapPoses::Grid,
             seed: 1,
             order: None,
+            reference: None,
             approach: Approach::default(),
             frame: Frame::default(),
             worst: 5,
@@ -98,6 +104,19 @@ impl MapPoses {
         }
     }
 
+    /// Returns the statement of what a map of these poses is over.
+    pub(crate) fn over(
+        machine: &Machine,
+        reference: &Reference,
+        reached: Option<&ReachedToolPoses>,
+        count: usize,
+    ) -> Over {
+        match reached {
+            Some(of) => Over::new(OverKind::Job, machine, reference, [of.asked, of.reached]),
+            None => Over::new(OverKind::Volume, machine, reference, [count, count]),
+        }
+    }
+
     pub(crate) fn of(
         &self,
         call: &mut Call<'_>,
@@ -125,6 +144,8 @@ pub struct MapResult {
     pub frame: Frame,
     /// Side of approach.
     pub direction: Approach,
+    /// What the map is over.
+    pub over: Over,
     /// Number of poses.
     pub poses: usize,
     /// `bounds` where nothing is measured: then the statistics are of the 95 % value at each pose.
@@ -172,12 +193,13 @@ pub struct MapResult {
 
 impl MapResult {
     /// Returns a map that has statistics and nothing else.
-    pub(crate) fn empty(rows: &Rows<'_>, statistics: Statistics) -> Self {
+    pub(crate) fn empty(rows: &Rows<'_>, over: Over, statistics: Statistics) -> Self {
         Self {
             machine: rows.machine.name().to_owned(),
             order: rows.order,
             frame: rows.view.frame,
             direction: rows.view.conditions.approach,
+            over,
             poses: statistics.poses,
             from: None,
             bounds: None,

@@ -15,6 +15,7 @@ pub(crate) mod certificate;
 pub(crate) mod check;
 pub(crate) mod classify;
 pub(crate) mod compare;
+pub(crate) mod compare_figures;
 pub(crate) mod compile;
 pub(crate) mod compiled_model;
 pub(crate) mod compose;

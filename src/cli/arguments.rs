@@ -7,7 +7,7 @@ use super::Outcome;
 use super::output::session::Session;
 use super::output::view::order;
 use super::store::write::{PictureKind, refuse_outputs, write_picture};
-use abbe::options::{Approach, Frame, Order};
+use abbe::options::{Approach, Frame, Order, Reference};
 use abbe::results::Picture;
 use abbe::text::{Reason, parse_length, shown};
 use std::convert::Infallible;
@@ -83,6 +83,20 @@ pub(super) struct ToolPosesArg {
 impl ToolPosesArg {
     pub(super) fn path(&self) -> Option<&PathBuf> {
         self.tool_poses.as_ref()
+    }
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct ReferenceArg {
+    /// What the set-up of the part takes out: machine (nothing), zero, zero:X,Y,Z (mm) or best-fit [default: zero for
+    /// tool poses, machine for a volume].
+    #[arg(long, value_name = "REFERENCE", allow_hyphen_values = true)]
+    reference: Option<Reference>,
+}
+
+impl ReferenceArg {
+    pub(super) fn reference(&self) -> Option<Reference> {
+        self.reference.clone()
     }
 }
 

@@ -13,7 +13,7 @@ use crate::controller::Depth;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::{Bare, Frame, Poses, worst};
 use crate::file_set::effect::named_effect;
-use crate::job::features::{bounded_features, features};
+use crate::job::features::features;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::tool_poses;
 use crate::machine::{Machine, Pose};
@@ -100,7 +100,7 @@ fn draw(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Result
     let map = map(&bare, &poses, view, advance)?;
     // As `map` does by default.
     let besides = worst(&map.deviations, MapOptions::default().worst);
-    let intervals = field_bands(&bare, &poses, map.statistics, &besides, given.conditions, given.poses.1);
+    let intervals = field_bands(&bare, &poses, map.statistics, &besides, given.conditions, given.poses.1, None);
     let data = MachineData::new(number, given, &map).with_uncertainty(given, json!(intervals));
     let pictures = Pictures::new(given, &data);
     Ok((data, pictures))
@@ -150,7 +150,7 @@ impl<'a> Subject<'a> {
             written.extend(compensate(call, file, name, options)?);
         }
         let reached = work.as_ref().map(|(poses, _)| poses.as_slice());
-        let bounds_add = added(call, file, settings, reached)?.map_or(Value::Null, |added| json!(added));
+        let bounds_add = added(call, file, settings, reached, None)?.map_or(Value::Null, |added| json!(added));
         let found = file.warnings().iter().chain(call.diagnostics.iter().skip(seen));
         let warnings = found.map(Diagnostic::to_string).collect();
         let instruments = if bounded.is_some() { Instruments::none(file) } else { Instruments::new(file) };
@@ -192,9 +192,9 @@ fn work(
     let features = match bounded {
         Some(drawn) => {
             let found = drawn.at(call, machine, &Poses::Listed(reached.poses.clone()), view.frame)?;
-            bounded_features(machine, &reached, &drawn.bounds, &found)
+            drawn.features(machine, &reached, &found)
         }
-        None => features(&bare, &reached, view, true),
+        None => features(&bare, &reached, view, true, None),
     };
     let work = json!({"file": reached.file, "asked": reached.asked, "reached": reached.reached,
         "travel": reached.travel, "features": features});
@@ -251,7 +251,9 @@ fn comparison(
     let Some((comparison, sides)) = ComparisonData::work(given) else { return Ok(None) };
     let (samples, seed) = (options.samples, options.seed);
     let names: Vec<&str> = given.iter().map(|given| given.file).collect();
-    let drawn = DrawnMachines { tolerances: &options.tolerances, files: &names, samples, max_samples: samples, seed };
+    let (tolerances, files, max_samples, references) =
+        (&options.tolerances, &*names, samples, &*vec![None; names.len()]);
+    let drawn = DrawnMachines { tolerances, files, samples, max_samples, seed, references };
     let budgets = budgets(call, &sides, drawn)?;
     let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
     Ok(Some(ComparisonData::new(given, &comparison, &sides, json)))

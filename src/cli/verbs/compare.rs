@@ -1,14 +1,16 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{MaxSamplesArg, PosesArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs};
+use crate::cli::arguments::{
+    MaxSamplesArg, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs,
+};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
     STATISTICS, cell, errors_more, numbers, reach_text, statistics_rows, table, table_of_machines,
 };
 use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
-use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, Statistics};
+use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, MachineVerdict, Statistics};
 use abbe::text::significant;
 use abbe::{CompareOptions, compare};
 use std::path::PathBuf;
@@ -23,6 +25,8 @@ pub(crate) struct Args {
     poses: PosesArg,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    reference: ReferenceArg,
     #[command(flatten)]
     seed: SeedArg,
     #[command(flatten)]
@@ -42,6 +46,7 @@ impl Args {
         CompareOptions {
             poses: self.poses.count(),
             tool_poses: self.tool_poses.path().cloned(),
+            reference: self.reference.reference(),
             seed: self.seed.seed,
             tolerances: self.tolerances.options(),
             samples: self.samples.count(),
@@ -143,7 +148,8 @@ fn sources(result: &CompareResult) -> String {
 
 fn text(args: &Args, result: &CompareResult) -> String {
     let mut text = format!(
-        "{} tool poses in the workpiece frame, {}; {} reached by all\n",
+        "{}\n{} tool poses in the workpiece frame, {}; {} reached by all\n",
+        result.over.line(),
         result.asked,
         match args.tool_poses.path() {
             Some(path) => format!("of {}", path.display()),
@@ -172,7 +178,31 @@ fn text(args: &Args, result: &CompareResult) -> String {
     let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top.count()));
     let errors = one_by_one(result, args.top.count());
     let reach = uncertainty(result) + &reach;
-    format!("{text}{rows}\n{reach}{errors}{budgets}Negative differences: less error than machine 1.\n")
+    let verdicts = best_fit(result) + &verdicts(result);
+    format!("{text}{rows}\n{reach}{errors}{budgets}{verdicts}Negative differences: less error than machine 1.\n")
+}
+
+/// The figures without the best fit of each machine.
+fn best_fit(result: &CompareResult) -> String {
+    let Some(of) = &result.best_fit else { return String::new() };
+    let mut rows = table(&["best fit, um", "95 % of poses", "max", "budget, 95 %"]);
+    for (i, machine) in of.machines.iter().enumerate() {
+        let budget = machine.budget_p95_um.map_or("-".to_owned(), |um| significant(um, 4));
+        let [p95, max] = [machine.position_um.p95, machine.position_um.max].map(|um| significant(um, 4));
+        let _ = rows.add_row([(i + 1).to_string(), p95, max, budget]);
+    }
+    format!("{rows}\n")
+}
+
+/// The verdict on each machine, or the reason why there is none.
+fn verdicts(result: &CompareResult) -> String {
+    let of = |verdict: &MachineVerdict| match (&verdict.verdict, &verdict.reason) {
+        (Some(known), _) => format!("Machine {} against 1: {}.\n", verdict.machine, known.words()),
+        (None, reason) => {
+            format!("Machine {} against 1: no verdict: {}.\n", verdict.machine, reason.as_deref().unwrap_or_default())
+        }
+    };
+    result.verdicts.iter().map(of).collect()
 }
 
 /// Intervals of the figures and of their differences, and whether these are more than that.

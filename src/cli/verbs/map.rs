@@ -1,6 +1,6 @@
 //! `abbe map`: the error over a volume.
 
-use crate::cli::arguments::{FrameOption, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, help};
+use crate::cli::arguments::{FrameOption, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, help};
 use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
@@ -33,6 +33,8 @@ pub(crate) struct Args {
     low_discrepancy: Option<u32>,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    reference: ReferenceArg,
     #[command(flatten)]
     seed: SeedArg,
     #[arg(long, value_name = "NAME", help = help::TARGET,
@@ -70,6 +72,7 @@ impl Args {
             poses,
             seed: self.seed.seed,
             order: self.view.order(),
+            reference: self.reference.reference(),
             approach: self.view.approach(),
             frame: self.frame.frame(),
             worst: self.worst as usize,
@@ -129,10 +132,11 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
         return text_of_bounds(file, args, result, of);
     }
     let mut text = format!(
-        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{} poses ({})\n{}\n",
+        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{}\n{} poses ({})\n{}\n",
         result.machine,
         frame_text(result.frame),
         result.order,
+        result.over.line(),
         result.poses,
         sampling(args, result),
         statistics(result),
@@ -162,9 +166,10 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
 /// The map of a machine of which nothing is measured.
 fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapFromBounds) -> String {
     let mut text = format!(
-        "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{} poses ({}), {} \
+        "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{}\n{} poses ({}), {} \
          frame, first order\n{}\n{}\n{}{}",
         result.machine,
+        result.over.line(),
         bounded::source(&of.figures),
         result.poses,
         sampling(args, result),

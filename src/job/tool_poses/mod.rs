@@ -18,6 +18,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
+pub(crate) use columns::unit_vector;
 use missed::DirectionGaps;
 pub use missed::{BeyondTravel, Lack, MissedToolPose, NeededTravel};
 pub(crate) use missed::{Lacks, needed_travel};

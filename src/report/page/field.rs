@@ -5,7 +5,7 @@
 //! volume does not move while a table turns.
 
 use super::given::MachineInput;
-use crate::analysis::budget::{Bound, BoundedLength, effects_at};
+use crate::analysis::budget::{Bound, BoundedLength, Draws, effects_at};
 use crate::analysis::{View, deviation_in, rest, space_axes};
 use crate::evaluate::{Bare, Deviation, Frame, Poses, error_by_error, evaluate, frame_rotation};
 use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose, axis_positions};
@@ -155,7 +155,10 @@ impl FieldData {
 /// Squared effects of the bounds alone on the position at a pose, mm^2, in their order.
 fn effect_squares(machine: &Machine, bounded: &BudgetFigures, pose: &[f64]) -> Vec<f64> {
     let mut squares = vec![0.0; bounded.bounds.len()];
-    effects_at(machine, &bounded.bounds, pose).into_iter().for_each(|(i, length)| squares[i] = length * length);
+    let draws = Draws::new(bounded.drawing.seed, bounded.drawing.distribution);
+    effects_at(machine, &bounded.bounds, pose, &draws, None)
+        .into_iter()
+        .for_each(|(i, length)| squares[i] = length * length);
     squares
 }
 
