@@ -51,7 +51,7 @@ pub(crate) fn render(
     let render = || target.render_kinematics(machine, &meant, &reversal, &mut call.diagnostics);
     let rendered = target.watch.during(render).ok_or(Refused)?;
     call.check()?;
-    let (module, beside) = read_back(call, machine, target, &rendered, (&meant, &reversal))?;
+    let (module, beside) = read_back(call, machine, target, &rendered, &meant, &reversal)?;
     Ok(ModuleFiles { rendered, module, beside })
 }
 
@@ -133,7 +133,8 @@ fn read_back(
     machine: &Machine,
     target: &ControllerTarget,
     files: &[RenderedFile],
-    (meant, reversal): (&KinematicsModule, &CorrectionTables),
+    meant: &KinematicsModule,
+    reversal: &CorrectionTables,
 ) -> Result<(KinematicsModule, CorrectionTables), Refused> {
     let text = |file: &RenderedFile| ReadBack::new(&*file.name, String::from_utf8_lossy(&file.bytes));
     let texts: Vec<_> = files.iter().map(text).collect();
