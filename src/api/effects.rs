@@ -51,7 +51,6 @@ impl Neglected {
     }
 }
 
-/// Effects at one pose.
 pub(crate) struct Effects {
     pub sensitivity: Vec<ErrorEffect>,
     pub interactions: Option<Vec<ErrorEffect>>,

@@ -3,13 +3,12 @@
 use super::algebra;
 use super::effects::{ErrorEffect, Neglected, effects, inverse};
 use crate::analysis::figure_bands::PoseUncertainty;
-use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Evaluation, Frame, Order, evaluate, evaluate_over};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
 use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::lower::WeilLift;
 use crate::machine::{Approach, Machine, OperatingConditions, Pose};
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
@@ -116,11 +115,11 @@ pub struct PoseResult {
 ///
 /// Fails for a pose that does not fit the machine, and where an error curve is not known. Warns of poses beyond the
 /// travel.
-pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run<'_>) -> Result<Answer<EvalResult>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| evaluated(call, file, options))
+pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run<'_>) -> Reply<EvalResult> {
+    Call::answer(run, file.sources(), |call| evaluate_poses(call, file, options))
 }
 
-fn evaluated(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> Result<EvalResult, Refused> {
+fn evaluate_poses(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> Result<EvalResult, Refused> {
     call.extend(bounded_only(machine));
     let asked = (options.at.as_slice(), options.poses.as_slice(), options.pose_file.as_ref());
     let poses = poses(call, machine, asked)?;

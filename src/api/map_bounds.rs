@@ -64,7 +64,6 @@ pub(crate) fn volume(
     })
 }
 
-/// Refuses options of a map of measured errors.
 fn refuse_measured(call: &mut Call<'_>, options: &MapOptions) -> Result<(), Refused> {
     if options.target.is_some() {
         return call.usage("nothing of the machine is measured, so there is nothing to compensate: omit `--target`");

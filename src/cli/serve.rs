@@ -38,7 +38,6 @@ const LOOK: Duration = Duration::from_millis(10);
 /// Header with the token of a page.
 const TOKEN: HeaderName = HeaderName::from_static("x-abbe-token");
 
-/// A request from this computer.
 #[derive(Debug)]
 pub(super) struct PageRequest {
     /// `GET`, `POST` ...
@@ -166,7 +165,6 @@ async fn respond(
     response(answer.unwrap_or_else(|_| PageResponse::empty(StatusCode::INTERNAL_SERVER_ERROR)))
 }
 
-/// Reads a request, or returns the status that refuses it.
 async fn read(request: Request<Incoming>, port: u16) -> Result<PageRequest, StatusCode> {
     let (head, body) = request.into_parts();
     if !is_local(&head.headers, port) {

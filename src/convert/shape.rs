@@ -147,7 +147,6 @@ impl ConvertedForm<'_> {
         self.curves().map(order).max().unwrap_or(0)
     }
 
-    /// Every curve of the axis.
     fn curves(&self) -> impl Iterator<Item = &Curve> {
         self.old.iter().flatten().flat_map(|term| {
             let component = if let ErrorTerm::Component(component) = term { Some(component) } else { None };

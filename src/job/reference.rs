@@ -217,7 +217,7 @@ impl SetUp {
             (None, false) => Ok(Self::machine()),
             (None, true) => Self::new(machine, &Reference::zero(), poses).or_else(|reason| {
                 call.warn(unzeroed(&reason));
-                call.checked()?;
+                call.check()?;
                 Ok(Self::machine())
             }),
         }

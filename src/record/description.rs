@@ -89,7 +89,6 @@ pub(crate) struct SetEntry {
     pub compile: Option<Line>,
 }
 
-/// A state of the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum StateName {
@@ -118,7 +117,7 @@ impl Description {
     /// Reads a description.
     pub fn read(call: &mut Call<'_>, path: &Path) -> Result<Self, Refused> {
         let text = read_text(path, None, call.run.files, &mut call.diagnostics);
-        call.checked()?;
+        call.check()?;
         let (_, text) = text.ok_or(Refused)?;
         let name = shown(&path.display().to_string());
         let description: Self = match from_yaml(&text) {
@@ -131,7 +130,7 @@ impl Description {
         };
         let faults = description.faults();
         call.extend(faults.into_iter().map(|(message, help)| unfit(format!("{name}: {message}"), help)));
-        call.checked()?;
+        call.check()?;
         Ok(description)
     }
 

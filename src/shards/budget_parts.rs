@@ -54,7 +54,7 @@ const FORM: &str = "1";
 const MAX_BYTES: u64 = 256 << 20;
 
 /// Draws the part that the options ask for, unless a file to merge holds it.
-pub(crate) fn drawn_part(
+pub(crate) fn draw_part(
     call: &mut Call<'_>,
     division: Division<'_>,
     request: Request<'_>,
@@ -67,7 +67,7 @@ pub(crate) fn drawn_part(
     let range = range(samples, (part, parts));
     let first = range.start;
     let fingerprint = fingerprint(division, request);
-    match kept(call, division, (&fingerprint, request.bounds.len()), &range) {
+    match load_kept(call, division, (&fingerprint, request.bounds.len()), &range) {
         Ok(Some(part)) => return Ok(part),
         Ok(None) => {}
         Err(refusal) => return call.refuse(refusal),
@@ -77,7 +77,7 @@ pub(crate) fn drawn_part(
 }
 
 /// Returns the part that a file holds already, if there is such a file.
-fn kept(
+fn load_kept(
     call: &Call<'_>,
     division: Division<'_>,
     known: (&str, usize),
@@ -117,7 +117,7 @@ fn fingerprint(division: Division<'_>, request: Request<'_>) -> String {
 }
 
 /// Returns the machines of the files to merge; none without files.
-pub(crate) fn merged(
+pub(crate) fn merge(
     call: &mut Call<'_>,
     division: Division<'_>,
     request: Request<'_>,

@@ -136,7 +136,7 @@ impl Sum {
 
     /// Returns the terms that are not rounding residues of others.
     pub(super) fn terms(self) -> BTreeMap<Monomial, f64> {
-        self.0.into_iter().filter_map(|(m, (sum, size))| Some((m, rounded(sum, size)?))).collect()
+        self.0.into_iter().filter_map(|(m, (sum, size))| Some((m, round(sum, size)?))).collect()
     }
 }
 
@@ -145,6 +145,6 @@ impl Sum {
 const ROUNDING: f64 = 1e-12;
 
 /// `None` if a sum is no more than the rounding of its parts. NaN stays, to be noticed.
-pub(super) fn rounded(sum: f64, size: f64) -> Option<f64> {
+pub(super) fn round(sum: f64, size: f64) -> Option<f64> {
     (sum.is_nan() || sum.abs() > ROUNDING * size).then_some(sum)
 }

@@ -48,7 +48,6 @@ impl Symbol {
     }
 }
 
-/// Returns the symbol of an error.
 pub(crate) fn error(machine: &Machine, given: &NamedSource, naming: Naming) -> Symbol {
     let axis = match given.source.place {
         ErrorSite::Location(i) | ErrorSite::Component(i) => machine.axes().get(i),

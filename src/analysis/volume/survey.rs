@@ -160,11 +160,10 @@ impl<'a> SurveyState<'a> {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(worker);
     }
 
-    /// Returns the survey of all tallies.
     fn finish(self) -> Survey {
         let workers = self.idle.into_inner().unwrap_or_else(PoisonError::into_inner);
         let tallies = workers.into_iter().map(|worker| worker.tally);
-        let tally = tallies.reduce(Tally::merged).unwrap_or_else(|| Tally::new(self.task.worst));
+        let tally = tallies.reduce(Tally::merge).unwrap_or_else(|| Tally::new(self.task.worst));
         Survey { statistics: tally.statistics(), worst: tally.worst() }
     }
 

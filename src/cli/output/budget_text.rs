@@ -11,7 +11,6 @@ pub(crate) const TOTALS: [&str; 9] =
 pub(crate) const TOTALS_NOTE: &str =
     "In brackets: 95 % confidence by the number of machines drawn; - where they are too few.";
 
-/// A row of it.
 pub(crate) fn totals_row(name: &str, t: &DeviationBudget) -> Vec<String> {
     let interval = |p: &PercentileInterval| {
         let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));

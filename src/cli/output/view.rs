@@ -75,12 +75,10 @@ fn travel_table(travel: &[NeededTravel]) -> comfy_table::Table {
     rows
 }
 
-/// Length of a vector.
 pub(crate) fn length(v: &[f64; 3]) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// A table for the terminal, with its header.
 pub(crate) fn table(header: &[&str]) -> comfy_table::Table {
     let mut table = comfy_table::Table::new();
     let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN).set_header(header);
@@ -97,6 +95,21 @@ pub(crate) fn statistics_rows(name: &str, statistics: &Statistics) -> [Vec<Strin
         [name.to_owned(), what.to_owned()].into_iter().chain(numbers).collect()
     };
     [row(name, "position, um", &statistics.position_um), row("", "rotation, urad", &statistics.rotation_urad)]
+}
+
+/// A table with a column for each of several machines, and one for what each differs from the first in.
+pub(crate) fn table_of_machines(what: &str, count: usize) -> comfy_table::Table {
+    let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
+    let header: Vec<String> = std::iter::once(what.to_owned()).chain(columns).collect();
+    table(&header.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+/// Says how many errors are not listed.
+pub(crate) fn errors_more(count: usize, top: usize) -> String {
+    match count.saturating_sub(top) {
+        0 => String::new(),
+        more => format!("... and {more} errors more (`--top {count}`, or `--format json`)\n"),
+    }
 }
 
 /// A cell of a CSV file, quoted where it has to be.

@@ -143,7 +143,6 @@ mod unnamed {
     }
 }
 
-/// Form of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PictureKind {
     Svg,
@@ -161,7 +160,6 @@ impl PictureKind {
     }
 }
 
-/// Writes a picture.
 pub(crate) fn write_picture(
     path: &Path,
     picture: &Picture,
@@ -220,7 +218,6 @@ pub(crate) fn refuse_outputs<'a>(
     Ok(())
 }
 
-/// Makes a folder for outputs, if it is not there.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Diagnostic> {
     refuse_no_folder(folder)?;
     fs::create_dir_all(folder).map_err(|failure| unwritable_folder(folder, &failure.to_string()))

@@ -1,5 +1,6 @@
 //! `abbe budget`: tolerances to the volumetric error.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{
     self, PartsArgs, PictureFile, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, help, svg,
 };
@@ -9,7 +10,6 @@ use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, reach_text, table, tool_poses_text};
 use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
-use crate::cli::{Format, Outcome};
 use abbe::options::Statistic;
 use abbe::results::{BoundedContribution, BudgetResult, FittedBudget, Tightening};
 use abbe::text::{Reason, significant};
@@ -88,8 +88,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let (Some(_), Some(state)) = (args.parts.shard, &args.parts.state) {
         return part(session, args, &file, state);
     }
-    let answer = budget(&file, &args.options(), session.run());
-    let result = session.take(answer)?;
+    let result = session.take(budget(&file, &args.options(), session.run()))?;
     let top = args.top.count();
     for (file, picture) in [(&args.pareto, result.pareto(top)), (&args.waterfall, result.waterfall(top))] {
         if let Some(file) = file {
@@ -97,12 +96,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         }
     }
     let report = BudgetText { args, file: &file, result: &result };
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&report.csv()),
-        Format::Text => session.print(&report.text()),
-    }
-    Ok(())
+    session.show(&result, || report.csv(), || report.text())
 }
 
 /// Draws a part of the machines into its state file, unless they are there.
@@ -112,13 +106,10 @@ fn part(session: &mut Session, args: &Args, file: &MachineFile, state: &PathBuf)
     let part = session.take(budget_part(file, &options, session.run()))?;
     replace_whole(state, part.to_text().as_bytes()).or_else(|refusal| session.refuse(refusal))?;
     let (drawn, samples, name) = (part.count(), part.samples, state.display().to_string());
-    match session.format() {
-        Format::Json => session.print_json(json!({"state": name, "drawn": drawn, "samples": samples})),
-        _ => session.print(&format!(
-            "{drawn} of {samples} machines are drawn and kept in {name}; put the parts together with `--merge`\n"
-        )),
-    }
-    Ok(())
+    let text = || {
+        format!("{drawn} of {samples} machines are drawn and kept in {name}; put the parts together with `--merge`\n")
+    };
+    session.show(&json!({"state": name, "drawn": drawn, "samples": samples}), text, text)
 }
 
 /// The printed budget.

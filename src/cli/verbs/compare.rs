@@ -1,17 +1,18 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{
     MaxSamplesArg, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs,
 };
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{STATISTICS, cell, numbers, reach_text, statistics_rows, table};
+use crate::cli::output::view::{
+    STATISTICS, cell, errors_more, numbers, reach_text, statistics_rows, table, table_of_machines,
+};
 use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
-use crate::cli::{Format, Outcome};
 use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, MachineVerdict, Statistics};
 use abbe::text::significant;
 use abbe::{CompareOptions, compare};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -61,14 +62,8 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     for path in &args.machines {
         files.push(session.load_one_of(path, args.view.tool())?);
     }
-    let answer = compare(&files, &args.options(), session.run());
-    let result = session.take(answer)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&csv(&result)),
-        Format::Text => session.print(&text(args, &result)),
-    }
-    Ok(())
+    let result = session.take(compare(&files, &args.options(), session.run()))?;
+    session.show(&result, || csv(&result), || text(args, &result))
 }
 
 /// Columns of a deviation, and of what bounds lead to.
@@ -229,18 +224,12 @@ fn one_by_one(result: &CompareResult, top: usize) -> String {
     if errors.is_empty() || top == 0 {
         return String::new();
     }
-    let count = result.machines.len();
-    let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
-    let header: Vec<String> = std::iter::once("alone, 95 %, um".to_owned()).chain(columns).collect();
-    let mut rows = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut rows = table_of_machines("alone, 95 %, um", result.machines.len());
     for e in errors.iter().take(top) {
         let own = e.um.iter().map(|um| um.map_or("-".to_owned(), |um| significant(um, 4)));
         let minus = e.minus_first.iter().skip(1).map(|um| significant(*um, 4));
         let _ = rows.add_row(std::iter::once(e.error.clone()).chain(own).chain(minus));
     }
-    let more = match errors.len().saturating_sub(top) {
-        0 => String::new(),
-        n => format!("... and {n} errors more (`--top {}`, or `--format json`)\n", errors.len()),
-    };
+    let more = errors_more(errors.len(), top);
     format!("{rows}\n{more}")
 }

@@ -1,14 +1,13 @@
 //! `abbe eval`: deviation and E_VE at poses.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{AlgebraArg, FrameOption, ViewArgs, help};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{frame_text, length, numbers, table};
-use crate::cli::{Format, Outcome};
 use abbe::options::Approach;
 use abbe::results::{AxisPositions, ErrorEffect, EvalResult, Neglected, PoseResult};
 use abbe::text::significant;
 use abbe::{EvalOptions, MachineFile, eval};
-use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
@@ -57,14 +56,8 @@ impl Args {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.view.tool())?;
-    let answer = eval(&file, &args.options(), session.run());
-    let result = session.take(answer)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&csv(&file, &result)),
-        Format::Text => session.print(&text(&result)),
-    }
-    Ok(())
+    let result = session.take(eval(&file, &args.options(), session.run()))?;
+    session.show(&result, || csv(&file, &result), || text(&result))
 }
 
 fn csv(file: &MachineFile, result: &EvalResult) -> String {

@@ -15,7 +15,6 @@ use abbe::options::{MapPoses, MapTable, TableForm};
 use abbe::results::{MapFromBounds, MapResult, Statistics};
 use abbe::text::{shown, significant};
 use abbe::{Diagnostic, MachineFile, MapOptions, codes, map_tables};
-use serde_json::json;
 use std::io::Cursor;
 use std::path::PathBuf;
 
@@ -107,18 +106,12 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
             sink: Box::new(&mut printed),
         });
     }
-    let answer = map_tables(&file, &options, tables, session.run());
-    let result = session.take(answer)?;
+    let result = session.take(map_tables(&file, &options, tables, session.run()))?;
     // Tool poses and templates are among the files read by now.
     refuse_outputs(outputs(), &session.files).or_else(|d| session.refuse(d))?;
     staged.commit().or_else(|d| session.refuse(d))?;
     args.pictures.write(session, result.picture.as_ref())?;
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&String::from_utf8_lossy(printed.get_ref())),
-        Format::Text => session.print(&text(&file, args, &result)),
-    }
-    Ok(())
+    session.show(&result, || String::from_utf8_lossy(printed.get_ref()).into_owned(), || text(&file, args, &result))
 }
 
 fn too_long(count: usize) -> bool {

@@ -1,13 +1,12 @@
 //! `abbe reach`: tips and directions of the tool within reach over a box.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{PictureFile, ToolArg, help, length, png, svg};
 use crate::cli::output::session::Session;
 use crate::cli::store::write::{refuse_outputs, write_whole};
-use crate::cli::{Format, Outcome};
 use abbe::results::ReachResult;
 use abbe::text::{Reason, significant};
 use abbe::{ReachOptions, reach};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -52,20 +51,14 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         step_mm: args.step,
         directions: args.directions.map(|count| count as usize),
     };
-    let answer = reach(&file, &options, session.run());
-    let result = session.take(answer)?;
+    let result = session.take(reach(&file, &options, session.run()))?;
     for to in pictures {
         to.write(&result.picture(), session)?;
     }
     if let Some(path) = &args.vtk {
         write_whole(path, &result.vtk(), &session.files).or_else(|d| session.refuse(d))?;
     }
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&csv(&result)),
-        Format::Text => session.print(&text(&result)),
-    }
-    Ok(())
+    session.show(&result, || csv(&result), || text(&result))
 }
 
 fn csv(of: &ReachResult) -> String {

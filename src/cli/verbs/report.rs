@@ -106,6 +106,5 @@ fn compute(session: &mut Session, args: &Args) -> Result<Report, Exit> {
         let several = args.machines.len() > 1;
         machines.push(if several { session.load_one_of(path, tool) } else { session.load(path, tool) }?);
     }
-    let answer = report(&machines, &args.options(), session.run());
-    session.take(answer)
+    session.take(report(&machines, &args.options(), session.run()))
 }

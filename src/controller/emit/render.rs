@@ -345,12 +345,10 @@ impl Writer<'_> {
 }
 
 impl Per {
-    /// True if there is a file for an axis.
     fn wants(self, axis: usize, tables: &[CorrectionTable]) -> bool {
         self == Self::Axis || tables.iter().any(|table| self.holds(axis, table))
     }
 
-    /// True if the file of an axis holds a table.
     fn holds(self, axis: usize, table: &CorrectionTable) -> bool {
         match self {
             Self::Machine => true,

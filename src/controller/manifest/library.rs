@@ -118,7 +118,6 @@ const EMBEDDED: [(&str, &str); 72] = [
 pub trait TemplateLimit: Send + Sync {
     /// Templates begin to run.
     fn begin(&self);
-    /// They have ended.
     fn end(&self);
 }
 

@@ -115,7 +115,6 @@ impl Manifest {
     }
 }
 
-/// True if a layout holds this content of a module.
 fn layout_fits(carries: ModuleContent, layout: &FileLayout) -> bool {
     match carries {
         ModuleContent::FullModel => *layout == FileLayout::CArrays,

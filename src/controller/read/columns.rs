@@ -54,7 +54,6 @@ fn in_millimetres(reading: &ReadContext, mut table: CorrectionTable, kind: AxisK
     table
 }
 
-/// Returns the numbers on a line, or its fault.
 fn point(columns: &[TableColumn], number_of_line: usize, line: &str) -> Result<Vec<f64>, Fault> {
     let fault = |message: String| Fault::new(number_of_line, message);
     if line.len() > MAX_LINE {

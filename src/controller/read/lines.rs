@@ -15,7 +15,6 @@ pub(super) type FieldValue = (String, usize);
 /// Fields by name.
 pub(super) type Fields = BTreeMap<String, FieldValue>;
 
-/// The fields of one table in a file.
 #[derive(Debug, Default)]
 pub(super) struct TableFields {
     /// Its name, empty if the file holds one only.
@@ -131,7 +130,6 @@ fn index(said: &mut BTreeMap<String, String>, next: usize, line: usize) -> Resul
     Ok(if given { index } else { [next, 0, 0] })
 }
 
-/// True if a line fits a pattern from end to end.
 pub(super) fn fits(pattern: &str, line: &str) -> bool {
     match_pattern(&pieces(pattern), line).is_some()
 }
@@ -141,7 +139,6 @@ pub(super) fn fields(pattern: &str, line: &str) -> Option<Vec<(String, String)>>
     match_pattern(&pieces(pattern), line)
 }
 
-/// A piece of a pattern.
 #[derive(Debug, Clone, PartialEq)]
 enum PatternPiece {
     /// Literal letters.

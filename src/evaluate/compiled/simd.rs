@@ -43,7 +43,6 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn select_less(self, than: Self, yes: Self, no: Self) -> Self;
     /// Truncates to integers, for `0 <= x < 2^31`: as doubles and as indices.
     fn truncate(self) -> (Self, [u32; MAX_LANES]);
-    /// Returns the lanes as an array.
     fn to_array(self) -> [f64; MAX_LANES];
     /// Returns sine and cosine of an angle increased by quarter turns, whose number is `counted - 1.5 * 2^52`: the last
     /// bits of `counted` hold it.
@@ -77,7 +76,6 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
 
 /// A computation over vectors. Its `run` must be inlined: it is compiled once for each width.
 pub trait Kernel {
-    /// Runs the computation.
     fn run<V: Lanes>(self);
 }
 
@@ -88,11 +86,9 @@ pub struct TableRow(pub [f64; 8]);
 
 /// A row of a table in as many vectors as it needs.
 pub trait RowVector: Copy {
-    /// Loads a row.
     fn of(row: &TableRow) -> Self;
     /// Returns the sum.
     fn plus(self, other: Self) -> Self;
-    /// Returns the difference.
     fn minus(self, other: Self) -> Self;
     /// Returns `self + other * factor`.
     fn plus_times(self, other: Self, factor: f64) -> Self;

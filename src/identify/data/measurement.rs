@@ -52,7 +52,6 @@ pub enum Reading {
     Distance {
         /// The distance, less the unknown constant.
         value: f64,
-        /// From where.
         from: DistanceEnd,
         /// Index of the unknown constant, if there is one.
         zero: Option<usize>,

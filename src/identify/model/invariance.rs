@@ -159,7 +159,6 @@ impl MotionEquations {
     }
 }
 
-/// Describes a stretch in words.
 fn describe_stretch(mix: &DVector<f64>) -> String {
     let largest = mix.amax();
     let first = (0..6).find(|k| mix[*k].abs() > MIN_STRETCH_PART_SHARE * largest).map_or(1.0, |k| mix[k]);

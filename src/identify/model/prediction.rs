@@ -261,7 +261,6 @@ impl<'a> FitModel<'a> {
         [first, second]
     }
 
-    /// Returns the reading of the nominal machine.
     fn nominal_reading(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
         let at = |subject: ReadingSubject<'_>| match subject {
             ReadingSubject::Point(pose) => NominalPose::in_part(self.machine(m), pose).pose.translation,

@@ -245,7 +245,6 @@ fn cost_rounding(cost: f64) -> f64 {
 
 /// The linear problem of one step x in displacements: `min |A x - b|^2 + rest^2 + pull |x + away|^2`.
 struct StepProblem {
-    /// A.
     coefficients: DMatrix<f64>,
     /// b.
     right: DVector<f64>,

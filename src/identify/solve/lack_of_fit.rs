@@ -284,7 +284,6 @@ impl FormModes {
         Self { groups: ranges, squares, along }
     }
 
-    /// Returns the candidates of a set of groups and a length.
     fn candidates<'a>(&self, set: &'a [usize], length: usize, residual: ResidualSum) -> Vec<FormCandidate<'a>> {
         let ResidualSum { squares, degrees_of_freedom } = residual;
         let modes: Vec<usize> = set.iter().flat_map(|group| self.groups[*group].clone()).collect();

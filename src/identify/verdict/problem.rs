@@ -146,7 +146,6 @@ impl Files for Recording<'_> {
     }
 }
 
-/// Returns the measurements, and the hashes of their files.
 fn measurements(
     call: &mut Call<'_>,
     file: &MachineFile,
@@ -158,7 +157,7 @@ fn measurements(
     let paths = &inputs.paths;
     let context = ReadingContext { frame: inputs.frame, axis_poses: inputs.axis_poses.map(Path::to_owned) };
     let data = read_measurements(paths, file, &context, &recording, &mut call.diagnostics);
-    call.checked()?;
+    call.check()?;
     let hashes = recording.hashes.into_inner();
     refuse_copies(call, paths, &hashes)?;
     poses::check(call, file, data.rows.iter().flat_map(Measurement::poses))?;

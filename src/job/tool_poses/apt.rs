@@ -26,7 +26,6 @@ struct Record {
     comment: Option<String>,
 }
 
-/// True if a text is CL data.
 pub(crate) fn is_cl_data(sheet: &Sheet) -> bool {
     let goto = |line: &SheetLine| {
         let text = line.text.trim_start().to_ascii_uppercase();

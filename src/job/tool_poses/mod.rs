@@ -35,7 +35,6 @@ enum Aim {
     Rotary(Pose),
 }
 
-/// A row of the file.
 #[derive(Debug, Clone)]
 struct Row {
     /// Place of the row in the file.
@@ -124,7 +123,6 @@ pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Resul
     }
 }
 
-/// The poses for the tool poses of a file, if there is one.
 pub(crate) fn asked(
     call: &mut Call<'_>,
     machine: &Machine,
@@ -193,7 +191,7 @@ impl ToolPoses {
             }
             call.warn(told);
         }
-        call.checked()
+        call.check()
     }
 }
 

@@ -261,7 +261,6 @@ fn turning(convention: &JointConvention) -> f64 {
     }
 }
 
-/// Returns the datum of the file.
 fn datum(context: &Context<'_>) -> DatumEntry {
     context.document.identify.as_ref().and_then(|identify| identify.datum).unwrap_or_default()
 }

@@ -24,7 +24,6 @@ impl<'a> JointNames<'a> {
         self.declared.iter().map(|d| &d.name).chain(self.spindle).map(AxisName::as_str).collect()
     }
 
-    /// Reports a name that is none.
     pub(super) fn error(&self, context: &mut Context<'_>, name: &str, at: &Keys) {
         let place = context.document.places.value(at);
         let _ = find_error(context, name, self, place);

@@ -73,7 +73,6 @@ impl Errors {
     }
 }
 
-/// Returns the errors in the blocks of one side.
 fn blocks(context: &mut Context<'_>, known: &JointNames<'_>, branch: Branch) -> Errors {
     let document = context.document;
     let declared: Vec<AxisDraft> = known.declared.iter().map(|axis| axis.standing_on(branch)).collect();

@@ -14,7 +14,6 @@ const ROTARY_STEP: f64 = 15.0;
 /// Most nodes on one axis.
 const NODES: f64 = 1e6;
 
-/// Steps for all axes that have none of their own.
 struct Steps {
     linear: f64,
     rotary: f64,

@@ -23,7 +23,6 @@ pub struct FieldData {
     grid: Vec<GridAxis>,
     /// Positions of the other axes.
     stations: Vec<FieldStation>,
-    /// Fields on it.
     layers: Vec<FieldLayer>,
     /// Factors to choose from.
     exaggerations: Vec<f64>,
@@ -31,7 +30,6 @@ pub struct FieldData {
     exaggeration: usize,
 }
 
-/// An axis of the grid.
 #[derive(Debug, Clone, Serialize)]
 struct GridAxis {
     name: String,
@@ -47,7 +45,6 @@ struct FieldStation {
     nominal_mm: Vec<f64>,
 }
 
-/// A field on the grid.
 #[derive(Debug, Clone, Serialize)]
 struct FieldLayer {
     id: String,

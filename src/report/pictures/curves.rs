@@ -90,7 +90,6 @@ struct PanelKind {
     points: Vec<(f64, f64)>,
 }
 
-/// The six panels of an axis.
 struct AxisPanels<'a> {
     axis: &'a Axis,
     interval: Interval,

@@ -197,7 +197,6 @@ impl Dial {
         svg.text((self.centre.x, y + 18.0), line, Font::faint(12.0), TextAnchor::Middle, 0.0);
     }
 
-    /// Returns the value of one ring, in words.
     pub(crate) fn ring_words(&self) -> String {
         format!("{} µm", significant(self.ring, 4))
     }

@@ -118,7 +118,6 @@ fn sides_of(normal: usize) -> [usize; 2] {
     }
 }
 
-/// The colours from none to all.
 fn bar(svg: &mut Svg) {
     const STEPS: usize = 20;
     let (left, width) = (WIDTH - 300.0, 200.0 / STEPS as f64);

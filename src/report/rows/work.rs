@@ -93,7 +93,6 @@ impl WorkRows {
     }
 }
 
-/// A cell, quoted where it has to be.
 fn cell(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }

@@ -48,7 +48,7 @@ pub struct PropertyDifference {
 }
 
 /// Describes a property in which two machines differ.
-pub(crate) fn described(
+pub(crate) fn describe(
     first: &Machine,
     second: &Machine,
     property: &MachineProperty,

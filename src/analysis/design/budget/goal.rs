@@ -128,7 +128,6 @@ pub struct Unavoidable {
     pub staying_um: f64,
 }
 
-/// The search.
 struct GoalSearch<'a> {
     request: GoalRequest<'a>,
     joints: Vec<JointBounds>,

@@ -106,7 +106,6 @@ struct Entrant<'a> {
     rivals: usize,
 }
 
-/// Decision of a round.
 struct Decision {
     /// Rank 1, among the entrants.
     leader: usize,
@@ -167,7 +166,6 @@ fn missing_of(journal: &Journal, round: usize, entrants: &[Entrant<'_>], inside:
     (!todo.is_empty()).then_some(MissingSteps { round, walks, todo })
 }
 
-/// Takes the values of a round.
 fn take(journal: &Journal, round: usize, entrant: &mut Entrant<'_>) {
     let records = journal.done.get(&RoundStep { round, step: entrant.step });
     let table = entrant.record.row.table;

@@ -68,7 +68,6 @@ fn resultant(pair: &[Coefficients; 2], b: f64) -> f64 {
     cosine * cosine + sine * sine - det * det
 }
 
-/// Returns the first angles at a second one.
 fn first_angles(pair: &[Coefficients; 2], b: f64, free: f64) -> Vec<f64> {
     let equations = [at(&pair[0], b), at(&pair[1], b)];
     let [[c1, a1, b1], [c2, a2, b2]] = equations;

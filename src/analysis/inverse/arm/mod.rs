@@ -50,7 +50,6 @@ pub struct RotaryArm<'a> {
 struct ArmPoses {
     /// Within the travels.
     within: Vec<Pose>,
-    /// Beyond them.
     beyond: Vec<Pose>,
 }
 

@@ -117,7 +117,6 @@ fn contents(lines: &[SheetLine]) -> Result<Contents, Box<Diagnostic>> {
     Ok(found)
 }
 
-/// Returns the axis, the error and the unit.
 fn quantity(
     contents: &Contents,
     wanted: &ImportRequest,

@@ -48,7 +48,6 @@ impl ImportRequest {
         self.error.as_deref().map(|error| format!(" of `{}`", shown(error))).unwrap_or_default()
     }
 
-    /// Returns the error that is requested, if it is one.
     pub(super) fn error_id(&self) -> Option<ErrorId> {
         self.error.as_deref().and_then(parse_component_error)
     }
