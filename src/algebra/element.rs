@@ -24,7 +24,6 @@ pub trait Algebra:
     + MulAssign
     + 'static
 {
-    /// A constant.
     fn from_real(value: f64) -> Self;
 
     /// The real part: the value at which functions are expanded.

@@ -97,7 +97,8 @@ impl CertificateReport {
         machine: &Machine,
         target: &ControllerTarget,
         certificate: Certificate,
-        (field, depth): (&dyn Field, Depth),
+        field: &dyn Field,
+        depth: Depth,
         files: Vec<String>,
     ) -> Self {
         let uncertainty = CertificateBands::of(machine, &certificate, field, depth);

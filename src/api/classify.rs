@@ -128,7 +128,6 @@ struct Written {
     dual: Option<[[f64; 4]; 4]>,
 }
 
-/// A dual number.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(untagged)]
 enum Entry {

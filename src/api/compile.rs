@@ -111,7 +111,7 @@ fn tables(
     call.extend(verdict::warnings(&certificate));
     call.check()?;
     let depth = Depth { poses: options.poses, seed: options.seed };
-    Ok(assemble((file, target), how.words(), set.rendered, certificate, (&judged.field(file), depth)))
+    Ok(assemble(file, target, how.words(), set.rendered, certificate, &judged.field(file), depth))
 }
 
 fn module(
@@ -131,26 +131,22 @@ fn module(
     call.check()?;
     let goal = if orientation { "correct pose" } else { "correct position" };
     let effect = ControllerEffect::Module(Box::new(set.module), set.beside);
-    Ok(assemble(
-        (file, target),
-        vec![goal.to_owned()],
-        set.rendered,
-        certificate,
-        (&*effect.field(file, target), depth),
-    ))
+    Ok(assemble(file, target, vec![goal.to_owned()], set.rendered, certificate, &*effect.field(file, target), depth))
 }
 
 fn assemble(
-    (file, target): (&MachineFile, &ControllerTarget),
+    file: &MachineFile,
+    target: &ControllerTarget,
     words: Vec<String>,
     files: Vec<RenderedFile>,
     certificate: Certificate,
-    judged: (&dyn Field, Depth),
+    field: &dyn Field,
+    depth: Depth,
 ) -> CompiledSet {
     let hashes = files.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
     let lock = Lock::new(&target.manifest.target, file, words, file.inputs(), hashes);
     let names = files.iter().map(|file| file.name.clone()).collect();
-    CompiledSet { certificate: CertificateReport::new(file, target, certificate, judged, names), files, lock }
+    CompiledSet { certificate: CertificateReport::new(file, target, certificate, field, depth, names), files, lock }
 }
 
 /// A format that rests on memory alone is written only for those who accept it. A folder of one's own needs no such

@@ -59,7 +59,7 @@ pub fn compile_composed(
             lattice: &options.lattice,
             max_nodes: options.max_nodes,
         };
-        let (composition, [of_first, of_second]) = compose(call, file, targets, request)?;
+        let (composition, [of_first, of_second]) = compose(call, file, targets.0, targets.1, request)?;
         let certificate =
             certificate(call, &composition, file, how, Depth { poses: options.poses, seed: options.seed })?;
         let goal = if how.orientation() { "correct pose" } else { "correct position" };
@@ -92,7 +92,7 @@ fn certificate(
     let tables = composition.tables_under_test();
     let module = KinematicsModule::KinematicParameters(composition.parameters.clone());
     let (both, field) = (composition.both(), tables.beside(file, &module));
-    let mut report = CertificateReport::new(file, &both, certificate, (&field, depth), composition.files.clone());
+    let mut report = CertificateReport::new(file, &both, certificate, &field, depth, composition.files.clone());
     let step = |target: String, compensated| CertificateStep { target, compensated };
     report.steps =
         vec![step(composition.target.manifest.target.clone(), first), step(both.manifest.target, report.compensated)];
@@ -108,8 +108,9 @@ pub(super) fn verify_composed(
     depth: Depth,
 ) -> Result<CertificateReport, Refused> {
     let (target, tables_target) = targets(call, folder, how)?;
-    let before = composition::load_installed(call, file, (&target, &tables_target), how, installed)?;
-    let composition = find(call, file, folder, how, before.unzip())?;
+    let before = composition::load_installed(call, file, &target, &tables_target, how, installed)?;
+    let (before, old_tables) = before.unzip();
+    let composition = find(call, file, folder, how, before, old_tables)?;
     composition.warn(call, file, folder);
     certificate(call, &composition, file, how, depth)
 }

@@ -136,7 +136,7 @@ fn evaluate_poses(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions)
     if let Some(list) = PoseUncertainty::at(machine, &poses, conditions, options.frame) {
         results.iter_mut().zip(list).for_each(|(result, uncertainty)| result.uncertainty = Some(uncertainty));
     }
-    let neglected = besides(call, (machine, &poses), options, lift.as_ref(), &mut results)?;
+    let neglected = besides(call, machine, &poses, options, lift.as_ref(), &mut results)?;
     Ok(EvalResult {
         machine: machine.name().to_owned(),
         order: lift.as_ref().map_or_else(|| order.to_string(), algebra::name),
@@ -152,14 +152,15 @@ fn evaluate_poses(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions)
 /// Adds the requested results beside deviations.
 fn besides(
     call: &mut Call<'_>,
-    (machine, poses): (&Machine, &[Pose]),
+    machine: &Machine,
+    poses: &[Pose],
     options: &EvalOptions,
     lift: Option<&WeilLift>,
     results: &mut [PoseResult],
 ) -> Result<Option<Neglected>, Refused> {
     let mut neglected = None;
     if options.sensitivity || options.interactions {
-        let (list, most) = effects(call, (machine, poses), options.approach.into(), options.interactions)?;
+        let (list, most) = effects(call, machine, poses, options.approach.into(), options.interactions)?;
         neglected = most;
         for (result, effects) in results.iter_mut().zip(list) {
             result.sensitivity = Some(effects.sensitivity);

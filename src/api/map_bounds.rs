@@ -15,7 +15,6 @@ use crate::report::plane_picture::BoundedSubject;
 use crate::report::{Rows, WorkRows};
 use crate::run::{Call, Refused};
 
-/// Maps what bounds lead to, and writes the tables.
 pub(crate) fn volume(
     call: &mut Call<'_>,
     machine: &Machine,

@@ -52,7 +52,6 @@ impl<'a> Tables<'a> {
         self.streams.into_iter().try_for_each(end)
     }
 
-    /// Writes a map that is held.
     pub(crate) fn write(mut self, values: &[impl RowValues + Copy]) -> Result<(), Diagnostic> {
         let count = if self.streams.is_empty() { 0 } else { values.len() };
         for (k, block) in values[..count].chunks(BLOCK).enumerate() {

@@ -176,7 +176,6 @@ fn too_many(step: f64, directions: usize, max: usize) -> Diagnostic {
     Diagnostic::new(codes::E0812, message).help("take a larger `--step`, a smaller `--box` or fewer `--directions`")
 }
 
-/// Returns the box asked for.
 fn region(call: &mut Call<'_>, machine: &Machine, options: &ReachOptions) -> Result<[[f64; 2]; 3], Refused> {
     let mut region = ReachGrid::region_of(machine);
     for side in options.region.iter().flat_map(|text| text.split(',')) {

@@ -64,7 +64,7 @@ pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: R
         call.extend(verdict::warnings(&certificate));
         call.check()?;
         let depth = Depth { poses: options.poses, seed: options.seed };
-        Ok(CertificateReport::new(file, &target, certificate, (&judged.field(file), depth), files))
+        Ok(CertificateReport::new(file, &target, certificate, &judged.field(file), depth, files))
     })
 }
 
@@ -125,5 +125,5 @@ fn module(
     call.check()?;
     let names = texts.iter().map(|text: &ReadBack| text.found.clone()).collect();
     let effect = ControllerEffect::Module(Box::new(module), beside);
-    Ok(CertificateReport::new(file, target, certificate, (&*effect.field(file, target), depth), names))
+    Ok(CertificateReport::new(file, target, certificate, &*effect.field(file, target), depth, names))
 }

@@ -35,7 +35,6 @@ const MAX_CONNECTIONS: usize = 16;
 /// Time between two looks for a free place while all answers are being computed, or no connection can be taken.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// Header with the token of a page.
 const TOKEN: HeaderName = HeaderName::from_static("x-abbe-token");
 
 #[derive(Debug)]
@@ -50,7 +49,6 @@ pub(super) struct PageRequest {
     pub body: Bytes,
 }
 
-/// The answer to a request.
 #[derive(Debug)]
 pub(super) struct PageResponse {
     pub status: StatusCode,
@@ -104,7 +102,6 @@ async fn accept(listener: TcpListener, port: u16, site: Arc<dyn Site>) -> std::i
     }
 }
 
-/// A connection that is open.
 struct Connection {
     task: JoinHandle<()>,
     /// True while its answer is being computed: the server does not wait for the reader.
@@ -122,7 +119,6 @@ fn has_place(open: &mut Vec<Connection>) -> bool {
     waiting.map(|oldest| open.remove(oldest).task.abort()).is_some()
 }
 
-/// One request and its answer.
 async fn exchange(stream: TcpStream, port: u16, site: Arc<dyn Site>, computing: Arc<AtomicBool>) {
     let answer = service_fn(move |request| {
         let (site, computing) = (Arc::clone(&site), Arc::clone(&computing));

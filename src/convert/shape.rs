@@ -90,7 +90,6 @@ impl ConvertedForm<'_> {
         self.errors.six(position, approach.into())[self.direction.index()]
     }
 
-    /// The nearest curve and its distance.
     fn curve(&self, approach: Approach) -> (Curve, f64) {
         let knots = self.knots();
         let looked: Vec<(f64, f64)> = looks(&knots).into_iter().map(|q| (q, self.value(q, approach))).collect();

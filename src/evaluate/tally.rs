@@ -84,7 +84,6 @@ const POWER: usize = 1 << 10;
 const BELOW: u32 = 42;
 /// Bits of 2^-50 above [`BELOW`]: the first bucket.
 const FIRST: u64 = (1023 - 50) << 10;
-/// Number of buckets.
 const BUCKETS: usize = 64 * POWER;
 
 impl Sketch {

@@ -49,11 +49,12 @@ pub(crate) struct ComposedRequest<'a> {
 pub(crate) fn compose(
     call: &mut Call,
     machine: &Machine,
-    (target, mut tables_target): (ControllerTarget, ControllerTarget),
+    target: ControllerTarget,
+    mut tables_target: ControllerTarget,
     request: ComposedRequest<'_>,
 ) -> Result<(Composition, [Vec<RenderedFile>; 2]), Refused> {
     let how = request.compensation;
-    let installed = load_installed(call, machine, (&target, &tables_target), how, request.installed)?;
+    let installed = load_installed(call, machine, &target, &tables_target, how, request.installed)?;
     let (before, installed) = installed.unzip();
     let of_module = ModuleRequest { limits: request.max_correction, before, ..ModuleRequest::plain(how.orientation()) };
     let module = module_set::render(call, machine, &target, of_module)?;
@@ -97,7 +98,7 @@ pub(crate) fn composed_effect(
         lattice: &[],
         max_nodes: usize::MAX,
     };
-    let (composition, _) = compose(call, machine, targets, request)?;
+    let (composition, _) = compose(call, machine, targets.0, targets.1, request)?;
     let (certificate, _) = composition.certify(machine, options, depth, call)?;
     let (effect, _) = composition.effect();
     Ok((composition.both(), effect, certificate))
@@ -159,7 +160,6 @@ fn remaining(call: &mut Call, machine: &Machine, parameters: &Parameters) -> Res
     }
 }
 
-/// The name of both.
 fn join(first: &ControllerTarget, second: &ControllerTarget) -> String {
     format!("{}+{}", first.manifest.target, second.manifest.target)
 }
@@ -237,7 +237,6 @@ impl Composition {
     }
 }
 
-/// True if a folder holds a composed set.
 pub(crate) fn is_composed(folder: &Path, call: &Call) -> bool {
     Folder::new(folder, call.run.files).lock().is_some_and(|lock| !lock.parts.is_empty())
 }
@@ -251,7 +250,8 @@ fn everything(options: &CompensationOptions) -> CompensationOptions {
 pub(crate) fn load_installed(
     call: &mut Call,
     machine: &Machine,
-    (target, tables_target): (&ControllerTarget, &ControllerTarget),
+    target: &ControllerTarget,
+    tables_target: &ControllerTarget,
     options: &CompensationOptions,
     folder: Option<&Path>,
 ) -> Result<Option<(Vec<f64>, CorrectionTables)>, Refused> {
@@ -262,7 +262,7 @@ pub(crate) fn load_installed(
         let help = "name the folder above the subfolders of both; what only one of them had is compiled with that one";
         return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
-    let old = call.about(&shown, |call| find(call, machine, folder, &everything(options), (None, None)))?;
+    let old = call.about(&shown, |call| find(call, machine, folder, &everything(options), None, None))?;
     let (before, now) = (old.name(), join(target, tables_target));
     if before != now {
         let message = format!("the files in `{shown}` are of `{before}`, not of `{now}`");
@@ -278,7 +278,8 @@ pub(crate) fn find(
     machine: &Machine,
     path: &Path,
     options: &CompensationOptions,
-    (before, old_tables): (Option<Vec<f64>>, Option<CorrectionTables>),
+    before: Option<Vec<f64>>,
+    old_tables: Option<CorrectionTables>,
 ) -> Result<Composition, Refused> {
     let (target, tables_target) = targets(call, path, options)?;
     let request = ModuleRequest { before, ..ModuleRequest::plain(options.orientation()) };
@@ -322,6 +323,6 @@ pub(crate) fn found_composed(
     folder: &Path,
     options: &CompensationOptions,
 ) -> Result<(ControllerTarget, ControllerEffect), Refused> {
-    let (effect, target) = find(call, machine, folder, options, (None, None))?.effect();
+    let (effect, target) = find(call, machine, folder, options, None, None)?.effect();
     Ok((target, effect))
 }

@@ -13,7 +13,6 @@ use std::sync::Arc;
 /// The files of a module, and the numbers that the controller reads from them.
 pub(crate) struct ModuleFiles {
     pub(crate) rendered: Vec<RenderedFile>,
-    /// Data of the module.
     pub(crate) module: KinematicsModule,
     pub(crate) beside: CorrectionTables,
 }
@@ -23,7 +22,6 @@ pub(crate) struct ModuleFiles {
 pub(crate) struct ModuleRequest {
     /// True if the direction of the tool is corrected too.
     pub(crate) orientation: bool,
-    /// Limits on corrections.
     pub(crate) limits: Limits,
     /// Kinematic parameters with which the machine was measured, mm and components of unit vectors; the nominal
     /// machine's if there are none.
@@ -37,7 +35,6 @@ impl ModuleRequest {
     }
 }
 
-/// Renders a module and reads it back.
 pub(crate) fn render(
     call: &mut Call,
     machine: &Machine,
@@ -54,7 +51,7 @@ pub(crate) fn render(
     let render = || target.render_kinematics(machine, &meant, &reversal, &mut call.diagnostics);
     let rendered = target.watch.during(render).ok_or(Refused)?;
     call.check()?;
-    let (module, beside) = read_back(call, machine, target, &rendered, (&meant, &reversal))?;
+    let (module, beside) = read_back(call, machine, target, &rendered, &meant, &reversal)?;
     Ok(ModuleFiles { rendered, module, beside })
 }
 
@@ -136,7 +133,8 @@ fn read_back(
     machine: &Machine,
     target: &ControllerTarget,
     files: &[RenderedFile],
-    (meant, reversal): (&KinematicsModule, &CorrectionTables),
+    meant: &KinematicsModule,
+    reversal: &CorrectionTables,
 ) -> Result<(KinematicsModule, CorrectionTables), Refused> {
     let text = |file: &RenderedFile| ReadBack::new(&*file.name, String::from_utf8_lossy(&file.bytes));
     let texts: Vec<_> = files.iter().map(text).collect();

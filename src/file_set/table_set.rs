@@ -200,7 +200,6 @@ fn read_back(
     }
 }
 
-/// A set found in a folder.
 pub(crate) struct FoundTables {
     pub target: ControllerTarget,
     pub tables: CorrectionTables,

@@ -15,7 +15,6 @@ pub struct MachineFile {
     pub(crate) machine: Machine,
     pub(crate) identify: Option<IdentifyEntry>,
     pub(crate) sources: Sources,
-    /// The path of the file.
     pub(crate) path: PathBuf,
     warnings: Vec<Diagnostic>,
     input_files: Vec<InputFile>,
@@ -135,7 +134,6 @@ pub fn loads(text: &str, options: &LoadOptions, run: Run) -> Reply<MachineFile> 
     Call::answer_of(run, &Sources::default(), |call| read(call, Path::new(TEXT_NAME), options, &files))
 }
 
-/// Name of a machine file that has none.
 const TEXT_NAME: &str = "machine.yaml";
 
 /// A text in front of other files.

@@ -184,7 +184,6 @@ pub enum ConventionsFailure {
     Keys(String),
 }
 
-/// Keys with their words.
 const CHOICES: [(&str, &[&str]); 7] = [
     ("location", &["axis_only", "carried_body"]),
     ("linear", &["after", "before"]),

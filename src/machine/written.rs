@@ -319,7 +319,6 @@ fn round(value: f64, direction: Direction) -> String {
     format!("{} {unit}", crate::units::significant(value * factor, 12))
 }
 
-/// Returns a value with its unit.
 fn amount(value: f64, direction: Direction) -> String {
     if direction.is_rotation() {
         format!("{} urad", number(value * 1e6))

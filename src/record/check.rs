@@ -71,7 +71,7 @@ pub(crate) fn check(call: &mut Call<'_>, folder: &Path) -> Result<RecordCheck, R
         if entry.name == REPLACED {
             replaced_sets += count_replaced(call, &folder.join(REPLACED));
         } else {
-            strangers(files, folder, (&entry.name, entry.kind), &list, &mut unlisted);
+            strangers(files, folder, &entry.name, entry.kind, &list, &mut unlisted);
         }
     }
     call.check()?;
@@ -103,7 +103,8 @@ fn list_hashes(bytes: Vec<u8>) -> Option<BTreeMap<String, String>> {
 fn strangers(
     files: &dyn Files,
     folder: &Path,
-    (name, kind): (&str, EntryKind),
+    name: &str,
+    kind: EntryKind,
     list: &BTreeMap<String, String>,
     found: &mut Vec<String>,
 ) {
@@ -115,7 +116,7 @@ fn strangers(
         return;
     }
     for entry in files.entries(&folder.join(name)) {
-        strangers(files, folder, (&format!("{name}/{}", entry.name), entry.kind), list, found);
+        strangers(files, folder, &format!("{name}/{}", entry.name), entry.kind, list, found);
     }
 }
 

@@ -71,7 +71,6 @@ pub(crate) struct LimitEntry {
     pub alarm: Option<Line>,
 }
 
-/// A set of compensation files.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SetEntry {
@@ -108,7 +107,6 @@ impl StateName {
     }
 }
 
-/// Returns a refusal of a description.
 pub(crate) fn unfit(message: impl Into<String>, help: impl Into<String>) -> Diagnostic {
     Diagnostic::new(codes::E0820, message).help(help)
 }
@@ -134,7 +132,6 @@ impl Description {
         Ok(description)
     }
 
-    /// Returns messages and remedies.
     fn faults(&self) -> Vec<(String, &'static str)> {
         let mut faults = Vec::new();
         let mut fault = |wrong: bool, message: String, help: &'static str| {

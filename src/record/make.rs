@@ -33,7 +33,6 @@ pub struct Record {
     pub data: RecordData,
 }
 
-/// The two states of the machine.
 struct States {
     found: MachineFile,
     left: Option<MachineFile>,
@@ -81,7 +80,7 @@ pub(crate) fn make(
     let (decisions, alarms) = decisions(call, &description, &rows, &figures)?;
     let mut sets = Vec::new();
     for (number, entry) in description.sets.iter().enumerate() {
-        sets.push(set(call, entry, (number + 1, base), (&states, verify), &mut files)?);
+        sets.push(set(call, entry, number + 1, base, &states, verify, &mut files)?);
     }
     let mut curves = errors::curves(&states.found, "found");
     curves.extend(states.left.iter().flat_map(|left| errors::curves(left, "left")));
@@ -120,7 +119,6 @@ pub(crate) fn make(
     write(call, data, &pictures, files)
 }
 
-/// Writes the documents.
 fn write(
     call: &mut Call<'_>,
     data: RecordData,
@@ -190,8 +188,10 @@ fn instruments(
 fn set(
     call: &mut Call<'_>,
     entry: &SetEntry,
-    (number, base): (usize, &Path),
-    (states, verify): (&States, Verify<'_>),
+    number: usize,
+    base: &Path,
+    states: &States,
+    verify: Verify<'_>,
     files: &mut RecordFiles,
 ) -> Result<RecordedSet, Refused> {
     let path = base.join(entry.folder.as_str());

@@ -178,7 +178,6 @@ impl AccuracyUncertainties {
     }
 }
 
-/// Returns a unit of figures as pictures print it.
 pub(crate) fn print_unit(unit: &str) -> &'static str {
     if unit == "um" { "\u{b5}m" } else { "\u{b5}rad" }
 }

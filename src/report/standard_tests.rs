@@ -12,7 +12,6 @@ use crate::standards::{
 use crate::units::{counted, significant};
 use serde::Serialize;
 
-/// Set-up of a test.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TestSetup {
     /// Plane of a circle.

@@ -58,7 +58,6 @@ impl Monitor for Cancellation {
     }
 }
 
-/// Hears nothing.
 struct Silent;
 
 impl Monitor for Silent {}
@@ -132,7 +131,6 @@ pub(crate) enum Count {
     Points(usize),
 }
 
-/// The state of a call.
 pub(crate) struct Call<'a> {
     pub run: Run<'a>,
     /// Everything found wrong so far.

@@ -7,7 +7,6 @@ use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{Decimals, Sheet, SheetLine, cells, drop_empty, number, separator, title};
 use crate::units::{self, Dimension};
 
-/// Largest number of rows.
 const MAX_ROWS: usize = 1_000_000;
 /// Largest number of diagonals: the body has four, its faces twelve.
 const MAX_DIAGONALS: usize = 16;

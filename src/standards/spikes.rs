@@ -79,7 +79,6 @@ impl Pulse {
     }
 }
 
-/// A pulse laid on readings.
 struct Laid {
     /// Weights of readings in its height.
     weights: Vec<(usize, f64)>,

@@ -380,7 +380,6 @@ struct SectionReader<'a> {
 }
 
 impl SectionReader<'_> {
-    /// A section as a whole.
     fn section<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
         let value = self.map.remove(key)?;
         entry(value, &keys([key]), &mut self.places, self.diagnostics)

@@ -5,11 +5,9 @@ use saphyr_parser::{Event, Parser, Span, StrInput};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
 
-/// Deepest nesting.
 const DEPTH: usize = 64;
 /// Most entries, aliases counted as what they stand for.
 const NODES: usize = 200_000;
-/// Most aliases.
 const ALIASES: usize = 1_000;
 
 /// The reason why a text is not parsed.
@@ -62,7 +60,6 @@ fn beyond(what: &Excess, span: Span) -> YamlFailure {
     }
 }
 
-/// A limit that is exceeded.
 #[derive(Debug, thiserror::Error)]
 enum Excess {
     #[error("nested deeper than {DEPTH} levels")]
@@ -75,7 +72,6 @@ enum Excess {
     Circle,
 }
 
-/// The size of a text so far.
 #[derive(Default)]
 struct YamlSize {
     nodes: usize,

@@ -73,7 +73,7 @@ pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> R
 fn build(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
     call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
     let subjects: Vec<Subject<'_>> =
-        files.iter().map(|file| Subject::one_of(call, files, (file, options))).collect::<Result<_, _>>()?;
+        files.iter().map(|file| Subject::one_of(call, files, file, options)).collect::<Result<_, _>>()?;
     let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.input(options)).collect();
     let mut report = Report::default();
     report.data.comparison = comparison(call, options, &given)?;
@@ -126,7 +126,8 @@ impl<'a> Subject<'a> {
     fn one_of(
         call: &mut Call<'_>,
         files: &[MachineFile],
-        (file, options): (&'a MachineFile, &ReportOptions),
+        file: &'a MachineFile,
+        options: &ReportOptions,
     ) -> Result<Self, Refused> {
         match files {
             [_] => Self::of(call, file, options),
@@ -144,7 +145,7 @@ impl<'a> Subject<'a> {
         }
         call.check()?;
         let path = options.tool_poses.as_ref();
-        let work = path.map(|path| work(call, file, path, (options, bounded.as_ref()))).transpose()?;
+        let work = path.map(|path| work(call, file, path, options, bounded.as_ref())).transpose()?;
         let mut written = Vec::new();
         for name in targets {
             written.extend(compensate(call, file, name, options)?);
@@ -183,7 +184,8 @@ fn work(
     call: &mut Call<'_>,
     file: &MachineFile,
     path: &Path,
-    (options, bounded): (&ReportOptions, Option<&DrawnBounds>),
+    options: &ReportOptions,
+    bounded: Option<&DrawnBounds>,
 ) -> Result<(Vec<Pose>, Value), Refused> {
     let machine: &Machine = file;
     let reached = tool_poses::read(call, machine, path)?.reached(call, machine)?;

@@ -26,7 +26,6 @@ pub(crate) struct MapPart {
     pub bytes: RefCell<Vec<u8>>,
 }
 
-/// Bytes of a deviation.
 const BYTES: usize = 6 * size_of::<f64>();
 
 impl MapPart {

@@ -5,49 +5,25 @@
 
 use super::report::report;
 use super::report_options::ReportOptions;
-use crate::api::budget::{BudgetOptions, BudgetResult, budget, budget_part};
-use crate::api::certificate::CertificateReport;
-use crate::api::check::check;
-use crate::api::classify::{Classification, ClassifyOptions, classify};
-use crate::api::compare::{CompareOptions, CompareResult, compare};
-use crate::api::compile::{CompileOptions, CompiledSet, compile};
-use crate::api::compose::{ComposedPart, compile_composed};
-use crate::api::convert::{ConvertOptions, ConvertResult, convert};
-use crate::api::diff::{DiffOptions, SetDifference, diff};
-use crate::api::diff_machines::{DiffMachinesOptions, diff_machines};
-use crate::api::enumerate::{EnumerateOptions, RankedArrangements, enumerate};
-use crate::api::equations::{EquationsOptions, EquationsResult, equations};
-use crate::api::eval::{EvalOptions, EvalResult, eval};
-use crate::api::explain::explain;
-use crate::api::figures::{FiguresOptions, figures};
-use crate::api::identify::{
-    IdentifyOptions, MeasurementPlan, MonomialFit, PlanOptions, fit_monomials, identify, plan_measurements,
-};
-use crate::api::import::{ImportOptions, import};
-use crate::api::instrument::{InstrumentOptions, InstrumentResult, instrument};
-use crate::api::locate::{LocateOptions, LocateResult, locate};
-use crate::api::map::map_tables;
-use crate::api::map_result::{MapOptions, MapResult};
 use crate::api::map_tables::MapTable;
-use crate::api::reach::{ReachOptions, ReachResult, reach};
-use crate::api::record::{RecordOptions, check_record, record, record_trend};
-use crate::api::show::{ChainResult, show};
-use crate::api::sources::ErrorSources;
-use crate::api::starter::{Starter, schema, starter};
-use crate::api::summary::MachineSummary;
-use crate::api::targets::{TargetSummary, targets};
-use crate::api::verify::{VerifyOptions, verify};
+use crate::api::results::{
+    BudgetResult, CertificateReport, ChainResult, Classification, CompareResult, CompiledSet, ComposedPart,
+    ConvertResult, EquationsResult, ErrorSources, EvalResult, IdentifyResult, ImportResult, InstrumentResult,
+    LocateResult, MachineDifference, MachineSummary, MapResult, MeasurementPlan, MonomialFit, RankedArrangements,
+    ReachResult, Record, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures,
+};
+use crate::api::starter::Starter;
+use crate::api::{
+    Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompileOptions, ConvertOptions, Diagnostic, Diagnostics,
+    DiffMachinesOptions, DiffOptions, EnumerateOptions, EquationsOptions, EvalOptions, FiguresOptions, IdentifyOptions,
+    ImportOptions, InstrumentOptions, LocateOptions, MachineFile, MapOptions, PlanOptions, ReachOptions, RecordOptions,
+    Run, VerifyOptions, budget, budget_part, check, check_record, classify, compare, compile, compile_composed,
+    convert, diff, diff_machines, enumerate, equations, eval, explain, figures, fit_monomials, identify, import,
+    instrument, locate, map_tables, plan_measurements, reach, record, record_trend, schema, show, starter, targets,
+    verify,
+};
 use crate::controller::LOCK_NAME;
-use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::identify::verdict::result::IdentifyResult;
-use crate::job::machine_file::MachineFile;
-use crate::record::check::RecordCheck;
-use crate::record::make::Record;
-use crate::record::trend::RecordTrend;
-use crate::report::imported::ImportResult;
-use crate::report::standard_tests::TestFigures;
-use crate::report::{MachineDifference, RowFormat};
-use crate::run::{Answer, Run};
+use crate::report::RowFormat;
 use crate::shards::study::StudyFile;
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, schema_for};

@@ -4,19 +4,16 @@
 //! once, and every answer has the shape that the verb of the program prints with `--format json`.
 
 use super::share::{MapPart, MapShare};
-use crate::api::budget::{BudgetOptions, budget};
-use crate::api::compare::{CompareOptions, compare};
-use crate::api::eval::{EvalOptions, eval};
-use crate::api::instrument::{InstrumentOptions, instrument};
-use crate::api::map::{map_of_parts, map_tables};
-use crate::api::map_result::{MapOptions, MapPoses, MapResult};
+use crate::api::map::map_of_parts;
+use crate::api::map_result::MapPoses;
 use crate::api::map_tables::MapTable;
-use crate::api::reach::{ReachOptions, ReachResult, reach};
-use crate::api::show::show;
-use crate::api::sources::{SourcesOptions, all_words, sources};
-use crate::api::starter::schema;
-use crate::api::summary::{error_numbers, summary};
-use crate::api::targets::targets;
+use crate::api::results::{MapResult, ReachResult};
+use crate::api::sources::all_words;
+use crate::api::summary::error_numbers;
+use crate::api::{
+    BudgetOptions, CompareOptions, EvalOptions, InstrumentOptions, MapOptions, ReachOptions, SourcesOptions, budget,
+    compare, eval, instrument, map_tables, reach, schema, show, sources, summary, targets,
+};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::job::machine_file::{LoadOptions, MachineFile, Overlay, load};
 use crate::job::tool_poses::{RowTip, tips};

@@ -96,7 +96,6 @@ impl Rules {
         Some((without, with_cosine))
     }
 
-    /// Returns the product of two polynomials.
     pub(super) fn product(&self, a: &BTreeMap<Monomial, f64>, b: &BTreeMap<Monomial, f64>) -> BTreeMap<Monomial, f64> {
         let highest = usize::from(self.ideal.degree);
         let right: Vec<(usize, &Monomial, f64)> = b.iter().map(|(m, c)| (self.degree(m), m, *c)).collect();
@@ -122,7 +121,6 @@ impl Rules {
 pub(super) struct Sum(BTreeMap<Monomial, (f64, f64)>);
 
 impl Sum {
-    /// Adds a term, reduced.
     pub(super) fn add(&mut self, rules: &Rules, monomial: Monomial, value: f64) {
         if let Some((without, with_cosine)) = rules.sine_square(&monomial) {
             self.add(rules, without, value);

@@ -107,7 +107,6 @@ pub fn survey_with_rows<T: Send>(
     Ok(Some(run.finish()))
 }
 
-/// The state shared by all threads.
 struct SurveyState<'a> {
     task: SurveyTask<'a>,
     count: usize,
@@ -124,7 +123,6 @@ struct SurveyState<'a> {
 
 /// Buffers and tally of a thread.
 struct Worker {
-    /// Tally of all its blocks.
     tally: Tally,
     poses: PoseColumns,
     columns: Columns,

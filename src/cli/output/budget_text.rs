@@ -3,11 +3,9 @@
 use abbe::results::{DeviationBudget, PercentileInterval};
 use abbe::text::{angle, length, significant};
 
-/// Heads of a table of totals.
 pub(crate) const TOTALS: [&str; 9] =
     ["", "worst case", "RSS", "mean of both", "Monte Carlo: mean", "median", "90 %", "95 %", "99 %"];
 
-/// Note below the totals.
 pub(crate) const TOTALS_NOTE: &str =
     "In brackets: 95 % confidence by the number of machines drawn; - where they are too few.";
 

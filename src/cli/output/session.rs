@@ -96,7 +96,6 @@ impl Session {
         }
     }
 
-    /// True if diagnostics are printed as SARIF.
     pub(crate) fn is_sarif(&self) -> bool {
         self.global.format == FormatArg::Sarif
     }

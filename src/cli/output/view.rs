@@ -11,7 +11,6 @@ pub(crate) fn order(text: &str) -> Result<Order, UnknownOrder> {
     text.parse()
 }
 
-/// Name of the frame as printed.
 pub(crate) fn frame_text(frame: Frame) -> &'static str {
     match frame {
         Frame::Workpiece => "workpiece",
@@ -85,7 +84,6 @@ pub(crate) fn table(header: &[&str]) -> comfy_table::Table {
     table
 }
 
-/// Header of tables of statistics.
 pub(crate) const STATISTICS: [&str; 9] = ["", "", "max", "mean", "rms", "95 %", "range x", "range y", "range z"];
 
 /// Two rows: position and rotation.
@@ -117,7 +115,6 @@ pub(crate) fn cell(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
-/// Numbers of a CSV line.
 pub(crate) fn numbers(values: impl IntoIterator<Item = f64>) -> String {
     values.into_iter().map(|x| plain(x).to_string()).collect::<Vec<_>>().join(",")
 }

@@ -36,7 +36,6 @@ pub(crate) struct StagedFile {
 }
 
 impl StagedFile {
-    /// Opens it.
     pub(crate) fn new(path: &Path) -> Result<Self, Diagnostic> {
         let target = replaceable(path)?;
         let temporary = temporary(&target).ok_or_else(|| unwritable(path, "the path names no file"))?;
@@ -51,7 +50,6 @@ impl StagedFile {
         Ok(Self { path: path.to_owned(), target, temporary, file, unnamed })
     }
 
-    /// Returns a handle for writing.
     pub(crate) fn writer(&self) -> Result<LimitedWriter<File>, Diagnostic> {
         let file = self.file.try_clone().map_err(|failure| self.failure(&failure))?;
         Ok(LimitedWriter::new(file, 0))

@@ -65,10 +65,10 @@ impl Args {
         BudgetOptions {
             tolerances: self.tolerances.options(),
             seed: self.seed.seed,
-            poses: self.poses.count(),
-            tool_poses: self.tool_poses.path().cloned(),
-            reference: self.reference.reference(),
-            samples: self.samples.count(),
+            poses: self.poses.poses,
+            tool_poses: self.tool_poses.tool_poses.clone(),
+            reference: self.reference.reference.clone(),
+            samples: self.samples.samples,
             at: self.at.clone(),
             goal_mm: self.goal,
             cost: self.cost.clone(),
@@ -89,7 +89,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return part(session, args, &file, state);
     }
     let result = session.take(budget(&file, &args.options(), session.run()))?;
-    let top = args.top.count();
+    let top = args.top.top;
     for (file, picture) in [(&args.pareto, result.pareto(top)), (&args.waterfall, result.waterfall(top))] {
         if let Some(file) = file {
             file.write(&picture, session)?;
@@ -165,7 +165,7 @@ impl BudgetText<'_> {
             "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",
             budget.poses,
             self.result.tool_poses.as_ref().map_or_else(|| "poses".to_owned(), tool_poses_text),
-            self.args.samples.count(),
+            self.args.samples.samples,
             budget.drawing.distribution.name(),
             self.args.seed.seed
         );
@@ -179,7 +179,7 @@ impl BudgetText<'_> {
         text += &self.pareto_table();
         text += &self.tighten_table();
         let goal =
-            self.result.goal.as_ref().map_or(String::new(), |goal| tolerance_goal::text(goal, self.args.top.count()));
+            self.result.goal.as_ref().map_or(String::new(), |goal| tolerance_goal::text(goal, self.args.top.top));
         text + &self.directions() + &goal
     }
 
@@ -217,7 +217,7 @@ impl BudgetText<'_> {
         };
         let tolerance =
             |error: &str| budget.tighten.iter().find(|t| t.error == error).map_or(String::new(), bound_text);
-        for c in budget.contributions.iter().take(self.args.top.count()) {
+        for c in budget.contributions.iter().take(self.args.top.top) {
             let mut row = vec![
                 c.error.clone(),
                 tolerance(&c.error),
@@ -233,7 +233,7 @@ impl BudgetText<'_> {
 
     fn tighten_table(&self) -> String {
         let mut rows = table(&["tighten first", "tolerance", "um per um or urad", "10 % tighter wins, um"]);
-        for t in self.result.budget.tighten.iter().take(self.args.top.count()) {
+        for t in self.result.budget.tighten.iter().take(self.args.top.top) {
             let _ = rows.add_row([
                 t.error.clone(),
                 bound_text(t),

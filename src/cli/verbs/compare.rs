@@ -44,15 +44,15 @@ pub(crate) struct Args {
 impl Args {
     fn options(&self) -> CompareOptions {
         CompareOptions {
-            poses: self.poses.count(),
-            tool_poses: self.tool_poses.path().cloned(),
-            reference: self.reference.reference(),
+            poses: self.poses.poses,
+            tool_poses: self.tool_poses.tool_poses.clone(),
+            reference: self.reference.reference.clone(),
             seed: self.seed.seed,
             tolerances: self.tolerances.options(),
-            samples: self.samples.count(),
-            max_samples: self.max_samples.count(),
-            order: self.view.order(),
-            approach: self.view.approach(),
+            samples: self.samples.samples,
+            max_samples: self.max_samples.max_samples,
+            order: self.view.order.order,
+            approach: self.view.direction.direction,
         }
     }
 }
@@ -60,7 +60,7 @@ impl Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let mut files = Vec::new();
     for path in &args.machines {
-        files.push(session.load_one_of(path, args.view.tool())?);
+        files.push(session.load_one_of(path, args.view.tool.name())?);
     }
     let result = session.take(compare(&files, &args.options(), session.run()))?;
     session.show(&result, || csv(&result), || text(args, &result))
@@ -151,7 +151,7 @@ fn text(args: &Args, result: &CompareResult) -> String {
         "{}\n{} tool poses in the workpiece frame, {}; {} reached by all\n",
         result.over.line(),
         result.asked,
-        match args.tool_poses.path() {
+        match &args.tool_poses.tool_poses {
             Some(path) => format!("of {}", path.display()),
             None => format!("drawn from the volume of {}", result.machines[0].machine),
         },
@@ -175,8 +175,8 @@ fn text(args: &Args, result: &CompareResult) -> String {
             reach.push_str(&format!("Machine {}, {}:\n{}", i + 1, side.file, reach_text(missed, travel)));
         }
     }
-    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top.count()));
-    let errors = one_by_one(result, args.top.count());
+    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top.top));
+    let errors = one_by_one(result, args.top.top);
     let reach = uncertainty(result) + &reach;
     let verdicts = best_fit(result) + &verdicts(result);
     format!("{text}{rows}\n{reach}{errors}{budgets}{verdicts}Negative differences: less error than machine 1.\n")

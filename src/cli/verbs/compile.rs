@@ -53,7 +53,7 @@ impl Args {
         CompileOptions {
             target: self.target.first().cloned().unwrap_or_default(),
             compensation: self.set.how.options(),
-            poses: self.set.poses.count(),
+            poses: self.set.poses.poses,
             seed: self.set.seed.seed,
             accept_unverified: self.accept_unverified,
             installed: self.installed.installed.clone(),

@@ -40,7 +40,7 @@ fn machines(session: &mut Session, args: &Args, paths: [&Path; 2]) -> Outcome {
     }
     let tool = args.set.tool.name();
     let files = [session.load_one_of(paths[0], tool)?, session.load_one_of(paths[1], tool)?];
-    let (poses, seed) = (args.set.poses.count(), args.set.seed.seed);
+    let (poses, seed) = (args.set.poses.poses, args.set.seed.seed);
     let options = DiffMachinesOptions { poses, seed, ..DiffMachinesOptions::default() };
     let difference = session.take(abbe::diff_machines(&files, &options, session.run()))?;
     session.show(&difference, || machines_csv(&difference), || machines_text(&difference))
@@ -51,7 +51,7 @@ fn sets(session: &mut Session, args: &Args, machine: &Path, [old, new]: [&Path; 
     for folder in [old, new] {
         file_set::check(session, folder)?;
     }
-    let (compensation, poses, seed) = (args.set.how.options(), args.set.poses.count(), args.set.seed.seed);
+    let (compensation, poses, seed) = (args.set.how.options(), args.set.poses.poses, args.set.seed.seed);
     let options = DiffOptions { compensation, poses, seed };
     let difference = session.take(abbe::diff(&file, old, new, &options, session.run()))?;
     session.show(&difference, || csv(&difference), || text(&difference))

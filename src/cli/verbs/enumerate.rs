@@ -72,11 +72,11 @@ impl Args {
             require: self.require.clone(),
             max_table: self.max_table,
             rotary: self.rotary,
-            poses: self.poses.count(),
-            tool_poses: self.tool_poses.path().cloned(),
+            poses: self.poses.poses,
+            tool_poses: self.tool_poses.tool_poses.clone(),
             size: self.size,
-            samples: self.samples.count(),
-            max_samples: self.max_samples.count(),
+            samples: self.samples.samples,
+            max_samples: self.max_samples.max_samples,
             first: self.first as usize,
             reach_percent: self.reach,
             state: self.parts.state.clone(),
@@ -96,7 +96,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         EnumerateResult::Part(progress) => return print_progress(session, progress),
         EnumerateResult::Ranked(ranked) => ranked,
     };
-    session.show(ranked, || ranking::csv(ranked), || ranking::text(ranked, args.top.count()))
+    session.show(ranked, || ranking::csv(ranked), || ranking::text(ranked, args.top.top))
 }
 
 fn print_progress(session: &Session, progress: &StudyProgress) -> Outcome {

@@ -43,9 +43,9 @@ impl Args {
             at: self.at.clone(),
             poses: Vec::new(),
             pose_file: self.axis_poses.clone(),
-            order: self.view.order(),
-            approach: self.view.approach(),
-            frame: self.frame.frame(),
+            order: self.view.order.order,
+            approach: self.view.direction.direction,
+            frame: self.frame.frame,
             algebra: self.algebra.algebra.clone(),
             inverse: self.inverse,
             sensitivity: self.sensitivity,
@@ -55,7 +55,7 @@ impl Args {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.view.tool())?;
+    let file = session.load(&args.machine, args.view.tool.name())?;
     let result = session.take(eval(&file, &args.options(), session.run()))?;
     session.show(&result, || csv(&file, &result), || text(&result))
 }

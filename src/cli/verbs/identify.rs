@@ -1,7 +1,7 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{FrameOption, OrderArg, SeedArg, ToolArg, help, length};
+use crate::cli::arguments::{FrameOption, OrderArg, SeedArg, ToolArg, counts, help, length};
 use crate::cli::output::session::Session;
 use crate::cli::output::{identify_report, monomials, pictures, plan};
 use crate::cli::store::write;
@@ -56,13 +56,13 @@ pub(crate) struct Args {
     #[arg(long)]
     robust: bool,
     /// Check the prediction: leave out every measurement once, in this many parts (2 to 65535) [default: no check].
-    #[arg(long, value_name = "PARTS", value_parser = clap::value_parser!(u16).range(2..))]
-    folds: Option<u16>,
+    #[arg(long, value_name = "PARTS", value_parser = counts(2..=65_535))]
+    folds: Option<usize>,
     /// Propose N poses to measure (1 to 1000), with the uncertainty that the parameters will have; nothing is fitted
     /// [default: fit].
     #[arg(long, value_name = "N", conflicts_with_all = ["data", "out", "folds", "robust"],
-          value_parser = clap::value_parser!(u16).range(1..=1000))]
-    plan: Option<u16>,
+          value_parser = counts(1..=1000))]
+    plan: Option<usize>,
     /// Standard deviation of a reading to plan with (above 0).
     #[arg(long, value_name = "LENGTH", default_value = "1 um", value_parser = noise)]
     noise: f64,
@@ -89,11 +89,11 @@ impl Args {
             fixed: self.fixed.clone(),
             priors: self.prior.clone(),
             type_b: self.type_b.clone(),
-            frame: self.frame.frame(),
+            frame: self.frame.frame,
             axis_poses: self.axis_poses.clone(),
             order: Some(self.order.order.unwrap_or(Order::Exact)),
             robust: self.robust,
-            folds: self.folds.map(usize::from),
+            folds: self.folds,
             machine_file: self.out.is_some(),
             accept_undetermined: self.accept_undetermined,
             pictures: self.pictures.is_some(),
@@ -101,9 +101,9 @@ impl Args {
         }
     }
 
-    fn plan_options(&self, poses: u16) -> PlanOptions {
+    fn plan_options(&self, poses: usize) -> PlanOptions {
         let (fit, fixed, priors) = (self.fit.clone(), self.fixed.clone(), self.prior.clone());
-        PlanOptions { poses: usize::from(poses), fit, fixed, priors, noise_mm: self.noise, seed: self.seed.seed }
+        PlanOptions { poses, fit, fixed, priors, noise_mm: self.noise, seed: self.seed.seed }
     }
 }
 

@@ -1,7 +1,7 @@
 //! `abbe instrument`: readings of measuring instruments on the machine.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{PictureFile, ToolArg, help, svg};
+use crate::cli::arguments::{PictureFile, ToolArg, counts, help, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, table};
 use crate::cli::store::write;
@@ -35,8 +35,8 @@ pub(crate) struct Args {
                      middle of the volume; for the R-test three quarters along it; rotary axes at 0 or nearest to it]")]
     at: Option<String>,
     /// Readings on a circle or turn, points on a diagonal, steps of every axis (3 to 100000) [default: 360, 37, 11].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=100_000))]
-    points: Option<u32>,
+    #[arg(long, value_name = "N", value_parser = counts(3..=100_000))]
+    points: Option<usize>,
     #[command(flatten)]
     tool: ToolArg,
     #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
@@ -52,7 +52,7 @@ impl Args {
             radius_mm: self.radius,
             axis: self.axis.clone(),
             at: self.at.clone(),
-            points: self.points.map(|points| points as usize),
+            points: self.points,
         }
     }
 }

@@ -38,7 +38,7 @@ impl Args {
         RecordOptions {
             tool: self.set.tool.name().map(str::to_owned),
             compensation: self.set.how.options(),
-            poses: self.set.poses.count(),
+            poses: self.set.poses.poses,
             seed: self.set.seed.seed,
         }
     }

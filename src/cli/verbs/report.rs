@@ -50,13 +50,13 @@ impl Args {
         ReportOptions {
             targets: self.target.clone(),
             compensation: self.options.how.options(),
-            poses: self.options.poses.count(),
-            tool_poses: self.tool_poses.path().cloned(),
+            poses: self.options.poses.poses,
+            tool_poses: self.tool_poses.tool_poses.clone(),
             seed: self.options.seed.seed,
             order: self.order.order,
-            approach: self.direction.approach(),
+            approach: self.direction.direction,
             tolerances: self.tolerances.options(),
-            samples: self.samples.count(),
+            samples: self.samples.samples,
         }
     }
 }

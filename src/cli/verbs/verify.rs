@@ -41,7 +41,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let options = VerifyOptions {
         target: args.target.clone(),
         compensation: args.set.how.options(),
-        poses: args.set.poses.count(),
+        poses: args.set.poses.poses,
         seed: args.set.seed.seed,
         installed: args.installed.installed.clone(),
     };

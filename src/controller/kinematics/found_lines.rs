@@ -7,7 +7,6 @@ use crate::syntax::sheet::{Decimals, Sheet, SheetLine, cells, drop_empty, number
 use crate::units::{self, Dimension, FARTHEST, significant};
 use nalgebra::Vector3;
 
-/// Columns of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
     /// Coordinate of a point of the axis.

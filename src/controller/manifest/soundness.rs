@@ -189,7 +189,6 @@ impl ModuleContent {
         }
     }
 
-    /// Number of constants.
     fn constants(self) -> usize {
         match self {
             Self::FullModel | Self::KinematicParameters => 0,

@@ -9,7 +9,6 @@ use crate::machine::AxisKind;
 /// Three numbers need a quarter of it; LinuxCNC's buffer takes no more and reads the rest as a line of its own.
 const MAX_LINE: usize = 254;
 
-/// Reads the table of the file's axis.
 pub(super) fn own_axis(reading: &ReadContext, columns: &[TableColumn], text: &str) -> Result<CorrectionTable, Fault> {
     let axis = reading.axis.unwrap_or(0);
     let max = reading.target.manifest.mechanism.own_axis.as_ref().map_or(usize::MAX, |own| own.table.max_points);

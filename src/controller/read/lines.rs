@@ -12,7 +12,6 @@ use std::collections::BTreeMap;
 /// The value of a field, and its line (from 0).
 pub(super) type FieldValue = (String, usize);
 
-/// Fields by name.
 pub(super) type Fields = BTreeMap<String, FieldValue>;
 
 #[derive(Debug, Default)]
@@ -36,7 +35,6 @@ const OF_POINTS: [&str; 9] =
 /// Larger indices are no table's.
 const MAX_POINTS: usize = 5_000_000;
 
-/// Reads the lines of a file.
 pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> Result<Vec<TableFields>, Fault> {
     let patterns: Vec<(Vec<PatternPiece>, &LineSpec)> = specs.iter().map(|spec| (pieces(&spec.line), spec)).collect();
     let mut met = vec![false; specs.len()];

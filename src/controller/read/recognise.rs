@@ -34,7 +34,6 @@ struct FilePlace {
     positions: Vec<f64>,
 }
 
-/// The files that a target reads.
 struct TargetFit {
     target: ControllerTarget,
     placed: Vec<FilePlace>,

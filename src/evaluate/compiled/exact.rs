@@ -82,7 +82,6 @@ trait RelativeRotation<V: Lanes>: Copy {
     fn vector(self) -> (Vector<V>, V);
 }
 
-/// A unit quaternion.
 #[derive(Clone, Copy)]
 struct Quaternion<V>(V, Vector<V>);
 

@@ -28,7 +28,6 @@ pub struct RowOffsets<const N: usize> {
     last: u32,
 }
 
-/// Doubles of a row.
 const ROW: u32 = 8;
 
 impl<const N: usize> RowOffsets<N> {

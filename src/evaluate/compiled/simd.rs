@@ -14,7 +14,6 @@ pub const SIGN: u64 = 1 << 63;
 
 /// A vector of doubles. All operations are those of IEEE 754, with one rounding each.
 pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// Number of lanes.
     const COUNT: usize;
     /// The eight doubles of a table row, in as many registers as they need.
     type Row: RowVector;
@@ -62,12 +61,10 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     /// Transposes rows: lane i of vector k is element k of row i.
     fn transpose(rows: &[Self::Row; MAX_LANES]) -> [Self; 8];
 
-    /// Returns the smaller of both.
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
         self.select_less(other, self, other)
     }
-    /// Returns the larger of both.
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
         other.select_less(self, self, other)
@@ -87,7 +84,6 @@ pub struct TableRow(pub [f64; 8]);
 /// A row of a table in as many vectors as it needs.
 pub trait RowVector: Copy {
     fn of(row: &TableRow) -> Self;
-    /// Returns the sum.
     fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
     /// Returns `self + other * factor`.

@@ -14,7 +14,6 @@ const MAX_PREAMBLE_LINES: usize = 40;
 /// Titles of the names of points, in lower case, with a stroke between.
 const NAMES: &str = "point|name|point name|pointname|point id|pointid|point no|id|label|target|punkt|punktname|\
                      punkt-nr|punktnr|messpunkt";
-/// Titles of groups of points.
 const GROUPS: [&str; 5] = ["group", "collection", "job", "gruppe", "sammlung"];
 /// Words beside the letter of a coordinate.
 const WORDS: [&str; 7] = ["coordinate", "coord", "koordinate", "actual", "measured", "ist", "gemessen"];
@@ -36,7 +35,6 @@ pub(super) struct PointColumns {
     pub left_out: Vec<String>,
 }
 
-/// A point as it was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TrackedPoint {
     pub name: String,

@@ -56,7 +56,6 @@ fn same_points(model: &FitModel<'_>, data: &[Measurement]) -> bool {
 struct MotionEquations {
     /// Columns are the unknowns, then translations of the frame, as displacements.
     system: DMatrix<f64>,
-    /// Number of unknowns.
     unknowns: usize,
     /// Length of the column of each unknown in the readings.
     effects: DVector<f64>,

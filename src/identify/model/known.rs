@@ -20,7 +20,6 @@ pub struct PriorValue {
 
 /// The word for the uncertainties that the machine file states of its constants.
 const FILE: &str = "file";
-/// Coordinates of a point.
 const COORDINATES: [&str; 3] = [".x", ".y", ".z"];
 /// Coverage factor of the uncertainties of machine files.
 const FILE_COVERAGE_FACTOR: f64 = 2.0;

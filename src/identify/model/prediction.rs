@@ -57,7 +57,6 @@ struct TermLink {
 /// A predicted reading and its derivatives; the first [`Measurement::reading_mask`] components count.
 struct Linearisation {
     predicted: Vector3<f64>,
-    /// By parameters of the machine.
     by_parameter: Vec<Vector3<f64>>,
     /// By unknowns of instruments: index and derivative.
     by_nuisance: Vec<(usize, Vector3<f64>)>,

@@ -132,7 +132,6 @@ impl<'a> FitSearch<'a> {
     }
 }
 
-/// The state of the iteration.
 struct Descent<'a> {
     /// Returns the linear problem at given values.
     linear: &'a dyn Fn(&[f64]) -> ReducedSystem,

@@ -77,7 +77,6 @@ impl Problem {
     }
 }
 
-/// The parameters asked for.
 pub(crate) struct Requested {
     pub request: IdentifyEntry,
     pub own: Vec<Parameter>,
@@ -200,7 +199,6 @@ pub(crate) fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refus
     call.refuse(Diagnostic::new(codes::E0503, message).help("measure more poses, or fit less"))
 }
 
-/// Fits, diagnoses and describes a problem.
 pub(crate) fn solve_problem(
     call: &mut Call<'_>,
     file: &MachineFile,

@@ -68,7 +68,6 @@ impl Row {
     }
 }
 
-/// The rows of a file.
 #[derive(Debug, Clone)]
 pub(crate) struct ToolPoses {
     file: String,
@@ -137,7 +136,6 @@ impl ToolPoses {
         self.rows.iter().map(|row| row.tool_pose(machine)).collect()
     }
 
-    /// Returns the pose of a machine for every row, or what is missing.
     fn found(&self, machine: &Machine) -> Vec<Result<Pose, Miss>> {
         // The header decides: all rows give positions of rotary axes, or none does.
         let Some(rows) = self.rows.iter().map(Row::rotary).collect::<Option<Vec<_>>>() else {

@@ -22,7 +22,6 @@ const LARGE: f64 = 50.0;
 const STEEP: f64 = 1e-5;
 /// They must also be this part of the curve's peak.
 const MIN_FRACTION: f64 = 0.25;
-/// Nodes over the travel.
 const NODES: u32 = 360;
 
 /// Both kinds of warning.
@@ -275,7 +274,6 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// Index of the largest component.
 fn largest(v: &Vector3<f64>) -> usize {
     (0..3).max_by(|i, j| v[*i].abs().total_cmp(&v[*j].abs())).unwrap_or(0)
 }

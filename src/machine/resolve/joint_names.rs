@@ -19,7 +19,6 @@ impl<'a> JointNames<'a> {
         self.declared.iter().find(|d| d.name == *name)
     }
 
-    /// Every axis and the spindle.
     pub(super) fn names(&self) -> Vec<&'a str> {
         self.declared.iter().map(|d| &d.name).chain(self.spindle).map(AxisName::as_str).collect()
     }

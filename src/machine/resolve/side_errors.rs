@@ -59,7 +59,6 @@ pub fn errors(context: &mut Context<'_>, known: &JointNames<'_>, sides: &Sides) 
 }
 
 impl Errors {
-    /// Takes over the errors of an axis in a block.
     fn take(&mut self, block: &Errors, axis: &AxisName) {
         for (error, place) in block.places.iter().filter(|(error, _)| error.axis == *axis) {
             let joint = block.joints.get(axis);

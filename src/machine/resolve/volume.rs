@@ -11,7 +11,6 @@ use crate::units::{self, Dimension};
 /// Default steps (mm, deg).
 const LINEAR_STEP: f64 = 25.0;
 const ROTARY_STEP: f64 = 15.0;
-/// Most nodes on one axis.
 const NODES: f64 = 1e6;
 
 struct Steps {

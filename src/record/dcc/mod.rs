@@ -15,12 +15,9 @@ use quantity::WrittenList;
 
 const TEMPLATE: &str = include_str!("certificate.xml.j2");
 
-/// Names of tables, and their columns as they are written.
 type WrittenTables = Vec<(String, Vec<WrittenList>)>;
 
-/// Type of positions.
 const POSITION: &str = "basic_nominalValue";
-/// Type of errors.
 const ERROR: &str = "basic_measurementError";
 
 /// Reason why a certificate cannot be written.
@@ -124,7 +121,6 @@ fn of_curve(curve: &ErrorCurve) -> QuantityTable {
     QuantityTable { name: curve.error.clone(), lists }
 }
 
-/// Figures of standards, a table of one value each.
 fn figures(data: &RecordData) -> Vec<QuantityTable> {
     let of = |(file, figure): (&str, &RecordedFigure)| QuantityTable {
         name: format!("{figure}, {file}", figure = figure.figure),

@@ -38,7 +38,6 @@ const PREFIXES: [&str; 20] = [
     "micro", "nano", "pico", "femto", "atto", "zepto", "yocto",
 ];
 
-/// Digits of a written value.
 const DIGITS: usize = 9;
 
 /// Reason why a list is no list of quantities.

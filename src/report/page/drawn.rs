@@ -17,7 +17,6 @@ const PLANE_NODES: f64 = 48.0;
 /// The same for what bounds lead to: each node takes as long as all machines drawn.
 const BOUNDED_NODES: f64 = 24.0;
 
-/// Bars of a chart.
 const BARS: usize = 14;
 
 impl Pictures {

@@ -55,7 +55,6 @@ struct FieldLayer {
     at: Vec<LayerAt>,
 }
 
-/// A field at one station.
 #[derive(Debug, Clone, Serialize)]
 struct LayerAt {
     /// Deviations in nm (machine directions), three numbers a node.
@@ -83,7 +82,6 @@ const NODES: [usize; 5] = [11, 9, 7, 5, 3];
 /// Number of nodes of a grid axis of what bounds lead to: each node takes as long as all machines drawn.
 const BOUNDED_NODES: usize = 7;
 
-/// Maximum number of stations.
 const MAX_STATIONS: usize = 8;
 
 impl FieldData {

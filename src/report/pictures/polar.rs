@@ -99,7 +99,6 @@ const SENSES: [(&str, Stroke); 2] = [
 ];
 const MEAN_TURN: [(&str, Stroke); 1] = [("synchronous", Stroke { colour: FIRST, dashes: "" })];
 
-/// Style of a curve.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stroke {
     pub colour: &'static str,

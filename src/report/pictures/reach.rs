@@ -17,7 +17,6 @@ const GAP: f64 = 92.0;
 /// Sections of a row, and of the picture at most.
 const COLUMNS: usize = 3;
 const SECTIONS: usize = 6;
-/// Names of the sides of the box.
 const SIDES: [&str; 3] = ["X", "Y", "Z"];
 
 /// Sections of a box.

@@ -56,7 +56,6 @@ impl WorkRows {
         Self { reached, unreached, features }
     }
 
-    /// True if rows have features.
     pub(super) fn has_features(&self) -> bool {
         self.features
     }

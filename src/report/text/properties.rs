@@ -47,7 +47,6 @@ pub struct PropertyDifference {
     pub minus_first_um: Option<f64>,
 }
 
-/// Describes a property in which two machines differ.
 pub(crate) fn describe(
     first: &Machine,
     second: &Machine,

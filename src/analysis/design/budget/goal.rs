@@ -139,7 +139,6 @@ struct DrawnValue {
     sorted: Vec<f64>,
     /// Mean of the worst machines.
     worst: f64,
-    /// The part of each tolerance in it.
     parts: Vec<f64>,
 }
 

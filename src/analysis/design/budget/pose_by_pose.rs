@@ -158,8 +158,7 @@ impl Extreme {
     }
 }
 
-/// The effects of the bounds at a pose.
-struct BoundEffects {
+struct PoseEffects {
     effects: [BudgetPose; 2],
     rss: [f64; 2],
     /// From the workpiece frame into that of the vectors.

@@ -96,7 +96,6 @@ pub struct StudyEnd {
     pub told: bool,
 }
 
-/// A ranked arrangement.
 struct Entrant<'a> {
     step: usize,
     record: &'a RoundRecord,
@@ -215,7 +214,6 @@ fn equal_classes(entrants: &[Entrant<'_>], inside: &[usize]) -> Vec<Vec<usize>> 
     classes.into_iter().map(|(_, class)| class).collect()
 }
 
-/// Returns the results of all arrangements.
 fn study_end(
     journal: &Journal,
     rounds: &Rounds,

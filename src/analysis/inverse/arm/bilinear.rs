@@ -10,7 +10,6 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Coefficients of an equation, rows by the first angle.
 type Coefficients = [Vector3<f64>; 3];
 
-/// Degree of the trigonometric polynomial.
 const DEGREE: usize = 4;
 
 /// Samples of the polynomial: more than its coefficients.

@@ -78,7 +78,6 @@ pub(super) fn read(
     gather::finish(import, wanted, if beside { &[0] } else { &[] }, place)
 }
 
-/// Reads section by section.
 fn contents(lines: &[SheetLine]) -> Result<Contents, Box<Diagnostic>> {
     let mut found = Contents::default();
     let (mut current, mut list) = (String::new(), String::new());

@@ -42,7 +42,6 @@ pub(super) fn component_error(name: &str) -> Result<ErrorId, ExportFailure> {
     parse_component_error(name).ok_or_else(|| ExportFailure::NotComponentError(name.to_owned()))
 }
 
-/// Refuses an error of another axis.
 pub(super) fn own_axis(error: &ErrorId, axis: &str) -> Result<(), ExportFailure> {
     let own = error.axis.to_string().eq_ignore_ascii_case(axis);
     if own { Ok(()) } else { Err(ExportFailure::ErrorOfOtherAxis(error.clone(), axis.to_owned())) }
