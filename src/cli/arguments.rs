@@ -80,6 +80,19 @@ pub(super) struct ToolPosesArg {
     tool_poses: Option<PathBuf>,
 }
 
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct JobArg {
+    /// Take poses and reference from a job: a YAML file with `tool_poses`, `place`, `reference`.
+    #[arg(long, value_name = "FILE", conflicts_with = "tool_poses")]
+    job: Option<PathBuf>,
+}
+
+impl JobArg {
+    pub(super) fn path(&self) -> Option<&PathBuf> {
+        self.job.as_ref()
+    }
+}
+
 impl ToolPosesArg {
     pub(super) fn path(&self) -> Option<&PathBuf> {
         self.tool_poses.as_ref()

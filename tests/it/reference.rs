@@ -391,3 +391,67 @@ fn a_goal_and_its_proof_are_without_the_motion() {
         );
     }
 }
+
+#[test]
+fn a_job_is_its_tool_poses_where_the_part_lies() {
+    let folder = Folder::new("reference-job");
+    let machine = five(
+        &folder,
+        "m.yaml",
+        "errors: { EC0Y: 60 urad, EB0C: 25 urad, EXX: { points: [[-300 mm, -9 um], [300 mm, 11 um]] } }",
+    );
+    std::fs::create_dir_all(folder.file("parts")).unwrap();
+    // A point p of the part lies at (30, -20, 5) + Rz(90 deg) p: (x, y, z) goes to (30 - y, -20 + x, 5 + z).
+    let part = [[10.0, 20.0, 3.0], [-40.0, 5.0, 8.0], [60.0, -30.0, 0.0]];
+    let line = |[x, y, z]: V3| format!("{x},{y},{z},0.6,0,0.8\n");
+    let placed = |[x, y, z]: V3| format!("{},{},{},0,0.6,0.8\n", 30.0 - y, -20.0 + x, 5.0 + z);
+    let table = |of: &dyn Fn(V3) -> String| part.iter().fold("X,Y,Z,I,J,K\n".to_owned(), |sum, p| sum + &of(*p));
+    folder.with("parts/part.csv", &table(&line));
+    let bare = folder.with("bare.csv", &table(&placed));
+    let job = |text: &str| {
+        folder.with(
+            "parts/job.yaml",
+            &format!("tool_poses: part.csv\nplace: {{ origin: [30, -20, 5], rotation: [0, 0, 90] }}\n{text}"),
+        )
+    };
+    let figures = |arguments: &[&str]| {
+        let found = json(&[&["map", text(&machine), "--format", "json"], arguments].concat());
+        ["max", "rms", "p95"].map(|key| number(&found["position_um"][key]))
+    };
+    let same = |a: [f64; 3], b: [f64; 3]| a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-6);
+    let path = job("");
+    let (job_path, bare_path) = (text(&path), text(&bare));
+    // The part's origin lies at (30, -20, 5), its Z along that of the workpiece frame.
+    let zero = figures(&["--tool-poses", bare_path, "--reference", "zero:30,-20,5"]);
+    let by_job = figures(&["--job", job_path]);
+    assert!(same(by_job, zero), "{by_job:?} {zero:?}");
+    assert!(!same(zero, figures(&["--tool-poses", bare_path])));
+    for reference in ["machine", "best-fit"] {
+        let bare = figures(&["--tool-poses", bare_path, "--reference", reference]);
+        assert!(same(figures(&["--job", job_path, "--reference", reference]), bare), "{reference}");
+        let _ = job(&format!("reference: {reference}\n"));
+        assert!(same(figures(&["--job", job_path]), bare), "{reference}");
+    }
+    // The point of the file is one of the part: (10, 20, 3) lies at (10, -10, 8).
+    let _ = job("reference: { kind: zero, point: [10, 20, 3], direction: [0.6, 0, 0.8] }\n");
+    let stated = figures(&["--tool-poses", bare_path, "--reference", "zero:10,-10,8,0,0.6,0.8"]);
+    assert!(same(figures(&["--job", job_path]), stated));
+    // Rotary axes in place of a direction; an alignment takes a rotation of the table out.
+    let turned = five(&folder, "turned.yaml", "setup: { workpiece: { C: 300 urad, X: 20 um } }");
+    let align = "reference: { kind: zero, rotary: { A: 0, C: 0 }, align: { about: [0, 0, 1], point: [60, 0, 0] } }\n";
+    let _ = job(align);
+    let left = json(&["map", text(&turned), "--job", job_path, "--format", "json"]);
+    assert!(number(&left["position_um"]["max"]) < 1e-6, "{left}");
+    for (said, content) in [
+        ("tool_pose", "tool_pose: x.csv\n"),
+        ("hold", "tool_poses: part.csv\nreference: { kind: datum, datum: [] }\n"),
+        ("a reference is", "tool_poses: part.csv\nreference: table\n"),
+        ("no rotary axis", "tool_poses: part.csv\nreference: { kind: zero, rotary: { X: 1 } }\n"),
+        ("for the tool `long`", "tool_poses: part.csv\ntool: long\n"),
+    ] {
+        let path = folder.with("parts/bad.yaml", content);
+        let (code, message) = refused(&["map", text(&machine), "--job", text(&path)]);
+        let said = if said == "hold" { "there are 0" } else { said };
+        assert!(code == 1 && message.contains("E085") && message.contains(said), "{content}: {message}");
+    }
+}

@@ -1,7 +1,7 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
 use crate::cli::arguments::{
-    MaxSamplesArg, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs,
+    JobArg, MaxSamplesArg, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs,
 };
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{STATISTICS, cell, numbers, reach_text, statistics_rows, table};
@@ -16,6 +16,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
+#[command(mut_arg("job", |option| option.conflicts_with("poses")))]
 pub(crate) struct Args {
     /// Two or more machine files; differences are to the first, and tool poses are drawn from its volume.
     #[arg(required = true, num_args = 2..)]
@@ -24,6 +25,8 @@ pub(crate) struct Args {
     poses: PosesArg,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    job: JobArg,
     #[command(flatten)]
     reference: ReferenceArg,
     #[command(flatten)]
@@ -45,6 +48,7 @@ impl Args {
         CompareOptions {
             poses: self.poses.count(),
             tool_poses: self.tool_poses.path().cloned(),
+            job: self.job.path().cloned(),
             reference: self.reference.reference(),
             seed: self.seed.seed,
             tolerances: self.tolerances.options(),
@@ -156,7 +160,7 @@ fn text(args: &Args, result: &CompareResult) -> String {
         "{}\n{} tool poses in the workpiece frame, {}; {} reached by all\n",
         result.over.line(),
         result.asked,
-        match args.tool_poses.path() {
+        match args.tool_poses.path().or(args.job.path()) {
             Some(path) => format!("of {}", path.display()),
             None => format!("drawn from the volume of {}", result.machines[0].machine),
         },

@@ -1,6 +1,6 @@
 //! `abbe map`: the error over a volume.
 
-use crate::cli::arguments::{FrameOption, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, help};
+use crate::cli::arguments::{FrameOption, JobArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, help};
 use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
@@ -21,6 +21,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
+#[command(mut_arg("job", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
 pub(crate) struct Args {
     /// The machine file; its `volume` is the grid.
     machine: PathBuf,
@@ -34,6 +35,8 @@ pub(crate) struct Args {
     low_discrepancy: Option<u32>,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    job: JobArg,
     #[command(flatten)]
     reference: ReferenceArg,
     #[command(flatten)]
@@ -63,7 +66,8 @@ pub(crate) struct Args {
 
 impl Args {
     fn options(&self) -> MapOptions {
-        let poses = match (self.tool_poses.path(), self.random, self.low_discrepancy) {
+        let poses = match (self.tool_poses.path().or(self.job.path()), self.random, self.low_discrepancy) {
+            (Some(path), ..) if self.job.path().is_some() => MapPoses::Job(path.clone()),
             (Some(path), ..) => MapPoses::ToolPoses(path.clone()),
             (_, Some(count), _) => MapPoses::Random(count as usize),
             (.., Some(count)) => MapPoses::LowDiscrepancy(count as usize),
