@@ -80,7 +80,15 @@ impl JobPaths<'_> {
     pub(crate) fn read(self, call: &mut Call<'_>, machine: &Machine) -> Result<Option<Job>, Refused> {
         match (self.job, self.tool_poses) {
             (Some(_), Some(_)) => call.usage("a job file names its tool poses: omit one of the two"),
-            (Some(path), None) => from_file(call, machine, path).map(Some),
+            (Some(path), None) => {
+                let job = from_file(call, machine, path)?;
+                // Until paths are solved as a whole: nothing may pass for one that is not.
+                if job.path == Some(true) {
+                    let reason = Reason::new("`path: true`, and tool poses are taken one by one");
+                    return call.refuse(refused(path, &reason));
+                }
+                Ok(Some(job))
+            }
             (None, Some(path)) => {
                 let poses = tool_poses::read(call, machine, path)?;
                 Ok(Some(Job { poses, path: None, place: Placement::default(), reference: None }))
