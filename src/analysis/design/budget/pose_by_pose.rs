@@ -89,8 +89,8 @@ pub fn pose_by_pose<F: Send>(request: PosesRequest<'_>, progress: Advance<'_, F>
     let mut extremes = vec![SampleExtremes::NONE; chunks];
     for first in (0..request.poses.len()).step_by(block) {
         let count = block.min(request.poses.len() - first);
-        let of = |i: usize| BoundEffects::new(&request, &joints, &request.poses.get(first + i));
-        let places: Vec<BoundEffects> = (0..count).into_par_iter().map(of).collect();
+        let of = |i: usize| PoseEffects::new(&request, &joints, &request.poses.get(first + i));
+        let places: Vec<PoseEffects> = (0..count).into_par_iter().map(of).collect();
         let chunk = |(chunk, extremes): (usize, &mut SampleExtremes)| {
             let drawn = SampleChunk::new(&joints, request.bounds, request.draws, chunk * SAMPLE_LANES);
             let lengths = places.iter().map(|place| place.squares(&drawn, extremes)).collect();
@@ -165,7 +165,7 @@ struct PoseEffects {
     turn: Option<Matrix3<f64>>,
 }
 
-impl BoundEffects {
+impl PoseEffects {
     fn new(request: &PosesRequest<'_>, joints: &[JointBounds], pose: &Pose) -> Self {
         let effects = QUANTITIES.map(|quantity| BudgetPose::new(request.machine, joints, pose, quantity));
         let rss = |effects: &BudgetPose| effects.extremes(joints, request.bounds, request.draws).rss();
