@@ -4,11 +4,12 @@ use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_from_samples, budget_poses};
 use crate::analysis::reference::PartReference;
+use crate::job::job_file::JobPaths;
 use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
 use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
 use crate::job::reference::{Reference, SetUp};
-use crate::job::tool_poses::{self, ReachedToolPoses};
+use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, Pose};
 use crate::report::{BoundedContribution, BudgetFigures, DeviationBudget, Picture, contributions};
 use crate::run::{Call, Count, Refused, Reply, Run};
@@ -31,6 +32,8 @@ pub struct BudgetOptions {
     /// A CSV file of tool poses in the workpiece frame that replace these poses: columns X, Y, Z (mm) and I, J, K or
     /// rotary axes (deg).
     pub tool_poses: Option<PathBuf>,
+    /// A job file instead of the tool poses.
+    pub job: Option<PathBuf>,
     /// What the set-up of the part takes out of the effects; by default the zero at the part's origin for tool poses,
     /// nothing for a volume.
     pub reference: Option<Reference>,
@@ -56,6 +59,7 @@ impl Default for BudgetOptions {
             seed: 1,
             poses: 500,
             tool_poses: None,
+            job: None,
             reference: None,
             samples: 1000,
             at: None,
@@ -205,12 +209,18 @@ struct BudgetWork {
 
 impl BudgetWork {
     fn of(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<Self, Refused> {
-        let tool_poses = tool_poses::asked(call, machine, options.tool_poses.as_ref())?;
+        let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+        let job = paths.read(call, machine)?;
+        let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
         let poses = match &tool_poses {
             Some(reached) => reached.poses.clone(),
             None => budget_poses(machine, options.poses, options.seed),
         };
-        let set_up = SetUp::of(call, machine, (options.reference.as_ref(), tool_poses.is_some()), &poses)?;
+        let asked = options.reference.as_ref();
+        let set_up = match &job {
+            Some(job) => job.set_up(call, machine, asked, &poses)?,
+            None => SetUp::of(call, machine, asked, None, &poses)?,
+        };
         Ok(Self { poses, tool_poses, set_up, draws: options.tolerances.draws(options.seed) })
     }
 

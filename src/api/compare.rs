@@ -13,11 +13,12 @@ use crate::analysis::{
 };
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Difference, Field, Frame, Order, Poses, Statistics, Summary};
+use crate::job::job_file::JobPaths;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::{Over, OverKind};
 use crate::job::poses::check;
 use crate::job::reference::{Reference, SetUp};
-use crate::job::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
+use crate::job::tool_poses::{MissedToolPose, NeededTravel, needed_travel};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};
 use crate::run::{Call, Count, Refused, Reply, Run};
@@ -32,6 +33,8 @@ pub struct CompareOptions {
     /// A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or rotary axes
     /// (deg) of the first machine.
     pub tool_poses: Option<PathBuf>,
+    /// A job file instead of the tool poses.
+    pub job: Option<PathBuf>,
     /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
     /// poses. Without tool poses machine coordinates and best fit are both compared by default.
     pub reference: Option<Reference>,
@@ -57,6 +60,7 @@ impl Default for CompareOptions {
         Self {
             poses: 1000,
             tool_poses: None,
+            job: None,
             reference: None,
             seed: 1,
             tolerances,
@@ -201,8 +205,10 @@ fn side_by_side(
     let order = |machine: &Machine| order_of(machine, options.order);
     let bare: Vec<Bare<'_>> = files.iter().map(|file| Bare { machine: file, order: order(file) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-    let asked = options.tool_poses.as_ref().map(|path| tool_poses::read(call, first, path)).transpose()?;
-    let work = match &asked {
+    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+    let job = paths.read(call, first)?;
+    let asked = job.as_ref().map(|job| &job.poses);
+    let work = match asked {
         Some(asked) => Work::Listed(asked.list(first)),
         None => Work::random(first, options.poses, options.seed),
     };
@@ -210,7 +216,7 @@ fn side_by_side(
     let sides: Vec<(&Machine, Vec<Pose>)> =
         files.iter().zip(&comparison.machines).map(|(file, side)| (&**file, poses(side))).collect();
     let mut missed = vec![None; sides.len()];
-    if let Some(asked) = &asked {
+    if let Some(asked) = asked {
         for (i, ((machine, poses), side)) in sides.iter().zip(&comparison.machines).enumerate() {
             let rows = asked.missed(machine, &side.missed);
             call.about(files[i].path(), |call| {
@@ -223,12 +229,12 @@ fn side_by_side(
     if comparison.common.is_empty() {
         return call.refuse(nothing_in_common(files, &comparison));
     }
-    let (set_ups, unzeroed) = set_ups(call, files, &sides, (options.reference.as_ref(), asked.is_some()))?;
+    let (set_ups, unzeroed) = set_ups(call, files, &sides, options.reference.as_ref(), job.as_ref())?;
     let alike = Alike { files, fields: &fields, sides: &sides, options };
     let whole = alike.figures(call, comparison.clone(), &set_ups)?;
     let (kind, counts) = (if asked.is_some() { OverKind::Job } else { OverKind::Volume }, &comparison);
     let over = |reference: &Reference| Over::new(kind, first, reference, [counts.asked, counts.common.len()]);
-    let fitted = match (&options.reference, &asked) {
+    let fitted = match (&options.reference, asked) {
         (None, None) => {
             let fits: Vec<SetUp> = sides.iter().map(|(machine, poses)| SetUp::best_fit(machine, poses)).collect();
             Some(alike.figures(call, comparison.clone(), &fits)?)

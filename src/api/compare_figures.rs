@@ -8,6 +8,7 @@ use crate::analysis::budget::{Verdict, VersusFirst};
 use crate::analysis::figure_bands::{ComparedBands, compared_bands};
 use crate::analysis::reference::PartReference;
 use crate::evaluate::{Difference, Field, Order, Statistics, Summary};
+use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
 use crate::job::reference::{Reference, SetUp, unzeroed};
@@ -78,17 +79,19 @@ pub(crate) fn set_ups(
     call: &mut Call<'_>,
     files: &[MachineFile],
     sides: &[(&Machine, Vec<Pose>)],
-    (asked, is_job): (Option<&Reference>, bool),
+    asked: Option<&Reference>,
+    job: Option<&Job>,
 ) -> Result<(Vec<SetUp>, Option<String>), Refused> {
-    let zero = Reference::zero();
-    let Some(reference) = asked.or(is_job.then_some(&zero)) else {
+    let stated = job.map_or_else(|| asked.cloned(), |job| job.stated(asked));
+    let is_stated = stated.is_some();
+    let Some(reference) = stated.or_else(|| job.map(Job::zero)) else {
         return Ok((vec![SetUp::machine(); files.len()], None));
     };
     let mut list = Vec::new();
     for ((machine, poses), file) in sides.iter().zip(files) {
-        match SetUp::new(machine, reference, poses) {
+        match SetUp::new(machine, &reference, poses) {
             Ok(set_up) => list.push(set_up),
-            Err(refusal) if asked.is_some() => {
+            Err(refusal) if is_stated => {
                 return call.about(file.path(), |call| call.refuse(refusal));
             }
             Err(reason) => {

@@ -13,11 +13,11 @@ use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Deviation, Field, Order, Poses, Tally, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
+use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
 use crate::job::poses::axis_positions;
 use crate::job::reference::{ReferenceKind, SetUp};
-use crate::job::tool_poses;
 use crate::machine::{Machine, Pose};
 use crate::report::plane_picture::Subject;
 use crate::report::{Rows, WorkRows};
@@ -111,16 +111,14 @@ fn volume(
     let view = View { conditions: options.approach.into(), frame: options.frame };
     let place =
         options.picture.as_ref().map(|picture| picture.place(call, machine, options.target.is_some())).transpose()?;
-    let tool_poses = match &options.poses {
-        MapPoses::ToolPoses(path) => tool_poses::asked(call, machine, Some(path))?,
-        _ => None,
-    };
+    let job = options.poses.job().read(call, machine)?;
+    let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let compensation = compensation(call, machine, options, order)?;
     let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
     if poses.len() > MAX_SURVEYED {
         return call.refuse(too_many(poses.len()));
     }
-    let set_up = set_up(call, machine, options, &poses, tool_poses.is_some())?;
+    let set_up = set_up(call, machine, options, &poses, job.as_ref())?;
     let compiled = CompiledField::new(machine, order);
     let replayed = compensation.as_ref().map(|(target, effect)| effect.field(machine, target));
     let [set_up_bare, set_up_replayed] = [Some(&compiled as &dyn Field), replayed.as_deref()]
@@ -162,14 +160,19 @@ pub(crate) fn set_up(
     machine: &Machine,
     options: &MapOptions,
     poses: &Poses,
-    is_job: bool,
+    job: Option<&Job>,
 ) -> Result<SetUp, Refused> {
-    let fitted = options.reference.as_ref().is_some_and(|of| of.kind == ReferenceKind::BestFit);
+    let asked = options.reference.as_ref();
+    let stated = job.map_or_else(|| asked.cloned(), |job| job.stated(asked));
+    let fitted = stated.is_some_and(|of| of.kind == ReferenceKind::BestFit);
     if fitted && poses.len() > MAX_POSES {
         return call.usage(format!("a best fit is over {MAX_POSES} poses at most, all of which are held"));
     }
     let list: Vec<Pose> = if fitted { poses.iter().collect() } else { Vec::new() };
-    SetUp::of(call, machine, (options.reference.as_ref(), is_job), &list)
+    match job {
+        Some(job) => job.set_up(call, machine, asked, &list),
+        None => SetUp::of(call, machine, asked, None, &list),
+    }
 }
 
 /// Number of poses at which the warnings of a compensation are found.

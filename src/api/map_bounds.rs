@@ -9,7 +9,6 @@ use crate::analysis::{MAX_POSES, View};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Order, Poses};
 use crate::job::poses::axis_positions;
-use crate::job::tool_poses;
 use crate::machine::{Machine, Pose};
 use crate::report::plane_picture::BoundedSubject;
 use crate::report::{Rows, WorkRows};
@@ -23,10 +22,8 @@ pub(crate) fn volume(
 ) -> Result<MapResult, Refused> {
     refuse_measured(call, options)?;
     let place = options.picture.as_ref().map(|picture| picture.bounded_place(call, machine)).transpose()?;
-    let tool_poses = match &options.poses {
-        MapPoses::ToolPoses(path) => tool_poses::asked(call, machine, Some(path))?,
-        _ => None,
-    };
+    let job = options.poses.job().read(call, machine)?;
+    let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
     if poses.len() > MAX_POSES {
         return call.refuse(too_many(poses.len()));
@@ -37,7 +34,7 @@ pub(crate) fn volume(
     let drawing = drawn.drawing.clone();
     let rows = Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawing) };
     let tables = Tables::new(rows, tables).or_else(|refusal| call.refuse(refusal))?;
-    let set_up = set_up(call, machine, options, &poses, tool_poses.is_some())?;
+    let set_up = set_up(call, machine, options, &poses, job.as_ref())?;
     let drawn = drawn.without(set_up.removed());
     let found = drawn.at(call, machine, &poses, view.frame)?;
     tables.write(&found.poses).or_else(|refusal| call.refuse(refusal))?;

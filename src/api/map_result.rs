@@ -6,6 +6,7 @@ use crate::analysis::{Bands, MAX_POSES, MAX_SURVEYED};
 use crate::evaluate::{Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary};
 use crate::file_set::options::CompensationOptions;
 use crate::job::features::FeatureResult;
+use crate::job::job_file::JobPaths;
 use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
 use crate::job::poses::{AxisPositions, poses};
@@ -83,6 +84,8 @@ pub enum MapPoses {
     /// The poses for the tool poses of a file, workpiece frame: CSV with columns X, Y, Z (mm) and I, J, K or rotary
     /// axes (deg), or APT CL data.
     ToolPoses(PathBuf),
+    /// The poses for the tool poses of a job file, with the reference that it states.
+    Job(PathBuf),
     /// Poses as numbers, mm and deg, each as long as the machine has axes and in the order of the chain.
     #[schemars(skip)]
     Listed(Vec<Pose>),
@@ -100,7 +103,16 @@ impl MapPoses {
             Self::Grid => Some(Nodes::of(file).len()),
             Self::Random(count) | Self::LowDiscrepancy(count) => Some(*count),
             Self::Listed(list) => Some(list.len()),
-            Self::ToolPoses(_) => None,
+            Self::ToolPoses(_) | Self::Job(_) => None,
+        }
+    }
+
+    /// Returns the files of the job, if these are poses of one.
+    pub(crate) fn job(&self) -> JobPaths<'_> {
+        match self {
+            Self::ToolPoses(path) => JobPaths { job: None, tool_poses: Some(path) },
+            Self::Job(path) => JobPaths { job: Some(path), tool_poses: None },
+            _ => JobPaths { job: None, tool_poses: None },
         }
     }
 
@@ -127,7 +139,9 @@ impl MapPoses {
             Self::Grid => Poses::Nodes(Nodes::of(machine)),
             Self::Random(count) => Poses::Random(Random::of(machine, *count, seed)),
             Self::LowDiscrepancy(count) => Poses::Spread(Spread::of(machine, *count, seed)),
-            Self::ToolPoses(_) => Poses::Listed(reached.map_or_else(Vec::new, |reached| reached.poses.clone())),
+            Self::ToolPoses(_) | Self::Job(_) => {
+                Poses::Listed(reached.map_or_else(Vec::new, |reached| reached.poses.clone()))
+            }
             Self::Listed(list) => Poses::Listed(poses(call, machine, (&[], list, None))?),
         })
     }

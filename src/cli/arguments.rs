@@ -82,6 +82,13 @@ pub(super) struct ToolPosesArg {
 }
 
 #[derive(Debug, Clone, clap::Args)]
+pub(super) struct JobArg {
+    /// Take poses and reference from a job: a YAML file with `tool_poses`, `place`, `reference`.
+    #[arg(long, value_name = "FILE", conflicts_with = "tool_poses")]
+    pub(super) job: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, clap::Args)]
 pub(super) struct ReferenceArg {
     /// What the set-up of the part takes out: machine (nothing), zero, zero:X,Y,Z (mm) or best-fit [default: zero for
     /// tool poses, machine for a volume].

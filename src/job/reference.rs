@@ -1,5 +1,6 @@
 //! The reference of a job: what the set-up of its part takes out of the deviations, and how a machine probes it.
 
+use super::job_file::Placement;
 use super::tool_poses::{MissedToolPose, unit_vector};
 use crate::analysis::reference::{PartReference, ReferencedField};
 use crate::analysis::{Miss, ToolPose, Unreachable, inverse, place, rest};
@@ -9,6 +10,8 @@ use crate::machine::{AxisKind, Machine, OperatingConditions, Pose};
 use crate::run::{Call, Refused};
 use crate::units::{number, significant};
 use nalgebra::Vector3;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, Deserialize, Deserializer, MapAccess, Visitor};
 use std::fmt;
 use std::str::FromStr;
 
@@ -62,6 +65,9 @@ pub struct Reference {
     /// The six points of a datum frame.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub datum: Vec<DatumPoint>,
+    /// Where the part lies.
+    #[serde(skip)]
+    place: Placement,
 }
 
 /// An alignment: a second point gives the rotation about an axis through the first.
@@ -93,6 +99,7 @@ impl Default for Reference {
             rotary: None,
             align: None,
             datum: Vec::new(),
+            place: Placement::default(),
         }
     }
 }
@@ -101,6 +108,11 @@ impl Reference {
     /// Returns the default of a job: the zero at the part's origin, the tool along its +Z.
     pub fn zero() -> Self {
         Self { kind: ReferenceKind::Zero, ..Self::default() }
+    }
+
+    /// Returns the reference of a part at a place of the workpiece frame.
+    pub(crate) fn placed(self, place: Placement) -> Self {
+        Self { place, ..self }
     }
 
     /// Returns the best fit.
@@ -169,6 +181,32 @@ impl FromStr for Reference {
     }
 }
 
+/// A reference as a file states it: a text, or a mapping.
+#[derive(Debug, Clone)]
+pub(crate) struct ReferenceEntry(pub Reference);
+
+impl<'de> serde::Deserialize<'de> for ReferenceEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Entry;
+        impl<'de> Visitor<'de> for Entry {
+            type Value = ReferenceEntry;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("`machine`, `zero`, `best-fit`, `zero:X,Y,Z`, or a mapping with `kind`")
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<ReferenceEntry, E> {
+                text.parse().map(ReferenceEntry).map_err(E::custom)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ReferenceEntry, A::Error> {
+                Reference::deserialize(MapAccessDeserializer::new(map)).map(ReferenceEntry)
+            }
+        }
+        deserializer.deserialize_any(Entry)
+    }
+}
+
 /// The set-up of a part on a machine.
 #[derive(Debug, Clone)]
 pub(crate) struct SetUp {
@@ -204,18 +242,19 @@ impl SetUp {
         Ok(Self { reference: reference.clone(), removed })
     }
 
-    /// Returns the set-up of the part of a job or a volume. A job without a reference is zeroed at its origin; where
-    /// the machine does not reach that, it says so and takes machine coordinates.
+    /// Returns the set-up of a part by the reference asked for, or else by the default, or else none. Where the machine
+    /// does not reach the default it says so and takes machine coordinates.
     pub fn of(
         call: &mut Call<'_>,
         machine: &Machine,
-        (asked, is_job): (Option<&Reference>, bool),
+        asked: Option<&Reference>,
+        default: Option<&Reference>,
         poses: &[Pose],
     ) -> Result<Self, Refused> {
-        match (asked, is_job) {
+        match (asked, default) {
             (Some(asked), _) => Self::new(machine, asked, poses).or_else(|refusal| call.refuse(refusal)),
-            (None, false) => Ok(Self::machine()),
-            (None, true) => Self::new(machine, &Reference::zero(), poses).or_else(|reason| {
+            (None, None) => Ok(Self::machine()),
+            (None, Some(default)) => Self::new(machine, default, poses).or_else(|reason| {
                 call.warn(unzeroed(&reason));
                 call.check()?;
                 Ok(Self::machine())
@@ -254,7 +293,7 @@ fn zero(machine: &Machine, reference: &Reference) -> Result<PartReference, Diagn
     let pose = probed(machine, reference, &reference.point)?;
     let Some(align) = &reference.align else { return Ok(PartReference::zero(machine, pose)) };
     let second = probed(machine, reference, &align.point)?;
-    let about = unturned(machine, unit(&align.about, "the axis of the alignment")?);
+    let about = unturned(machine, reference, unit(&align.about, "the axis of the alignment")?);
     PartReference::aligned_zero(machine, [pose, second], &about).ok_or_else(|| {
         let help = "state a second point beside the axis through the first";
         refuse("the second point of the alignment gives no rotation about its axis".to_owned(), help)
@@ -268,7 +307,8 @@ fn datum(machine: &Machine, reference: &Reference) -> Result<PartReference, Diag
     }
     let poses =
         reference.datum.iter().map(|point| probed(machine, reference, &point.point)).collect::<Result<_, _>>()?;
-    let normal = |point: &DatumPoint| Ok(unturned(machine, unit(&point.normal, "the normal of a datum point")?));
+    let normal =
+        |point: &DatumPoint| Ok(unturned(machine, reference, unit(&point.normal, "the normal of a datum point")?));
     let normals = reference.datum.iter().map(normal).collect::<Result<Vec<_>, _>>()?;
     PartReference::datum(machine, poses, &normals).map_err(|short| {
         let message = format!("the six datum points hold {} of the six motions of the part", short.rank);
@@ -283,13 +323,14 @@ fn unit(vector: &[f64; 3], what: &str) -> Result<Vector3<f64>, Diagnostic> {
 }
 
 /// Returns a vector of the part in the unturned workpiece frame.
-fn unturned(machine: &Machine, vector: Vector3<f64>) -> Vector3<f64> {
+fn unturned(machine: &Machine, reference: &Reference, vector: Vector3<f64>) -> Vector3<f64> {
+    let vector = reference.place.direction(vector);
     machine.workpiece_rotation().map_or(vector, |rotation| rotation * vector)
 }
 
 /// Returns the pose (mm, deg) at which a machine probes a point of the part (mm).
 fn probed(machine: &Machine, reference: &Reference, point: &[f64; 3]) -> Result<Pose, Diagnostic> {
-    let tip = Vector3::from(*point);
+    let tip = reference.place.point(Vector3::from(*point));
     let found = match &reference.rotary {
         Some(rotary) => {
             let pose = with_rotary(machine, rotary)?;
@@ -299,7 +340,7 @@ fn probed(machine: &Machine, reference: &Reference, point: &[f64; 3]) -> Result<
         }
         None => {
             let direction = unit(&reference.direction, "the direction of the tool at the reference")?;
-            inverse(machine, &ToolPose::new(tip, direction), &rest(machine))
+            inverse(machine, &ToolPose::new(tip, reference.place.direction(direction)), &rest(machine))
         }
     };
     found.map_err(|miss| {

@@ -2,7 +2,8 @@
 
 use crate::cli::Outcome;
 use crate::cli::arguments::{
-    self, PartsArgs, PictureFile, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, help, svg,
+    self, JobArg, PartsArgs, PictureFile, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg,
+    help, svg,
 };
 use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, short, tolerance_text, totals_row};
 use crate::cli::output::session::Session;
@@ -19,6 +20,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
+#[command(mut_arg("job", |option| option.conflicts_with("poses")))]
 #[command(mut_arg("poses", |option| option.default_value("500")))]
 #[command(mut_arg("state", |option| option.requires("shard")))]
 #[command(mut_arg("shard", |option| option.conflicts_with_all(["merge", "at", "goal", "pareto", "waterfall"])))]
@@ -33,6 +35,8 @@ pub(crate) struct Args {
     poses: PosesArg,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    job: JobArg,
     #[command(flatten)]
     reference: ReferenceArg,
     #[command(flatten)]
@@ -69,6 +73,7 @@ impl Args {
             tool_poses: self.tool_poses.tool_poses.clone(),
             reference: self.reference.reference.clone(),
             samples: self.samples.samples,
+            job: self.job.job.clone(),
             at: self.at.clone(),
             goal_mm: self.goal,
             cost: self.cost.clone(),

@@ -2,7 +2,7 @@
 
 use crate::cli::Outcome;
 use crate::cli::arguments::{
-    MaxSamplesArg, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs,
+    JobArg, MaxSamplesArg, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs,
 };
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
@@ -17,6 +17,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
+#[command(mut_arg("job", |option| option.conflicts_with("poses")))]
 pub(crate) struct Args {
     /// Two or more machine files; differences are to the first, and tool poses are drawn from its volume.
     #[arg(required = true, num_args = 2..)]
@@ -25,6 +26,8 @@ pub(crate) struct Args {
     poses: PosesArg,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    job: JobArg,
     #[command(flatten)]
     reference: ReferenceArg,
     #[command(flatten)]
@@ -47,6 +50,7 @@ impl Args {
             poses: self.poses.poses,
             tool_poses: self.tool_poses.tool_poses.clone(),
             reference: self.reference.reference.clone(),
+            job: self.job.job.clone(),
             seed: self.seed.seed,
             tolerances: self.tolerances.options(),
             samples: self.samples.samples,
@@ -151,7 +155,7 @@ fn text(args: &Args, result: &CompareResult) -> String {
         "{}\n{} tool poses in the workpiece frame, {}; {} reached by all\n",
         result.over.line(),
         result.asked,
-        match &args.tool_poses.tool_poses {
+        match args.tool_poses.tool_poses.as_ref().or(args.job.job.as_ref()) {
             Some(path) => format!("of {}", path.display()),
             None => format!("drawn from the volume of {}", result.machines[0].machine),
         },

@@ -1,6 +1,8 @@
 //! `abbe map`: the error over a volume.
 
-use crate::cli::arguments::{FrameOption, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, counts, help};
+use crate::cli::arguments::{
+    FrameOption, JobArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, counts, help,
+};
 use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
@@ -20,6 +22,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
+#[command(mut_arg("job", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
 pub(crate) struct Args {
     /// The machine file; its `volume` is the grid.
     machine: PathBuf,
@@ -33,6 +36,8 @@ pub(crate) struct Args {
     low_discrepancy: Option<usize>,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    job: JobArg,
     #[command(flatten)]
     reference: ReferenceArg,
     #[command(flatten)]
@@ -62,7 +67,9 @@ pub(crate) struct Args {
 
 impl Args {
     fn options(&self) -> MapOptions {
-        let poses = match (&self.tool_poses.tool_poses, self.random, self.low_discrepancy) {
+        let job = self.job.job.as_ref();
+        let poses = match (self.tool_poses.tool_poses.as_ref().or(job), self.random, self.low_discrepancy) {
+            (Some(path), ..) if job.is_some() => MapPoses::Job(path.clone()),
             (Some(path), ..) => MapPoses::ToolPoses(path.clone()),
             (_, Some(count), _) => MapPoses::Random(count),
             (.., Some(count)) => MapPoses::LowDiscrepancy(count),

@@ -8,6 +8,7 @@ mod apt;
 mod columns;
 mod missed;
 
+use super::job_file::Placement;
 use super::poses::check;
 use crate::analysis::{Miss, Needs, ToolPose, Unreachable, UnreachableCount, inverse_all, place, rest, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, codes};
@@ -16,7 +17,7 @@ use crate::run::{Call, Refused};
 use crate::syntax::sheet::read_sheet;
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub(crate) use columns::unit_vector;
 use missed::DirectionGaps;
@@ -122,15 +123,17 @@ pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Resul
     }
 }
 
-pub(crate) fn asked(
-    call: &mut Call<'_>,
-    machine: &Machine,
-    path: Option<&PathBuf>,
-) -> Result<Option<ReachedToolPoses>, Refused> {
-    path.map(|path| read(call, machine, path)?.reached(call, machine)).transpose()
-}
-
 impl ToolPoses {
+    /// Brings tool poses of a part into the workpiece frame, in which it lies at a place.
+    pub(crate) fn put(&mut self, place: &Placement) {
+        for row in &mut self.rows {
+            row.tip = place.point(row.tip);
+            if let Aim::Axis(axis) = &mut row.aim {
+                *axis = place.direction(*axis);
+            }
+        }
+    }
+
     /// Returns poses of the tool, as the nominal `machine` holds it; the file may give positions of its rotary axes.
     pub(crate) fn list(&self, machine: &Machine) -> Vec<ToolPose> {
         self.rows.iter().map(|row| row.tool_pose(machine)).collect()
