@@ -135,7 +135,7 @@ fn from_parameters(
     options: &LocateOptions,
 ) -> Result<Finding, Refused> {
     let how = CompensationOptions { templates: options.templates.clone(), ..CompensationOptions::default() };
-    let set = found_set::found_set(call, file, path, options.target.as_deref(), &how)?;
+    let set = found_set::find_set(call, file, path, options.target.as_deref(), &how)?;
     let name = &set.target.manifest.target;
     if set.target.manifest.kinematics().is_none_or(|mechanism| mechanism.machines.is_empty()) {
         return call.usage(format!("`{}` holds files of `{name}`, which has no kinematic parameters", path.display()));

@@ -83,7 +83,7 @@ impl RecordFiles {
         options: &LoadOptions,
         folder: &str,
     ) -> Result<MachineState, Refused> {
-        let resolved = |name: &str| call.run.files.resolved(Path::new(name)).unwrap_or_else(|| PathBuf::from(name));
+        let resolved = |name: &str| call.run.files.resolve(Path::new(name)).unwrap_or_else(|| PathBuf::from(name));
         let paths: Vec<PathBuf> = file.input_files().iter().map(|input| resolved(&input.file)).collect();
         let top = common(&paths);
         let mut memory = MemoryFiles::default();
