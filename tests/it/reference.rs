@@ -432,6 +432,14 @@ fn a_job_is_its_tool_poses_where_the_part_lies() {
         let _ = job(&format!("reference: {reference}\n"));
         assert!(same(figures(&["--job", job_path]), bare), "{reference}");
     }
+    let eval = json(&["eval", text(&machine), "--job", job_path, "--reference", "best-fit", "--format", "json"]);
+    let largest = eval["poses"].as_array().unwrap().iter().map(|pose| {
+        let [x, y, z] = [0, 1, 2].map(|k| number(&pose["deviation"][k]));
+        norm([x, y, z]) * 1e3
+    });
+    let best = figures(&["--job", job_path, "--reference", "best-fit"]);
+    assert!((largest.fold(0.0, f64::max) - best[0]).abs() < 1e-9, "{eval}");
+    assert_eq!((&eval["over"]["reference"], &eval["over"]["reached"]), (&"best-fit".into(), &3.into()));
     // The point of the file is one of the part: (10, 20, 3) lies at (10, -10, 8).
     let _ = job("reference: { kind: zero, point: [10, 20, 3], direction: [0.6, 0, 0.8] }\n");
     let stated = figures(&["--tool-poses", bare_path, "--reference", "zero:10,-10,8,0,0.6,0.8"]);
