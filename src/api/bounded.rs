@@ -79,7 +79,6 @@ impl DrawnBounds {
         call.stage(request.steps(), |advance| pose_by_pose(request, advance))
     }
 
-    /// Returns the figures of what was found.
     pub(crate) fn figures(&self, found: &PoseByPose) -> BoundedFigures {
         BoundedFigures::new(self.bounds.len(), self.drawing.clone(), found)
     }

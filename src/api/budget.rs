@@ -4,7 +4,6 @@ use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_from_samples, budget_poses};
 use crate::analysis::reference::PartReference;
-use crate::diagnostic::Diagnostics;
 use crate::job::job_file::JobPaths;
 use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
@@ -13,7 +12,7 @@ use crate::job::reference::{Reference, SetUp};
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, Pose};
 use crate::report::{BoundedContribution, BudgetFigures, DeviationBudget, Picture, contributions};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use crate::shards::budget_parts::{self, BudgetShard, Division};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -154,7 +153,7 @@ impl BudgetResult {
 /// Budgets the errors that are only bounded, to first order.
 ///
 /// Fails if no error is bounded, and for poses or classes that do not fit the machine.
-pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Result<Answer<BudgetResult>, Diagnostics> {
+pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Reply<BudgetResult> {
     Call::answer(run, file.sources(), |call| {
         if options.shard.is_some() {
             return call.usage("a part of the machines has no budget: put all parts together with `merge`");
@@ -167,17 +166,13 @@ pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Resu
 /// A part that a file of [`BudgetOptions::merge`] holds already is not drawn again; such a file need not be there.
 ///
 /// Fails where [`budget`] does, and for a part that is not 1 to N.
-pub fn budget_part(
-    file: &MachineFile,
-    options: &BudgetOptions,
-    run: Run<'_>,
-) -> Result<Answer<BudgetShard>, Diagnostics> {
+pub fn budget_part(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Reply<BudgetShard> {
     Call::answer(run, file.sources(), |call| {
         let at = fitting(call, file, options)?;
         let (bounds, _) = options.tolerances.bounds(call, file)?;
         let work = BudgetWork::of(call, file, options)?;
         let request = work.request(file, options, (&bounds, at.as_deref()));
-        budget_parts::drawn_part(call, options.division(&options.drawn_by()), request)
+        budget_parts::draw_part(call, options.division(&options.drawn_by()), request)
     })
 }
 
@@ -192,7 +187,7 @@ fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> 
 
 /// Refuses options that make no sense together, and returns the pose asked for.
 fn fitting(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<Option<Pose>, Refused> {
-    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+    call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
     if options.poses > MAX_POSES {
         return call.usage(format!("a budget takes {MAX_POSES} random poses at most, all of which are held"));
     }
@@ -249,7 +244,6 @@ impl BudgetWork {
     }
 }
 
-/// Budgets bounds, given with their class.
 pub(crate) fn budget_of(
     call: &mut Call<'_>,
     machine: &Machine,
@@ -259,7 +253,7 @@ pub(crate) fn budget_of(
 ) -> Result<BudgetResult, Refused> {
     let work = BudgetWork::of(call, machine, options)?;
     let request = work.request(machine, options, (&bounds, at.as_deref()));
-    let drawn = budget_parts::merged(call, options.division(&options.drawn_by()), request)?;
+    let drawn = budget_parts::merge(call, options.division(&options.drawn_by()), request)?;
     let steps = if drawn.is_some() { 0 } else { 2 * options.samples };
     let budget = call.stage(steps, |advance| budget_from_samples(request, drawn, advance))?;
     let goal = match options.goal_mm {

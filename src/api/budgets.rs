@@ -13,7 +13,6 @@ use crate::run::{Call, Refused};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Draws of machines.
 #[derive(Clone, Copy)]
 pub(crate) struct DrawnMachines<'a> {
     pub tolerances: &'a ToleranceOptions,
@@ -182,7 +181,7 @@ pub(crate) fn budgets(
         let message = format!("budgets are not compared: {} bounds no error", without.join(" and "));
         let help = "write tolerances into every file, or take those of a class: `--class production`";
         call.warn(Diagnostic::new(codes::W0607, message).help(help));
-        call.checked()?;
+        call.check()?;
         return Ok(None);
     }
     let (list, versus_first) = budgeted(call, sides, &all, drawn)?;

@@ -11,7 +11,7 @@ use crate::analysis::{
     Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
     contributions as contributions_of,
 };
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Difference, Field, Frame, Order, Poses, Statistics, Summary};
 use crate::job::job_file::JobPaths;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
@@ -21,7 +21,7 @@ use crate::job::reference::{Reference, SetUp};
 use crate::job::tool_poses::{MissedToolPose, NeededTravel, needed_travel};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use std::path::PathBuf;
 
 /// Options of [`compare`].
@@ -190,11 +190,7 @@ pub struct ComparedPose {
 /// Compares machines on the same tool poses; the first is the reference.
 ///
 /// Fails if no tool pose is reached by all machines. Warns of tool poses of a file that a machine does not reach.
-pub fn compare(
-    files: &[MachineFile],
-    options: &CompareOptions,
-    run: Run<'_>,
-) -> Result<Answer<CompareResult>, Diagnostics> {
+pub fn compare(files: &[MachineFile], options: &CompareOptions, run: Run<'_>) -> Reply<CompareResult> {
     Call::answer(run, &sources_of(files), |call| side_by_side(call, files, options))
 }
 
@@ -204,8 +200,8 @@ fn side_by_side(
     options: &CompareOptions,
 ) -> Result<CompareResult, Refused> {
     let [first, _, ..] = files else { return call.usage("a comparison takes two machines at least") };
-    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
-    options.max_samples.map_or(Ok(()), |limit| call.bounded(&[Count::MaxMachines(limit)]))?;
+    call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+    options.max_samples.map_or(Ok(()), |limit| call.check_counts(&[Count::MaxMachines(limit)]))?;
     let order = |machine: &Machine| order_of(machine, options.order);
     let bare: Vec<Bare<'_>> = files.iter().map(|file| Bare { machine: file, order: order(file) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
@@ -254,7 +250,7 @@ fn side_by_side(
         let settings = (&options.tolerances, whole.samples, options.seed);
         adds.push(call.about(file.path(), |call| added(call, machine, settings, Some(poses), *reference))?);
     }
-    call.checked()?;
+    call.check()?;
     let Figures { comparison, bounded, budgets, uncertainty, .. } = whole;
     let machines = (0..files.len()).map(|i| compared_machine(files, &comparison, order(&files[i]), (i, &bounded)));
     let travel = |(i, missed): (usize, &Option<Vec<_>>)| {

@@ -96,7 +96,7 @@ pub(crate) fn set_ups(
             }
             Err(reason) => {
                 call.about(file.path(), |call| call.warn(unzeroed(&reason)));
-                call.checked()?;
+                call.check()?;
                 return Ok((vec![SetUp::machine(); files.len()], Some(reason.message)));
             }
         }
@@ -132,7 +132,7 @@ impl Alike<'_> {
             let of = call.about(file.path(), |call| DrawnBounds::of(call, machine, (tolerances, samples, seed)))?;
             bounded.push(of.map(|of| Bounded::new(call, &of.without(*reference), machine, poses)).transpose()?);
         }
-        call.checked()?;
+        call.check()?;
         // Figures from bounds have no uncertainty: they are one.
         let measured = bounded.iter().all(Option::is_none);
         let bands = || compared_bands(sides, &comparison, conditions, seed, &references);

@@ -51,7 +51,6 @@ impl Neglected {
     }
 }
 
-/// Effects at one pose.
 pub(crate) struct Effects {
     pub sensitivity: Vec<ErrorEffect>,
     pub interactions: Option<Vec<ErrorEffect>>,
@@ -61,7 +60,8 @@ pub(crate) struct Effects {
 /// Returns the effects at each pose, and the bound of the terms that order 1 neglects over them and over the volume.
 pub(crate) fn effects(
     call: &mut Call<'_>,
-    (machine, poses): (&Machine, &[Pose]),
+    machine: &Machine,
+    poses: &[Pose],
     conditions: OperatingConditions,
     interacting: bool,
 ) -> Result<(Vec<Effects>, Option<Neglected>), Refused> {

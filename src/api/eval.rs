@@ -4,7 +4,6 @@ use super::algebra;
 use super::effects::{ErrorEffect, Neglected, effects, inverse};
 use crate::analysis::figure_bands::PoseUncertainty;
 use crate::analysis::{View, deviation_in};
-use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Bare, Deviation, Evaluation, Frame, Order, evaluate, evaluate_over};
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
@@ -13,7 +12,7 @@ use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::job::reference::{Reference, SetUp};
 use crate::lower::WeilLift;
 use crate::machine::{Approach, Machine, OperatingConditions, Pose};
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use nalgebra::Vector3;
 use std::path::PathBuf;
 
@@ -127,11 +126,11 @@ pub struct PoseResult {
 ///
 /// Fails for a pose that does not fit the machine, and where an error curve is not known. Warns of poses beyond the
 /// travel.
-pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run<'_>) -> Result<Answer<EvalResult>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| evaluated(call, file, options))
+pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run<'_>) -> Reply<EvalResult> {
+    Call::answer(run, file.sources(), |call| evaluate_poses(call, file, options))
 }
 
-fn evaluated(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> Result<EvalResult, Refused> {
+fn evaluate_poses(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> Result<EvalResult, Refused> {
     call.extend(bounded_only(machine));
     let asked = (options.at.as_slice(), options.poses.as_slice(), options.pose_file.as_ref());
     let job = JobPaths { job: options.job.as_ref(), tool_poses: None }.read(call, machine)?;
@@ -159,7 +158,7 @@ fn evaluated(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> R
     if let Some(list) = PoseUncertainty::at(machine, &poses, conditions, options.frame, set_up.removed()) {
         results.iter_mut().zip(list).for_each(|(result, uncertainty)| result.uncertainty = Some(uncertainty));
     }
-    let neglected = besides(call, (machine, &poses), options, lift.as_ref(), &mut results)?;
+    let neglected = besides(call, machine, &poses, options, lift.as_ref(), &mut results)?;
     let over = (job.is_some() || options.reference.is_some()).then(|| match &reached {
         Some(of) => Over::new(OverKind::Job, machine, &set_up.reference, [of.asked, of.reached]),
         None => Over::new(OverKind::Volume, machine, &set_up.reference, [poses.len(); 2]),
@@ -200,14 +199,15 @@ fn set_up(
 /// Adds the requested results beside deviations.
 fn besides(
     call: &mut Call<'_>,
-    (machine, poses): (&Machine, &[Pose]),
+    machine: &Machine,
+    poses: &[Pose],
     options: &EvalOptions,
     lift: Option<&WeilLift>,
     results: &mut [PoseResult],
 ) -> Result<Option<Neglected>, Refused> {
     let mut neglected = None;
     if options.sensitivity || options.interactions {
-        let (list, most) = effects(call, (machine, poses), options.approach.into(), options.interactions)?;
+        let (list, most) = effects(call, machine, poses, options.approach.into(), options.interactions)?;
         neglected = most;
         for (result, effects) in results.iter_mut().zip(list) {
             result.sensitivity = Some(effects.sensitivity);

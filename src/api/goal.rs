@@ -112,7 +112,7 @@ pub(crate) fn goal(
         (Ok(prices), _) => prices,
         (Err(failure), path) => {
             let name = path.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
-            return call.refuse(refused(&name, &failure));
+            return call.refuse(refuse(&name, &failure));
         }
     };
     let tolerances = inputs.tolerances;
@@ -187,18 +187,17 @@ fn in_order(bounds: &[Bound], prices: &[Price], power: f64, found: &CheapestTole
     order.into_iter().map(one).collect()
 }
 
-/// Reads a cost model.
 fn read(call: &mut Call<'_>, path: &Path) -> Result<CostModel, Refused> {
     let files = call.run.files;
     let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };
     let written = from_yaml::<CostModel>(&text).map_err(Reason::new);
     match written.and_then(CostModel::validate) {
         Ok(model) => Ok(model),
-        Err(failure) => call.refuse(refused(&path.display().to_string(), &failure)),
+        Err(failure) => call.refuse(refuse(&path.display().to_string(), &failure)),
     }
 }
 
-fn refused(name: &str, failure: &Reason) -> Diagnostic {
+fn refuse(name: &str, failure: &Reason) -> Diagnostic {
     let message = format!("`{}`: {}", shown(name), shown(&failure.to_string()));
     let help = "a cost model has `power`, `weights`, `finest` and `coarsest`; docs/budget.md has an example";
     Diagnostic::new(codes::E0615, message).help(help)

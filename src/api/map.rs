@@ -9,7 +9,7 @@ use crate::analysis::{
     self, DiagonalRun, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, deviations, rest,
 };
 use crate::controller::{ControllerEffect, ControllerTarget, Depth};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Deviation, Field, Order, Poses, Tally, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
@@ -21,14 +21,14 @@ use crate::job::reference::{ReferenceKind, SetUp};
 use crate::machine::{Machine, Pose};
 use crate::report::plane_picture::Subject;
 use crate::report::{Rows, WorkRows};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use std::ops::Range;
 
 /// Maps the deviations of a machine over its volume.
 ///
 /// Fails for more than 1e9 poses (1e6 where nothing is measured), and for a picture or a file of tool poses that does
 /// not fit the machine.
-pub fn map(file: &MachineFile, options: &MapOptions, run: Run<'_>) -> Result<Answer<MapResult>, Diagnostics> {
+pub fn map(file: &MachineFile, options: &MapOptions, run: Run<'_>) -> Reply<MapResult> {
     map_tables(file, options, Vec::new(), run)
 }
 
@@ -40,7 +40,7 @@ pub fn map_tables(
     options: &MapOptions,
     tables: Vec<MapTable<'_>>,
     run: Run<'_>,
-) -> Result<Answer<MapResult>, Diagnostics> {
+) -> Reply<MapResult> {
     Call::answer(run, file.sources(), |call| volume(call, file, options, tables, &WholeMap))
 }
 
@@ -50,7 +50,7 @@ pub(crate) fn map_of_parts(
     options: &MapOptions,
     parts: &dyn MapParts,
     run: Run<'_>,
-) -> Result<Answer<MapResult>, Diagnostics> {
+) -> Reply<MapResult> {
     Call::answer(run, file.sources(), |call| volume(call, file, options, Vec::new(), parts))
 }
 
@@ -73,7 +73,6 @@ pub(crate) trait MapParts {
     }
 }
 
-/// Computes all of them.
 struct WholeMap;
 
 impl MapParts for WholeMap {}
@@ -99,7 +98,7 @@ fn volume(
     tables: Vec<MapTable<'_>>,
     parts: &dyn MapParts,
 ) -> Result<MapResult, Refused> {
-    call.bounded(&[Count::Machines(options.samples)])?;
+    call.check_counts(&[Count::Machines(options.samples)])?;
     if let MapPoses::Random(0) | MapPoses::LowDiscrepancy(0) = options.poses {
         return call.usage("a map takes 1 pose at least");
     }
@@ -216,7 +215,7 @@ fn found(
     let tables = Tables::new(*rows, tables).or_else(|refusal| call.refuse(refusal))?;
     if poses.len() > MAX_POSES {
         parts.refuse_other()?;
-        return tables.surveyed(call, SurveyTask { field, poses, view, worst: count });
+        return tables.survey(call, SurveyTask { field, poses, view, worst: count });
     }
     let analysis::Map { deviations, statistics } = analysis::Map::of(parts.deviations(call, field, poses, view)?);
     tables.write(&deviations).or_else(|refusal| call.refuse(refusal))?;

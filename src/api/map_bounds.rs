@@ -14,7 +14,6 @@ use crate::report::plane_picture::BoundedSubject;
 use crate::report::{Rows, WorkRows};
 use crate::run::{Call, Refused};
 
-/// Maps what bounds lead to, and writes the tables.
 pub(crate) fn volume(
     call: &mut Call<'_>,
     machine: &Machine,
@@ -61,7 +60,6 @@ pub(crate) fn volume(
     })
 }
 
-/// Refuses options of a map of measured errors.
 fn refuse_measured(call: &mut Call<'_>, options: &MapOptions) -> Result<(), Refused> {
     if options.target.is_some() {
         return call.usage("nothing of the machine is measured, so there is nothing to compensate: omit `--target`");

@@ -386,7 +386,6 @@ impl Mechanisms {
         named.into_iter().filter_map(|(name, rules)| rules.map(|rules| (name, rules)))
     }
 
-    /// Rules of the mechanisms with tables.
     fn tables_mut(&mut self) -> impl Iterator<Item = &mut TableRules> {
         let own = self.own_axis.as_mut().map(|own| &mut own.table);
         let cross = self.cross_axis.as_mut().map(|cross| &mut cross.table);
@@ -434,7 +433,6 @@ impl Mechanisms {
         self.own().map(|(_, rules)| rules)
     }
 
-    /// The mechanism of a table by its name, and its rules.
     fn mechanism(&self, table: &CorrectionTable) -> Option<(&'static str, &TableRules)> {
         let plane = || self.plane.as_ref().map(|plane| ("plane", &plane.table));
         let narrow = match (table.axes.len(), table.corrected.len()) {

@@ -23,19 +23,19 @@ fn compiled_effect(
     depth: Depth,
 ) -> Result<(ControllerEffect, Certificate), Refused> {
     let (effect, certificate) = if target.manifest.kinematics().is_some() {
-        let set = module_set::rendered(call, machine, target, ModuleRequest::plain(options.orientation()))?;
+        let set = module_set::render(call, machine, target, ModuleRequest::plain(options.orientation()))?;
         let (module, beside) = (set.module, set.beside);
         let certificate = certify_kinematics(machine, target, &module, &beside, depth);
         (ControllerEffect::Module(Box::new(module), beside), certificate)
     } else {
         let request = TableRequest::plain(options.scope());
-        let tables = table_set::rendered(call, machine, target, &request, None)?.tables;
+        let tables = table_set::render(call, machine, target, &request, None)?.tables;
         let judged = TablesUnderTest { target, tables: &tables, installed: None };
         let certificate = certify(machine, judged, options.scope(), depth.poses, depth.seed);
         (ControllerEffect::CorrectionTables(tables), certificate)
     };
     call.extend(verdict::warnings(&certificate));
-    call.checked()?;
+    call.check()?;
     Ok((effect, certificate))
 }
 
@@ -72,12 +72,12 @@ pub(crate) fn found_effect(
         return composition::found_composed(call, machine, folder, options);
     }
     let set = found_set(call, machine, folder, None, options)?;
-    call.checked()?;
+    call.check()?;
     if set.target.manifest.kinematics().is_none() {
         let FoundTables { target, tables, .. } = table_set::tables_of(call, machine, folder, set)?;
         return Ok((target, ControllerEffect::CorrectionTables(tables)));
     }
     let request = ModuleRequest::plain(options.orientation());
-    let (module, beside) = module_set::found(call, machine, &set.target, folder, request, &set.files)?;
+    let (module, beside) = module_set::find(call, machine, &set.target, folder, request, &set.files)?;
     Ok((set.target, ControllerEffect::Module(Box::new(module), beside)))
 }

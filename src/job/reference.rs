@@ -256,7 +256,7 @@ impl SetUp {
             (None, None) => Ok(Self::machine()),
             (None, Some(default)) => Self::new(machine, default, poses).or_else(|reason| {
                 call.warn(unzeroed(&reason));
-                call.checked()?;
+                call.check()?;
                 Ok(Self::machine())
             }),
         }

@@ -44,7 +44,7 @@ pub(crate) fn decisions(
             Err(refusal) => call.extend([refusal]),
         }
     }
-    call.checked()?;
+    call.check()?;
     Ok((all, alarms))
 }
 
@@ -115,7 +115,6 @@ fn decision(name: String, of: String, unit: String, limited: LimitedValue) -> Li
     }
 }
 
-/// Returns a limit in a unit.
 fn in_unit(text: &Line, unit: &str) -> Result<f64, Diagnostic> {
     let help = "write it with its unit, such as `10 um` or `15 urad`, in a unit of the value's kind";
     let fault = || unfit(format!("`{}` is no limit in `{}`", shown(text.as_str()), shown(unit)), help);

@@ -137,27 +137,18 @@ pub struct SetFiles {
 }
 
 /// Reason why a folder holds no whole set.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SetFault {
     /// It has no manifest that abbe wrote.
+    #[error("holds no set with a manifest that abbe wrote")]
     NoManifest,
     /// A file of the manifest is missing, or has other bytes.
+    #[error("holds a set whose `{}` is missing or was edited", shown(.0))]
     Changed(String),
     /// Its files have more bytes than any set.
+    #[error("holds a set of more than {} MB", SET_LIMIT >> 20)]
     TooLarge,
 }
-
-impl std::fmt::Display for SetFault {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::NoManifest => write!(f, "holds no set with a manifest that abbe wrote"),
-            Self::Changed(name) => write!(f, "holds a set whose `{}` is missing or was edited", shown(name)),
-            Self::TooLarge => write!(f, "holds a set of more than {} MB", SET_LIMIT >> 20),
-        }
-    }
-}
-
-impl std::error::Error for SetFault {}
 
 /// Reads a whole set: the files that its manifest lists with the bytes that it lists, and those of its parts.
 ///

@@ -202,7 +202,8 @@ fn bounded_nodes(machine: &Machine, axes: [usize; 2]) -> [usize; 2] {
     cells(machine, axes, 36.0)
 }
 
-fn cells(machine: &Machine, axes: [usize; 2], longer: f64) -> [usize; 2] {
+/// About square cells of the plane of two axes.
+pub(super) fn cells(machine: &Machine, axes: [usize; 2], longer: f64) -> [usize; 2] {
     let spans = axes.map(|i| machine.volume()[i].max - machine.volume()[i].min);
     let longest = spans[0].max(spans[1]);
     spans.map(|span| 1 + (longer * span / longest).round().max(2.0) as usize)

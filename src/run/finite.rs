@@ -23,7 +23,8 @@ pub(crate) fn not_finite(place: &str) -> Diagnostic {
 struct Finite;
 
 /// Where a number that is not finite stands, from the inside out.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("a number is not finite")]
 struct Fault {
     path: Vec<String>,
 }
@@ -34,14 +35,6 @@ impl Fault {
         self
     }
 }
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number is not finite")
-    }
-}
-
-impl std::error::Error for Fault {}
 
 impl ser::Error for Fault {
     fn custom<T: fmt::Display>(_: T) -> Self {

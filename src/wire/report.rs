@@ -10,7 +10,7 @@ use crate::api::budgets::{DrawnMachines, budgets};
 use crate::api::map_result::MapOptions;
 use crate::api::sources::all_words;
 use crate::controller::Depth;
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::{Bare, Frame, Poses, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
@@ -22,7 +22,7 @@ use crate::report::page::{
     ComparisonData, EngineFile, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
     TargetResult, colours,
 };
-use crate::run::{Advance, Answer, Call, Cancelled, Count, Refused, Run, finite};
+use crate::run::{Advance, Call, Cancelled, Count, Refused, Reply, Run, finite};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -63,24 +63,23 @@ impl Report {
 /// Computes a page about machines; several are compared on the tool poses of the first.
 ///
 /// Fails for targets and classes that are not there, and where [`compile`](crate::api::compile()) fails for a target.
-pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Result<Answer<Report>, Diagnostics> {
+pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Reply<Report> {
     Call::answer_of(run, &sources_of(files), |call| {
-        let report = reported(call, files, options)?;
+        let report = build(call, files, options)?;
         call.extend(finite::refusal(&report.data));
         Ok(report)
     })
 }
 
-fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
-    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+fn build(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
+    call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
     let subjects: Vec<Subject<'_>> =
-        files.iter().map(|file| Subject::one_of(call, files, (file, options))).collect::<Result<_, _>>()?;
-    let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.given(options)).collect();
+        files.iter().map(|file| Subject::one_of(call, files, file, options)).collect::<Result<_, _>>()?;
+    let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.input(options)).collect();
     let mut report = Report::default();
     report.data.comparison = comparison(call, options, &given)?;
     let drawn = call.stage(given.iter().map(|given| given.poses.0).sum(), |advance| {
-        let all =
-            given.iter().enumerate().map(|(i, given)| drawn(i + 1, given, advance)).collect::<Result<Vec<_>, _>>();
+        let all = given.iter().enumerate().map(|(i, given)| draw(i + 1, given, advance)).collect::<Result<Vec<_>, _>>();
         if let Err(MapFailure::Cancelled) = all { Err(Cancelled) } else { Ok(all) }
     })?;
     let Ok(drawn) = drawn else { return call.usage(format!("a report takes {MAX_POSES} poses at most")) };
@@ -90,7 +89,7 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
 }
 
 /// Content of the page for a machine.
-fn drawn(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Result<(MachineData, Pictures), MapFailure> {
+fn draw(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Result<(MachineData, Pictures), MapFailure> {
     let view = View { conditions: given.conditions, frame: Frame::Workpiece };
     if let Some(bounded) = given.budget() {
         let data = MachineData::of_bounds(number, given, bounded);
@@ -128,7 +127,8 @@ impl<'a> Subject<'a> {
     fn one_of(
         call: &mut Call<'_>,
         files: &[MachineFile],
-        (file, options): (&'a MachineFile, &ReportOptions),
+        file: &'a MachineFile,
+        options: &ReportOptions,
     ) -> Result<Self, Refused> {
         match files {
             [_] => Self::of(call, file, options),
@@ -144,12 +144,12 @@ impl<'a> Subject<'a> {
         if targets.len() < options.targets.len() {
             call.warn(nothing_to_compensate(file));
         }
-        call.checked()?;
+        call.check()?;
         let path = options.tool_poses.as_ref();
-        let work = path.map(|path| work(call, file, path, (options, bounded.as_ref()))).transpose()?;
+        let work = path.map(|path| work(call, file, path, options, bounded.as_ref())).transpose()?;
         let mut written = Vec::new();
         for name in targets {
-            written.extend(compensated(call, file, name, options)?);
+            written.extend(compensate(call, file, name, options)?);
         }
         let reached = work.as_ref().map(|(poses, _)| poses.as_slice());
         let bounds_add = added(call, file, settings, reached, None)?.map_or(Value::Null, |added| json!(added));
@@ -161,7 +161,7 @@ impl<'a> Subject<'a> {
         Ok(Self { file, written, warnings, words, instruments, budget, bounds_add, work })
     }
 
-    fn given(&self, options: &ReportOptions) -> MachineInput<'_> {
+    fn input(&self, options: &ReportOptions) -> MachineInput<'_> {
         MachineInput {
             machine: self.file,
             file: self.file.path(),
@@ -185,7 +185,8 @@ fn work(
     call: &mut Call<'_>,
     file: &MachineFile,
     path: &Path,
-    (options, bounded): (&ReportOptions, Option<&DrawnBounds>),
+    options: &ReportOptions,
+    bounded: Option<&DrawnBounds>,
 ) -> Result<(Vec<Pose>, Value), Refused> {
     let machine: &Machine = file;
     let reached = tool_poses::read(call, machine, path)?.reached(call, machine)?;
@@ -211,7 +212,7 @@ fn nothing_to_compensate(file: &MachineFile) -> Diagnostic {
 
 /// Returns the effect of the files that `compile` would write for a target, and their certificate; of two targets
 /// joined by a plus sign after the parameters, and after both.
-fn compensated(
+fn compensate(
     call: &mut Call<'_>,
     machine: &Machine,
     name: &str,
@@ -222,7 +223,7 @@ fn compensated(
     let parameters = target.manifest.target.split_once('+').map(|(first, _)| first.to_owned());
     let mut steps = Vec::new();
     if let Some(first) = parameters {
-        steps.extend(compensated(call, machine, &first, options)?);
+        steps.extend(compensate(call, machine, &first, options)?);
     }
     steps.push(TargetResult { target, effect, certificate });
     Ok(steps)

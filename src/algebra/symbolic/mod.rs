@@ -100,7 +100,7 @@ impl Symbolic {
         self.rules = self.rules_with(&other);
         for (monomial, value) in other.terms {
             let before = self.terms.get(&monomial).copied().unwrap_or(0.0);
-            match rules::rounded(before + sign * value, before.abs() + value.abs()) {
+            match rules::round(before + sign * value, before.abs() + value.abs()) {
                 Some(sum) => drop(self.terms.insert(monomial, sum)),
                 None => drop(self.terms.remove(&monomial)),
             }

@@ -75,7 +75,6 @@ impl UnreachableCount {
     }
 }
 
-/// The result of every machine at one tool pose.
 type ComparisonRow = Vec<Result<(Pose, Deviation), Miss>>;
 
 /// Returns the comparison of machines on the same work, which may be the tool poses of the first. Of several poses for

@@ -2,7 +2,7 @@
 
 use super::budget_text::{TOTALS, TOTALS_NOTE, totals_row};
 use super::ranking::difference;
-use super::view::table;
+use super::view::{errors_more, table, table_of_machines};
 use abbe::results::{ComparedBudget, ComparedBudgets, MachineVerdict, Verdict, VersusFirst};
 use abbe::text::significant;
 
@@ -48,10 +48,7 @@ fn tolerances(of: &ComparedBudgets, top: usize) -> String {
     if top == 0 {
         return String::new();
     }
-    let count = of.machines.len();
-    let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
-    let header: Vec<String> = std::iter::once("of the 95 % value, um".to_owned()).chain(columns).collect();
-    let mut rows = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut rows = table_of_machines("of the 95 % value, um", of.machines.len());
     for e in of.contributions.iter().take(top) {
         let part = |(um, sigma): (&Option<f64>, &Option<f64>)| {
             let both = um.zip(*sigma);
@@ -61,10 +58,7 @@ fn tolerances(of: &ComparedBudgets, top: usize) -> String {
         let minus = e.minus_first.iter().skip(1).map(|um| significant(*um, 3));
         let _ = rows.add_row(std::iter::once(e.error.clone()).chain(parts).chain(minus));
     }
-    let more = match of.contributions.len().saturating_sub(top) {
-        0 => String::new(),
-        n => format!("... and {n} errors more (`--top {}`, or `--format json`)\n", of.contributions.len()),
-    };
+    let more = errors_more(of.contributions.len(), top);
     format!(
         "\nWhat each tolerance has of the 95 % value of the drawn machines (± standard error); the parts add up to \
          it:\n{rows}\n{more}"

@@ -1,5 +1,6 @@
 //! `abbe budget`: tolerances to the volumetric error.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{
     self, JobArg, PartsArgs, PictureFile, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg,
     help, svg,
@@ -10,7 +11,6 @@ use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, reach_text, table, tool_poses_text};
 use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
-use crate::cli::{Format, Outcome};
 use abbe::options::Statistic;
 use abbe::results::{BoundedContribution, BudgetResult, FittedBudget, Tightening};
 use abbe::text::{Reason, significant};
@@ -69,11 +69,11 @@ impl Args {
         BudgetOptions {
             tolerances: self.tolerances.options(),
             seed: self.seed.seed,
-            poses: self.poses.count(),
-            tool_poses: self.tool_poses.path().cloned(),
-            job: self.job.path().cloned(),
-            reference: self.reference.reference(),
-            samples: self.samples.count(),
+            poses: self.poses.poses,
+            tool_poses: self.tool_poses.tool_poses.clone(),
+            reference: self.reference.reference.clone(),
+            samples: self.samples.samples,
+            job: self.job.job.clone(),
             at: self.at.clone(),
             goal_mm: self.goal,
             cost: self.cost.clone(),
@@ -93,21 +93,15 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if let (Some(_), Some(state)) = (args.parts.shard, &args.parts.state) {
         return part(session, args, &file, state);
     }
-    let answer = budget(&file, &args.options(), session.run());
-    let result = session.take(answer)?;
-    let top = args.top.count();
+    let result = session.take(budget(&file, &args.options(), session.run()))?;
+    let top = args.top.top;
     for (file, picture) in [(&args.pareto, result.pareto(top)), (&args.waterfall, result.waterfall(top))] {
         if let Some(file) = file {
             file.write(&picture, session)?;
         }
     }
     let report = BudgetText { args, file: &file, result: &result };
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&report.csv()),
-        Format::Text => session.print(&report.text()),
-    }
-    Ok(())
+    session.show(&result, || report.csv(), || report.text())
 }
 
 /// Draws a part of the machines into its state file, unless they are there.
@@ -117,13 +111,10 @@ fn part(session: &mut Session, args: &Args, file: &MachineFile, state: &PathBuf)
     let part = session.take(budget_part(file, &options, session.run()))?;
     replace_whole(state, part.to_text().as_bytes()).or_else(|refusal| session.refuse(refusal))?;
     let (drawn, samples, name) = (part.count(), part.samples, state.display().to_string());
-    match session.format() {
-        Format::Json => session.print_json(json!({"state": name, "drawn": drawn, "samples": samples})),
-        _ => session.print(&format!(
-            "{drawn} of {samples} machines are drawn and kept in {name}; put the parts together with `--merge`\n"
-        )),
-    }
-    Ok(())
+    let text = || {
+        format!("{drawn} of {samples} machines are drawn and kept in {name}; put the parts together with `--merge`\n")
+    };
+    session.show(&json!({"state": name, "drawn": drawn, "samples": samples}), text, text)
 }
 
 /// The printed budget.
@@ -179,7 +170,7 @@ impl BudgetText<'_> {
             "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",
             budget.poses,
             self.result.tool_poses.as_ref().map_or_else(|| "poses".to_owned(), tool_poses_text),
-            self.args.samples.count(),
+            self.args.samples.samples,
             budget.drawing.distribution.name(),
             self.args.seed.seed
         );
@@ -193,7 +184,7 @@ impl BudgetText<'_> {
         text += &self.pareto_table();
         text += &self.tighten_table();
         let goal =
-            self.result.goal.as_ref().map_or(String::new(), |goal| tolerance_goal::text(goal, self.args.top.count()));
+            self.result.goal.as_ref().map_or(String::new(), |goal| tolerance_goal::text(goal, self.args.top.top));
         text + &self.directions() + &goal
     }
 
@@ -231,7 +222,7 @@ impl BudgetText<'_> {
         };
         let tolerance =
             |error: &str| budget.tighten.iter().find(|t| t.error == error).map_or(String::new(), bound_text);
-        for c in budget.contributions.iter().take(self.args.top.count()) {
+        for c in budget.contributions.iter().take(self.args.top.top) {
             let mut row = vec![
                 c.error.clone(),
                 tolerance(&c.error),
@@ -247,7 +238,7 @@ impl BudgetText<'_> {
 
     fn tighten_table(&self) -> String {
         let mut rows = table(&["tighten first", "tolerance", "um per um or urad", "10 % tighter wins, um"]);
-        for t in self.result.budget.tighten.iter().take(self.args.top.count()) {
+        for t in self.result.budget.tighten.iter().take(self.args.top.top) {
             let _ = rows.add_row([
                 t.error.clone(),
                 bound_text(t),

@@ -1,17 +1,18 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{
     JobArg, MaxSamplesArg, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs,
 };
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{STATISTICS, cell, numbers, reach_text, statistics_rows, table};
+use crate::cli::output::view::{
+    STATISTICS, cell, errors_more, numbers, reach_text, statistics_rows, table, table_of_machines,
+};
 use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
-use crate::cli::{Format, Outcome};
 use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, MachineVerdict, Statistics};
 use abbe::text::significant;
 use abbe::{CompareOptions, compare};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -46,16 +47,16 @@ pub(crate) struct Args {
 impl Args {
     fn options(&self) -> CompareOptions {
         CompareOptions {
-            poses: self.poses.count(),
-            tool_poses: self.tool_poses.path().cloned(),
-            job: self.job.path().cloned(),
-            reference: self.reference.reference(),
+            poses: self.poses.poses,
+            tool_poses: self.tool_poses.tool_poses.clone(),
+            reference: self.reference.reference.clone(),
+            job: self.job.job.clone(),
             seed: self.seed.seed,
             tolerances: self.tolerances.options(),
-            samples: self.samples.count(),
-            max_samples: self.max_samples.count(),
-            order: self.view.order(),
-            approach: self.view.approach(),
+            samples: self.samples.samples,
+            max_samples: self.max_samples.max_samples,
+            order: self.view.order.order,
+            approach: self.view.direction.direction,
         }
     }
 }
@@ -63,16 +64,10 @@ impl Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let mut files = Vec::new();
     for path in &args.machines {
-        files.push(session.load_one_of(path, args.view.tool())?);
+        files.push(session.load_one_of(path, args.view.tool.name())?);
     }
-    let answer = compare(&files, &args.options(), session.run());
-    let result = session.take(answer)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&csv(&result)),
-        Format::Text => session.print(&text(args, &result)),
-    }
-    Ok(())
+    let result = session.take(compare(&files, &args.options(), session.run()))?;
+    session.show(&result, || csv(&result), || text(args, &result))
 }
 
 /// Columns of a deviation, and of what bounds lead to.
@@ -160,7 +155,7 @@ fn text(args: &Args, result: &CompareResult) -> String {
         "{}\n{} tool poses in the workpiece frame, {}; {} reached by all\n",
         result.over.line(),
         result.asked,
-        match args.tool_poses.path().or(args.job.path()) {
+        match args.tool_poses.tool_poses.as_ref().or(args.job.job.as_ref()) {
             Some(path) => format!("of {}", path.display()),
             None => format!("drawn from the volume of {}", result.machines[0].machine),
         },
@@ -184,9 +179,8 @@ fn text(args: &Args, result: &CompareResult) -> String {
             reach.push_str(&format!("Machine {}, {}:\n{}", i + 1, side.file, reach_text(missed, travel)));
         }
     }
-    let budgets =
-        result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, &result.verdicts, args.top.count()));
-    let errors = one_by_one(result, args.top.count());
+    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, &result.verdicts, args.top.top));
+    let errors = one_by_one(result, args.top.top);
     let reach = uncertainty(result) + &reach;
     let verdicts = best_fit(result) + &verdicts(result);
     format!("{text}{rows}\n{reach}{errors}{budgets}{verdicts}Negative differences: less error than machine 1.\n")
@@ -234,18 +228,12 @@ fn one_by_one(result: &CompareResult, top: usize) -> String {
     if errors.is_empty() || top == 0 {
         return String::new();
     }
-    let count = result.machines.len();
-    let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
-    let header: Vec<String> = std::iter::once("alone, 95 %, um".to_owned()).chain(columns).collect();
-    let mut rows = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut rows = table_of_machines("alone, 95 %, um", result.machines.len());
     for e in errors.iter().take(top) {
         let own = e.um.iter().map(|um| um.map_or("-".to_owned(), |um| significant(um, 4)));
         let minus = e.minus_first.iter().skip(1).map(|um| significant(*um, 4));
         let _ = rows.add_row(std::iter::once(e.error.clone()).chain(own).chain(minus));
     }
-    let more = match errors.len().saturating_sub(top) {
-        0 => String::new(),
-        n => format!("... and {n} errors more (`--top {}`, or `--format json`)\n", errors.len()),
-    };
+    let more = errors_more(errors.len(), top);
     format!("{rows}\n{more}")
 }

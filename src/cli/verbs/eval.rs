@@ -1,14 +1,13 @@
 //! `abbe eval`: deviation and E_VE at poses.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{AlgebraArg, FrameOption, JobArg, ReferenceArg, ViewArgs, help};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{frame_text, length, numbers, table};
-use crate::cli::{Format, Outcome};
 use abbe::options::Approach;
 use abbe::results::{AxisPositions, ErrorEffect, EvalResult, Neglected, PoseResult};
 use abbe::text::significant;
 use abbe::{EvalOptions, MachineFile, eval};
-use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
@@ -49,11 +48,11 @@ impl Args {
             at: self.at.clone(),
             poses: Vec::new(),
             pose_file: self.axis_poses.clone(),
-            job: self.job.path().cloned(),
-            reference: self.reference.reference(),
-            order: self.view.order(),
-            approach: self.view.approach(),
-            frame: self.frame.frame(),
+            job: self.job.job.clone(),
+            reference: self.reference.reference.clone(),
+            order: self.view.order.order,
+            approach: self.view.direction.direction,
+            frame: self.frame.frame,
             algebra: self.algebra.algebra.clone(),
             inverse: self.inverse,
             sensitivity: self.sensitivity,
@@ -63,15 +62,9 @@ impl Args {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.view.tool())?;
-    let answer = eval(&file, &args.options(), session.run());
-    let result = session.take(answer)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&csv(&file, &result)),
-        Format::Text => session.print(&text(&result)),
-    }
-    Ok(())
+    let file = session.load(&args.machine, args.view.tool.name())?;
+    let result = session.take(eval(&file, &args.options(), session.run()))?;
+    session.show(&result, || csv(&file, &result), || text(&result))
 }
 
 fn csv(file: &MachineFile, result: &EvalResult) -> String {

@@ -197,10 +197,7 @@ pub enum Per {
 #[serde(tag = "format", rename_all = "snake_case", deny_unknown_fields)]
 pub enum FileLayout {
     /// Lines of numbers between blanks, nothing else.
-    Columns {
-        /// The meaning of each column.
-        columns: Vec<TableColumn>,
-    },
+    Columns { columns: Vec<TableColumn> },
     /// CSV: a column per axis, then a column `d` + axis per corrected axis, units in the header.
     CsvLattice,
     /// The same as JSON.

@@ -70,7 +70,6 @@ impl Assembly<'_> {
         }
     }
 
-    /// The axes of a role, by letter or by number.
     fn axes(&self, role: &str) -> Result<Vec<usize>, Fault> {
         let mut axes = Vec::new();
         for suffix in SUFFIXES {

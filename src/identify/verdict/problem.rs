@@ -77,7 +77,6 @@ impl Problem {
     }
 }
 
-/// The parameters asked for.
 pub(crate) struct Requested {
     pub request: IdentifyEntry,
     pub own: Vec<Parameter>,
@@ -146,7 +145,6 @@ impl Files for Recording<'_> {
     }
 }
 
-/// Returns the measurements, and the hashes of their files.
 fn measurements(
     call: &mut Call<'_>,
     file: &MachineFile,
@@ -158,7 +156,7 @@ fn measurements(
     let paths = &inputs.paths;
     let context = ReadingContext { frame: inputs.frame, axis_poses: inputs.axis_poses.map(Path::to_owned) };
     let data = read_measurements(paths, file, &context, &recording, &mut call.diagnostics);
-    call.checked()?;
+    call.check()?;
     let hashes = recording.hashes.into_inner();
     refuse_copies(call, paths, &hashes)?;
     poses::check(call, file, data.rows.iter().flat_map(Measurement::poses))?;
@@ -201,7 +199,6 @@ pub(crate) fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refus
     call.refuse(Diagnostic::new(codes::E0503, message).help("measure more poses, or fit less"))
 }
 
-/// Fits, diagnoses and describes a problem.
 pub(crate) fn solve_problem(
     call: &mut Call<'_>,
     file: &MachineFile,

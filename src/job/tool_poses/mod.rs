@@ -36,7 +36,6 @@ enum Aim {
     Rotary(Pose),
 }
 
-/// A row of the file.
 #[derive(Debug, Clone)]
 struct Row {
     /// Place of the row in the file.
@@ -70,7 +69,6 @@ impl Row {
     }
 }
 
-/// The rows of a file.
 #[derive(Debug, Clone)]
 pub(crate) struct ToolPoses {
     file: String,
@@ -141,7 +139,6 @@ impl ToolPoses {
         self.rows.iter().map(|row| row.tool_pose(machine)).collect()
     }
 
-    /// Returns the pose of a machine for every row, or what is missing.
     fn found(&self, machine: &Machine) -> Vec<Result<Pose, Miss>> {
         // The header decides: all rows give positions of rotary axes, or none does.
         let Some(rows) = self.rows.iter().map(Row::rotary).collect::<Option<Vec<_>>>() else {
@@ -195,7 +192,7 @@ impl ToolPoses {
             }
             call.warn(told);
         }
-        call.checked()
+        call.check()
     }
 }
 

@@ -197,7 +197,6 @@ fn kind(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys
     kind
 }
 
-/// True if the block of a side gives it.
 fn in_a_block(entry: &AxisEntry, given: impl Fn(&SideEntry) -> bool) -> bool {
     [Branch::Tool, Branch::Workpiece].into_iter().filter_map(|branch| block_entry(entry, branch)).any(given)
 }

@@ -60,7 +60,6 @@ pub fn one_way(
     })
 }
 
-/// True if the interpolation is cubic.
 fn cubic(context: &mut Context<'_>, entry: &CurveEntry, at: &Keys) -> Option<bool> {
     match entry.interpolation.as_deref() {
         None | Some("linear") => Some(false),
@@ -397,7 +396,7 @@ fn knots(
     }
 }
 
-fn bounded(travel: Option<Travel>) -> Option<(f64, f64)> {
+fn ends(travel: Option<Travel>) -> Option<(f64, f64)> {
     match travel {
         Some(Travel::Range(min, max)) => Some((min, max)),
         _ => None,
@@ -408,12 +407,12 @@ fn bounded(travel: Option<Travel>) -> Option<(f64, f64)> {
 /// whose values differ only by rounding become one.
 fn snap(mut pairs: Vec<(f64, f64)>, travel: Option<Travel>) -> Vec<(f64, f64)> {
     let Some(first) = pairs.first().map(|p| p.0) else { return pairs };
-    let (min, max) = bounded(travel).unwrap_or((first, first + 360.0));
+    let (min, max) = ends(travel).unwrap_or((first, first + 360.0));
     let snap = |end: &mut f64, to: f64| *end = if (*end - to).abs() <= SLACK { to } else { *end };
     pairs.first_mut().into_iter().for_each(|p| snap(&mut p.0, min));
     pairs.last_mut().into_iter().for_each(|p| snap(&mut p.0, max));
     // 0.969 um and 969 nm are one value, whatever their last bits say.
-    if let (Some((_, start)), Some((_, end)), None) = (pairs.first().copied(), pairs.last_mut(), bounded(travel))
+    if let (Some((_, start)), Some((_, end)), None) = (pairs.first().copied(), pairs.last_mut(), ends(travel))
         && (*end - start).abs() <= SLACK * start.abs()
     {
         *end = start;

@@ -22,7 +22,6 @@ const LARGE: f64 = 50.0;
 const STEEP: f64 = 1e-5;
 /// They must also be this part of the curve's peak.
 const MIN_FRACTION: f64 = 0.25;
-/// Nodes over the travel.
 const NODES: u32 = 360;
 
 /// Both kinds of warning.
@@ -261,7 +260,6 @@ fn turning(convention: &JointConvention) -> f64 {
     }
 }
 
-/// Returns the datum of the file.
 fn datum(context: &Context<'_>) -> DatumEntry {
     context.document.identify.as_ref().and_then(|identify| identify.datum).unwrap_or_default()
 }
@@ -276,7 +274,6 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// Index of the largest component.
 fn largest(v: &Vector3<f64>) -> usize {
     (0..3).max_by(|i, j| v[*i].abs().total_cmp(&v[*j].abs())).unwrap_or(0)
 }

@@ -137,7 +137,6 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
     }
 }
 
-/// Returns the uncertainty of the values of a term.
 fn uncertainty(context: &mut Context<'_>, error: &ErrorId, entry: &TermEntry, at: &Keys) -> Option<f64> {
     let here = below(at, "uncertainty");
     let value = context.error_value(entry.uncertainty.as_ref()?, error.direction, &here)?;
@@ -231,7 +230,6 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
     Some(ComponentError::Bidirectional { forward: forward?, reverse: reverse? })
 }
 
-/// Every error column of a table.
 fn read_columns(
     context: &mut Context<'_>,
     errors: &mut Errors,

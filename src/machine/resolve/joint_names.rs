@@ -19,12 +19,10 @@ impl<'a> JointNames<'a> {
         self.declared.iter().find(|d| d.name == *name)
     }
 
-    /// Every axis and the spindle.
     pub(super) fn names(&self) -> Vec<&'a str> {
         self.declared.iter().map(|d| &d.name).chain(self.spindle).map(AxisName::as_str).collect()
     }
 
-    /// Reports a name that is none.
     pub(super) fn error(&self, context: &mut Context<'_>, name: &str, at: &Keys) {
         let place = context.document.places.value(at);
         let _ = find_error(context, name, self, place);

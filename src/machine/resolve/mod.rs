@@ -44,7 +44,7 @@ pub fn resolve(document: &Document, files: &dyn Files, diagnostics: &mut Diagnos
         sides::warn(context, machine);
         chain::warn_parallel(context, machine);
     }
-    machine.filter(|_| !diagnostics.refused())
+    machine.filter(|_| !diagnostics.is_refused())
 }
 
 fn parts(context: &mut Context<'_>) -> Option<MachineParts> {

@@ -59,7 +59,6 @@ pub fn errors(context: &mut Context<'_>, known: &JointNames<'_>, sides: &Sides) 
 }
 
 impl Errors {
-    /// Takes over the errors of an axis in a block.
     fn take(&mut self, block: &Errors, axis: &AxisName) {
         for (error, place) in block.places.iter().filter(|(error, _)| error.axis == *axis) {
             let joint = block.joints.get(axis);
@@ -73,7 +72,6 @@ impl Errors {
     }
 }
 
-/// Returns the errors in the blocks of one side.
 fn blocks(context: &mut Context<'_>, known: &JointNames<'_>, branch: Branch) -> Errors {
     let document = context.document;
     let declared: Vec<AxisDraft> = known.declared.iter().map(|axis| axis.standing_on(branch)).collect();

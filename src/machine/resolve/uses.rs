@@ -9,7 +9,6 @@ use crate::machine::algebra::{AlgebraChoice, named_monomial};
 use crate::machine::{Direction, parse_error_name};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, Scalar, below, keys};
 
-/// Groups that may be fitted.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 /// Families of basis functions, each with its order behind it.
 const BASES: [&str; 5] = ["poly", "fourier", "spline", "bspline", "blocks"];

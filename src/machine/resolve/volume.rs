@@ -11,10 +11,8 @@ use crate::units::{self, Dimension};
 /// Default steps (mm, deg).
 const LINEAR_STEP: f64 = 25.0;
 const ROTARY_STEP: f64 = 15.0;
-/// Most nodes on one axis.
 const NODES: f64 = 1e6;
 
-/// Steps for all axes that have none of their own.
 struct Steps {
     linear: f64,
     rotary: f64,

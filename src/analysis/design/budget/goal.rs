@@ -128,7 +128,6 @@ pub struct Unavoidable {
     pub staying_um: f64,
 }
 
-/// The search.
 struct GoalSearch<'a> {
     request: GoalRequest<'a>,
     joints: Vec<JointBounds>,
@@ -140,7 +139,6 @@ struct DrawnValue {
     sorted: Vec<f64>,
     /// Mean of the worst machines.
     worst: f64,
-    /// The part of each tolerance in it.
     parts: Vec<f64>,
 }
 

@@ -124,7 +124,6 @@ impl CurvePoint {
 #[derive(Debug)]
 pub struct JointSamples {
     location: Vec<SampleLanes>,
-    /// Node by node.
     nodes: Vec<Vec<SampleLanes>>,
 }
 

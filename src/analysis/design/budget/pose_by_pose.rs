@@ -132,7 +132,6 @@ fn quantile(values: &mut [f64]) -> f64 {
 #[derive(Debug, Clone)]
 struct SampleExtremes([Extreme; 2]);
 
-/// Extremes of one quantity.
 #[derive(Debug, Clone)]
 struct Extreme {
     /// Largest squared length.
@@ -159,7 +158,6 @@ impl Extreme {
     }
 }
 
-/// The effects of the bounds at a pose.
 struct PoseEffects {
     effects: [BudgetPose; 2],
     rss: [f64; 2],
