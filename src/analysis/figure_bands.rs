@@ -18,7 +18,8 @@ pub struct PoseUncertainty {
 }
 
 impl PoseUncertainty {
-    /// Returns the uncertainty at poses (mm, deg) in a frame, without what a reference takes out. `None` where the machine states none.
+    /// Returns the uncertainty at poses (mm, deg) in a frame, without what a reference takes out. `None` where the
+    /// machine states none.
     pub(crate) fn at(
         machine: &Machine,
         poses: &[Pose],
