@@ -1,9 +1,21 @@
 # Sourced by scripts of several parts. `part NAME COMMAND...` runs one; `beside NAME COMMAND...` starts one beside those
-# that follow, and `together` waits for them. The script ends with the seconds of each.
+# that follow, and `together` waits for them. The script ends with the seconds of each, and those of processor time so far.
 
 parts=()
 lanes=()
-trap '[ "${#parts[@]}" -eq 0 ] || printf "%6s s  %s\n" "${parts[@]}"' EXIT
+trap summary EXIT
+
+summary() {
+    [ "${#parts[@]}" -gt 0 ] || return 0
+    printf "%6s s  %s\n" "${parts[@]}"
+    # In a file: a subshell would show its own.
+    local spent
+    spent=$(mktemp)
+    times >"$spent"
+    awk 'NR == 2 { split($1, u, /[ms]/); split($2, s, /[ms]/)
+        printf "%6d s  processor time of all\n", 60 * (u[1] + s[1]) + u[2] + s[2] }' "$spent"
+    rm -f "$spent"
+}
 
 part() {
     local name=$1 start=$SECONDS

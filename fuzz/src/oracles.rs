@@ -28,12 +28,12 @@ const ROUNDING: f64 = 1e-13;
 pub fn answered<T>(result: Result<Answer<T>, Diagnostics>) -> Option<T> {
     match result {
         Ok(Answer { value, warnings }) => {
-            assert!(!warnings.refused(), "an answer with a refusal: {}", shown(&warnings));
+            assert!(!warnings.is_refused(), "an answer with a refusal: {}", shown(&warnings));
             let _ = shown(&warnings);
             Some(value)
         }
         Err(refusal) => {
-            assert!(refusal.refused(), "a refusal without a reason: {}", shown(&refusal));
+            assert!(refusal.is_refused(), "a refusal without a reason: {}", shown(&refusal));
             assert!(!shown(&refusal).is_empty());
             None
         }

@@ -24,7 +24,6 @@ pub trait Algebra:
     + MulAssign
     + 'static
 {
-    /// A constant.
     fn from_real(value: f64) -> Self;
 
     /// The real part: the value at which functions are expanded.
@@ -53,18 +52,15 @@ pub trait Algebra:
         coefficients.iter().rev().fold(Self::zero(), fold)
     }
 
-    /// Sine and cosine.
     fn sin_cos(&self) -> (Self, Self) {
         let (s, c) = libm::sincos(self.real());
         (self.lift(|_, t| lift::cycle([s, c, -s, -c], t)), self.lift(|_, t| lift::cycle([c, -s, -c, s], t)))
     }
 
-    /// Sine.
     fn sin(&self) -> Self {
         self.lift(lift::sin)
     }
 
-    /// Exponential.
     fn exp(&self) -> Self {
         self.lift(lift::exp)
     }

@@ -109,23 +109,21 @@ pub fn hat<S: Algebra>(w: &[S; 3]) -> Matrix3<S> {
 
 /// `exp(hat(w))`: the rotation by the vector w.
 pub fn exp_hat<S: Algebra>(w: &[S; 3]) -> Matrix3<S> {
-    let square = w.iter().map(|x| x.clone() * x.clone()).fold(S::zero(), |a, b| a + b);
-    let hat = hat(w);
-    let twice = product(&hat, &hat);
-    let sinc = square.lift(lift::sinc);
-    let cosc = square.lift(lift::cosc);
-    let mut sum = hat.map(|x| x * sinc.clone()) + twice.map(|x| x * cosc.clone());
-    (0..3).for_each(|i| sum[(i, i)] += S::one());
-    sum
+    in_hat(w, lift::sinc, lift::cosc)
 }
 
 /// The derivative J of a rotation by its vector: exp(hat(w + dw)) = (1 + hat(J dw)) exp(hat(w)) + O(dw^2),
 /// J = 1 + (1 - cos t)/t^2 hat(w) + (t - sin t)/t^3 hat(w)^2 with t = |w|.
 pub fn left_jacobian<S: Algebra>(w: &[S; 3]) -> Matrix3<S> {
+    in_hat(w, lift::cosc, lift::sincc)
+}
+
+/// `1 + first(t^2) hat(w) + second(t^2) hat(w)^2` with t = |w|.
+fn in_hat<S: Algebra>(w: &[S; 3], first: fn(f64, &mut [f64]), second: fn(f64, &mut [f64])) -> Matrix3<S> {
     let square = w.iter().map(|x| x.clone() * x.clone()).fold(S::zero(), |a, b| a + b);
     let hat = hat(w);
     let twice = product(&hat, &hat);
-    let (first, second) = (square.lift(lift::cosc), square.lift(lift::sincc));
+    let (first, second) = (square.lift(first), square.lift(second));
     let mut sum = hat.map(|x| x * first.clone()) + twice.map(|x| x * second.clone());
     (0..3).for_each(|i| sum[(i, i)] += S::one());
     sum

@@ -1,7 +1,8 @@
 //! Intervals of the headline figures by the uncertainty that a machine file states of its errors.
 
+use super::reference::{PartReference, RigidMotion, tip_at};
 use super::{Bands, Comparison, MachineResult, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
-use crate::evaluate::{Field, Frame, Poses, Statistics, frame_rotation};
+use crate::evaluate::{CompiledModel, Field, Frame, Poses, Statistics, frame_rotation};
 use crate::machine::{Machine, OperatingConditions, Pose};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -17,23 +18,31 @@ pub struct PoseUncertainty {
 }
 
 impl PoseUncertainty {
-    /// Returns the uncertainty at poses (mm, deg) in a frame. `None` where the machine states none.
+    /// Returns the uncertainty at poses (mm, deg) in a frame, without what a reference takes out. `None` where the
+    /// machine states none.
     pub(crate) fn at(
         machine: &Machine,
         poses: &[Pose],
         conditions: OperatingConditions,
         frame: Frame,
+        reference: Option<&PartReference>,
     ) -> Option<Vec<Self>> {
         let parts = machine.uncertain_parts();
         if parts.is_empty() {
             return None;
         }
         let models = part_models(machine, &parts, conditions);
+        let motion = |model: &CompiledModel| {
+            reference.map(|of| of.motion(of.points().iter().map(|point| model.deviation(&point.pose).position)))
+        };
+        let motions: Vec<Option<RigidMotion>> = models.iter().map(motion).collect();
         let one = |pose: &Pose| {
+            let tip = tip_at(machine, pose);
             let turned = frame_rotation(machine, pose, frame);
             let mut squares = [Vector3::zeros(); 2];
-            for model in &models {
-                let unturned = model.deviation(pose);
+            for (model, motion) in models.iter().zip(&motions) {
+                let whole = model.deviation(pose);
+                let unturned = motion.map_or(whole, |motion| motion.removed_from(&whole, &tip));
                 let effect = turned.map_or(unturned, |rotation| unturned.rotated(&rotation));
                 squares[0] += effect.position.component_mul(&effect.position);
                 squares[1] += effect.rotation.component_mul(&effect.rotation);
@@ -58,7 +67,8 @@ pub struct ComparedBands {
 }
 
 /// Returns the intervals of the figures of a field over poses, of which `whole` are the statistics and `besides` the
-/// indices of poses not to be left out. `None` where the machine states no uncertainty.
+/// indices of poses not to be left out; a reference that the field is without is taken out of each part too. `None`
+/// where the machine states no uncertainty.
 pub(crate) fn field_bands(
     field: &dyn Field,
     poses: &Poses,
@@ -66,6 +76,7 @@ pub(crate) fn field_bands(
     besides: &[usize],
     conditions: OperatingConditions,
     seed: u64,
+    reference: Option<&PartReference>,
 ) -> Option<Bands> {
     let machine = field.machine();
     let parts = uncertain_parts([machine]);
@@ -74,7 +85,7 @@ pub(crate) fn field_bands(
     }
     let places: Vec<Pose> = band_places(poses.len(), besides).into_iter().map(|i| poses.get(i)).collect();
     let values = places.par_iter().map(|pose| field.deviation(&conditions.at_pose(pose))).collect();
-    let deviations = UncertainDeviations::of(machine, &parts, &places, values, whole, conditions);
+    let deviations = UncertainDeviations::of(machine, &parts, &places, values, whole, conditions, reference);
     bands(&[deviations], seed).0.pop()
 }
 
@@ -84,17 +95,19 @@ pub(crate) fn compared_bands(
     comparison: &Comparison,
     conditions: OperatingConditions,
     seed: u64,
+    references: &[Option<&PartReference>],
 ) -> Option<Vec<ComparedBands>> {
     let parts = uncertain_parts(sides.iter().map(|(machine, _)| *machine));
     if parts.is_empty() {
         return None;
     }
     let places = band_places(comparison.common.len(), &[]);
-    let one = |((machine, _), side): (&(&Machine, Vec<Pose>), &MachineResult)| {
-        let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|i| side.reached[*i].clone()).unzip();
-        UncertainDeviations::of(machine, &parts, &poses, values, side.statistics, conditions)
-    };
-    let machines: Vec<UncertainDeviations> = sides.iter().zip(&comparison.machines).map(one).collect();
+    let one =
+        |(((machine, _), side), reference): ((&(&Machine, Vec<Pose>), &MachineResult), &Option<&PartReference>)| {
+            let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|i| side.reached[*i].clone()).unzip();
+            UncertainDeviations::of(machine, &parts, &poses, values, side.statistics, conditions, *reference)
+        };
+    let machines: Vec<UncertainDeviations> = sides.iter().zip(&comparison.machines).zip(references).map(one).collect();
     let (own, differences) = bands(&machines, seed);
     let both = own.into_iter().zip(differences).map(|(own, minus_first)| {
         let [low, high] = minus_first.position_um.p95;

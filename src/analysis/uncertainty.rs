@@ -8,6 +8,7 @@
 //! draws.
 
 use super::design::budget::Normals;
+use super::reference::{PartReference, tip_at};
 use crate::evaluate::{CompiledModel, Deviation, Order, Statistics, Summary};
 use crate::machine::{Machine, OperatingConditions, Pose, UncertainPart};
 use rayon::prelude::*;
@@ -66,7 +67,7 @@ pub struct UncertainDeviations {
 
 impl UncertainDeviations {
     /// Returns the deviations `values` of a machine, compensated or not, at poses (mm, deg) with the effects of the
-    /// parts that are its own. `whole` are the statistics over all poses.
+    /// parts that are its own, of which a reference takes out its motion. `whole` are the statistics over all poses.
     pub fn of(
         machine: &Machine,
         parts: &[UncertainPart],
@@ -74,6 +75,7 @@ impl UncertainDeviations {
         values: Vec<Deviation>,
         whole: Statistics,
         conditions: OperatingConditions,
+        reference: Option<&PartReference>,
     ) -> Self {
         let own = machine.uncertain_parts();
         let bare = machine.without_uncertainty();
@@ -82,7 +84,10 @@ impl UncertainDeviations {
                 return Vec::new();
             }
             let model = part_model(&bare, part, conditions);
-            poses.iter().map(|pose| model.deviation(pose)).collect()
+            let Some(of) = reference else { return poses.iter().map(|pose| model.deviation(pose)).collect() };
+            let motion = of.motion(of.points().iter().map(|point| model.deviation(&point.pose).position));
+            let left = |pose: &Pose| motion.removed_from(&model.deviation(pose), &tip_at(machine, pose));
+            poses.iter().map(left).collect()
         };
         Self { values, parts: parts.par_iter().map(effect).collect(), whole }
     }

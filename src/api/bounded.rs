@@ -2,9 +2,13 @@
 
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
-    Bound, Draws, PoseByPose, PosesRequest, Request, adding, budget, budget_poses, is_measured, pose_by_pose,
+    Bound, Draws, PoseByPose, PosesRequest, Request, adding, budget, budget_poses, effects_at, is_measured,
+    pose_by_pose,
 };
+use crate::analysis::reference::PartReference;
 use crate::evaluate::{Frame, Poses};
+use crate::job::features::{FeatureResult, bounded_features};
+use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, Pose};
 use crate::report::{BoundedFigures, DrawSettings};
 use crate::run::{Call, Refused};
@@ -15,6 +19,8 @@ use serde::Serialize;
 pub(crate) struct DrawnBounds {
     pub bounds: Vec<Bound>,
     pub drawing: DrawSettings,
+    /// What the set-up of the part takes out.
+    pub removed: Option<PartReference>,
 }
 
 impl DrawnBounds {
@@ -36,7 +42,24 @@ impl DrawnBounds {
         (tolerances, samples, seed): (&ToleranceOptions, usize, u64),
     ) -> Option<Self> {
         let drawing = tolerances.drawing(class, samples, seed);
-        (!bounds.is_empty()).then_some(Self { bounds, drawing })
+        (!bounds.is_empty()).then_some(Self { bounds, drawing, removed: None })
+    }
+
+    /// Returns them without what the set-up of a part takes out of their effects.
+    pub(crate) fn without(self, removed: Option<&PartReference>) -> Self {
+        Self { removed: removed.cloned(), ..self }
+    }
+
+    /// Returns the features of tool poses at which they lead to what was found.
+    pub(crate) fn features(
+        &self,
+        machine: &Machine,
+        reached: &ReachedToolPoses,
+        found: &PoseByPose,
+    ) -> Vec<FeatureResult> {
+        let draws = self.draws();
+        let effects = |pose: &[f64]| effects_at(machine, &self.bounds, pose, &draws, self.removed.as_ref());
+        bounded_features(machine, reached, &self.bounds, found, &effects)
     }
 
     fn draws(&self) -> Draws {
@@ -51,12 +74,11 @@ impl DrawnBounds {
         poses: &Poses,
         frame: Frame,
     ) -> Result<PoseByPose, Refused> {
-        let (draws, samples) = (self.draws(), self.drawing.samples);
-        let request = PosesRequest { machine, bounds: &self.bounds, poses, frame, draws: &draws, samples };
+        let (draws, samples, reference) = (self.draws(), self.drawing.samples, self.removed.as_ref());
+        let request = PosesRequest { machine, bounds: &self.bounds, poses, reference, frame, draws: &draws, samples };
         call.stage(request.steps(), |advance| pose_by_pose(request, advance))
     }
 
-    /// Returns the figures of what was found.
     pub(crate) fn figures(&self, found: &PoseByPose) -> BoundedFigures {
         BoundedFigures::new(self.bounds.len(), self.drawing.clone(), found)
     }
@@ -92,12 +114,13 @@ pub struct AddedDeviation {
 const POSES: usize = 500;
 
 /// Returns what the bounds of a machine with measured errors add, as a budget would have it, at the poses of a work or
-/// over the volume; `None` where no error without a value is bounded.
+/// over the volume, without what the set-up of the part takes out; `None` where no error without a value is bounded.
 pub(crate) fn added(
     call: &mut Call<'_>,
     machine: &Machine,
     (tolerances, samples, seed): (&ToleranceOptions, usize, u64),
     work: Option<&[Pose]>,
+    reference: Option<&PartReference>,
 ) -> Result<Option<AddedByBounds>, Refused> {
     if !is_measured(machine) {
         return Ok(None);
@@ -110,8 +133,8 @@ pub(crate) fn added(
     let of_budget = || budget_poses(machine, POSES, seed);
     let (poses, searched) = work.map_or_else(|| (of_budget(), true), |work| (work.to_vec(), false));
     let (draws, statistic) = (tolerances.draws(seed), tolerances.statistic);
-    let request =
-        Request { machine, bounds: &bounds, poses: &poses, searched, at: None, draws: &draws, samples, statistic };
+    let (bounds, poses) = (&bounds, &poses);
+    let request = Request { machine, bounds, poses, reference, searched, at: None, draws: &draws, samples, statistic };
     let found = call.stage(2 * samples, |advance| budget(request, advance))?;
     let [position_um, rotation_urad] = [&found.position, &found.rotation]
         .map(|totals| AddedDeviation { rss: totals.rss, p95: totals.percentile(95).value });

@@ -2,14 +2,17 @@
 
 use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
-use crate::analysis::budget::{Bound, Draws, Request, budget_from_samples, budget_poses};
-use crate::diagnostic::Diagnostics;
+use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_from_samples, budget_poses};
+use crate::analysis::reference::PartReference;
+use crate::job::job_file::JobPaths;
 use crate::job::machine_file::MachineFile;
+use crate::job::over::{Over, OverKind};
 use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
-use crate::job::tool_poses::{self, ReachedToolPoses};
+use crate::job::reference::{Reference, SetUp};
+use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, Pose};
-use crate::report::{BoundedContribution, BudgetFigures, Picture, contributions};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::report::{BoundedContribution, BudgetFigures, DeviationBudget, Picture, contributions};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use crate::shards::budget_parts::{self, BudgetShard, Division};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -29,6 +32,11 @@ pub struct BudgetOptions {
     /// A CSV file of tool poses in the workpiece frame that replace these poses: columns X, Y, Z (mm) and I, J, K or
     /// rotary axes (deg).
     pub tool_poses: Option<PathBuf>,
+    /// A job file instead of the tool poses.
+    pub job: Option<PathBuf>,
+    /// What the set-up of the part takes out of the effects; by default the zero at the part's origin for tool poses,
+    /// nothing for a volume.
+    pub reference: Option<Reference>,
     /// Number of machines that are drawn, at least 2.
     pub samples: usize,
     /// A pose at which contributions are listed too, `X=100,C=90`: mm and deg; axes left out are at 0.
@@ -51,6 +59,8 @@ impl Default for BudgetOptions {
             seed: 1,
             poses: 500,
             tool_poses: None,
+            job: None,
+            reference: None,
             samples: 1000,
             at: None,
             goal_mm: None,
@@ -87,6 +97,11 @@ pub struct BudgetResult {
     pub machine: String,
     /// The kinematic chain.
     pub chain: String,
+    /// What the budget is over.
+    pub over: Over,
+    /// The same without the rigid motion of the best fit, for a volume whose reference is not stated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub best_fit: Option<FittedBudget>,
     /// Tool poses of a file that the machine reaches.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_poses: Option<ReachedToolPoses>,
@@ -96,6 +111,21 @@ pub struct BudgetResult {
     /// Contributions at the pose that was named.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<ContributionsAt>,
+}
+
+/// A budget without the rigid motion of the part that fits the deviations best.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct FittedBudget {
+    /// What it is over.
+    pub over: Over,
+    /// The position deviation, um.
+    pub position_um: DeviationBudget,
+    /// The rotation of the tool, urad.
+    pub rotation_urad: DeviationBudget,
+    /// The error whose tolerance to tighten first.
+    pub tighten_first: String,
+    /// True if that is the same error in machine coordinates.
+    pub agrees: bool,
 }
 
 /// Contributions at a pose.
@@ -123,7 +153,7 @@ impl BudgetResult {
 /// Budgets the errors that are only bounded, to first order.
 ///
 /// Fails if no error is bounded, and for poses or classes that do not fit the machine.
-pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Result<Answer<BudgetResult>, Diagnostics> {
+pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Reply<BudgetResult> {
     Call::answer(run, file.sources(), |call| {
         if options.shard.is_some() {
             return call.usage("a part of the machines has no budget: put all parts together with `merge`");
@@ -136,17 +166,13 @@ pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Resu
 /// A part that a file of [`BudgetOptions::merge`] holds already is not drawn again; such a file need not be there.
 ///
 /// Fails where [`budget`] does, and for a part that is not 1 to N.
-pub fn budget_part(
-    file: &MachineFile,
-    options: &BudgetOptions,
-    run: Run<'_>,
-) -> Result<Answer<BudgetShard>, Diagnostics> {
+pub fn budget_part(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Reply<BudgetShard> {
     Call::answer(run, file.sources(), |call| {
         let at = fitting(call, file, options)?;
         let (bounds, _) = options.tolerances.bounds(call, file)?;
         let work = BudgetWork::of(call, file, options)?;
         let request = work.request(file, options, (&bounds, at.as_deref()));
-        budget_parts::drawn_part(call, options.division(&options.drawn_by()), request)
+        budget_parts::draw_part(call, options.division(&options.drawn_by()), request)
     })
 }
 
@@ -161,7 +187,7 @@ fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> 
 
 /// Refuses options that make no sense together, and returns the pose asked for.
 fn fitting(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<Option<Pose>, Refused> {
-    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+    call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
     if options.poses > MAX_POSES {
         return call.usage(format!("a budget takes {MAX_POSES} random poses at most, all of which are held"));
     }
@@ -177,17 +203,25 @@ fn fitting(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> R
 struct BudgetWork {
     poses: Vec<Pose>,
     tool_poses: Option<ReachedToolPoses>,
+    set_up: SetUp,
     draws: Draws,
 }
 
 impl BudgetWork {
     fn of(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<Self, Refused> {
-        let tool_poses = tool_poses::asked(call, machine, options.tool_poses.as_ref())?;
+        let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+        let job = paths.read(call, machine)?;
+        let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
         let poses = match &tool_poses {
             Some(reached) => reached.poses.clone(),
             None => budget_poses(machine, options.poses, options.seed),
         };
-        Ok(Self { poses, tool_poses, draws: options.tolerances.draws(options.seed) })
+        let asked = options.reference.as_ref();
+        let set_up = match &job {
+            Some(job) => job.set_up(call, machine, asked, &poses)?,
+            None => SetUp::of(call, machine, asked, None, &poses)?,
+        };
+        Ok(Self { poses, tool_poses, set_up, draws: options.tolerances.draws(options.seed) })
     }
 
     fn request<'a>(
@@ -197,12 +231,19 @@ impl BudgetWork {
         (bounds, at): (&'a [Bound], Option<&'a [f64]>),
     ) -> Request<'a> {
         let (samples, statistic) = (options.samples, options.tolerances.statistic);
-        let searched = self.tool_poses.is_none();
-        Request { machine, bounds, poses: &self.poses, searched, at, draws: &self.draws, samples, statistic }
+        let (searched, reference) = (self.tool_poses.is_none(), self.set_up.removed());
+        Request { machine, bounds, poses: &self.poses, reference, searched, at, draws: &self.draws, samples, statistic }
+    }
+
+    /// Returns the statement of what a budget is over.
+    fn over(&self, machine: &Machine, reference: &Reference) -> Over {
+        match &self.tool_poses {
+            Some(of) => Over::new(OverKind::Job, machine, reference, [of.asked, of.reached]),
+            None => Over::new(OverKind::Volume, machine, reference, [self.poses.len(); 2]),
+        }
     }
 }
 
-/// Budgets bounds, given with their class.
 pub(crate) fn budget_of(
     call: &mut Call<'_>,
     machine: &Machine,
@@ -212,20 +253,51 @@ pub(crate) fn budget_of(
 ) -> Result<BudgetResult, Refused> {
     let work = BudgetWork::of(call, machine, options)?;
     let request = work.request(machine, options, (&bounds, at.as_deref()));
-    let drawn = budget_parts::merged(call, options.division(&options.drawn_by()), request)?;
+    let drawn = budget_parts::merge(call, options.division(&options.drawn_by()), request)?;
     let steps = if drawn.is_some() { 0 } else { 2 * options.samples };
     let budget = call.stage(steps, |advance| budget_from_samples(request, drawn, advance))?;
     let goal = match options.goal_mm {
-        Some(goal_mm) => Some(goal(call, machine, options.goal_inputs(), (&bounds, &work.poses), goal_mm)?),
+        Some(goal_mm) => {
+            let inputs = options.goal_inputs();
+            Some(goal(call, machine, inputs, (&bounds, &work.poses, work.set_up.removed()), goal_mm)?)
+        }
         None => None,
     };
     let drawing = options.tolerances.drawing(class, options.samples, options.seed);
+    let best_fit = if options.reference.is_none() && work.tool_poses.is_none() {
+        Some(best_fit(call, machine, &work, request, &budget)?)
+    } else {
+        None
+    };
     let at = at.zip(budget.at.as_ref()).map(|(pose, list)| ContributionsAt {
         axes: axis_positions(machine, &pose),
         contributions: contributions(&bounds, list),
     });
+    let over = work.over(machine, &work.set_up.reference);
     let BudgetWork { poses, tool_poses, .. } = work;
     let budget = BudgetFigures::new(machine, bounds, &budget, poses.len(), drawing);
     let (machine, chain) = (machine.name().to_owned(), machine.chain().to_string());
-    Ok(BudgetResult { budget, machine, chain, tool_poses, goal, at })
+    Ok(BudgetResult { budget, machine, chain, over, best_fit, tool_poses, goal, at })
+}
+
+/// Returns the budget of the same machines drawn without the best fit over the poses.
+fn best_fit(
+    call: &Call<'_>,
+    machine: &Machine,
+    work: &BudgetWork,
+    request: Request<'_>,
+    whole: &Budget,
+) -> Result<FittedBudget, Refused> {
+    let reference = PartReference::best_fit(machine, &work.poses);
+    let request = Request { reference: Some(&reference), at: None, ..request };
+    let budget = call.stage(2 * request.samples, |advance| budget_from_samples(request, None, advance))?;
+    let first = |budget: &Budget| budget.position.first_to_tighten().map(|i| request.bounds[i].to_string());
+    let tighten_first = first(&budget);
+    Ok(FittedBudget {
+        over: work.over(machine, &Reference::best_fit()),
+        position_um: DeviationBudget::new(machine, &budget.position),
+        rotation_urad: DeviationBudget::new(machine, &budget.rotation),
+        agrees: tighten_first == first(whole),
+        tighten_first: tighten_first.unwrap_or_default(),
+    })
 }

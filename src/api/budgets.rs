@@ -5,6 +5,7 @@ use crate::analysis::budget::{
     Bound, BoundedError, Budget, BudgetPart, PairedTest, Request, Totals, Verdict, VersusFirst, budget, round_sizes,
     side_by_side,
 };
+use crate::analysis::reference::PartReference;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::report::{DeviationBudget, DrawSettings};
@@ -12,7 +13,6 @@ use crate::run::{Call, Refused};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Draws of machines.
 #[derive(Clone, Copy)]
 pub(crate) struct DrawnMachines<'a> {
     pub tolerances: &'a ToleranceOptions,
@@ -23,6 +23,8 @@ pub(crate) struct DrawnMachines<'a> {
     /// Limit of the rounds.
     pub max_samples: usize,
     pub seed: u64,
+    /// What the set-up of the part takes out on each machine.
+    pub references: &'a [Option<&'a PartReference>],
 }
 
 /// Budgets on the same work.
@@ -179,7 +181,7 @@ pub(crate) fn budgets(
         let message = format!("budgets are not compared: {} bounds no error", without.join(" and "));
         let help = "write tolerances into every file, or take those of a class: `--class production`";
         call.warn(Diagnostic::new(codes::W0607, message).help(help));
-        call.checked()?;
+        call.check()?;
         return Ok(None);
     }
     let (list, versus_first) = budgeted(call, sides, &all, drawn)?;
@@ -212,13 +214,14 @@ fn budgeted(
     let mut last = (Vec::new(), Vec::new());
     for samples in sizes.iter().copied() {
         let list: Vec<Budget> = call.stage(2 * samples * sides.len(), |advance| {
-            let one = |((machine, poses), bounds): (&(&Machine, Vec<Pose>), &Vec<Bound>)| {
-                budget(
-                    Request { machine, bounds, poses, searched: false, at: None, draws: &draws, samples, statistic },
-                    advance,
-                )
+            let one = |(i, (machine, poses)): (usize, &(&Machine, Vec<Pose>))| {
+                let (bounds, reference, draws) = (&bounds[i], drawn.references[i], &draws);
+                let searched = false;
+                let request =
+                    Request { machine, bounds, poses, reference, searched, at: None, draws, samples, statistic };
+                budget(request, advance)
             };
-            sides.iter().zip(bounds).map(one).collect()
+            sides.iter().enumerate().map(one).collect()
         })?;
         let test = PairedTest::of_round(samples, list.len(), sizes.len());
         let values: Vec<&[f64]> = list.iter().map(|budget| budget.position.drawn.as_slice()).collect();

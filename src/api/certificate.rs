@@ -97,11 +97,12 @@ impl CertificateReport {
         machine: &Machine,
         target: &ControllerTarget,
         certificate: Certificate,
-        (field, depth): (&dyn Field, Depth),
+        field: &dyn Field,
+        depth: Depth,
         files: Vec<String>,
     ) -> Self {
         let uncertainty = CertificateBands::of(machine, &certificate, field, depth);
-        let [forward, reverse] = certificate.at_reference.map(|added| named(machine, &added));
+        let [forward, reverse] = certificate.at_reference.map(|added| by_name(machine, &added));
         Self {
             reference_shift: certificate.shifted.map(|shift| ReferenceShift::new(machine, shift)),
             raised: certificate.raised,
@@ -127,7 +128,7 @@ impl CertificateReport {
 
     /// Returns in words which figures of the position deviation the files raise; `None` if they raise none.
     pub fn raised(&self) -> Option<String> {
-        verdict::raised(&self.raised)
+        verdict::raise_remark(&self.raised)
     }
 }
 
@@ -142,7 +143,6 @@ impl ReferenceShift {
     }
 }
 
-/// Values by the names of the axes.
-fn named(machine: &Machine, values: &[f64]) -> AxisPositions {
+fn by_name(machine: &Machine, values: &[f64]) -> AxisPositions {
     machine.axes().iter().map(|axis| axis.name.to_string()).zip(values.iter().copied()).collect()
 }

@@ -1,8 +1,8 @@
 //! The motion and the errors of a 4x4 matrix over the dual numbers.
 
 use crate::algebra::{AdmissibilityFailure, Split, skew_vector, split};
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
-use crate::run::{Answer, Call, Refused, Run};
+use crate::diagnostic::{Diagnostic, Sources, codes, shown};
+use crate::run::{Call, Refused, Reply, Run};
 use crate::syntax::{from_yaml, read_text};
 use crate::units::significant;
 use nalgebra::Matrix4;
@@ -128,7 +128,6 @@ struct Written {
     dual: Option<[[f64; 4]; 4]>,
 }
 
-/// A dual number.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(untagged)]
 enum Entry {
@@ -149,11 +148,7 @@ impl Entry {
 ///
 /// The file has `matrix` with four rows of four entries, each `number` or `[real, i-part]`, or `real` and `dual`; mm
 /// and rad. Fails if it has not; a matrix that is no motion is a result.
-pub fn classify(
-    path: impl AsRef<Path>,
-    options: &ClassifyOptions,
-    run: Run,
-) -> Result<Answer<Classification>, Diagnostics> {
+pub fn classify(path: impl AsRef<Path>, options: &ClassifyOptions, run: Run) -> Reply<Classification> {
     Call::answer(run, &Sources::default(), |call| {
         if !(options.tolerance > 0.0 && options.tolerance < 0.1) {
             return call.usage("`--tolerance` is a number above 0 and below 0.1");
@@ -192,7 +187,6 @@ fn unreadable(reason: &str) -> Diagnostic {
     )
 }
 
-/// The reason in a clause.
 fn reason(why: AdmissibilityFailure) -> String {
     match why {
         AdmissibilityFailure::LastRow(size) => format!("the last row is not 0 0 0 1 (by {})", significant(size, 3)),

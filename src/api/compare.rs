@@ -1,23 +1,27 @@
 //! Machines side by side on the same tool poses.
 
 use super::bounded::{AddedByBounds, DrawnBounds, added};
-use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
+use super::budgets::ComparedBudgets;
+use super::compare_figures::{Alike, Figures, FittedComparison, MachineVerdict, removed, set_ups};
 use super::compiled_model::PoseDeviation;
 use super::tolerances::ToleranceOptions;
 use crate::analysis::budget::{BoundedDeviation, PoseByPose};
-use crate::analysis::figure_bands::{ComparedBands, compared_bands};
+use crate::analysis::figure_bands::ComparedBands;
 use crate::analysis::{
     Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
     contributions as contributions_of,
 };
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Difference, Field, Frame, Order, Poses, Statistics, Summary};
+use crate::job::job_file::JobPaths;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
+use crate::job::over::{Over, OverKind};
 use crate::job::poses::check;
-use crate::job::tool_poses::{self, MissedToolPose, NeededTravel, needed_travel};
+use crate::job::reference::{Reference, SetUp};
+use crate::job::tool_poses::{MissedToolPose, NeededTravel, needed_travel};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use std::path::PathBuf;
 
 /// Options of [`compare`].
@@ -29,6 +33,11 @@ pub struct CompareOptions {
     /// A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or rotary axes
     /// (deg) of the first machine.
     pub tool_poses: Option<PathBuf>,
+    /// A job file instead of the tool poses.
+    pub job: Option<PathBuf>,
+    /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
+    /// poses. Without tool poses machine coordinates and best fit are both compared by default.
+    pub reference: Option<Reference>,
     /// Seed of the tool poses, and of the errors that are drawn.
     pub seed: u64,
     /// Bounds, draws and statistic of errors; budgets are compared where every machine bounds errors.
@@ -51,6 +60,8 @@ impl Default for CompareOptions {
         Self {
             poses: 1000,
             tool_poses: None,
+            job: None,
+            reference: None,
             seed: 1,
             tolerances,
             samples: 1000,
@@ -64,6 +75,8 @@ impl Default for CompareOptions {
 /// Machines side by side, over the tool poses that all of them reach.
 #[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct CompareResult {
+    /// What the comparison is over.
+    pub over: Over,
     /// Effect of each error alone, largest first.
     pub contributions: Vec<ErrorContribution>,
     /// Number of tool poses asked for.
@@ -81,6 +94,11 @@ pub struct CompareResult {
     /// Budgets on the same work, where every machine bounds errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budgets: Option<ComparedBudgets>,
+    /// The same without the best fit of each machine, where neither tool poses nor a reference are given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub best_fit: Option<FittedComparison>,
+    /// The verdict on each machine but the first.
+    pub verdicts: Vec<MachineVerdict>,
     /// The tool poses that all machines reach, with the deviations of each machine.
     #[serde(skip)]
     pub rows: Vec<ComparedPose>,
@@ -172,11 +190,7 @@ pub struct ComparedPose {
 /// Compares machines on the same tool poses; the first is the reference.
 ///
 /// Fails if no tool pose is reached by all machines. Warns of tool poses of a file that a machine does not reach.
-pub fn compare(
-    files: &[MachineFile],
-    options: &CompareOptions,
-    run: Run<'_>,
-) -> Result<Answer<CompareResult>, Diagnostics> {
+pub fn compare(files: &[MachineFile], options: &CompareOptions, run: Run<'_>) -> Reply<CompareResult> {
     Call::answer(run, &sources_of(files), |call| side_by_side(call, files, options))
 }
 
@@ -186,13 +200,15 @@ fn side_by_side(
     options: &CompareOptions,
 ) -> Result<CompareResult, Refused> {
     let [first, _, ..] = files else { return call.usage("a comparison takes two machines at least") };
-    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
-    options.max_samples.map_or(Ok(()), |limit| call.bounded(&[Count::MaxMachines(limit)]))?;
+    call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+    options.max_samples.map_or(Ok(()), |limit| call.check_counts(&[Count::MaxMachines(limit)]))?;
     let order = |machine: &Machine| order_of(machine, options.order);
     let bare: Vec<Bare<'_>> = files.iter().map(|file| Bare { machine: file, order: order(file) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-    let asked = options.tool_poses.as_ref().map(|path| tool_poses::read(call, first, path)).transpose()?;
-    let work = match &asked {
+    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+    let job = paths.read(call, first)?;
+    let asked = job.as_ref().map(|job| &job.poses);
+    let work = match asked {
         Some(asked) => Work::Listed(asked.list(first)),
         None => Work::random(first, options.poses, options.seed),
     };
@@ -200,7 +216,7 @@ fn side_by_side(
     let sides: Vec<(&Machine, Vec<Pose>)> =
         files.iter().zip(&comparison.machines).map(|(file, side)| (&**file, poses(side))).collect();
     let mut missed = vec![None; sides.len()];
-    if let Some(asked) = &asked {
+    if let Some(asked) = asked {
         for (i, ((machine, poses), side)) in sides.iter().zip(&comparison.machines).enumerate() {
             let rows = asked.missed(machine, &side.missed);
             call.about(files[i].path(), |call| {
@@ -210,27 +226,32 @@ fn side_by_side(
             missed[i] = Some(rows);
         }
     }
-    let contributions = contributions_of(&sides, options.approach.into());
     if comparison.common.is_empty() {
         return call.refuse(nothing_in_common(files, &comparison));
     }
-    let max_samples = options.max_samples.unwrap_or_else(|| options.samples.saturating_mul(8));
-    let (samples, seed) = (options.samples, options.seed);
-    let names: Vec<&str> = files.iter().map(MachineFile::path).collect();
-    let drawn = DrawnMachines { tolerances: &options.tolerances, files: &names, samples, max_samples, seed };
-    let budgets = budgets(call, &sides, drawn)?;
-    let samples = budgets.as_ref().map_or(samples, |budgets| budgets.drawing.samples);
-    let (mut bounded, mut adds) = (Vec::new(), Vec::new());
-    for ((machine, poses), file) in sides.iter().zip(files) {
-        let settings = (&options.tolerances, samples, seed);
-        let of = call.about(file.path(), |call| DrawnBounds::of(call, machine, settings))?;
-        adds.push(call.about(file.path(), |call| added(call, machine, settings, Some(poses)))?);
-        bounded.push(of.map(|of| Bounded::new(call, &of, machine, poses)).transpose()?);
+    let (set_ups, unzeroed) = set_ups(call, files, &sides, options.reference.as_ref(), job.as_ref())?;
+    let alike = Alike { files, fields: &fields, sides: &sides, options };
+    let whole = alike.figures(call, comparison.clone(), &set_ups)?;
+    let (kind, counts) = (if asked.is_some() { OverKind::Job } else { OverKind::Volume }, &comparison);
+    let over = |reference: &Reference| Over::new(kind, first, reference, [counts.asked, counts.common.len()]);
+    let fitted = match (&options.reference, asked) {
+        (None, None) => {
+            let fits: Vec<SetUp> = sides.iter().map(|(machine, poses)| SetUp::best_fit(machine, poses)).collect();
+            Some(alike.figures(call, comparison.clone(), &fits)?)
+        }
+        _ => None,
+    };
+    let best_fit = fitted.as_ref().map(|of| of.compared(over(&Reference::best_fit())));
+    let verdicts = (1..files.len()).map(|i| whole.verdict(fitted.as_ref(), i, unzeroed.as_deref())).collect();
+    let references = removed(&set_ups);
+    let contributions = contributions_of(&sides, options.approach.into(), &references);
+    let mut adds = Vec::new();
+    for (((machine, poses), file), reference) in sides.iter().zip(files).zip(&references) {
+        let settings = (&options.tolerances, whole.samples, options.seed);
+        adds.push(call.about(file.path(), |call| added(call, machine, settings, Some(poses), *reference))?);
     }
-    call.checked()?;
-    // Figures from bounds have no uncertainty: they are one.
-    let measured = bounded.iter().all(Option::is_none);
-    let uncertainty = if measured { compared_bands(&sides, &comparison, options.approach.into(), seed) } else { None };
+    call.check()?;
+    let Figures { comparison, bounded, budgets, uncertainty, .. } = whole;
     let machines = (0..files.len()).map(|i| compared_machine(files, &comparison, order(&files[i]), (i, &bounded)));
     let travel = |(i, missed): (usize, &Option<Vec<_>>)| {
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
@@ -242,6 +263,7 @@ fn side_by_side(
     };
     let machines = machines.zip(missed).zip(travels).zip(adds).enumerate().map(of);
     Ok(CompareResult {
+        over: over(&set_ups[0].reference),
         contributions: contributions.iter().map(contribution).collect(),
         asked: comparison.asked,
         poses: comparison.common.len(),
@@ -250,18 +272,20 @@ fn side_by_side(
         direction: options.approach,
         machines: machines.collect(),
         budgets,
+        best_fit,
+        verdicts,
         rows: (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect(),
     })
 }
 
 /// What the bounds of a machine lead to at its poses for the work.
-struct Bounded {
-    found: PoseByPose,
-    figures: BoundedFigures,
+pub(crate) struct Bounded {
+    pub(crate) found: PoseByPose,
+    pub(crate) figures: BoundedFigures,
 }
 
 impl Bounded {
-    fn new(call: &Call<'_>, of: &DrawnBounds, machine: &Machine, poses: &[Pose]) -> Result<Self, Refused> {
+    pub(crate) fn new(call: &Call<'_>, of: &DrawnBounds, machine: &Machine, poses: &[Pose]) -> Result<Self, Refused> {
         let found = of.at(call, machine, &Poses::Listed(poses.to_vec()), Frame::Workpiece)?;
         Ok(Self { figures: of.figures(&found), found })
     }

@@ -5,14 +5,14 @@ use crate::controller::{
     Certificate, ControllerEffect, ControllerTarget, Depth, Limits, Lock, NAMES, RenderedFile, TablesUnderTest,
     certify, certify_kinematics,
 };
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Field;
 use crate::file_set::module_set::{self, ModuleRequest};
 use crate::file_set::options::CompensationOptions;
 use crate::file_set::table_set::{self, TableRequest};
 use crate::file_set::verdict;
 use crate::job::machine_file::{MachineFile, bounded_only};
-use crate::run::{Answer, Call, Count, Hashed, Refused, Run};
+use crate::run::{Call, Count, Hashed, Refused, Reply, Run};
 use std::path::PathBuf;
 
 /// Options of [`compile`].
@@ -74,9 +74,9 @@ pub struct CompiledSet {
 ///
 /// Fails if the target is unknown or has nothing for this machine, if a correction exceeds the limits, if the files do
 /// not read back as the intended set, and if an option does not fit.
-pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Result<Answer<CompiledSet>, Diagnostics> {
+pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Reply<CompiledSet> {
     Call::answer(run, file.sources(), |call| {
-        call.bounded(&[Count::Poses(options.poses)])?;
+        call.check_counts(&[Count::Poses(options.poses)])?;
         call.extend(bounded_only(file));
         let target = options.compensation.target(call, &options.target)?;
         refuse_unverified(call, &target, options.accept_unverified)?;
@@ -87,7 +87,6 @@ pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Result
     })
 }
 
-/// A set of tables.
 fn tables(
     call: &mut Call,
     file: &MachineFile,
@@ -95,7 +94,7 @@ fn tables(
     options: &CompileOptions,
 ) -> Result<CompiledSet, Refused> {
     let how = &options.compensation;
-    let installed = table_set::installed(call, file, target, how, options.installed.as_deref())?;
+    let installed = table_set::load_installed(call, file, target, how, options.installed.as_deref())?;
     let request = TableRequest {
         lattice: &options.lattice,
         max_nodes: options.max_nodes,
@@ -105,54 +104,49 @@ fn tables(
     let whole = CompensationOptions { without: Vec::new(), ..how.clone() };
     let whole = whole.target(call, &options.target)?;
     let over = installed.as_ref().map(|installed| (installed, &whole));
-    let set = table_set::rendered(call, file, target, &request, over)?;
+    let set = table_set::render(call, file, target, &request, over)?;
     let target = over.map_or(target, |(_, whole)| whole);
     let judged = TablesUnderTest { target, tables: &set.tables, installed: installed.as_ref() };
     let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
     call.extend(verdict::warnings(&certificate));
-    call.checked()?;
+    call.check()?;
     let depth = Depth { poses: options.poses, seed: options.seed };
-    Ok(compiled((file, target), how.words(), set.rendered, certificate, (&judged.field(file), depth)))
+    Ok(assemble(file, target, how.words(), set.rendered, certificate, &judged.field(file), depth))
 }
 
-/// The files of a kinematics module.
 fn module(
     call: &mut Call,
     file: &MachineFile,
     target: &ControllerTarget,
     options: &CompileOptions,
 ) -> Result<CompiledSet, Refused> {
-    let before = module_set::installed(call, file, target, &options.compensation, options.installed.as_deref())?;
+    let before = module_set::load_installed(call, file, target, &options.compensation, options.installed.as_deref())?;
     let orientation = options.compensation.orientation();
     let limits = options.max_correction;
-    let set = module_set::rendered(call, file, target, ModuleRequest { orientation, limits, before })?;
+    let set = module_set::render(call, file, target, ModuleRequest { orientation, limits, before })?;
     let depth = Depth { poses: options.poses, seed: options.seed };
     let certificate = certify_kinematics(file, target, &set.module, &set.beside, depth);
     call.extend(limits.module_excesses(&certificate));
     call.extend(verdict::warnings(&certificate));
-    call.checked()?;
+    call.check()?;
     let goal = if orientation { "correct pose" } else { "correct position" };
     let effect = ControllerEffect::Module(Box::new(set.module), set.beside);
-    Ok(compiled(
-        (file, target),
-        vec![goal.to_owned()],
-        set.rendered,
-        certificate,
-        (&*effect.field(file, target), depth),
-    ))
+    Ok(assemble(file, target, vec![goal.to_owned()], set.rendered, certificate, &*effect.field(file, target), depth))
 }
 
-fn compiled(
-    (file, target): (&MachineFile, &ControllerTarget),
+fn assemble(
+    file: &MachineFile,
+    target: &ControllerTarget,
     words: Vec<String>,
     files: Vec<RenderedFile>,
     certificate: Certificate,
-    judged: (&dyn Field, Depth),
+    field: &dyn Field,
+    depth: Depth,
 ) -> CompiledSet {
     let hashes = files.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
     let lock = Lock::new(&target.manifest.target, file, words, file.inputs(), hashes);
     let names = files.iter().map(|file| file.name.clone()).collect();
-    CompiledSet { certificate: CertificateReport::new(file, target, certificate, judged, names), files, lock }
+    CompiledSet { certificate: CertificateReport::new(file, target, certificate, field, depth, names), files, lock }
 }
 
 /// A format that rests on memory alone is written only for those who accept it. A folder of one's own needs no such

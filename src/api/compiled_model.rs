@@ -68,7 +68,7 @@ impl CompiledModel {
     ///
     /// Fails if the number of positions is not that of the axes, and where an error curve is not known.
     pub fn deviation(&self, pose: &[f64]) -> Result<PoseDeviation, Diagnostic> {
-        self.counted(pose.len())?;
+        self.check_count(pose.len())?;
         known(self.0.machine(), pose)?;
         let unturned = self.0.deviation(pose);
         let part = frame_rotation(self.0.machine(), pose, Frame::Workpiece);
@@ -116,7 +116,7 @@ impl CompiledModel {
         batch_len: usize,
         out: DeviationSlices<'_>,
     ) -> Result<(), Diagnostic> {
-        self.counted(columns.len())?;
+        self.check_count(columns.len())?;
         let len = columns.first().map_or(0, |column| column.len());
         let unfit = |what| Diagnostic::new(codes::E0818, format!("the columns of {what} are not of one length"));
         let batch = Batch::new(columns.to_vec(), len).ok_or_else(|| unfit("positions"))?;
@@ -124,7 +124,7 @@ impl CompiledModel {
         if out.position.iter().chain(&out.rotation).any(|column| column.len() != len) {
             return Err(unfit("positions and deviations"));
         }
-        self.known(columns)?;
+        self.check_known(columns)?;
         // Vectors that are turned are read again at once: these must not be stored past the caches.
         let are_turned = frame != Frame::Workpiece || self.0.machine().workpiece_rotation().is_some();
         self.0.piece_parallel(&batch, out.reborrow(), if are_turned { len } else { batch_len });
@@ -132,7 +132,7 @@ impl CompiledModel {
         Ok(())
     }
 
-    fn counted(&self, positions: usize) -> Result<(), Diagnostic> {
+    fn check_count(&self, positions: usize) -> Result<(), Diagnostic> {
         let axes = self.0.machine().axes().len();
         if positions == axes {
             return Ok(());
@@ -143,7 +143,7 @@ impl CompiledModel {
     }
 
     /// Error curves are known on intervals: their ends decide.
-    fn known(&self, columns: &[&[f64]]) -> Result<(), Diagnostic> {
+    fn check_known(&self, columns: &[&[f64]]) -> Result<(), Diagnostic> {
         let machine = self.0.machine();
         if columns.iter().all(|column| column.is_empty()) {
             return Ok(());

@@ -4,11 +4,10 @@
 use super::certificate::{CertificateReport, CertificateStep};
 use super::compile::{CompileOptions, refuse_unverified};
 use crate::controller::{ControllerTarget, Depth, KinematicsModule, Lock, RenderedFile};
-use crate::diagnostic::Diagnostics;
-use crate::file_set::composition::{self, ComposedRequest, Composition, beside, compiled, found, split, targets};
+use crate::file_set::composition::{self, ComposedRequest, Composition, beside, compose, find, split, targets};
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::{MachineFile, bounded_only};
-use crate::run::{Answer, Call, Count, Hashed, Refused, Run};
+use crate::run::{Call, Count, Hashed, Refused, Reply, Run};
 use std::path::Path;
 
 /// A set of two targets in memory, with its certificate.
@@ -45,9 +44,9 @@ pub fn compile_composed(
     targets: &[String],
     options: &CompileOptions,
     run: Run,
-) -> Result<Answer<ComposedSet>, Diagnostics> {
+) -> Reply<ComposedSet> {
     Call::answer(run, file.sources(), |call| {
-        call.bounded(&[Count::Poses(options.poses)])?;
+        call.check_counts(&[Count::Poses(options.poses)])?;
         call.extend(bounded_only(file));
         let how = &options.compensation;
         let targets = split(call, targets, how)?;
@@ -60,7 +59,7 @@ pub fn compile_composed(
             lattice: &options.lattice,
             max_nodes: options.max_nodes,
         };
-        let (composition, [of_first, of_second]) = compiled(call, file, targets, request)?;
+        let (composition, [of_first, of_second]) = compose(call, file, targets.0, targets.1, request)?;
         let certificate =
             certificate(call, &composition, file, how, Depth { poses: options.poses, seed: options.seed })?;
         let goal = if how.orientation() { "correct pose" } else { "correct position" };
@@ -89,18 +88,17 @@ fn certificate(
     how: &CompensationOptions,
     depth: Depth,
 ) -> Result<CertificateReport, Refused> {
-    let (certificate, first) = composition.certified(file, how, depth, call)?;
+    let (certificate, first) = composition.certify(file, how, depth, call)?;
     let tables = composition.tables_under_test();
     let module = KinematicsModule::KinematicParameters(composition.parameters.clone());
     let (both, field) = (composition.both(), tables.beside(file, &module));
-    let mut report = CertificateReport::new(file, &both, certificate, (&field, depth), composition.files.clone());
+    let mut report = CertificateReport::new(file, &both, certificate, &field, depth, composition.files.clone());
     let step = |target: String, compensated| CertificateStep { target, compensated };
     report.steps =
         vec![step(composition.target.manifest.target.clone(), first), step(both.manifest.target, report.compensated)];
     Ok(report)
 }
 
-/// The certificate of the composed set in a folder.
 pub(super) fn verify_composed(
     call: &mut Call,
     file: &MachineFile,
@@ -110,8 +108,9 @@ pub(super) fn verify_composed(
     depth: Depth,
 ) -> Result<CertificateReport, Refused> {
     let (target, tables_target) = targets(call, folder, how)?;
-    let before = composition::installed(call, file, (&target, &tables_target), how, installed)?;
-    let composition = found(call, file, folder, how, before.unzip())?;
+    let before = composition::load_installed(call, file, &target, &tables_target, how, installed)?;
+    let (before, old_tables) = before.unzip();
+    let composition = find(call, file, folder, how, before, old_tables)?;
     composition.warn(call, file, folder);
     certificate(call, &composition, file, how, depth)
 }

@@ -1,10 +1,10 @@
 //! The same machine under other conventions, proved by comparing both.
 
 use crate::convert::{Change, Conversion, ConversionRequest, Misfit, Proof, ROUNDING, changes, prove};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::{MachineFile, read_back};
 use crate::machine::{Axis, AxisName, Conventions, Machine, MachineParts, machine_file};
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use crate::units::{angle, length, significant};
 use serde::Serialize;
 
@@ -113,11 +113,11 @@ pub struct ConversionProof {
 /// Rewrites a machine for other conventions, and proves that it is the same machine.
 ///
 /// Fails for unknown conventions or axes, and where the machines differ by more than is accepted.
-pub fn convert(file: &MachineFile, options: &ConvertOptions, run: Run) -> Result<Answer<ConvertResult>, Diagnostics> {
+pub fn convert(file: &MachineFile, options: &ConvertOptions, run: Run) -> Reply<ConvertResult> {
     Call::answer(run, file.sources(), |call| {
         let request = request(file, options).or_else(|refusal| call.refuse(refusal))?;
         let conversion = crate::convert::convert(file, &request).or_else(|refusal| call.refuse(refusal))?;
-        let machine = taken(call, &machine_file(&conversion.parts, &[]))?;
+        let machine = reload(call, &machine_file(&conversion.parts, &[]))?;
         let proof = prove(file, &machine);
         if !proof.holds(request.within_mm) {
             return call.refuse(inexact(file, &request, &conversion, &proof));
@@ -133,7 +133,7 @@ fn result(
     conversion: &Conversion,
     proof: &Proof,
 ) -> ConvertResult {
-    let (changed, proved) = (changed(file, request), proved(proof));
+    let (changed, proved) = (list_changes(file, request), proof_text(proof));
     let Proof { poses: [grid_poses, random_poses], position, rotation, .. } = *proof;
     let misfit = |m: &Misfit| MisfitSize { name: m.error.to_string(), off: m.size };
     ConvertResult {
@@ -158,7 +158,7 @@ fn result(
 fn request(file: &MachineFile, options: &ConvertOptions) -> Result<ConversionRequest, Diagnostic> {
     let now = *file.conventions();
     let conventions = options.to.as_deref().map_or(Ok(now), |text| {
-        now.amended(text).map_err(|why| {
+        now.amend(text).map_err(|why| {
             let message = format!("`{}`: {}", shown(text), shown(&why.to_string()));
             let help = format!("write one of {}, or keys as in a machine file", Conventions::words().join(", "));
             Diagnostic::new(codes::E0528, message).help(help)
@@ -178,7 +178,7 @@ fn datum(file: &MachineFile, name: &str) -> Result<AxisName, Diagnostic> {
 }
 
 /// Returns the machine of the text: the proof is about the written file.
-fn taken(call: &mut Call<'_>, text: &str) -> Result<MachineFile, Refused> {
+fn reload(call: &mut Call, text: &str) -> Result<MachineFile, Refused> {
     read_back(text).or_else(|why| {
         let message = format!("the converted machine is refused: {}", shown(&why.to_string()));
         let help = "an error that is plausible in one convention need not be in another: check the large ones; and all \
@@ -187,7 +187,7 @@ fn taken(call: &mut Call<'_>, text: &str) -> Result<MachineFile, Refused> {
     })
 }
 
-fn changed(file: &MachineFile, request: &ConversionRequest) -> Vec<String> {
+fn list_changes(file: &MachineFile, request: &ConversionRequest) -> Vec<String> {
     let mut all = file.conventions().changes(&request.conventions);
     all.extend(request.datum.iter().map(|axis| format!("datum machine frame -> {axis}")));
     if all.is_empty() { vec!["nothing to convert".to_owned()] } else { all }
@@ -205,7 +205,7 @@ fn provenance(file: &MachineFile, changed: &[String], proved: &str) -> Vec<(Stri
     ]
 }
 
-fn proved(proof: &Proof) -> String {
+fn proof_text(proof: &Proof) -> String {
     let Proof { poses: [grid, random], position, rotation, .. } = proof;
     format!(
         "largest difference {position:.1e} mm and {rotation:.1e} rad over {grid} poses of a grid and {random} random \

@@ -2,13 +2,12 @@
 
 use crate::compensation::{Correction, Jacobian};
 use crate::controller::micro;
-use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Summary, random_poses};
-use crate::file_set::effect::found_effect;
+use crate::file_set::effect::effect_in;
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::MachineFile;
 use crate::machine::Approach;
-use crate::run::{Answer, Call, Count, Run};
+use crate::run::{Call, Count, Reply, Run};
 use serde::ser::SerializeMap;
 use std::path::Path;
 
@@ -66,20 +65,14 @@ fn by_name<S: serde::Serializer>(axes: &[AxisDifference], serializer: S) -> Resu
 /// Compares what the sets in two folders add to commands, over random poses of the volume approached from both sides.
 ///
 /// Fails if a folder holds no set of a known target, or one that the controller would misread.
-pub fn diff(
-    file: &MachineFile,
-    old: &Path,
-    new: &Path,
-    options: &DiffOptions,
-    run: Run,
-) -> Result<Answer<SetDifference>, Diagnostics> {
+pub fn diff(file: &MachineFile, old: &Path, new: &Path, options: &DiffOptions, run: Run) -> Reply<SetDifference> {
     Call::answer(run, file.sources(), |call| {
-        call.bounded(&[Count::Poses(options.poses)])?;
+        call.check_counts(&[Count::Poses(options.poses)])?;
         let mut found = |folder: &Path| {
-            call.about(&folder.display().to_string(), |call| found_effect(call, file, folder, &options.compensation))
+            call.about(&folder.display().to_string(), |call| effect_in(call, file, folder, &options.compensation))
         };
         let ((old, of_old), (new, of_new)) = (found(old)?, found(new)?);
-        call.checked()?;
+        call.check()?;
         let added = [of_old.addition(file, &old), of_new.addition(file, &new)];
         let mut axes: Vec<Vec<f64>> = vec![Vec::new(); file.axes().len()];
         let mut moved = Vec::new();

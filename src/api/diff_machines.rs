@@ -2,12 +2,11 @@
 
 use super::compare::nothing_in_common;
 use crate::analysis::{MachineResult, Work, compare as compared};
-use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Bare, Field, Order};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::machine::{Approach, Machine, MachineProperty};
-use crate::report::{MachineDifference, described};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::report::{MachineDifference, describe};
+use crate::run::{Call, Count, Refused, Reply, Run};
 
 /// Options of [`diff_machines`].
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -33,11 +32,7 @@ impl Default for DiffMachinesOptions {
 /// deviation over tool poses that both reach.
 ///
 /// Fails if the files are not two, and if no tool pose is reached by both machines.
-pub fn diff_machines(
-    files: &[MachineFile],
-    options: &DiffMachinesOptions,
-    run: Run<'_>,
-) -> Result<Answer<MachineDifference>, Diagnostics> {
+pub fn diff_machines(files: &[MachineFile], options: &DiffMachinesOptions, run: Run<'_>) -> Reply<MachineDifference> {
     Call::answer(run, &sources_of(files), |call| difference(call, files, options))
 }
 
@@ -47,7 +42,7 @@ fn difference(
     options: &DiffMachinesOptions,
 ) -> Result<MachineDifference, Refused> {
     let [first, second] = files else { return call.usage("`diff` takes two machines") };
-    call.bounded(&[Count::Poses(options.poses)])?;
+    call.check_counts(&[Count::Poses(options.poses)])?;
     let properties = first.differences(second);
     // These change no deviation, and a travel taken alone would change the work.
     let idle = |property: &MachineProperty| {
@@ -78,7 +73,7 @@ fn difference(
     let p95 = |machine: usize| found.machines[machine].statistics.position_um.p95;
     let of = |property: &MachineProperty| {
         let index = single.iter().position(|(known, _)| *known == property)? + 2;
-        covered(machines[index], &found.machines[index]).then(|| p95(index))
+        covers(machines[index], &found.machines[index]).then(|| p95(index))
     };
     // Everything but the chain itself is judged on the chain of the second.
     let base = of(&MachineProperty::Chain).unwrap_or(p95(0));
@@ -94,11 +89,11 @@ fn difference(
         seed: options.seed,
         p95_um: [p95(0), p95(1)],
         minus_first_um: p95(1) - p95(0),
-        differences: properties.iter().map(|property| described(first, second, property, effect(property))).collect(),
+        differences: properties.iter().map(|property| describe(first, second, property, effect(property))).collect(),
     })
 }
 
 /// True if every error curve is defined at the poses.
-fn covered(machine: &Machine, side: &MachineResult) -> bool {
+fn covers(machine: &Machine, side: &MachineResult) -> bool {
     side.reached.iter().all(|(pose, _)| machine.outside(pose).is_none())
 }

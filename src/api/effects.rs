@@ -51,7 +51,6 @@ impl Neglected {
     }
 }
 
-/// Effects at one pose.
 pub(crate) struct Effects {
     pub sensitivity: Vec<ErrorEffect>,
     pub interactions: Option<Vec<ErrorEffect>>,
@@ -60,8 +59,9 @@ pub(crate) struct Effects {
 
 /// Returns the effects at each pose, and the bound of the terms that order 1 neglects over them and over the volume.
 pub(crate) fn effects(
-    call: &mut Call<'_>,
-    (machine, poses): (&Machine, &[Pose]),
+    call: &mut Call,
+    machine: &Machine,
+    poses: &[Pose],
     conditions: OperatingConditions,
     interacting: bool,
 ) -> Result<(Vec<Effects>, Option<Neglected>), Refused> {
@@ -106,7 +106,7 @@ fn list(effects: &[ProductEffect]) -> Vec<ErrorEffect> {
 
 /// Returns by how much the axes move to undo the errors, over an algebra: mm and deg, by axis.
 pub(crate) fn inverse(
-    call: &mut Call<'_>,
+    call: &mut Call,
     machine: &Machine,
     at: &OperatingPoint<'_>,
     lift: &WeilLift,

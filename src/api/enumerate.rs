@@ -7,11 +7,11 @@ use crate::analysis::enumerate::{
     RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk, rank, standings, walks,
 };
 use crate::analysis::{UnreachableCount, Work};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::MachineFile;
 use crate::job::tool_poses::{self, ReachedToolPoses};
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
-use crate::run::{Answer, Call, Count, Refused, Run, sha256};
+use crate::run::{Call, Count, Refused, Reply, Run, sha256};
 use crate::shards::study::{self, StudyFile};
 use indexmap::IndexMap;
 use rayon::prelude::*;
@@ -278,7 +278,7 @@ pub fn enumerate(
     options: &EnumerateOptions,
     file: Option<&dyn StudyFile>,
     run: Run<'_>,
-) -> Result<Answer<EnumerateResult>, Diagnostics> {
+) -> Reply<EnumerateResult> {
     Call::answer(run, machine.sources(), |call| studied(call, machine, options, file))
 }
 
@@ -308,8 +308,8 @@ fn studied(
         Judge::Errors => (JudgedBy::Errors, known(machine)),
         Judge::Budget { bounds, .. } => (JudgedBy::Budget, bounds.len()),
     };
-    let begun = study::begun(call, options.state.as_deref(), empty)?;
-    let begun = study::merged(call, &options.merge, begun)?;
+    let begun = study::begin(call, options.state.as_deref(), empty)?;
+    let begun = study::merge(call, &options.merge, begun)?;
     let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work).with_travel(options.size);
     let end = match computed(call, options, (&study, &rounds), (begun, file))? {
         Computed::End(end) => end,
@@ -386,8 +386,8 @@ fn fitting(call: &mut Call<'_>, machine: &Machine, options: &EnumerateOptions) -
     if !(0.0..=100.0).contains(&options.reach_percent) {
         return call.usage("`--reach` is a share in percent, 0 to 100");
     }
-    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
-    options.max_samples.map_or(Ok(()), |limit| call.bounded(&[Count::MaxMachines(limit)]))?;
+    call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+    options.max_samples.map_or(Ok(()), |limit| call.check_counts(&[Count::MaxMachines(limit)]))?;
     if options.max_samples.is_some_and(|limit| limit < options.samples) || options.first < 1 {
         return call.usage("`--max-samples` is not below `--samples`, and `--first` is 1 at least");
     }

@@ -5,12 +5,11 @@ use crate::algebra::symbolic::Symbolic;
 use crate::algebra::weil::Monomial;
 use crate::algebra::{Algebra, Htm};
 use crate::analysis::{Equations, Naming, Options, Symbol, SymbolMeaning, equations as closed_forms};
-use crate::diagnostic::Diagnostics;
 use crate::evaluate::Frame;
 use crate::job::machine_file::MachineFile;
 use crate::machine::Machine;
 use crate::report::equations as print;
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use indexmap::IndexMap;
 use nalgebra::{Matrix4, Vector3};
 use schemars::JsonSchema;
@@ -145,17 +144,13 @@ impl EquationsResult {
 /// Returns the closed forms of a machine.
 ///
 /// Fails for an algebra that does not fit the machine, and for errors that are no polynomials of the position.
-pub fn equations(
-    file: &MachineFile,
-    options: &EquationsOptions,
-    run: Run<'_>,
-) -> Result<Answer<EquationsResult>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| found(call, file, options))
+pub fn equations(file: &MachineFile, options: &EquationsOptions, run: Run) -> Reply<EquationsResult> {
+    Call::answer(run, file.sources(), |call| derive(call, file, options))
 }
 
-fn found(call: &mut Call<'_>, machine: &Machine, options: &EquationsOptions) -> Result<EquationsResult, Refused> {
+fn derive(call: &mut Call, machine: &Machine, options: &EquationsOptions) -> Result<EquationsResult, Refused> {
     let text = options.algebra.clone().unwrap_or_else(|| format!("degree: {}", options.order.unwrap_or(1)));
-    let declared = algebra::declared(call, machine, &text)?;
+    let declared = algebra::declare(call, machine, &text)?;
     let (naming, tool_length) = (options.symbols, options.tool_length);
     let found = closed_forms(machine, &declared, Options { naming, tool_length });
     let equations = found.or_else(|refusal| call.refuse(refusal))?;

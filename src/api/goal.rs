@@ -4,6 +4,7 @@ use super::tolerances::ToleranceOptions;
 use crate::analysis::budget::{
     Binding, Bound, CheapestTolerances, CostModel, GoalAnswer, GoalRequest, Percentile, Price, cheapest,
 };
+use crate::analysis::reference::PartReference;
 use crate::diagnostic::{Diagnostic, Reason, codes, shown};
 use crate::machine::{ErrorKind, Machine, Pose};
 use crate::report::tolerance_unit;
@@ -94,10 +95,10 @@ pub struct GoalTolerance {
 
 /// Returns the cheapest tolerances for the goal of the options (mm).
 pub(crate) fn goal(
-    call: &mut Call<'_>,
+    call: &mut Call,
     machine: &Machine,
     inputs: GoalInputs<'_>,
-    (bounds, poses): (&[Bound], &[Pose]),
+    (bounds, poses, reference): (&[Bound], &[Pose], Option<&PartReference>),
     goal_mm: f64,
 ) -> Result<ToleranceGoal, Refused> {
     if !(goal_mm > 0.0 && goal_mm.is_finite()) {
@@ -111,7 +112,7 @@ pub(crate) fn goal(
         (Ok(prices), _) => prices,
         (Err(failure), path) => {
             let name = path.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
-            return call.refuse(refused(&name, &failure));
+            return call.refuse(refuse(&name, &failure));
         }
     };
     let tolerances = inputs.tolerances;
@@ -123,6 +124,7 @@ pub(crate) fn goal(
         prices: &prices,
         power: model.power,
         poses,
+        reference,
         draws: [&first, &second, &third],
         samples: inputs.samples.max(MIN_SEARCHED),
         proof_samples,
@@ -185,18 +187,17 @@ fn in_order(bounds: &[Bound], prices: &[Price], power: f64, found: &CheapestTole
     order.into_iter().map(one).collect()
 }
 
-/// Reads a cost model.
-fn read(call: &mut Call<'_>, path: &Path) -> Result<CostModel, Refused> {
+fn read(call: &mut Call, path: &Path) -> Result<CostModel, Refused> {
     let files = call.run.files;
     let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };
     let written = from_yaml::<CostModel>(&text).map_err(Reason::new);
     match written.and_then(CostModel::validate) {
         Ok(model) => Ok(model),
-        Err(failure) => call.refuse(refused(&path.display().to_string(), &failure)),
+        Err(failure) => call.refuse(refuse(&path.display().to_string(), &failure)),
     }
 }
 
-fn refused(name: &str, failure: &Reason) -> Diagnostic {
+fn refuse(name: &str, failure: &Reason) -> Diagnostic {
     let message = format!("`{}`: {}", shown(name), shown(&failure.to_string()));
     let help = "a cost model has `power`, `weights`, `finest` and `coarsest`; docs/budget.md has an example";
     Diagnostic::new(codes::E0615, message).help(help)

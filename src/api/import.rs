@@ -1,10 +1,10 @@
 //! A single-axis measurement as an instrument exports it, to a table of error curves.
 
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
+use crate::diagnostic::{Diagnostic, Sources, codes, shown};
 use crate::identify::import::{self, Import, ImportRequest};
 use crate::report::imported::ImportResult;
 use crate::report::positioning::contributors;
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use crate::standards::{self, Thermal};
 use crate::units::counted;
 use std::path::{Path, PathBuf};
@@ -56,7 +56,7 @@ const LISTED: usize = 12;
 /// Reads an export: text, UTF-8 or UTF-16, comma, semicolon or tab.
 ///
 /// Fails if the file cannot be understood as a whole; single rows are left out with a warning.
-pub fn import(path: impl AsRef<Path>, options: &ImportOptions, run: Run) -> Result<Answer<ImportResult>, Diagnostics> {
+pub fn import(path: impl AsRef<Path>, options: &ImportOptions, run: Run) -> Reply<ImportResult> {
     Call::answer(run, &Sources::default(), |call| {
         let request = request(call, options)?;
         let contributors = match contributors(&options.uncertainty) {
@@ -70,7 +70,7 @@ pub fn import(path: impl AsRef<Path>, options: &ImportOptions, run: Run) -> Resu
             }
         };
         let found = import::import(path.as_ref(), &request, run.files, &mut call.diagnostics);
-        call.checked()?;
+        call.check()?;
         let found = found.ok_or(Refused)?;
         let table = found.table(options.continuous);
         call.extend(left_out(&found));
@@ -87,7 +87,7 @@ pub fn import(path: impl AsRef<Path>, options: &ImportOptions, run: Run) -> Resu
     })
 }
 
-fn request(call: &mut Call<'_>, options: &ImportOptions) -> Result<ImportRequest, Refused> {
+fn request(call: &mut Call, options: &ImportOptions) -> Result<ImportRequest, Refused> {
     let request = ImportRequest {
         axis: options.axis.clone(),
         error: options.error.clone(),
@@ -117,7 +117,7 @@ fn request(call: &mut Call<'_>, options: &ImportOptions) -> Result<ImportRequest
 }
 
 /// The material of the machine, in words.
-fn material(call: &mut Call<'_>, options: &ImportOptions) -> Result<Option<Thermal>, Refused> {
+fn material(call: &mut Call, options: &ImportOptions) -> Result<Option<Thermal>, Refused> {
     let Some(words) = &options.material else { return Ok(None) };
     let plausible = |of: &Thermal| of.temperature.abs() <= 100.0 && of.expansion.abs() <= 1e-3;
     match standards::thermal(words).filter(plausible) {
@@ -137,7 +137,6 @@ fn left_out(found: &Import) -> Option<Diagnostic> {
     (count > 0).then(|| listed.fold(warning, |warning, row| warning.at(Some(row.place.clone()), row.reason.clone())))
 }
 
-/// Columns that no rule has.
 fn unknown_columns(found: &Import) -> Option<Diagnostic> {
     let unknown = found.unused_columns.iter().filter(|column| !column.known);
     let titles: Vec<&str> = unknown.map(|column| column.title.as_str()).collect();

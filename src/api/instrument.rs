@@ -4,13 +4,13 @@ use crate::analysis::Unreachable;
 use crate::analysis::instrument::{
     BallBar, CirclePlane, Diagonal, RTest, RTestReading, ball_bar, diagonals, r_test, within,
 };
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Frame;
 use crate::job::machine_file::{MachineFile, bounded_only};
 use crate::job::poses::{AxisPositions, axis_positions, check, pose_at};
 use crate::machine::{Axis, AxisKind, Machine, Pose};
 use crate::report::{DiagonalPicture, DialPanel, Picture, PolarPicture, RTestPicture};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use crate::units::significant;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -86,7 +86,6 @@ pub enum Readings {
         centre: AxisPositions,
         /// Length of the ball bar, mm.
         radius_mm: f64,
-        /// The circles, plane by plane.
         planes: Vec<BallBar>,
     },
     /// R-tests.
@@ -187,23 +186,19 @@ impl InstrumentResult {
 /// Returns the readings of a measuring instrument on a machine.
 ///
 /// Fails for a path that the machine cannot drive, and for a place or an axis that does not fit it.
-pub fn instrument(
-    file: &MachineFile,
-    options: &InstrumentOptions,
-    run: Run<'_>,
-) -> Result<Answer<InstrumentResult>, Diagnostics> {
+pub fn instrument(file: &MachineFile, options: &InstrumentOptions, run: Run) -> Reply<InstrumentResult> {
     Call::answer(run, file.sources(), |call| read(call, file, options))
 }
 
-fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> Result<InstrumentResult, Refused> {
+fn read(call: &mut Call, machine: &Machine, options: &InstrumentOptions) -> Result<InstrumentResult, Refused> {
     call.extend(bounded_only(machine));
-    options.points.map_or(Ok(()), |points| call.bounded(&[Count::Points(points)]))?;
+    options.points.map_or(Ok(()), |points| call.check_counts(&[Count::Points(points)]))?;
     let share = if options.instrument == Instrument::RTest { 0.75 } else { 0.5 };
     let usual = within(machine, share);
     let at = match &options.at {
         None => usual,
         // Axes without a value stay at their usual place.
-        Some(text) => named(machine, text, usual).or_else(|refusal| call.refuse(refusal))?,
+        Some(text) => pose_by_names(machine, text, usual).or_else(|refusal| call.refuse(refusal))?,
     };
     check(call, machine, std::slice::from_ref(&at))?;
     let readings = match options.instrument {
@@ -215,8 +210,7 @@ fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> 
     Ok(InstrumentResult { machine: machine.name().to_owned(), readings, axes: machine.axes().to_vec(), at })
 }
 
-/// A pose of which only some axes are named.
-fn named(machine: &Machine, text: &str, mut pose: Pose) -> Result<Pose, Diagnostic> {
+fn pose_by_names(machine: &Machine, text: &str, mut pose: Pose) -> Result<Pose, Diagnostic> {
     let given = pose_at(machine, text)?;
     for part in text.split(',') {
         let name = part.split_once('=').map_or("", |(name, _)| name.trim());
@@ -232,12 +226,7 @@ fn not_driven(path: &str, why: Unreachable) -> Diagnostic {
     Diagnostic::new(codes::E0612, format!("{path} cannot be driven: {}", why.words())).help(help)
 }
 
-fn circles(
-    call: &mut Call<'_>,
-    machine: &Machine,
-    at: &[f64],
-    options: &InstrumentOptions,
-) -> Result<Readings, Refused> {
+fn circles(call: &mut Call, machine: &Machine, at: &[f64], options: &InstrumentOptions) -> Result<Readings, Refused> {
     let radius_mm = options.radius_mm;
     if !(radius_mm > 0.0 && radius_mm <= 10_000.0) {
         return call.usage("`--radius` is a length above 0 and up to 10000 mm");
@@ -253,7 +242,7 @@ fn circles(
     Ok(Readings::BallBar { centre: axis_positions(machine, at), radius_mm, planes })
 }
 
-fn turns(call: &mut Call<'_>, machine: &Machine, at: &[f64], options: &InstrumentOptions) -> Result<Readings, Refused> {
+fn turns(call: &mut Call, machine: &Machine, at: &[f64], options: &InstrumentOptions) -> Result<Readings, Refused> {
     let name = |i: usize| machine.axes()[i].name.as_str();
     let rotary: Vec<usize> =
         (0..machine.axes().len()).filter(|i| machine.axes()[*i].kind == AxisKind::Rotary).collect();
@@ -287,7 +276,7 @@ fn turns(call: &mut Call<'_>, machine: &Machine, at: &[f64], options: &Instrumen
 }
 
 fn lines(
-    call: &mut Call<'_>,
+    call: &mut Call,
     machine: &Machine,
     at: &[f64],
     options: &InstrumentOptions,

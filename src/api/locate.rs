@@ -3,13 +3,13 @@
 
 use super::import::columns_left_out;
 use crate::controller::{FoundLine, Parameters, RotaryLine, Transformation, found_lines};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::file_set::found_set;
 use crate::file_set::module_set::{self, ModuleRequest};
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::MachineFile;
 use crate::machine::{ErrorFamily, ErrorId, ErrorTerm, Machine, machine_file};
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use crate::syntax::sheet::read_sheet;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -105,12 +105,7 @@ struct Finding {
 ///
 /// Fails for a machine that has no kinematic parameters, for files that cannot be read, and for lines to which no
 /// location errors lead.
-pub fn locate(
-    file: &MachineFile,
-    path: Option<&Path>,
-    options: &LocateOptions,
-    run: Run<'_>,
-) -> Result<Answer<LocateResult>, Diagnostics> {
+pub fn locate(file: &MachineFile, path: Option<&Path>, options: &LocateOptions, run: Run) -> Reply<LocateResult> {
     Call::answer(run, file.sources(), |call| {
         let is_folder = path.is_some_and(|path| !call.run.files.entries(path).is_empty());
         if !is_folder && (options.target.is_some() || options.installed.is_some()) {
@@ -134,26 +129,26 @@ pub fn locate(
 
 /// The errors that the parameters in a folder tell.
 fn from_parameters(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     path: &Path,
     options: &LocateOptions,
 ) -> Result<Finding, Refused> {
     let how = CompensationOptions { templates: options.templates.clone(), ..CompensationOptions::default() };
-    let set = found_set::found_set(call, file, path, options.target.as_deref(), &how)?;
+    let set = found_set::find_set(call, file, path, options.target.as_deref(), &how)?;
     let name = &set.target.manifest.target;
     if set.target.manifest.kinematics().is_none_or(|mechanism| mechanism.machines.is_empty()) {
         return call.usage(format!("`{}` holds files of `{name}`, which has no kinematic parameters", path.display()));
     }
-    let before = module_set::installed(call, file, &set.target, &how, options.installed.as_deref())?;
+    let before = module_set::load_installed(call, file, &set.target, &how, options.installed.as_deref())?;
     let request = ModuleRequest { before, ..ModuleRequest::plain(true) };
-    let (module, _) = module_set::found(call, file, &set.target, path, request, &set.files)?;
+    let (module, _) = module_set::find(call, file, &set.target, path, request, &set.files)?;
     let Some(parameters) = module.parameters() else { return Err(Refused) };
-    let errors = told(file, parameters).or_else(|refusal| call.refuse(refusal))?;
+    let errors = list_found(file, parameters).or_else(|refusal| call.refuse(refusal))?;
     Ok(Finding { target: Some(name.clone()), placed: Some(parameters.transformation().clone()), errors })
 }
 
-fn told(machine: &Machine, parameters: &Parameters) -> Result<Vec<Found>, Diagnostic> {
+fn list_found(machine: &Machine, parameters: &Parameters) -> Result<Vec<Found>, Diagnostic> {
     let mut found = Vec::new();
     for (id, value) in parameters.transformation().location_errors(machine)? {
         if parameters.tells(machine, &id)? {
@@ -164,7 +159,7 @@ fn told(machine: &Machine, parameters: &Parameters) -> Result<Vec<Found>, Diagno
 }
 
 /// The errors that a table of lines tells.
-fn from_table(call: &mut Call<'_>, file: &MachineFile, path: &Path) -> Result<Finding, Refused> {
+fn from_table(call: &mut Call, file: &MachineFile, path: &Path) -> Result<Finding, Refused> {
     let Some(sheet) = read_sheet(path, call.run.files, &mut call.diagnostics) else { return Err(Refused) };
     let nominal = Transformation::nominal(file).or_else(|refusal| call.refuse(refusal))?;
     let (lines, left_out) = found_lines(&sheet, file, &nominal).or_else(|refusal| call.refuse(refusal))?;

@@ -9,24 +9,26 @@ use crate::analysis::{
     self, DiagonalRun, MAX_POSES, MAX_SURVEYED, Survey, SurveyTask, View, body_diagonals, deviations, rest,
 };
 use crate::controller::{ControllerEffect, ControllerTarget, Depth};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Deviation, Field, Order, Poses, Tally, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
+use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
+use crate::job::over::Over;
 use crate::job::poses::axis_positions;
-use crate::job::tool_poses;
-use crate::machine::Machine;
+use crate::job::reference::{ReferenceKind, SetUp};
+use crate::machine::{Machine, Pose};
 use crate::report::plane_picture::Subject;
 use crate::report::{Rows, WorkRows};
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use std::ops::Range;
 
 /// Maps the deviations of a machine over its volume.
 ///
 /// Fails for more than 1e9 poses (1e6 where nothing is measured), and for a picture or a file of tool poses that does
 /// not fit the machine.
-pub fn map(file: &MachineFile, options: &MapOptions, run: Run<'_>) -> Result<Answer<MapResult>, Diagnostics> {
+pub fn map(file: &MachineFile, options: &MapOptions, run: Run<'_>) -> Reply<MapResult> {
     map_tables(file, options, Vec::new(), run)
 }
 
@@ -38,7 +40,7 @@ pub fn map_tables(
     options: &MapOptions,
     tables: Vec<MapTable<'_>>,
     run: Run<'_>,
-) -> Result<Answer<MapResult>, Diagnostics> {
+) -> Reply<MapResult> {
     Call::answer(run, file.sources(), |call| volume(call, file, options, tables, &WholeMap))
 }
 
@@ -48,7 +50,7 @@ pub(crate) fn map_of_parts(
     options: &MapOptions,
     parts: &dyn MapParts,
     run: Run<'_>,
-) -> Result<Answer<MapResult>, Diagnostics> {
+) -> Reply<MapResult> {
     Call::answer(run, file.sources(), |call| volume(call, file, options, Vec::new(), parts))
 }
 
@@ -71,7 +73,6 @@ pub(crate) trait MapParts {
     }
 }
 
-/// Computes all of them.
 struct WholeMap;
 
 impl MapParts for WholeMap {}
@@ -97,54 +98,81 @@ fn volume(
     tables: Vec<MapTable<'_>>,
     parts: &dyn MapParts,
 ) -> Result<MapResult, Refused> {
-    call.bounded(&[Count::Machines(options.samples)])?;
+    call.check_counts(&[Count::Machines(options.samples)])?;
     if let MapPoses::Random(0) | MapPoses::LowDiscrepancy(0) = options.poses {
         return call.usage("a map takes 1 pose at least");
     }
     let settings = (&options.tolerances, options.samples, options.seed);
     if let Some(drawn) = DrawnBounds::of(call, machine, settings)? {
         parts.refuse_other()?;
-        return map_bounds::volume(call, machine, options, (&drawn, tables));
+        return map_bounds::volume(call, machine, options, (drawn, tables));
     }
     let order = order_of(machine, options.order);
     let view = View { conditions: options.approach.into(), frame: options.frame };
     let place =
         options.picture.as_ref().map(|picture| picture.place(call, machine, options.target.is_some())).transpose()?;
-    let tool_poses = match &options.poses {
-        MapPoses::ToolPoses(path) => tool_poses::asked(call, machine, Some(path))?,
-        _ => None,
-    };
+    let job = options.poses.job().read(call, machine)?;
+    let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let compensation = compensation(call, machine, options, order)?;
-    let bare = CompiledField::new(machine, order);
-    let replayed = compensation.as_ref().map(|(target, effect)| effect.field(machine, target));
-    let field: &dyn Field = replayed.as_ref().map_or(&bare as &dyn Field, |field| &**field);
     let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
     if poses.len() > MAX_SURVEYED {
         return call.refuse(too_many(poses.len()));
     }
+    let set_up = set_up(call, machine, options, &poses, job.as_ref())?;
+    let compiled = CompiledField::new(machine, order);
+    let replayed = compensation.as_ref().map(|(target, effect)| effect.field(machine, target));
+    let [set_up_bare, set_up_replayed] = [Some(&compiled as &dyn Field), replayed.as_deref()]
+        .map(|field| field.and_then(|field| set_up.field(field, order, view.conditions)));
+    let bare: &dyn Field = set_up_bare.as_ref().map_or(&compiled as &dyn Field, |field| field);
+    let corrected = set_up_replayed.as_ref().map(|field| field as &dyn Field).or(replayed.as_deref());
+    let field = corrected.unwrap_or(bare);
     let name = options.target.as_deref().unwrap_or_default();
     let work = tool_poses.as_ref().map(WorkRows::of);
     let rows = Rows { machine, poses: &poses, view, order, target: name, work: work.as_ref(), drawn: None };
     let before = match &replayed {
-        Some(_) => Some(found(call, &bare, &rows, Vec::new(), parts, 0)?.statistics),
+        Some(_) => Some(found(call, bare, &rows, Vec::new(), parts, 0)?.statistics),
         None => None,
     };
     let survey = found(call, field, &rows, tables, parts, options.worst)?;
     let state = if name.is_empty() { String::new() } else { format!("after {name}") };
-    let before_field = replayed.is_some().then_some(&bare as &dyn Field);
+    let before_field = replayed.is_some().then_some(bare);
     let subject = Subject { field, state: &state, before: before_field };
     let drawn = options.picture.as_ref().zip(place.as_ref());
     let picture = drawn.map(|(picture, place)| picture.picture(place, &subject, view, order));
-    let features = tool_poses.as_ref().map(|reached| features(field, reached, view, replayed.is_none()));
+    let features = tool_poses.as_ref().map(|of| features(field, of, view, replayed.is_none(), set_up.removed()));
     let features = features.unwrap_or_default();
-    let bounds_add = added(call, machine, settings, tool_poses.as_ref().map(|reached| reached.poses.as_slice()))?;
+    let reached = tool_poses.as_ref().map(|reached| reached.poses.as_slice());
+    let bounds_add = added(call, machine, settings, reached, set_up.removed())?;
     let diagonals = body_diagonals(field, &view.conditions.at_pose(&rest(machine)), DIAGONAL_STEPS);
-    let result = result(&rows, &survey, &diagonals);
+    let over = MapPoses::over(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
+    let result = result(&rows, over, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
     let besides: Vec<usize> = survey.worst.iter().map(|(i, _)| *i).collect();
-    let uncertainty = field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed);
+    let uncertainty =
+        field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed, set_up.removed());
     let target = options.target.clone();
     Ok(MapResult { picture, tool_poses, features, bounds_add, target, uncompensated, uncertainty, ..result })
+}
+
+/// Returns the set-up of the part of a map.
+pub(crate) fn set_up(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    options: &MapOptions,
+    poses: &Poses,
+    job: Option<&Job>,
+) -> Result<SetUp, Refused> {
+    let asked = options.reference.as_ref();
+    let stated = job.map_or_else(|| asked.cloned(), |job| job.stated(asked));
+    let fitted = stated.is_some_and(|of| of.kind == ReferenceKind::BestFit);
+    if fitted && poses.len() > MAX_POSES {
+        return call.usage(format!("a best fit is over {MAX_POSES} poses at most, all of which are held"));
+    }
+    let list: Vec<Pose> = if fitted { poses.iter().collect() } else { Vec::new() };
+    match job {
+        Some(job) => job.set_up(call, machine, asked, &list),
+        None => SetUp::of(call, machine, asked, None, &list),
+    }
 }
 
 /// Number of poses at which the warnings of a compensation are found.
@@ -187,7 +215,7 @@ fn found(
     let tables = Tables::new(*rows, tables).or_else(|refusal| call.refuse(refusal))?;
     if poses.len() > MAX_POSES {
         parts.refuse_other()?;
-        return tables.surveyed(call, SurveyTask { field, poses, view, worst: count });
+        return tables.survey(call, SurveyTask { field, poses, view, worst: count });
     }
     let analysis::Map { deviations, statistics } = analysis::Map::of(parts.deviations(call, field, poses, view)?);
     tables.write(&deviations).or_else(|refusal| call.refuse(refusal))?;
@@ -195,7 +223,7 @@ fn found(
     Ok(Survey { statistics, worst })
 }
 
-fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[DiagonalRun]) -> MapResult {
+fn result(rows: &Rows<'_>, over: Over, survey: &Survey, diagonals: &[DiagonalRun]) -> MapResult {
     let Rows { machine, poses, .. } = *rows;
     let worst = |(i, deviation): &(usize, Deviation)| WorstPose {
         axes: axis_positions(machine, &poses.get(*i)),
@@ -213,6 +241,6 @@ fn result(rows: &Rows<'_>, survey: &Survey, diagonals: &[DiagonalRun]) -> MapRes
         worst: survey.worst.iter().map(worst).collect(),
         diagonals: diagonals.iter().map(diagonal).collect(),
         p95_relative_error: (poses.len() > MAX_POSES).then_some(Tally::QUANTILE_ERROR),
-        ..MapResult::empty(rows, survey.statistics)
+        ..MapResult::empty(rows, over, survey.statistics)
     }
 }

@@ -1,33 +1,29 @@
 //! The map of a machine of which nothing is measured: what its bounds lead to.
 
 use super::bounded::DrawnBounds;
+use super::map::set_up;
 use super::map_result::{MapFromBounds, MapOptions, MapPoses, MapResult, WorstBoundedPose};
 use super::map_tables::{MapTable, Tables};
 use crate::analysis::budget::{BoundedDeviation, PoseByPose};
 use crate::analysis::{MAX_POSES, View};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Order, Poses};
-use crate::job::features::bounded_features;
 use crate::job::poses::axis_positions;
-use crate::job::tool_poses;
 use crate::machine::{Machine, Pose};
 use crate::report::plane_picture::BoundedSubject;
 use crate::report::{Rows, WorkRows};
 use crate::run::{Call, Refused};
 
-/// Maps what bounds lead to, and writes the tables.
 pub(crate) fn volume(
     call: &mut Call<'_>,
     machine: &Machine,
     options: &MapOptions,
-    (drawn, tables): (&DrawnBounds, Vec<MapTable<'_>>),
+    (drawn, tables): (DrawnBounds, Vec<MapTable<'_>>),
 ) -> Result<MapResult, Refused> {
     refuse_measured(call, options)?;
     let place = options.picture.as_ref().map(|picture| picture.bounded_place(call, machine)).transpose()?;
-    let tool_poses = match &options.poses {
-        MapPoses::ToolPoses(path) => tool_poses::asked(call, machine, Some(path))?,
-        _ => None,
-    };
+    let job = options.poses.job().read(call, machine)?;
+    let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
     if poses.len() > MAX_POSES {
         return call.refuse(too_many(poses.len()));
@@ -35,9 +31,11 @@ pub(crate) fn volume(
     let view = View { conditions: options.approach.into(), frame: options.frame };
     let work = tool_poses.as_ref().map(WorkRows::of);
     let order = Order::Degree(1);
-    let rows =
-        Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawn.drawing) };
+    let drawing = drawn.drawing.clone();
+    let rows = Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawing) };
     let tables = Tables::new(rows, tables).or_else(|refusal| call.refuse(refusal))?;
+    let set_up = set_up(call, machine, options, &poses, job.as_ref())?;
+    let drawn = drawn.without(set_up.removed());
     let found = drawn.at(call, machine, &poses, view.frame)?;
     tables.write(&found.poses).or_else(|refusal| call.refuse(refusal))?;
     let p95 = |poses: Vec<Pose>| {
@@ -47,9 +45,10 @@ pub(crate) fn volume(
     let subject = BoundedSubject { machine, view, drawing: &drawn.drawing, p95: &p95 };
     let drawn_picture = options.picture.as_ref().zip(place.as_ref());
     let picture = drawn_picture.map(|(picture, place)| picture.bounded_picture(place, &subject)).transpose()?;
-    let features = tool_poses.as_ref().map(|reached| bounded_features(machine, reached, &drawn.bounds, &found));
+    let features = tool_poses.as_ref().map(|reached| drawn.features(machine, reached, &found));
     let figures = drawn.figures(&found);
-    let result = MapResult::empty(&rows, figures.statistics(poses.len()));
+    let over = MapPoses::over(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
+    let result = MapResult::empty(&rows, over, figures.statistics(poses.len()));
     let worst = worst(machine, &poses, &found, options.worst);
     Ok(MapResult {
         from: Some("bounds"),
@@ -61,7 +60,6 @@ pub(crate) fn volume(
     })
 }
 
-/// Refuses options of a map of measured errors.
 fn refuse_measured(call: &mut Call<'_>, options: &MapOptions) -> Result<(), Refused> {
     if options.target.is_some() {
         return call.usage("nothing of the machine is measured, so there is nothing to compensate: omit `--target`");

@@ -6,8 +6,11 @@ use crate::analysis::{Bands, MAX_POSES, MAX_SURVEYED};
 use crate::evaluate::{Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary};
 use crate::file_set::options::CompensationOptions;
 use crate::job::features::FeatureResult;
+use crate::job::job_file::JobPaths;
 use crate::job::machine_file::MachineFile;
+use crate::job::over::{Over, OverKind};
 use crate::job::poses::{AxisPositions, poses};
+use crate::job::reference::Reference;
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::plane_picture::PlaneOptions;
@@ -26,6 +29,9 @@ pub struct MapOptions {
     pub seed: u64,
     /// Order of the errors; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,
+    /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
+    /// poses, nothing for a volume.
+    pub reference: Option<Reference>,
     /// Side of approach, where forward and reverse curves were given.
     pub approach: Approach,
     /// Frame of the vectors.
@@ -51,6 +57,7 @@ impl Default for MapOptions {
             poses: MapPoses::Grid,
             seed: 1,
             order: None,
+            reference: None,
             approach: Approach::default(),
             frame: Frame::default(),
             worst: 5,
@@ -77,6 +84,8 @@ pub enum MapPoses {
     /// The poses for the tool poses of a file, workpiece frame: CSV with columns X, Y, Z (mm) and I, J, K or rotary
     /// axes (deg), or APT CL data.
     ToolPoses(PathBuf),
+    /// The poses for the tool poses of a job file, with the reference that it states.
+    Job(PathBuf),
     /// Poses as numbers, mm and deg, each as long as the machine has axes and in the order of the chain.
     #[schemars(skip)]
     Listed(Vec<Pose>),
@@ -94,7 +103,29 @@ impl MapPoses {
             Self::Grid => Some(Nodes::of(file).len()),
             Self::Random(count) | Self::LowDiscrepancy(count) => Some(*count),
             Self::Listed(list) => Some(list.len()),
-            Self::ToolPoses(_) => None,
+            Self::ToolPoses(_) | Self::Job(_) => None,
+        }
+    }
+
+    /// Returns the files of the job, if these are poses of one.
+    pub(crate) fn job(&self) -> JobPaths<'_> {
+        match self {
+            Self::ToolPoses(path) => JobPaths { job: None, tool_poses: Some(path) },
+            Self::Job(path) => JobPaths { job: Some(path), tool_poses: None },
+            _ => JobPaths { job: None, tool_poses: None },
+        }
+    }
+
+    /// Returns the statement of what a map of these poses is over.
+    pub(crate) fn over(
+        machine: &Machine,
+        reference: &Reference,
+        reached: Option<&ReachedToolPoses>,
+        count: usize,
+    ) -> Over {
+        match reached {
+            Some(of) => Over::new(OverKind::Job, machine, reference, [of.asked, of.reached]),
+            None => Over::new(OverKind::Volume, machine, reference, [count, count]),
         }
     }
 
@@ -108,7 +139,9 @@ impl MapPoses {
             Self::Grid => Poses::Nodes(Nodes::of(machine)),
             Self::Random(count) => Poses::Random(Random::of(machine, *count, seed)),
             Self::LowDiscrepancy(count) => Poses::Spread(Spread::of(machine, *count, seed)),
-            Self::ToolPoses(_) => Poses::Listed(reached.map_or_else(Vec::new, |reached| reached.poses.clone())),
+            Self::ToolPoses(_) | Self::Job(_) => {
+                Poses::Listed(reached.map_or_else(Vec::new, |reached| reached.poses.clone()))
+            }
             Self::Listed(list) => Poses::Listed(poses(call, machine, (&[], list, None))?),
         })
     }
@@ -125,6 +158,8 @@ pub struct MapResult {
     pub frame: Frame,
     /// Side of approach.
     pub direction: Approach,
+    /// What the map is over.
+    pub over: Over,
     /// Number of poses.
     pub poses: usize,
     /// `bounds` where nothing is measured: then the statistics are of the 95 % value at each pose.
@@ -172,12 +207,13 @@ pub struct MapResult {
 
 impl MapResult {
     /// Returns a map that has statistics and nothing else.
-    pub(crate) fn empty(rows: &Rows<'_>, statistics: Statistics) -> Self {
+    pub(crate) fn empty(rows: &Rows<'_>, over: Over, statistics: Statistics) -> Self {
         Self {
             machine: rows.machine.name().to_owned(),
             order: rows.order,
             frame: rows.view.frame,
             direction: rows.view.conditions.approach,
+            over,
             poses: statistics.poses,
             from: None,
             bounds: None,

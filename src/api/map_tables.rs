@@ -19,7 +19,6 @@ pub struct MapTable<'a> {
 /// Rows of a block of a map that is held.
 const BLOCK: usize = 1 << 14;
 
-/// Tables in the making.
 pub(crate) struct Tables<'a> {
     rows: Rows<'a>,
     forms: Vec<RowFormat>,
@@ -27,7 +26,6 @@ pub(crate) struct Tables<'a> {
 }
 
 impl<'a> Tables<'a> {
-    /// Begins the tables.
     pub(crate) fn new(rows: Rows<'a>, tables: Vec<MapTable<'a>>) -> Result<Self, Diagnostic> {
         let forms = tables.iter().map(|table| table.form).collect();
         let begin = |MapTable { name, form, sink }: MapTable<'a>| match rows.stream(form, sink) {
@@ -54,7 +52,6 @@ impl<'a> Tables<'a> {
         self.streams.into_iter().try_for_each(end)
     }
 
-    /// Writes a map that is held.
     pub(crate) fn write(mut self, values: &[impl RowValues + Copy]) -> Result<(), Diagnostic> {
         let count = if self.streams.is_empty() { 0 } else { values.len() };
         for (k, block) in values[..count].chunks(BLOCK).enumerate() {
@@ -68,7 +65,7 @@ impl<'a> Tables<'a> {
     }
 
     /// Surveys a field and writes its rows as they come: the deviations are not kept.
-    pub(crate) fn surveyed(mut self, call: &mut Call<'_>, task: SurveyTask<'_>) -> Result<Survey, Refused> {
+    pub(crate) fn survey(mut self, call: &mut Call<'_>, task: SurveyTask<'_>) -> Result<Survey, Refused> {
         if self.streams.is_empty() {
             return call.stage(task.poses.len(), |advance| survey(task, advance));
         }

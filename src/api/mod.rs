@@ -15,6 +15,7 @@ pub(crate) mod certificate;
 pub(crate) mod check;
 pub(crate) mod classify;
 pub(crate) mod compare;
+pub(crate) mod compare_figures;
 pub(crate) mod compile;
 pub(crate) mod compiled_model;
 pub(crate) mod compose;
@@ -53,7 +54,7 @@ pub(crate) mod uncertainty;
 pub(crate) mod verify;
 
 pub use crate::job::machine_file::{LoadOptions, MachineFile, load, loads};
-pub use crate::run::{Answer, Cancellation, Cancelled, Monitor, Run};
+pub use crate::run::{Answer, Cancellation, Cancelled, Monitor, Reply, Run};
 pub use budget::{BudgetOptions, budget, budget_part};
 pub use check::check;
 pub use classify::{ClassifyOptions, classify};

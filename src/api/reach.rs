@@ -5,12 +5,12 @@ use crate::analysis::{
     DirectionKind, Miss, ReachGrid, ToolDirections, Unreachable, UnreachableCount, reach as reached,
     rotary_axes_place_tip,
 };
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::MachineFile;
 use crate::job::tool_poses::{Lack, Lacks, MissedToolPose};
 use crate::machine::{Machine, Pose};
 use crate::report::{Picture, ReachPicture, structured_grid};
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use crate::units::{FARTHEST, number, significant};
 
 /// Options of [`reach`].
@@ -82,7 +82,6 @@ pub struct ReachResult {
     by_tip: Vec<usize>,
 }
 
-/// The result at a tip.
 struct AtTip {
     reached: usize,
     why: Vec<Unreachable>,
@@ -144,11 +143,11 @@ impl ReachResult {
 ///
 /// Fails for a box, a step or a number of directions that makes no sense, and for more tool poses than
 /// [`ReachOptions::MAX`].
-pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run<'_>) -> Result<Answer<ReachResult>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| found(call, file, options))
+pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run) -> Reply<ReachResult> {
+    Call::answer(run, file.sources(), |call| find(call, file, options))
 }
 
-fn found(call: &mut Call<'_>, machine: &Machine, options: &ReachOptions) -> Result<ReachResult, Refused> {
+fn find(call: &mut Call, machine: &Machine, options: &ReachOptions) -> Result<ReachResult, Refused> {
     let robot = rotary_axes_place_tip(machine);
     let region = region(call, machine, options)?;
     let count = options.directions.unwrap_or(if robot { 6 } else { 60 });
@@ -168,7 +167,7 @@ fn found(call: &mut Call<'_>, machine: &Machine, options: &ReachOptions) -> Resu
     let Some(grid) = grid else { return call.refuse(too_many(step, directions.list.len(), max)) };
     let at_tip = |results: Vec<Result<Pose, Miss>>| at_tip(machine, results);
     let tips = call.stage(grid.len(), |progress| reached(machine, &grid, &directions.list, &at_tip, progress))?;
-    Ok(summed(machine, grid, &directions, tips))
+    Ok(sum_up(machine, grid, &directions, tips))
 }
 
 fn too_many(step: f64, directions: usize, max: usize) -> Diagnostic {
@@ -177,11 +176,10 @@ fn too_many(step: f64, directions: usize, max: usize) -> Diagnostic {
     Diagnostic::new(codes::E0812, message).help("take a larger `--step`, a smaller `--box` or fewer `--directions`")
 }
 
-/// Returns the box asked for.
-fn region(call: &mut Call<'_>, machine: &Machine, options: &ReachOptions) -> Result<[[f64; 2]; 3], Refused> {
+fn region(call: &mut Call, machine: &Machine, options: &ReachOptions) -> Result<[[f64; 2]; 3], Refused> {
     let mut region = ReachGrid::region_of(machine);
     for side in options.region.iter().flat_map(|text| text.split(',')) {
-        match parsed(side) {
+        match parse_side(side) {
             Some((k, ends)) => region[k] = ends,
             None => {
                 let side = shown(side);
@@ -193,7 +191,7 @@ fn region(call: &mut Call<'_>, machine: &Machine, options: &ReachOptions) -> Res
 }
 
 /// Returns the index of x, y, z and the ends (mm) of a side such as `X=-100..100`.
-fn parsed(side: &str) -> Option<(usize, [f64; 2])> {
+fn parse_side(side: &str) -> Option<(usize, [f64; 2])> {
     let (letter, ends) = side.split_once('=')?;
     let (min, max) = ends.split_once("..")?;
     let k = ["X", "Y", "Z"].iter().position(|known| letter.trim().eq_ignore_ascii_case(known))?;
@@ -219,7 +217,7 @@ fn at_tip(machine: &Machine, results: Vec<Result<Pose, Miss>>) -> AtTip {
     at
 }
 
-fn summed(machine: &Machine, grid: ReachGrid, directions: &ToolDirections, tips: Vec<AtTip>) -> ReachResult {
+fn sum_up(machine: &Machine, grid: ReachGrid, directions: &ToolDirections, tips: Vec<AtTip>) -> ReachResult {
     let count = directions.list.len();
     let unreachable = UnreachableCount::count(tips.iter().flat_map(|tip| &tip.why));
     let by_tip: Vec<usize> = tips.iter().map(|tip| tip.reached).collect();

@@ -2,12 +2,12 @@
 
 use super::diff_machines::{DiffMachinesOptions, diff_machines};
 use super::verify::{VerifyOptions, verify};
-use crate::diagnostic::{Diagnostics, Sources};
+use crate::diagnostic::Sources;
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::LoadOptions;
-use crate::record::make::{Record, made};
+use crate::record::make::{Record, make};
 use crate::record::trend::{RecordTrend, trend};
-use crate::run::{Answer, Call, Run};
+use crate::run::{Call, Reply, Run};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -37,14 +37,14 @@ impl Default for RecordOptions {
 ///
 /// Fails if the description does not fit, if a file that it names cannot be read, and if an installed set does not
 /// replay.
-pub fn record(path: &Path, options: &RecordOptions, run: Run<'_>) -> Result<Answer<Record>, Diagnostics> {
+pub fn record(path: &Path, options: &RecordOptions, run: Run) -> Reply<Record> {
     Call::answer(run, &Sources::default(), |call| {
         let tool = LoadOptions { tool: options.tool.clone() };
-        made(call, path, &tool, &|call, machine, folder, installed| {
+        make(call, path, &tool, &|call, machine, folder, installed| {
             let RecordOptions { compensation, poses, seed, .. } = options.clone();
             let options = VerifyOptions { target: None, compensation, poses, seed, installed };
             let answer = verify(machine, folder, &options, call.run);
-            call.taken(answer).map(|report| json!(report))
+            call.take(answer).map(|report| json!(report))
         })
     })
 }
@@ -52,18 +52,14 @@ pub fn record(path: &Path, options: &RecordOptions, run: Run<'_>) -> Result<Answ
 /// Puts records of one machine in a line.
 ///
 /// Fails if a folder is no record or has changed, and if the records are of several machines, or one is given twice.
-pub fn record_trend(
-    folders: &[PathBuf],
-    options: &RecordOptions,
-    run: Run<'_>,
-) -> Result<Answer<RecordTrend>, Diagnostics> {
+pub fn record_trend(folders: &[PathBuf], options: &RecordOptions, run: Run) -> Reply<RecordTrend> {
     Call::answer(run, &Sources::default(), |call| {
         let tool = LoadOptions { tool: options.tool.clone() };
         trend(call, folders, &tool, &|call, machines| {
             let RecordOptions { poses, seed, .. } = *options;
             let compared = DiffMachinesOptions { poses, seed, ..DiffMachinesOptions::default() };
             let answer = diff_machines(&machines, &compared, call.run);
-            call.taken(answer)
+            call.take(answer)
         })
     })
 }

@@ -1,12 +1,12 @@
 //! Corrections of a controller at single positions, with which a test of a real controller compares.
 
-use super::verify::{VerifyOptions, opened, tables};
+use super::verify::{VerifyOptions, open, tables};
 use crate::controller::{AssignedAxis, Replay, axis_letters, by_number};
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
+use crate::diagnostic::{Diagnostic, Sources, codes, shown};
 use crate::file_set::table_set::FoundTables;
 use crate::job::machine_file::MachineFile;
 use crate::machine::Approach;
-use crate::run::{Answer, Call, Refused, Run};
+use crate::run::{Call, Refused, Reply, Run};
 use crate::syntax::read_text;
 use crate::units::{FARTHEST, number};
 use std::path::Path;
@@ -28,8 +28,8 @@ impl ReplayPosition {
     /// further columns are ignored.
     ///
     /// Fails for another header, and for a line without such a position.
-    pub fn list(path: &Path, run: Run<'_>) -> Result<Answer<Vec<Self>>, Diagnostics> {
-        Call::answer(run, &Sources::default(), |call| listed(call, path))
+    pub fn list(path: &Path, run: Run) -> Reply<Vec<Self>> {
+        Call::answer(run, &Sources::default(), |call| list_positions(call, path))
     }
 
     /// Reads a line with as many cells as the header has columns.
@@ -46,7 +46,7 @@ impl ReplayPosition {
     }
 }
 
-fn listed(call: &mut Call<'_>, path: &Path) -> Result<Vec<ReplayPosition>, Refused> {
+fn list_positions(call: &mut Call, path: &Path) -> Result<Vec<ReplayPosition>, Refused> {
     let read = read_text(path, None, call.run.files, &mut call.diagnostics);
     let (_, text) = read.ok_or(Refused)?;
     let mut lines = text.lines();
@@ -82,20 +82,20 @@ pub fn replay(
     positions: &[ReplayPosition],
     options: &VerifyOptions,
     run: Run,
-) -> Result<Answer<Vec<f64>>, Diagnostics> {
+) -> Reply<Vec<f64>> {
     Call::answer(run, file.sources(), |call| {
-        let set = opened(call, file, folder, options)?;
+        let set = open(call, file, folder, options)?;
         if set.target.manifest.kinematics().is_some() {
             return call.usage("--replay: a kinematics module has no tables that hold for a joint alone");
         }
         let (FoundTables { target, tables, .. }, _) = tables(call, file, folder, set, options)?;
         let replay = Replay::new(file, &target, &tables);
         let letters = axis_letters(file, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
-        positions.iter().map(|at| added(call, file, &replay, &letters, at)).collect()
+        positions.iter().map(|at| correction_at(call, file, &replay, &letters, at)).collect()
     })
 }
 
-fn added(
+fn correction_at(
     call: &mut Call,
     file: &MachineFile,
     replay: &Replay,

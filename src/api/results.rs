@@ -1,7 +1,7 @@
 //! Results of the functions, and their parts, for `abbe::results`; `results.md` has them by verb.
 
 pub use super::bounded::{AddedByBounds, AddedDeviation};
-pub use super::budget::{BudgetResult, ContributionsAt};
+pub use super::budget::{BudgetResult, ContributionsAt, FittedBudget};
 pub use super::budgets::{
     BudgetDifference, ComparedBudget, ComparedBudgets, ComparedContribution, DeviationBudgetDifference, DrawnDifference,
 };
@@ -9,6 +9,7 @@ pub use super::certificate::{AtReference, CertificateReport, CertificateStep, Re
 pub use super::check::CheckedFile;
 pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
 pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
+pub use super::compare_figures::{FittedComparison, FittedMachine, MachineVerdict};
 pub use super::compile::CompiledSet;
 pub use super::compiled_model::{CompiledModel, DeviationColumns, DeviationSlices, PoseDeviation};
 pub use super::compose::{ComposedPart, ComposedSet};
@@ -52,6 +53,7 @@ pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};
 pub use crate::job::features::{DominatingError, FeatureResult};
 pub use crate::job::machine_file::InputFile;
+pub use crate::job::over::{Over, OverKind};
 pub use crate::job::poses::AxisPositions;
 pub use crate::job::tool_poses::{BeyondTravel, Lack, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorKind, ErrorTerm, Machine, Sense, Travel};

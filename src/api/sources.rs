@@ -1,12 +1,11 @@
 //! Each error alone over the volume: which of them dominate.
 
 use crate::analysis::{ErrorStatistics, MapFailure, View, error_statistics, map, rest};
-use crate::diagnostic::Diagnostics;
 use crate::evaluate::{CompiledField, Frame, Order, Poses, Random, worst};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
 use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::machine::{Approach, AxisKind, Direction, ErrorFamily, ErrorId, Machine, Pose};
-use crate::run::{Answer, Call, Cancelled, Count, Refused, Run};
+use crate::run::{Call, Cancelled, Count, Refused, Reply, Run};
 use crate::syntax::{component_words, location_words};
 use indexmap::IndexMap;
 
@@ -73,17 +72,13 @@ pub struct ErrorSource {
 ///
 /// Fails for more than [`SourcesOptions::MAX_POSES`] poses, and for a pose that does not fit the machine. Warns of a
 /// machine of which nothing is measured.
-pub fn sources(
-    file: &MachineFile,
-    options: &SourcesOptions,
-    run: Run<'_>,
-) -> Result<Answer<ErrorSources>, Diagnostics> {
-    Call::answer(run, file.sources(), |call| found(call, file, options))
+pub fn sources(file: &MachineFile, options: &SourcesOptions, run: Run) -> Reply<ErrorSources> {
+    Call::answer(run, file.sources(), |call| find(call, file, options))
 }
 
-fn found(call: &mut Call<'_>, machine: &Machine, options: &SourcesOptions) -> Result<ErrorSources, Refused> {
+fn find(call: &mut Call, machine: &Machine, options: &SourcesOptions) -> Result<ErrorSources, Refused> {
     let SourcesOptions { poses: count, seed, order, approach, .. } = *options;
-    call.bounded(&[Count::Poses(count)])?;
+    call.check_counts(&[Count::Poses(count)])?;
     if count > SourcesOptions::MAX_POSES {
         return call.usage(format!("sources take {} poses at most", SourcesOptions::MAX_POSES));
     }

@@ -52,7 +52,6 @@ pub fn targets() -> Vec<TargetSummary> {
     NAMES.iter().filter_map(|name| target(name)).collect()
 }
 
-/// Returns one of them.
 pub(crate) fn target(name: &str) -> Option<TargetSummary> {
     ControllerTarget::builtin(name).map(|target| TargetSummary::of(&target))
 }

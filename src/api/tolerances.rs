@@ -19,7 +19,6 @@ pub struct ToleranceOptions {
     pub statistic: Statistic,
 }
 
-/// Name and source of a class.
 pub(crate) type ClassSource = (String, String);
 
 impl ToleranceOptions {

@@ -26,7 +26,7 @@ impl CertificateBands {
         let poses = Poses::Listed(depth.poses(machine));
         let bare = Bare { machine, order: Order::Exact };
         let of = |field: &dyn Field, whole: Statistics| {
-            field_bands(field, &poses, whole, &[], certificate.approach.into(), depth.seed)
+            field_bands(field, &poses, whole, &[], certificate.approach.into(), depth.seed, None)
         };
         Some(Self {
             uncompensated: of(&bare, certificate.uncompensated.statistics(certificate.poses))?,

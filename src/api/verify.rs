@@ -3,16 +3,16 @@
 use super::certificate::CertificateReport;
 use super::compose;
 use crate::controller::{ControllerEffect, Depth, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::file_set::differences::{warn_edited, warn_other_inputs, warn_other_tool};
 use crate::file_set::folder::Folder;
-use crate::file_set::found_set::{FoundSet, found_set};
+use crate::file_set::found_set::{FoundSet, find_set};
 use crate::file_set::module_set::{self, ModuleRequest};
 use crate::file_set::options::CompensationOptions;
 use crate::file_set::table_set::{self, FoundTables};
 use crate::file_set::{composition, verdict};
 use crate::job::machine_file::MachineFile;
-use crate::run::{Answer, Call, Count, Refused, Run};
+use crate::run::{Call, Count, Refused, Reply, Run};
 use std::path::{Path, PathBuf};
 
 /// Options of [`verify`] and [`replay`](super::replay()).
@@ -45,20 +45,15 @@ pub fn set_manifest(folder: &Path, run: Run) -> Option<Lock> {
 /// Reads the files in a folder back, replays them as the controller would, and returns the residual.
 ///
 /// Fails if the folder holds no set of a known target, or one that the controller would misread.
-pub fn verify(
-    file: &MachineFile,
-    folder: &Path,
-    options: &VerifyOptions,
-    run: Run,
-) -> Result<Answer<CertificateReport>, Diagnostics> {
+pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: Run) -> Reply<CertificateReport> {
     Call::answer(run, file.sources(), |call| {
-        call.bounded(&[Count::Poses(options.poses)])?;
+        call.check_counts(&[Count::Poses(options.poses)])?;
         if composition::is_composed(folder, call) {
             let depth = Depth { poses: options.poses, seed: options.seed };
             let installed = options.installed.as_deref();
             return compose::verify_composed(call, file, folder, &options.compensation, installed, depth);
         }
-        let set = opened(call, file, folder, options)?;
+        let set = open(call, file, folder, options)?;
         if set.target.manifest.kinematics().is_some() {
             return module(call, file, folder, &set, options);
         }
@@ -67,14 +62,14 @@ pub fn verify(
         let judged = TablesUnderTest { target: &target, tables: &tables, installed: installed.as_ref() };
         let certificate = certify(file, judged, options.compensation.scope(), options.poses, options.seed);
         call.extend(verdict::warnings(&certificate));
-        call.checked()?;
+        call.check()?;
         let depth = Depth { poses: options.poses, seed: options.seed };
-        Ok(CertificateReport::new(file, &target, certificate, (&judged.field(file), depth), files))
+        Ok(CertificateReport::new(file, &target, certificate, &judged.field(file), depth, files))
     })
 }
 
 /// Finds the set in the folder, and warns of differences from its manifest.
-pub(crate) fn opened(
+pub(crate) fn open(
     call: &mut Call,
     file: &MachineFile,
     path: &Path,
@@ -88,8 +83,8 @@ pub(crate) fn opened(
         return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
     warn_other_inputs(call, file, lock.as_ref());
-    let set = found_set(call, file, path, options.target.as_deref(), &options.compensation)?;
-    call.checked()?;
+    let set = find_set(call, file, path, options.target.as_deref(), &options.compensation)?;
+    call.check()?;
     warn_edited(call, &folder, lock.as_ref());
     if set.target.manifest.kinematics().is_none() {
         warn_other_tool(call, file, &set.target, lock.as_ref());
@@ -107,12 +102,11 @@ pub(crate) fn tables(
 ) -> Result<(FoundTables, Option<crate::compensation::CorrectionTables>), Refused> {
     let found = table_set::tables_of(call, file, folder, set)?;
     let installed =
-        table_set::installed(call, file, &found.target, &options.compensation, options.installed.as_deref())?;
-    call.checked()?;
+        table_set::load_installed(call, file, &found.target, &options.compensation, options.installed.as_deref())?;
+    call.check()?;
     Ok((found, installed))
 }
 
-/// The certificate of a kinematics module.
 fn module(
     call: &mut Call,
     file: &MachineFile,
@@ -122,14 +116,14 @@ fn module(
 ) -> Result<CertificateReport, Refused> {
     let (target, texts) = (&set.target, &set.files);
     let how = &options.compensation;
-    let before = module_set::installed(call, file, target, how, options.installed.as_deref())?;
+    let before = module_set::load_installed(call, file, target, how, options.installed.as_deref())?;
     let request = ModuleRequest { before, ..ModuleRequest::plain(how.orientation()) };
-    let (module, beside) = module_set::found(call, file, target, folder, request, texts)?;
+    let (module, beside) = module_set::find(call, file, target, folder, request, texts)?;
     let depth = Depth { poses: options.poses, seed: options.seed };
     let certificate = certify_kinematics(file, target, &module, &beside, depth);
     call.extend(verdict::warnings(&certificate));
-    call.checked()?;
+    call.check()?;
     let names = texts.iter().map(|text: &ReadBack| text.found.clone()).collect();
     let effect = ControllerEffect::Module(Box::new(module), beside);
-    Ok(CertificateReport::new(file, target, certificate, (&*effect.field(file, target), depth), names))
+    Ok(CertificateReport::new(file, target, certificate, &*effect.field(file, target), depth, names))
 }

@@ -7,10 +7,12 @@ use super::Outcome;
 use super::output::session::Session;
 use super::output::view::order;
 use super::store::write::{PictureKind, refuse_outputs, write_picture};
-use abbe::options::{Approach, Frame, Order};
+use abbe::options::{Approach, Frame, Order, Reference};
 use abbe::results::Picture;
 use abbe::text::{Reason, parse_length, shown};
+use clap::builder::RangedI64ValueParser;
 use std::convert::Infallible;
+use std::ops::RangeBounds;
 use std::path::PathBuf;
 
 /// Help of the options whose type or default is not the same in all verbs.
@@ -38,6 +40,11 @@ pub(super) fn length(text: &str, fits: impl Fn(f64) -> bool, remedy: &str) -> Re
     length.filter(|mm| fits(*mm)).ok_or_else(|| Reason::new(remedy))
 }
 
+/// Parser of a count within a range.
+pub(super) fn counts(range: impl RangeBounds<i64>) -> RangedI64ValueParser<usize> {
+    RangedI64ValueParser::new().range(range)
+}
+
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ToolArg {
     /// Tool of the machine, by name [default: the first].
@@ -62,14 +69,8 @@ pub(super) struct SeedArg {
 pub(super) struct PosesArg {
     /// Number of poses (1 to 1000000).
     #[arg(long, value_name = "N", default_value_t = 1000,
-        value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    poses: u32,
-}
-
-impl PosesArg {
-    pub(super) fn count(self) -> usize {
-        self.poses as usize
-    }
+        value_parser = counts(1..=1_000_000))]
+    pub(super) poses: usize,
 }
 
 #[derive(Debug, Clone, clap::Args)]
@@ -77,54 +78,45 @@ pub(super) struct ToolPosesArg {
     /// Take the poses from the tool poses of a file: APT CL data, or a table with columns X, Y, Z and I, J, K or rotary
     /// axes, workpiece frame.
     #[arg(long, value_name = "FILE")]
-    tool_poses: Option<PathBuf>,
+    pub(super) tool_poses: Option<PathBuf>,
 }
 
-impl ToolPosesArg {
-    pub(super) fn path(&self) -> Option<&PathBuf> {
-        self.tool_poses.as_ref()
-    }
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct JobArg {
+    /// Take poses and reference from a job: a YAML file with `tool_poses`, `place`, `reference`.
+    #[arg(long, value_name = "FILE")]
+    pub(super) job: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct ReferenceArg {
+    /// What the set-up of the part takes out: machine (nothing), zero, zero:X,Y,Z (mm) or best-fit [default: zero for
+    /// tool poses, machine for a volume].
+    #[arg(long, value_name = "REFERENCE", allow_hyphen_values = true)]
+    pub(super) reference: Option<Reference>,
 }
 
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(super) struct SamplesArg {
     /// Number of machines to draw where errors are bounded (2 to 100000).
     #[arg(long, value_name = "N", default_value_t = 1000,
-        value_parser = clap::value_parser!(u32).range(2..=100_000))]
-    samples: u32,
-}
-
-impl SamplesArg {
-    pub(super) fn count(self) -> usize {
-        self.samples as usize
-    }
+        value_parser = counts(2..=100_000))]
+    pub(super) samples: usize,
 }
 
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(super) struct MaxSamplesArg {
     /// Maximum number of machines to draw, until they are told apart (2 to 800000) [default: 8 times --samples].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=800_000))]
-    max_samples: Option<u32>,
-}
-
-impl MaxSamplesArg {
-    pub(super) fn count(self) -> Option<usize> {
-        self.max_samples.map(|limit| limit as usize)
-    }
+    #[arg(long, value_name = "N", value_parser = counts(2..=800_000))]
+    pub(super) max_samples: Option<usize>,
 }
 
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(super) struct TopArg {
     /// Number of rows to list as text (0 to 100000).
     #[arg(long, value_name = "K", default_value_t = 12,
-        value_parser = clap::value_parser!(u32).range(0..=100_000))]
-    top: u32,
-}
-
-impl TopArg {
-    pub(super) fn count(self) -> usize {
-        self.top as usize
-    }
+        value_parser = counts(0..=100_000))]
+    pub(super) top: usize,
 }
 
 #[derive(Debug, Clone, Copy, clap::Args)]
@@ -139,26 +131,14 @@ pub(super) struct OrderArg {
 pub(super) struct DirectionArg {
     /// Direction of approach where forward and reverse curves were given.
     #[arg(long, value_enum, default_value = "mean")]
-    direction: Approach,
-}
-
-impl DirectionArg {
-    pub(super) fn approach(self) -> Approach {
-        self.direction
-    }
+    pub(super) direction: Approach,
 }
 
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(super) struct FrameOption {
     /// Frame of the vectors.
     #[arg(long, value_enum, default_value = "workpiece")]
-    frame: Frame,
-}
-
-impl FrameOption {
-    pub(super) fn frame(self) -> Frame {
-        self.frame
-    }
+    pub(super) frame: Frame,
 }
 
 #[derive(Debug, Clone, clap::Args)]
@@ -262,23 +242,9 @@ pub(super) fn percent(text: &str) -> Result<f64, Reason> {
 #[derive(Debug, Clone, clap::Args)]
 pub(crate) struct ViewArgs {
     #[command(flatten)]
-    order: OrderArg,
+    pub(super) order: OrderArg,
     #[command(flatten)]
-    direction: DirectionArg,
+    pub(super) direction: DirectionArg,
     #[command(flatten)]
-    tool: ToolArg,
-}
-
-impl ViewArgs {
-    pub(crate) fn order(&self) -> Option<Order> {
-        self.order.order
-    }
-
-    pub(crate) fn approach(&self) -> Approach {
-        self.direction.approach()
-    }
-
-    pub(crate) fn tool(&self) -> Option<&str> {
-        self.tool.name()
-    }
+    pub(super) tool: ToolArg,
 }

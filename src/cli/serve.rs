@@ -35,10 +35,8 @@ const MAX_CONNECTIONS: usize = 16;
 /// Time between two looks for a free place while all answers are being computed, or no connection can be taken.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// Header with the token of a page.
 const TOKEN: HeaderName = HeaderName::from_static("x-abbe-token");
 
-/// A request from this computer.
 #[derive(Debug)]
 pub(super) struct PageRequest {
     /// `GET`, `POST` ...
@@ -51,7 +49,6 @@ pub(super) struct PageRequest {
     pub body: Bytes,
 }
 
-/// The answer to a request.
 #[derive(Debug)]
 pub(super) struct PageResponse {
     pub status: StatusCode,
@@ -105,7 +102,6 @@ async fn accept(listener: TcpListener, port: u16, site: Arc<dyn Site>) -> std::i
     }
 }
 
-/// A connection that is open.
 struct Connection {
     task: JoinHandle<()>,
     /// True while its answer is being computed: the server does not wait for the reader.
@@ -123,7 +119,6 @@ fn has_place(open: &mut Vec<Connection>) -> bool {
     waiting.map(|oldest| open.remove(oldest).task.abort()).is_some()
 }
 
-/// One request and its answer.
 async fn exchange(stream: TcpStream, port: u16, site: Arc<dyn Site>, computing: Arc<AtomicBool>) {
     let answer = service_fn(move |request| {
         let (site, computing) = (Arc::clone(&site), Arc::clone(&computing));
@@ -166,7 +161,6 @@ async fn respond(
     response(answer.unwrap_or_else(|_| PageResponse::empty(StatusCode::INTERNAL_SERVER_ERROR)))
 }
 
-/// Reads a request, or returns the status that refuses it.
 async fn read(request: Request<Incoming>, port: u16) -> Result<PageRequest, StatusCode> {
     let (head, body) = request.into_parts();
     if !is_local(&head.headers, port) {

@@ -48,7 +48,6 @@ fn affordable() -> usize {
     usize::MAX
 }
 
-/// A thread that waits for its work.
 type Waiting = (Sender<ThreadBuilder>, JoinHandle<()>);
 
 /// Returns threads, all that are wanted or none: with a part of them nothing may be left for the rest of the run.

@@ -178,7 +178,6 @@ fn equal(range: Interval, points: usize) -> Vec<f64> {
     (0..points).map(|i| range.min + range.span() * (i as f64 / last)).collect()
 }
 
-/// Multiples of the step that cover a range.
 fn multiples_over(range: Interval, step: f64) -> Vec<f64> {
     let (first, last) = (libm::floor(range.min / step + 1e-9) as i64, libm::ceil(range.max / step - 1e-9) as i64);
     (first..=last).map(|i| i as f64 * step).collect()

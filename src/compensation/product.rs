@@ -34,7 +34,6 @@ pub(super) fn parts(values: &[f64], columns: usize, max_parts: usize, threshold:
     found
 }
 
-/// The sum of parts.
 pub(super) fn sum(parts: &[Factors], nodes: usize) -> Vec<f64> {
     let mut values = vec![0.0; nodes];
     for part in parts {
@@ -48,7 +47,6 @@ pub(super) fn strength([u, v]: &Factors) -> f64 {
     libm::sqrt(dot(u, u) * dot(v, v) / (u.len() * v.len()).max(1) as f64)
 }
 
-/// The largest value of a part.
 pub(super) fn largest_value([u, v]: &Factors) -> f64 {
     peak(u) * peak(v)
 }

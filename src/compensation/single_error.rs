@@ -43,7 +43,6 @@ fn valued_errors(machine: &Machine) -> Vec<(usize, ErrorId)> {
     all.filter(|(_, (_, term))| !matches!(term, ErrorTerm::Tolerance(_))).map(|(i, (id, _))| (i, id)).collect()
 }
 
-/// The curves of every error alone.
 fn model_curves(machine: &Machine, tables: &CorrectionTables) -> Vec<SingleErrorTables> {
     let alone = |(_, error): (usize, ErrorId)| {
         let errors = curves_like(&machine.filtered(|id| *id == error), &tables.errors);

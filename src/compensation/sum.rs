@@ -265,7 +265,6 @@ fn by_products(table: &CorrectionTable, rows: &[Vec<f64>], max: usize) -> Vec<Ve
     (0..rows.len()).map(|node| channels.iter().map(|values| values[node]).collect()).collect()
 }
 
-/// One set of tables for every channel.
 fn sets(
     layout: &[CorrectionTable],
     values: &[Vec<Vec<f64>>],

@@ -253,7 +253,6 @@ fn keep_old_numbers<const N: usize>(new: &[f64; N], old: &[f64; N]) -> [f64; N] 
     std::array::from_fn(|i| if (new[i] - old[i]).abs() <= TINY[i / 3] { old[i] } else { new[i] })
 }
 
-/// The six location errors of a joint.
 fn locate(errors: &mut JointErrors, six: &[f64; 6]) {
     let six = keep_old_numbers(six, &errors.location_values());
     for (slot, direction) in errors.location.iter_mut().zip(Direction::ALL) {

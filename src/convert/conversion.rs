@@ -94,7 +94,6 @@ fn tolerances(machine: &Machine, axis: usize, errors: &ComponentErrors<'_>) -> R
     }
 }
 
-/// The six component errors of an axis, each as a curve.
 fn component(
     machine: &Machine,
     axis: usize,

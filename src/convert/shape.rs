@@ -90,7 +90,6 @@ impl ConvertedForm<'_> {
         self.errors.six(position, approach.into())[self.direction.index()]
     }
 
-    /// The nearest curve and its distance.
     fn curve(&self, approach: Approach) -> (Curve, f64) {
         let knots = self.knots();
         let looked: Vec<(f64, f64)> = looks(&knots).into_iter().map(|q| (q, self.value(q, approach))).collect();
@@ -147,7 +146,6 @@ impl ConvertedForm<'_> {
         self.curves().map(order).max().unwrap_or(0)
     }
 
-    /// Every curve of the axis.
     fn curves(&self) -> impl Iterator<Item = &Curve> {
         self.old.iter().flatten().flat_map(|term| {
             let component = if let ErrorTerm::Component(component) = term { Some(component) } else { None };

@@ -231,6 +231,8 @@ codes! {
     E0820 "the description of a record does not fit",
     E0821 "a record has changed",
     E0822 "records that do not line up",
+    E0850 "a reference does not fit",
+    E0851 "a job cannot be read",
     W0201 "no version of the language",
     W0401 "an axis is left out",
     W0402 "a location error cannot act",
@@ -266,6 +268,7 @@ codes! {
     W0801 "poses beyond the travel",
     W0802 "errors that are only bounded",
     W0820 "the certificate of an instrument has ended",
+    W0850 "the part is not zeroed",
 }
 
 /// Finds a code by its name, in any case.

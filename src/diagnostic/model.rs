@@ -38,7 +38,8 @@ pub struct Label {
 }
 
 /// One thing that is wrong. As text it is one line, without its place.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{code}: {message}")]
 pub struct Diagnostic {
     /// Stable code such as `E0203`; `abbe explain CODE` prints its long text.
     pub code: Code,
@@ -74,16 +75,9 @@ impl Diagnostic {
     }
 }
 
-impl std::fmt::Display for Diagnostic {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}: {}", self.code, self.message)
-    }
-}
-
-impl std::error::Error for Diagnostic {}
-
 /// The reason for which a text or a file is refused, in words: a failure that a caller states in a diagnostic.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
 pub struct Reason(String);
 
 impl Reason {
@@ -92,14 +86,6 @@ impl Reason {
         Self(why.to_string())
     }
 }
-
-impl std::fmt::Display for Reason {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for Reason {}
 
 /// The files read in this run: name as the user would write it, and text.
 #[derive(Debug, Default, Clone)]
@@ -181,7 +167,7 @@ impl Diagnostics {
     }
 
     /// True if the job was cancelled: then nothing need be wrong.
-    pub fn cancelled(&self) -> bool {
+    pub fn is_cancelled(&self) -> bool {
         self.cancelled
     }
 
@@ -242,7 +228,7 @@ impl Diagnostics {
     }
 
     /// True if the input is refused.
-    pub fn refused(&self) -> bool {
+    pub fn is_refused(&self) -> bool {
         self.more[0] > 0 || self.list.iter().any(|d| d.severity == Severity::Refusal)
     }
 

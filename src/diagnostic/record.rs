@@ -93,7 +93,7 @@ impl Serialize for Diagnostics {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let more = self.more()[0] + self.more()[1];
         let mut object = serializer.serialize_struct("Diagnostics", 2 + usize::from(more > 0))?;
-        object.serialize_field("refused", &self.refused())?;
+        object.serialize_field("refused", &self.is_refused())?;
         object.serialize_field("diagnostics", &self.records())?;
         if more > 0 {
             object.serialize_field("more", &more)?;

@@ -29,16 +29,9 @@ impl std::fmt::Display for Order {
 }
 
 /// A text that is no [`Order`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("an order is 1 to {MAX_DUAL_ORDER}, or `exact`")]
 pub struct UnknownOrder;
-
-impl std::fmt::Display for UnknownOrder {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "an order is 1 to {MAX_DUAL_ORDER}, or `exact`")
-    }
-}
-
-impl std::error::Error for UnknownOrder {}
 
 impl std::str::FromStr for Order {
     type Err = UnknownOrder;

@@ -27,7 +27,6 @@ pub trait Field: Sync {
         }
     }
 
-    /// Returns the compiled model behind the field, if there is one.
     fn compiled_model(&self, _conditions: OperatingConditions) -> Option<&CompiledModel> {
         None
     }

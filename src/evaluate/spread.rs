@@ -13,7 +13,6 @@ pub struct Spread {
     count: usize,
 }
 
-/// One coordinate of the sequence.
 #[derive(Debug, Clone, PartialEq)]
 struct Coordinate {
     /// Prime base.

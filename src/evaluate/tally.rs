@@ -84,7 +84,6 @@ const POWER: usize = 1 << 10;
 const BELOW: u32 = 42;
 /// Bits of 2^-50 above [`BELOW`]: the first bucket.
 const FIRST: u64 = (1023 - 50) << 10;
-/// Number of buckets.
 const BUCKETS: usize = 64 * POWER;
 
 impl Sketch {
@@ -188,7 +187,6 @@ impl Accumulators {
     }
 }
 
-/// Returns squared lengths.
 #[inline(always)]
 fn squares([x, y, z]: [&[f64; 8]; 3]) -> [f64; 8] {
     let mut squares = [0.0; 8];
@@ -368,7 +366,7 @@ impl Tally {
 
     /// Returns the tally of the poses of both.
     #[must_use]
-    pub fn merged(mut self, other: Self) -> Self {
+    pub fn merge(mut self, other: Self) -> Self {
         self.poses += other.poses;
         for (kind, others) in self.lengths.iter_mut().zip(&other.lengths) {
             kind.merge(others);
@@ -443,7 +441,7 @@ mod tests {
             for (b, block) in part.chunks(1001).enumerate() {
                 tally.add((g * group + b) * 1001, &columns(block), block.len());
             }
-            whole = whole.merged(tally);
+            whole = whole.merge(tally);
         }
         whole
     }
@@ -489,7 +487,7 @@ mod tests {
             tally.add(first, &columns(part), part.len());
             tally
         };
-        let backwards = (0..list.len()).step_by(1001).rev().map(block).fold(Tally::new(7), Tally::merged);
+        let backwards = (0..list.len()).step_by(1001).rev().map(block).fold(Tally::new(7), Tally::merge);
         assert_eq!((backwards.statistics(), backwards.worst()), (one.statistics(), one.worst()));
     }
 

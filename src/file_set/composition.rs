@@ -46,17 +46,18 @@ pub(crate) struct ComposedRequest<'a> {
 }
 
 /// Returns the parameters and the tables for what they leave, as the controller reads them, and the files of both.
-pub(crate) fn compiled(
+pub(crate) fn compose(
     call: &mut Call,
     machine: &Machine,
-    (target, mut tables_target): (ControllerTarget, ControllerTarget),
+    target: ControllerTarget,
+    mut tables_target: ControllerTarget,
     request: ComposedRequest<'_>,
 ) -> Result<(Composition, [Vec<RenderedFile>; 2]), Refused> {
     let how = request.compensation;
-    let installed = installed(call, machine, (&target, &tables_target), how, request.installed)?;
+    let installed = load_installed(call, machine, &target, &tables_target, how, request.installed)?;
     let (before, installed) = installed.unzip();
     let of_module = ModuleRequest { limits: request.max_correction, before, ..ModuleRequest::plain(how.orientation()) };
-    let module = module_set::rendered(call, machine, &target, of_module)?;
+    let module = module_set::render(call, machine, &target, of_module)?;
     let Some(parameters) = module.module.parameters().cloned() else { return Err(Refused) };
     let rest = remaining(call, machine, &parameters)?;
     let of_tables = TableRequest {
@@ -67,7 +68,7 @@ pub(crate) fn compiled(
     };
     let whole = everything(how).target(call, &tables_target.manifest.target)?;
     let over = installed.as_ref().map(|installed| (installed, &whole));
-    let rendered = table_set::rendered(call, &rest, &tables_target, &of_tables, over)?;
+    let rendered = table_set::render(call, &rest, &tables_target, &of_tables, over)?;
     if over.is_some() {
         tables_target = whole;
     }
@@ -82,7 +83,7 @@ pub(crate) fn compiled(
 
 /// Returns the effect that two targets have together on a machine, by the files that `compile` would write, and their
 /// certificate. Nothing is written.
-pub(crate) fn composed_effect(
+pub(crate) fn effect_of_composed(
     call: &mut Call,
     machine: &Machine,
     targets: &[String],
@@ -97,8 +98,8 @@ pub(crate) fn composed_effect(
         lattice: &[],
         max_nodes: usize::MAX,
     };
-    let (composition, _) = compiled(call, machine, targets, request)?;
-    let (certificate, _) = composition.certified(machine, options, depth, call)?;
+    let (composition, _) = compose(call, machine, targets.0, targets.1, request)?;
+    let (certificate, _) = composition.certify(machine, options, depth, call)?;
     let (effect, _) = composition.effect();
     Ok((composition.both(), effect, certificate))
 }
@@ -159,8 +160,7 @@ fn remaining(call: &mut Call, machine: &Machine, parameters: &Parameters) -> Res
     }
 }
 
-/// The name of both.
-fn joined(first: &ControllerTarget, second: &ControllerTarget) -> String {
+fn join(first: &ControllerTarget, second: &ControllerTarget) -> String {
     format!("{}+{}", first.manifest.target, second.manifest.target)
 }
 
@@ -177,7 +177,7 @@ pub(crate) fn targets(
 
 impl Composition {
     pub(crate) fn name(&self) -> String {
-        joined(&self.target, &self.tables_target)
+        join(&self.target, &self.tables_target)
     }
 
     /// Both targets as one: what neither can correct, and the sign tests of both.
@@ -196,7 +196,7 @@ impl Composition {
     }
 
     /// Certifies both together. Returns the figures after the parameters alone beside the certificate.
-    pub(crate) fn certified(
+    pub(crate) fn certify(
         &self,
         machine: &Machine,
         how: &CompensationOptions,
@@ -206,7 +206,7 @@ impl Composition {
         let sets = ((&self.target, &self.parameters), self.tables_under_test());
         let found = certify_sets(machine, &self.rest, sets, how.scope(), depth);
         call.extend(verdict::warnings(&found.0));
-        call.checked()?;
+        call.check()?;
         Ok(found)
     }
 
@@ -237,7 +237,6 @@ impl Composition {
     }
 }
 
-/// True if a folder holds a composed set.
 pub(crate) fn is_composed(folder: &Path, call: &Call) -> bool {
     Folder::new(folder, call.run.files).lock().is_some_and(|lock| !lock.parts.is_empty())
 }
@@ -248,10 +247,11 @@ fn everything(options: &CompensationOptions) -> CompensationOptions {
 }
 
 /// The parameters and the tables that were in force when the machine was measured.
-pub(crate) fn installed(
+pub(crate) fn load_installed(
     call: &mut Call,
     machine: &Machine,
-    (target, tables_target): (&ControllerTarget, &ControllerTarget),
+    target: &ControllerTarget,
+    tables_target: &ControllerTarget,
     options: &CompensationOptions,
     folder: Option<&Path>,
 ) -> Result<Option<(Vec<f64>, CorrectionTables)>, Refused> {
@@ -262,8 +262,8 @@ pub(crate) fn installed(
         let help = "name the folder above the subfolders of both; what only one of them had is compiled with that one";
         return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
-    let old = call.about(&shown, |call| found(call, machine, folder, &everything(options), (None, None)))?;
-    let (before, now) = (old.name(), joined(target, tables_target));
+    let old = call.about(&shown, |call| find(call, machine, folder, &everything(options), None, None))?;
+    let (before, now) = (old.name(), join(target, tables_target));
     if before != now {
         let message = format!("the files in `{shown}` are of `{before}`, not of `{now}`");
         let help = "only sets of the same targets can be written on top of each other";
@@ -273,12 +273,13 @@ pub(crate) fn installed(
 }
 
 /// Reads both parts of the composed set in a folder.
-pub(crate) fn found(
+pub(crate) fn find(
     call: &mut Call,
     machine: &Machine,
     path: &Path,
     options: &CompensationOptions,
-    (before, old_tables): (Option<Vec<f64>>, Option<CorrectionTables>),
+    before: Option<Vec<f64>>,
+    old_tables: Option<CorrectionTables>,
 ) -> Result<Composition, Refused> {
     let (target, tables_target) = targets(call, path, options)?;
     let request = ModuleRequest { before, ..ModuleRequest::plain(options.orientation()) };
@@ -300,28 +301,28 @@ pub(crate) fn found(
         return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
     let named = Some(target.manifest.target.as_str());
-    let set = found_set::found_set(call, machine, &of_first, named, options)?;
+    let set = found_set::find_set(call, machine, &of_first, named, options)?;
     let of_parameters: Vec<String> =
         set.files.iter().map(|file| format!("{}/{}", target.manifest.target, file.found)).collect();
-    let (module, _) = module_set::found(call, machine, &target, &of_first, request, &set.files)?;
+    let (module, _) = module_set::find(call, machine, &target, &of_first, request, &set.files)?;
     let Some(parameters) = module.parameters().cloned() else { return Err(Refused) };
     let rest = remaining(call, machine, &parameters)?;
     let named = Some(tables_target.manifest.target.as_str());
-    let set = found_set::found_set(call, &rest, &of_second, named, options)?;
+    let set = found_set::find_set(call, &rest, &of_second, named, options)?;
     let found = table_set::tables_of(call, &rest, &of_second, set)?;
-    call.checked()?;
+    call.check()?;
     let of_tables = found.files.iter().map(|file| format!("{}/{file}", tables_target.manifest.target));
     let files = of_parameters.into_iter().chain(of_tables).collect();
     Ok(Composition { target, parameters, tables_target, rest, tables: found.tables, before: old_tables, files })
 }
 
 /// The effect of the composed set in a folder, and the target whose tables it has.
-pub(crate) fn found_composed(
+pub(crate) fn find_composed(
     call: &mut Call,
     machine: &Machine,
     folder: &Path,
     options: &CompensationOptions,
 ) -> Result<(ControllerTarget, ControllerEffect), Refused> {
-    let (effect, target) = found(call, machine, folder, options, (None, None))?.effect();
+    let (effect, target) = find(call, machine, folder, options, None, None)?.effect();
     Ok((target, effect))
 }

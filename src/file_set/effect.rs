@@ -1,6 +1,6 @@
 //! ControllerEffect of a set of files on a machine: of one that `compile` would write, or of one found in a folder.
 
-use super::found_set::found_set;
+use super::found_set::find_set;
 use super::module_set::{self, ModuleRequest};
 use super::options::CompensationOptions;
 use super::table_set::{self, FoundTables, TableRequest};
@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Returns the effect of a target on a machine by the files that `compile` would write, and their certificate. Nothing
 /// is written.
-fn compiled_effect(
+fn compile_effect(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
@@ -23,19 +23,19 @@ fn compiled_effect(
     depth: Depth,
 ) -> Result<(ControllerEffect, Certificate), Refused> {
     let (effect, certificate) = if target.manifest.kinematics().is_some() {
-        let set = module_set::rendered(call, machine, target, ModuleRequest::plain(options.orientation()))?;
+        let set = module_set::render(call, machine, target, ModuleRequest::plain(options.orientation()))?;
         let (module, beside) = (set.module, set.beside);
         let certificate = certify_kinematics(machine, target, &module, &beside, depth);
         (ControllerEffect::Module(Box::new(module), beside), certificate)
     } else {
         let request = TableRequest::plain(options.scope());
-        let tables = table_set::rendered(call, machine, target, &request, None)?.tables;
+        let tables = table_set::render(call, machine, target, &request, None)?.tables;
         let judged = TablesUnderTest { target, tables: &tables, installed: None };
         let certificate = certify(machine, judged, options.scope(), depth.poses, depth.seed);
         (ControllerEffect::CorrectionTables(tables), certificate)
     };
     call.extend(verdict::warnings(&certificate));
-    call.checked()?;
+    call.check()?;
     Ok((effect, certificate))
 }
 
@@ -54,30 +54,30 @@ pub(crate) fn named_effect(
     }
     let names: Vec<String> = name.split('+').map(str::to_owned).collect();
     if names.len() > 1 {
-        return composition::composed_effect(call, machine, &names, options, depth);
+        return composition::effect_of_composed(call, machine, &names, options, depth);
     }
     let target = options.target(call, name)?;
-    let (effect, certificate) = compiled_effect(call, machine, &target, options, depth)?;
+    let (effect, certificate) = compile_effect(call, machine, &target, options, depth)?;
     Ok((target, effect, certificate))
 }
 
 /// Returns the effect of the set in a folder, of whatever target it is.
-pub(crate) fn found_effect(
+pub(crate) fn effect_in(
     call: &mut Call,
     machine: &Machine,
     folder: &Path,
     options: &CompensationOptions,
 ) -> Result<(ControllerTarget, ControllerEffect), Refused> {
     if composition::is_composed(folder, call) {
-        return composition::found_composed(call, machine, folder, options);
+        return composition::find_composed(call, machine, folder, options);
     }
-    let set = found_set(call, machine, folder, None, options)?;
-    call.checked()?;
+    let set = find_set(call, machine, folder, None, options)?;
+    call.check()?;
     if set.target.manifest.kinematics().is_none() {
         let FoundTables { target, tables, .. } = table_set::tables_of(call, machine, folder, set)?;
         return Ok((target, ControllerEffect::CorrectionTables(tables)));
     }
     let request = ModuleRequest::plain(options.orientation());
-    let (module, beside) = module_set::found(call, machine, &set.target, folder, request, &set.files)?;
+    let (module, beside) = module_set::find(call, machine, &set.target, folder, request, &set.files)?;
     Ok((set.target, ControllerEffect::Module(Box::new(module), beside)))
 }

@@ -14,7 +14,6 @@ const MAX_FILES: usize = 200;
 /// Maximum number of bytes of the files of a set together, by name and by content: what is read is held in memory.
 const MAX_BYTES: u64 = SET_LIMIT;
 
-/// A folder with its files.
 pub(crate) struct Folder<'a> {
     pub path: &'a Path,
     files: &'a dyn Files,
@@ -87,13 +86,13 @@ impl<'a> Folder<'a> {
         let (mut texts, mut bytes) = (Vec::new(), 0);
         for (number, entry) in self.entries.iter().filter(candidate).enumerate() {
             if number >= MAX_FILES || bytes + entry.size > MAX_BYTES {
-                diagnostics.push(ignored(&entry.name, "the files before it are more than any set has"));
+                diagnostics.push(ignore_file(&entry.name, "the files before it are more than any set has"));
                 break;
             }
             bytes += entry.size;
             match self.bytes(&entry.name).and_then(|bytes| String::from_utf8(bytes).ok()) {
                 Some(text) => texts.push((entry.name.clone(), text)),
-                None => diagnostics.push(ignored(&entry.name, "it is no text that can be read")),
+                None => diagnostics.push(ignore_file(&entry.name, "it is no text that can be read")),
             }
         }
         texts
@@ -130,7 +129,7 @@ fn outside(folder: &Path, name: &str, why: &str) -> Diagnostic {
 }
 
 /// Warns of a file that is not judged.
-pub(crate) fn ignored(name: &str, why: &str) -> Diagnostic {
+pub(crate) fn ignore_file(name: &str, why: &str) -> Diagnostic {
     let message = format!("`{}` is ignored: {why}", shown(name));
     Diagnostic::new(codes::W0711, message).help("the certificate is of the set without this file")
 }

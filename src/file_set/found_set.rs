@@ -1,7 +1,7 @@
 //! The target of the files in a folder: the one that is named, or that the set's manifest names; else the one whose
 //! files are there by name; else the one that their content identifies.
 
-use super::folder::{Folder, ignored};
+use super::folder::{Folder, ignore_file};
 use super::options::CompensationOptions;
 use crate::controller::{ControllerTarget, LOCK_NAME, Lock, NAMES, ReadBack, RecognisedSet, recognise};
 use crate::diagnostic::{Diagnostic, codes};
@@ -16,7 +16,7 @@ pub(crate) struct FoundSet {
 }
 
 /// Finds the set in a folder; `named` is its target if the caller knows it.
-pub(crate) fn found_set(
+pub(crate) fn find_set(
     call: &mut Call,
     machine: &Machine,
     path: &Path,
@@ -27,7 +27,7 @@ pub(crate) fn found_set(
     let lock = folder.lock();
     if let Some(lock) = &lock {
         folder.refuse_odd(lock, &mut call.diagnostics);
-        call.checked()?;
+        call.check()?;
     }
     let options = &options.as_in(lock.as_ref());
     let named = named.map(str::to_owned).or_else(|| lock.as_ref().map(|lock| lock.target.clone()));
@@ -56,7 +56,7 @@ pub(crate) fn found_set(
         let wanted = [target.table_files(machine), target.index_files()].concat();
         let files = folder.read(&wanted, &mut call.diagnostics);
         for name in target.foreign_files(machine).into_iter().filter(|name| folder.has(name)) {
-            call.warn(ignored(&name, "the machine has no axis for it"));
+            call.warn(ignore_file(&name, "the machine has no axis for it"));
         }
         return Ok(FoundSet { target: target.clone(), files });
     }
@@ -80,7 +80,7 @@ pub(crate) fn refuse_assumed_axes(
 ) -> Result<(), Refused> {
     let Some(letters) = &target.manifest.axis_letters else { return Ok(()) };
     call.extend(letters.refusal(machine, &target.manifest.target));
-    call.checked()
+    call.check()
 }
 
 /// A table that the set's manifest lists is part of it, whether or not its target could do without.
@@ -91,7 +91,7 @@ fn refuse_incomplete(call: &mut Call, folder: &Folder, lock: &Lock, tables: &[St
         let help = format!("{LOCK_NAME} lists it: a set of compensation files is only whole with all of them");
         call.diagnostics.push(Diagnostic::new(codes::E0705, message).help(help));
     }
-    call.checked()
+    call.check()
 }
 
 /// Files of any name.
@@ -110,7 +110,7 @@ fn by_content(
         refuse_assumed_axes(call, machine, &target)?;
         return Ok(FoundSet { target, files });
     }
-    call.checked()?;
+    call.check()?;
     let Some((target, files)) = only else { return call.refuse(nothing_found(folder.path)) };
     let message =
         format!("there are no files of target `{target}` in `{}`, by name or by content", folder.path.display());

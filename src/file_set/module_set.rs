@@ -13,9 +13,7 @@ use std::sync::Arc;
 /// The files of a module, and the numbers that the controller reads from them.
 pub(crate) struct ModuleFiles {
     pub(crate) rendered: Vec<RenderedFile>,
-    /// Data of the module.
     pub(crate) module: KinematicsModule,
-    /// The tables beside it.
     pub(crate) beside: CorrectionTables,
 }
 
@@ -24,7 +22,6 @@ pub(crate) struct ModuleFiles {
 pub(crate) struct ModuleRequest {
     /// True if the direction of the tool is corrected too.
     pub(crate) orientation: bool,
-    /// Limits on corrections.
     pub(crate) limits: Limits,
     /// Kinematic parameters with which the machine was measured, mm and components of unit vectors; the nominal
     /// machine's if there are none.
@@ -38,30 +35,29 @@ impl ModuleRequest {
     }
 }
 
-/// Renders a module and reads it back.
-pub(crate) fn rendered(
+pub(crate) fn render(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
     request: ModuleRequest,
 ) -> Result<ModuleFiles, Refused> {
     let limits = request.limits;
-    let meant = carried(call, machine, target, request)?;
+    let meant = carry(call, machine, target, request)?;
     call.extend(finite::refusal(&meant));
-    call.checked()?;
+    call.check()?;
     let reversal = Arc::new(target.reversal_tables(machine));
     call.extend(limits.excesses(machine, &reversal));
-    call.checked()?;
+    call.check()?;
     let render = || target.render_kinematics(machine, &meant, &reversal, &mut call.diagnostics);
     let rendered = target.watch.during(render).ok_or(Refused)?;
-    call.checked()?;
-    let (module, beside) = read_back(call, machine, target, &rendered, (&meant, &reversal))?;
+    call.check()?;
+    let (module, beside) = read_back(call, machine, target, &rendered, &meant, &reversal)?;
     Ok(ModuleFiles { rendered, module, beside })
 }
 
 /// Reads the kinematic parameters that were in force when the machine was measured. Other modules take the place of
 /// what was there, and nothing adds up.
-pub(crate) fn installed(
+pub(crate) fn load_installed(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
@@ -75,17 +71,17 @@ pub(crate) fn installed(
              without it, and compile without --installed",
         );
     }
-    let meant = carried(call, machine, target, ModuleRequest::plain(options.orientation()))?;
+    let meant = carry(call, machine, target, ModuleRequest::plain(options.orientation()))?;
     let named = Some(target.manifest.target.as_str());
     let set =
-        call.about(&folder.display().to_string(), |call| found_set::found_set(call, machine, folder, named, options))?;
+        call.about(&folder.display().to_string(), |call| found_set::find_set(call, machine, folder, named, options))?;
     let Some(file) = set.files.first() else { return call.refuse(found_set::nothing_found(folder)) };
     let values = target.read_parameters(machine, &meant, file, &mut call.diagnostics);
     values.map_or(Err(Refused), |values| Ok(Some(values)))
 }
 
 /// A module's numbers and the tables beside it, read from the files of a folder.
-pub(crate) fn found(
+pub(crate) fn find(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
@@ -96,7 +92,7 @@ pub(crate) fn found(
     if texts.is_empty() {
         return call.refuse(found_set::nothing_found(folder));
     }
-    let meant = carried(call, machine, target, request)?;
+    let meant = carry(call, machine, target, request)?;
     let Some(read) = target.read_kinematics(machine, &meant, texts, &mut call.diagnostics) else {
         return Err(Refused);
     };
@@ -104,7 +100,7 @@ pub(crate) fn found(
     Ok((read.with_tool_of(machine), beside))
 }
 
-fn carried(
+fn carry(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
@@ -127,7 +123,7 @@ fn beside(
     texts: &[ReadBack],
 ) -> Result<CorrectionTables, Refused> {
     let tables = target.read_beside(machine, texts, &mut call.diagnostics);
-    call.checked()?;
+    call.check()?;
     Ok(tables)
 }
 
@@ -137,12 +133,13 @@ fn read_back(
     machine: &Machine,
     target: &ControllerTarget,
     files: &[RenderedFile],
-    (meant, reversal): (&KinematicsModule, &CorrectionTables),
+    meant: &KinematicsModule,
+    reversal: &CorrectionTables,
 ) -> Result<(KinematicsModule, CorrectionTables), Refused> {
     let text = |file: &RenderedFile| ReadBack::new(&*file.name, String::from_utf8_lossy(&file.bytes));
     let texts: Vec<_> = files.iter().map(text).collect();
     let read = target.read_kinematics(machine, meant, &texts, &mut call.diagnostics);
-    call.checked()?;
+    call.check()?;
     let beside = beside(call, machine, target, &texts)?;
     match read {
         Some(read) if read == *meant && beside.same_effect(reversal) => Ok((read, beside)),

@@ -18,7 +18,6 @@ pub(crate) struct RenderedTables {
     pub tables: CorrectionTables,
 }
 
-/// Tables to be filled.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TableRequest<'a> {
     /// Names of the axes that span a lattice; all if empty.
@@ -39,7 +38,7 @@ impl TableRequest<'_> {
 /// Fills the tables of a target on top of those installed, renders its files and reads them back as `verify` would.
 /// With installed tables goes the target with all of its mechanisms: they may be of a kind that no new table is to be
 /// of.
-pub(crate) fn rendered(
+pub(crate) fn render(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
@@ -72,9 +71,9 @@ pub(crate) fn rendered(
     call.extend(losses);
     call.extend(limits.excesses(machine, &tables));
     call.extend(target.violations(machine, &tables));
-    call.checked()?;
+    call.check()?;
     let rendered = target.watch.during(|| target.render(machine, &tables, &mut call.diagnostics)).ok_or(Refused)?;
-    call.checked()?;
+    call.check()?;
     let tables = read_back(call, machine, target, &rendered, &tables)?;
     Ok(RenderedTables { rendered, tables })
 }
@@ -85,7 +84,7 @@ fn refuse_no_letter(call: &mut Call, machine: &Machine, target: &ControllerTarge
     if axis_letters(machine, target.manifest.axis_letters.as_ref(), Some(&mut found)).is_none() {
         call.extend(found.iter().cloned());
     }
-    call.checked()
+    call.check()
 }
 
 /// Refuses a travel that the target's tables cannot hold: two positions of it would be written as one.
@@ -104,7 +103,7 @@ fn refuse_short_travel(call: &mut Call, machine: &Machine, target: &ControllerTa
             call.extend([Diagnostic::new(codes::E0708, message).help("check the unit of the travel")]);
         }
     }
-    call.checked()
+    call.check()
 }
 
 /// Indices of the axes that span a lattice: those named, in the order of the chain, or all.
@@ -191,7 +190,7 @@ fn read_back(
     let wanted = [target.table_files(machine), target.index_files()].concat();
     let texts: Vec<_> = files.iter().filter(|file| wanted.contains(&file.name)).map(text).collect();
     let read = target.read(machine, &texts, &mut call.diagnostics);
-    call.checked()?;
+    call.check()?;
     // Nothing to compensate may mean no files of tables.
     let tables = target.table_files(machine);
     let none = !files.iter().any(|file| tables.contains(&file.name));
@@ -201,7 +200,6 @@ fn read_back(
     }
 }
 
-/// A set found in a folder.
 pub(crate) struct FoundTables {
     pub target: ControllerTarget,
     pub tables: CorrectionTables,
@@ -209,17 +207,16 @@ pub(crate) struct FoundTables {
 }
 
 /// The tables in a folder, of whatever target they are.
-pub(crate) fn found(
+pub(crate) fn find(
     call: &mut Call,
     machine: &Machine,
     folder: &Path,
     options: &CompensationOptions,
 ) -> Result<FoundTables, Refused> {
-    let set = found_set::found_set(call, machine, folder, None, options)?;
+    let set = found_set::find_set(call, machine, folder, None, options)?;
     tables_of(call, machine, folder, set)
 }
 
-/// The tables of a set.
 pub(crate) fn tables_of(
     call: &mut Call,
     machine: &Machine,
@@ -233,7 +230,7 @@ pub(crate) fn tables_of(
         return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
     let read = target.read(machine, &files, &mut call.diagnostics);
-    call.checked()?;
+    call.check()?;
     let read = read.or_else(|| files.is_empty().then(CorrectionTables::default));
     let indices = target.index_files();
     let names = files.into_iter().filter(|file| !indices.contains(&file.name)).map(|file| file.found).collect();
@@ -247,7 +244,7 @@ pub(crate) fn tables_of(
 }
 
 /// The tables that were in force when the machine was measured.
-pub(crate) fn installed(
+pub(crate) fn load_installed(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
@@ -257,8 +254,8 @@ pub(crate) fn installed(
     let Some(folder) = folder else { return Ok(None) };
     // What is installed is there, whatever new tables are to be without.
     let options = CompensationOptions { without: Vec::new(), ..options.clone() };
-    let set = found(call, machine, folder, &options)?;
-    call.checked()?;
+    let set = find(call, machine, folder, &options)?;
+    call.check()?;
     if set.target.manifest.target == target.manifest.target {
         return Ok(Some(set.tables));
     }

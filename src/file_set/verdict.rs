@@ -8,7 +8,7 @@ use crate::run::finite;
 use crate::units::significant;
 
 /// Returns in words which figures of the position deviation the files raise; `None` if they raise none.
-pub(crate) fn raised(figures: &[RaisedFigure]) -> Option<String> {
+pub(crate) fn raise_remark(figures: &[RaisedFigure]) -> Option<String> {
     let travel = |approach| match approach {
         Approach::Mean => "",
         Approach::Forward => " forward",
@@ -38,7 +38,7 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
         let help = "no error of this machine is within the target's reach, or the files hold nothing: a target with \
          a lattice, such as grid-csv, corrects errors that depend on several axes";
         found.push(Diagnostic::new(codes::W0602, "the tables correct nothing").help(help));
-    } else if let Some(words) = raised(&certificate.raised) {
+    } else if let Some(words) = raise_remark(&certificate.raised) {
         found.push(Diagnostic::new(codes::W0602, format!("the tables raise {words}")).help(why_raised(certificate)));
     }
     // An increase by a twentieth is within the local changes of any table of angles.

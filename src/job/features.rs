@@ -2,9 +2,10 @@
 
 use super::poses::{AxisPositions, axis_positions};
 use super::tool_poses::ReachedToolPoses;
-use crate::analysis::budget::{Bound, PoseByPose, effects_at};
+use crate::analysis::budget::{Bound, PoseByPose};
+use crate::analysis::reference::{ErrorEffects, PartReference};
 use crate::analysis::{View, deviation_in};
-use crate::evaluate::{Field, error_by_error, quantile_95};
+use crate::evaluate::{Field, quantile_95};
 use crate::machine::{ErrorTerm, Machine};
 use indexmap::IndexMap;
 use rayon::prelude::*;
@@ -43,12 +44,24 @@ pub struct DominatingError {
 }
 
 /// Returns the features in the order in which the file names them; empty if it names none. Errors are named where the
-/// field is the bare machine.
-pub(crate) fn features(field: &dyn Field, reached: &ReachedToolPoses, view: View, bare: bool) -> Vec<FeatureResult> {
+/// field is the bare machine, without what `removed` takes out of the field.
+pub(crate) fn features(
+    field: &dyn Field,
+    reached: &ReachedToolPoses,
+    view: View,
+    bare: bool,
+    removed: Option<&PartReference>,
+) -> Vec<FeatureResult> {
     let um: Vec<f64> =
         reached.poses.par_iter().map(|pose| deviation_in(field, pose, view).position.norm() * 1e3).collect();
-    let errors = |pose: &[f64]| if bare { dominating(field, pose, view) } else { Vec::new() };
+    let effects = (bare && is_named(reached)).then(|| ErrorEffects::new(field.machine(), view.conditions, removed));
+    let errors = |pose: &[f64]| effects.as_ref().map_or_else(Vec::new, |of| dominating(field, pose, view, of));
     grouped(field.machine(), reached, &um, &errors)
+}
+
+/// True if any tool pose names a feature.
+fn is_named(reached: &ReachedToolPoses) -> bool {
+    reached.lines.iter().any(|(_, f)| f.is_some()) || reached.rows.iter().any(|row| row.feature.is_some())
 }
 
 /// Returns the errors that dominate at a pose.
@@ -56,8 +69,7 @@ type Dominating<'a> = &'a dyn Fn(&[f64]) -> Vec<DominatingError>;
 
 /// Returns the features of deviations (um) at the reached poses.
 fn grouped(machine: &Machine, reached: &ReachedToolPoses, um: &[f64], errors: Dominating<'_>) -> Vec<FeatureResult> {
-    let named = reached.lines.iter().any(|(_, f)| f.is_some()) || reached.rows.iter().any(|row| row.feature.is_some());
-    if !named {
+    if !is_named(reached) {
         return Vec::new();
     }
     let mut rows: Vec<(usize, &str, Option<usize>)> = Vec::new();
@@ -96,28 +108,28 @@ fn one(
 }
 
 /// Returns the features where nothing is measured: the deviations are the 95 % values, the errors those with the
-/// largest effects alone at their bounds.
+/// largest effects alone at their bounds: `effects_at` gives these at a pose (mm), largest first.
 pub(crate) fn bounded_features(
     machine: &Machine,
     reached: &ReachedToolPoses,
     bounds: &[Bound],
     found: &PoseByPose,
+    effects_at: &dyn Fn(&[f64]) -> Vec<(usize, f64)>,
 ) -> Vec<FeatureResult> {
     let um: Vec<f64> = found.poses.iter().map(|pose| pose.position.p95 * 1e3).collect();
     let effects = |pose: &[f64]| {
-        let list = effects_at(machine, bounds, pose).into_iter().take(DOMINATING);
+        let list = effects_at(pose).into_iter().take(DOMINATING);
         list.map(|(i, mm)| DominatingError { error: bounds[i].to_string(), um: mm * 1e3 }).collect()
     };
     grouped(machine, reached, &um, &effects)
 }
 
 /// Returns the errors with the largest parts along the deviation at a pose.
-fn dominating(field: &dyn Field, pose: &[f64], view: View) -> Vec<DominatingError> {
+fn dominating(field: &dyn Field, pose: &[f64], view: View, effects: &ErrorEffects<'_>) -> Vec<DominatingError> {
     let machine: &Machine = field.machine();
     let all = field.deviation(&view.conditions.at_pose(pose)).position.try_normalize(0.0).unwrap_or_default();
     let valued = machine.errors().map(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_)));
-    let parts =
-        error_by_error(machine, &view.conditions.at_pose(pose)).into_iter().zip(valued).filter(|(_, valued)| *valued);
+    let parts = effects.at(pose).into_iter().zip(valued).filter(|(_, valued)| *valued);
     let part = |((error, deviation), _): ((crate::machine::ErrorId, crate::evaluate::Deviation), bool)| {
         DominatingError { error: error.to_string(), um: deviation.position.dot(&all) * 1e3 }
     };

@@ -3,7 +3,7 @@
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::evaluate::{Nodes, Order};
 use crate::machine::{self, ErrorTerm, Machine};
-use crate::run::{Answer, Call, Hashed, Refused, Run, sha256};
+use crate::run::{Call, Hashed, Refused, Reply, Run, sha256};
 use crate::syntax::{self, Files, IdentifyEntry, MemoryFiles};
 use crate::units::counted;
 use std::ops::Deref;
@@ -15,7 +15,6 @@ pub struct MachineFile {
     pub(crate) machine: Machine,
     pub(crate) identify: Option<IdentifyEntry>,
     pub(crate) sources: Sources,
-    /// The path of the file.
     pub(crate) path: PathBuf,
     warnings: Vec<Diagnostic>,
     input_files: Vec<InputFile>,
@@ -97,13 +96,9 @@ pub(crate) fn read_back(text: &str) -> Result<MachineFile, ReadBackFailure> {
 }
 
 /// The first reason why a machine file of our own making is refused.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", .0.as_ref().map_or("it does not read back", |refusal| &refusal.message))]
 pub(crate) struct ReadBackFailure(Option<Diagnostic>);
-
-impl std::fmt::Display for ReadBackFailure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.0.as_ref().map_or("it does not read back", |refusal| &refusal.message))
-    }
-}
 
 /// Plain names and hashes of files.
 pub(crate) fn hashed(sources: &Sources) -> Vec<Hashed> {
@@ -129,17 +124,16 @@ pub struct LoadOptions {
 /// Reads a machine file, and the files it extends and names, through `run.files`.
 ///
 /// Fails with all faults of the files, each with its place.
-pub fn load(path: impl AsRef<Path>, options: &LoadOptions, run: Run) -> Result<Answer<MachineFile>, Diagnostics> {
+pub fn load(path: impl AsRef<Path>, options: &LoadOptions, run: Run) -> Reply<MachineFile> {
     Call::answer_of(run, &Sources::default(), |call| read(call, path.as_ref(), options, run.files))
 }
 
 /// Reads a machine from the text of a machine file. Files that the text names are read through `run.files`.
-pub fn loads(text: &str, options: &LoadOptions, run: Run) -> Result<Answer<MachineFile>, Diagnostics> {
+pub fn loads(text: &str, options: &LoadOptions, run: Run) -> Reply<MachineFile> {
     let files = Overlay { text: MemoryFiles::default().with(TEXT_NAME, text), files: run.files };
     Call::answer_of(run, &Sources::default(), |call| read(call, Path::new(TEXT_NAME), options, &files))
 }
 
-/// Name of a machine file that has none.
 const TEXT_NAME: &str = "machine.yaml";
 
 /// A text in front of other files.
@@ -149,10 +143,10 @@ pub(crate) struct Overlay<'a> {
 }
 
 impl Files for Overlay<'_> {
-    fn resolved(&self, path: &Path) -> Option<PathBuf> {
-        self.files.resolved(path).or_else(|| {
+    fn resolve(&self, path: &Path) -> Option<PathBuf> {
+        self.files.resolve(path).or_else(|| {
             let (name, _) = (path.file_name()?, self.text.read(path).ok()?);
-            Some(self.files.resolved(folder_of(path))?.join(name))
+            Some(self.files.resolve(folder_of(path))?.join(name))
         })
     }
 
@@ -168,7 +162,7 @@ impl Files for Overlay<'_> {
 fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) -> Result<MachineFile, Refused> {
     let document = syntax::load(path, files, &mut call.diagnostics);
     let machine = document.as_ref().and_then(|d| machine::resolve(d, files, &mut call.diagnostics));
-    call.checked()?;
+    call.check()?;
     let machine = machine.ok_or(Refused)?;
     let identify = document.and_then(|document| document.identify);
     let (sources, warnings) = (call.diagnostics.sources.clone(), call.diagnostics.iter().cloned().collect());
@@ -180,14 +174,13 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     }
 }
 
-/// The folder of a file.
 fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
 fn input_files(machine: &Path, sources: &Sources, files: &dyn Files) -> Vec<InputFile> {
-    let folder = files.resolved(folder_of(machine));
-    let inside = |file: &Path| Some(files.resolved(file)?.starts_with(folder.as_ref()?));
+    let folder = files.resolve(folder_of(machine));
+    let inside = |file: &Path| Some(files.resolve(file)?.starts_with(folder.as_ref()?));
     let input = |(name, text): (&str, &str)| InputFile {
         file: name.to_owned(),
         sha256: sha256(text.as_bytes()),

@@ -45,7 +45,6 @@ pub(crate) fn poses(
     Ok(list)
 }
 
-/// Returns the pose of an option, if it is given.
 pub(crate) fn pose_option(
     call: &mut Call<'_>,
     machine: &Machine,
@@ -189,7 +188,7 @@ pub(crate) fn check<'p>(
     for name in beyond {
         call.warn(Diagnostic::new(codes::W0801, format!("poses beyond the travel of `{name}` were evaluated")));
     }
-    call.checked()
+    call.check()
 }
 
 /// Refuses a pose where an error curve is not defined.

@@ -184,7 +184,6 @@ impl DeclaredAlgebra {
     }
 }
 
-/// True if the machine can have this error.
 fn belongs(machine: &Machine, id: &ErrorId) -> bool {
     machine.axis_index(id.axis.as_str()).is_some() || machine.chain().spindle() == Some(&id.axis)
 }

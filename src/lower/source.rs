@@ -41,7 +41,6 @@ impl Source {
 
 /// The conversion of an error of a given size (mm or rad) to an element of the algebra.
 pub trait ErrorLift<S: Algebra> {
-    /// Returns the element.
     fn lift(&self, source: Source, value: f64) -> S;
 
     /// Returns the element of an error that counts in the real part (`location_order: real`).
@@ -129,7 +128,6 @@ pub(super) struct Elements<'a, L> {
 }
 
 impl<'a, L> Elements<'a, L> {
-    /// Lifts the errors of a machine.
     pub(super) fn new(machine: &Machine, lift: &'a L) -> Self {
         Self { lift, real_locations: machine.conventions().location_order == LocationOrder::Real }
     }
@@ -143,7 +141,6 @@ impl<'a, L> Elements<'a, L> {
         six.iter().any(|value| *value != 0.0).then(|| Direction::ALL.map(element))
     }
 
-    /// Returns the element of one error.
     pub(super) fn one<S: Algebra>(&self, source: Source, value: f64) -> S
     where
         L: ErrorLift<S>,
@@ -154,7 +151,6 @@ impl<'a, L> Elements<'a, L> {
         }
     }
 
-    /// Returns the displaced tip.
     pub(super) fn tip<S: Algebra>(&self, tip: [f64; 3], setup_error: [f64; 3]) -> Vector3<S>
     where
         L: ErrorLift<S>,

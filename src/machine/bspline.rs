@@ -4,7 +4,6 @@
 
 use super::knots::{Knots, KnotsFailure};
 
-/// Highest degree.
 const DEGREE: usize = 3;
 
 /// A B-spline curve.

@@ -115,7 +115,7 @@ impl Conventions {
 
     /// These, changed as a text says: the name of a preset, words such as `carried_body`, or keys as in a machine
     /// file, `linear: before, rotary: rotating`; what is not named stays.
-    pub fn amended(&self, text: &str) -> Result<Self, ConventionsFailure> {
+    pub fn amend(&self, text: &str) -> Result<Self, ConventionsFailure> {
         let items: Vec<String> = text.split(',').map(|item| with_key(item.trim())).collect::<Result<_, _>>()?;
         let words: ConventionWords =
             from_yaml(&format!("{{{}}}", items.join(", "))).map_err(|e| ConventionsFailure::Keys(e.to_string()))?;
@@ -135,7 +135,7 @@ impl Conventions {
         })
     }
 
-    /// Returns every word that [`Self::amended`] knows.
+    /// Returns every word that [`Self::amend`] knows.
     pub fn words() -> Vec<&'static str> {
         let words = CHOICES.iter().flat_map(|(_, words)| words.iter().copied());
         Self::PRESETS.into_iter().chain(words).collect()
@@ -171,31 +171,19 @@ impl Conventions {
 }
 
 /// A text that names no conventions.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ConventionsFailure {
     /// A word that is neither a preset nor a choice.
+    #[error("`{0}` is neither a preset nor a word of any key")]
     Word(String),
     /// A preset that does not exist.
+    #[error("there is no preset `{}`; they are {}", .0, Conventions::PRESETS.join(", "))]
     Preset(String),
     /// Keys or values that the parser refuses, in its words.
+    #[error("{0}")]
     Keys(String),
 }
 
-impl std::fmt::Display for ConventionsFailure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Word(word) => write!(f, "`{word}` is neither a preset nor a word of any key"),
-            Self::Preset(name) => {
-                write!(f, "there is no preset `{name}`; they are {}", Conventions::PRESETS.join(", "))
-            }
-            Self::Keys(refusal) => f.write_str(refusal),
-        }
-    }
-}
-
-impl std::error::Error for ConventionsFailure {}
-
-/// Keys with their words.
 const CHOICES: [(&str, &[&str]); 7] = [
     ("location", &["axis_only", "carried_body"]),
     ("linear", &["after", "before"]),
@@ -206,7 +194,6 @@ const CHOICES: [(&str, &[&str]); 7] = [
     ("joints", &["orthogonal", "linearised"]),
 ];
 
-/// Returns a word with its key.
 fn with_key(item: &str) -> Result<String, ConventionsFailure> {
     if item.contains(':') {
         return Ok(item.to_owned());

@@ -154,7 +154,6 @@ impl Machine {
         Some(moved.with_parts(parts))
     }
 
-    /// Index of an axis or the spindle among the joints.
     fn joint_index(&self, name: &AxisName) -> Option<usize> {
         let spindle = || (self.chain().spindle() == Some(name)).then_some(self.axes().len());
         self.axis_index(name.as_str()).or_else(spindle)

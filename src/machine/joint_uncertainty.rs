@@ -17,7 +17,6 @@ impl JointUncertainty {
     /// Largest number of parts of a machine.
     pub const MOST: usize = 1000;
 
-    /// True if the part moves this error.
     pub(super) fn moves(&self, error: &ErrorId) -> bool {
         self.errors.get(&error.axis).is_some_and(|six| six.six(error.family)[error.direction.index()].is_some())
     }

@@ -141,7 +141,6 @@ impl Machine {
         Self { parts, tool: 0 }
     }
 
-    /// Returns its fields.
     pub(in crate::machine) fn parts(&self) -> &MachineParts {
         &self.parts
     }
@@ -188,7 +187,6 @@ impl Machine {
         self.parts.errors.get(self.parts.axes.len())
     }
 
-    /// Index of the tool in use.
     pub(in crate::machine) fn tool_index(&self) -> usize {
         self.tool
     }

@@ -32,7 +32,6 @@ impl Machine {
         joint.chain(alone).chain(parts.forms.iter().flat_map(|form| self.form_parts(form))).collect()
     }
 
-    /// Returns the modes of a form in all directions.
     fn form_parts(&self, form: &ResidualForm) -> Vec<UncertainPart> {
         let Some(i) = self.axes().iter().position(|axis| axis.name == form.axis) else { return Vec::new() };
         let (axis, errors) = (&self.axes()[i], Arc::new(self.axis_errors(i).clone()));

@@ -9,7 +9,7 @@ use super::{
 /// Returns the text of a machine file that says what `parts` say; `provenance` are further entries of that section
 /// (single lines).
 pub fn machine_file(parts: &MachineParts, provenance: &[(String, String)]) -> String {
-    let mut text = format!("abbe: 1\nmachine: {}\nchain: \"{}\"\naxes:\n", quoted(&parts.name), parts.chain);
+    let mut text = format!("abbe: 1\nmachine: {}\nchain: \"{}\"\naxes:\n", quote(&parts.name), parts.chain);
     parts.axes.iter().zip(&parts.errors).for_each(|(axis, errors)| text += &axis_line(axis, errors, parts));
     text += &tools(&parts.tools);
     text += &workpiece(parts);
@@ -22,13 +22,13 @@ pub fn machine_file(parts: &MachineParts, provenance: &[(String, String)]) -> St
     text += &parts.algebra.as_ref().map_or_else(String::new, algebra);
     text += "provenance:\n";
     for (key, value) in parts.provenance.entries.iter().chain(provenance) {
-        text += &format!("  {}: {}\n", quoted(key), quoted(value));
+        text += &format!("  {}: {}\n", quote(key), quote(value));
     }
     text + &covariance(parts)
 }
 
 /// Text that YAML cannot misread: a JSON string is one.
-fn quoted(text: &str) -> String {
+fn quote(text: &str) -> String {
     serde_json::Value::from(text).to_string()
 }
 
@@ -117,7 +117,7 @@ fn tools(tools: &[Tool]) -> String {
     };
     match tools {
         [only] if only.name.is_empty() => format!("tool: {}", body(only)),
-        _ => tools.iter().fold("tools:\n".to_owned(), |text, t| text + &format!("  {}: {}", quoted(&t.name), body(t))),
+        _ => tools.iter().fold("tools:\n".to_owned(), |text, t| text + &format!("  {}: {}", quote(&t.name), body(t))),
     }
 }
 
@@ -169,13 +169,13 @@ fn algebra(choice: &AlgebraChoice) -> String {
         Generators::Single => "single".to_owned(),
         Generators::Groups(groups) => {
             let group = |(name, errors): &(String, Vec<ErrorId>)| {
-                format!("{}: {}", quoted(name), list(&mut errors.iter().map(ErrorId::to_string)))
+                format!("{}: {}", quote(name), list(&mut errors.iter().map(ErrorId::to_string)))
             };
             format!("{{ {} }}", groups.iter().map(group).collect::<Vec<_>>().join(", "))
         }
     };
     let monomial = |factors: &Vec<(String, u8)>| {
-        quoted(&factors.iter().map(|(name, power)| format!("{name}^{power}")).collect::<Vec<_>>().join("*"))
+        quote(&factors.iter().map(|(name, power)| format!("{name}^{power}")).collect::<Vec<_>>().join("*"))
     };
     let vanish = list(&mut choice.vanish.iter().map(monomial));
     format!("algebra: {{ degree: {}, generators: {generators}, vanish: {vanish} }}\n", choice.degree)
@@ -211,7 +211,7 @@ fn covariance(parts: &MachineParts) -> String {
     let form = |ResidualForm { axis, size, rotation, length }: &ResidualForm| {
         let turns = parts.axes.iter().any(|of| of.name == *axis && of.kind == AxisKind::Rotary);
         let unit = if turns { "deg" } else { "mm" };
-        let axis = quoted(axis.as_str());
+        let axis = quote(axis.as_str());
         let size = if *size > 0.0 { format!(", size: {} mm", number(*size)) } else { String::new() };
         let turned = *rotation > 0.0;
         let rotation = if turned { format!(", rotation: {} urad", number(*rotation * 1e6)) } else { String::new() };
@@ -255,7 +255,7 @@ fn joint_lines(parts: &MachineParts, name: &AxisName, axis: Option<&Axis>, error
         let id = ErrorId { axis: name.clone(), family, direction };
         let term = term(of, direction, axis);
         match parts.uncertainty.get(&id) {
-            Some(half) => format!("  {id}: {}\n", with_uncertainty(&term, &rounded(*half, direction))),
+            Some(half) => format!("  {id}: {}\n", with_uncertainty(&term, &round(*half, direction))),
             None => format!("  {id}: {term}\n"),
         }
     };
@@ -314,12 +314,11 @@ fn curve(curve: &Curve, direction: Direction, axis: Option<&Axis>) -> String {
 }
 
 /// Returns an uncertainty with its unit, to twelve digits.
-fn rounded(value: f64, direction: Direction) -> String {
+fn round(value: f64, direction: Direction) -> String {
     let (factor, unit) = direction.micro();
     format!("{} {unit}", crate::units::significant(value * factor, 12))
 }
 
-/// Returns a value with its unit.
 fn amount(value: f64, direction: Direction) -> String {
     if direction.is_rotation() {
         format!("{} urad", number(value * 1e6))

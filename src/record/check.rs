@@ -2,9 +2,9 @@
 
 use super::files::{JSON_NAME, SUMS_NAME, set_files};
 use crate::controller::is_plain_name;
-use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, shown};
+use crate::diagnostic::{Diagnostic, Sources, codes, shown};
 use crate::file_set::folder::SET_LIMIT;
-use crate::run::{Answer, Call, Refused, Run, sha256};
+use crate::run::{Call, Refused, Reply, Run, sha256};
 use crate::syntax::{EntryKind, Files, ReadFailure, unreadable};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -36,11 +36,11 @@ pub struct RecordCheck {
 /// Compares every file of a record with its SHA-256.
 ///
 /// Fails if the folder is no record, and if a file is missing or has changed.
-pub fn check_record(folder: &Path, run: Run<'_>) -> Result<Answer<RecordCheck>, Diagnostics> {
-    Call::answer(run, &Sources::default(), |call| checked(call, folder))
+pub fn check_record(folder: &Path, run: Run) -> Reply<RecordCheck> {
+    Call::answer(run, &Sources::default(), |call| check(call, folder))
 }
 
-pub(crate) fn checked(call: &mut Call<'_>, folder: &Path) -> Result<RecordCheck, Refused> {
+pub(crate) fn check(call: &mut Call, folder: &Path) -> Result<RecordCheck, Refused> {
     let files = call.run.files;
     let name = shown(&folder.display().to_string());
     let sums = folder.join(SUMS_NAME);
@@ -50,45 +50,45 @@ pub(crate) fn checked(call: &mut Call<'_>, folder: &Path) -> Result<RecordCheck,
         Err(failure) => return call.refuse(unreadable(&sums, &failure)),
     };
     let sha256 = sha256(&bytes);
-    let Some(list) = listed(bytes) else {
+    let Some(list) = list_hashes(bytes) else {
         let message = format!("`{name}` is no record: it has no list `{SUMS_NAME}` that abbe wrote");
-        return call.refuse(changed(message));
+        return call.refuse(refuse_changed(message));
     };
     for (file, hash) in &list {
         let path = folder.join(file);
         let fault = match files.read_at_most(&path, SET_LIMIT) {
             Ok(bytes) if crate::run::sha256(&bytes) == *hash => continue,
-            Ok(_) => changed(format!("`{file}` of `{name}` has changed since the record was made")),
-            Err(ReadFailure::NotFound) => changed(format!("`{file}` of `{name}` is missing")),
+            Ok(_) => refuse_changed(format!("`{file}` of `{name}` has changed since the record was made")),
+            Err(ReadFailure::NotFound) => refuse_changed(format!("`{file}` of `{name}` is missing")),
             Err(failure) => unreadable(&path, &failure),
         };
         call.extend([fault]);
     }
-    call.checked()?;
+    call.check()?;
     let mut unlisted = Vec::new();
     let mut replaced_sets = 0;
     for entry in files.entries(folder).into_iter().filter(|entry| entry.name != SUMS_NAME) {
         if entry.name == REPLACED {
-            replaced_sets += replaced(call, &folder.join(REPLACED));
+            replaced_sets += count_replaced(call, &folder.join(REPLACED));
         } else {
-            strangers(files, folder, (&entry.name, entry.kind), &list, &mut unlisted);
+            strangers(files, folder, &entry.name, entry.kind, &list, &mut unlisted);
         }
     }
-    call.checked()?;
+    call.check()?;
     for file in &unlisted {
         let message = format!("`{}` is not of the record", shown(file));
         call.warn(Diagnostic::new(codes::W0711, message).help("keep other files elsewhere"));
     }
-    call.checked()?;
+    call.check()?;
     Ok(RecordCheck { folder: name, files: list.len(), replaced_sets, unlisted, sha256 })
 }
 
-fn changed(message: String) -> Diagnostic {
+fn refuse_changed(message: String) -> Diagnostic {
     Diagnostic::new(codes::E0821, message).help("take the record from a copy, or make it again from its sources")
 }
 
 /// Returns the hash of each file by its name; `None` if the bytes are no list of a record.
-fn listed(bytes: Vec<u8>) -> Option<BTreeMap<String, String>> {
+fn list_hashes(bytes: Vec<u8>) -> Option<BTreeMap<String, String>> {
     let text = String::from_utf8(bytes).ok()?;
     let line = |line: &str| {
         let (hash, name) = line.split_once("  ")?;
@@ -103,7 +103,8 @@ fn listed(bytes: Vec<u8>) -> Option<BTreeMap<String, String>> {
 fn strangers(
     files: &dyn Files,
     folder: &Path,
-    (name, kind): (&str, EntryKind),
+    name: &str,
+    kind: EntryKind,
     list: &BTreeMap<String, String>,
     found: &mut Vec<String>,
 ) {
@@ -115,17 +116,17 @@ fn strangers(
         return;
     }
     for entry in files.entries(&folder.join(name)) {
-        strangers(files, folder, (&format!("{name}/{}", entry.name), entry.kind), list, found);
+        strangers(files, folder, &format!("{name}/{}", entry.name), entry.kind, list, found);
     }
 }
 
 /// Number of whole sets in the folder of replaced ones; refuses the others.
-fn replaced(call: &mut Call<'_>, folder: &Path) -> usize {
+fn count_replaced(call: &mut Call, folder: &Path) -> usize {
     let mut count = 0;
     for entry in call.run.files.entries(folder) {
         match set_files(call.run.files, &folder.join(&entry.name)) {
             Ok(_) => count += 1,
-            Err(fault) => call.extend([changed(format!("`{REPLACED}/{}` {fault}", shown(&entry.name)))]),
+            Err(fault) => call.extend([refuse_changed(format!("`{REPLACED}/{}` {fault}", shown(&entry.name)))]),
         }
     }
     count

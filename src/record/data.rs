@@ -18,14 +18,9 @@ const LONGEST: usize = 1000;
 pub struct Line(String);
 
 /// Reason why a text is no value of a description.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
 pub struct NoValue(String);
-
-impl fmt::Display for NoValue {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
 
 impl TryFrom<String> for Line {
     type Error = NoValue;

@@ -16,7 +16,7 @@ pub(crate) struct Figures {
 }
 
 /// Reads the document of a file of figures.
-pub(crate) fn document(call: &mut Call<'_>, source: &Line, bytes: &[u8]) -> Result<Value, Refused> {
+pub(crate) fn document(call: &mut Call, source: &Line, bytes: &[u8]) -> Result<Value, Refused> {
     serde_json::from_slice(bytes).or_else(|_| {
         let message = format!("`{source}` is no JSON document");
         call.refuse(unfit(message, "write the figures of a verb with `--format json`"))
@@ -25,7 +25,7 @@ pub(crate) fn document(call: &mut Call<'_>, source: &Line, bytes: &[u8]) -> Resu
 
 /// Returns a decision for every limit: of an error in each state that gives it, of a figure once.
 pub(crate) fn decisions(
-    call: &mut Call<'_>,
+    call: &mut Call,
     description: &Description,
     rows: &[ErrorRow],
     figures: &[Figures],
@@ -44,7 +44,7 @@ pub(crate) fn decisions(
             Err(refusal) => call.extend([refusal]),
         }
     }
-    call.checked()?;
+    call.check()?;
     Ok((all, alarms))
 }
 
@@ -115,7 +115,6 @@ fn decision(name: String, of: String, unit: String, limited: LimitedValue) -> Li
     }
 }
 
-/// Returns a limit in a unit.
 fn in_unit(text: &Line, unit: &str) -> Result<f64, Diagnostic> {
     let help = "write it with its unit, such as `10 um` or `15 urad`, in a unit of the value's kind";
     let fault = || unfit(format!("`{}` is no limit in `{}`", shown(text.as_str()), shown(unit)), help);

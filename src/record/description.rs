@@ -71,7 +71,6 @@ pub(crate) struct LimitEntry {
     pub alarm: Option<Line>,
 }
 
-/// A set of compensation files.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SetEntry {
@@ -89,7 +88,6 @@ pub(crate) struct SetEntry {
     pub compile: Option<Line>,
 }
 
-/// A state of the machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum StateName {
@@ -109,16 +107,15 @@ impl StateName {
     }
 }
 
-/// Returns a refusal of a description.
 pub(crate) fn unfit(message: impl Into<String>, help: impl Into<String>) -> Diagnostic {
     Diagnostic::new(codes::E0820, message).help(help)
 }
 
 impl Description {
     /// Reads a description.
-    pub fn read(call: &mut Call<'_>, path: &Path) -> Result<Self, Refused> {
+    pub fn read(call: &mut Call, path: &Path) -> Result<Self, Refused> {
         let text = read_text(path, None, call.run.files, &mut call.diagnostics);
-        call.checked()?;
+        call.check()?;
         let (_, text) = text.ok_or(Refused)?;
         let name = shown(&path.display().to_string());
         let description: Self = match from_yaml(&text) {
@@ -131,11 +128,10 @@ impl Description {
         };
         let faults = description.faults();
         call.extend(faults.into_iter().map(|(message, help)| unfit(format!("{name}: {message}"), help)));
-        call.checked()?;
+        call.check()?;
         Ok(description)
     }
 
-    /// Returns messages and remedies.
     fn faults(&self) -> Vec<(String, &'static str)> {
         let mut faults = Vec::new();
         let mut fault = |wrong: bool, message: String, help: &'static str| {

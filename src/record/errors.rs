@@ -37,7 +37,6 @@ fn state(machine: &Machine, id: &ErrorId, sizes: &ErrorSizes, i: usize) -> Optio
     Some(StateValue { value, bounded: sizes.bounded[i], expanded_uncertainty })
 }
 
-/// Returns the curves of the component errors of a state.
 pub(crate) fn curves(machine: &Machine, state: &'static str) -> Vec<ErrorCurve> {
     let of = |(id, term): (ErrorId, &ErrorTerm)| {
         let axis = machine.axis_index(id.axis.as_str()).map(|i| &machine.axes()[i])?;

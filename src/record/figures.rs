@@ -12,7 +12,6 @@ const MAX_PANELS: usize = 24;
 const MAX_TARGETS: usize = 10_000;
 /// Largest position and value of runs that are drawn.
 const MAX_DRAWN: f64 = 1e9;
-/// Units of figures.
 const UNITS: [&str; 3] = ["um", "urad", "um/m"];
 /// Coverage factor of an expanded uncertainty.
 const COVERAGE: f64 = 2.0;
@@ -26,7 +25,6 @@ const POSITIONING: [(&str, &str); 6] = [
     ("R", "repeatability R"),
     ("A", "accuracy A"),
 ];
-/// Figures of a circle.
 const CIRCLE: [(&str, &str); 8] = [
     ("/circular_deviation_um/counter_clockwise", "circular deviation G, counter-clockwise"),
     ("/circular_deviation_um/clockwise", "circular deviation G, clockwise"),
@@ -53,14 +51,12 @@ const ROTATION: [(&str, &str); 5] = [
     ("once", "once a turn"),
     ("synchronous_with_once", "synchronous with once a turn"),
 ];
-/// Figures of a drift.
 const DRIFT: [(&str, &str); 4] = [
     ("range", "range"),
     ("first_hour", "range of the first 60 min"),
     ("largest_in_an_hour", "largest range in 60 min"),
     ("change", "last minus first"),
 ];
-/// Figures of a diagonal.
 const DIAGONAL: [(&str, &str); 4] = [("e_um", "E"), ("b_um", "B"), ("r_um", "repeatability R"), ("a_um", "accuracy A")];
 
 /// Returns the figures of a document; none of another verb's.

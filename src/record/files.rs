@@ -29,7 +29,7 @@ pub(crate) struct RecordFiles {
 
 impl RecordFiles {
     /// Adds a file; returns its hash.
-    pub fn add(&mut self, call: &mut Call<'_>, name: String, bytes: Vec<u8>) -> Result<Hashed, Refused> {
+    pub fn add(&mut self, call: &mut Call, name: String, bytes: Vec<u8>) -> Result<Hashed, Refused> {
         self.bytes += bytes.len();
         if self.bytes > MAX_BYTES {
             let message = format!("the files of the record have more than {} MB together", MAX_BYTES >> 20);
@@ -51,7 +51,7 @@ impl RecordFiles {
     /// Copies a file that the description names into a folder of the record.
     pub fn copy(
         &mut self,
-        call: &mut Call<'_>,
+        call: &mut Call,
         base: &Path,
         source: &Line,
         folder: &str,
@@ -78,12 +78,12 @@ impl RecordFiles {
     /// read back.
     pub fn machine(
         &mut self,
-        call: &mut Call<'_>,
+        call: &mut Call,
         file: &MachineFile,
         options: &LoadOptions,
         folder: &str,
     ) -> Result<MachineState, Refused> {
-        let resolved = |name: &str| call.run.files.resolved(Path::new(name)).unwrap_or_else(|| PathBuf::from(name));
+        let resolved = |name: &str| call.run.files.resolve(Path::new(name)).unwrap_or_else(|| PathBuf::from(name));
         let paths: Vec<PathBuf> = file.input_files().iter().map(|input| resolved(&input.file)).collect();
         let top = common(&paths);
         let mut memory = MemoryFiles::default();
@@ -111,7 +111,7 @@ impl RecordFiles {
     }
 
     /// Copies a set of compensation files with its manifest, and the sets in its subfolders.
-    pub fn set(&mut self, call: &mut Call<'_>, path: &Path, folder: &str) -> Result<(Lock, Vec<Hashed>), Refused> {
+    pub fn set(&mut self, call: &mut Call, path: &Path, folder: &str) -> Result<(Lock, Vec<Hashed>), Refused> {
         let found = match set_files(call.run.files, path) {
             Ok(found) => found,
             Err(fault) => {
@@ -137,27 +137,18 @@ pub struct SetFiles {
 }
 
 /// Reason why a folder holds no whole set.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SetFault {
     /// It has no manifest that abbe wrote.
+    #[error("holds no set with a manifest that abbe wrote")]
     NoManifest,
     /// A file of the manifest is missing, or has other bytes.
+    #[error("holds a set whose `{}` is missing or was edited", shown(.0))]
     Changed(String),
     /// Its files have more bytes than any set.
+    #[error("holds a set of more than {} MB", SET_LIMIT >> 20)]
     TooLarge,
 }
-
-impl std::fmt::Display for SetFault {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::NoManifest => write!(f, "holds no set with a manifest that abbe wrote"),
-            Self::Changed(name) => write!(f, "holds a set whose `{}` is missing or was edited", shown(name)),
-            Self::TooLarge => write!(f, "holds a set of more than {} MB", SET_LIMIT >> 20),
-        }
-    }
-}
-
-impl std::error::Error for SetFault {}
 
 /// Reads a whole set: the files that its manifest lists with the bytes that it lists, and those of its parts.
 ///

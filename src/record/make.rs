@@ -33,7 +33,6 @@ pub struct Record {
     pub data: RecordData,
 }
 
-/// The two states of the machine.
 struct States {
     found: MachineFile,
     left: Option<MachineFile>,
@@ -49,17 +48,17 @@ impl States {
 }
 
 /// Makes the record that a description asks for, with a tool of the machine.
-pub(crate) fn made(
-    call: &mut Call<'_>,
+pub(crate) fn make(
+    call: &mut Call,
     path: &Path,
     load_options: &LoadOptions,
     verify: Verify<'_>,
 ) -> Result<Record, Refused> {
     let description = Description::read(call, path)?;
     let base = path.parent().unwrap_or(Path::new(""));
-    let machine = |call: &mut Call<'_>, name: &Line| {
+    let machine = |call: &mut Call, name: &Line| {
         let answer = load(base.join(name.as_str()), load_options, call.run);
-        call.taken(answer)
+        call.take(answer)
     };
     let found = machine(call, &description.as_found)?;
     let left = description.as_left.as_ref().map(|name| machine(call, name)).transpose()?;
@@ -81,7 +80,7 @@ pub(crate) fn made(
     let (decisions, alarms) = decisions(call, &description, &rows, &figures)?;
     let mut sets = Vec::new();
     for (number, entry) in description.sets.iter().enumerate() {
-        sets.push(set(call, entry, (number + 1, base), (&states, verify), &mut files)?);
+        sets.push(set(call, entry, number + 1, base, &states, verify, &mut files)?);
     }
     let mut curves = errors::curves(&states.found, "found");
     curves.extend(states.left.iter().flat_map(|left| errors::curves(left, "left")));
@@ -117,18 +116,17 @@ pub(crate) fn made(
     let runs = figures.iter().filter_map(|of| Some((format!("Runs, {}", of.source), runs_in(&of.document)?)));
     let mut pictures = record_pictures(&states.found, states.left.as_deref());
     pictures.extend(runs);
-    written(call, data, &pictures, files)
+    write(call, data, &pictures, files)
 }
 
-/// Writes the documents.
-fn written(
-    call: &mut Call<'_>,
+fn write(
+    call: &mut Call,
     data: RecordData,
     pictures: &RecordPictures,
     mut files: RecordFiles,
 ) -> Result<Record, Refused> {
     call.extend(finite::refusal(&data));
-    call.checked()?;
+    call.check()?;
     let failed = |what: &str, why: String| {
         Diagnostic::new(codes::E0702, format!("the template of {what} failed: {why}"))
             .help("report this: it is a fault")
@@ -146,7 +144,7 @@ fn written(
 }
 
 fn figures(
-    call: &mut Call<'_>,
+    call: &mut Call,
     description: &Description,
     base: &Path,
     files: &mut RecordFiles,
@@ -164,7 +162,7 @@ fn figures(
 
 /// The instruments, with the names of the copies of their certificates.
 fn instruments(
-    call: &mut Call<'_>,
+    call: &mut Call,
     description: &Description,
     base: &Path,
     files: &mut RecordFiles,
@@ -188,10 +186,12 @@ fn instruments(
 
 /// Copies a set, and verifies it if it is installed.
 fn set(
-    call: &mut Call<'_>,
+    call: &mut Call,
     entry: &SetEntry,
-    (number, base): (usize, &Path),
-    (states, verify): (&States, Verify<'_>),
+    number: usize,
+    base: &Path,
+    states: &States,
+    verify: Verify<'_>,
     files: &mut RecordFiles,
 ) -> Result<RecordedSet, Refused> {
     let path = base.join(entry.folder.as_str());

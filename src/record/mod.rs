@@ -24,5 +24,4 @@ pub use data::{
     NoValue, Person, Place, Plate, RecordData, RecordedFigure, RecordedFigures, RecordedSet, StateValue, Temperature,
     TwoLetters,
 };
-pub(crate) use page::environment;
 pub use page::{RecordPictures, record_page, record_pictures};

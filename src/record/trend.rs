@@ -1,6 +1,6 @@
 //! Records of one machine in a line: every error over the dates, alarm limits, and what changed between records.
 
-use super::check::checked;
+use super::check::check;
 use super::data::{AlarmLimit, Dates, Day, ErrorRow, Line, MachineState, Plate, StateValue};
 use super::files::JSON_NAME;
 use crate::controller::is_plain_name;
@@ -122,7 +122,7 @@ pub struct RecordTrend {
 
 /// Puts records of one machine in a line.
 pub(crate) fn trend(
-    call: &mut Call<'_>,
+    call: &mut Call,
     folders: &[PathBuf],
     load_options: &LoadOptions,
     compare: Compare<'_>,
@@ -132,7 +132,7 @@ pub(crate) fn trend(
     }
     let mut records = Vec::new();
     for folder in folders {
-        records.push(stored(call, folder)?);
+        records.push(load_stored(call, folder)?);
     }
     records.sort_by(|a, b| (&a.dates.begin, &a.dates.end, &a.id).cmp(&(&b.dates.begin, &b.dates.end, &b.id)));
     refuse_mixture(call, &records)?;
@@ -154,8 +154,8 @@ pub(crate) fn trend(
     })
 }
 
-fn stored(call: &mut Call<'_>, folder: &Path) -> Result<StoredRecord, Refused> {
-    let _ = checked(call, folder)?;
+fn load_stored(call: &mut Call, folder: &Path) -> Result<StoredRecord, Refused> {
+    let _ = check(call, folder)?;
     let bytes = call.run.files.read_at_most(&folder.join(JSON_NAME), SET_LIMIT).unwrap_or_default();
     match serde_json::from_slice::<StoredRecord>(&bytes) {
         Ok(record) if record.record == 1 && record.is_its_own() => {
@@ -183,7 +183,7 @@ impl StoredRecord {
 }
 
 /// Refuses records of several machines, by the serial number, and a record that is given twice.
-fn refuse_mixture(call: &mut Call<'_>, records: &[StoredRecord]) -> Result<(), Refused> {
+fn refuse_mixture(call: &mut Call, records: &[StoredRecord]) -> Result<(), Refused> {
     for pair in records.windows(2) {
         let [first, second] = pair else { continue };
         let [a, b] = [&first.plate.serial, &second.plate.serial];
@@ -198,19 +198,19 @@ fn refuse_mixture(call: &mut Call<'_>, records: &[StoredRecord]) -> Result<(), R
             call.extend([Diagnostic::new(codes::E0822, message).help("name each record once; names are unique")]);
         }
     }
-    call.checked()
+    call.check()
 }
 
 fn step(
-    call: &mut Call<'_>,
+    call: &mut Call,
     pair: &[StoredRecord],
     load_options: &LoadOptions,
     compare: Compare<'_>,
 ) -> Result<TrendStep, Refused> {
     let [first, second] = pair else { return Err(Refused) };
-    let machine = |call: &mut Call<'_>, record: &StoredRecord, state: &MachineState| {
+    let machine = |call: &mut Call, record: &StoredRecord, state: &MachineState| {
         let answer = load(record.folder.join(&state.file), load_options, call.run);
-        call.taken(answer)
+        call.take(answer)
     };
     let left = machine(call, first, first.as_left.as_ref().unwrap_or(&first.as_found))?;
     let found = machine(call, second, &second.as_found)?;

@@ -34,4 +34,4 @@ pub use text::{
     DrawnMachineFigures, LengthStatistics, MachineDifference, PercentileInterval, PropertyDifference, RssDifference,
     Tightening, contributions, equations, tolerance, tolerance_unit,
 };
-pub(crate) use text::{described, rotation_words};
+pub(crate) use text::{describe, rotation_words};

@@ -91,7 +91,7 @@ pub(crate) struct BoundedSubject<'a> {
 
 impl PlaneOptions {
     /// As [`Self::place`], for a picture of what bounds lead to.
-    pub(crate) fn bounded_place(&self, call: &mut Call<'_>, machine: &Machine) -> Result<PlanePlace, Refused> {
+    pub(crate) fn bounded_place(&self, call: &mut Call, machine: &Machine) -> Result<PlanePlace, Refused> {
         if self.drawing != PlaneDrawing::Colours || self.component != PlaneComponent::Length {
             return call.usage(
                 "nothing of the machine is measured, and bounds have no direction: a picture shows the length in \
@@ -120,12 +120,7 @@ impl PlaneOptions {
     }
 
     /// Refuses a picture that cannot be drawn, before any work.
-    pub(crate) fn place(
-        &self,
-        call: &mut Call<'_>,
-        machine: &Machine,
-        compensated: bool,
-    ) -> Result<PlanePlace, Refused> {
+    pub(crate) fn place(&self, call: &mut Call, machine: &Machine, compensated: bool) -> Result<PlanePlace, Refused> {
         if self.drawing == PlaneDrawing::BeforeAfter && !compensated {
             return call.usage("`--drawing before-after` needs the compensation of a controller: add `--target NAME`");
         }
@@ -202,7 +197,8 @@ fn bounded_nodes(machine: &Machine, axes: [usize; 2]) -> [usize; 2] {
     cells(machine, axes, 36.0)
 }
 
-fn cells(machine: &Machine, axes: [usize; 2], longer: f64) -> [usize; 2] {
+/// About square cells of the plane of two axes.
+pub(super) fn cells(machine: &Machine, axes: [usize; 2], longer: f64) -> [usize; 2] {
     let spans = axes.map(|i| machine.volume()[i].max - machine.volume()[i].min);
     let longest = spans[0].max(spans[1]);
     spans.map(|span| 1 + (longer * span / longest).round().max(2.0) as usize)

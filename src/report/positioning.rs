@@ -91,7 +91,6 @@ impl MeasuredTarget {
     }
 }
 
-/// The runs of one error, as they are drawn.
 pub(crate) struct DrawnRuns<'a> {
     /// Name of the error.
     pub error: &'a str,
@@ -119,8 +118,8 @@ impl DrawnRuns<'_> {
             readings: self.readings.iter().filter(|(.., from)| *from == way).map(|(x, y, _)| (*x, *y)).collect(),
         };
         RunPanel {
-            title: format!("{}{figures} {}", self.error, printed(self.unit)),
-            unit: printed(self.unit),
+            title: format!("{}{figures} {}", self.error, print_unit(self.unit)),
+            unit: print_unit(self.unit),
             ways: [read(|t| t.forward, Some(true)), read(|t| t.reverse, Some(false)), read(|t| t.unknown, None)],
         }
     }
@@ -179,8 +178,7 @@ impl AccuracyUncertainties {
     }
 }
 
-/// Returns a unit of figures as pictures print it.
-pub(crate) fn printed(unit: &str) -> &'static str {
+pub(crate) fn print_unit(unit: &str) -> &'static str {
     if unit == "um" { "\u{b5}m" } else { "\u{b5}rad" }
 }
 

@@ -1,6 +1,6 @@
 //! Figures of tests of the ISO 230 series as values and as pictures: circles, axes of rotation, drift, diagonals.
 
-use super::positioning::printed;
+use super::positioning::print_unit;
 use super::{DialMark, DialPanel, LinePanel, LinePicture, Picture, PolarPicture};
 use crate::analysis::instrument::CirclePlane;
 use crate::diagnostic::{Diagnostic, codes, shown};
@@ -12,7 +12,6 @@ use crate::standards::{
 use crate::units::{counted, significant};
 use serde::Serialize;
 
-/// Set-up of a test.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TestSetup {
     /// Plane of a circle.
@@ -547,7 +546,12 @@ impl RotationTest {
             marks: Vec::new(),
             curves: vec![test.mean_turn.clone()],
             closed: true,
-            title: format!("{}: synchronous {} {}", test.motion, significant(test.synchronous, 3), printed(test.unit)),
+            title: format!(
+                "{}: synchronous {} {}",
+                test.motion,
+                significant(test.synchronous, 3),
+                print_unit(test.unit)
+            ),
             line: format!(
                 "total {}, asynchronous {}",
                 significant(test.total, 3),

@@ -17,11 +17,10 @@ pub trait Monitor: Sync {
     /// threads.
     ///
     /// A failure cancels the job: it leaves nothing behind, and its [`Diagnostics`] are
-    /// [`cancelled`](Diagnostics::cancelled).
+    /// [`is_cancelled`](Diagnostics::is_cancelled).
     fn advance(&self, _steps: usize) -> Result<(), Cancelled> {
         Ok(())
     }
-    /// The stage has ended.
     fn end(&self) {}
 }
 
@@ -59,7 +58,6 @@ impl Monitor for Cancellation {
     }
 }
 
-/// Hears nothing.
 struct Silent;
 
 impl Monitor for Silent {}
@@ -96,6 +94,9 @@ impl Default for Run<'_> {
     }
 }
 
+/// What a function of the library returns: the answer with its warnings, or what refuses the input.
+pub type Reply<T> = Result<Answer<T>, Diagnostics>;
+
 /// A value, and the warnings that were found on the way to it.
 #[derive(Debug, Clone)]
 pub struct Answer<T> {
@@ -130,7 +131,6 @@ pub(crate) enum Count {
     Points(usize),
 }
 
-/// The state of a call.
 pub(crate) struct Call<'a> {
     pub run: Run<'a>,
     /// Everything found wrong so far.
@@ -147,7 +147,7 @@ impl<'a> Call<'a> {
         run: Run<'a>,
         sources: &Sources,
         job: impl FnOnce(&mut Self) -> Result<T, Refused>,
-    ) -> Result<Answer<T>, Diagnostics> {
+    ) -> Reply<T> {
         Self::answer_of(run, sources, |call| {
             let value = job(call)?;
             call.extend(finite::refusal(&value));
@@ -160,10 +160,10 @@ impl<'a> Call<'a> {
         run: Run<'a>,
         sources: &Sources,
         job: impl FnOnce(&mut Self) -> Result<T, Refused>,
-    ) -> Result<Answer<T>, Diagnostics> {
+    ) -> Reply<T> {
         let mut call = Self { run, diagnostics: Diagnostics::about(sources.clone()), cancelled: Cell::new(false) };
         let value = job(&mut call);
-        match (value, call.checked()) {
+        match (value, call.check()) {
             (Ok(value), Ok(())) => Ok(Answer { value, warnings: call.diagnostics }),
             // What a cancelled job found is about half of an answer.
             _ if call.cancelled.get() => Err(Diagnostics::cancellation(sources.clone())),
@@ -185,7 +185,7 @@ impl<'a> Call<'a> {
         value
     }
 
-    /// Adds warnings, or refusals that the next [`Self::checked`] stops at.
+    /// Adds warnings, or refusals that the next [`Self::check`] stops at.
     pub fn extend(&mut self, list: impl IntoIterator<Item = Diagnostic>) {
         list.into_iter().for_each(|diagnostic| self.diagnostics.push(diagnostic));
     }
@@ -202,7 +202,7 @@ impl<'a> Call<'a> {
     }
 
     /// Refuses counts beyond what the program takes: a caller may pass on any number.
-    pub fn bounded(&mut self, counts: &[Count]) -> Result<(), Refused> {
+    pub fn check_counts(&mut self, counts: &[Count]) -> Result<(), Refused> {
         let counts = counts.iter().map(|count| match *count {
             Count::Poses(count) => ("poses", count, 1..=1_000_000),
             Count::Machines(count) => ("machines to draw", count, 2..=100_000),
@@ -215,15 +215,15 @@ impl<'a> Call<'a> {
     }
 
     /// Stops if anything so far refuses the input, or warns where warnings are denied.
-    pub fn checked(&mut self) -> Result<(), Refused> {
+    pub fn check(&mut self) -> Result<(), Refused> {
         if self.run.deny_warnings && self.diagnostics.warnings() > 0 {
             self.diagnostics.deny_warnings();
         }
-        if self.diagnostics.refused() { Err(Refused) } else { Ok(()) }
+        if self.diagnostics.is_refused() { Err(Refused) } else { Ok(()) }
     }
 
     /// Takes over the warnings or the refusal of another call.
-    pub fn taken<T>(&mut self, answer: Result<Answer<T>, Diagnostics>) -> Result<T, Refused> {
+    pub fn take<T>(&mut self, answer: Reply<T>) -> Result<T, Refused> {
         match answer {
             Ok(answer) => {
                 self.diagnostics.absorb(answer.warnings);

@@ -23,7 +23,8 @@ pub(crate) fn not_finite(place: &str) -> Diagnostic {
 struct Finite;
 
 /// Where a number that is not finite stands, from the inside out.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("a number is not finite")]
 struct Fault {
     path: Vec<String>,
 }
@@ -34,14 +35,6 @@ impl Fault {
         self
     }
 }
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number is not finite")
-    }
-}
-
-impl std::error::Error for Fault {}
 
 impl ser::Error for Fault {
     fn custom<T: fmt::Display>(_: T) -> Self {
@@ -72,6 +65,13 @@ impl Members {
 /// Values without numbers that can fail.
 macro_rules! harmless {
     ($($method:ident: $kind:ty,)*) => { $(fn $method(self, _: $kind) -> Seen { Ok(()) })* };
+}
+
+/// Values with members, whatever they are told beforehand.
+macro_rules! members {
+    ($($method:ident: $($told:ty),+;)*) => {
+        $(fn $method(self, $(_: $told),+) -> Result<Members, Fault> { Ok(Members::new()) })*
+    };
 }
 
 impl Serializer for Finite {
@@ -129,32 +129,14 @@ impl Serializer for Finite {
         value.serialize(self)
     }
 
-    fn serialize_seq(self, _: Option<usize>) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_tuple(self, _: usize) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_tuple_variant(self, _: &'static str, _: u32, _: &'static str, _: usize) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_map(self, _: Option<usize>) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_struct_variant(self, _: &'static str, _: u32, _: &'static str, _: usize) -> Result<Members, Fault> {
-        Ok(Members::new())
+    members! {
+        serialize_seq: Option<usize>;
+        serialize_tuple: usize;
+        serialize_tuple_struct: &'static str, usize;
+        serialize_tuple_variant: &'static str, u32, &'static str, usize;
+        serialize_map: Option<usize>;
+        serialize_struct: &'static str, usize;
+        serialize_struct_variant: &'static str, u32, &'static str, usize;
     }
 }
 

@@ -8,6 +8,6 @@ mod call;
 pub(crate) mod finite;
 pub(crate) mod hash;
 
-pub use call::{Advance, Answer, Cancellation, Cancelled, Monitor, Run, unheard};
+pub use call::{Advance, Answer, Cancellation, Cancelled, Monitor, Reply, Run, unheard};
 pub(crate) use call::{Call, Count, Refused};
 pub use hash::{Hashed, sha256};

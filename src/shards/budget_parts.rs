@@ -54,7 +54,7 @@ const FORM: &str = "1";
 const MAX_BYTES: u64 = 256 << 20;
 
 /// Draws the part that the options ask for, unless a file to merge holds it.
-pub(crate) fn drawn_part(
+pub(crate) fn draw_part(
     call: &mut Call<'_>,
     division: Division<'_>,
     request: Request<'_>,
@@ -64,10 +64,10 @@ pub(crate) fn drawn_part(
         return call.usage("part I of N is 1 to N");
     }
     let samples = request.samples;
-    let range = range(samples, (part, parts));
+    let range = range(samples, part, parts);
     let first = range.start;
     let fingerprint = fingerprint(division, request);
-    match kept(call, division, (&fingerprint, request.bounds.len()), &range) {
+    match load_kept(call, division, &fingerprint, request.bounds.len(), &range) {
         Ok(Some(part)) => return Ok(part),
         Ok(None) => {}
         Err(refusal) => return call.refuse(refusal),
@@ -77,17 +77,18 @@ pub(crate) fn drawn_part(
 }
 
 /// Returns the part that a file holds already, if there is such a file.
-fn kept(
+fn load_kept(
     call: &Call<'_>,
     division: Division<'_>,
-    known: (&str, usize),
+    fingerprint: &str,
+    bounds: usize,
     range: &Range<usize>,
 ) -> Result<Option<BudgetShard>, Diagnostic> {
     for path in division.merge {
         if matches!(call.run.files.read_at_most(path, MAX_BYTES), Err(ReadFailure::NotFound)) {
             continue;
         }
-        let part = read(call, path, known)?;
+        let part = read(call, path, fingerprint, bounds)?;
         if (part.first, part.count()) == (range.start, range.len()) {
             return Ok(Some(part));
         }
@@ -100,7 +101,7 @@ fn kept(
 }
 
 /// The machines of a part: whole chunks of those that are computed side by side.
-fn range(samples: usize, (part, parts): (usize, usize)) -> Range<usize> {
+fn range(samples: usize, part: usize, parts: usize) -> Range<usize> {
     let chunks = samples.div_ceil(SAMPLE_LANES) as u128;
     let end = |part: usize| {
         let chunk = chunks * part as u128 / parts as u128;
@@ -111,13 +112,15 @@ fn range(samples: usize, (part, parts): (usize, usize)) -> Range<usize> {
 
 /// Everything that drawn machines depend on.
 fn fingerprint(division: Division<'_>, request: Request<'_>) -> String {
-    let Request { machine, bounds, poses, .. } = request;
+    let Request { machine, bounds, poses, reference, .. } = request;
     let drawn = division.drawn_by;
-    sha256(format!("{} {machine:?} {bounds:?} {poses:?} {drawn:?}", env!("CARGO_PKG_VERSION")).as_bytes())
+    let taken_out = reference.map_or_else(String::new, |reference| format!("{reference:?}"));
+    let version = env!("CARGO_PKG_VERSION");
+    sha256(format!("{version} {machine:?} {bounds:?} {poses:?} {drawn:?}{taken_out}").as_bytes())
 }
 
 /// Returns the machines of the files to merge; none without files.
-pub(crate) fn merged(
+pub(crate) fn merge(
     call: &mut Call<'_>,
     division: Division<'_>,
     request: Request<'_>,
@@ -132,7 +135,7 @@ fn together(call: &Call<'_>, division: Division<'_>, request: Request<'_>) -> Re
     let expected = fingerprint(division, request);
     let mut parts = BTreeMap::new();
     for path in division.merge {
-        let part = read(call, path, (&expected, request.bounds.len()))?;
+        let part = read(call, path, &expected, request.bounds.len())?;
         if part.count() > 0 && parts.get(&part.first).is_some_and(|known| *known != part.drawn) {
             let message = format!("`{}` has other machines than a part before it", path.display());
             let help = "one of them was changed or made by another build: compute the parts again";
@@ -163,7 +166,7 @@ fn incomplete(count: usize, samples: usize) -> Diagnostic {
 }
 
 /// Returns the part in a file, if it is of this budget.
-fn read(call: &Call<'_>, path: &Path, (fingerprint, bounds): (&str, usize)) -> Result<BudgetShard, Diagnostic> {
+fn read(call: &Call<'_>, path: &Path, fingerprint: &str, bounds: usize) -> Result<BudgetShard, Diagnostic> {
     let name = path.display();
     let foreign = |message: String| {
         Diagnostic::new(codes::E0610, message).help("name another file, or remove this one; it is unchanged")

@@ -40,7 +40,6 @@ impl<'a> Keeper<'a> {
         self.failed.load(Ordering::Relaxed)
     }
 
-    /// Keeps the records of a walk.
     pub(crate) fn keep(&self, at: RoundStep, records: Vec<RoundRecord>) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = state.journal.done.insert(at, records);
@@ -65,7 +64,7 @@ impl<'a> Keeper<'a> {
 }
 
 /// Returns the part of the study that a file holds; nothing without the file.
-pub(crate) fn begun(call: &mut Call<'_>, path: Option<&Path>, empty: Journal) -> Result<Journal, Refused> {
+pub(crate) fn begin(call: &mut Call<'_>, path: Option<&Path>, empty: Journal) -> Result<Journal, Refused> {
     match path {
         Some(path) if call.run.files.read(path) != Err(ReadFailure::NotFound) => {
             of_study(call, path, &empty).or_else(|refusal| call.refuse(refusal))
@@ -74,7 +73,6 @@ pub(crate) fn begun(call: &mut Call<'_>, path: Option<&Path>, empty: Journal) ->
     }
 }
 
-/// Returns the results of a file, if they are of this study.
 fn of_study(call: &Call<'_>, path: &Path, empty: &Journal) -> Result<Journal, Diagnostic> {
     let name = path.display();
     let foreign = |message: String| {
@@ -110,7 +108,7 @@ pub(crate) fn why(failure: &ReadFailure) -> String {
 }
 
 /// Returns the results with those of other files.
-pub(crate) fn merged(call: &mut Call<'_>, paths: &[PathBuf], whole: Journal) -> Result<Journal, Refused> {
+pub(crate) fn merge(call: &mut Call<'_>, paths: &[PathBuf], whole: Journal) -> Result<Journal, Refused> {
     together(call, paths, whole).or_else(|refusal| call.refuse(refusal))
 }
 

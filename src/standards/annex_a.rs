@@ -49,7 +49,6 @@ pub fn thermal(words: &str) -> Option<Thermal> {
     Some(Thermal { temperature, expansion: per_kelvin(expansion)? })
 }
 
-/// A ratio per kelvin.
 fn per_kelvin(words: &str) -> Option<f64> {
     let quantity = units::quantity(words.trim().strip_suffix("/K")?.trim()).ok()?;
     (quantity.dimension == Dimension::RATIO).then_some(quantity.value)

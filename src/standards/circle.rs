@@ -136,7 +136,6 @@ fn covered_angle(angles: Vec<f64>) -> f64 {
     if whole { TURN } else { TURN - gap }
 }
 
-/// A fit of least squares.
 pub(super) struct CircleFit {
     pub values: DVector<f64>,
     /// Root of the covariance of the values, of readings that scatter by 1.

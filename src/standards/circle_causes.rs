@@ -111,7 +111,6 @@ impl<'a> Design<'a> {
         fit_circle(&self.rows.select_rows(&kept), &readings)
     }
 
-    /// Returns the residual of every reading.
     fn residuals(&self, fit: &CircleFit) -> Vec<f64> {
         let predicted = &self.rows * &fit.values;
         self.readings.iter().zip(predicted.iter()).map(|(reading, value)| reading.deviation - value).collect()

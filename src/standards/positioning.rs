@@ -81,7 +81,6 @@ pub struct OneWayFigures {
 }
 
 impl OneWayFigures {
-    /// Returns those of the readings of one direction at each target.
     fn of(targets: &[TargetReadings], direction: fn(&TargetReadings) -> Option<Repeated>) -> Option<Self> {
         let all: Vec<Repeated> = targets.iter().filter_map(direction).collect();
         let deviations: Option<Vec<f64>> = all.iter().map(|r| r.deviation).collect();

@@ -7,12 +7,10 @@ use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{Decimals, Sheet, SheetLine, cells, drop_empty, number, separator, title};
 use crate::units::{self, Dimension};
 
-/// Largest number of rows.
 const MAX_ROWS: usize = 1_000_000;
 /// Largest number of diagonals: the body has four, its faces twelve.
 const MAX_DIAGONALS: usize = 16;
 
-/// A column of numbers.
 #[derive(Debug, Clone, PartialEq)]
 struct NumberColumn {
     /// Its name, in lower case.
@@ -28,7 +26,6 @@ struct NumberColumn {
 pub struct ReadingsTable {
     /// The line of titles.
     header: Place,
-    /// Columns of numbers.
     columns: Vec<NumberColumn>,
     /// The sense of rotation of each row, if there is such a column.
     senses: Option<Vec<Sense>>,

@@ -79,7 +79,6 @@ impl Pulse {
     }
 }
 
-/// A pulse laid on readings.
 struct Laid {
     /// Weights of readings in its height.
     weights: Vec<(usize, f64)>,
@@ -87,7 +86,6 @@ struct Laid {
     gain: f64,
 }
 
-/// A spike.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FoundSpike {
     pub pulse: Pulse,
@@ -239,7 +237,7 @@ impl AnglePath {
             pulses.iter().filter_map(one).collect::<Vec<SpikeCandidate>>()
         });
         let count: usize = candidates.iter().map(Vec::len).sum();
-        candidates.map(|list| judged(list, count as f64))
+        candidates.map(|list| judge(list, count as f64))
     }
 }
 
@@ -267,7 +265,7 @@ impl Controls<'_> {
 
 /// Judges the candidates of a turning point, of so many at all of them: each counts as a trial of its own
 /// (Bonferroni).
-fn judged(list: Vec<SpikeCandidate>, trials: f64) -> Judged {
+fn judge(list: Vec<SpikeCandidate>, trials: f64) -> Judged {
     let limit = |c: &SpikeCandidate| quantile(FALSE_ALARM / trials, c.freedom) * libm::sqrt(c.variance);
     let limit = list.iter().map(limit).reduce(f64::max);
     let explained = |c: &SpikeCandidate| c.laid.gain * c.height * c.height;

@@ -4,7 +4,6 @@
 use super::positioning::AccuracyFigures;
 use super::range;
 
-/// Runs in each direction.
 const RUNS: usize = 5;
 /// Travel (mm) up to which a linear axis has five targets to a metre and five runs.
 const SHORT: f64 = 2000.0;

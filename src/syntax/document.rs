@@ -208,13 +208,10 @@ pub struct FormEntry {
     /// The axis.
     pub axis: Option<String>,
     /// Standard deviation of its displacement in each direction.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub size: Option<Scalar>,
     /// Standard deviation of its rotation about each direction.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub rotation: Option<Scalar>,
     /// Correlation length: a length or, of a rotary axis, an angle.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub length: Option<Scalar>,
 }
 
@@ -293,11 +290,9 @@ pub struct IdentifyEntry {
 pub struct PlausibleEntry {
     /// Of lengths.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub length: Option<Scalar>,
     /// Of angles.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub angle: Option<Scalar>,
 }
 
@@ -385,7 +380,6 @@ struct SectionReader<'a> {
 }
 
 impl SectionReader<'_> {
-    /// A section as a whole.
     fn section<T: DeserializeOwned>(&mut self, key: &str) -> Option<T> {
         let value = self.map.remove(key)?;
         entry(value, &keys([key]), &mut self.places, self.diagnostics)

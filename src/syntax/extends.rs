@@ -135,7 +135,6 @@ fn merge(mut base: Layer, over: Layer) -> Layer {
     base
 }
 
-/// Removes an entry of nested mappings.
 fn remove(map: &mut Mapping, entry: &[String]) {
     match entry {
         [] => {}

@@ -40,6 +40,24 @@ macro_rules! deserialize_by_forms {
 }
 pub(super) use deserialize_by_forms;
 
+/// Implements [`Forms`] for a mapping that may be written as the value of one of its fields.
+macro_rules! mapping_or_value {
+    ($entry:ty, $field:ident: $value:expr, $expecting:literal) => {
+        impl $crate::syntax::forms::Forms for $entry {
+            const EXPECTING: &'static str = $expecting;
+
+            fn scalar(value: $crate::syntax::Scalar) -> Option<Self> {
+                Some(Self { $field: Some($value(value)), ..Self::default() })
+            }
+
+            fn map<'de, A: serde::de::MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
+                Self::deserialize(serde::de::value::MapAccessDeserializer::new(map))
+            }
+        }
+    };
+}
+pub(super) use mapping_or_value;
+
 /// Deserialises whichever form is there.
 pub fn forms<'de, T: Forms, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
     deserializer.deserialize_any(FormsVisitor(PhantomData))

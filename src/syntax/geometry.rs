@@ -81,7 +81,6 @@ pub struct SideEntry {
     pub errors: IndexMap<String, TermEntry>,
 }
 
-/// The blocks of an axis.
 const SIDES: [&str; 2] = ["on_tool", "on_workpiece"];
 /// The plain keys that a block may give too.
 const SIDED: [&str; 3] = ["origin", "travel", "direction"];

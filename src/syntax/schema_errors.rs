@@ -75,7 +75,6 @@ fn reference(direction: usize, family: &str) -> Value {
     json!({ "$ref": format!("#/definitions/{unit}{family}") })
 }
 
-/// The errors of the usual axes, each with what it is.
 fn usual_errors() -> Map<String, Value> {
     let mut all = Map::new();
     for (axis, rotary, along) in AXES {
@@ -93,7 +92,6 @@ fn usual_errors() -> Map<String, Value> {
     all
 }
 
-/// All spellings.
 fn patterns() -> Map<String, Value> {
     let mut patterns = Map::new();
     let mut put = |pattern: String, direction: usize, family: &str| {

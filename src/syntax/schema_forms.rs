@@ -1,7 +1,9 @@
 //! Schemas of the forms of values: quantities, positions, curves, words.
 
+use super::scalar::Scalar;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 
 /// A number.
 pub const NUMBER: &str = r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?";
@@ -44,6 +46,21 @@ pub fn quantity(_: &mut SchemaGenerator) -> Schema {
         "description": "A value with its unit, such as 12 um.", "type": ["string", "null"], "pattern": pattern,
         "patternErrorMessage": format!("Expected {WITH_UNIT}.")
     })
+}
+
+/// Unless a field says otherwise, a value has a unit.
+impl JsonSchema for Scalar {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Scalar".into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        quantity(generator)
+    }
 }
 
 /// A position: bare in mm or deg, or with a unit.

@@ -196,22 +196,15 @@ impl Decimals {
 }
 
 /// Decimal comma and decimal point in one file.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "decimal comma and decimal point in one file ({}): write all numbers with the same, and digits ungrouped",
+    .cells.iter().map(|cell| format!("`{}`", shown(cell))).collect::<Vec<_>>().join(", ")
+)]
 pub struct MixedDecimals {
     /// A cell with both marks, or two cells with one each.
     pub cells: Vec<String>,
 }
-
-impl std::fmt::Display for MixedDecimals {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let cells: Vec<String> = self.cells.iter().map(|cell| format!("`{}`", shown(cell))).collect();
-        let cells = cells.join(", ");
-        let remedy = "write all numbers with the same, and digits ungrouped";
-        write!(f, "decimal comma and decimal point in one file ({cells}): {remedy}")
-    }
-}
-
-impl std::error::Error for MixedDecimals {}
 
 #[cfg(test)]
 mod tests {

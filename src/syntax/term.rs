@@ -1,13 +1,11 @@
 //! An error term as written.
 
-use super::forms::{Forms, deserialize_by_forms};
+use super::forms::{deserialize_by_forms, mapping_or_value};
 use super::scalar::Scalar;
 use super::schema_forms::{object, quantity};
 use indexmap::IndexMap;
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
-use serde::de::MapAccess;
-use serde::de::value::MapAccessDeserializer;
 
 /// A B-spline as written.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -21,73 +19,66 @@ pub struct BSplineEntry {
     pub coefficients: Vec<Scalar>,
 }
 
-/// One of the forms of a curve: exactly one of `value`, `table`, `points`, `polynomial`, `harmonics`, `bspline`.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
-#[serde(deny_unknown_fields, default, remote = "Self")]
-#[schemars(transform = super::schema_forms::one_form)]
-pub struct CurveEntry {
-    /// A constant with its unit.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
-    pub value: Option<Scalar>,
-    /// Path of a CSV file that has a column of this error's name.
-    pub table: Option<String>,
-    /// Points in the file: [position, value].
-    #[schemars(schema_with = "super::schema_forms::points")]
-    pub points: Option<Vec<Vec<Scalar>>>,
-    /// Between points: `linear` (default) or `cubic`.
-    #[schemars(schema_with = "super::schema_forms::interpolation")]
-    pub interpolation: Option<String>,
-    /// Coefficients by rising power of the position.
-    #[schemars(schema_with = "super::schema_forms::polynomial")]
-    pub polynomial: Option<Vec<Scalar>>,
-    /// [cosine, sine] by order; rotary axes only.
-    #[schemars(schema_with = "super::schema_forms::harmonics")]
-    pub harmonics: Option<IndexMap<String, Vec<Scalar>>>,
-    /// Degree, knots and coefficients.
-    #[schemars(schema_with = "super::schema_forms::bspline")]
-    pub bspline: Option<BSplineEntry>,
+/// Defines an entry with the forms of a curve as fields, and others beside them.
+macro_rules! entry_with_curve {
+    ($(#[$meta:meta])* $entry:ident { $($beside:tt)* }) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
+        #[serde(deny_unknown_fields, default, remote = "Self")]
+        #[schemars(transform = super::schema_forms::one_form)]
+        pub struct $entry {
+            /// A constant with its unit.
+            pub value: Option<Scalar>,
+            /// Path of a CSV file that has a column of this error's name.
+            pub table: Option<String>,
+            /// Points in the file: [position, value].
+            #[schemars(schema_with = "super::schema_forms::points")]
+            pub points: Option<Vec<Vec<Scalar>>>,
+            /// Between points: `linear` (default) or `cubic`.
+            #[schemars(schema_with = "super::schema_forms::interpolation")]
+            pub interpolation: Option<String>,
+            /// Coefficients by rising power of the position.
+            #[schemars(schema_with = "super::schema_forms::polynomial")]
+            pub polynomial: Option<Vec<Scalar>>,
+            /// [cosine, sine] by order; rotary axes only.
+            #[schemars(schema_with = "super::schema_forms::harmonics")]
+            pub harmonics: Option<IndexMap<String, Vec<Scalar>>>,
+            /// Degree, knots and coefficients.
+            #[schemars(schema_with = "super::schema_forms::bspline")]
+            pub bspline: Option<BSplineEntry>,
+            $($beside)*
+        }
+
+        mapping_or_value!(
+            $entry,
+            value: std::convert::identity,
+            "a value with its unit, or a mapping such as { table: x.csv }"
+        );
+    };
 }
 
-/// An error term: a curve, one for each direction, or a tolerance.
-#[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
-#[serde(deny_unknown_fields, default, remote = "Self")]
-#[schemars(transform = super::schema_forms::one_form)]
-pub struct TermEntry {
-    /// A constant with its unit.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
-    pub value: Option<Scalar>,
-    /// Path of a CSV file that has a column of this error's name.
-    pub table: Option<String>,
-    /// Points in the file: [position, value].
-    #[schemars(schema_with = "super::schema_forms::points")]
-    pub points: Option<Vec<Vec<Scalar>>>,
-    /// Between points: `linear` (default) or `cubic`.
-    #[schemars(schema_with = "super::schema_forms::interpolation")]
-    pub interpolation: Option<String>,
-    /// Coefficients by rising power of the position.
-    #[schemars(schema_with = "super::schema_forms::polynomial")]
-    pub polynomial: Option<Vec<Scalar>>,
-    /// [cosine, sine] by order; rotary axes only.
-    #[schemars(schema_with = "super::schema_forms::harmonics")]
-    pub harmonics: Option<IndexMap<String, Vec<Scalar>>>,
-    /// Degree, knots and coefficients.
-    #[schemars(schema_with = "super::schema_forms::bspline")]
-    pub bspline: Option<BSplineEntry>,
-    /// The curve for rising positions.
-    #[schemars(schema_with = "curve")]
-    pub forward: Option<CurveEntry>,
-    /// The curve for falling positions.
-    #[schemars(schema_with = "curve")]
-    pub reverse: Option<CurveEntry>,
-    /// Not known, only bounded.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
-    pub tolerance: Option<Scalar>,
-    /// Expanded uncertainty (k = 2) of the values.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
-    pub uncertainty: Option<Scalar>,
-    /// The origin of the numbers.
-    #[schemars(schema_with = "super::schema_forms::notes")]
-    pub provenance: Option<IndexMap<String, Scalar>>,
+entry_with_curve! {
+    /// One of the forms of a curve: exactly one of `value`, `table`, `points`, `polynomial`, `harmonics`, `bspline`.
+    CurveEntry {}
+}
+
+entry_with_curve! {
+    /// An error term: a curve, one for each direction, or a tolerance.
+    TermEntry {
+        /// The curve for rising positions.
+        #[schemars(schema_with = "curve")]
+        pub forward: Option<CurveEntry>,
+        /// The curve for falling positions.
+        #[schemars(schema_with = "curve")]
+        pub reverse: Option<CurveEntry>,
+        /// Not known, only bounded.
+        pub tolerance: Option<Scalar>,
+        /// Expanded uncertainty (k = 2) of the values.
+        pub uncertainty: Option<Scalar>,
+        /// The origin of the numbers.
+        #[schemars(schema_with = "super::schema_forms::notes")]
+        pub provenance: Option<IndexMap<String, Scalar>>,
+    }
 }
 
 impl TermEntry {
@@ -102,30 +93,6 @@ impl TermEntry {
             harmonics: self.harmonics.clone(),
             bspline: self.bspline.clone(),
         }
-    }
-}
-
-impl Forms for CurveEntry {
-    const EXPECTING: &'static str = "a value with its unit, or a mapping such as { table: x.csv }";
-
-    fn scalar(value: Scalar) -> Option<Self> {
-        Some(Self { value: Some(value), ..Self::default() })
-    }
-
-    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
-        Self::deserialize(MapAccessDeserializer::new(map))
-    }
-}
-
-impl Forms for TermEntry {
-    const EXPECTING: &'static str = "a value with its unit, or a mapping such as { table: x.csv }";
-
-    fn scalar(value: Scalar) -> Option<Self> {
-        Some(Self { value: Some(value), ..Self::default() })
-    }
-
-    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
-        Self::deserialize(MapAccessDeserializer::new(map))
     }
 }
 

@@ -1,26 +1,20 @@
 //! Bounds as written: the sections `tolerances` and `class`.
 
-use super::forms::{Forms, deserialize_by_forms};
+use super::forms::{deserialize_by_forms, mapping_or_value};
 use super::scalar::Scalar;
 use serde::Deserialize;
-use serde::de::MapAccess;
-use serde::de::value::MapAccessDeserializer;
 
 /// Bounds along an axis and across it: of translations, and of rotations about these directions.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FrameEntry {
     /// Translation along the axis.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub along: Option<Scalar>,
     /// Translations across it, each.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub across: Option<Scalar>,
     /// Rotation about the axis.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub about_along: Option<Scalar>,
     /// Rotations about the directions across it, each.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub about_across: Option<Scalar>,
 }
 
@@ -29,60 +23,45 @@ pub struct FrameEntry {
 #[serde(deny_unknown_fields, default, remote = "Self")]
 pub struct BoundEntry {
     /// Of an error or squareness: anywhere from minus to plus.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub value: Option<Scalar>,
     /// Of an axis: translation along it.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub along: Option<Scalar>,
     /// Of an axis: translations across it, each.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub across: Option<Scalar>,
     /// Of an axis: rotation about it.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub about_along: Option<Scalar>,
     /// Of an axis: rotations about the directions across it, each.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub about_across: Option<Scalar>,
     /// Of an axis: its location errors.
     pub location: Option<FrameEntry>,
     /// Whole width of the band that holds the error.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub width: Option<Scalar>,
     /// ISO 230-2: bidirectional accuracy of positioning.
     #[serde(rename = "A")]
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub a: Option<Scalar>,
     /// ISO 230-2: bidirectional systematic positioning error.
     #[serde(rename = "E")]
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub e: Option<Scalar>,
     /// ISO 230-2: range of the mean bidirectional positioning error.
     #[serde(rename = "M")]
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub m: Option<Scalar>,
     /// ISO 230-2: reversal error; beside M.
     #[serde(rename = "B")]
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub b: Option<Scalar>,
     /// ISO 230-2: bidirectional repeatability; beside E or M.
     #[serde(rename = "R")]
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub r: Option<Scalar>,
     /// VDI/DGQ 3441: positioning uncertainty.
     #[serde(rename = "P")]
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub p: Option<Scalar>,
     /// VDI/DGQ 3441: positional deviation.
     #[serde(rename = "Pa")]
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub pa: Option<Scalar>,
     /// VDI/DGQ 3441: reversal error; beside Pa.
     #[serde(rename = "U")]
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub u: Option<Scalar>,
     /// VDI/DGQ 3441: scatter of positions; beside Pa.
     #[serde(rename = "Ps")]
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub ps: Option<Scalar>,
 }
 
@@ -162,16 +141,12 @@ impl ClassEntry {
 #[serde(deny_unknown_fields, default)]
 pub struct LinearClassEntry {
     /// Error along the axis, per length of its travel.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub positioning: Option<Scalar>,
     /// Errors across it, per length of its travel.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub straightness: Option<Scalar>,
     /// Roll, pitch and yaw.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub angular: Option<Scalar>,
     /// Squareness and parallelism, and tilts of the spindle.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub squareness: Option<Scalar>,
     /// A shorter travel counts as this.
     #[schemars(schema_with = "super::schema_forms::length")]
@@ -183,47 +158,27 @@ pub struct LinearClassEntry {
 #[serde(deny_unknown_fields, default)]
 pub struct RotaryClassEntry {
     /// Place of the axis.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub position: Option<Scalar>,
     /// Tilt of the axis.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub orientation: Option<Scalar>,
     /// Error motion across the axis.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub radial: Option<Scalar>,
     /// Error motion along it.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub axial: Option<Scalar>,
     /// Tilt error motion.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub tilt: Option<Scalar>,
     /// Angle about the axis.
-    #[schemars(schema_with = "super::schema_forms::quantity")]
     pub angular_positioning: Option<Scalar>,
 }
 
-impl Forms for BoundEntry {
-    const EXPECTING: &'static str = "a bound with its unit, or a mapping such as { across: 3 um } or { A: 8 um }";
-
-    fn scalar(value: Scalar) -> Option<Self> {
-        Some(Self { value: Some(value), ..Self::default() })
-    }
-
-    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
-        Self::deserialize(MapAccessDeserializer::new(map))
-    }
-}
-
-impl Forms for ClassEntry {
-    const EXPECTING: &'static str = "the name of a class, or a mapping such as { like: premium, linear: { ... } }";
-
-    fn scalar(name: Scalar) -> Option<Self> {
-        Some(Self { like: Some(name.to_string()), ..Self::default() })
-    }
-
-    fn map<'de, A: MapAccess<'de>>(map: A) -> Result<Self, A::Error> {
-        Self::deserialize(MapAccessDeserializer::new(map))
-    }
-}
-
+mapping_or_value!(
+    BoundEntry,
+    value: std::convert::identity,
+    "a bound with its unit, or a mapping such as { across: 3 um } or { A: 8 um }"
+);
+mapping_or_value!(
+    ClassEntry,
+    like: |name: Scalar| name.to_string(),
+    "the name of a class, or a mapping such as { like: premium, linear: { ... } }"
+);
 deserialize_by_forms!(BoundEntry, ClassEntry);

@@ -4,17 +4,15 @@
 use saphyr_parser::{Event, Parser, Span, StrInput};
 use serde::de::DeserializeOwned;
 use std::collections::BTreeMap;
-use std::fmt;
 
-/// Deepest nesting.
 const DEPTH: usize = 64;
 /// Most entries, aliases counted as what they stand for.
 const NODES: usize = 200_000;
-/// Most aliases.
 const ALIASES: usize = 1_000;
 
 /// The reason why a text is not parsed.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{message}")]
 pub struct YamlFailure {
     /// In words.
     pub message: String,
@@ -25,14 +23,6 @@ pub struct YamlFailure {
     /// True if the text is deeper or larger than is parsed.
     pub(super) is_limit: bool,
 }
-
-impl fmt::Display for YamlFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
-    }
-}
-
-impl std::error::Error for YamlFailure {}
 
 /// Parses a text of tolerable depth and size.
 pub fn from_yaml<T: DeserializeOwned>(text: &str) -> Result<T, YamlFailure> {
@@ -70,26 +60,18 @@ fn beyond(what: &Excess, span: Span) -> YamlFailure {
     }
 }
 
-/// A limit that is exceeded.
+#[derive(Debug, thiserror::Error)]
 enum Excess {
+    #[error("nested deeper than {DEPTH} levels")]
     Depth,
+    #[error("more than {NODES} entries, aliases written out")]
     Nodes,
+    #[error("more than {ALIASES} aliases")]
     Aliases,
+    #[error("an alias inside its own anchor")]
     Circle,
 }
 
-impl fmt::Display for Excess {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Depth => write!(f, "nested deeper than {DEPTH} levels"),
-            Self::Nodes => write!(f, "more than {NODES} entries, aliases written out"),
-            Self::Aliases => write!(f, "more than {ALIASES} aliases"),
-            Self::Circle => f.write_str("an alias inside its own anchor"),
-        }
-    }
-}
-
-/// The size of a text so far.
 #[derive(Default)]
 struct YamlSize {
     nodes: usize,

@@ -3,30 +3,23 @@
 use super::{Dimension, Quantity};
 
 /// The reason for which a text is not a quantity.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Failure {
     /// No number at the start.
+    #[error("`{0}` is not a number")]
     NotANumber(String),
     /// A decimal comma.
+    #[error("`{0}` has a decimal comma")]
     DecimalComma(String),
     /// NaN, infinite or too large for a double.
+    #[error("`{0}` is not a finite number")]
     NotFinite(String),
     /// A unit nobody here knows.
+    #[error("unknown unit `{0}`")]
     UnknownUnit(String),
     /// A number without a unit where one is needed.
+    #[error("`{0}` has no unit")]
     NoUnit(String),
-}
-
-impl std::fmt::Display for Failure {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::NotANumber(t) => write!(f, "`{t}` is not a number"),
-            Self::DecimalComma(t) => write!(f, "`{t}` has a decimal comma"),
-            Self::NotFinite(t) => write!(f, "`{t}` is not a finite number"),
-            Self::UnknownUnit(t) => write!(f, "unknown unit `{t}`"),
-            Self::NoUnit(t) => write!(f, "`{t}` has no unit"),
-        }
-    }
 }
 
 /// Parses a plain decimal number.

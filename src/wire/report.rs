@@ -10,18 +10,19 @@ use crate::api::budgets::{DrawnMachines, budgets};
 use crate::api::map_result::MapOptions;
 use crate::api::sources::all_words;
 use crate::controller::Depth;
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::{Bare, Frame, Poses, worst};
 use crate::file_set::effect::named_effect;
-use crate::job::features::{bounded_features, features};
+use crate::job::features::features;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
+use crate::job::reference::Reference;
 use crate::job::tool_poses;
 use crate::machine::{Machine, Pose};
 use crate::report::page::{
     ComparisonData, EngineFile, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
     TargetResult, colours,
 };
-use crate::run::{Advance, Answer, Call, Cancelled, Count, Refused, Run, finite};
+use crate::run::{Advance, Call, Cancelled, Count, Refused, Reply, Run, finite};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -62,24 +63,23 @@ impl Report {
 /// Computes a page about machines; several are compared on the tool poses of the first.
 ///
 /// Fails for targets and classes that are not there, and where [`compile`](crate::api::compile()) fails for a target.
-pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Result<Answer<Report>, Diagnostics> {
+pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run) -> Reply<Report> {
     Call::answer_of(run, &sources_of(files), |call| {
-        let report = reported(call, files, options)?;
+        let report = build(call, files, options)?;
         call.extend(finite::refusal(&report.data));
         Ok(report)
     })
 }
 
-fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
-    call.bounded(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
+fn build(call: &mut Call, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
+    call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
     let subjects: Vec<Subject<'_>> =
-        files.iter().map(|file| Subject::one_of(call, files, (file, options))).collect::<Result<_, _>>()?;
-    let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.given(options)).collect();
+        files.iter().map(|file| Subject::one_of(call, files, file, options)).collect::<Result<_, _>>()?;
+    let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.input(options)).collect();
     let mut report = Report::default();
     report.data.comparison = comparison(call, options, &given)?;
     let drawn = call.stage(given.iter().map(|given| given.poses.0).sum(), |advance| {
-        let all =
-            given.iter().enumerate().map(|(i, given)| drawn(i + 1, given, advance)).collect::<Result<Vec<_>, _>>();
+        let all = given.iter().enumerate().map(|(i, given)| draw(i + 1, given, advance)).collect::<Result<Vec<_>, _>>();
         if let Err(MapFailure::Cancelled) = all { Err(Cancelled) } else { Ok(all) }
     })?;
     let Ok(drawn) = drawn else { return call.usage(format!("a report takes {MAX_POSES} poses at most")) };
@@ -89,7 +89,7 @@ fn reported(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions)
 }
 
 /// Content of the page for a machine.
-fn drawn(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Result<(MachineData, Pictures), MapFailure> {
+fn draw(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Result<(MachineData, Pictures), MapFailure> {
     let view = View { conditions: given.conditions, frame: Frame::Workpiece };
     if let Some(bounded) = given.budget() {
         let data = MachineData::of_bounds(number, given, bounded);
@@ -101,7 +101,7 @@ fn drawn(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Resul
     let map = map(&bare, &poses, view, advance)?;
     // As `map` does by default.
     let besides = worst(&map.deviations, MapOptions::default().worst);
-    let intervals = field_bands(&bare, &poses, map.statistics, &besides, given.conditions, given.poses.1);
+    let intervals = field_bands(&bare, &poses, map.statistics, &besides, given.conditions, given.poses.1, None);
     let data = MachineData::new(number, given, &map).with_uncertainty(given, json!(intervals));
     let pictures = Pictures::new(given, &data);
     Ok((data, pictures))
@@ -125,9 +125,10 @@ struct Subject<'a> {
 impl<'a> Subject<'a> {
     /// The subject of one of the files; with several, what is found names the file.
     fn one_of(
-        call: &mut Call<'_>,
+        call: &mut Call,
         files: &[MachineFile],
-        (file, options): (&'a MachineFile, &ReportOptions),
+        file: &'a MachineFile,
+        options: &ReportOptions,
     ) -> Result<Self, Refused> {
         match files {
             [_] => Self::of(call, file, options),
@@ -135,7 +136,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    fn of(call: &mut Call<'_>, file: &'a MachineFile, options: &ReportOptions) -> Result<Self, Refused> {
+    fn of(call: &mut Call, file: &'a MachineFile, options: &ReportOptions) -> Result<Self, Refused> {
         let seen = call.diagnostics.count();
         let settings = (&options.tolerances, options.samples, options.seed);
         let bounded = DrawnBounds::of(call, file, settings)?;
@@ -143,15 +144,15 @@ impl<'a> Subject<'a> {
         if targets.len() < options.targets.len() {
             call.warn(nothing_to_compensate(file));
         }
-        call.checked()?;
+        call.check()?;
         let path = options.tool_poses.as_ref();
-        let work = path.map(|path| work(call, file, path, (options, bounded.as_ref()))).transpose()?;
+        let work = path.map(|path| work(call, file, path, options, bounded.as_ref())).transpose()?;
         let mut written = Vec::new();
         for name in targets {
-            written.extend(compensated(call, file, name, options)?);
+            written.extend(compensate(call, file, name, options)?);
         }
         let reached = work.as_ref().map(|(poses, _)| poses.as_slice());
-        let bounds_add = added(call, file, settings, reached)?.map_or(Value::Null, |added| json!(added));
+        let bounds_add = added(call, file, settings, reached, None)?.map_or(Value::Null, |added| json!(added));
         let found = file.warnings().iter().chain(call.diagnostics.iter().skip(seen));
         let warnings = found.map(Diagnostic::to_string).collect();
         let instruments = if bounded.is_some() { Instruments::none(file) } else { Instruments::new(file) };
@@ -160,7 +161,7 @@ impl<'a> Subject<'a> {
         Ok(Self { file, written, warnings, words, instruments, budget, bounds_add, work })
     }
 
-    fn given(&self, options: &ReportOptions) -> MachineInput<'_> {
+    fn input(&self, options: &ReportOptions) -> MachineInput<'_> {
         MachineInput {
             machine: self.file,
             file: self.file.path(),
@@ -181,10 +182,11 @@ impl<'a> Subject<'a> {
 
 /// Returns the poses of a machine for the tool poses of a file, and what the page says of them.
 fn work(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     path: &Path,
-    (options, bounded): (&ReportOptions, Option<&DrawnBounds>),
+    options: &ReportOptions,
+    bounded: Option<&DrawnBounds>,
 ) -> Result<(Vec<Pose>, Value), Refused> {
     let machine: &Machine = file;
     let reached = tool_poses::read(call, machine, path)?.reached(call, machine)?;
@@ -193,9 +195,9 @@ fn work(
     let features = match bounded {
         Some(drawn) => {
             let found = drawn.at(call, machine, &Poses::Listed(reached.poses.clone()), view.frame)?;
-            bounded_features(machine, &reached, &drawn.bounds, &found)
+            drawn.features(machine, &reached, &found)
         }
-        None => features(&bare, &reached, view, true),
+        None => features(&bare, &reached, view, true, None),
     };
     let work = json!({"file": reached.file, "asked": reached.asked, "reached": reached.reached,
         "travel": reached.travel, "features": features});
@@ -210,8 +212,8 @@ fn nothing_to_compensate(file: &MachineFile) -> Diagnostic {
 
 /// Returns the effect of the files that `compile` would write for a target, and their certificate; of two targets
 /// joined by a plus sign after the parameters, and after both.
-fn compensated(
-    call: &mut Call<'_>,
+fn compensate(
+    call: &mut Call,
     machine: &Machine,
     name: &str,
     options: &ReportOptions,
@@ -221,38 +223,38 @@ fn compensated(
     let parameters = target.manifest.target.split_once('+').map(|(first, _)| first.to_owned());
     let mut steps = Vec::new();
     if let Some(first) = parameters {
-        steps.extend(compensated(call, machine, &first, options)?);
+        steps.extend(compensate(call, machine, &first, options)?);
     }
     steps.push(TargetResult { target, effect, certificate });
     Ok(steps)
 }
 
 /// Returns the budget that [`budget`](crate::api::budget()) would give; `None` if no error is bounded.
-fn own_budget(
-    call: &mut Call<'_>,
-    machine: &Machine,
-    options: &ReportOptions,
-) -> Result<Option<BudgetResult>, Refused> {
+fn own_budget(call: &mut Call, machine: &Machine, options: &ReportOptions) -> Result<Option<BudgetResult>, Refused> {
     let ReportOptions { tolerances, samples, seed, poses, .. } = options;
     let bounded = tolerances.bounds_if_any(call, machine)?;
     if bounded.0.is_empty() {
         return Ok(None);
     }
     let (tolerances, samples, seed, poses) = (tolerances.clone(), *samples, *seed, *poses);
-    let options = BudgetOptions { tolerances, samples, seed, poses, ..BudgetOptions::default() };
+    // The page has no other reference.
+    let reference = Some(Reference::default());
+    let options = BudgetOptions { tolerances, samples, seed, poses, reference, ..BudgetOptions::default() };
     budget_of(call, machine, &options, None, bounded).map(Some)
 }
 
 /// Several machines on the same work, with their budgets where all have one.
 fn comparison(
-    call: &mut Call<'_>,
+    call: &mut Call,
     options: &ReportOptions,
     given: &[MachineInput<'_>],
 ) -> Result<Option<ComparisonData>, Refused> {
     let Some((comparison, sides)) = ComparisonData::work(given) else { return Ok(None) };
     let (samples, seed) = (options.samples, options.seed);
     let names: Vec<&str> = given.iter().map(|given| given.file).collect();
-    let drawn = DrawnMachines { tolerances: &options.tolerances, files: &names, samples, max_samples: samples, seed };
+    let (tolerances, files, max_samples, references) =
+        (&options.tolerances, &*names, samples, &*vec![None; names.len()]);
+    let drawn = DrawnMachines { tolerances, files, samples, max_samples, seed, references };
     let budgets = budgets(call, &sides, drawn)?;
     let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
     Ok(Some(ComparisonData::new(given, &comparison, &sides, json)))

@@ -16,7 +16,6 @@ pub(crate) enum MapShare<'a> {
     Given(RefCell<Vec<u8>>),
 }
 
-/// Part of the deviations of a map.
 #[derive(Debug, Clone)]
 pub(crate) struct MapPart {
     /// Index of the part, from 0.
@@ -27,7 +26,6 @@ pub(crate) struct MapPart {
     pub bytes: RefCell<Vec<u8>>,
 }
 
-/// Bytes of a deviation.
 const BYTES: usize = 6 * size_of::<f64>();
 
 impl MapPart {
@@ -50,7 +48,7 @@ impl MapParts for MapShare<'_> {
 
     fn deviations(
         &self,
-        call: &mut Call<'_>,
+        call: &mut Call,
         field: &dyn Field,
         poses: &Poses,
         view: View,
@@ -58,7 +56,7 @@ impl MapParts for MapShare<'_> {
         match self {
             Self::Part(part) => {
                 let computed = computed(call, field, poses, part.range(poses.len()), view)?;
-                let _ = part.bytes.replace(written(&computed));
+                let _ = part.bytes.replace(write(&computed));
                 Err(Refused)
             }
             Self::Given(bytes) => {
@@ -70,7 +68,7 @@ impl MapParts for MapShare<'_> {
     }
 }
 
-fn written(deviations: &[Deviation]) -> Vec<u8> {
+fn write(deviations: &[Deviation]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(deviations.len() * BYTES);
     for deviation in deviations {
         let numbers = deviation.position.iter().chain(&deviation.rotation);

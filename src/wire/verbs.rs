@@ -5,49 +5,25 @@
 
 use super::report::report;
 use super::report_options::ReportOptions;
-use crate::api::budget::{BudgetOptions, BudgetResult, budget, budget_part};
-use crate::api::certificate::CertificateReport;
-use crate::api::check::check;
-use crate::api::classify::{Classification, ClassifyOptions, classify};
-use crate::api::compare::{CompareOptions, CompareResult, compare};
-use crate::api::compile::{CompileOptions, CompiledSet, compile};
-use crate::api::compose::{ComposedPart, compile_composed};
-use crate::api::convert::{ConvertOptions, ConvertResult, convert};
-use crate::api::diff::{DiffOptions, SetDifference, diff};
-use crate::api::diff_machines::{DiffMachinesOptions, diff_machines};
-use crate::api::enumerate::{EnumerateOptions, RankedArrangements, enumerate};
-use crate::api::equations::{EquationsOptions, EquationsResult, equations};
-use crate::api::eval::{EvalOptions, EvalResult, eval};
-use crate::api::explain::explain;
-use crate::api::figures::{FiguresOptions, figures};
-use crate::api::identify::{
-    IdentifyOptions, MeasurementPlan, MonomialFit, PlanOptions, fit_monomials, identify, plan_measurements,
-};
-use crate::api::import::{ImportOptions, import};
-use crate::api::instrument::{InstrumentOptions, InstrumentResult, instrument};
-use crate::api::locate::{LocateOptions, LocateResult, locate};
-use crate::api::map::map_tables;
-use crate::api::map_result::{MapOptions, MapResult};
 use crate::api::map_tables::MapTable;
-use crate::api::reach::{ReachOptions, ReachResult, reach};
-use crate::api::record::{RecordOptions, check_record, record, record_trend};
-use crate::api::show::{ChainResult, show};
-use crate::api::sources::ErrorSources;
-use crate::api::starter::{Starter, schema, starter};
-use crate::api::summary::MachineSummary;
-use crate::api::targets::{TargetSummary, targets};
-use crate::api::verify::{VerifyOptions, verify};
+use crate::api::results::{
+    BudgetResult, CertificateReport, ChainResult, Classification, CompareResult, CompiledSet, ComposedPart,
+    ConvertResult, EquationsResult, ErrorSources, EvalResult, IdentifyResult, ImportResult, InstrumentResult,
+    LocateResult, MachineDifference, MachineSummary, MapResult, MeasurementPlan, MonomialFit, RankedArrangements,
+    ReachResult, Record, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures,
+};
+use crate::api::starter::Starter;
+use crate::api::{
+    Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompileOptions, ConvertOptions, Diagnostic, Diagnostics,
+    DiffMachinesOptions, DiffOptions, EnumerateOptions, EquationsOptions, EvalOptions, FiguresOptions, IdentifyOptions,
+    ImportOptions, InstrumentOptions, LocateOptions, MachineFile, MapOptions, PlanOptions, ReachOptions, RecordOptions,
+    Run, VerifyOptions, budget, budget_part, check, check_record, classify, compare, compile, compile_composed,
+    convert, diff, diff_machines, enumerate, equations, eval, explain, figures, fit_monomials, identify, import,
+    instrument, locate, map_tables, plan_measurements, reach, record, record_trend, schema, show, starter, targets,
+    verify,
+};
 use crate::controller::LOCK_NAME;
-use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::identify::verdict::result::IdentifyResult;
-use crate::job::machine_file::MachineFile;
-use crate::record::check::RecordCheck;
-use crate::record::make::Record;
-use crate::record::trend::RecordTrend;
-use crate::report::imported::ImportResult;
-use crate::report::standard_tests::TestFigures;
-use crate::report::{MachineDifference, RowFormat};
-use crate::run::{Answer, Run};
+use crate::report::RowFormat;
 use crate::shards::study::StudyFile;
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, schema_for};
@@ -123,7 +99,7 @@ pub static VERBS: [Verb; 30] = [
         let (answer, result) = answer(convert(request.machine()?, &request.options()?, run)?);
         Ok(answer.text("machine.yaml", result.machine_file))
     }),
-    of::<MapOptions, MapResult>("map", &["map.svg", "grid"], mapped),
+    of::<MapOptions, MapResult>("map", &["map.svg", "grid"], run_map),
     of::<ReachOptions, ReachResult>("reach", &["reach.svg"], |request, run| {
         let (answer, result) = answer(reach(request.machine()?, &request.options()?, run)?);
         Ok(answer.text("reach.svg", result.picture().svg()))
@@ -131,13 +107,13 @@ pub static VERBS: [Verb; 30] = [
     of::<CompareOptions, CompareResult>("compare", &[], |request, run| {
         Ok(answer(compare(&request.machine_files(), &request.options()?, run)?).0)
     }),
-    of::<BudgetOptions, BudgetResult>("budget", &["pareto.svg", "waterfall.svg", STATE], budgeted),
-    of::<EnumerateOptions, RankedArrangements>("enumerate", &[STATE], enumerated),
+    of::<BudgetOptions, BudgetResult>("budget", &["pareto.svg", "waterfall.svg", STATE], run_budget),
+    of::<EnumerateOptions, RankedArrangements>("enumerate", &[STATE], run_enumerate),
     of::<InstrumentOptions, InstrumentResult>("instrument", &["readings.svg"], |request, run| {
         let (answer, result) = answer(instrument(request.machine()?, &request.options()?, run)?);
         Ok(answer.text("readings.svg", result.picture().svg()))
     }),
-    of::<IdentifyOptions, IdentifyResult>("identify", &["machine.yaml"], identified),
+    of::<IdentifyOptions, IdentifyResult>("identify", &["machine.yaml"], run_identify),
     of::<IdentifyOptions, MonomialFit>("fit_monomials", &[], |request, run| {
         Ok(answer(fit_monomials(request.machine()?, &request.with_texts()?, run)?).0)
     }),
@@ -167,7 +143,7 @@ pub static VERBS: [Verb; 30] = [
         let (answer, trend) = answer(record_trend(&folders, &request.options()?, run)?);
         Ok(answer.text("trend.svg", trend.picture().svg()))
     }),
-    of::<CompileOptions, CompiledSet>("compile", &[], compiled),
+    of::<CompileOptions, CompiledSet>("compile", &[], run_compile),
     of::<VerifyOptions, CertificateReport>("verify", &[], |request, run| {
         Ok(answer(verify(request.machine()?, request.path(0)?, &request.options()?, run)?).0)
     }),
@@ -178,7 +154,7 @@ pub static VERBS: [Verb; 30] = [
     of::<DiffMachinesOptions, MachineDifference>("diff", &[], |request, run| {
         Ok(answer(diff_machines(&request.machine_files(), &request.options()?, run)?).0)
     }),
-    of::<ReportOptions, PageSize>("report", &["report.html"], reported),
+    of::<ReportOptions, PageSize>("report", &["report.html"], run_report),
     plain("show", Some(SchemaGenerator::subschema_for::<ChainResult>), |request, _| {
         Ok(VerbAnswer::of(json!(show(request.machine()?))))
     }),
@@ -252,19 +228,18 @@ where
     O: Default + Serialize + JsonSchema,
     R: JsonSchema,
 {
-    Verb { name, options: Some(described::<O>), result: Some(SchemaGenerator::subschema_for::<R>), texts, run }
+    Verb { name, options: Some(describe::<O>), result: Some(SchemaGenerator::subschema_for::<R>), texts, run }
 }
 
 const fn plain(name: &'static str, result: Option<ResultSchema>, run: VerbCall) -> Verb {
     Verb { name, options: None, result, texts: &[], run }
 }
 
-fn described<O: Default + Serialize + JsonSchema>() -> Value {
+fn describe<O: Default + Serialize + JsonSchema>() -> Value {
     json!({"schema": schema_for!(O), "default": O::default()})
 }
 
 impl VerbRequest<'_> {
-    /// Reads the options.
     fn options<T: DeserializeOwned>(&self) -> Result<T, Diagnostics> {
         serde_path_to_error::deserialize(self.options)
             .map_err(|failure| (self.unfit)(&failure.path().to_string(), &failure.inner().to_string()).into())
@@ -274,12 +249,10 @@ impl VerbRequest<'_> {
         Ok(IdentifyOptions { texts: self.texts.to_vec(), ..self.options()? })
     }
 
-    /// Returns the only machine.
     fn machine(&self) -> Result<&MachineFile, Diagnostics> {
         self.machines.first().copied().ok_or_else(|| (self.unfit)("", "a machine is missing").into())
     }
 
-    /// Returns copies of all machines.
     fn machine_files(&self) -> Vec<MachineFile> {
         self.machines.iter().map(|file| (*file).clone()).collect()
     }
@@ -325,7 +298,7 @@ struct StarterOptions {
     kind: Starter,
 }
 
-fn mapped(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_map(request: &VerbRequest<'_>, run: Run) -> Found {
     let mut rows = Cursor::new(Vec::new());
     let mut tables = Vec::new();
     if request.rows {
@@ -338,7 +311,7 @@ fn mapped(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
     Ok(answer)
 }
 
-fn budgeted(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_budget(request: &VerbRequest<'_>, run: Run) -> Found {
     let options: BudgetOptions = request.options()?;
     if options.shard.is_some() {
         let Answer { value: part, warnings } = budget_part(request.machine()?, &options, run)?;
@@ -361,13 +334,13 @@ impl StudyFile for State {
     }
 }
 
-fn enumerated(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_enumerate(request: &VerbRequest<'_>, run: Run) -> Found {
     let state = State(Mutex::default());
     let (answer, _) = answer(enumerate(request.machine()?, &request.options()?, Some(&state), run)?);
     Ok(answer.text(STATE, state.0.into_inner().unwrap_or_else(PoisonError::into_inner)))
 }
 
-fn identified(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_identify(request: &VerbRequest<'_>, run: Run) -> Found {
     let (mut answer, result) = answer(identify(request.machine()?, &request.with_texts()?, run)?);
     answer.texts.extend(result.machine_file.map(|text| ("machine.yaml".to_owned(), text)));
     answer.texts.extend(result.pictures.into_iter().map(|picture| (picture.name, picture.svg)));
@@ -375,7 +348,7 @@ fn identified(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
 }
 
 /// Compiles for the targets that the words name; a part of a set for several is a folder.
-fn compiled(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_compile(request: &VerbRequest<'_>, run: Run) -> Found {
     let options: CompileOptions = request.options()?;
     if request.words.len() > 1 {
         let (answer, set) = answer(compile_composed(request.machine()?, request.words, &options, run)?);
@@ -394,7 +367,7 @@ fn compiled(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
     Ok(VerbAnswer { files, ..answer })
 }
 
-fn reported(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_report(request: &VerbRequest<'_>, run: Run) -> Found {
     let Answer { value: content, warnings } = report(&request.machine_files(), &request.options()?, run)?;
     let page = content.page(&[]).map_err(Diagnostics::from)?.text;
     Ok(answer(Answer { value: PageSize { bytes: page.len() }, warnings }).0.text("report.html", page))

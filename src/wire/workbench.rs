@@ -4,24 +4,21 @@
 //! once, and every answer has the shape that the verb of the program prints with `--format json`.
 
 use super::share::{MapPart, MapShare};
-use crate::api::budget::{BudgetOptions, budget};
-use crate::api::compare::{CompareOptions, compare};
-use crate::api::eval::{EvalOptions, eval};
-use crate::api::instrument::{InstrumentOptions, instrument};
-use crate::api::map::{map_of_parts, map_tables};
-use crate::api::map_result::{MapOptions, MapPoses, MapResult};
+use crate::api::map::map_of_parts;
+use crate::api::map_result::MapPoses;
 use crate::api::map_tables::MapTable;
-use crate::api::reach::{ReachOptions, ReachResult, reach};
-use crate::api::show::show;
-use crate::api::sources::{SourcesOptions, all_words, sources};
-use crate::api::starter::schema;
-use crate::api::summary::{error_numbers, summary};
-use crate::api::targets::targets;
+use crate::api::results::{MapResult, ReachResult};
+use crate::api::sources::all_words;
+use crate::api::summary::error_numbers;
+use crate::api::{
+    BudgetOptions, CompareOptions, EvalOptions, InstrumentOptions, MapOptions, ReachOptions, SourcesOptions, budget,
+    compare, eval, instrument, map_tables, reach, schema, show, sources, summary, targets,
+};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::job::machine_file::{LoadOptions, MachineFile, Overlay, load};
 use crate::job::tool_poses::{RowTip, tips};
 use crate::report::RowFormat;
-use crate::run::{Answer, Call, Run};
+use crate::run::{Answer, Call, Reply, Run};
 use crate::syntax::MemoryFiles;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -122,12 +119,12 @@ const MAX_QUESTIONS: usize = 200;
 /// all parts, one behind the other, are given to [`workbench_of_parts`] with the same request.
 ///
 /// Without such a map, and for one of bounds or of more than [`MapPoses::MAX_HELD`] poses, there are none.
-pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run<'_>) -> Vec<u8> {
+pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run) -> Vec<u8> {
     let part = MapPart::new(index, count);
-    if let Ok(mut request) = parsed(request) {
+    if let Ok(mut request) = parse(request) {
         request.questions.retain(|question| matches!(question, Question::Map(_)));
         request.questions.truncate(1);
-        let _ = answered(&request, &MapShare::Part(&part), run);
+        let _ = answer(&request, &MapShare::Part(&part), run);
     }
     part.bytes.into_inner()
 }
@@ -136,20 +133,20 @@ pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run<'_
 ///
 /// `diagnostics` are those of reading the machine, with their places. Without a machine `answers` is empty. Otherwise
 /// it has an entry for each question, the result or `{"refused": true, "diagnostics": [...]}`.
-pub fn workbench(request: &str, run: Run<'_>) -> Value {
+pub fn workbench(request: &str, run: Run) -> Value {
     workbench_of_parts(request, Vec::new(), run)
 }
 
 /// Answers a request as [`workbench`] does; `parts` holds the bytes of all parts of its first map, one behind the
 /// other. The map is computed if they are not those of all its poses.
-pub fn workbench_of_parts(request: &str, parts: Vec<u8>, run: Run<'_>) -> Value {
-    match parsed(request) {
-        Ok(request) => answered(&request, &MapShare::Given(RefCell::new(parts)), run),
-        Err(refusal) => refused(&refusal.into()),
+pub fn workbench_of_parts(request: &str, parts: Vec<u8>, run: Run) -> Value {
+    match parse(request) {
+        Ok(request) => answer(&request, &MapShare::Given(RefCell::new(parts)), run),
+        Err(diagnostic) => refusal(&diagnostic.into()),
     }
 }
 
-fn parsed(request: &str) -> Result<WorkbenchRequest, Diagnostic> {
+fn parse(request: &str) -> Result<WorkbenchRequest, Diagnostic> {
     let refusal = |message: String| Err(Diagnostic::new(codes::E0818, message));
     let mut json = serde_json::Deserializer::from_str(request);
     match serde_path_to_error::deserialize::<_, WorkbenchRequest>(&mut json) {
@@ -161,11 +158,11 @@ fn parsed(request: &str) -> Result<WorkbenchRequest, Diagnostic> {
     }
 }
 
-fn refused(diagnostics: &Diagnostics) -> Value {
+fn refusal(diagnostics: &Diagnostics) -> Value {
     json!({"diagnostics": diagnostics.records(), "answers": []})
 }
 
-fn answered(request: &WorkbenchRequest, share: &MapShare<'_>, run: Run<'_>) -> Value {
+fn answer(request: &WorkbenchRequest, share: &MapShare<'_>, run: Run) -> Value {
     let text = request.texts.iter().fold(MemoryFiles::new(), |files, (name, text)| files.with(name, text.as_str()));
     let files = Overlay { text, files: run.files };
     let run = Run { files: &files, ..run };
@@ -175,12 +172,12 @@ fn answered(request: &WorkbenchRequest, share: &MapShare<'_>, run: Run<'_>) -> V
                 request.questions.iter().map(|question| question.answer(&machine, request, share, run)).collect();
             json!({"diagnostics": warnings.records(), "answers": answers})
         }
-        Err(diagnostics) => refused(&diagnostics),
+        Err(diagnostics) => refusal(&diagnostics),
     }
 }
 
 impl Question {
-    fn answer(&self, machine: &MachineFile, request: &WorkbenchRequest, share: &MapShare<'_>, run: Run<'_>) -> Value {
+    fn answer(&self, machine: &MachineFile, request: &WorkbenchRequest, share: &MapShare<'_>, run: Run) -> Value {
         match self {
             Self::Check => json!(summary(machine)),
             Self::Show => json!(show(machine)),
@@ -218,14 +215,13 @@ fn with_reasons(answer: Answer<ReachResult>) -> Answer<ReasonedReach> {
     Answer { value: ReasonedReach { reach: answer.value, reasons }, warnings: answer.warnings }
 }
 
-/// A map, row by row.
 #[derive(Serialize)]
 struct MapRows {
     map: MapResult,
     rows: Value,
 }
 
-fn rows(machine: &MachineFile, options: &MapOptions, run: Run<'_>) -> Result<Answer<MapRows>, Diagnostics> {
+fn rows(machine: &MachineFile, options: &MapOptions, run: Run) -> Reply<MapRows> {
     let mut bytes = Cursor::new(Vec::new());
     let table = MapTable { name: "rows".to_owned(), form: RowFormat::Json, sink: Box::new(&mut bytes) };
     let Answer { value: map, warnings } = map_tables(machine, options, vec![table], run)?;
@@ -241,7 +237,7 @@ struct WorkRows {
     tips: Vec<RowTip>,
 }
 
-fn work(machine: &MachineFile, options: &WorkOptions, run: Run<'_>) -> Result<Answer<WorkRows>, Diagnostics> {
+fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRows> {
     let path = &options.tool_poses;
     let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, path))?.value;
     let poses = MapPoses::ToolPoses(path.clone());
@@ -251,7 +247,7 @@ fn work(machine: &MachineFile, options: &WorkOptions, run: Run<'_>) -> Result<An
     Ok(Answer { value: WorkRows { found, tips }, warnings })
 }
 
-fn document<T: Serialize>(answer: Result<Answer<T>, Diagnostics>) -> Value {
+fn document<T: Serialize>(answer: Reply<T>) -> Value {
     match answer {
         Ok(answer) => answer.warnings.document(json!(answer.value)),
         Err(diagnostics) => json!(diagnostics),

@@ -250,7 +250,7 @@ fn survives(machine: &[u8], table: &[u8]) {
     let mut diagnostics = Diagnostics::default();
     let document = syntax::load(Path::new("m.yaml"), &memory, &mut diagnostics);
     let machine = document.and_then(|d| machine::resolve(&d, &memory, &mut diagnostics));
-    assert!(machine.is_some() != diagnostics.refused());
+    assert!(machine.is_some() != diagnostics.is_refused());
     let _ = render(&diagnostics, Rendering { color: true });
 }
 

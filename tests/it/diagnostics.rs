@@ -30,7 +30,7 @@ fn shown(folder: &Path) -> (String, BTreeSet<&'static str>) {
     let mut diagnostics = Diagnostics::default();
     let document = syntax::load(Path::new("machine.yaml"), &files, &mut diagnostics);
     let machine = document.and_then(|d| machine::resolve(&d, &files, &mut diagnostics));
-    assert_eq!(machine.is_none(), diagnostics.refused(), "{}", folder.display());
+    assert_eq!(machine.is_none(), diagnostics.is_refused(), "{}", folder.display());
     let text = render(&diagnostics, Rendering::default()) + &summary(&diagnostics) + "\n";
     (text, diagnostics.iter().map(|d| d.code.id).collect())
 }

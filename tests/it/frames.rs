@@ -59,9 +59,20 @@ fn of_class(machine: &Machine) -> Vec<Bound> {
 fn budgeted(machine: &Machine, bounds: &[Bound], searched: bool) -> Budget {
     let (poses, draws) = (budget_poses(machine, 25, 1), Draws::new(3, Distribution::Uniform));
     let (statistic, samples) = (Statistic::Max, 40);
-    budget(Request { machine, bounds, poses: &poses, searched, at: None, draws: &draws, samples, statistic }, &|_| {
-        Ok(())
-    })
+    budget(
+        Request {
+            machine,
+            bounds,
+            poses: &poses,
+            reference: None,
+            searched,
+            at: None,
+            draws: &draws,
+            samples,
+            statistic,
+        },
+        &|_| Ok(()),
+    )
     .unwrap()
 }
 
@@ -224,6 +235,7 @@ fn the_tilt_of_a_45_degree_axis_is_bounded_across_it() {
             machine: &machine,
             bounds: &limits,
             poses: &poses,
+            reference: None,
             searched: false,
             at: Some(&poses[0]),
             draws: &draws,
@@ -272,6 +284,7 @@ fn drawn_machines_are_those_of_the_model_with_tied_letters() {
             machine: &machine,
             bounds: &limits,
             poses: &poses,
+            reference: None,
             searched: false,
             at: None,
             draws: &draws,

@@ -88,6 +88,7 @@ mod readme;
 mod recognise;
 mod reconfigure;
 mod record;
+mod reference;
 mod release;
 mod remarks;
 mod replays;

@@ -43,7 +43,7 @@ fn counted(path: &Path, job: Job) -> Counter {
     job(&file, Run { monitor: &whole, ..Run::on_disk() }).unwrap();
     let half = Counter { limit: whole.done.load(Ordering::Relaxed) / 2, ..Counter::default() };
     let stopped = job(&file, Run { monitor: &half, ..Run::on_disk() });
-    assert!(stopped.is_err_and(|diagnostics| diagnostics.cancelled() && diagnostics.is_empty()));
+    assert!(stopped.is_err_and(|diagnostics| diagnostics.is_cancelled() && diagnostics.is_empty()));
     assert!(half.done.load(Ordering::Relaxed) < whole.done.load(Ordering::Relaxed), "it ends early");
     whole
 }

@@ -35,7 +35,7 @@ pub fn read(
     let found = files.iter().filter(|(name, _)| wanted.contains(name));
     let texts: Vec<ReadBack> = found.map(|(name, text)| ReadBack::new(&**name, &**text)).collect();
     let tables = target.read(machine, &texts, &mut diagnostics);
-    tables.filter(|_| !diagnostics.refused()).ok_or(diagnostics)
+    tables.filter(|_| !diagnostics.is_refused()).ok_or(diagnostics)
 }
 
 /// Controller order: letter and whether it turns without end, with the index in the machine.

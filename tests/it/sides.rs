@@ -68,7 +68,7 @@ fn references_in_a_circle_are_refused_with_every_place() {
     let circle = |a: &str, c: &str| {
         let axes = format!("{LINEAR}  A: {{ travel: [-90, 90], {a} }}\n  C: {{ travel: continuous, {c} }}\n");
         let (machine, diagnostics) = read(&[("m.yaml", &five("w C' A' Y' b X Z t", &axes, TOOLS))]);
-        assert_eq!(machine.is_none(), diagnostics.refused());
+        assert_eq!(machine.is_none(), diagnostics.is_refused());
         diagnostics.iter().find(|d| d.code == "E0413").map(|d| d.labels.len())
     };
     assert_eq!(circle("origin: { from: A }", "origin: [0, 0, 0]"), Some(1));

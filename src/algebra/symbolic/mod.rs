@@ -44,11 +44,6 @@ impl Symbolic {
         self.terms.iter().map(|(monomial, value)| (monomial, *value))
     }
 
-    /// Returns the number of terms.
-    pub fn len(&self) -> usize {
-        self.terms.len()
-    }
-
     /// True if it is the polynomial 0.
     pub fn is_empty(&self) -> bool {
         self.terms.is_empty()
@@ -100,7 +95,7 @@ impl Symbolic {
         self.rules = self.rules_with(&other);
         for (monomial, value) in other.terms {
             let before = self.terms.get(&monomial).copied().unwrap_or(0.0);
-            match rules::rounded(before + sign * value, before.abs() + value.abs()) {
+            match rules::round(before + sign * value, before.abs() + value.abs()) {
                 Some(sum) => drop(self.terms.insert(monomial, sum)),
                 None => drop(self.terms.remove(&monomial)),
             }

@@ -96,7 +96,6 @@ impl Rules {
         Some((without, with_cosine))
     }
 
-    /// Returns the product of two polynomials.
     pub(super) fn product(&self, a: &BTreeMap<Monomial, f64>, b: &BTreeMap<Monomial, f64>) -> BTreeMap<Monomial, f64> {
         let highest = usize::from(self.ideal.degree);
         let right: Vec<(usize, &Monomial, f64)> = b.iter().map(|(m, c)| (self.degree(m), m, *c)).collect();
@@ -122,7 +121,6 @@ impl Rules {
 pub(super) struct Sum(BTreeMap<Monomial, (f64, f64)>);
 
 impl Sum {
-    /// Adds a term, reduced.
     pub(super) fn add(&mut self, rules: &Rules, monomial: Monomial, value: f64) {
         if let Some((without, with_cosine)) = rules.sine_square(&monomial) {
             self.add(rules, without, value);
@@ -136,7 +134,7 @@ impl Sum {
 
     /// Returns the terms that are not rounding residues of others.
     pub(super) fn terms(self) -> BTreeMap<Monomial, f64> {
-        self.0.into_iter().filter_map(|(m, (sum, size))| Some((m, rounded(sum, size)?))).collect()
+        self.0.into_iter().filter_map(|(m, (sum, size))| Some((m, round(sum, size)?))).collect()
     }
 }
 
@@ -145,6 +143,6 @@ impl Sum {
 const ROUNDING: f64 = 1e-12;
 
 /// `None` if a sum is no more than the rounding of its parts. NaN stays, to be noticed.
-pub(super) fn rounded(sum: f64, size: f64) -> Option<f64> {
+pub(super) fn round(sum: f64, size: f64) -> Option<f64> {
     (sum.is_nan() || sum.abs() > ROUNDING * size).then_some(sum)
 }

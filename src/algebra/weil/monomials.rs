@@ -63,7 +63,6 @@ impl Monomial {
         self.0.iter().map(|(_, power)| f64::from(*power) + 1.0).product()
     }
 
-    /// Returns every divisor with its cofactor.
     pub(super) fn divisors(&self) -> Vec<(Self, Self)> {
         let mut pairs = vec![(Self::default(), Self::default())];
         for (generator, power) in &self.0 {

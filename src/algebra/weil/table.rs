@@ -82,7 +82,6 @@ struct ProductRun {
     /// The number of pairs of each.
     length: usize,
     monomials: Vec<u8>,
-    /// The pairs of each.
     pairs: Vec<[u8; 2]>,
     /// The root of each if they are squares, or none.
     roots: Vec<u8>,

@@ -75,7 +75,6 @@ pub struct Displacement {
 }
 
 impl Displacement {
-    /// A unit error.
     fn of(error: &ErrorId) -> Self {
         let letters = std::array::from_fn(|k| f64::from(u8::from(k == error.direction.index())));
         Self { axis: error.axis.clone(), family: error.family, letters }

@@ -48,7 +48,6 @@ impl Symbol {
     }
 }
 
-/// Returns the symbol of an error.
 pub(crate) fn error(machine: &Machine, given: &NamedSource, naming: Naming) -> Symbol {
     let axis = match given.source.place {
         ErrorSite::Location(i) | ErrorSite::Component(i) => machine.axes().get(i),
@@ -96,7 +95,6 @@ fn squareness(axis: &str, direction: Direction) -> Option<(&'static str, i8)> {
     }
 }
 
-/// Returns the symbols of an axis's position.
 pub(crate) fn position(index: usize, axis: &Axis, naming: Naming) -> Vec<Symbol> {
     let symbol = |text: String, latex: String, meaning| Symbol { text, latex, meaning };
     let name = axis.name.as_str();
@@ -112,7 +110,6 @@ pub(crate) fn position(index: usize, axis: &Axis, naming: Naming) -> Vec<Symbol>
     }
 }
 
-/// Returns the symbol of the tool's length.
 pub(crate) fn tool_length() -> Symbol {
     Symbol { text: "L".to_owned(), latex: "L".to_owned(), meaning: SymbolMeaning::ToolLength }
 }

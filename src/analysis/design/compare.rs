@@ -2,9 +2,10 @@
 //! each machine's own nominal inverse kinematics.
 
 use crate::analysis::inverse::{Miss, Needs, ToolPose, Unreachable, inverse_all};
+use crate::analysis::reference::{PartReference, tip_at};
 use crate::analysis::volume::Work;
 use crate::analysis::volume::{View, deviation_in};
-use crate::evaluate::{Deviation, Difference, Field, Frame, Statistics};
+use crate::evaluate::{Deviation, Difference, Field, Frame, Order, Statistics};
 use crate::machine::{OperatingConditions, Pose};
 use crate::run::Advance;
 use rayon::prelude::*;
@@ -74,7 +75,6 @@ impl UnreachableCount {
     }
 }
 
-/// The result of every machine at one tool pose.
 type ComparisonRow = Vec<Result<(Pose, Deviation), Miss>>;
 
 /// Returns the comparison of machines on the same work, which may be the tool poses of the first. Of several poses for
@@ -105,6 +105,35 @@ pub fn compare<F: Send>(
     Ok(side_by_side(rows, fields.len()))
 }
 
+impl Comparison {
+    /// Returns the comparison without what the set-up of the part takes out on each machine.
+    pub fn without(
+        mut self,
+        fields: &[&dyn Field],
+        references: &[Option<&PartReference>],
+        orders: &[Order],
+        conditions: OperatingConditions,
+    ) -> Self {
+        for (((side, field), reference), order) in self.machines.iter_mut().zip(fields).zip(references).zip(orders) {
+            let Some(reference) = reference else { continue };
+            let motion = reference.motion_of(*field, *order, conditions);
+            side.reached.par_iter_mut().for_each(|(pose, deviation)| {
+                *deviation = motion.removed_from(deviation, &tip_at(field.machine(), pose));
+            });
+            side.statistics = statistics(&side.reached);
+        }
+        let first = self.machines.first().map(|side| side.statistics);
+        for side in &mut self.machines {
+            side.difference = side.statistics.minus(&first.unwrap_or(side.statistics));
+        }
+        self
+    }
+}
+
+fn statistics(reached: &[(Pose, Deviation)]) -> Statistics {
+    Statistics::of(&reached.iter().map(|(_, d)| *d).collect::<Vec<_>>())
+}
+
 fn side_by_side(rows: Vec<(ToolPose, ComparisonRow)>, count: usize) -> Comparison {
     let asked = rows.len();
     let why = |m: usize| {
@@ -122,16 +151,15 @@ fn side_by_side(rows: Vec<(ToolPose, ComparisonRow)>, count: usize) -> Compariso
             reached.iter_mut().zip(row).for_each(|(list, at)| list.push(at));
         }
     }
-    let of = |list: &Vec<(Pose, Deviation)>| Statistics::of(&list.iter().map(|(_, d)| *d).collect::<Vec<_>>());
-    let statistics: Vec<Statistics> = reached.iter().map(of).collect();
-    let sides = missed.into_iter().zip(needs).zip(reached).zip(&statistics);
+    let all: Vec<Statistics> = reached.iter().map(|list| statistics(list)).collect();
+    let sides = missed.into_iter().zip(needs).zip(reached).zip(&all);
     let sides = sides.map(|(((missed, needs), reached), s)| MachineResult {
         unreachable: UnreachableCount::count(missed.iter().map(|(_, miss)| &miss.why)),
         missed,
         needs,
         reached,
         statistics: *s,
-        difference: s.minus(&statistics[0]),
+        difference: s.minus(&all[0]),
     });
     Comparison { asked, common, machines: sides.collect() }
 }

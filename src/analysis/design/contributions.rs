@@ -1,6 +1,7 @@
 //! Machines side by side, error by error: the deviation by each error alone on the same work.
 
-use crate::evaluate::{error_by_error, quantile_95};
+use crate::analysis::reference::{ErrorEffects, PartReference};
+use crate::evaluate::quantile_95;
 use crate::machine::{ErrorId, ErrorTerm, Machine, OperatingConditions, Pose};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -28,12 +29,16 @@ impl ErrorContribution {
     }
 }
 
-/// Returns every error of any of the machines, each machine at its own poses (mm, deg) of the same work; largest first,
-/// then by name.
-pub fn contributions(machines: &[(&Machine, Vec<Pose>)], conditions: OperatingConditions) -> Vec<ErrorContribution> {
+/// Returns every error of any of the machines, each machine at its own poses (mm, deg) of the same work, without what
+/// the set-up of the part takes out of each; largest first, then by name.
+pub fn contributions(
+    machines: &[(&Machine, Vec<Pose>)],
+    conditions: OperatingConditions,
+    references: &[Option<&PartReference>],
+) -> Vec<ErrorContribution> {
     let mut by_error: BTreeMap<ErrorId, Vec<Option<f64>>> = BTreeMap::new();
-    for (index, (machine, poses)) in machines.iter().enumerate() {
-        for (error, um) in deviation_alone(machine, poses, conditions) {
+    for (index, ((machine, poses), reference)) in machines.iter().zip(references).enumerate() {
+        for (error, um) in deviation_alone(machine, poses, &ErrorEffects::new(machine, conditions, *reference)) {
             let slots = by_error.entry(error).or_insert_with(|| vec![None; machines.len()]);
             slots[index] = Some(um);
         }
@@ -45,10 +50,8 @@ pub fn contributions(machines: &[(&Machine, Vec<Pose>)], conditions: OperatingCo
 }
 
 /// Returns the errors of one machine that have a value, with their 95 % deviation, um.
-fn deviation_alone(machine: &Machine, poses: &[Pose], conditions: OperatingConditions) -> Vec<(ErrorId, f64)> {
-    let lengths = |pose: &Pose| -> Vec<f64> {
-        error_by_error(machine, &conditions.at_pose(pose)).into_iter().map(|(_, d)| d.position.norm()).collect()
-    };
+fn deviation_alone(machine: &Machine, poses: &[Pose], effects: &ErrorEffects<'_>) -> Vec<(ErrorId, f64)> {
+    let lengths = |pose: &Pose| -> Vec<f64> { effects.at(pose).into_iter().map(|(_, d)| d.position.norm()).collect() };
     let rows: Vec<Vec<f64>> = poses.par_iter().map(lengths).collect();
     let errors = machine.errors().enumerate().filter(|(_, (_, term))| !matches!(term, ErrorTerm::Tolerance(_)));
     let one = |(i, (error, _)): (usize, (ErrorId, &ErrorTerm))| {

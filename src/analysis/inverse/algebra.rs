@@ -45,7 +45,6 @@ impl<'a> Inverse<'a> {
         &self.moved
     }
 
-    /// Returns the number of conditions.
     fn conditions(&self) -> usize {
         if self.across.is_some() { 5 } else { 3 }
     }

@@ -107,7 +107,6 @@ pub fn survey_with_rows<T: Send>(
     Ok(Some(run.finish()))
 }
 
-/// The state shared by all threads.
 struct SurveyState<'a> {
     task: SurveyTask<'a>,
     count: usize,
@@ -124,7 +123,6 @@ struct SurveyState<'a> {
 
 /// Buffers and tally of a thread.
 struct Worker {
-    /// Tally of all its blocks.
     tally: Tally,
     poses: PoseColumns,
     columns: Columns,
@@ -160,11 +158,10 @@ impl<'a> SurveyState<'a> {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(worker);
     }
 
-    /// Returns the survey of all tallies.
     fn finish(self) -> Survey {
         let workers = self.idle.into_inner().unwrap_or_else(PoisonError::into_inner);
         let tallies = workers.into_iter().map(|worker| worker.tally);
-        let tally = tallies.reduce(Tally::merged).unwrap_or_else(|| Tally::new(self.task.worst));
+        let tally = tallies.reduce(Tally::merge).unwrap_or_else(|| Tally::new(self.task.worst));
         Survey { statistics: tally.statistics(), worst: tally.worst() }
     }
 

@@ -1,13 +1,12 @@
 //! A fit of error parameters to measurements.
 
-use crate::diagnostic::Diagnostics;
 use crate::evaluate::{Frame, Order};
 use crate::identify::verdict::inputs::FitInputs;
 use crate::identify::verdict::problem::{FitOutputs, Problem, enough, solve_problem};
 use crate::identify::verdict::result::IdentifyResult;
 use crate::job::machine_file::MachineFile;
 use crate::report::fit_planes::draw;
-use crate::run::{Answer, Call, Run};
+use crate::run::{Call, Reply, Run};
 use std::path::PathBuf;
 
 /// Options of [`identify`] and [`fit_monomials`](super::fit_monomials).
@@ -49,7 +48,6 @@ pub struct IdentifyOptions {
 }
 
 impl IdentifyOptions {
-    /// Returns what a fit is asked for.
     pub(super) fn inputs(&self) -> FitInputs<'_> {
         FitInputs {
             fit: &self.fit,
@@ -77,11 +75,7 @@ impl IdentifyOptions {
 ///
 /// Fails if the data cannot be read, contradict the machine's axes, or hold fewer readings than there are unknowns, and
 /// if the parameters asked for are not those of the machine.
-pub fn identify(
-    file: &MachineFile,
-    options: &IdentifyOptions,
-    run: Run,
-) -> Result<Answer<IdentifyResult>, Diagnostics> {
+pub fn identify(file: &MachineFile, options: &IdentifyOptions, run: Run) -> Reply<IdentifyResult> {
     Call::answer(run, file.sources(), |call| {
         let inputs = options.inputs();
         let problem = Problem::read(call, file, &inputs)?;

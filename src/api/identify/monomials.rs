@@ -1,11 +1,11 @@
 //! The fit of Holub and others 2015: monomials of order 2, each component for itself, pseudo-inverse.
 
 use super::IdentifyOptions;
-use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::identify::verdict::problem::Problem;
 use crate::identify::{MonomialComponent, moore_penrose};
 use crate::job::machine_file::MachineFile;
-use crate::run::{Answer, Call, Run};
+use crate::run::{Call, Reply, Run};
 use serde::Serialize;
 
 /// Maximum number of parameters whose products are unknowns.
@@ -29,11 +29,7 @@ pub struct MonomialFit {
 ///
 /// Fails as [`identify`](super::identify) does, for other readings than deviations, and for options that need a fitted
 /// machine: `machine_file`, `pictures`, `robust`, `folds`.
-pub fn fit_monomials(
-    file: &MachineFile,
-    options: &IdentifyOptions,
-    run: Run,
-) -> Result<Answer<MonomialFit>, Diagnostics> {
+pub fn fit_monomials(file: &MachineFile, options: &IdentifyOptions, run: Run) -> Reply<MonomialFit> {
     Call::answer(run, file.sources(), |call| {
         let inputs = options.inputs();
         let problem = Problem::read(call, file, &inputs)?;

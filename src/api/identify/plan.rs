@@ -1,10 +1,9 @@
 //! Poses worth measuring, and how well they determine the parameters.
 
-use crate::diagnostic::Diagnostics;
 use crate::identify::verdict::problem::{Requested, priors};
 use crate::identify::{Estimate, FitModel, Measurement, Parameter, plan};
 use crate::job::machine_file::MachineFile;
-use crate::run::{Answer, Call, Run};
+use crate::run::{Call, Reply, Run};
 use indexmap::IndexMap;
 use serde::Serialize;
 
@@ -88,11 +87,7 @@ pub struct ExpectedParameter {
 /// Chooses poses whose measurement determines the parameters best.
 ///
 /// Fails if the parameters asked for are not those of the machine, and for options out of range.
-pub fn plan_measurements(
-    file: &MachineFile,
-    options: &PlanOptions,
-    run: Run,
-) -> Result<Answer<MeasurementPlan>, Diagnostics> {
+pub fn plan_measurements(file: &MachineFile, options: &PlanOptions, run: Run) -> Reply<MeasurementPlan> {
     Call::answer(run, file.sources(), |call| {
         if !(1..=1000).contains(&options.poses) || options.noise_mm.is_nan() || options.noise_mm <= 0.0 {
             return call.usage("a plan has 1 to 1000 poses and a noise above zero");

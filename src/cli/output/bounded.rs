@@ -47,7 +47,6 @@ fn rss_row(what: &str, rss: [f64; 4]) -> Vec<String> {
     [String::new(), what.to_owned()].into_iter().chain(numbers).chain(ranges).collect()
 }
 
-/// The statistics of a map over its poses.
 pub(crate) fn statistics(poses: usize, of: &BoundedFigures) -> Table {
     let mut table = table(&["", "max", "mean", "rms", "95 % of poses", "range x", "range y", "range z"]);
     let _ = table.add_rows(rows("", poses, of).into_iter().map(|row| row.into_iter().skip(1).collect::<Vec<_>>()));

@@ -3,15 +3,12 @@
 use abbe::results::{DeviationBudget, PercentileInterval};
 use abbe::text::{angle, length, significant};
 
-/// Heads of a table of totals.
 pub(crate) const TOTALS: [&str; 9] =
     ["", "worst case", "RSS", "mean of both", "Monte Carlo: mean", "median", "90 %", "95 %", "99 %"];
 
-/// Note below the totals.
 pub(crate) const TOTALS_NOTE: &str =
     "In brackets: 95 % confidence by the number of machines drawn; - where they are too few.";
 
-/// A row of it.
 pub(crate) fn totals_row(name: &str, t: &DeviationBudget) -> Vec<String> {
     let interval = |p: &PercentileInterval| {
         let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));

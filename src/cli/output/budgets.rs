@@ -2,12 +2,12 @@
 
 use super::budget_text::{TOTALS, TOTALS_NOTE, totals_row};
 use super::ranking::difference;
-use super::view::table;
-use abbe::results::{ComparedBudget, ComparedBudgets, Verdict, VersusFirst};
+use super::view::{errors_more, table, table_of_machines};
+use abbe::results::{ComparedBudget, ComparedBudgets, MachineVerdict, Verdict, VersusFirst};
 use abbe::text::significant;
 
 /// Two tables: totals, and the part of each tolerance in the 95 % value.
-pub(crate) fn text(of: &ComparedBudgets, top: usize) -> String {
+pub(crate) fn text(of: &ComparedBudgets, verdicts: &[MachineVerdict], top: usize) -> String {
     let mut rows = table(&TOTALS);
     for (i, budget) in of.machines.iter().enumerate() {
         let _ = rows.add_row(totals_row(&format!("{} position, um", i + 1), &budget.position_um));
@@ -26,15 +26,16 @@ pub(crate) fn text(of: &ComparedBudgets, top: usize) -> String {
         counts.join(" and "),
         of.drawing.samples,
         of.drawing.distribution.name(),
-        versus_first(of),
+        versus_first(of, verdicts),
         tolerances(of, top)
     )
 }
 
 /// The differences of the 95 % values, with what can be said of them.
-fn versus_first(of: &ComparedBudgets) -> String {
+fn versus_first(of: &ComparedBudgets, verdicts: &[MachineVerdict]) -> String {
     let line = |(i, versus): (usize, &VersusFirst)| {
         let words = match versus.verdict {
+            _ if verdicts.get(i).is_some_and(|of| of.reason.is_some()) => "no verdict, as stated below".to_owned(),
             Verdict::NotToldApart => format!("not told apart with {} machines (`--max-samples`)", of.drawing.samples),
             verdict => verdict.words().to_owned(),
         };
@@ -47,10 +48,7 @@ fn tolerances(of: &ComparedBudgets, top: usize) -> String {
     if top == 0 {
         return String::new();
     }
-    let count = of.machines.len();
-    let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
-    let header: Vec<String> = std::iter::once("of the 95 % value, um".to_owned()).chain(columns).collect();
-    let mut rows = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut rows = table_of_machines("of the 95 % value, um", of.machines.len());
     for e in of.contributions.iter().take(top) {
         let part = |(um, sigma): (&Option<f64>, &Option<f64>)| {
             let both = um.zip(*sigma);
@@ -60,10 +58,7 @@ fn tolerances(of: &ComparedBudgets, top: usize) -> String {
         let minus = e.minus_first.iter().skip(1).map(|um| significant(*um, 3));
         let _ = rows.add_row(std::iter::once(e.error.clone()).chain(parts).chain(minus));
     }
-    let more = match of.contributions.len().saturating_sub(top) {
-        0 => String::new(),
-        n => format!("... and {n} errors more (`--top {}`, or `--format json`)\n", of.contributions.len()),
-    };
+    let more = errors_more(of.contributions.len(), top);
     format!(
         "\nWhat each tolerance has of the 95 % value of the drawn machines (± standard error); the parts add up to \
          it:\n{rows}\n{more}"

@@ -2,14 +2,13 @@
 
 use super::bands;
 use super::session::Session;
-use crate::cli::Format;
+use crate::cli::Outcome;
 use abbe::options::Approach;
 use abbe::results::{
     Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Machine, ROUNDING_UM,
     ReferenceShift, SingleErrorResidual, Summary, ToolDirection,
 };
 use abbe::text::{micro, significant};
-use serde_json::json;
 use std::path::Path;
 
 /// A certificate with the folder of its files.
@@ -19,12 +18,8 @@ pub(crate) struct CertificateView<'a> {
 }
 
 impl CertificateView<'_> {
-    pub(crate) fn print(&self, session: &Session) {
-        match session.format() {
-            Format::Json => session.print_json(json!(self.report)),
-            Format::Text => session.print(&self.text()),
-            Format::Csv => session.print(&self.csv()),
-        }
+    pub(crate) fn print(&self, session: &Session) -> Outcome {
+        session.show(self.report, || self.csv(), || self.text())
     }
 
     /// Returns the effect of a new reference position where tables must vanish at it.

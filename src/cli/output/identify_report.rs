@@ -49,7 +49,6 @@ fn um(value: f64) -> String {
     significant(value, 5)
 }
 
-/// Returns the rank to first order, and the exact one if it is larger.
 pub(crate) fn rank(first_order: usize, exact: usize, unknowns: usize) -> String {
     if exact > first_order {
         format!("{first_order} of {unknowns} unknowns ({exact} with products of errors)")

@@ -6,7 +6,6 @@ use crate::cli::store::write;
 use abbe::results::NamedSvg;
 use std::path::Path;
 
-/// Writes each under its name.
 pub(crate) fn write(session: &mut Session, pictures: &[NamedSvg], folder: &Path) -> Outcome {
     write::make_folder(folder).or_else(|refusal| session.refuse(refusal))?;
     for NamedSvg { name, svg } in pictures {

@@ -5,7 +5,6 @@ use abbe::options::{JudgedBy, Statistic};
 use abbe::results::{Arrangement, PairedDifference, RankedArrangements, RankingRounds, Verdict};
 use abbe::text::significant;
 
-/// One line for each arrangement.
 pub(crate) fn csv(of: &RankedArrangements) -> String {
     let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um],not stated,samples,versus first,\
                    minus first [um],minus first low,minus first high,travel\n"
@@ -177,7 +176,6 @@ fn arrangements(of: &RankedArrangements, rows: &[Arrangement], numbered: bool, t
     format!("{list}\n")
 }
 
-/// A difference with its interval.
 pub(crate) fn difference(of: PairedDifference) -> String {
     let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
     if of.low.is_none() && of.high.is_none() || of.low == of.high {

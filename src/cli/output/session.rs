@@ -5,8 +5,9 @@ use crate::cli::store::files::Recorded;
 use crate::cli::store::limited::standard_output;
 use crate::cli::{Color, Exit, Format, FormatArg, Global, Outcome};
 use abbe::text::{Rendering, counts, render};
-use abbe::{Answer, LoadOptions, MachineFile, Run};
 use abbe::{Diagnostic, Diagnostics, codes};
+use abbe::{LoadOptions, MachineFile, Reply, Run};
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::cell::{Cell, RefCell};
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -55,7 +56,7 @@ impl Session {
     }
 
     /// Keeps the diagnostics of a call of the library, and returns its value if it has one.
-    pub(crate) fn take<T>(&mut self, answer: Result<Answer<T>, Diagnostics>) -> Result<T, Exit> {
+    pub(crate) fn take<T>(&mut self, answer: Reply<T>) -> Result<T, Exit> {
         match answer {
             Ok(answer) => {
                 self.diagnostics.absorb(answer.warnings);
@@ -75,8 +76,7 @@ impl Session {
     /// Reads a machine file; `tool` picks one of its tools.
     pub(crate) fn load(&mut self, path: &Path, tool: Option<&str>) -> Result<MachineFile, Exit> {
         let options = LoadOptions { tool: tool.map(str::to_owned) };
-        let answer = abbe::load(path, &options, self.run());
-        self.take(answer)
+        self.take(abbe::load(path, &options, self.run()))
     }
 
     /// Reads one of several machine files: diagnostics name it.
@@ -96,7 +96,6 @@ impl Session {
         }
     }
 
-    /// True if diagnostics are printed as SARIF.
     pub(crate) fn is_sarif(&self) -> bool {
         self.global.format == FormatArg::Sarif
     }
@@ -122,6 +121,21 @@ impl Session {
         if !self.global.quiet {
             let _ = writeln!(std::io::stderr().lock(), "{text}");
         }
+    }
+
+    /// Prints the result of a verb in the form of the output.
+    pub(crate) fn show<T: Serialize>(
+        &self,
+        result: &T,
+        csv: impl FnOnce() -> String,
+        text: impl FnOnce() -> String,
+    ) -> Outcome {
+        match self.format() {
+            Format::Json => self.print_json(json!(result)),
+            Format::Csv => self.print(&csv()),
+            Format::Text => self.print(&text()),
+        }
+        Ok(())
     }
 
     /// Prints a JSON object, when the run ends, with the warnings found so far in it.

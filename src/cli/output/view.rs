@@ -11,7 +11,6 @@ pub(crate) fn order(text: &str) -> Result<Order, UnknownOrder> {
     text.parse()
 }
 
-/// Name of the frame as printed.
 pub(crate) fn frame_text(frame: Frame) -> &'static str {
     match frame {
         Frame::Workpiece => "workpiece",
@@ -75,19 +74,16 @@ fn travel_table(travel: &[NeededTravel]) -> comfy_table::Table {
     rows
 }
 
-/// Length of a vector.
 pub(crate) fn length(v: &[f64; 3]) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// A table for the terminal, with its header.
 pub(crate) fn table(header: &[&str]) -> comfy_table::Table {
     let mut table = comfy_table::Table::new();
     let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN).set_header(header);
     table
 }
 
-/// Header of tables of statistics.
 pub(crate) const STATISTICS: [&str; 9] = ["", "", "max", "mean", "rms", "95 %", "range x", "range y", "range z"];
 
 /// Two rows: position and rotation.
@@ -99,12 +95,26 @@ pub(crate) fn statistics_rows(name: &str, statistics: &Statistics) -> [Vec<Strin
     [row(name, "position, um", &statistics.position_um), row("", "rotation, urad", &statistics.rotation_urad)]
 }
 
+/// A table with a column for each of several machines, and one for what each differs from the first in.
+pub(crate) fn table_of_machines(what: &str, count: usize) -> comfy_table::Table {
+    let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
+    let header: Vec<String> = std::iter::once(what.to_owned()).chain(columns).collect();
+    table(&header.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
+/// Says how many errors are not listed.
+pub(crate) fn errors_more(count: usize, top: usize) -> String {
+    match count.saturating_sub(top) {
+        0 => String::new(),
+        more => format!("... and {more} errors more (`--top {count}`, or `--format json`)\n"),
+    }
+}
+
 /// A cell of a CSV file, quoted where it has to be.
 pub(crate) fn cell(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
-/// Numbers of a CSV line.
 pub(crate) fn numbers(values: impl IntoIterator<Item = f64>) -> String {
     values.into_iter().map(|x| plain(x).to_string()).collect::<Vec<_>>().join(",")
 }

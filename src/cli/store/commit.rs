@@ -22,7 +22,6 @@ use std::path::{Path, PathBuf};
 /// Name of the list of a decided replacement.
 pub(super) const LIST_NAME: &str = ".abbe-set.json";
 
-/// A replacement that is decided.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Decided {
     /// Number of the run that decided it: part of its temporary names.

@@ -14,7 +14,6 @@ const PACE: Duration = Duration::from_secs(1);
 /// A write of a large file waits for at least so many times as long as the last one took.
 const REST: u32 = 10;
 
-/// A state file.
 pub(crate) struct StateFile<'a> {
     path: &'a Path,
     next: Mutex<Instant>,

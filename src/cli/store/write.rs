@@ -36,7 +36,6 @@ pub(crate) struct StagedFile {
 }
 
 impl StagedFile {
-    /// Opens it.
     pub(crate) fn new(path: &Path) -> Result<Self, Diagnostic> {
         let target = replaceable(path)?;
         let temporary = temporary(&target).ok_or_else(|| unwritable(path, "the path names no file"))?;
@@ -51,7 +50,6 @@ impl StagedFile {
         Ok(Self { path: path.to_owned(), target, temporary, file, unnamed })
     }
 
-    /// Returns a handle for writing.
     pub(crate) fn writer(&self) -> Result<LimitedWriter<File>, Diagnostic> {
         let file = self.file.try_clone().map_err(|failure| self.failure(&failure))?;
         Ok(LimitedWriter::new(file, 0))
@@ -143,7 +141,6 @@ mod unnamed {
     }
 }
 
-/// Form of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum PictureKind {
     Svg,
@@ -161,7 +158,6 @@ impl PictureKind {
     }
 }
 
-/// Writes a picture.
 pub(crate) fn write_picture(
     path: &Path,
     picture: &Picture,
@@ -220,7 +216,6 @@ pub(crate) fn refuse_outputs<'a>(
     Ok(())
 }
 
-/// Makes a folder for outputs, if it is not there.
 pub(crate) fn make_folder(folder: &Path) -> Result<(), Diagnostic> {
     refuse_no_folder(folder)?;
     fs::create_dir_all(folder).map_err(|failure| unwritable_folder(folder, &failure.to_string()))

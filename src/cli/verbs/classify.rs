@@ -5,7 +5,6 @@ use crate::cli::{Format, Outcome};
 use abbe::results::{Classification, MotionWithErrors, SixErrors};
 use abbe::text::{angle, length, significant};
 use abbe::{ClassifyOptions, classify};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -21,14 +20,11 @@ pub(crate) struct Args {
 const SIX: [&str; 6] = ["EX", "EY", "EZ", "EA", "EB", "EC"];
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let answer = classify(&args.matrix, &ClassifyOptions { tolerance: args.tolerance }, session.run());
-    let found = session.take(answer)?;
-    match session.format() {
-        Format::Csv => return session.usage("`classify` has no csv form: it prints text or json"),
-        Format::Json => session.print_json(json!(found)),
-        Format::Text => session.print(&text(&found)),
+    let found = session.take(classify(&args.matrix, &ClassifyOptions { tolerance: args.tolerance }, session.run()))?;
+    if session.format() == Format::Csv {
+        return session.usage("`classify` has no csv form: it prints text or json");
     }
-    Ok(())
+    session.show(&found, String::new, || text(&found))
 }
 
 fn text(found: &Classification) -> String {

@@ -1,19 +1,23 @@
 //! `abbe compare`: machines side by side on the same tool poses.
 
-use crate::cli::arguments::{MaxSamplesArg, PosesArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs};
+use crate::cli::Outcome;
+use crate::cli::arguments::{
+    JobArg, MaxSamplesArg, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, TopArg, ViewArgs,
+};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{STATISTICS, cell, numbers, reach_text, statistics_rows, table};
+use crate::cli::output::view::{
+    STATISTICS, cell, errors_more, numbers, reach_text, statistics_rows, table, table_of_machines,
+};
 use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
-use crate::cli::{Format, Outcome};
-use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, Statistics};
+use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, MachineVerdict, Statistics};
 use abbe::text::significant;
 use abbe::{CompareOptions, compare};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
+#[command(mut_arg("job", |option| option.conflicts_with_all(["poses", "tool_poses"])))]
 pub(crate) struct Args {
     /// Two or more machine files; differences are to the first, and tool poses are drawn from its volume.
     #[arg(required = true, num_args = 2..)]
@@ -22,6 +26,10 @@ pub(crate) struct Args {
     poses: PosesArg,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    job: JobArg,
+    #[command(flatten)]
+    reference: ReferenceArg,
     #[command(flatten)]
     seed: SeedArg,
     #[command(flatten)]
@@ -39,14 +47,16 @@ pub(crate) struct Args {
 impl Args {
     fn options(&self) -> CompareOptions {
         CompareOptions {
-            poses: self.poses.count(),
-            tool_poses: self.tool_poses.path().cloned(),
+            poses: self.poses.poses,
+            tool_poses: self.tool_poses.tool_poses.clone(),
+            reference: self.reference.reference.clone(),
+            job: self.job.job.clone(),
             seed: self.seed.seed,
             tolerances: self.tolerances.options(),
-            samples: self.samples.count(),
-            max_samples: self.max_samples.count(),
-            order: self.view.order(),
-            approach: self.view.approach(),
+            samples: self.samples.samples,
+            max_samples: self.max_samples.max_samples,
+            order: self.view.order.order,
+            approach: self.view.direction.direction,
         }
     }
 }
@@ -54,16 +64,10 @@ impl Args {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let mut files = Vec::new();
     for path in &args.machines {
-        files.push(session.load_one_of(path, args.view.tool())?);
+        files.push(session.load_one_of(path, args.view.tool.name())?);
     }
-    let answer = compare(&files, &args.options(), session.run());
-    let result = session.take(answer)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&csv(&result)),
-        Format::Text => session.print(&text(args, &result)),
-    }
-    Ok(())
+    let result = session.take(compare(&files, &args.options(), session.run()))?;
+    session.show(&result, || csv(&result), || text(args, &result))
 }
 
 /// Columns of a deviation, and of what bounds lead to.
@@ -148,9 +152,10 @@ fn sources(result: &CompareResult) -> String {
 
 fn text(args: &Args, result: &CompareResult) -> String {
     let mut text = format!(
-        "{} tool poses in the workpiece frame, {}; {} reached by all\n",
+        "{}\n{} tool poses in the workpiece frame, {}; {} reached by all\n",
+        result.over.line(),
         result.asked,
-        match args.tool_poses.path() {
+        match args.tool_poses.tool_poses.as_ref().or(args.job.job.as_ref()) {
             Some(path) => format!("of {}", path.display()),
             None => format!("drawn from the volume of {}", result.machines[0].machine),
         },
@@ -174,10 +179,34 @@ fn text(args: &Args, result: &CompareResult) -> String {
             reach.push_str(&format!("Machine {}, {}:\n{}", i + 1, side.file, reach_text(missed, travel)));
         }
     }
-    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top.count()));
-    let errors = one_by_one(result, args.top.count());
+    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, &result.verdicts, args.top.top));
+    let errors = one_by_one(result, args.top.top);
     let reach = uncertainty(result) + &reach;
-    format!("{text}{rows}\n{reach}{errors}{budgets}Negative differences: less error than machine 1.\n")
+    let verdicts = best_fit(result) + &verdicts(result);
+    format!("{text}{rows}\n{reach}{errors}{budgets}{verdicts}Negative differences: less error than machine 1.\n")
+}
+
+/// The figures without the best fit of each machine.
+fn best_fit(result: &CompareResult) -> String {
+    let Some(of) = &result.best_fit else { return String::new() };
+    let mut rows = table(&["best fit, um", "95 % of poses", "max", "budget, 95 %"]);
+    for (i, machine) in of.machines.iter().enumerate() {
+        let budget = machine.budget_p95_um.map_or("-".to_owned(), |um| significant(um, 4));
+        let [p95, max] = [machine.position_um.p95, machine.position_um.max].map(|um| significant(um, 4));
+        let _ = rows.add_row([(i + 1).to_string(), p95, max, budget]);
+    }
+    format!("{rows}\n")
+}
+
+/// The verdict on each machine, or the reason why there is none.
+fn verdicts(result: &CompareResult) -> String {
+    let of = |verdict: &MachineVerdict| match (&verdict.verdict, &verdict.reason) {
+        (Some(known), _) => format!("Machine {} against 1: {}.\n", verdict.machine, known.words()),
+        (None, reason) => {
+            format!("Machine {} against 1: no verdict: {}.\n", verdict.machine, reason.as_deref().unwrap_or_default())
+        }
+    };
+    result.verdicts.iter().map(of).collect()
 }
 
 /// Intervals of the figures and of their differences, and whether these are more than that.
@@ -199,18 +228,12 @@ fn one_by_one(result: &CompareResult, top: usize) -> String {
     if errors.is_empty() || top == 0 {
         return String::new();
     }
-    let count = result.machines.len();
-    let columns = (1..=count).map(|i| i.to_string()).chain((2..=count).map(|i| format!("{i} - 1")));
-    let header: Vec<String> = std::iter::once("alone, 95 %, um".to_owned()).chain(columns).collect();
-    let mut rows = table(&header.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut rows = table_of_machines("alone, 95 %, um", result.machines.len());
     for e in errors.iter().take(top) {
         let own = e.um.iter().map(|um| um.map_or("-".to_owned(), |um| significant(um, 4)));
         let minus = e.minus_first.iter().skip(1).map(|um| significant(*um, 4));
         let _ = rows.add_row(std::iter::once(e.error.clone()).chain(own).chain(minus));
     }
-    let more = match errors.len().saturating_sub(top) {
-        0 => String::new(),
-        n => format!("... and {n} errors more (`--top {}`, or `--format json`)\n", errors.len()),
-    };
+    let more = errors_more(errors.len(), top);
     format!("{rows}\n{more}")
 }

@@ -53,7 +53,7 @@ impl Args {
         CompileOptions {
             target: self.target.first().cloned().unwrap_or_default(),
             compensation: self.set.how.options(),
-            poses: self.set.poses.count(),
+            poses: self.set.poses.poses,
             seed: self.set.seed.seed,
             accept_unverified: self.accept_unverified,
             installed: self.installed.installed.clone(),
@@ -78,8 +78,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     if args.targets().len() > 1 {
         return compose(session, args, &file);
     }
-    let answer = abbe::compile(&file, &args.options(), session.run());
-    let set = session.take(answer)?;
+    let set = session.take(abbe::compile(&file, &args.options(), session.run()))?;
     archive(session, args)?;
     let compensation = args.set.how.options();
     let writes = |target: &str, name: &str| target_writes(&compensation, target, name, session.run());
@@ -88,8 +87,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         Ok(warnings) => warnings.into_iter().for_each(|warning| session.diagnostics.push(warning)),
         Err(refusal) => return session.refuse(refusal),
     }
-    CertificateView { report: &set.certificate, folder: &args.out }.print(session);
-    Ok(())
+    CertificateView { report: &set.certificate, folder: &args.out }.print(session)
 }
 
 /// Archives the set that is there, once the new one is known to compile.
@@ -109,6 +107,5 @@ fn compose(session: &mut Session, args: &Args, file: &MachineFile) -> Outcome {
         Ok(warnings) => warnings.into_iter().for_each(|warning| session.diagnostics.push(warning)),
         Err(refusal) => return session.refuse(refusal),
     }
-    CertificateView { report: &set.certificate, folder: &args.out }.print(session);
-    Ok(())
+    CertificateView { report: &set.certificate, folder: &args.out }.print(session)
 }

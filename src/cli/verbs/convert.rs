@@ -8,7 +8,6 @@ use crate::cli::{Format, Outcome};
 use abbe::results::ConvertResult;
 use abbe::text::Reason;
 use abbe::{ConvertOptions, MachineFile, convert};
-use serde_json::json;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -39,17 +38,13 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.tool.name())?;
     write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
     let options = ConvertOptions { to: args.to.clone(), datum: args.datum.clone(), within_mm: args.within };
-    let answer = convert(&file, &options, session.run());
-    let result = session.take(answer)?;
+    let result = session.take(convert(&file, &options, session.run()))?;
     if let Some(out) = &args.out {
         write::write_whole(out, result.machine_file.as_bytes(), &session.files)
             .or_else(|refusal| session.refuse(refusal))?;
     }
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        _ => session.print(&text(&file, &result, args.out.as_deref())),
-    }
-    Ok(())
+    let text = || text(&file, &result, args.out.as_deref());
+    session.show(&result, text, text)
 }
 
 /// A length of zero or more, such as `10 nm`.

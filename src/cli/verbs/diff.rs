@@ -1,15 +1,14 @@
 //! `abbe diff`: what two machines, or two sets of compensation files, differ in.
 
+use crate::cli::Outcome;
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, table};
 use crate::cli::store::file_set;
-use crate::cli::{Format, Outcome};
 use abbe::options::CompensationOptions;
 use abbe::results::{MachineDifference, PropertyDifference, SetDifference};
 use abbe::text::significant;
 use abbe::{DiffMachinesOptions, DiffOptions};
-use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Two machine files, or a machine file and two folders of compensation files.
@@ -41,16 +40,10 @@ fn machines(session: &mut Session, args: &Args, paths: [&Path; 2]) -> Outcome {
     }
     let tool = args.set.tool.name();
     let files = [session.load_one_of(paths[0], tool)?, session.load_one_of(paths[1], tool)?];
-    let (poses, seed) = (args.set.poses.count(), args.set.seed.seed);
+    let (poses, seed) = (args.set.poses.poses, args.set.seed.seed);
     let options = DiffMachinesOptions { poses, seed, ..DiffMachinesOptions::default() };
-    let answer = abbe::diff_machines(&files, &options, session.run());
-    let difference = session.take(answer)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(difference)),
-        Format::Csv => session.print(&machines_csv(&difference)),
-        Format::Text => session.print(&machines_text(&difference)),
-    }
-    Ok(())
+    let difference = session.take(abbe::diff_machines(&files, &options, session.run()))?;
+    session.show(&difference, || machines_csv(&difference), || machines_text(&difference))
 }
 
 fn sets(session: &mut Session, args: &Args, machine: &Path, [old, new]: [&Path; 2]) -> Outcome {
@@ -58,16 +51,10 @@ fn sets(session: &mut Session, args: &Args, machine: &Path, [old, new]: [&Path; 
     for folder in [old, new] {
         file_set::check(session, folder)?;
     }
-    let (compensation, poses, seed) = (args.set.how.options(), args.set.poses.count(), args.set.seed.seed);
+    let (compensation, poses, seed) = (args.set.how.options(), args.set.poses.poses, args.set.seed.seed);
     let options = DiffOptions { compensation, poses, seed };
-    let answer = abbe::diff(&file, old, new, &options, session.run());
-    let difference = session.take(answer)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(difference)),
-        Format::Csv => session.print(&csv(&difference)),
-        Format::Text => session.print(&text(&difference)),
-    }
-    Ok(())
+    let difference = session.take(abbe::diff(&file, old, new, &options, session.run()))?;
+    session.show(&difference, || csv(&difference), || text(&difference))
 }
 
 fn machines_csv(of: &MachineDifference) -> String {

@@ -1,5 +1,6 @@
 //! `abbe enumerate`: all arrangements of the axes on the two sides of the bed, ranked on the same work.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{
     MaxSamplesArg, PartsArgs, PosesArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, percent,
 };
@@ -8,11 +9,9 @@ use crate::cli::output::session::Session;
 use crate::cli::store::study_file::StateFile;
 use crate::cli::store::write::refuse_outputs;
 use crate::cli::tolerances::ToleranceArgs;
-use crate::cli::{Format, Outcome};
 use abbe::options::{JudgedBy, StudyFile};
 use abbe::results::{EnumerateResult, StudyProgress};
 use abbe::{EnumerateOptions, enumerate};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -73,11 +72,11 @@ impl Args {
             require: self.require.clone(),
             max_table: self.max_table,
             rotary: self.rotary,
-            poses: self.poses.count(),
-            tool_poses: self.tool_poses.path().cloned(),
+            poses: self.poses.poses,
+            tool_poses: self.tool_poses.tool_poses.clone(),
             size: self.size,
-            samples: self.samples.count(),
-            max_samples: self.max_samples.count(),
+            samples: self.samples.samples,
+            max_samples: self.max_samples.max_samples,
             first: self.first as usize,
             reach_percent: self.reach,
             state: self.parts.state.clone(),
@@ -92,28 +91,21 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     refuse_outputs(&args.parts.state, &session.files).or_else(|d| session.refuse(d))?;
     let file = args.parts.state.as_deref().map(StateFile::new);
     let file = file.as_ref().map(|file| file as &dyn StudyFile);
-    let answer = enumerate(&machine, &args.options(), file, session.run());
-    let result = session.take(answer)?;
+    let result = session.take(enumerate(&machine, &args.options(), file, session.run()))?;
     let ranked = match &result {
         EnumerateResult::Part(progress) => return print_progress(session, progress),
         EnumerateResult::Ranked(ranked) => ranked,
     };
-    match session.format() {
-        Format::Json => session.print_json(json!(ranked)),
-        Format::Csv => session.print(&ranking::csv(ranked)),
-        Format::Text => session.print(&ranking::text(ranked, args.top.count())),
-    }
-    Ok(())
+    session.show(ranked, || ranking::csv(ranked), || ranking::text(ranked, args.top.top))
 }
 
 fn print_progress(session: &Session, progress: &StudyProgress) -> Outcome {
     let StudyProgress { state, round, walks_done, walks } = progress;
-    match session.format() {
-        Format::Json => session.print_json(json!(progress)),
-        _ => session.print(&format!(
+    let text = || {
+        format!(
             "{walks_done} of {walks} walks of round {round} are done and kept in {state}; put the parts together with \
              `--merge`\n"
-        )),
-    }
-    Ok(())
+        )
+    };
+    session.show(progress, text, text)
 }

@@ -5,7 +5,6 @@ use crate::cli::output::session::Session;
 use crate::cli::{Format, Outcome};
 use abbe::options::{Naming, Order};
 use abbe::{EquationsOptions, equations};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -43,12 +42,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     };
     let algebra = args.algebra.algebra.clone();
     let options = EquationsOptions { order, algebra, symbols: args.symbols, tool_length: args.tool_length };
-    let answer = equations(&file, &options, session.run());
-    let result = session.take(answer)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        _ if args.latex => session.print(&result.latex()),
-        _ => session.print(&result.text()),
-    }
-    Ok(())
+    let result = session.take(equations(&file, &options, session.run()))?;
+    let text = || if args.latex { result.latex() } else { result.text() };
+    session.show(&result, text, text)
 }

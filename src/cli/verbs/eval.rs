@@ -1,18 +1,18 @@
 //! `abbe eval`: deviation and E_VE at poses.
 
-use crate::cli::arguments::{AlgebraArg, FrameOption, ViewArgs, help};
+use crate::cli::Outcome;
+use crate::cli::arguments::{AlgebraArg, FrameOption, JobArg, ReferenceArg, ViewArgs, help};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{frame_text, length, numbers, table};
-use crate::cli::{Format, Outcome};
 use abbe::options::Approach;
 use abbe::results::{AxisPositions, ErrorEffect, EvalResult, Neglected, PoseResult};
 use abbe::text::significant;
 use abbe::{EvalOptions, MachineFile, eval};
-use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("job", |option| option.conflicts_with_all(["at", "axis_poses"])))]
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
@@ -21,6 +21,10 @@ pub(crate) struct Args {
     at: Vec<String>,
     #[arg(long, value_name = "FILE", alias = "poses", help = help::AXIS_POSES)]
     axis_poses: Option<PathBuf>,
+    #[command(flatten)]
+    job: JobArg,
+    #[command(flatten)]
+    reference: ReferenceArg,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
@@ -44,9 +48,11 @@ impl Args {
             at: self.at.clone(),
             poses: Vec::new(),
             pose_file: self.axis_poses.clone(),
-            order: self.view.order(),
-            approach: self.view.approach(),
-            frame: self.frame.frame(),
+            job: self.job.job.clone(),
+            reference: self.reference.reference.clone(),
+            order: self.view.order.order,
+            approach: self.view.direction.direction,
+            frame: self.frame.frame,
             algebra: self.algebra.algebra.clone(),
             inverse: self.inverse,
             sensitivity: self.sensitivity,
@@ -56,15 +62,9 @@ impl Args {
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.view.tool())?;
-    let answer = eval(&file, &args.options(), session.run());
-    let result = session.take(answer)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&csv(&file, &result)),
-        Format::Text => session.print(&text(&result)),
-    }
-    Ok(())
+    let file = session.load(&args.machine, args.view.tool.name())?;
+    let result = session.take(eval(&file, &args.options(), session.run()))?;
+    session.show(&result, || csv(&file, &result), || text(&result))
 }
 
 fn csv(file: &MachineFile, result: &EvalResult) -> String {
@@ -131,7 +131,7 @@ fn text(result: &EvalResult) -> String {
         let _ = table.add_row(cells.chain([distance]).chain(micro(pose.rotation, rotation, 1e6)).collect::<Vec<_>>());
     }
     format!(
-        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}{}\n{table}\n{}{}",
+        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}{}\n{}{table}\n{}{}",
         result.machine,
         frame_text(result.frame),
         result.order,
@@ -145,6 +145,7 @@ fn text(result: &EvalResult) -> String {
             name => format!(", tool {name}"),
         },
         if result.poses.iter().any(|pose| pose.uncertainty.is_some()) { ", U (k = 2) behind \u{b1}" } else { "" },
+        result.over.as_ref().map_or_else(String::new, |over| over.line() + "\n"),
         result.poses.iter().filter_map(|pose| pose.inverse.as_ref()).map(displacements).collect::<String>(),
         effects(result)
     )

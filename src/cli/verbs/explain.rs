@@ -1,9 +1,8 @@
 //! `abbe explain`: the long text of a diagnostic's code, of an error's name, of a class, of a target.
 
+use crate::cli::Outcome;
 use crate::cli::output::session::Session;
-use crate::cli::{Format, Outcome};
 use abbe::explain;
-use serde_json::json;
 
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
@@ -13,9 +12,7 @@ pub(crate) struct Args {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     match explain(&args.what) {
-        Err(unknown) => return session.usage(&unknown.message),
-        Ok(found) if session.format() == Format::Json => session.print_json(json!(found)),
-        Ok(found) => session.print(&found.text),
+        Err(unknown) => session.usage(&unknown.message),
+        Ok(found) => session.show(&found, || found.text.clone(), || found.text.clone()),
     }
-    Ok(())
 }

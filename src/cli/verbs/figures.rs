@@ -1,16 +1,15 @@
 //! `abbe figures`: figures of a standard from readings of a test.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{PictureFile, help, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
-use crate::cli::{Format, Outcome};
 use abbe::options::{CirclePlane, StandardTest};
 use abbe::results::{
     CauseTest, CircleTest, DiagonalsTest, DriftTest, RotationTest, TestFigures, TurningTest, UncertainValue,
 };
 use abbe::text::{NOT_VERIFIED, significant};
 use abbe::{FiguresOptions, figures};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -52,17 +51,11 @@ impl Args {
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     PictureFile::refuse(session, args.svg.iter())?;
-    let answer = figures(&args.file, &args.options(), session.run());
-    let result = session.take(answer)?;
+    let result = session.take(figures(&args.file, &args.options(), session.run()))?;
     if let Some(file) = &args.svg {
         file.write(&result.picture(), session)?;
     }
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&csv(&rows(&result))),
-        Format::Text => session.print(&text(&result)),
-    }
-    Ok(())
+    session.show(&result, || csv(&rows(&result)), || text(&result))
 }
 
 /// Header and rows of the figures.

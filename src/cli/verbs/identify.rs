@@ -1,15 +1,13 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
-use crate::cli::arguments::{FrameOption, OrderArg, SeedArg, ToolArg, help, length};
+use crate::cli::Outcome;
+use crate::cli::arguments::{FrameOption, OrderArg, SeedArg, ToolArg, counts, help, length};
 use crate::cli::output::session::Session;
 use crate::cli::output::{identify_report, monomials, pictures, plan};
 use crate::cli::store::write;
-use crate::cli::{Format, Outcome};
 use abbe::options::Order;
-use abbe::results::{IdentifyResult, MeasurementPlan, MonomialFit};
 use abbe::text::Reason;
 use abbe::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -58,13 +56,13 @@ pub(crate) struct Args {
     #[arg(long)]
     robust: bool,
     /// Check the prediction: leave out every measurement once, in this many parts (2 to 65535) [default: no check].
-    #[arg(long, value_name = "PARTS", value_parser = clap::value_parser!(u16).range(2..))]
-    folds: Option<u16>,
+    #[arg(long, value_name = "PARTS", value_parser = counts(2..=65_535))]
+    folds: Option<usize>,
     /// Propose N poses to measure (1 to 1000), with the uncertainty that the parameters will have; nothing is fitted
     /// [default: fit].
     #[arg(long, value_name = "N", conflicts_with_all = ["data", "out", "folds", "robust"],
-          value_parser = clap::value_parser!(u16).range(1..=1000))]
-    plan: Option<u16>,
+          value_parser = counts(1..=1000))]
+    plan: Option<usize>,
     /// Standard deviation of a reading to plan with (above 0).
     #[arg(long, value_name = "LENGTH", default_value = "1 um", value_parser = noise)]
     noise: f64,
@@ -91,11 +89,11 @@ impl Args {
             fixed: self.fixed.clone(),
             priors: self.prior.clone(),
             type_b: self.type_b.clone(),
-            frame: self.frame.frame(),
+            frame: self.frame.frame,
             axis_poses: self.axis_poses.clone(),
             order: Some(self.order.order.unwrap_or(Order::Exact)),
             robust: self.robust,
-            folds: self.folds.map(usize::from),
+            folds: self.folds,
             machine_file: self.out.is_some(),
             accept_undetermined: self.accept_undetermined,
             pictures: self.pictures.is_some(),
@@ -103,9 +101,9 @@ impl Args {
         }
     }
 
-    fn plan_options(&self, poses: u16) -> PlanOptions {
+    fn plan_options(&self, poses: usize) -> PlanOptions {
         let (fit, fixed, priors) = (self.fit.clone(), self.fixed.clone(), self.prior.clone());
-        PlanOptions { poses: usize::from(poses), fit, fixed, priors, noise_mm: self.noise, seed: self.seed.seed }
+        PlanOptions { poses, fit, fixed, priors, noise_mm: self.noise, seed: self.seed.seed }
     }
 }
 
@@ -115,58 +113,28 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let file = session.load(&args.machine, args.tool.name())?;
     if let Some(poses) = args.plan {
-        let answer = plan_measurements(&file, &args.plan_options(poses), session.run());
-        let plan = session.take(answer)?;
-        print_plan(session, &plan);
-        return Ok(());
+        let plan = session.take(plan_measurements(&file, &args.plan_options(poses), session.run()))?;
+        return session.show(&plan, || plan.csv.clone(), || plan::text(&plan));
     }
     refuse_outputs(session, args)?;
     if args.method == Method::MoorePenrose {
-        let answer = fit_monomials(&file, &args.options(), session.run());
-        let fit = session.take(answer)?;
-        print_monomials(session, &fit);
-        return Ok(());
+        let fit = session.take(fit_monomials(&file, &args.options(), session.run()))?;
+        return session.show(&fit, || monomials::csv(&fit), || monomials::text(&fit));
     }
-    let answer = identify(&file, &args.options(), session.run());
-    let result = session.take(answer)?;
+    let result = session.take(identify(&file, &args.options(), session.run()))?;
     if let (Some(out), Some(text)) = (&args.out, &result.machine_file) {
         write::write_whole(out, text.as_bytes(), &session.files).or_else(|refusal| session.refuse(refusal))?;
     }
     if let Some(folder) = &args.pictures {
         pictures::write(session, &result.pictures, folder)?;
     }
-    print(session, &result);
-    Ok(())
+    session.show(&result, || identify_report::csv(&result), || identify_report::text(&result))
 }
 
 /// Refuses outputs before the work, not after it.
 fn refuse_outputs(session: &mut Session, args: &Args) -> Outcome {
     let folders = || args.pictures.iter().try_for_each(|folder| write::refuse_no_folder(folder));
     write::refuse_outputs(&args.out, &session.files).and_then(|()| folders()).or_else(|refusal| session.refuse(refusal))
-}
-
-fn print(session: &Session, result: &IdentifyResult) {
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&identify_report::csv(result)),
-        Format::Text => session.print(&identify_report::text(result)),
-    }
-}
-
-fn print_plan(session: &Session, measurements: &MeasurementPlan) {
-    match session.format() {
-        Format::Json => session.print_json(json!(measurements)),
-        Format::Csv => session.print(&measurements.csv),
-        Format::Text => session.print(&plan::text(measurements)),
-    }
-}
-
-fn print_monomials(session: &Session, fit: &MonomialFit) {
-    match session.format() {
-        Format::Json => session.print_json(json!(fit)),
-        Format::Csv => session.print(&monomials::csv(fit)),
-        Format::Text => session.print(&monomials::text(fit)),
-    }
 }
 
 /// Largest noise of a reading that is believed, mm.

@@ -9,7 +9,6 @@ use abbe::options::{FileContents, RunApproach, StraightnessLine};
 use abbe::results::{ImportResult, ImportedError, OneWayAccuracy};
 use abbe::text::{NOT_VERIFIED, counted, significant};
 use abbe::{ImportOptions, import};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -90,20 +89,14 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     };
     write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
     PictureFile::refuse(session, args.svg.iter())?;
-    let answer = import(&args.file, &options, session.run());
-    let result = session.take(answer)?;
+    let result = session.take(import(&args.file, &options, session.run()))?;
     if let Some(out) = &args.out {
         write::write_whole(out, result.table.as_bytes(), &session.files).or_else(|refusal| session.refuse(refusal))?;
     }
     if let Some(file) = &args.svg {
         file.write(&result.picture(), session)?;
     }
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&result.table),
-        Format::Text => session.print(&text(&result)),
-    }
-    Ok(())
+    session.show(&result, || result.table.clone(), || text(&result))
 }
 
 fn text(result: &ImportResult) -> String {

@@ -1,15 +1,14 @@
 //! `abbe instrument`: readings of measuring instruments on the machine.
 
-use crate::cli::arguments::{PictureFile, ToolArg, help, svg};
+use crate::cli::Outcome;
+use crate::cli::arguments::{PictureFile, ToolArg, counts, help, svg};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{cell, table};
 use crate::cli::store::write;
-use crate::cli::{Format, Outcome};
 use abbe::options::{CirclePlane, Instrument};
 use abbe::results::{BallBar, Diagonal, InstrumentResult, LaserReadings, RTest, Readings};
 use abbe::text::significant;
 use abbe::{InstrumentOptions, instrument};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -36,8 +35,8 @@ pub(crate) struct Args {
                      middle of the volume; for the R-test three quarters along it; rotary axes at 0 or nearest to it]")]
     at: Option<String>,
     /// Readings on a circle or turn, points on a diagonal, steps of every axis (3 to 100000) [default: 360, 37, 11].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(3..=100_000))]
-    points: Option<u32>,
+    #[arg(long, value_name = "N", value_parser = counts(3..=100_000))]
+    points: Option<usize>,
     #[command(flatten)]
     tool: ToolArg,
     #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
@@ -53,7 +52,7 @@ impl Args {
             radius_mm: self.radius,
             axis: self.axis.clone(),
             at: self.at.clone(),
-            points: self.points.map(|points| points as usize),
+            points: self.points,
         }
     }
 }
@@ -65,28 +64,24 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return session.usage("`--sequence` is for the R-test: `abbe instrument MACHINE r-test --sequence FILE`");
     }
     write::refuse_outputs(&args.sequence, &session.files).or_else(|refusal| session.refuse(refusal))?;
-    let answer = instrument(&file, &args.options(), session.run());
-    let result = session.take(answer)?;
+    let result = session.take(instrument(&file, &args.options(), session.run()))?;
     if let Some(file) = &args.svg {
         file.write(&result.picture(), session)?;
     }
     if let Some((out, table)) = args.sequence.as_ref().zip(result.sequence()) {
         write::write_whole(out, table.as_bytes(), &session.files).or_else(|refusal| session.refuse(refusal))?;
     }
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&match &result.readings {
-            Readings::BallBar { planes, .. } => circles_csv(planes),
-            Readings::RTest { axes, .. } => turns_csv(axes),
-            Readings::Diagonals(of) | Readings::StepDiagonals(of) => lines_csv(&of.diagonals),
-        }),
-        Format::Text => session.print(&match &result.readings {
-            Readings::BallBar { radius_mm, planes, .. } => circles_text(&result, *radius_mm, planes),
-            Readings::RTest { axes, .. } => turns_text(&result, axes),
-            Readings::Diagonals(of) | Readings::StepDiagonals(of) => lines_text(&result, of),
-        }),
-    }
-    Ok(())
+    let csv = || match &result.readings {
+        Readings::BallBar { planes, .. } => circles_csv(planes),
+        Readings::RTest { axes, .. } => turns_csv(axes),
+        Readings::Diagonals(of) | Readings::StepDiagonals(of) => lines_csv(&of.diagonals),
+    };
+    let text = || match &result.readings {
+        Readings::BallBar { radius_mm, planes, .. } => circles_text(&result, *radius_mm, planes),
+        Readings::RTest { axes, .. } => turns_text(&result, axes),
+        Readings::Diagonals(of) | Readings::StepDiagonals(of) => lines_text(&result, of),
+    };
+    session.show(&result, csv, text)
 }
 
 fn um(x: f64) -> String {

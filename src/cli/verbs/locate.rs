@@ -1,14 +1,13 @@
 //! `abbe locate`: location errors from the lines of the rotary axes that a control's own calibration found.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{InstalledArg, help};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::store::{file_set, write};
-use crate::cli::{Format, Outcome};
 use abbe::results::{LocateResult, LocatedAxis, LocatedError};
 use abbe::text::significant;
 use abbe::{LocateOptions, locate};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -41,19 +40,13 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let (target, templates) = (args.target.clone(), args.templates.clone());
     let options = LocateOptions { target, templates, installed: args.installed.installed.clone() };
-    let answer = locate(&file, args.found.as_deref(), &options, session.run());
-    let result = session.take(answer)?;
+    let result = session.take(locate(&file, args.found.as_deref(), &options, session.run()))?;
     if let Some(out) = &args.out {
         let text = result.machine_file.as_bytes();
         write::write_whole(out, text, &session.files).or_else(|refusal| session.refuse(refusal))?;
     }
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv if args.found.is_none() => session.print(&table_of_lines(&result)),
-        Format::Csv => session.print(&csv(&result)),
-        Format::Text => session.print(&text(&result)),
-    }
-    Ok(())
+    let table = || if args.found.is_none() { table_of_lines(&result) } else { csv(&result) };
+    session.show(&result, table, || text(&result))
 }
 
 const TITLES: [&str; 8] = ["error", "unit", "found", "U", "in file", "U in file", "difference", "agrees"];

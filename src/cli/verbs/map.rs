@@ -1,6 +1,8 @@
 //! `abbe map`: the error over a volume.
 
-use crate::cli::arguments::{FrameOption, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, help};
+use crate::cli::arguments::{
+    FrameOption, JobArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, counts, help,
+};
 use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
@@ -15,25 +17,29 @@ use abbe::options::{MapPoses, MapTable, TableForm};
 use abbe::results::{MapFromBounds, MapResult, Statistics};
 use abbe::text::{shown, significant};
 use abbe::{Diagnostic, MachineFile, MapOptions, codes, map_tables};
-use serde_json::json;
 use std::io::Cursor;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
+#[command(mut_arg("job", |option| option.conflicts_with_all(["random", "low_discrepancy", "tool_poses"])))]
 pub(crate) struct Args {
     /// The machine file; its `volume` is the grid.
     machine: PathBuf,
     /// Evaluate N random poses instead of the grid (1 to 1000000000) [default: the grid].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
-    random: Option<u32>,
+    #[arg(long, value_name = "N", value_parser = counts(1..=MapPoses::MAX as i64))]
+    random: Option<usize>,
     /// Evaluate N low-discrepancy poses instead of the grid, spread more evenly than random ones (1 to 1000000000)
     /// [default: the grid].
     #[arg(long, value_name = "N", conflicts_with = "random",
-        value_parser = clap::value_parser!(u32).range(1..=MapPoses::MAX as i64))]
-    low_discrepancy: Option<u32>,
+        value_parser = counts(1..=MapPoses::MAX as i64))]
+    low_discrepancy: Option<usize>,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    job: JobArg,
+    #[command(flatten)]
+    reference: ReferenceArg,
     #[command(flatten)]
     seed: SeedArg,
     #[arg(long, value_name = "NAME", help = help::TARGET,
@@ -51,8 +57,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     frame: FrameOption,
     /// Number of the worst poses to name (0 to 100000).
-    #[arg(long, value_name = "K", default_value_t = 5, value_parser = clap::value_parser!(u32).range(..=100_000))]
-    worst: u32,
+    #[arg(long, value_name = "K", default_value_t = 5, value_parser = counts(0..=100_000))]
+    worst: usize,
     #[command(flatten)]
     outputs: OutputArgs,
     #[command(flatten)]
@@ -61,30 +67,33 @@ pub(crate) struct Args {
 
 impl Args {
     fn options(&self) -> MapOptions {
-        let poses = match (self.tool_poses.path(), self.random, self.low_discrepancy) {
+        let job = self.job.job.as_ref();
+        let poses = match (self.tool_poses.tool_poses.as_ref().or(job), self.random, self.low_discrepancy) {
+            (Some(path), ..) if job.is_some() => MapPoses::Job(path.clone()),
             (Some(path), ..) => MapPoses::ToolPoses(path.clone()),
-            (_, Some(count), _) => MapPoses::Random(count as usize),
-            (.., Some(count)) => MapPoses::LowDiscrepancy(count as usize),
+            (_, Some(count), _) => MapPoses::Random(count),
+            (.., Some(count)) => MapPoses::LowDiscrepancy(count),
             _ => MapPoses::Grid,
         };
         MapOptions {
             poses,
             seed: self.seed.seed,
-            order: self.view.order(),
-            approach: self.view.approach(),
-            frame: self.frame.frame(),
-            worst: self.worst as usize,
+            order: self.view.order.order,
+            reference: self.reference.reference.clone(),
+            approach: self.view.direction.direction,
+            frame: self.frame.frame,
+            worst: self.worst,
             picture: self.pictures.options(),
             target: self.target.clone(),
             compensation: self.how.options(),
             tolerances: self.bounds.options(),
-            samples: self.samples.count(),
+            samples: self.samples.samples,
         }
     }
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    let file = session.load(&args.machine, args.view.tool())?;
+    let file = session.load(&args.machine, args.view.tool.name())?;
     // Refusals come before the work.
     let outputs = || args.outputs.paths().chain(args.pictures.paths());
     refuse_outputs(outputs(), &session.files).or_else(|d| session.refuse(d))?;
@@ -104,18 +113,12 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
             sink: Box::new(&mut printed),
         });
     }
-    let answer = map_tables(&file, &options, tables, session.run());
-    let result = session.take(answer)?;
+    let result = session.take(map_tables(&file, &options, tables, session.run()))?;
     // Tool poses and templates are among the files read by now.
     refuse_outputs(outputs(), &session.files).or_else(|d| session.refuse(d))?;
     staged.commit().or_else(|d| session.refuse(d))?;
     args.pictures.write(session, result.picture.as_ref())?;
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&String::from_utf8_lossy(printed.get_ref())),
-        Format::Text => session.print(&text(&file, args, &result)),
-    }
-    Ok(())
+    session.show(&result, || String::from_utf8_lossy(printed.get_ref()).into_owned(), || text(&file, args, &result))
 }
 
 fn too_long(count: usize) -> bool {
@@ -136,10 +139,11 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
         return text_of_bounds(file, args, result, of);
     }
     let mut text = format!(
-        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{} poses ({})\n{}\n",
+        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{}\n{} poses ({})\n{}\n",
         result.machine,
         frame_text(result.frame),
         result.order,
+        result.over.line(),
         result.poses,
         sampling(args, result),
         statistics(result),
@@ -169,9 +173,10 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
 /// The map of a machine of which nothing is measured.
 fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapFromBounds) -> String {
     let mut text = format!(
-        "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{} poses ({}), {} \
+        "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{}\n{} poses ({}), {} \
          frame, first order\n{}\n{}\n{}{}",
         result.machine,
+        result.over.line(),
         bounded::source(&of.figures),
         result.poses,
         sampling(args, result),

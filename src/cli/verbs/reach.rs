@@ -1,13 +1,12 @@
 //! `abbe reach`: tips and directions of the tool within reach over a box.
 
-use crate::cli::arguments::{PictureFile, ToolArg, help, length, png, svg};
+use crate::cli::Outcome;
+use crate::cli::arguments::{PictureFile, ToolArg, counts, help, length, png, svg};
 use crate::cli::output::session::Session;
 use crate::cli::store::write::{refuse_outputs, write_whole};
-use crate::cli::{Format, Outcome};
 use abbe::results::ReachResult;
 use abbe::text::{Reason, significant};
 use abbe::{ReachOptions, reach};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -23,8 +22,8 @@ pub(crate) struct Args {
     step: Option<f64>,
     /// Number of tool directions (1 to 100000) [default: 60, for robots 6]: over the hemisphere about the tool axis at
     /// rest, on its circle with one axis that turns the tool, one with none.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    directions: Option<u32>,
+    #[arg(long, value_name = "N", value_parser = counts(1..=100_000))]
+    directions: Option<usize>,
     #[command(flatten)]
     tool: ToolArg,
     #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
@@ -47,25 +46,15 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let pictures = args.svg.iter().chain(&args.png);
     PictureFile::refuse(session, pictures.clone())?;
     refuse_outputs(&args.vtk, &session.files).or_else(|d| session.refuse(d))?;
-    let options = ReachOptions {
-        region: args.region.clone(),
-        step_mm: args.step,
-        directions: args.directions.map(|count| count as usize),
-    };
-    let answer = reach(&file, &options, session.run());
-    let result = session.take(answer)?;
+    let options = ReachOptions { region: args.region.clone(), step_mm: args.step, directions: args.directions };
+    let result = session.take(reach(&file, &options, session.run()))?;
     for to in pictures {
         to.write(&result.picture(), session)?;
     }
     if let Some(path) = &args.vtk {
         write_whole(path, &result.vtk(), &session.files).or_else(|d| session.refuse(d))?;
     }
-    match session.format() {
-        Format::Json => session.print_json(json!(result)),
-        Format::Csv => session.print(&csv(&result)),
-        Format::Text => session.print(&text(&result)),
-    }
-    Ok(())
+    session.show(&result, || csv(&result), || text(&result))
 }
 
 fn csv(of: &ReachResult) -> String {

@@ -1,15 +1,14 @@
 //! `abbe record`: one calibration as a folder, its check, and records in a line.
 
+use crate::cli::Outcome;
 use crate::cli::arguments::{PictureFile, help, svg};
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::store::tree::write_new_folder;
-use crate::cli::{Format, Outcome};
 use abbe::results::{AlarmState, Conformity, ErrorTrend, LimitDecision, LimitSides, Record, RecordTrend, TrendStep};
 use abbe::text::{NOT_VERIFIED, counted, significant};
 use abbe::{RecordOptions, check_record, record_trend};
-use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// A description of a calibration, or records that are there.
@@ -39,7 +38,7 @@ impl Args {
         RecordOptions {
             tool: self.set.tool.name().map(str::to_owned),
             compensation: self.set.how.options(),
-            poses: self.set.poses.count(),
+            poses: self.set.poses.poses,
             seed: self.set.seed.seed,
         }
     }
@@ -54,15 +53,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 fn write(session: &mut Session, args: &Args, description: &Path, out: &Path) -> Outcome {
-    let answer = abbe::record(description, &args.options(), session.run());
-    let record = session.take(answer)?;
+    let record = session.take(abbe::record(description, &args.options(), session.run()))?;
     write_new_folder(out, &record.files).or_else(|refusal| session.refuse(refusal))?;
-    match session.format() {
-        Format::Json => session.print_json(json!(record)),
-        Format::Csv => session.print(&decisions_csv(record.decisions())),
-        Format::Text => session.print(&record_text(&record, out)),
-    }
-    Ok(())
+    session.show(&record, || decisions_csv(record.decisions()), || record_text(&record, out))
 }
 
 fn record_text(record: &Record, out: &Path) -> String {
@@ -135,36 +128,24 @@ fn decisions_csv(decisions: &[LimitDecision]) -> String {
 }
 
 fn check(session: &mut Session, folder: &Path) -> Outcome {
-    let answer = check_record(folder, session.run());
-    let found = session.take(answer)?;
-    match session.format() {
-        Format::Json => session.print_json(json!(found)),
-        Format::Csv => session.print(&format!("files,SHA256SUMS\n{},{}\n", found.files, found.sha256)),
-        Format::Text => {
-            let replaced = match found.replaced_sets {
-                0 => String::new(),
-                count => format!(", {} archived", counted(count, "replaced set")),
-            };
-            let files = counted(found.files, "file");
-            session.print(&format!("{files} as recorded{replaced}\nSHA256SUMS {}\n", found.sha256));
-        }
-    }
-    Ok(())
+    let found = session.take(check_record(folder, session.run()))?;
+    let text = || {
+        let replaced = match found.replaced_sets {
+            0 => String::new(),
+            count => format!(", {} archived", counted(count, "replaced set")),
+        };
+        format!("{} as recorded{replaced}\nSHA256SUMS {}\n", counted(found.files, "file"), found.sha256)
+    };
+    session.show(&found, || format!("files,SHA256SUMS\n{},{}\n", found.files, found.sha256), text)
 }
 
 fn trend(session: &mut Session, args: &Args) -> Outcome {
     PictureFile::refuse(session, args.svg.iter())?;
-    let answer = record_trend(&args.trend, &args.options(), session.run());
-    let trend = session.take(answer)?;
+    let trend = session.take(record_trend(&args.trend, &args.options(), session.run()))?;
     if let Some(file) = &args.svg {
         file.write(&trend.picture(), session)?;
     }
-    match session.format() {
-        Format::Json => session.print_json(json!(trend)),
-        Format::Csv => session.print(&trend_csv(&trend)),
-        Format::Text => session.print(&trend_text(&trend)),
-    }
-    Ok(())
+    session.show(&trend, || trend_csv(&trend), || trend_text(&trend))
 }
 
 fn trend_csv(trend: &RecordTrend) -> String {

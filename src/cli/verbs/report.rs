@@ -50,13 +50,13 @@ impl Args {
         ReportOptions {
             targets: self.target.clone(),
             compensation: self.options.how.options(),
-            poses: self.options.poses.count(),
-            tool_poses: self.tool_poses.path().cloned(),
+            poses: self.options.poses.poses,
+            tool_poses: self.tool_poses.tool_poses.clone(),
             seed: self.options.seed.seed,
             order: self.order.order,
-            approach: self.direction.approach(),
+            approach: self.direction.direction,
             tolerances: self.tolerances.options(),
-            samples: self.samples.count(),
+            samples: self.samples.samples,
         }
     }
 }
@@ -106,6 +106,5 @@ fn compute(session: &mut Session, args: &Args) -> Result<Report, Exit> {
         let several = args.machines.len() > 1;
         machines.push(if several { session.load_one_of(path, tool) } else { session.load(path, tool) }?);
     }
-    let answer = report(&machines, &args.options(), session.run());
-    session.take(answer)
+    session.take(report(&machines, &args.options(), session.run()))
 }

@@ -7,7 +7,6 @@ use crate::cli::{Format, Outcome};
 use abbe::results::{AxisKind, Branch, ChainAxis, ChainResult, ErrorTerm, LocationStatus, Sense};
 use abbe::text::significant;
 use abbe::{MachineFile, show};
-use serde_json::json;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -42,12 +41,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         return Ok(());
     }
     let chain = show(&file);
-    match session.format() {
-        Format::Json => session.print_json(json!(chain)),
-        Format::Csv => session.print(&csv(&chain)),
-        Format::Text => session.print(&text(&chain)),
-    }
-    Ok(())
+    session.show(&chain, || csv(&chain), || text(&chain))
 }
 
 /// Writes the pictures asked for.

@@ -1,19 +1,15 @@
 //! `abbe targets`: mechanism and limits of each controller, and how sure its facts are.
 
+use crate::cli::Outcome;
 use crate::cli::output::session::Session;
-use crate::cli::{Format, Outcome};
 use abbe::results::TargetSummary;
 use abbe::targets;
 use serde_json::json;
 
 pub(crate) fn run(session: &Session) -> Outcome {
     let targets = targets();
-    match session.format() {
-        Format::Json => session.print_json(json!({"targets": targets})),
-        Format::Csv => session.print(&csv(&targets)),
-        Format::Text => session.print(&targets.iter().map(TargetSummary::text).collect::<Vec<_>>().join("\n")),
-    }
-    Ok(())
+    let text = || targets.iter().map(TargetSummary::text).collect::<Vec<_>>().join("\n");
+    session.show(&json!({"targets": targets}), || csv(&targets), text)
 }
 
 fn csv(targets: &[TargetSummary]) -> String {

@@ -41,24 +41,21 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let options = VerifyOptions {
         target: args.target.clone(),
         compensation: args.set.how.options(),
-        poses: args.set.poses.count(),
+        poses: args.set.poses.poses,
         seed: args.set.seed.seed,
         installed: args.installed.installed.clone(),
     };
     if let Some(path) = &args.replay {
         return replay(session, &file, &args.folder, path, &options);
     }
-    let answer = abbe::verify(&file, &args.folder, &options, session.run());
-    let report = session.take(answer)?;
-    CertificateView { report: &report, folder: &args.folder }.print(session);
-    Ok(())
+    let report = session.take(abbe::verify(&file, &args.folder, &options, session.run()))?;
+    CertificateView { report: &report, folder: &args.folder }.print(session)
 }
 
 /// Prints the replay at single positions, with which a test of a real controller compares.
 fn replay(session: &mut Session, file: &MachineFile, folder: &Path, path: &Path, options: &VerifyOptions) -> Outcome {
     let positions = session.take(ReplayPosition::list(path, session.run()))?;
-    let answer = abbe::replay(file, folder, &positions, options, session.run());
-    let added = session.take(answer)?;
+    let added = session.take(abbe::replay(file, folder, &positions, options, session.run()))?;
     let mut out = String::from("joint,direction,position,correction\n");
     for (at, added) in positions.iter().zip(added) {
         let direction = if at.approach == Approach::Forward { "forward" } else { "reverse" };

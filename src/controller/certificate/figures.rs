@@ -99,7 +99,6 @@ pub(crate) fn figures(field: &dyn Field, poses: &[Pose], conditions: OperatingCo
     figures_of(field.machine(), poses, &deviations(field, poses, conditions))
 }
 
-/// Returns the figures of deviations at poses.
 pub(crate) fn figures_of(machine: &Machine, poses: &[Pose], deviations: &[Deviation]) -> Figures {
     let tilt = |(pose, d): (&Pose, &Deviation)| tool_axis_tilt(machine, pose, &d.rotation) * 1e6;
     let tilts: Vec<_> = poses.iter().zip(deviations).map(tilt).collect();

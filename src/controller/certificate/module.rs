@@ -18,7 +18,6 @@ use rayon::prelude::*;
 /// Length by which the second tool of a certificate of kinematic parameters is longer, mm.
 const LONGER_TOOL_MM: f64 = 100.0;
 
-/// A module with the tables beside it.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::controller) struct ModuleSet<'a> {
     pub module: &'a KinematicsModule,

@@ -49,7 +49,6 @@ pub(super) struct NominalAt<'a> {
     nominal: Htm<f64>,
 }
 
-/// Returns the nominal tool at poses.
 pub(super) fn nominal<'a>(machine: &Machine, poses: &'a [Pose]) -> Vec<NominalAt<'a>> {
     let at = |pose: &'a Pose| NominalAt { pose, nominal: NominalPose::at(machine, pose).pose };
     poses.par_iter().map(at).collect()

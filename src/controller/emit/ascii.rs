@@ -5,7 +5,6 @@ use crate::diagnostic::{Diagnostic, codes};
 use crate::machine::Machine;
 
 impl ControllerTarget {
-    /// Returns the name of the machine as the files hold it.
     pub(super) fn file_name(&self, machine: &Machine) -> String {
         if self.manifest.ascii { transliterate(machine.name()) } else { machine.name().to_owned() }
     }

@@ -91,7 +91,6 @@ fn forbidden(machine: &Machine, table: &CorrectionTable, rules: &TableRules) -> 
     all
 }
 
-/// Returns the numbers of a column as they are stored.
 fn store_column(
     table: &CorrectionTable,
     rules: &TableRules,

@@ -91,7 +91,6 @@ impl Limits {
     }
 }
 
-/// Help of a correction beyond a limit.
 pub(in crate::controller) const RAISE_LIMIT: &str = "check the error values and their units; if they are right, \
      raise the limit: --max-correction \"2 mm, 10 mrad, 0.05\"";
 

@@ -15,7 +15,6 @@ use crate::machine::{AxisKind, Machine, Travel};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, UndefinedBehavior, Value, context, escape_formatter};
 use std::collections::BTreeSet;
-use std::fmt::{Display, Formatter};
 use std::sync::Arc;
 
 /// Fifty instructions for each cell of 200,000 rows of ten; a template that needs more is a loop.
@@ -28,39 +27,23 @@ const NAME_FUEL: u64 = 60;
 pub const MAX_FILE_BYTES: usize = 64 << 20;
 
 /// The reason why a template yields no file.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub(crate) enum TemplateFailure {
     /// The engine refuses it.
-    Engine(minijinja::Error),
+    #[error("{}{}", .0, .0.line().map_or_else(String::new, |line| format!(" (template line {line})")))]
+    Engine(#[from] minijinja::Error),
     /// The name could leave the folder.
+    #[error("`{0}` is not a plain file name")]
     Name(String),
     /// Two files of the set have the name, or it is that of the manifest of sets.
+    #[error("another file of the set is named `{0}`")]
     NameTaken(String),
     /// The file of this name exceeds [`MAX_FILE_BYTES`].
+    #[error("`{}` would have more than {} MB", .0, MAX_FILE_BYTES >> 20)]
     Size(String),
     /// The file of this name would have a number that is not finite.
+    #[error("a number of `{0}` is not finite")]
     NotFinite(String),
-}
-
-impl Display for TemplateFailure {
-    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Engine(failure) => match failure.line() {
-                Some(line) => write!(f, "{failure} (template line {line})"),
-                None => write!(f, "{failure}"),
-            },
-            Self::Name(name) => write!(f, "`{name}` is not a plain file name"),
-            Self::NameTaken(name) => write!(f, "another file of the set is named `{name}`"),
-            Self::Size(name) => write!(f, "`{name}` would have more than {} MB", MAX_FILE_BYTES >> 20),
-            Self::NotFinite(name) => write!(f, "a number of `{name}` is not finite"),
-        }
-    }
-}
-
-impl From<minijinja::Error> for TemplateFailure {
-    fn from(failure: minijinja::Error) -> Self {
-        Self::Engine(failure)
-    }
 }
 
 /// The text that a template has written so far, up to a limit and the first number that is not finite.
@@ -345,12 +328,10 @@ impl Writer<'_> {
 }
 
 impl Per {
-    /// True if there is a file for an axis.
     fn wants(self, axis: usize, tables: &[CorrectionTable]) -> bool {
         self == Self::Axis || tables.iter().any(|table| self.holds(axis, table))
     }
 
-    /// True if the file of an axis holds a table.
     fn holds(self, axis: usize, table: &CorrectionTable) -> bool {
         match self {
             Self::Machine => true,

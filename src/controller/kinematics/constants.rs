@@ -6,7 +6,6 @@ use crate::evaluate::random_poses;
 use crate::machine::{Approach, AxisKind, Machine};
 use nalgebra::{Matrix3, Vector3};
 
-/// Poses to which constants are fitted.
 const POSES: usize = 1000;
 
 /// joint = C axis, for X, Y, Z.

@@ -67,7 +67,6 @@ impl<'a> ModuleField<'a> {
     }
 }
 
-/// Returns the block by which the nominal machine goes to a pose.
 fn programmed_block<'a>(machine: &Machine, vectors: bool, pose: &'a [f64]) -> ProgrammedTool<'a> {
     let nominal = NominalPose::at(machine, pose).pose;
     let [gauge, tip, nominal_axis] =

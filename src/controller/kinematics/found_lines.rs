@@ -7,7 +7,6 @@ use crate::syntax::sheet::{Decimals, Sheet, SheetLine, cells, drop_empty, number
 use crate::units::{self, Dimension, FARTHEST, significant};
 use nalgebra::Vector3;
 
-/// Columns of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
     /// Coordinate of a point of the axis.
@@ -22,7 +21,6 @@ enum Column {
     AngleUncertainty,
 }
 
-/// Titles of columns.
 const TITLES: [(&str, Column); 11] = [
     ("x", Column::Point(0)),
     ("y", Column::Point(1)),
@@ -175,7 +173,7 @@ impl Header {
                 *row.slot(column) = Some(value(cell, self.separator, decimals)? * factor);
             }
         }
-        row.found(line, name, Vector3::from(machine.tool().gauge))
+        row.find(line, name, Vector3::from(machine.tool().gauge))
     }
 }
 
@@ -196,7 +194,7 @@ impl Row {
         }
     }
 
-    fn found(&self, nominal: &RotaryLine, name: &str, gauge: Vector3<f64>) -> Result<FoundLine, Diagnostic> {
+    fn find(&self, nominal: &RotaryLine, name: &str, gauge: Vector3<f64>) -> Result<FoundLine, Diagnostic> {
         let mut line = nominal.clone();
         for k in 0..3 {
             let stated = self.point[k].map(|x| x - gauge[k]);

@@ -16,7 +16,6 @@ impl ModuleModel {
         Htm { linear: walk.linear, translation: tip }
     }
 
-    /// A joint with its errors.
     fn joint(&self, joint: &ModuleJoint, q: f64) -> Htm<f64> {
         let location = self.error(&joint.location, joint.location_inverted);
         let motion = motion(joint, q);
@@ -44,7 +43,6 @@ impl ModuleModel {
         if inverted { matrix.inverse().unwrap_or(matrix) } else { matrix }
     }
 
-    /// The mean of the curves of an error.
     fn mean(&self, curves: &[Option<usize>; 2], q: f64) -> f64 {
         let value = |index: &usize| self.curves[*index].value(q);
         match curves {

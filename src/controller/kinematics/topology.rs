@@ -15,7 +15,6 @@ use nalgebra::{Matrix3, Matrix6, SVector, Vector3, Vector6};
 /// Poses over the volume at which the abilities of the axes are tested.
 const POSES: usize = 32;
 
-/// The seed of these poses.
 const SEED: u64 = 0;
 
 impl ModuleModel {

@@ -3,122 +3,57 @@
 use super::Manifest;
 use crate::diagnostic::{Diagnostic, Diagnostics, codes, shown};
 use crate::syntax::{Files, YamlFailure, from_yaml, read_text};
-use std::fmt::{Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-/// Targets in the binary.
-pub const NAMES: [&str; 27] = [
-    "linuxcnc",
-    "linuxcnc-kins",
-    "linuxcnc-matrixkins",
-    "linuxcnc-trt",
-    "linuxcnc-5axiskins",
-    "linuxcnc-maxkins",
-    "isg-volcomp",
-    "etalon-exchange",
-    "sinumerik-cec",
-    "sinumerik-enc",
-    "sinumerik-traori",
-    "sinumerik-chain",
-    "sinumerik-tcarr",
-    "heidenhain-com",
-    "heidenhain-kinematics",
-    "fanuc-pitch",
-    "fanuc-3d",
-    "fanuc-5axis",
-    "haas-mrzp",
-    "twincat-axis",
-    "pmac",
-    "kmotion-geo",
-    "reprapfirmware",
-    "klipper",
-    "marlin",
-    "grid-csv",
-    "grid-json",
-];
+/// Defines the targets in the binary by their folders in `templates/` and the files there.
+macro_rules! targets {
+    ($($target:literal: $($file:literal)+;)+) => {
+        /// Targets in the binary.
+        pub const NAMES: [&str; [$($target),+].len()] = [$($target),+];
 
-/// Files in the binary, as in `templates/`.
-const EMBEDDED: [(&str, &str); 72] = [
-    ("linuxcnc/compensation.inc.j2", include_str!("../../../templates/linuxcnc/compensation.inc.j2")),
-    ("linuxcnc/table.j2", include_str!("../../../templates/linuxcnc/table.j2")),
-    ("linuxcnc/target.yaml", include_str!("../../../templates/linuxcnc/target.yaml")),
-    ("linuxcnc-kins/target.yaml", include_str!("../../../templates/linuxcnc-kins/target.yaml")),
-    ("linuxcnc-kins/data.h.j2", include_str!("../../../templates/linuxcnc-kins/data.h.j2")),
-    ("linuxcnc-kins/model.h.j2", include_str!("../../../templates/linuxcnc-kins/model.h.j2")),
-    ("linuxcnc-kins/hold.h.j2", include_str!("../../../templates/linuxcnc-kins/hold.h.j2")),
-    ("linuxcnc-kins/solve.h.j2", include_str!("../../../templates/linuxcnc-kins/solve.h.j2")),
-    ("linuxcnc-kins/abbekins.comp.j2", include_str!("../../../templates/linuxcnc-kins/abbekins.comp.j2")),
-    ("linuxcnc-kins/abbekins.hal.j2", include_str!("../../../templates/linuxcnc-kins/abbekins.hal.j2")),
-    ("linuxcnc-kins/reversal.j2", include_str!("../../../templates/linuxcnc-kins/reversal.j2")),
-    ("linuxcnc-kins/sim.ini.j2", include_str!("../../../templates/linuxcnc-kins/sim.ini.j2")),
-    ("linuxcnc-kins/sim.hal.j2", include_str!("../../../templates/linuxcnc-kins/sim.hal.j2")),
-    ("linuxcnc-kins/sim.var.j2", include_str!("../../../templates/linuxcnc-kins/sim.var.j2")),
-    ("linuxcnc-kins/sim.tbl.j2", include_str!("../../../templates/linuxcnc-kins/sim.tbl.j2")),
-    ("linuxcnc-matrixkins/target.yaml", include_str!("../../../templates/linuxcnc-matrixkins/target.yaml")),
-    ("linuxcnc-matrixkins/matrixkins.hal.j2", include_str!("../../../templates/linuxcnc-matrixkins/matrixkins.hal.j2")),
-    ("linuxcnc-trt/target.yaml", include_str!("../../../templates/linuxcnc-trt/target.yaml")),
-    ("linuxcnc-trt/trt.hal.j2", include_str!("../../../templates/linuxcnc-trt/trt.hal.j2")),
-    ("linuxcnc-5axiskins/pivot.hal.j2", include_str!("../../../templates/linuxcnc-5axiskins/pivot.hal.j2")),
-    ("linuxcnc-5axiskins/target.yaml", include_str!("../../../templates/linuxcnc-5axiskins/target.yaml")),
-    ("linuxcnc-maxkins/pivot.hal.j2", include_str!("../../../templates/linuxcnc-maxkins/pivot.hal.j2")),
-    ("linuxcnc-maxkins/target.yaml", include_str!("../../../templates/linuxcnc-maxkins/target.yaml")),
-    ("sinumerik-traori/traori.j2", include_str!("../../../templates/sinumerik-traori/traori.j2")),
-    ("sinumerik-chain/chain.j2", include_str!("../../../templates/sinumerik-chain/chain.j2")),
-    ("sinumerik-chain/target.yaml", include_str!("../../../templates/sinumerik-chain/target.yaml")),
-    ("sinumerik-traori/target.yaml", include_str!("../../../templates/sinumerik-traori/target.yaml")),
-    ("sinumerik-tcarr/tcarr.j2", include_str!("../../../templates/sinumerik-tcarr/tcarr.j2")),
-    ("sinumerik-tcarr/target.yaml", include_str!("../../../templates/sinumerik-tcarr/target.yaml")),
-    ("heidenhain-kinematics/list.j2", include_str!("../../../templates/heidenhain-kinematics/list.j2")),
-    ("heidenhain-kinematics/target.yaml", include_str!("../../../templates/heidenhain-kinematics/target.yaml")),
-    ("fanuc-5axis/parameters.j2", include_str!("../../../templates/fanuc-5axis/parameters.j2")),
-    ("fanuc-5axis/readme.j2", include_str!("../../../templates/fanuc-5axis/readme.j2")),
-    ("fanuc-5axis/target.yaml", include_str!("../../../templates/fanuc-5axis/target.yaml")),
-    ("haas-mrzp/settings.j2", include_str!("../../../templates/haas-mrzp/settings.j2")),
-    ("haas-mrzp/target.yaml", include_str!("../../../templates/haas-mrzp/target.yaml")),
-    ("isg-volcomp/hochlauf_part.lis.j2", include_str!("../../../templates/isg-volcomp/hochlauf_part.lis.j2")),
-    ("isg-volcomp/target.yaml", include_str!("../../../templates/isg-volcomp/target.yaml")),
-    ("isg-volcomp/volcomp.csv.j2", include_str!("../../../templates/isg-volcomp/volcomp.csv.j2")),
-    ("isg-volcomp/volcomp0.lis.j2", include_str!("../../../templates/isg-volcomp/volcomp0.lis.j2")),
-    ("etalon-exchange/etalon.j2", include_str!("../../../templates/etalon-exchange/etalon.j2")),
-    ("etalon-exchange/target.yaml", include_str!("../../../templates/etalon-exchange/target.yaml")),
-    ("sinumerik-cec/cec.j2", include_str!("../../../templates/sinumerik-cec/cec.j2")),
-    ("sinumerik-cec/target.yaml", include_str!("../../../templates/sinumerik-cec/target.yaml")),
-    ("sinumerik-enc/eec.j2", include_str!("../../../templates/sinumerik-enc/eec.j2")),
-    ("sinumerik-enc/target.yaml", include_str!("../../../templates/sinumerik-enc/target.yaml")),
-    ("heidenhain-com/axis.com.j2", include_str!("../../../templates/heidenhain-com/axis.com.j2")),
-    ("heidenhain-com/config.cma.j2", include_str!("../../../templates/heidenhain-com/config.cma.j2")),
-    ("heidenhain-com/target.yaml", include_str!("../../../templates/heidenhain-com/target.yaml")),
-    ("fanuc-pitch/pitch.j2", include_str!("../../../templates/fanuc-pitch/pitch.j2")),
-    ("fanuc-pitch/readme.j2", include_str!("../../../templates/fanuc-pitch/readme.j2")),
-    ("fanuc-pitch/target.yaml", include_str!("../../../templates/fanuc-pitch/target.yaml")),
-    ("fanuc-3d/lattice.j2", include_str!("../../../templates/fanuc-3d/lattice.j2")),
-    ("fanuc-3d/target.yaml", include_str!("../../../templates/fanuc-3d/target.yaml")),
-    ("twincat-axis/achskw.j2", include_str!("../../../templates/twincat-axis/achskw.j2")),
-    ("twincat-axis/target.yaml", include_str!("../../../templates/twincat-axis/target.yaml")),
-    ("pmac/compensation.j2", include_str!("../../../templates/pmac/compensation.j2")),
-    ("pmac/target.yaml", include_str!("../../../templates/pmac/target.yaml")),
-    ("kmotion-geo/geo.j2", include_str!("../../../templates/kmotion-geo/geo.j2")),
-    ("kmotion-geo/readme.j2", include_str!("../../../templates/kmotion-geo/readme.j2")),
-    ("kmotion-geo/target.yaml", include_str!("../../../templates/kmotion-geo/target.yaml")),
-    ("reprapfirmware/heightmap.j2", include_str!("../../../templates/reprapfirmware/heightmap.j2")),
-    ("reprapfirmware/m556.j2", include_str!("../../../templates/reprapfirmware/m556.j2")),
-    ("reprapfirmware/target.yaml", include_str!("../../../templates/reprapfirmware/target.yaml")),
-    ("klipper/skew.j2", include_str!("../../../templates/klipper/skew.j2")),
-    ("klipper/target.yaml", include_str!("../../../templates/klipper/target.yaml")),
-    ("marlin/skew.j2", include_str!("../../../templates/marlin/skew.j2")),
-    ("marlin/target.yaml", include_str!("../../../templates/marlin/target.yaml")),
-    ("grid-csv/corrections.csv.j2", include_str!("../../../templates/grid-csv/corrections.csv.j2")),
-    ("grid-csv/target.yaml", include_str!("../../../templates/grid-csv/target.yaml")),
-    ("grid-json/corrections.json.j2", include_str!("../../../templates/grid-json/corrections.json.j2")),
-    ("grid-json/target.yaml", include_str!("../../../templates/grid-json/target.yaml")),
-];
+        /// Files in the binary, as in `templates/`.
+        const EMBEDDED: &[(&str, &str)] = &[$($((
+            concat!($target, "/", $file),
+            include_str!(concat!("../../../templates/", $target, "/", $file)),
+        ),)+)+];
+    };
+}
+
+targets! {
+    "linuxcnc": "compensation.inc.j2" "table.j2" "target.yaml";
+    "linuxcnc-kins": "target.yaml" "data.h.j2" "model.h.j2" "hold.h.j2" "solve.h.j2" "abbekins.comp.j2"
+        "abbekins.hal.j2" "reversal.j2" "sim.ini.j2" "sim.hal.j2" "sim.var.j2" "sim.tbl.j2";
+    "linuxcnc-matrixkins": "target.yaml" "matrixkins.hal.j2";
+    "linuxcnc-trt": "target.yaml" "trt.hal.j2";
+    "linuxcnc-5axiskins": "pivot.hal.j2" "target.yaml";
+    "linuxcnc-maxkins": "pivot.hal.j2" "target.yaml";
+    "isg-volcomp": "hochlauf_part.lis.j2" "target.yaml" "volcomp.csv.j2" "volcomp0.lis.j2";
+    "etalon-exchange": "etalon.j2" "target.yaml";
+    "sinumerik-cec": "cec.j2" "target.yaml";
+    "sinumerik-enc": "eec.j2" "target.yaml";
+    "sinumerik-traori": "traori.j2" "target.yaml";
+    "sinumerik-chain": "chain.j2" "target.yaml";
+    "sinumerik-tcarr": "tcarr.j2" "target.yaml";
+    "heidenhain-com": "axis.com.j2" "config.cma.j2" "target.yaml";
+    "heidenhain-kinematics": "list.j2" "target.yaml";
+    "fanuc-pitch": "pitch.j2" "readme.j2" "target.yaml";
+    "fanuc-3d": "lattice.j2" "target.yaml";
+    "fanuc-5axis": "parameters.j2" "readme.j2" "target.yaml";
+    "haas-mrzp": "settings.j2" "target.yaml";
+    "twincat-axis": "achskw.j2" "target.yaml";
+    "pmac": "compensation.j2" "target.yaml";
+    "kmotion-geo": "geo.j2" "readme.j2" "target.yaml";
+    "reprapfirmware": "heightmap.j2" "m556.j2" "target.yaml";
+    "klipper": "skew.j2" "target.yaml";
+    "marlin": "skew.j2" "target.yaml";
+    "grid-csv": "corrections.csv.j2" "target.yaml";
+    "grid-json": "corrections.json.j2" "target.yaml";
+}
 
 /// Bounds the time that templates take.
 pub trait TemplateLimit: Send + Sync {
-    /// Templates begin to run.
     fn begin(&self);
-    /// They have ended.
     fn end(&self);
 }
 
@@ -232,28 +167,20 @@ fn override_in(name: &str, folder: &Path, files: &dyn Files) -> Option<PathBuf> 
 }
 
 /// The reason why a manifest is refused.
+#[derive(Debug, thiserror::Error)]
 enum ManifestFault {
     /// It is no YAML, or has other keys.
+    #[error(transparent)]
     Syntax(YamlFailure),
     /// Its keys do not fit together.
+    #[error("{0}")]
     Unsound(String),
     /// A template is outside the target's folder.
+    #[error("the template `{0}` is not a plain file name")]
     Template(String),
     /// The target has another name than its folder, by which it is found.
+    #[error("the target is named `{}` and its folder `{}`: give both one name", shown(.0), shown(.1))]
     Name(String, String),
-}
-
-impl Display for ManifestFault {
-    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Syntax(failure) => write!(f, "{failure}"),
-            Self::Unsound(fault) => f.write_str(fault),
-            Self::Template(name) => write!(f, "the template `{name}` is not a plain file name"),
-            Self::Name(own, folder) => {
-                write!(f, "the target is named `{}` and its folder `{}`: give both one name", shown(own), shown(folder))
-            }
-        }
-    }
 }
 
 /// Reads a manifest that can be worked with.

@@ -115,7 +115,6 @@ impl Manifest {
     }
 }
 
-/// True if a layout holds this content of a module.
 fn layout_fits(carries: ModuleContent, layout: &FileLayout) -> bool {
     match carries {
         ModuleContent::FullModel => *layout == FileLayout::CArrays,
@@ -190,7 +189,6 @@ impl ModuleContent {
         }
     }
 
-    /// Number of constants.
     fn constants(self) -> usize {
         match self {
             Self::FullModel | Self::KinematicParameters => 0,

@@ -9,7 +9,6 @@ use crate::machine::AxisKind;
 /// Three numbers need a quarter of it; LinuxCNC's buffer takes no more and reads the rest as a line of its own.
 const MAX_LINE: usize = 254;
 
-/// Reads the table of the file's axis.
 pub(super) fn own_axis(reading: &ReadContext, columns: &[TableColumn], text: &str) -> Result<CorrectionTable, Fault> {
     let axis = reading.axis.unwrap_or(0);
     let max = reading.target.manifest.mechanism.own_axis.as_ref().map_or(usize::MAX, |own| own.table.max_points);
@@ -54,7 +53,6 @@ fn in_millimetres(reading: &ReadContext, mut table: CorrectionTable, kind: AxisK
     table
 }
 
-/// Returns the numbers on a line, or its fault.
 fn point(columns: &[TableColumn], number_of_line: usize, line: &str) -> Result<Vec<f64>, Fault> {
     let fault = |message: String| Fault::new(number_of_line, message);
     if line.len() > MAX_LINE {

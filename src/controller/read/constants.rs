@@ -92,7 +92,6 @@ impl Pins<'_> {
         Ok(found.map(Option::unwrap_or_default))
     }
 
-    /// Returns the index of the constant of a pin.
     fn slot(&self, pin: &str, line: usize) -> Result<usize, Fault> {
         let (module, name) = pin.rsplit_once('.').unwrap_or(("", pin));
         if !self.modules.iter().any(|known| known == module) {

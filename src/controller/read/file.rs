@@ -2,7 +2,6 @@
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, SourceId, codes};
 use crate::units;
-use std::fmt::{Display, Formatter};
 
 /// A file of a set.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,21 +23,14 @@ impl ReadBack {
 }
 
 /// The reason why a cell holds no number of a machine.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BadNumber {
     /// It is no number.
+    #[error(transparent)]
     Unreadable(units::Failure),
     /// It is larger than any position or correction.
+    #[error("`{0}` is no position or correction of a machine")]
     Large(String),
-}
-
-impl Display for BadNumber {
-    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Unreadable(failure) => write!(f, "{failure}"),
-            Self::Large(cell) => write!(f, "`{cell}` is no position or correction of a machine"),
-        }
-    }
 }
 
 impl From<BadNumber> for String {

@@ -4,7 +4,6 @@ use super::{Fault, number};
 use crate::compensation::CorrectionTable;
 use crate::machine::Machine;
 use crate::units;
-use std::fmt::{Display, Formatter};
 
 /// A lattice in CSV: header of `X [mm]` and `dX [mm]` columns, rows in lattice order.
 pub(super) fn csv(machine: &Machine, text: &str) -> Result<CorrectionTable, Fault> {
@@ -44,18 +43,12 @@ pub(super) fn csv(machine: &Machine, text: &str) -> Result<CorrectionTable, Faul
 }
 
 /// The reason why rows are no lattice.
+#[derive(Debug, thiserror::Error)]
 enum Disorder {
+    #[error("the rows are not in the order of the lattice, the last axis fastest")]
     Rows,
+    #[error("the position {0} is none of the lattice's")]
     Position(f64),
-}
-
-impl Display for Disorder {
-    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Rows => f.write_str("the rows are not in the order of the lattice, the last axis fastest"),
-            Self::Position(value) => write!(f, "the position {value} is none of the lattice's"),
-        }
-    }
 }
 
 /// Rows come in lattice order, the last axis fastest: each node after the one before, and no position

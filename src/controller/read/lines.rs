@@ -12,10 +12,8 @@ use std::collections::BTreeMap;
 /// The value of a field, and its line (from 0).
 pub(super) type FieldValue = (String, usize);
 
-/// Fields by name.
 pub(super) type Fields = BTreeMap<String, FieldValue>;
 
-/// The fields of one table in a file.
 #[derive(Debug, Default)]
 pub(super) struct TableFields {
     /// Its name, empty if the file holds one only.
@@ -37,7 +35,6 @@ const OF_POINTS: [&str; 9] =
 /// Larger indices are no table's.
 const MAX_POINTS: usize = 5_000_000;
 
-/// Reads the lines of a file.
 pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> Result<Vec<TableFields>, Fault> {
     let patterns: Vec<(Vec<PatternPiece>, &LineSpec)> = specs.iter().map(|spec| (pieces(&spec.line), spec)).collect();
     let mut met = vec![false; specs.len()];
@@ -131,7 +128,6 @@ fn index(said: &mut BTreeMap<String, String>, next: usize, line: usize) -> Resul
     Ok(if given { index } else { [next, 0, 0] })
 }
 
-/// True if a line fits a pattern from end to end.
 pub(super) fn fits(pattern: &str, line: &str) -> bool {
     match_pattern(&pieces(pattern), line).is_some()
 }
@@ -141,7 +137,6 @@ pub(super) fn fields(pattern: &str, line: &str) -> Option<Vec<(String, String)>>
     match_pattern(&pieces(pattern), line)
 }
 
-/// A piece of a pattern.
 #[derive(Debug, Clone, PartialEq)]
 enum PatternPiece {
     /// Literal letters.

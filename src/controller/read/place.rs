@@ -5,7 +5,6 @@ use super::{Fault, ReadBack};
 use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileLayout, Index, by_number};
 use crate::machine::Machine;
 
-/// An axis, assigned to a file by another file.
 pub(super) struct AxisFile {
     /// The file's name as it is written there, without folders.
     pub file: String,

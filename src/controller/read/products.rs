@@ -5,7 +5,6 @@ use super::{Fault, ReadContext};
 use crate::compensation::CorrectionTable;
 use crate::controller::emit::StoredColumn;
 
-/// A table as its file names it.
 pub(super) struct TableEntry<'a> {
     pub table: CorrectionTable,
     /// The number, from 1, of the table by which it is multiplied; 0 for none.

@@ -25,7 +25,6 @@ pub struct RecognisedSet {
 /// A text found under a name.
 pub type NamedText = (String, String);
 
-/// A file with its place in a set.
 struct FilePlace {
     file: usize,
     spec: usize,
@@ -35,7 +34,6 @@ struct FilePlace {
     positions: Vec<f64>,
 }
 
-/// The files that a target reads.
 struct TargetFit {
     target: ControllerTarget,
     placed: Vec<FilePlace>,
@@ -69,7 +67,6 @@ pub fn recognise(
     best.settle(machine, files, diagnostics)
 }
 
-/// Reports the fault that is furthest down in a file.
 fn report_furthest(failed: impl Iterator<Item = (usize, Fault)>, files: &[NamedText], diagnostics: &mut Diagnostics) {
     // Past the first line a reader has met something that it knows.
     let past = failed.filter(|(_, fault)| fault.line > 0);
@@ -119,7 +116,6 @@ impl TargetFit {
         !same || self.placed.len() == best.placed.len()
     }
 
-    /// Every file in one place.
     fn settle(&self, machine: &Machine, files: &[NamedText], diagnostics: &mut Diagnostics) -> Option<RecognisedSet> {
         let target = &self.target;
         let letters = axis_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();

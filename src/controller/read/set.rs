@@ -107,7 +107,7 @@ impl ControllerTarget {
                 }
             }
         }
-        (!diagnostics.refused() && any).then(|| {
+        (!diagnostics.is_refused() && any).then(|| {
             let mut all = all.merge();
             // A sum of rounded numbers is one of them again.
             self.manifest.mechanism.round_sums(machine, &mut all);

@@ -23,7 +23,6 @@ pub fn certify_kinematics(
     judge_module(machine, ModuleSet { module, tables }, &singles, depth)
 }
 
-/// Makes a module for every error alone.
 fn single_error_modules(machine: &Machine, target: &ControllerTarget, orientation: bool) -> Vec<SingleErrorModule> {
     let known = machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_)));
     let ids: Vec<ErrorId> = known.map(|(id, _)| id).collect();

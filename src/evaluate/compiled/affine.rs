@@ -63,7 +63,6 @@ impl LaneInputs<f64> for Node {
 
 /// An order that can evaluate one section of the chain alone.
 pub trait Sections {
-    /// Returns the chain.
     fn chain(&self) -> &CompiledChain;
     /// Returns the displacement of a point (mm) by the errors of a section, of first and of second degree (exact: all
     /// in the first), and the largest squared half angle met: above [`MAX_SQUARED_HALF_ANGLE`] the displacement is not

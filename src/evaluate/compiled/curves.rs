@@ -18,7 +18,6 @@ pub type Six = [f64; 6];
 /// Six compiled curves. Their values are the sums of the constant, the table, the polynomial and the harmonics.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CompiledCurves {
-    /// Constant part.
     constant: Six,
     table: Option<CurveTable>,
     /// Coefficients of the powers 1, 2, ... of the position (mm or deg).

@@ -78,12 +78,10 @@ trait RelativeRotation<V: Lanes>: Copy {
     /// Returns the error motion of six errors, and its squared half angle (rad^2).
     fn motion(six: [V; 6], inverse: bool) -> (LaneErrorMotion<V>, V);
     fn rotate(self, about: &RotationAxis, turn: (V, V)) -> Self;
-    /// Returns the rotation after an error motion.
     fn after(self, motion: &LaneErrorMotion<V>) -> Self;
     fn vector(self) -> (Vector<V>, V);
 }
 
-/// A unit quaternion.
 #[derive(Clone, Copy)]
 struct Quaternion<V>(V, Vector<V>);
 
@@ -192,7 +190,6 @@ impl<V: Lanes> LaneErrorMotion<V> {
 }
 
 impl LaneErrorMotion<f64> {
-    /// Returns the same motion in all lanes.
     #[inline(always)]
     fn splat<V: Lanes>(&self) -> LaneErrorMotion<V> {
         LaneErrorMotion {

@@ -95,7 +95,6 @@ pub struct WalkStates {
     rotation: ChunkVectors,
 }
 
-/// Vectors of a chunk by columns.
 struct ChunkVectors([[f64; CHUNK]; 3]);
 
 impl ChunkVectors {
@@ -116,14 +115,12 @@ impl ChunkVectors {
         vector[2].store(&mut z[i..]);
     }
 
-    /// Adds to a column.
     #[inline(always)]
     fn add<V: Lanes>(&mut self, k: usize, i: usize, more: V) {
         let place = &mut self.0[k][i & (CHUNK - V::COUNT)..];
         (V::load(place) + more).store(place);
     }
 
-    /// Adds a product to a column.
     #[inline(always)]
     fn add_product<V: Lanes>(&mut self, k: usize, i: usize, a: V, b: V) {
         let place = &mut self.0[k][i & (CHUNK - V::COUNT)..];
@@ -284,7 +281,6 @@ impl WalkStates {
         }
     }
 
-    /// Adds a twist.
     #[inline(always)]
     fn add<V: Lanes>(&mut self, i: usize, [x, y, z, ex, ey, ez]: [V; 6]) {
         self.displacement.put(i, plus(self.displacement.get(i), [x, y, z]));

@@ -50,7 +50,6 @@ pub struct IntervalPoint<V> {
     pub width: V,
 }
 
-/// Maximum number of buckets per interval.
 const MAX_BUCKETS_PER_INTERVAL: usize = 4;
 
 /// Maximum number of buckets of a searched table.

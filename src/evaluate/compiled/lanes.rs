@@ -28,7 +28,6 @@ pub struct RowOffsets<const N: usize> {
     last: u32,
 }
 
-/// Doubles of a row.
 const ROW: u32 = 8;
 
 impl<const N: usize> RowOffsets<N> {
@@ -269,7 +268,7 @@ mod x86 {
         }
         #[inline(always)]
         fn transpose(rows: &[Self::Row; MAX_LANES]) -> [Self; 8] {
-            let ([a, b, c, d], [e, f, g, h]) = unsafe { (transposed(rows, 0), transposed(rows, 1)) };
+            let ([a, b, c, d], [e, f, g, h]) = unsafe { (transpose(rows, 0), transpose(rows, 1)) };
             [a, b, c, d, e, f, g, h]
         }
     }
@@ -277,7 +276,7 @@ mod x86 {
     /// Four columns of four rows.
     #[inline]
     #[target_feature(enable = "avx2")]
-    fn transposed(rows: &[[F64x4; 2]; MAX_LANES], half: usize) -> [F64x4; 4] {
+    fn transpose(rows: &[[F64x4; 2]; MAX_LANES], half: usize) -> [F64x4; 4] {
         let [r, s, t, u] = [rows[0][half].0, rows[1][half].0, rows[2][half].0, rows[3][half].0];
         let (a, b) = (_mm256_unpacklo_pd(r, s), _mm256_unpackhi_pd(r, s));
         let (c, d) = (_mm256_unpacklo_pd(t, u), _mm256_unpackhi_pd(t, u));

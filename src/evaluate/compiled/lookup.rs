@@ -160,7 +160,6 @@ pub trait LaneInputs<V: Lanes>: Copy {
     fn added(self, axis: usize) -> Option<V>;
     /// Returns sine and cosine of the position, if the axis reads them.
     fn turn(self, axis: usize) -> (V, V);
-    /// Returns the six errors of the axis.
     fn errors(self, axis: usize) -> [V; 6];
 }
 

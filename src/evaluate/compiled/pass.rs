@@ -62,7 +62,6 @@ pub struct Pass<'a, 'o, T> {
     pub uncovered: &'a mut Vec<usize>,
 }
 
-/// Data of the current chunk.
 struct ChunkData<W> {
     axes: Vec<AxisLookup>,
     workspace: W,

@@ -60,7 +60,7 @@ impl<V: Lanes> SecondOrderWalk<V> {
     }
 
     #[inline(always)]
-    fn placed(&mut self, placed: &ErrorsAtPoint, undone: bool) {
+    fn place(&mut self, placed: &ErrorsAtPoint, undone: bool) {
         self.apply(splat_six(&placed.six), placed.inverse != undone, &placed.about);
     }
 
@@ -79,14 +79,14 @@ impl<V: Lanes> SecondOrderWalk<V> {
     #[inline(always)]
     fn turn(&mut self, about: &RotationAxis, origin: &[f64; 3], around: Option<&ErrorsAtPoint>, turn: (V, V)) {
         if let Some(location) = around {
-            self.placed(location, true);
+            self.place(location, true);
         }
         self.point = about.rotate_about(turn, origin, self.point);
         let ([d, dd], [w, ww]) = (self.displacement, self.rotation);
         self.displacement = [about.rotate(turn, d), about.rotate(turn, dd)];
         self.rotation = [about.rotate(turn, w), about.rotate(turn, ww)];
         if let Some(location) = around {
-            self.placed(location, false);
+            self.place(location, false);
         }
     }
 
@@ -98,7 +98,7 @@ impl<V: Lanes> SecondOrderWalk<V> {
         let errors = if link.errors { Some(inputs.errors(axis)) } else { None };
         let location = link.location.as_ref();
         if let (Some(location), LocationEffect::Innermost) = (location, link.location_effect) {
-            self.placed(location, false);
+            self.place(location, false);
         }
         if let (Some(six), false) = (errors, link.outside) {
             self.apply(six, link.inverse, &link.origin);
@@ -112,7 +112,7 @@ impl<V: Lanes> SecondOrderWalk<V> {
             self.apply(six, link.inverse, &link.origin);
         }
         if let (Some(location), LocationEffect::Outermost) = (location, link.location_effect) {
-            self.placed(location, false);
+            self.place(location, false);
         }
     }
 }
@@ -133,9 +133,9 @@ impl Sections for SecondOrder {
         let mut state = SecondOrderWalk::at(&self.chain, point, [0.0; 3]);
         match section {
             Section::Joint(axis, at) => state.link(&self.chain.joints[axis], axis, at),
-            Section::Spindle => self.chain.spindle.iter().for_each(|spindle| state.placed(spindle, false)),
+            Section::Spindle => self.chain.spindle.iter().for_each(|spindle| state.place(spindle, false)),
             Section::WorkpieceSetup => {
-                self.chain.workpiece_setup.iter().for_each(|workpiece_setup| state.placed(workpiece_setup, false))
+                self.chain.workpiece_setup.iter().for_each(|workpiece_setup| state.place(workpiece_setup, false))
             }
         }
         (state.displacement, 0.0)
@@ -156,13 +156,13 @@ impl PoseKernel for SecondOrder {
         let chain = &self.chain;
         let mut state = SecondOrderWalk::<V>::at(chain, splat(&chain.tip), splat(&chain.tool));
         if let Some(spindle) = &chain.spindle {
-            state.placed(spindle, false);
+            state.place(spindle, false);
         }
         for (axis, link) in chain.joints.iter().enumerate().rev() {
             state.link(link, axis, inputs);
         }
         if let Some(workpiece_setup) = &chain.workpiece_setup {
-            state.placed(workpiece_setup, false);
+            state.place(workpiece_setup, false);
         }
         let [d, dd] = state.displacement;
         let [w, ww] = state.rotation;

@@ -14,7 +14,6 @@ pub const SIGN: u64 = 1 << 63;
 
 /// A vector of doubles. All operations are those of IEEE 754, with one rounding each.
 pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// Number of lanes.
     const COUNT: usize;
     /// The eight doubles of a table row, in as many registers as they need.
     type Row: RowVector;
@@ -43,7 +42,6 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     fn select_less(self, than: Self, yes: Self, no: Self) -> Self;
     /// Truncates to integers, for `0 <= x < 2^31`: as doubles and as indices.
     fn truncate(self) -> (Self, [u32; MAX_LANES]);
-    /// Returns the lanes as an array.
     fn to_array(self) -> [f64; MAX_LANES];
     /// Returns sine and cosine of an angle increased by quarter turns, whose number is `counted - 1.5 * 2^52`: the last
     /// bits of `counted` hold it.
@@ -63,12 +61,10 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
     /// Transposes rows: lane i of vector k is element k of row i.
     fn transpose(rows: &[Self::Row; MAX_LANES]) -> [Self; 8];
 
-    /// Returns the smaller of both.
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
         self.select_less(other, self, other)
     }
-    /// Returns the larger of both.
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
         other.select_less(self, self, other)
@@ -77,7 +73,6 @@ pub trait Lanes: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = S
 
 /// A computation over vectors. Its `run` must be inlined: it is compiled once for each width.
 pub trait Kernel {
-    /// Runs the computation.
     fn run<V: Lanes>(self);
 }
 
@@ -88,11 +83,8 @@ pub struct TableRow(pub [f64; 8]);
 
 /// A row of a table in as many vectors as it needs.
 pub trait RowVector: Copy {
-    /// Loads a row.
     fn of(row: &TableRow) -> Self;
-    /// Returns the sum.
     fn plus(self, other: Self) -> Self;
-    /// Returns the difference.
     fn minus(self, other: Self) -> Self;
     /// Returns `self + other * factor`.
     fn plus_times(self, other: Self, factor: f64) -> Self;

@@ -34,7 +34,7 @@ pub fn twist(six: &Six, about: &[f64; 3], sign: f64) -> Six {
     [dx - x, dy - y, dz - z, ex, ey, ez]
 }
 
-fn placed(placed: &ErrorsAtPoint) -> Six {
+fn place(placed: &ErrorsAtPoint) -> Six {
     twist(&placed.six, &placed.about, if placed.inverse { -1.0 } else { 1.0 })
 }
 
@@ -59,7 +59,7 @@ impl TwistChain {
     /// Folds location errors into the curves where a joint has any, else into constant twists.
     pub fn new(chain: &CompiledChain) -> Self {
         // The constant twist on the workpiece's side of the next joint, from the workpiece on.
-        let mut pending = chain.workpiece_setup.as_ref().map(placed);
+        let mut pending = chain.workpiece_setup.as_ref().map(place);
         let mut joints: Vec<TwistJoint> = Vec::new();
         for link in &chain.joints {
             let [outer, inner] = constants(link);
@@ -85,7 +85,7 @@ impl TwistChain {
                 bend: bend(link),
             });
         }
-        Self { joints, end: add(pending, chain.spindle.as_ref().map(placed)) }
+        Self { joints, end: add(pending, chain.spindle.as_ref().map(place)) }
     }
 }
 
@@ -95,11 +95,11 @@ fn constants(link: &CompiledJoint) -> [Option<Six>; 2] {
     match (link.location_effect, link.motion) {
         (LocationEffect::Around, NominalMotion::Slide(_)) => [None, None],
         (LocationEffect::Around, NominalMotion::Turn(_)) => {
-            let outer = placed(location);
+            let outer = place(location);
             [Some(outer), Some(outer.map(|e| -e))]
         }
-        (LocationEffect::Outermost, _) => [Some(placed(location)), None],
-        (LocationEffect::Innermost, _) => [None, Some(placed(location))],
+        (LocationEffect::Outermost, _) => [Some(place(location)), None],
+        (LocationEffect::Innermost, _) => [None, Some(place(location))],
     }
 }
 

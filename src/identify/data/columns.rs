@@ -15,7 +15,6 @@ pub(super) struct MeasurementColumn {
     pub factor: f64,
 }
 
-/// The content of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Content {
     /// Position of the axis with this index.
@@ -53,7 +52,6 @@ pub(super) enum Content {
     Approach,
 }
 
-/// Kinds of lengths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LengthKind {
     /// A whole distance: `length`.
@@ -111,7 +109,6 @@ impl Content {
     }
 }
 
-/// The unit in the title of a column.
 enum TitleUnit {
     Missing,
     Length,
@@ -152,7 +149,6 @@ const TITLES: [(&str, TitleUnit, Content); 29] = [
     ("approach", TitleUnit::Missing, Content::Approach),
 ];
 
-/// Returns the columns of a header and the form of its rows.
 pub(super) fn columns(
     machine: &Machine,
     header: &str,

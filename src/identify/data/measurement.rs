@@ -43,7 +43,6 @@ pub enum Reading {
     Deviation {
         /// The three components.
         values: [Option<f64>; 3],
-        /// In which they are given.
         frame: Frame,
         /// Index of the unknown that was subtracted from each: the deviation at the first reading of the run.
         zero: [Option<usize>; 3],
@@ -52,7 +51,6 @@ pub enum Reading {
     Distance {
         /// The distance, less the unknown constant.
         value: f64,
-        /// From where.
         from: DistanceEnd,
         /// Index of the unknown constant, if there is one.
         zero: Option<usize>,
@@ -79,7 +77,6 @@ pub enum Reading {
     Error {
         /// mm; of an angle the displacement that it makes over 300 mm, so that unlike errors can be summed.
         value: f64,
-        /// The error.
         source: Source,
     },
 }

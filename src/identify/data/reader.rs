@@ -63,7 +63,6 @@ struct MeasurementReader<'a> {
     file: String,
     form: RowForm,
     data: MeasurementSet,
-    /// Poses of points.
     poses: Option<PointPoses>,
     /// True if a file has points by name.
     has_points: bool,
@@ -114,21 +113,18 @@ pub fn read_measurements(
         reader.file = if paths.len() > 1 { format!("{}/", shown(&stem)) } else { String::new() };
         reader.read(path.as_ref(), files, diagnostics);
     }
-    if reader.poses.is_some() && !reader.has_points && !diagnostics.refused() {
+    if reader.poses.is_some() && !reader.has_points && !diagnostics.is_refused() {
         let message = "no file of measurements has points by name, whose poses are given".to_owned();
         diagnostics.push(points_refusal(message, None));
     }
     reader.data
 }
 
-/// Columns of a file.
 const COLUMNS: &str = "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, \
     or another kind of reading: `rel.dx [um]`, `ball`, `tracker.x [mm]`, `length [mm]`, `displacement [mm]`, \
     `dl [um]`, `along [um]`, `EXX [um]`; optionally `tool`, `run`, `approach`, `weight` or `u [um]`";
-/// Points of a tracker.
 const POINTS: &str = "an export of points has columns such as `point`, `X [mm]`, `Y [mm]`, `Z [mm]`; `--axis-poses \
     FILE` has their poses: a column for each axis, and `point`, or a row for each point in their order";
-/// Rows of a file.
 const ROWS: &str =
     "correct the row, or leave it out; of several readings in a row those that were not taken stay empty";
 
@@ -227,7 +223,6 @@ impl MeasurementReader<'_> {
         Some(PointPoses { drafts, has_names })
     }
 
-    /// Takes the points of a tracker.
     fn read_points(&mut self, columns: &PointColumns, lines: &[SheetLine], diagnostics: &mut Diagnostics) {
         let first = lines.first().map(|line| line.place.clone());
         let mut refuse = |message: String, place: Option<Place>| diagnostics.push(points_refusal(message, place));

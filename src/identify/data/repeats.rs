@@ -21,7 +21,6 @@ pub struct Repeats {
     pub opposed: bool,
 }
 
-/// One reading of a group.
 #[derive(Debug, Clone, Copy, Default)]
 struct RepeatReading {
     row: usize,
@@ -44,7 +43,6 @@ fn groups(data: &[Measurement], kind: ReadingKind) -> Vec<Vec<RepeatReading>> {
     poses.filter(|rows| rows.len() > 1).flat_map(|rows| of_pose(data, rows)).filter(|group| group.len() > 1).collect()
 }
 
-/// Returns the readings of rows in one pose.
 fn of_pose(data: &[Measurement], rows: &[usize]) -> impl Iterator<Item = Vec<RepeatReading>> {
     let mut groups: BTreeMap<(usize, Option<usize>), Vec<RepeatReading>> = BTreeMap::new();
     for (row, m) in rows.iter().map(|row| (*row, &data[*row])) {

@@ -6,7 +6,6 @@
 use crate::algebra::linear::Triangle;
 use crate::identify::thresholds::{COPLANAR_SHARE, STATION_RANK_TOLERANCE};
 use nalgebra::{DVector, Vector3};
-use std::fmt;
 
 /// A distance and the nominal point it was measured to.
 #[derive(Debug, Clone, Copy)]
@@ -19,26 +18,17 @@ pub struct Sight {
 }
 
 /// A reason for which the place of a station cannot be found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum StationFailure {
     /// The file gives it two places.
+    #[error("the station has two places: give it two names")]
     TwoPlaces,
     /// The number of distances, and the number that is needed.
+    #[error("{0} distances do not determine its place ({1} are needed)")]
     TooFew(usize, usize),
     /// The poses do not surround a volume.
+    #[error("its poses lie in a plane or on a line, so its side of them is undetermined")]
     Flat,
-}
-
-impl fmt::Display for StationFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::TwoPlaces => write!(f, "the station has two places: give it two names"),
-            Self::TooFew(found, needed) => {
-                write!(f, "{found} distances do not determine its place ({needed} are needed)")
-            }
-            Self::Flat => write!(f, "its poses lie in a plane or on a line, so its side of them is undetermined"),
-        }
-    }
 }
 
 /// Returns the place of a station (mm) by multilateration.

@@ -8,14 +8,12 @@ use crate::identify::thresholds::{COLLINEAR_SHARE, MAX_FRAME_MISFIT_SHARE};
 use crate::syntax::sheet::{self, Decimals, SheetLine};
 use crate::units::{self, Dimension, FARTHEST, significant};
 use nalgebra::{DMatrix, Matrix3, Vector3};
-use std::fmt;
 
 /// Number of lines before the header that may be metadata.
 const MAX_PREAMBLE_LINES: usize = 40;
 /// Titles of the names of points, in lower case, with a stroke between.
 const NAMES: &str = "point|name|point name|pointname|point id|pointid|point no|id|label|target|punkt|punktname|\
                      punkt-nr|punktnr|messpunkt";
-/// Titles of groups of points.
 const GROUPS: [&str; 5] = ["group", "collection", "job", "gruppe", "sammlung"];
 /// Words beside the letter of a coordinate.
 const WORDS: [&str; 7] = ["coordinate", "coord", "koordinate", "actual", "measured", "ist", "gemessen"];
@@ -37,7 +35,6 @@ pub(super) struct PointColumns {
     pub left_out: Vec<String>,
 }
 
-/// A point as it was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct TrackedPoint {
     pub name: String,
@@ -109,14 +106,18 @@ fn columns_without_header(line: &str) -> Option<PointColumns> {
 }
 
 /// A reason for which points cannot be used.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub(super) enum PointFailure {
+    #[error("{1}")]
     Row(Place, RowFailure),
     /// Names of two groups.
+    #[error("the file has the groups `{}` and `{}`: export one", shown(.1), shown(.2))]
     Groups(Place, String, String),
     /// Numbers of points, and of poses without names.
+    #[error("{0} points for {1} poses, which have no names")]
     Count(usize, usize),
     /// No point has the name of a pose.
+    #[error("none of the points has a pose of its name")]
     NoPose,
 }
 
@@ -178,13 +179,16 @@ pub(super) struct InstrumentFrame {
 }
 
 /// A reason for which measured points have no place in the workpiece frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub(super) enum FrameFailure {
     /// Fewer than three points, or points on a line.
+    #[error("fewer than three points, or points on one line, do not show how the frame is turned")]
     Line,
     /// Sizes of the measured points over those of the nominal ones.
+    #[error("the points are {} times as far apart as their poses put them", significant(*.0, 4))]
     Size(f64),
     /// Root mean square of what the best fit leaves (mm).
+    #[error("the points are {} mm off their poses (RMS) after the best fit", significant(*.0, 3))]
     Misfit(f64),
 }
 
@@ -225,22 +229,6 @@ impl InstrumentFrame {
     }
 }
 
-impl fmt::Display for FrameFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Line => {
-                write!(f, "fewer than three points, or points on one line, do not show how the frame is turned")
-            }
-            Self::Size(ratio) => {
-                write!(f, "the points are {} times as far apart as their poses put them", significant(*ratio, 4))
-            }
-            Self::Misfit(rest) => {
-                write!(f, "the points are {} mm off their poses (RMS) after the best fit", significant(*rest, 3))
-            }
-        }
-    }
-}
-
 impl FrameFailure {
     /// Returns the remedy.
     pub fn help(self) -> &'static str {
@@ -250,19 +238,6 @@ impl FrameFailure {
             Self::Misfit(_) => {
                 "compare names and order of points and poses, the tool, and the hand of the instrument's frame"
             }
-        }
-    }
-}
-
-impl fmt::Display for PointFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Row(_, failure) => failure.fmt(f),
-            Self::Groups(_, one, other) => {
-                write!(f, "the file has the groups `{}` and `{}`: export one", shown(one), shown(other))
-            }
-            Self::Count(points, poses) => write!(f, "{points} points for {poses} poses, which have no names"),
-            Self::NoPose => write!(f, "none of the points has a pose of its name"),
         }
     }
 }

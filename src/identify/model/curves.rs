@@ -10,7 +10,6 @@ use crate::syntax::Scalar;
 use crate::units;
 use nalgebra::{DMatrix, DVector};
 
-/// Highest power of a polynomial.
 pub(super) const MAX_POWER: u8 = 20;
 
 /// An error and the direction of approach its curve is for.

@@ -56,7 +56,6 @@ fn same_points(model: &FitModel<'_>, data: &[Measurement]) -> bool {
 struct MotionEquations {
     /// Columns are the unknowns, then translations of the frame, as displacements.
     system: DMatrix<f64>,
-    /// Number of unknowns.
     unknowns: usize,
     /// Length of the column of each unknown in the readings.
     effects: DVector<f64>,
@@ -159,7 +158,6 @@ impl MotionEquations {
     }
 }
 
-/// Describes a stretch in words.
 fn describe_stretch(mix: &DVector<f64>) -> String {
     let largest = mix.amax();
     let first = (0..6).find(|k| mix[*k].abs() > MIN_STRETCH_PART_SHARE * largest).map_or(1.0, |k| mix[k]);

@@ -20,7 +20,6 @@ pub struct PriorValue {
 
 /// The word for the uncertainties that the machine file states of its constants.
 const FILE: &str = "file";
-/// Coordinates of a point.
 const COORDINATES: [&str; 3] = [".x", ".y", ".z"];
 /// Coverage factor of the uncertainties of machine files.
 const FILE_COVERAGE_FACTOR: f64 = 2.0;
@@ -114,7 +113,6 @@ fn matching_unknowns(name: &str, unknowns: &[Parameter]) -> Vec<usize> {
     all(&|full, bare| bare && between(full) == Some(true))
 }
 
-/// Returns the name before a quantity, and that quantity.
 fn name_and_sigma(words: &str) -> Option<(String, Quantity)> {
     let list: Vec<&str> = words.split_whitespace().collect();
     (1..=2).rev().find_map(|count| {
@@ -124,7 +122,6 @@ fn name_and_sigma(words: &str) -> Option<(String, Quantity)> {
     })
 }
 
-/// Returns a value and its uncertainty.
 fn value_and_sigma(words: &str) -> Option<(Quantity, Quantity)> {
     let words = words.replace("+/-", " ").replace("+-", " ").replace(['\u{b1}', ','], " ");
     let list: Vec<&str> = words.split_whitespace().collect();

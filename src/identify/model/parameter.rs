@@ -86,7 +86,6 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// Returns a parameter of one term.
     pub(crate) fn single(machine: &Machine, name: String, source: Source, basis: BasisFunction, start: f64) -> Self {
         let power = if let BasisFunction::Power(k) = basis { k } else { 0 };
         let term = ParameterTerm::new(source, basis, 1.0);

@@ -57,7 +57,6 @@ struct TermLink {
 /// A predicted reading and its derivatives; the first [`Measurement::reading_mask`] components count.
 struct Linearisation {
     predicted: Vector3<f64>,
-    /// By parameters of the machine.
     by_parameter: Vec<Vector3<f64>>,
     /// By unknowns of instruments: index and derivative.
     by_nuisance: Vec<(usize, Vector3<f64>)>,
@@ -261,7 +260,6 @@ impl<'a> FitModel<'a> {
         [first, second]
     }
 
-    /// Returns the reading of the nominal machine.
     fn nominal_reading(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
         let at = |subject: ReadingSubject<'_>| match subject {
             ReadingSubject::Point(pose) => NominalPose::in_part(self.machine(m), pose).pose.translation,

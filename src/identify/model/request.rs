@@ -18,7 +18,6 @@ use crate::syntax::{IdentifyEntry, Scalar};
 use indexmap::IndexMap;
 use nalgebra::{DMatrix, DVector};
 
-/// Groups by name.
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
 
 /// Returns the parameters of a request, in its order, each once.
@@ -292,7 +291,6 @@ fn parameters_of_word(machine: &Machine, word: &str, request: &IdentifyEntry) ->
     }
 }
 
-/// Returns the six location errors of a joint.
 fn six(machine: &Machine, joint: usize) -> impl Iterator<Item = Parameter> + '_ {
     let name = match machine.axes().get(joint) {
         Some(axis) => Some(&axis.name),

@@ -72,7 +72,6 @@ impl Volume {
     }
 }
 
-/// Returns the mean of points.
 pub(crate) fn middle(points: &[Vector3<f64>]) -> Vector3<f64> {
     points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64
 }

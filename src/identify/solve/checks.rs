@@ -37,7 +37,6 @@ pub struct Residuals {
     pub truncated: [f64; 2],
 }
 
-/// Returns the RMS of vector lengths.
 fn rms(vectors: &[Vector3<f64>]) -> f64 {
     (vectors.iter().map(|v| v.norm_squared()).sum::<f64>() / vectors.len().max(1) as f64).sqrt()
 }

@@ -47,7 +47,6 @@ struct Shifts {
 }
 
 impl Shifts {
-    /// Returns the column of a cause.
     fn column(&mut self, cause: Cause, unknowns: usize) -> &mut DVector<f64> {
         let known = self.causes.iter().position(|of| *of == cause);
         let k = known.unwrap_or_else(|| {

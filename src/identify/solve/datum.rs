@@ -325,7 +325,6 @@ fn conditions_of(model: &FitModel<'_>, conditions: &DatumConditions) -> Vec<DVec
     rows
 }
 
-/// The conditions on the curves of an axis.
 struct AxisConditions<'a> {
     model: &'a FitModel<'a>,
     index: usize,
@@ -382,7 +381,6 @@ impl AxisConditions<'_> {
         [(1.0, 0.0), (1.0, 90.0), (-1.0, 0.0), (-1.0, 90.0)].into_iter().filter_map(|(s, p)| nearest(s, p)).collect()
     }
 
-    /// Returns the position of the zero.
     fn zero(&self, zero: DatumZero) -> Option<f64> {
         let (min, max) = self.axis.travel.interval();
         let turns = self.axis.kind == AxisKind::Rotary && self.axis.travel == crate::machine::Travel::Continuous;

@@ -132,7 +132,6 @@ impl<'a> FitSearch<'a> {
     }
 }
 
-/// The state of the iteration.
 struct Descent<'a> {
     /// Returns the linear problem at given values.
     linear: &'a dyn Fn(&[f64]) -> ReducedSystem,
@@ -245,7 +244,6 @@ fn cost_rounding(cost: f64) -> f64 {
 
 /// The linear problem of one step x in displacements: `min |A x - b|^2 + rest^2 + pull |x + away|^2`.
 struct StepProblem {
-    /// A.
     coefficients: DMatrix<f64>,
     /// b.
     right: DVector<f64>,

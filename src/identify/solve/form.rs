@@ -11,7 +11,6 @@ use crate::lower::{ErrorSite, Source};
 use crate::machine::{Axis, AxisKind, AxisName, Curve, Direction, Knots};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-/// Number of knots of a form.
 pub(super) const FORM_KNOTS: usize = 12;
 /// An interval of an axis with even knots.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +38,6 @@ impl KnotInterval {
 
 /// An axis whose form readings may show.
 pub(super) struct FormedAxis {
-    /// Its index in a pose.
     index: usize,
     pub name: AxisName,
     pub kind: AxisKind,
@@ -50,11 +48,9 @@ pub(super) struct FormedAxis {
     pub blocks: Vec<FormBlock>,
 }
 
-/// The knots of the form in one direction.
 pub(super) struct FormBlock {
     /// The column of the first.
     pub first: usize,
-    /// The error.
     source: Source,
     /// Projects values at the knots on the complement of the fitted curve.
     off_curve: DMatrix<f64>,
@@ -205,7 +201,6 @@ impl Sums {
 }
 
 impl FormedAxis {
-    /// Returns the values at the knots as parameters.
     fn parameters(&self, model: &FitModel<'_>) -> Vec<Parameter> {
         let Some(machine) = model.machines().first() else { return Vec::new() };
         let of = |block: &FormBlock, hat: &Curve| {

@@ -173,7 +173,6 @@ struct ResidualSum {
 struct FormCandidate<'a> {
     /// Indices in the list of groups.
     groups: &'a [usize],
-    /// Index of the length.
     length: usize,
     /// Variance of the form in that of a reading.
     ratio: f64,
@@ -247,7 +246,6 @@ fn sets(groups: &[FormGroup<'_>]) -> Vec<Vec<usize>> {
 
 /// Independent modes of the forms of all groups for one length, one standard deviation each, as readings see them.
 struct FormModes {
-    /// The modes of each group.
     groups: Vec<Range<usize>>,
     /// Products of the effects of the modes on the readings.
     squares: DMatrix<f64>,
@@ -284,7 +282,6 @@ impl FormModes {
         Self { groups: ranges, squares, along }
     }
 
-    /// Returns the candidates of a set of groups and a length.
     fn candidates<'a>(&self, set: &'a [usize], length: usize, residual: ResidualSum) -> Vec<FormCandidate<'a>> {
         let ResidualSum { squares, degrees_of_freedom } = residual;
         let modes: Vec<usize> = set.iter().flat_map(|group| self.groups[*group].clone()).collect();

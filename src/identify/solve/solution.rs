@@ -303,7 +303,6 @@ impl Solution {
         }
     }
 
-    /// Describes the null space in words.
     fn describe_null_space(&mut self, parameters: &[Parameter]) {
         let single = |row: &DVector<f64>| only_parameter(row).map(|(j, _)| parameters[j].name.clone());
         self.without_effect = self.null_echelon.iter().map_while(single).collect();

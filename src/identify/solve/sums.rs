@@ -5,7 +5,6 @@ use rayon::prelude::*;
 
 /// Least number of measurements that are summed in one piece; it does not depend on the number of threads.
 const MIN_PIECE: usize = 1024;
-/// Largest number of pieces.
 const MAX_PIECES: usize = 16;
 
 /// Returns the sum over all measurements with their weights: `add` adds one to a sum, `plus` adds two sums.

@@ -172,7 +172,6 @@ fn stack(linear: &[ReducedSystem], sigmas: &[f64]) -> ReducedSystem {
     triangle.finish()
 }
 
-/// The residual of one quantity after the fit of all.
 struct QuantityResidual {
     /// Weighted sum of squares (mm^2).
     squares: f64,

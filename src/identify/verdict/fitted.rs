@@ -30,7 +30,6 @@ impl FittedDatum {
     }
 }
 
-/// A fit with all that is known of it.
 pub(crate) struct FitDiagnosis<'a> {
     pub(crate) machine: &'a Machine,
     /// The machine's parameters first.

@@ -3,7 +3,6 @@
 use crate::evaluate::{Frame, Order};
 use std::path::{Path, PathBuf};
 
-/// The request of a fit.
 pub(crate) struct FitInputs<'a> {
     /// Parameters to fit; if empty, those of the machine file.
     pub fit: &'a [String],

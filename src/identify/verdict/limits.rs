@@ -29,7 +29,6 @@ pub(crate) fn useful(fitted: &FitDiagnosis<'_>) -> f64 {
     (MAX_UNCERTAINTY_SHARE * fitted.prediction.deviation).max(MAX_UNCERTAINTY_OVER_RESIDUALS * fitted.residuals.after)
 }
 
-/// True if the data hold the prediction.
 pub(crate) fn holds_prediction(fitted: &FitDiagnosis<'_>) -> bool {
     match fitted.prediction.uncertainty {
         DeviationUncertainty::Known(size) => size <= useful(fitted),

@@ -49,7 +49,7 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
-    pub(crate) fn read(call: &mut Call<'_>, file: &MachineFile, inputs: &FitInputs<'_>) -> Result<Self, Refused> {
+    pub(crate) fn read(call: &mut Call, file: &MachineFile, inputs: &FitInputs<'_>) -> Result<Self, Refused> {
         let Requested { request, own, bounds } = Requested::of(call, file, inputs.fit, inputs.fixed)?;
         let (mut data, hashes) = measurements(call, file, inputs)?;
         call.extend(remarks::unused_readings(file, &data.leave_out(&own)));
@@ -77,7 +77,6 @@ impl Problem {
     }
 }
 
-/// The parameters asked for.
 pub(crate) struct Requested {
     pub request: IdentifyEntry,
     pub own: Vec<Parameter>,
@@ -85,12 +84,7 @@ pub(crate) struct Requested {
 }
 
 impl Requested {
-    pub(crate) fn of(
-        call: &mut Call<'_>,
-        file: &MachineFile,
-        fit: &[String],
-        fixed: &[String],
-    ) -> Result<Self, Refused> {
+    pub(crate) fn of(call: &mut Call, file: &MachineFile, fit: &[String], fixed: &[String]) -> Result<Self, Refused> {
         let request = with_command_line(file, file.identify.clone().unwrap_or_default(), fit, fixed);
         let own = parameters(file, &request).or_else(|refusal| call.refuse(*refusal))?;
         let bounds = slope_bounds(file, &request, &own).or_else(|refusal| call.refuse(*refusal))?;
@@ -104,7 +98,7 @@ impl Requested {
 
 /// Returns the values known before the data. A prior of the section that names nothing here has no effect.
 pub(crate) fn priors(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     request: &IdentifyEntry,
     options: &[String],
@@ -146,9 +140,8 @@ impl Files for Recording<'_> {
     }
 }
 
-/// Returns the measurements, and the hashes of their files.
 fn measurements(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     inputs: &FitInputs<'_>,
 ) -> Result<(MeasurementSet, BTreeMap<PathBuf, String>), Refused> {
@@ -158,7 +151,7 @@ fn measurements(
     let paths = &inputs.paths;
     let context = ReadingContext { frame: inputs.frame, axis_poses: inputs.axis_poses.map(Path::to_owned) };
     let data = read_measurements(paths, file, &context, &recording, &mut call.diagnostics);
-    call.checked()?;
+    call.check()?;
     let hashes = recording.hashes.into_inner();
     refuse_copies(call, paths, &hashes)?;
     poses::check(call, file, data.rows.iter().flat_map(Measurement::poses))?;
@@ -166,7 +159,7 @@ fn measurements(
 }
 
 /// Refuses files with the same contents, whose readings would count twice.
-fn refuse_copies(call: &mut Call<'_>, list: &[PathBuf], hashes: &BTreeMap<PathBuf, String>) -> Result<(), Refused> {
+fn refuse_copies(call: &mut Call, list: &[PathBuf], hashes: &BTreeMap<PathBuf, String>) -> Result<(), Refused> {
     let mut met: BTreeMap<Option<&String>, &PathBuf> = BTreeMap::new();
     for file in list {
         if let Some(known) = met.insert(hashes.get(file), file) {
@@ -179,7 +172,7 @@ fn refuse_copies(call: &mut Call<'_>, list: &[PathBuf], hashes: &BTreeMap<PathBu
 }
 
 /// Refuses too many unknowns, and fewer readings than unknowns.
-pub(crate) fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refused> {
+pub(crate) fn enough(call: &mut Call, problem: &Problem) -> Result<(), Refused> {
     let unknowns = problem.unknowns.len();
     let readings: usize = problem.rows.iter().map(Measurement::readings).sum();
     let instruments = problem.unknowns.iter().filter(|p| p.is_nuisance()).count();
@@ -201,9 +194,8 @@ pub(crate) fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refus
     call.refuse(Diagnostic::new(codes::E0503, message).help("measure more poses, or fit less"))
 }
 
-/// Fits, diagnoses and describes a problem.
 pub(crate) fn solve_problem(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     inputs: &FitInputs<'_>,
     problem: &Problem,
@@ -276,7 +268,7 @@ pub(crate) fn solve_problem(
 
 /// Returns the text of the fitted machine file; refuses one that the program itself would not take.
 fn machine_file(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     inputs: &FitInputs<'_>,
     problem: &Problem,

@@ -45,7 +45,6 @@ pub(crate) fn entries(
     entries.into_iter().map(|(key, value)| (format!("identified-{key}{time}"), value)).collect()
 }
 
-/// Returns name and hash of a file.
 fn name_and_hash(path: &Path, hash: &str) -> String {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let hash: String = hash.chars().take(HASH_DIGITS).collect();

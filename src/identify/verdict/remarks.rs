@@ -15,7 +15,6 @@ use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, Machine, largest};
 use crate::units::{counted, significant};
 
-/// Returns the warnings about a fit.
 pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnostic> {
     let unsettled = || {
         let message = format!("the fit has not settled after {} steps", fitted.fit.steps);

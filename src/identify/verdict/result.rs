@@ -366,7 +366,6 @@ pub(crate) fn place(fitted: &FitDiagnosis<'_>, sources: &Sources, row: usize) ->
     format!("{}:{}", sources.name(place.source), sources.line_column(place).0)
 }
 
-/// The fit in a line.
 pub(crate) fn in_short(fitted: &FitDiagnosis<'_>) -> String {
     let (rank, unknowns, rows) = (fitted.solution.rank_first_order, fitted.unknowns.len(), fitted.rows());
     let [before, after] = [fitted.residuals.before, fitted.residuals.after].map(|rms| significant(um(rms), 5));

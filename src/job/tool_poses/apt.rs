@@ -26,7 +26,6 @@ struct Record {
     comment: Option<String>,
 }
 
-/// True if a text is CL data.
 pub(crate) fn is_cl_data(sheet: &Sheet) -> bool {
     let goto = |line: &SheetLine| {
         let text = line.text.trim_start().to_ascii_uppercase();
@@ -35,7 +34,6 @@ pub(crate) fn is_cl_data(sheet: &Sheet) -> bool {
     sheet.lines().iter().any(goto)
 }
 
-/// Returns the rows of CL data.
 pub(crate) fn rows(sheet: &Sheet) -> Result<Vec<Row>, Diagnostic> {
     let mut reader =
         Reader { factor: 1.0, axis: Vector3::z(), at: None, rapid: false, feature: None, rows: Vec::new() };
@@ -91,7 +89,6 @@ fn record(line: &SheetLine, text: &str, comment: Option<String>) -> Record {
     }
 }
 
-/// The state of the reading.
 struct Reader {
     /// Unit of lengths, mm.
     factor: f64,

@@ -8,7 +8,6 @@ use crate::syntax::sheet::{Decimals, Sheet, SheetLine, cells, drop_empty, number
 use crate::units::{self, Dimension};
 use nalgebra::Vector3;
 
-/// Names of the column that names features.
 const FEATURE: [&str; 4] = ["FEATURE", "LABEL", "OPERATION", "NAME"];
 
 /// Content of a column, with the factor to mm or deg.
@@ -23,7 +22,6 @@ enum Column {
 }
 
 impl Column {
-    /// True if both hold the same.
     fn same(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Tip(i, _), Self::Tip(k, _)) | (Self::Axis(i), Self::Axis(k)) => i == k,

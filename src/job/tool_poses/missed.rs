@@ -168,7 +168,6 @@ impl Lack {
 pub(crate) struct Lacks(Vec<Lack>);
 
 impl Lacks {
-    /// Counts a tool pose.
     pub(crate) fn take(&mut self, machine: &Machine, miss: &MissedToolPose) {
         let plain = |up_to: Option<f64>, unit: Option<&'static str>| Lack {
             why: miss.why,

@@ -8,6 +8,7 @@ mod apt;
 mod columns;
 mod missed;
 
+use super::job_file::Placement;
 use super::poses::check;
 use crate::analysis::{Miss, Needs, ToolPose, Unreachable, UnreachableCount, inverse_all, place, rest, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, codes};
@@ -16,8 +17,9 @@ use crate::run::{Call, Refused};
 use crate::syntax::sheet::read_sheet;
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+pub(crate) use columns::unit_vector;
 use missed::DirectionGaps;
 pub use missed::{BeyondTravel, Lack, MissedToolPose, NeededTravel};
 pub(crate) use missed::{Lacks, needed_travel};
@@ -34,7 +36,6 @@ enum Aim {
     Rotary(Pose),
 }
 
-/// A row of the file.
 #[derive(Debug, Clone)]
 struct Row {
     /// Place of the row in the file.
@@ -68,7 +69,6 @@ impl Row {
     }
 }
 
-/// The rows of a file.
 #[derive(Debug, Clone)]
 pub(crate) struct ToolPoses {
     file: String,
@@ -123,22 +123,22 @@ pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Resul
     }
 }
 
-/// The poses for the tool poses of a file, if there is one.
-pub(crate) fn asked(
-    call: &mut Call<'_>,
-    machine: &Machine,
-    path: Option<&PathBuf>,
-) -> Result<Option<ReachedToolPoses>, Refused> {
-    path.map(|path| read(call, machine, path)?.reached(call, machine)).transpose()
-}
-
 impl ToolPoses {
+    /// Brings tool poses of a part into the workpiece frame, in which it lies at a place.
+    pub(crate) fn put(&mut self, place: &Placement) {
+        for row in &mut self.rows {
+            row.tip = place.point(row.tip);
+            if let Aim::Axis(axis) = &mut row.aim {
+                *axis = place.direction(*axis);
+            }
+        }
+    }
+
     /// Returns poses of the tool, as the nominal `machine` holds it; the file may give positions of its rotary axes.
     pub(crate) fn list(&self, machine: &Machine) -> Vec<ToolPose> {
         self.rows.iter().map(|row| row.tool_pose(machine)).collect()
     }
 
-    /// Returns the pose of a machine for every row, or what is missing.
     fn found(&self, machine: &Machine) -> Vec<Result<Pose, Miss>> {
         // The header decides: all rows give positions of rotary axes, or none does.
         let Some(rows) = self.rows.iter().map(Row::rotary).collect::<Option<Vec<_>>>() else {
@@ -192,7 +192,7 @@ impl ToolPoses {
             }
             call.warn(told);
         }
-        call.checked()
+        call.check()
     }
 }
 

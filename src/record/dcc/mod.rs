@@ -6,42 +6,30 @@ mod quantity;
 
 pub use quantity::{ListFault, QuantityList, QuantityTable, is_unit};
 
-use super::{ErrorCurve, RecordData, RecordedFigure, StateValue, environment};
+use super::{ErrorCurve, RecordData, RecordedFigure, StateValue};
+use crate::report::page::environment;
 use crate::standards::{Conformity, NOT_VERIFIED};
 use minijinja::value::Serde as ViaSerde;
 use minijinja::{Value, context};
 use quantity::WrittenList;
-use std::fmt;
 
 const TEMPLATE: &str = include_str!("certificate.xml.j2");
 
-/// Names of tables, and their columns as they are written.
 type WrittenTables = Vec<(String, Vec<WrittenList>)>;
 
-/// Type of positions.
 const POSITION: &str = "basic_nominalValue";
-/// Type of errors.
 const ERROR: &str = "basic_measurementError";
 
 /// Reason why a certificate cannot be written.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum DccFault {
     /// A table that is none.
+    #[error(transparent)]
     List(ListFault),
     /// The template does not render.
+    #[error(transparent)]
     Template(minijinja::Error),
 }
-
-impl fmt::Display for DccFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::List(fault) => fault.fmt(f),
-            Self::Template(failure) => failure.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for DccFault {}
 
 /// Returns the certificate of a record.
 ///
@@ -62,13 +50,11 @@ pub fn certificate(data: &RecordData) -> Result<String, DccFault> {
     let temperatures = temperatures(data)?;
     let decisions: Vec<&str> = data.decisions.iter().map(|decision| conformity(decision.decision)).collect();
     let render = || {
-        let mut environment = environment()?;
-        environment.add_template("certificate.xml", TEMPLATE)?;
         let context = context! {
             r => Value::from(ViaSerde(data)), states => Value::from(ViaSerde(&written)), decisions, temperatures,
             unverified => NOT_VERIFIED,
         };
-        environment.get_template("certificate.xml")?.render(context)
+        environment()?.template_from_str(TEMPLATE)?.render(context)
     };
     render().map_err(DccFault::Template)
 }
@@ -135,7 +121,6 @@ fn of_curve(curve: &ErrorCurve) -> QuantityTable {
     QuantityTable { name: curve.error.clone(), lists }
 }
 
-/// Figures of standards, a table of one value each.
 fn figures(data: &RecordData) -> Vec<QuantityTable> {
     let of = |(file, figure): (&str, &RecordedFigure)| QuantityTable {
         name: format!("{figure}, {file}", figure = figure.figure),
@@ -151,7 +136,6 @@ fn figures(data: &RecordData) -> Vec<QuantityTable> {
     all.map(of).collect()
 }
 
-/// The temperatures, a list of one value each.
 fn temperatures(data: &RecordData) -> Result<Value, DccFault> {
     let of = |temperature: &super::Temperature| QuantityTable {
         name: temperature.name.to_string(),

@@ -1,7 +1,6 @@
 //! Lists of values of a certificate, checked for what its schema leaves open: units, lengths, and finite numbers.
 
 use crate::units::significant;
-use std::fmt;
 
 /// Units of D-SI without a prefix.
 const UNITS: [&str; 26] = [
@@ -39,31 +38,21 @@ const PREFIXES: [&str; 20] = [
     "micro", "nano", "pico", "femto", "atto", "zepto", "yocto",
 ];
 
-/// Digits of a written value.
 const DIGITS: usize = 9;
 
 /// Reason why a list is no list of quantities.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ListFault {
     /// A unit that D-SI does not have.
+    #[error("`{0}` is no unit of D-SI")]
     Unit(String),
     /// Lists of different lengths: what is listed, its number of values and the number of the first list.
+    #[error("`{0}` has {1} values where {2} belong")]
     Length(String, usize, usize),
     /// A number that is not finite, or an uncertainty below 0, of this list.
+    #[error("`{0}` has a value that cannot be written")]
     Number(String),
 }
-
-impl fmt::Display for ListFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unit(unit) => write!(f, "`{unit}` is no unit of D-SI"),
-            Self::Length(name, found, wanted) => write!(f, "`{name}` has {found} values where {wanted} belong"),
-            Self::Number(name) => write!(f, "`{name}` has a value that cannot be written"),
-        }
-    }
-}
-
-impl std::error::Error for ListFault {}
 
 /// True for a unit of D-SI: `\micro\metre`, `\metre\tothe{-1}`, products of them.
 pub fn is_unit(text: &str) -> bool {
@@ -111,7 +100,6 @@ pub struct QuantityTable {
     pub lists: Vec<QuantityList>,
 }
 
-/// A column as it is written.
 #[derive(Debug, Clone, serde::Serialize)]
 pub(crate) struct WrittenList {
     name: String,

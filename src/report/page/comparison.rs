@@ -78,7 +78,11 @@ impl ComparisonData {
         };
         let (conditions, seed) = given.first().map_or_else(Default::default, |first| (first.conditions, first.poses.1));
         Self {
-            errors: contributions(sides, conditions).into_iter().take(ERRORS).map(error).collect(),
+            errors: contributions(sides, conditions, &vec![None; sides.len()])
+                .into_iter()
+                .take(ERRORS)
+                .map(error)
+                .collect(),
             budgets,
             asked: comparison.asked,
             poses: comparison.common.len(),

@@ -79,7 +79,6 @@ const WORST: usize = 5;
 /// Maximum number of poses for the effect of each error alone: all errors at all poses are held at once.
 const SOURCE_POSES: usize = 10_000;
 
-/// Intervals of a body diagonal.
 const DIAGONAL_STEPS: usize = 20;
 
 impl MachineData {
@@ -187,7 +186,6 @@ impl MachineData {
     }
 }
 
-/// Number of bounds of component errors.
 fn component_bounds(budget: &BudgetFigures) -> usize {
     budget.bounds.iter().filter(|bound| !bound.error.is_location()).count()
 }

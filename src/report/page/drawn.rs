@@ -5,8 +5,9 @@ use super::given::MachineInput;
 use super::render::Pictures;
 use crate::analysis::{Plane, View, rest, space_axes};
 use crate::evaluate::{Bare, Field, Frame, Poses};
-use crate::machine::{Machine, Pose};
+use crate::machine::Pose;
 use crate::report::pictures::{PlanePicture, PlaneQuantity, PlaneStyle, axis_curves, chain_picture};
+use crate::report::plane_picture::cells;
 use crate::report::text::BudgetFigures;
 use std::convert::Infallible;
 
@@ -16,7 +17,6 @@ const PLANE_NODES: f64 = 48.0;
 /// The same for what bounds lead to: each node takes as long as all machines drawn.
 const BOUNDED_NODES: f64 = 24.0;
 
-/// Bars of a chart.
 const BARS: usize = 14;
 
 impl Pictures {
@@ -51,7 +51,7 @@ fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
     if let Some(bounded) = given.budget() {
         return (heading, vec![bound_plane(given, bounded, axes, view)]);
     }
-    let counts = counts(machine, axes, PLANE_NODES);
+    let counts = cells(machine, axes, PLANE_NODES);
     let of = |field: &dyn Field| Plane::of(field, axes, &rest(machine), counts, view);
     let bare = of(&Bare { machine, order });
     let (state, like) = if given.written.is_empty() { ("", None) } else { ("uncompensated", Some(&bare)) };
@@ -77,13 +77,6 @@ fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
     (heading, svgs)
 }
 
-/// About square cells.
-fn counts(machine: &Machine, axes: [usize; 2], longer: f64) -> [usize; 2] {
-    let spans = axes.map(|i| machine.volume()[i].max - machine.volume()[i].min);
-    let longest = spans[0].max(spans[1]);
-    spans.map(|span| 1 + (longer * span / longest).round().max(2.0) as usize)
-}
-
 /// The plane of a machine of which nothing is measured: the 95 % value.
 fn bound_plane(given: &MachineInput<'_>, bounded: &BudgetFigures, axes: [usize; 2], view: View) -> String {
     let machine = given.machine;
@@ -91,7 +84,7 @@ fn bound_plane(given: &MachineInput<'_>, bounded: &BudgetFigures, axes: [usize; 
         let found = given.at(bounded, &Poses::Listed(poses), Frame::Workpiece);
         Ok::<_, Infallible>(found.poses.iter().map(|pose| pose.position.p95).collect())
     };
-    let Ok(plane) = Plane::of_lengths(machine, axes, &rest(machine), counts(machine, axes, BOUNDED_NODES), p95);
+    let Ok(plane) = Plane::of_lengths(machine, axes, &rest(machine), cells(machine, axes, BOUNDED_NODES), p95);
     let picture = PlanePicture {
         machine,
         plane: &plane,

@@ -5,7 +5,7 @@
 //! volume does not move while a table turns.
 
 use super::given::MachineInput;
-use crate::analysis::budget::{Bound, BoundedLength, effects_at};
+use crate::analysis::budget::{Bound, BoundedLength, Draws, effects_at};
 use crate::analysis::{View, deviation_in, rest, space_axes};
 use crate::evaluate::{Bare, Deviation, Frame, Poses, error_by_error, evaluate, frame_rotation};
 use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose, axis_positions};
@@ -23,7 +23,6 @@ pub struct FieldData {
     grid: Vec<GridAxis>,
     /// Positions of the other axes.
     stations: Vec<FieldStation>,
-    /// Fields on it.
     layers: Vec<FieldLayer>,
     /// Factors to choose from.
     exaggerations: Vec<f64>,
@@ -31,7 +30,6 @@ pub struct FieldData {
     exaggeration: usize,
 }
 
-/// An axis of the grid.
 #[derive(Debug, Clone, Serialize)]
 struct GridAxis {
     name: String,
@@ -47,7 +45,6 @@ struct FieldStation {
     nominal_mm: Vec<f64>,
 }
 
-/// A field on the grid.
 #[derive(Debug, Clone, Serialize)]
 struct FieldLayer {
     id: String,
@@ -58,7 +55,6 @@ struct FieldLayer {
     at: Vec<LayerAt>,
 }
 
-/// A field at one station.
 #[derive(Debug, Clone, Serialize)]
 struct LayerAt {
     /// Deviations in nm (machine directions), three numbers a node.
@@ -86,7 +82,6 @@ const NODES: [usize; 5] = [11, 9, 7, 5, 3];
 /// Number of nodes of a grid axis of what bounds lead to: each node takes as long as all machines drawn.
 const BOUNDED_NODES: usize = 7;
 
-/// Maximum number of stations.
 const MAX_STATIONS: usize = 8;
 
 impl FieldData {
@@ -160,7 +155,10 @@ impl FieldData {
 /// Squared effects of the bounds alone on the position at a pose, mm^2, in their order.
 fn effect_squares(machine: &Machine, bounded: &BudgetFigures, pose: &[f64]) -> Vec<f64> {
     let mut squares = vec![0.0; bounded.bounds.len()];
-    effects_at(machine, &bounded.bounds, pose).into_iter().for_each(|(i, length)| squares[i] = length * length);
+    let draws = Draws::new(bounded.drawing.seed, bounded.drawing.distribution);
+    effects_at(machine, &bounded.bounds, pose, &draws, None)
+        .into_iter()
+        .for_each(|(i, length)| squares[i] = length * length);
     squares
 }
 

@@ -61,7 +61,7 @@ impl<'a> MachineInput<'a> {
     pub fn at(&self, bounded: &BudgetFigures, poses: &Poses, frame: Frame) -> PoseByPose {
         let draws = Draws::new(bounded.drawing.seed, bounded.drawing.distribution);
         let (machine, bounds, samples) = (self.machine, bounded.bounds.as_slice(), bounded.drawing.samples);
-        let request = PosesRequest { machine, bounds, poses, frame, draws: &draws, samples };
+        let request = PosesRequest { machine, bounds, poses, reference: None, frame, draws: &draws, samples };
         let Ok(found) = pose_by_pose(request, &unheard);
         found
     }

@@ -24,6 +24,7 @@ pub use comparison::ComparisonData;
 pub use data::{MachineData, PageData};
 pub use given::{MachineInput, TargetResult};
 pub use instruments::Instruments;
+pub(crate) use render::environment;
 pub use render::{Page, PageFailure, Pictures, RenderedPage};
 
 use super::pictures::rising;

@@ -12,7 +12,6 @@ use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value, context};
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use serde::Serialize;
 use serde_json::json;
-use std::fmt;
 
 const TEMPLATE: &str = include_str!("appendices.html.j2");
 const STYLE: &str = include_str!("appendices.css");
@@ -71,7 +70,9 @@ impl Page<'_> {
             data => Value::from(ViaSerde(self.data)), pictures => Value::from(ViaSerde(self.pictures)), packed,
             style => STYLE, nonce,
         };
-        environment()?.get_template("appendices.html")?.render(page)
+        let mut environment = environment()?;
+        environment.add_function("number", number);
+        environment.template_from_str(TEMPLATE)?.render(page)
     }
 }
 
@@ -85,24 +86,15 @@ pub struct RenderedPage {
 }
 
 /// Reason why a page cannot be rendered.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum PageFailure {
     /// The data have no JSON.
+    #[error(transparent)]
     Data(serde_json::Error),
     /// The template does not render.
+    #[error("{0:#}")]
     Template(minijinja::Error),
 }
-
-impl fmt::Display for PageFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Data(failure) => failure.fmt(f),
-            Self::Template(failure) => write!(f, "{failure:#}"),
-        }
-    }
-}
-
-impl std::error::Error for PageFailure {}
 
 /// Compression of the data: a level above takes longer and saves nothing.
 const LEVEL: u8 = 9;
@@ -113,15 +105,23 @@ fn pack(data: &impl Serialize) -> serde_json::Result<String> {
     Ok(BASE64.encode(compress_to_vec_zlib(&json, LEVEL)))
 }
 
-fn environment() -> Result<Environment<'static>, minijinja::Error> {
+/// Returns an environment of templates in which text is escaped for HTML and XML.
+pub(crate) fn environment() -> Result<Environment<'static>, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     let syntax = minijinja::syntax::SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?;
     environment.set_syntax(syntax);
-    environment.add_function("number", number);
-    environment.add_template("appendices.html", TEMPLATE)?;
+    environment.add_filter("digits", digits);
     Ok(environment)
+}
+
+/// A number with at most so many significant digits and a real minus; a dash if there is none.
+fn digits(value: Value, digits: usize) -> Result<String, minijinja::Error> {
+    if value.is_undefined() || value.is_none() {
+        return Ok("–".to_owned());
+    }
+    Ok(significant(f64::try_from(value)?, digits).replace('-', "−"))
 }
 
 /// A number of the data with the JSON pointer to it: `number(data, "/machines/0/poses", digits=4)`; with two decimals

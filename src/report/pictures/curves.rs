@@ -84,13 +84,11 @@ struct Panel {
     instead: String,
 }
 
-/// A curve as it is drawn.
 struct PanelKind {
     line: Vec<(f64, f64)>,
     points: Vec<(f64, f64)>,
 }
 
-/// The six panels of an axis.
 struct AxisPanels<'a> {
     axis: &'a Axis,
     interval: Interval,
@@ -174,7 +172,6 @@ fn scale(panels: &[Panel]) -> (f64, f64, f64) {
     (libm::floor(min / step + 1e-9) * step, libm::ceil(max / step - 1e-9) * step, step)
 }
 
-/// Place of a panel, and its scales.
 struct PanelFrame {
     corner: Point,
     x: Interval,

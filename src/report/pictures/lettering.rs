@@ -57,7 +57,6 @@ impl Font {
     }
 }
 
-/// A line of text.
 #[derive(Debug, Clone)]
 pub(crate) struct Text {
     pub at: Point,

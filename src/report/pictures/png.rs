@@ -1,36 +1,27 @@
 //! Pictures as PNG: the SVG with its text as outlines, drawn in pixels. Needs the feature `png`.
 
 use super::lettering::Text;
-use std::fmt;
 
 /// Pixels of a PNG for a px of the drawing: sharp in print at the usual size.
 #[cfg(feature = "png")]
 const SCALE: f32 = 2.0;
 
 /// Reason why a picture has no PNG.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PictureFailure {
     /// The drawing cannot be read back.
+    #[error("{0}")]
     Drawing(String),
     /// The picture has too many pixels.
+    #[error("the picture is too large")]
     TooLarge,
     /// The pixels cannot be encoded.
+    #[error("{0}")]
     Encoding(String),
     /// The program was built without the feature `png`.
+    #[error("this build of abbe has no PNG (feature `png`)")]
     Unsupported,
 }
-
-impl fmt::Display for PictureFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Drawing(message) | Self::Encoding(message) => f.write_str(message),
-            Self::TooLarge => write!(f, "the picture is too large"),
-            Self::Unsupported => write!(f, "this build of abbe has no PNG (feature `png`)"),
-        }
-    }
-}
-
-impl std::error::Error for PictureFailure {}
 
 /// Returns the PNG of the SVG that `svg` makes with a writer of texts.
 #[cfg(feature = "png")]

@@ -99,7 +99,6 @@ const SENSES: [(&str, Stroke); 2] = [
 ];
 const MEAN_TURN: [(&str, Stroke); 1] = [("synchronous", Stroke { colour: FIRST, dashes: "" })];
 
-/// Style of a curve.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stroke {
     pub colour: &'static str,
@@ -197,7 +196,6 @@ impl Dial {
         svg.text((self.centre.x, y + 18.0), line, Font::faint(12.0), TextAnchor::Middle, 0.0);
     }
 
-    /// Returns the value of one ring, in words.
     pub(crate) fn ring_words(&self) -> String {
         format!("{} µm", significant(self.ring, 4))
     }

@@ -17,7 +17,6 @@ const GAP: f64 = 92.0;
 /// Sections of a row, and of the picture at most.
 const COLUMNS: usize = 3;
 const SECTIONS: usize = 6;
-/// Names of the sides of the box.
 const SIDES: [&str; 3] = ["X", "Y", "Z"];
 
 /// Sections of a box.
@@ -118,7 +117,6 @@ fn sides_of(normal: usize) -> [usize; 2] {
     }
 }
 
-/// The colours from none to all.
 fn bar(svg: &mut Svg) {
     const STEPS: usize = 20;
     let (left, width) = (WIDTH - 300.0, 200.0 / STEPS as f64);

@@ -42,7 +42,6 @@ const COMPONENTS: [(&str, Stroke); 3] = [
 const WAYS: [(&str, Stroke); 2] =
     [("there", Stroke { colour: FIRST, dashes: "" }), ("back", Stroke { colour: SECOND, dashes: "7 3" })];
 
-/// Begins a picture of readings.
 pub(super) fn begin(title: &str, subtitle: &str, height: f64) -> Svg {
     let mut svg = Svg::new(WIDTH, height);
     svg.heading(LEFT, title, 70, subtitle, 120);

@@ -149,7 +149,6 @@ impl LinePicture<'_> {
     }
 }
 
-/// An axis about values with some air.
 fn scale(values: impl Iterator<Item = f64>, air: f64) -> PlotAxis {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     let air = air * (high - low).max(1e-6);

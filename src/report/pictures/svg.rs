@@ -149,7 +149,6 @@ impl Svg {
     }
 }
 
-/// A text element.
 fn text_element(text: &Text) -> String {
     let (x, y) = (number(text.at.x), number(text.at.y));
     let anchor = match text.anchor {

@@ -89,7 +89,6 @@ pub trait Stream {
     /// The next rows.
     fn put(&mut self, rows: &RowBlock) -> io::Result<()>;
 
-    /// That was all.
     fn finish(self: Box<Self>) -> io::Result<()>;
 }
 

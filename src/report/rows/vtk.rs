@@ -27,7 +27,6 @@ const DEVIATION: [(&str, u64); 3] = [("deviation_um", 3), ("rotation_urad", 3), 
 /// Arrays of what bounds lead to, in the order of the columns.
 const BOUNDED: [&str; 4] = ["position_rss_um", "position_p95_um", "rotation_rss_urad", "rotation_p95_urad"];
 
-/// An array of the file.
 struct Array {
     /// Attributes of its element.
     attributes: String,

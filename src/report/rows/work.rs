@@ -56,7 +56,6 @@ impl WorkRows {
         Self { reached, unreached, features }
     }
 
-    /// True if rows have features.
     pub(super) fn has_features(&self) -> bool {
         self.features
     }
@@ -93,7 +92,6 @@ impl WorkRows {
     }
 }
 
-/// A cell, quoted where it has to be.
 fn cell(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }

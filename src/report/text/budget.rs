@@ -235,7 +235,7 @@ impl BudgetFigures {
         let bar = |c: &BoundedContribution| Bar { label: c.error.clone(), value: c.um };
         ParetoPicture {
             title: machine.to_owned(),
-            subtitle: format!("Each error at its bound, at {}", rounded(&self.position_um.rss_at)),
+            subtitle: format!("Each error at its bound, at {}", round(&self.position_um.rss_at)),
             quantity: "position deviation in µm".to_owned(),
             bars: self.contributions.iter().take(top.max(1)).map(bar).collect(),
             total: self.contributions.iter().map(|c| c.um * c.um).sum::<f64>(),
@@ -273,7 +273,7 @@ impl BudgetFigures {
 }
 
 /// A pose with the digits a picture has room for.
-fn rounded(pose: &AxisPositions) -> String {
+fn round(pose: &AxisPositions) -> String {
     let axes = pose.iter().map(|(axis, q)| format!("{axis} {}", significant(*q, 4)));
     axes.collect::<Vec<_>>().join(", ") + " (mm, deg)"
 }

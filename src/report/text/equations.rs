@@ -7,7 +7,6 @@ use crate::analysis::{Equations, Symbol, SymbolMeaning};
 use crate::machine::Machine;
 use nalgebra::{Matrix4, Vector3};
 
-/// Script of polynomials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Script {
     Text,
@@ -118,7 +117,6 @@ pub fn text(machine: &Machine, equations: &Equations) -> String {
     text
 }
 
-/// Explanation of a symbol.
 fn remark(machine: &Machine, symbol: &Symbol) -> Option<String> {
     match symbol.meaning {
         SymbolMeaning::ToolLength => {
@@ -136,7 +134,7 @@ fn remark(machine: &Machine, symbol: &Symbol) -> Option<String> {
 fn matrices(equations: &Equations) -> Vec<([String; 2], Matrix4<Symbolic>)> {
     let joint = |(name, htm): &(String, Htm<Symbolic>)| {
         let name = format!("Joint {name}");
-        ([name.clone(), escaped(&name)], htm.to_matrix())
+        ([name.clone(), escape(&name)], htm.to_matrix())
     };
     let mut all: Vec<_> = equations.joints.iter().map(joint).collect();
     let named = |plain: &str, latex: &str| [plain.to_owned(), format!("$\\boldsymbol{{{latex}}}$")];
@@ -164,7 +162,7 @@ pub fn latex(machine: &Machine, equations: &Equations) -> String {
         "\\documentclass{article}\n\\usepackage{amsmath,amsbsy}\n\\usepackage[margin=20mm]{geometry}\n\
          \\setlength{\\parindent}{0pt}\n\\begin{document}\n\\raggedright\n",
     );
-    text.push_str(&format!("\\section*{{{}}}\n", escaped(machine.name())));
+    text.push_str(&format!("\\section*{{{}}}\n", escape(machine.name())));
     let line = |p: &Symbolic| polynomial_in(Script::Latex, p, &equations.symbols);
     for ([_, name], matrix) in matrices(equations) {
         text.push_str(&format!("\n\\subsection*{{{name}}}\n"));
@@ -207,7 +205,7 @@ fn array(matrix: &Matrix4<Symbolic>, line: impl Fn(&Symbolic) -> String) -> Stri
 const LETTERS: &str = "ÀÁÂÃÄÅÇÈÉÊËÌÍÎÏÑÒÓÔÕÖØÙÚÛÜÝàáâãäåçèéêëìíîïñòóôõöøùúûüýÿßČčĚěŘřŠšŮůŽž";
 
 /// Text for LaTeX; what it has no letter for is written by its code.
-fn escaped(text: &str) -> String {
+fn escape(text: &str) -> String {
     let one = |c: char| match c {
         'µ' | 'μ' => "$\\mu$".to_owned(),
         '°' => "$^\\circ$".to_owned(),
@@ -245,6 +243,6 @@ mod tests {
 
     #[test]
     fn user_text_cannot_break_the_document() {
-        assert_eq!(escaped("50% {A_1} \\x"), "50\\% \\{A\\_1\\} \\textbackslash{}x");
+        assert_eq!(escape("50% {A_1} \\x"), "50\\% \\{A\\_1\\} \\textbackslash{}x");
     }
 }

@@ -13,4 +13,4 @@ pub use budget::{
 };
 pub(super) use positions::pose_words;
 pub use properties::{MachineDifference, PropertyDifference};
-pub(crate) use properties::{described, rotation_words};
+pub(crate) use properties::{describe, rotation_words};

@@ -47,8 +47,7 @@ pub struct PropertyDifference {
     pub minus_first_um: Option<f64>,
 }
 
-/// Describes a property in which two machines differ.
-pub(crate) fn described(
+pub(crate) fn describe(
     first: &Machine,
     second: &Machine,
     property: &MachineProperty,

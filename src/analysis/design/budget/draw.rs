@@ -15,12 +15,19 @@ use crate::machine::sin_cos_degrees;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::fmt::Display;
+use std::sync::OnceLock;
 
 /// Number of nodes of a curve along the travel, both ends included.
 pub const NODES: usize = 65;
 
 /// Number of waves of a curve.
 pub const HARMONICS: usize = 6;
+
+/// Number of Hermite polynomials, all odd, by which the correlation of bounded numbers is found; and the positions of
+/// the normal number over which their coefficients are integrated, on one side of 0.
+const HERMITE_TERMS: usize = 40;
+const HERMITE_STEP: f64 = 1.0 / 64.0;
+const HERMITE_STEPS: usize = 64 * 16;
 
 /// The distribution of an error between its bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -52,6 +59,28 @@ impl Distribution {
         }
     }
 
+    /// Returns the squares of the coefficients of [`Self::fraction`] by Hermite polynomials 1, 3, 5, ..., which add up
+    /// to 1: two normal numbers with correlation r lead to numbers with correlation sum of square x r^degree (Mehler).
+    fn hermite_squares(self) -> Vec<f64> {
+        let mut sums = [0.0; HERMITE_TERMS];
+        for i in 1..=HERMITE_STEPS {
+            let z = i as f64 * HERMITE_STEP;
+            let weighted = self.fraction(z) * libm::exp(-0.5 * z * z);
+            // Orthonormal: h_(n+1) = (z h_n - sqrt(n) h_(n-1)) / sqrt(n + 1).
+            let (mut before, mut last) = (1.0, z);
+            for (k, sum) in sums.iter_mut().enumerate() {
+                *sum += weighted * last;
+                for n in [2 * k + 1, 2 * k + 2] {
+                    let next = (z * last - (n as f64).sqrt() * before) / ((n + 1) as f64).sqrt();
+                    (before, last) = (last, next);
+                }
+            }
+        }
+        let squares = sums.map(|sum| sum * sum);
+        let total: f64 = squares.iter().sum();
+        squares.map(|square| square / total).to_vec()
+    }
+
     /// Returns the standard deviation as a fraction of the tolerance.
     pub fn deviation(self) -> f64 {
         match self {
@@ -62,12 +91,14 @@ impl Distribution {
 }
 
 /// The generator of random errors.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Draws {
     seed: u64,
     distribution: Distribution,
     /// Weighted cosine and sine of every wave at every node: open curves, closed curves.
     waves: [Vec<[(f64, f64); HARMONICS]>; 2],
+    /// Correlations of the values of a curve at two nodes, made at first use.
+    correlations: [OnceLock<Vec<Vec<f64>>>; 2],
 }
 
 impl Draws {
@@ -82,7 +113,23 @@ impl Draws {
             })
         };
         let waves = [180.0, 360.0].map(|turn| (0..NODES).map(|m| node(turn, m)).collect());
-        Self { seed, distribution, waves }
+        Self { seed, distribution, waves, correlations: Default::default() }
+    }
+
+    /// Returns the correlations of the values of a curve at any two nodes.
+    pub fn correlations(&self, closed: bool) -> &[Vec<f64>] {
+        let make = || {
+            let waves = &self.waves[usize::from(closed)];
+            let series = self.distribution.hermite_squares();
+            let of = |n: usize, m: usize| {
+                let pairs = waves[n].iter().zip(&waves[m]);
+                let normal: f64 = pairs.map(|((c, s), (d, t))| c * d + s * t).sum();
+                // Odd powers: the numbers lie evenly about 0.
+                series.iter().rev().fold(0.0, |sum, square| sum * normal * normal + square) * normal
+            };
+            (0..NODES).map(|n| (0..NODES).map(|m| of(n, m)).collect()).collect()
+        };
+        self.correlations[usize::from(closed)].get_or_init(make)
     }
 
     fn stream(&self, error: &impl Display, sample: usize) -> Normals {

@@ -16,13 +16,15 @@
 use super::bounds::Bound;
 use super::cost::Price;
 use super::draw::Draws;
-use super::kernel::{BudgetPose, JointBounds, by_joint};
+use super::kernel::{BudgetPose, JointBounds, by_joint_without};
 use super::monte_carlo::{self, DrawnMachine, Statistic};
 use super::quantile::{Percentile, rank};
-use crate::evaluate::error_by_error;
+use crate::analysis::reference::{PartReference, tip_at};
+use crate::evaluate::{Deviation, error_by_error};
 use crate::lower::Quantity;
 use crate::machine::{Approach, ErrorId, Machine, Pose};
 use crate::run::unheard;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 /// Maximum number of steps for one goal.
@@ -59,6 +61,8 @@ pub struct GoalRequest<'a> {
     pub power: f64,
     /// The poses (mm, deg).
     pub poses: &'a [Pose],
+    /// What the set-up of the part takes out.
+    pub reference: Option<&'a PartReference>,
     /// Generators of machines: for the search, for the correction, for the proof.
     pub draws: [&'a Draws; 3],
     /// Number of machines for the search.
@@ -124,7 +128,6 @@ pub struct Unavoidable {
     pub staying_um: f64,
 }
 
-/// The search.
 struct GoalSearch<'a> {
     request: GoalRequest<'a>,
     joints: Vec<JointBounds>,
@@ -136,7 +139,6 @@ struct DrawnValue {
     sorted: Vec<f64>,
     /// Mean of the worst machines.
     worst: f64,
-    /// The part of each tolerance in it.
     parts: Vec<f64>,
 }
 
@@ -182,10 +184,16 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
 
 impl<'a> GoalSearch<'a> {
     fn new(request: GoalRequest<'a>) -> Self {
-        let joints = by_joint(request.machine, request.bounds);
+        let GoalRequest { machine, bounds, reference, .. } = request;
+        let joints = by_joint_without(machine, bounds, reference);
+        let staying = |pose: &[f64]| staying(machine, bounds, pose);
+        let motion =
+            reference.map(|of| of.motion(of.points().par_iter().map(|at| staying(&at.pose)).collect::<Vec<_>>()));
         let at = |pose: &Pose| {
-            let maps = BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
-            maps.with_constant(staying(request.machine, request.bounds, pose))
+            let maps = BudgetPose::new(machine, &joints, pose, Quantity::Position);
+            let whole = Deviation { position: staying(pose), rotation: Vector3::zeros() };
+            let left = motion.map_or(whole, |motion| motion.removed_from(&whole, &tip_at(machine, pose)));
+            maps.with_constant(left.position.into())
         };
         let poses = request.poses.par_iter().map(at).collect();
         Self { request, joints, poses }
@@ -302,7 +310,7 @@ impl<'a> GoalSearch<'a> {
 }
 
 /// Returns the deviation (mm) at a pose by the errors with a value that are not bounded, to first order.
-fn staying(machine: &Machine, bounds: &[Bound], pose: &[f64]) -> [f64; 3] {
+fn staying(machine: &Machine, bounds: &[Bound], pose: &[f64]) -> Vector3<f64> {
     // An error by letter is bounded where a bounded direction of its joint has a part along the letter.
     let bounded = |bound: &Bound, error: &ErrorId| {
         let part = bound.letters()[error.direction.index()].abs();
@@ -311,5 +319,5 @@ fn staying(machine: &Machine, bounds: &[Bound], pose: &[f64]) -> [f64; 3] {
     let stays = |error: &ErrorId| !bounds.iter().any(|bound| bounded(bound, error));
     let deviations =
         error_by_error(machine, &Approach::Mean.at_pose(pose)).into_iter().filter(|(error, _)| stays(error));
-    deviations.map(|(_, deviation)| deviation.position).sum::<nalgebra::Vector3<f64>>().into()
+    deviations.map(|(_, deviation)| deviation.position).sum()
 }

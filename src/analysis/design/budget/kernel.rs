@@ -3,8 +3,10 @@
 
 use super::bounds::Bound;
 use super::draw::{Draws, NODES};
+use crate::analysis::reference::{PartReference, tip_at};
 use crate::lower::{Quantity, SideWeights, Twist, TwistMap, twists};
 use crate::machine::{Axis, Machine, Travel};
+use nalgebra::{Vector3, Vector6};
 
 /// Number of samples computed side by side.
 pub const SAMPLE_LANES: usize = 40;
@@ -33,6 +35,41 @@ pub struct JointBounds {
     pub component: Vec<DrawnSource>,
     interval: (f64, f64),
     closed: bool,
+    /// What the set-up of the part takes out; `None` without a set-up.
+    removed: Option<RemovedMotions>,
+}
+
+/// The motion of the part that its set-up takes out, per unit of the sources of a joint: translation and rotation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RemovedMotions {
+    /// Of location errors.
+    location: Vec<Vector6<f64>>,
+    /// Of component errors by the nodes of their curves, node by node.
+    component: Vec<Vec<Vector6<f64>>>,
+}
+
+/// Returns the bounds joint by joint, without what a reference takes out of their effects.
+pub fn by_joint_without(machine: &Machine, bounds: &[Bound], reference: Option<&PartReference>) -> Vec<JointBounds> {
+    let mut joints = by_joint(machine, bounds);
+    let Some(reference) = reference else { return joints };
+    let none = |joint: &JointBounds| RemovedMotions {
+        location: vec![Vector6::zeros(); joint.location.len()],
+        component: vec![vec![Vector6::zeros(); joint.component.len()]; NODES],
+    };
+    let mut removed: Vec<RemovedMotions> = joints.iter().map(none).collect();
+    for point in reference.points() {
+        let pose = BudgetPose::new(machine, &joints, &point.pose, Quantity::Position);
+        for ((removed, [location, component]), at) in removed.iter_mut().zip(&pose.columns).zip(&pose.points) {
+            let motion = |column: &[f64; 3]| point.gain * Vector3::from(*column);
+            removed.location.iter_mut().zip(location).for_each(|(sum, column)| *sum += motion(column));
+            for (node, weight) in at.weights() {
+                let sums = removed.component[node].iter_mut();
+                sums.zip(component).for_each(|(sum, column)| *sum += motion(column) * weight);
+            }
+        }
+    }
+    joints.iter_mut().zip(removed).for_each(|(joint, removed)| joint.removed = Some(removed));
+    joints
 }
 
 /// Returns the bounds joint by joint: of every axis in the order of the machine, then of the spindle.
@@ -76,32 +113,57 @@ pub struct CurvePoint {
     pub fraction: f64,
 }
 
+impl CurvePoint {
+    /// Returns the two nodes with their weights.
+    fn weights(self) -> [(usize, f64); 2] {
+        [(self.node, 1.0 - self.fraction), (self.node + 1, self.fraction)]
+    }
+}
+
 /// The sources of a joint in a chunk of samples (mm, rad), in their order.
 #[derive(Debug)]
 pub struct JointSamples {
     location: Vec<SampleLanes>,
-    /// Node by node.
     nodes: Vec<Vec<SampleLanes>>,
 }
 
 /// A chunk of drawn machines.
 #[derive(Debug)]
-pub struct SampleChunk(Vec<JointSamples>);
+pub struct SampleChunk {
+    joints: Vec<JointSamples>,
+    /// Translation (mm) and rotation (rad) that the set-up of the part takes out because of component errors.
+    removed: Option<[SampleLanes; 6]>,
+}
 
 impl SampleChunk {
     /// Draws samples `first..first + SAMPLE_LANES`.
     pub fn new(joints: &[JointBounds], bounds: &[Bound], draws: &Draws, first: usize) -> Self {
-        Self(joints.iter().map(|joint| joint_samples(joint, bounds, draws, first)).collect())
+        let samples: Vec<JointSamples> =
+            joints.iter().map(|joint| joint_samples(joint, bounds, draws, first)).collect();
+        let mut removed = None;
+        for (joint, samples) in joints.iter().zip(&samples) {
+            let Some(motions) = &joint.removed else { continue };
+            let sum = removed.get_or_insert([[0.0; SAMPLE_LANES]; 6]);
+            let values = motions.component.iter().flatten().zip(samples.nodes.iter().flatten());
+            for (motion, errors) in values {
+                for (sum, part) in sum.iter_mut().zip(motion.iter().filter(|_| *motion != Vector6::zeros())) {
+                    sum.iter_mut().zip(errors).for_each(|(sum, error)| *sum += part * error);
+                }
+            }
+        }
+        Self { joints: samples, removed }
     }
 
     /// Returns the location errors of a joint.
     pub fn location(&self, joint: usize) -> &[SampleLanes] {
-        &self.0[joint].location
+        &self.joints[joint].location
     }
 
     /// Returns the component errors of a joint at a point of its curves.
     pub fn component(&self, joint: usize, at: CurvePoint) -> Vec<SampleLanes> {
-        let [low, high] = self.0[joint].nodes.get(at.node..at.node + 2).unwrap_or_default() else { return Vec::new() };
+        let [low, high] = self.joints[joint].nodes.get(at.node..at.node + 2).unwrap_or_default() else {
+            return Vec::new();
+        };
         let between = |(a, b): (&SampleLanes, &SampleLanes)| {
             std::array::from_fn(|lane| a[lane] + at.fraction * (b[lane] - a[lane]))
         };
@@ -168,6 +230,37 @@ pub struct BudgetPose {
     points: Vec<CurvePoint>,
     /// Deviation that is the same in every sample.
     fixed: [f64; 3],
+    /// What a motion of the part does here.
+    effect: MotionEffect,
+}
+
+/// The effect of a motion of the part at a pose.
+#[derive(Debug, Clone, Copy)]
+enum MotionEffect {
+    /// On the functional point, which is here, mm.
+    Position(Vector3<f64>),
+    /// On the orientation of the tool.
+    Rotation,
+}
+
+impl MotionEffect {
+    fn of(self, motion: &Vector6<f64>) -> Vector3<f64> {
+        let rotation = Vector3::new(motion[3], motion[4], motion[5]);
+        match self {
+            Self::Position(tip) => Vector3::new(motion[0], motion[1], motion[2]) + rotation.cross(&tip),
+            Self::Rotation => rotation,
+        }
+    }
+
+    /// Takes the effect of a motion out of deviations, for all samples.
+    fn remove(self, motion: &[SampleLanes; 6], from: &mut [SampleLanes; 3]) {
+        let [tx, ty, tz, wx, wy, wz] = motion;
+        for lane in 0..SAMPLE_LANES {
+            let motion = Vector6::new(tx[lane], ty[lane], tz[lane], wx[lane], wy[lane], wz[lane]);
+            let effect = self.of(&motion);
+            from.iter_mut().zip(effect.iter()).for_each(|(d, effect)| d[lane] -= effect);
+        }
+    }
 }
 
 impl BudgetPose {
@@ -181,10 +274,21 @@ impl BudgetPose {
         let of = |((twist, [location, component]), joint): ((&Twist, [SideWeights; 2]), &JointBounds)| {
             [columns(&location.map(twist), &joint.location), columns(&component.map(twist), &joint.component)]
         };
-        let columns = twists.iter().zip(weights).zip(joints).map(of).collect();
+        let mut columns: Vec<[SourceEffects; 2]> = twists.iter().zip(weights).zip(joints).map(of).collect();
+        let effect = match quantity {
+            Quantity::Position => MotionEffect::Position(tip_at(machine, pose)),
+            Quantity::Rotation => MotionEffect::Rotation,
+        };
+        for ([location, _], removed) in
+            columns.iter_mut().zip(joints).filter_map(|(c, j)| Some((c, j.removed.as_ref()?)))
+        {
+            for (column, motion) in location.iter_mut().zip(&removed.location) {
+                column.iter_mut().zip(effect.of(motion).iter()).for_each(|(x, effect)| *x -= effect);
+            }
+        }
         let points = joints.iter().zip(pose).map(|(joint, q)| joint.curve_point(*q));
         let points = points.chain([CurvePoint { node: 0, fraction: 0.0 }]).collect();
-        Self { columns, points, fixed: [0.0; 3] }
+        Self { columns, points, fixed: [0.0; 3], effect }
     }
 
     /// Returns the pose with a deviation (mm or rad) that every sample has besides the drawn one.
@@ -204,6 +308,9 @@ impl BudgetPose {
             add(location, chunk.location(joint), &mut d);
             add(component, &chunk.component(joint, *point), &mut d);
         }
+        if let Some(removed) = &chunk.removed {
+            self.effect.remove(removed, &mut d);
+        }
         d
     }
 
@@ -220,20 +327,86 @@ impl BudgetPose {
                     parts[source.bound] = column.map(|x| x * error[lane]);
                 }
             }
+            let Some(removed) = &bounds.removed else { continue };
+            for (k, source) in bounds.component.iter().enumerate() {
+                let nodes = removed.component.iter().zip(&chunk.joints[joint].nodes);
+                let motion = nodes.fold(Vector6::zeros(), |sum, (motions, errors)| sum + motions[k] * errors[k][lane]);
+                let part = parts[source.bound].iter_mut();
+                part.zip(self.effect.of(&motion).iter()).for_each(|(x, effect)| *x -= effect);
+            }
         }
         parts
     }
 
-    /// Returns the deviation by each source at its bound, in the order of the bounds.
-    pub fn extremes(&self, joints: &[JointBounds], bounds: &[Bound]) -> Vec<[f64; 3]> {
-        let mut extremes = vec![[0.0; 3]; bounds.len()];
-        for (columns, joint) in self.columns.iter().zip(joints) {
-            for (columns, sources) in columns.iter().zip([&joint.location, &joint.component]) {
-                for (column, source) in columns.iter().zip(sources) {
-                    extremes[source.bound] = column.map(|x| x * bounds[source.bound].tolerance);
+    /// Returns the effects of the sources at their bounds.
+    pub fn extremes(&self, joints: &[JointBounds], bounds: &[Bound], draws: &Draws) -> BoundEffects {
+        let mut effects = BoundEffects { lengths: vec![0.0; bounds.len()], vectors: vec![[0.0; 3]; bounds.len()] };
+        for ((columns, point), joint) in self.columns.iter().zip(&self.points).zip(joints) {
+            for (kind, (columns, sources)) in columns.iter().zip([&joint.location, &joint.component]).enumerate() {
+                for (k, (column, source)) in columns.iter().zip(sources).enumerate() {
+                    let tolerance = bounds[source.bound].tolerance;
+                    let removed = joint.removed.as_ref().filter(|_| kind == 1);
+                    effects.lengths[source.bound] = match removed {
+                        None => {
+                            let vector = column.map(|x| x * tolerance);
+                            effects.vectors[source.bound] = vector;
+                            length(&vector)
+                        }
+                        Some(removed) => {
+                            let mut nodes = self.node_effects(column, *point, removed, k);
+                            nodes.iter_mut().for_each(|node| *node *= tolerance);
+                            effects
+                                .vectors
+                                .extend(nodes.iter().filter(|v| v.norm() > 0.0).map(|v| <[f64; 3]>::from(*v)));
+                            spread(&nodes, draws.correlations(joint.closed))
+                        }
+                    };
                 }
             }
         }
-        extremes
+        effects
     }
+
+    /// Returns the effects of the values of a curve at its nodes, per unit, less what the set-up of the part takes out.
+    fn node_effects(
+        &self,
+        column: &[f64; 3],
+        point: CurvePoint,
+        removed: &RemovedMotions,
+        k: usize,
+    ) -> Vec<Vector3<f64>> {
+        let mut nodes: Vec<Vector3<f64>> =
+            removed.component.iter().map(|motions| -self.effect.of(&motions[k])).collect();
+        point.weights().into_iter().for_each(|(node, weight)| nodes[node] += Vector3::from(*column) * weight);
+        nodes
+    }
+}
+
+/// The effects of sources at their bounds, at a pose (mm or rad).
+#[derive(Debug, Clone, Default)]
+pub struct BoundEffects {
+    /// The effect of each by itself, in the order of the bounds: of a curve with a reference the standard deviation,
+    /// scaled as the bound is to its own.
+    pub lengths: Vec<f64>,
+    /// Vectors that with any signs make all deviations within the bounds: of each source in the order of the bounds;
+    /// then, of curves with a reference, of each value that counts.
+    pub vectors: Vec<[f64; 3]>,
+}
+
+impl BoundEffects {
+    /// Returns the root of the sum of squares.
+    pub fn rss(&self) -> f64 {
+        self.lengths.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+}
+
+fn length(v: &[f64; 3]) -> f64 {
+    (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+}
+
+/// Returns the root mean square length of vectors times random numbers of variance 1 with these correlations.
+fn spread(vectors: &[Vector3<f64>], correlations: &[Vec<f64>]) -> f64 {
+    let counts: Vec<usize> = (0..vectors.len()).filter(|n| vectors[*n] != Vector3::zeros()).collect();
+    let row = |n: &usize| counts.iter().map(|m| vectors[*n].dot(&vectors[*m]) * correlations[*n][*m]).sum::<f64>();
+    counts.iter().map(row).sum::<f64>().max(0.0).sqrt()
 }

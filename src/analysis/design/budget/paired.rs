@@ -67,6 +67,15 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Returns the verdict on machines whose figures differ by so much, which nothing leaves uncertain.
+    pub fn of_difference(minus_first: f64) -> Self {
+        match minus_first {
+            d if d > 0.0 => Self::Worse,
+            d if d < 0.0 => Self::Better,
+            _ => Self::Equal,
+        }
+    }
+
     /// Returns the verdict in words.
     pub fn words(self) -> &'static str {
         match self {

@@ -5,8 +5,9 @@
 
 use super::bounds::Bound;
 use super::draw::Draws;
-use super::kernel::{BudgetPose, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, by_joint, squares};
+use super::kernel::{BudgetPose, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, by_joint_without, squares};
 use super::quantile::rank;
+use crate::analysis::reference::PartReference;
 use crate::evaluate::{Frame, Poses, frame_rotation};
 use crate::lower::Quantity;
 use crate::machine::{Machine, Pose};
@@ -23,6 +24,8 @@ pub struct PosesRequest<'a> {
     pub bounds: &'a [Bound],
     /// The poses, at least one.
     pub poses: &'a Poses,
+    /// What the set-up of the part takes out.
+    pub reference: Option<&'a PartReference>,
     /// Frame of the vectors: that of the ranges. Lengths are the same in all.
     pub frame: Frame,
     /// The generator of drawn machines.
@@ -79,15 +82,15 @@ const MAX_BLOCK: usize = 1 << 13;
 /// Returns the effect of bounds at poses; the same to the bit on any number of threads. Calls `progress` with the
 /// number of steps done since its last call.
 pub fn pose_by_pose<F: Send>(request: PosesRequest<'_>, progress: Advance<'_, F>) -> Result<PoseByPose, F> {
-    let joints = by_joint(request.machine, request.bounds);
+    let joints = by_joint_without(request.machine, request.bounds, request.reference);
     let chunks = request.samples.div_ceil(SAMPLE_LANES);
     let block = (HELD / (chunks * SAMPLE_LANES)).clamp(1, MAX_BLOCK);
     let mut poses = Vec::with_capacity(request.poses.len());
     let mut extremes = vec![SampleExtremes::NONE; chunks];
     for first in (0..request.poses.len()).step_by(block) {
         let count = block.min(request.poses.len() - first);
-        let of = |i: usize| BoundEffects::new(&request, &joints, &request.poses.get(first + i));
-        let places: Vec<BoundEffects> = (0..count).into_par_iter().map(of).collect();
+        let of = |i: usize| PoseEffects::new(&request, &joints, &request.poses.get(first + i));
+        let places: Vec<PoseEffects> = (0..count).into_par_iter().map(of).collect();
         let chunk = |(chunk, extremes): (usize, &mut SampleExtremes)| {
             let drawn = SampleChunk::new(&joints, request.bounds, request.draws, chunk * SAMPLE_LANES);
             let lengths = places.iter().map(|place| place.squares(&drawn, extremes)).collect();
@@ -129,7 +132,6 @@ fn quantile(values: &mut [f64]) -> f64 {
 #[derive(Debug, Clone)]
 struct SampleExtremes([Extreme; 2]);
 
-/// Extremes of one quantity.
 #[derive(Debug, Clone)]
 struct Extreme {
     /// Largest squared length.
@@ -156,21 +158,17 @@ impl Extreme {
     }
 }
 
-/// The effects of the bounds at a pose.
-struct BoundEffects {
+struct PoseEffects {
     effects: [BudgetPose; 2],
     rss: [f64; 2],
     /// From the workpiece frame into that of the vectors.
     turn: Option<Matrix3<f64>>,
 }
 
-impl BoundEffects {
+impl PoseEffects {
     fn new(request: &PosesRequest<'_>, joints: &[JointBounds], pose: &Pose) -> Self {
         let effects = QUANTITIES.map(|quantity| BudgetPose::new(request.machine, joints, pose, quantity));
-        let rss = |effects: &BudgetPose| {
-            let extremes = effects.extremes(joints, request.bounds);
-            extremes.iter().map(|v| v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sum::<f64>().sqrt()
-        };
+        let rss = |effects: &BudgetPose| effects.extremes(joints, request.bounds, request.draws).rss();
         let turn = frame_rotation(request.machine, pose, request.frame);
         Self { rss: [rss(&effects[0]), rss(&effects[1])], effects, turn }
     }
@@ -202,12 +200,18 @@ impl BoundEffects {
     }
 }
 
-/// Returns the bounds with their effects alone on the position (mm) at a pose, largest first.
-pub fn effects_at(machine: &Machine, bounds: &[Bound], pose: &[f64]) -> Vec<(usize, f64)> {
-    let joints = by_joint(machine, bounds);
-    let extremes = BudgetPose::new(machine, &joints, pose, Quantity::Position).extremes(&joints, bounds);
-    let length = |v: &[f64; 3]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
-    let mut list: Vec<(usize, f64)> = extremes.iter().map(length).enumerate().collect();
+/// Returns the bounds with their effects alone on the position (mm) at a pose, largest first, without what the set-up
+/// of the part takes out.
+pub fn effects_at(
+    machine: &Machine,
+    bounds: &[Bound],
+    pose: &[f64],
+    draws: &Draws,
+    reference: Option<&PartReference>,
+) -> Vec<(usize, f64)> {
+    let joints = by_joint_without(machine, bounds, reference);
+    let effects = BudgetPose::new(machine, &joints, pose, Quantity::Position).extremes(&joints, bounds, draws);
+    let mut list: Vec<(usize, f64)> = effects.lengths.into_iter().enumerate().collect();
     list.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     list
 }

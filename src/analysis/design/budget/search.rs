@@ -13,7 +13,6 @@ const MAX_NODES: f64 = 1024.0;
 const MAX_LINEAR: usize = 8;
 /// Largest number of nodes of a rotary axis: every 15 deg of a turn.
 const MAX_TURN_NODES: usize = 25;
-/// Number of starts.
 const STARTS: usize = 16;
 /// Maximum number of rounds over the rotary axes.
 const ROUNDS: usize = 8;
@@ -48,7 +47,6 @@ pub struct VolumeSearch<'a> {
     objective: Objective<'a>,
 }
 
-/// The interval of an axis.
 #[derive(Debug, Clone, Copy)]
 struct TravelLine {
     min: f64,

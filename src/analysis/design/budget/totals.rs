@@ -2,11 +2,12 @@
 
 use super::bounds::Bound;
 use super::draw::Draws;
-use super::kernel::{BudgetPose, JointBounds, by_joint};
+use super::kernel::{BoundEffects, BudgetPose, JointBounds, by_joint_without};
 use super::monte_carlo::{self, DrawnMachine, Statistic};
 use super::quantile::{Percentile, mean};
 use super::search::{Objective, VolumeSearch, exceeds, is_closed};
-use super::worst::longest;
+use super::worst::{longest, longest_by_ascent};
+use crate::analysis::reference::PartReference;
 use crate::evaluate::{Poses, Random};
 use crate::lower::Quantity;
 use crate::machine::{Machine, Pose};
@@ -23,7 +24,9 @@ pub struct Request<'a> {
     pub bounds: &'a [Bound],
     /// The poses (mm, deg).
     pub poses: &'a [Pose],
-    /// True if the worst pose is searched in the volume, beyond the poses.
+    /// What the set-up of the part takes out.
+    pub reference: Option<&'a PartReference>,
+    /// True if the worst pose is searched in the volume, beyond the poses; with a reference it never is.
     pub searched: bool,
     /// Another pose (mm, deg) for the Pareto chart.
     pub at: Option<&'a [f64]>,
@@ -140,7 +143,7 @@ pub fn draw_samples(
     samples: Range<usize>,
     progress: Advance<'_>,
 ) -> Result<DrawnSamples, Cancelled> {
-    let joints = by_joint(request.machine, request.bounds);
+    let joints = by_joint_without(request.machine, request.bounds, request.reference);
     let of =
         |quantity| samples_at(&request, &joints, &poses_of(&request, &joints, quantity), samples.clone(), progress);
     Ok(DrawnSamples { position: of(Quantity::Position)?, rotation: of(Quantity::Rotation)? })
@@ -158,25 +161,25 @@ pub fn budget_from_samples(
     drawn: Option<DrawnSamples>,
     progress: Advance<'_>,
 ) -> Result<Budget, Cancelled> {
-    let joints = by_joint(request.machine, request.bounds);
+    let joints = by_joint_without(request.machine, request.bounds, request.reference);
     let (of_position, of_rotation) = drawn.map(|drawn| (drawn.position, drawn.rotation)).unzip();
     let (position, extremes, worst) = totals(&request, &joints, Quantity::Position, of_position, progress)?;
     let (rotation, ..) = totals(&request, &joints, Quantity::Rotation, of_rotation, progress)?;
     let at = request.at.map(|pose| {
         let budget_pose = BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
-        contributions(&lengths(&budget_pose.extremes(&joints, request.bounds)))
+        contributions(&budget_pose.extremes(&joints, request.bounds, request.draws).lengths)
     });
     Ok(Budget {
         position,
         rotation,
-        worst: contributions(&lengths(&worst)),
+        worst: contributions(&worst.lengths),
         average: contributions(&root_mean_square(&extremes)),
         at,
     })
 }
 
-/// Deviations by every error at its bound, at every pose.
-type Extremes = Vec<Vec<[f64; 3]>>;
+/// Effects of every error at its bound, at every pose.
+type Extremes = Vec<BoundEffects>;
 
 fn poses_of(request: &Request<'_>, joints: &[JointBounds], quantity: Quantity) -> Vec<BudgetPose> {
     request.poses.par_iter().map(|pose| BudgetPose::new(request.machine, joints, pose, quantity)).collect()
@@ -198,22 +201,25 @@ fn totals(
     quantity: Quantity,
     drawn: Option<Vec<DrawnMachine>>,
     progress: Advance<'_>,
-) -> Result<(Totals, Extremes, Vec<[f64; 3]>), Cancelled> {
-    let Request { machine, bounds, poses, samples, searched, .. } = *request;
+) -> Result<(Totals, Extremes, BoundEffects), Cancelled> {
+    let Request { machine, bounds, poses, samples, draws, reference, .. } = *request;
     let scale = if quantity == Quantity::Position { 1e3 } else { 1e6 };
     let budget_poses = poses_of(request, joints, quantity);
-    let extremes: Extremes = budget_poses.par_iter().map(|budget_pose| budget_pose.extremes(joints, bounds)).collect();
-    let (worst, mut worst_case) = worst_of(&extremes);
-    let sums: Vec<f64> = extremes.iter().map(|list| rss(list)).collect();
+    let extremes: Extremes = budget_poses.par_iter().map(|pose| pose.extremes(joints, bounds, draws)).collect();
+    let (worst, mut worst_case) = worst_of(&extremes, if reference.is_some() { longest_by_ascent } else { longest });
+    let sums: Vec<f64> = extremes.iter().map(BoundEffects::rss).collect();
     let largest_rss = largest(&sums);
     let (mut worst_pose, mut rss_pose) = (poses[worst].clone(), poses[largest_rss].clone());
     let (mut at_rss, mut largest_sum) = (extremes[largest_rss].clone(), sums[largest_rss]);
-    if searched {
-        let at = |pose: &[f64]| BudgetPose::new(machine, joints, pose, quantity).extremes(joints, bounds);
+    if request.searched && reference.is_none() {
+        let at =
+            |pose: &[f64]| BudgetPose::new(machine, joints, pose, quantity).extremes(joints, bounds, draws).vectors;
         let sum = |list: &[[f64; 3]]| lengths(list).iter().sum::<f64>();
         let search = |objective: Objective<'_>, known: &Pose| VolumeSearch::new(machine, &at, objective).worst(known);
         (worst_pose, _, worst_case) = search(Objective { value: &longest, bound: &sum }, &worst_pose);
-        (rss_pose, at_rss, largest_sum) = search(Objective { value: &rss, bound: &rss }, &rss_pose);
+        let (pose, vectors, sum_there) = search(Objective { value: &rss, bound: &rss }, &rss_pose);
+        (rss_pose, largest_sum) = (pose, sum_there);
+        at_rss = BoundEffects { lengths: lengths(&vectors), vectors };
     }
     let mut drawn = match drawn {
         Some(drawn) => drawn,
@@ -247,6 +253,12 @@ impl Totals {
         0.5 * (self.worst_case + self.rss)
     }
 
+    /// Returns the index of the bound whose tolerance to tighten first: the largest effect on the 95 % value.
+    pub fn first_to_tighten(&self) -> Option<usize> {
+        let effect = |i: &usize| self.tighten[*i].effect;
+        (0..self.tighten.len()).rev().max_by(|a, b| effect(a).total_cmp(&effect(b)))
+    }
+
     /// Returns a percentile of the drawn machines, with its confidence interval.
     pub fn percentile(&self, percent: usize) -> Percentile {
         Percentile::of(&self.sorted, percent)
@@ -255,8 +267,8 @@ impl Totals {
 
 /// Returns the pose with the largest worst case, and its length. The sum of lengths is an upper bound that skips other
 /// poses.
-fn worst_of(extremes: &Extremes) -> (usize, f64) {
-    let upper: Vec<f64> = extremes.iter().map(|list| lengths(list).iter().sum()).collect();
+fn worst_of(extremes: &Extremes, longest: fn(&[[f64; 3]]) -> f64) -> (usize, f64) {
+    let upper: Vec<f64> = extremes.iter().map(|effects| lengths(&effects.vectors).iter().sum()).collect();
     let mut order: Vec<usize> = (0..extremes.len()).collect();
     // In single precision, where rounding does not order places that are alike.
     order.sort_by(|a, b| (upper[*b] as f32).total_cmp(&(upper[*a] as f32)).then(a.cmp(b)));
@@ -265,7 +277,7 @@ fn worst_of(extremes: &Extremes) -> (usize, f64) {
         if upper[index] < best.1 * (1.0 - SINGLE) {
             break;
         }
-        let length = longest(&extremes[index]);
+        let length = longest(&extremes[index].vectors);
         if exceeds(length, best.1) {
             best = (index, length);
         }
@@ -283,9 +295,9 @@ fn largest(values: &[f64]) -> usize {
 }
 
 fn root_mean_square(extremes: &Extremes) -> Vec<f64> {
-    let mut sums = vec![0.0; extremes.first().map_or(0, Vec::len)];
-    for list in extremes {
-        sums.iter_mut().zip(lengths(list)).for_each(|(sum, x)| *sum += x * x);
+    let mut sums = vec![0.0; extremes.first().map_or(0, |effects| effects.lengths.len())];
+    for effects in extremes {
+        sums.iter_mut().zip(&effects.lengths).for_each(|(sum, x)| *sum += x * x);
     }
     sums.into_iter().map(|sum| (sum / extremes.len() as f64).sqrt()).collect()
 }

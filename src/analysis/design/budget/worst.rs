@@ -9,6 +9,10 @@ use nalgebra::Vector3;
 /// Below this sine a vector counts as lying within the plane.
 const WITHIN: f64 = 1e-12;
 
+/// Maximum number of vectors from which an ascent starts, and of its steps.
+const MAX_STARTS: usize = 128;
+const MAX_CLIMB: usize = 100;
+
 /// Returns the length of the longest sum.
 #[cfg_attr(small_engine, optimize(speed))]
 pub fn longest(vectors: &[[f64; 3]]) -> f64 {
@@ -37,6 +41,27 @@ pub fn longest(vectors: &[[f64; 3]]) -> f64 {
         }
     }
     best
+}
+
+/// Returns the length of the longest sum as an ascent finds it from every vector, for more vectors than
+/// [`longest`] takes: their signs are those along the sum, until no sign changes.
+pub fn longest_by_ascent(vectors: &[[f64; 3]]) -> f64 {
+    let vectors: Vec<Vector3<f64>> = vectors.iter().map(|v| Vector3::from(*v)).filter(|v| v.norm() > 0.0).collect();
+    let mut starts: Vec<&Vector3<f64>> = vectors.iter().collect();
+    starts.sort_by(|a, b| b.norm_squared().total_cmp(&a.norm_squared()));
+    let sum_along = |u: &Vector3<f64>| vectors.iter().fold(Vector3::zeros(), |sum, v| sum + v * v.dot(u).signum());
+    let climb = |start: &&Vector3<f64>| {
+        let mut sum = sum_along(start);
+        for _ in 0..MAX_CLIMB {
+            let next = sum_along(&sum);
+            if next.norm_squared() <= sum.norm_squared() {
+                break;
+            }
+            sum = next;
+        }
+        sum.norm()
+    };
+    starts.iter().take(MAX_STARTS).map(climb).fold(0.0, f64::max)
 }
 
 /// Returns the vectors with parallel ones added up.
@@ -103,6 +128,8 @@ mod tests {
                     (0..count).map(|_| std::array::from_fn(|_| (next() / coarse) as f64)).collect();
                 let (found, brute) = (longest(&vectors), by_all_signs(&vectors));
                 assert!((found - brute).abs() <= 1e-12 * brute.max(1.0), "{found} {brute} {vectors:?}");
+                let climbed = longest_by_ascent(&vectors);
+                assert!(climbed <= found * (1.0 + 1e-12) && climbed >= 0.97 * found, "{climbed} {found} {vectors:?}");
             }
         }
     }

@@ -96,7 +96,6 @@ pub struct StudyEnd {
     pub told: bool,
 }
 
-/// A ranked arrangement.
 struct Entrant<'a> {
     step: usize,
     record: &'a RoundRecord,
@@ -106,7 +105,6 @@ struct Entrant<'a> {
     rivals: usize,
 }
 
-/// Decision of a round.
 struct Decision {
     /// Rank 1, among the entrants.
     leader: usize,
@@ -167,7 +165,6 @@ fn missing_of(journal: &Journal, round: usize, entrants: &[Entrant<'_>], inside:
     (!todo.is_empty()).then_some(MissingSteps { round, walks, todo })
 }
 
-/// Takes the values of a round.
 fn take(journal: &Journal, round: usize, entrant: &mut Entrant<'_>) {
     let records = journal.done.get(&RoundStep { round, step: entrant.step });
     let table = entrant.record.row.table;
@@ -217,7 +214,6 @@ fn equal_classes(entrants: &[Entrant<'_>], inside: &[usize]) -> Vec<Vec<usize>> 
     classes.into_iter().map(|(_, class)| class).collect()
 }
 
-/// Returns the results of all arrangements.
 fn study_end(
     journal: &Journal,
     rounds: &Rounds,

@@ -19,16 +19,9 @@ pub struct Rule {
 }
 
 /// The reason why a text is not a rule.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
 pub struct RuleFailure(pub String);
-
-impl fmt::Display for RuleFailure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for RuleFailure {}
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Clause {

@@ -19,7 +19,6 @@ use std::ops::Range;
 pub enum Judge {
     /// Errors drawn between bounds.
     Budget {
-        /// The bounds.
         bounds: Vec<Bound>,
         /// The generator of errors.
         draws: Draws,

@@ -22,7 +22,6 @@ struct JointMaps {
     alike: bool,
 }
 
-/// All joints of the walk at one pose.
 struct PoseMaps {
     joints: Vec<JointMaps>,
     spindle: SourceEffects,
@@ -38,7 +37,6 @@ pub struct Round<'a> {
 }
 
 impl Round<'_> {
-    /// The chunks that hold the samples.
     fn chunks(&self) -> Range<usize> {
         self.samples.start / SAMPLE_LANES..self.samples.end.div_ceil(SAMPLE_LANES)
     }

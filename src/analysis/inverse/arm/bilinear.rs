@@ -10,7 +10,6 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Coefficients of an equation, rows by the first angle.
 type Coefficients = [Vector3<f64>; 3];
 
-/// Degree of the trigonometric polynomial.
 const DEGREE: usize = 4;
 
 /// Samples of the polynomial: more than its coefficients.
@@ -68,7 +67,6 @@ fn resultant(pair: &[Coefficients; 2], b: f64) -> f64 {
     cosine * cosine + sine * sine - det * det
 }
 
-/// Returns the first angles at a second one.
 fn first_angles(pair: &[Coefficients; 2], b: f64, free: f64) -> Vec<f64> {
     let equations = [at(&pair[0], b), at(&pair[1], b)];
     let [[c1, a1, b1], [c2, a2, b2]] = equations;

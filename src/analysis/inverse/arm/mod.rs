@@ -32,7 +32,6 @@ const MANY_SPINS: usize = 360;
 /// Positions from which Newton's iteration starts, besides the reference.
 const STARTS: u64 = 64;
 
-/// Steps that refine a branch.
 const REFINING: usize = 30;
 
 /// Linear axes span space where the least eigenvalue of the sum of `u u^T` is above this.
@@ -48,9 +47,7 @@ pub struct RotaryArm<'a> {
 
 /// Poses that take a tool pose, whatever the travels.
 struct ArmPoses {
-    /// Within the travels.
     within: Vec<Pose>,
-    /// Beyond them.
     beyond: Vec<Pose>,
 }
 

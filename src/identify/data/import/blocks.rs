@@ -16,7 +16,6 @@ use crate::units;
 const CONSTANT: &str = "VALUE";
 const CURVE: &str = "GRIDPOINTS";
 
-/// Returns the name of a block.
 fn block(line: &str) -> Option<&str> {
     bare(line).strip_prefix('[')?.strip_suffix(']').map(str::trim)
 }
@@ -39,7 +38,6 @@ pub(super) fn is(lines: &[SheetLine]) -> bool {
     })
 }
 
-/// Contents of the blocks.
 #[derive(Default)]
 struct Blocks {
     /// Curves, with the readings.

@@ -7,7 +7,6 @@
 use super::layout::{self, RunLabel};
 use crate::machine::{AxisName, Direction, ErrorFamily, ErrorId};
 
-/// A channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum InstrumentChannel {
     Linear,

@@ -27,7 +27,6 @@ pub struct ColumnMap {
     pub(super) approach: Option<RunApproach>,
 }
 
-/// The role of a mapped column.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum MappedColumn {
     /// Deviations of an error, or positions that were reached.
@@ -44,7 +43,6 @@ pub(super) enum MappedColumn {
     Ignored,
 }
 
-/// The file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MapEntry {

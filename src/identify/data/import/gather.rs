@@ -129,7 +129,6 @@ fn follows_targets(import: &Import) -> bool {
     (line(&points, StraightnessLine::LeastSquares).0 - 1.0).abs() < 0.1
 }
 
-/// Returns the deviation of a reading that is a position.
 fn deviation_of_position(sample: &AxisSample, rotary: bool) -> f64 {
     let at = if rotary { sample.value.to_degrees() } else { sample.value };
     off_target(at - sample.position, rotary)
@@ -167,7 +166,6 @@ fn too_large(message: String, place: &Place) -> Diagnostic {
     refusal(message, Some(place.clone())).help(help)
 }
 
-/// Returns the samples of one row.
 fn row(
     cells: &[String],
     header: &ImportHeader,
@@ -236,7 +234,6 @@ fn is_other_axis(cell: &str, axis: &str) -> bool {
     !cell.eq_ignore_ascii_case(axis) && AxisName::new(&cell.to_uppercase()).is_some()
 }
 
-/// Returns the error that a row names.
 fn error_of_row(name: &str, wanted: &ImportRequest, axis: &str) -> Result<ErrorId, SampleFailure> {
     let error = component_error(name)?;
     own_axis(&error, axis)?;

@@ -27,7 +27,6 @@ pub(super) struct Series {
     pub factor: f64,
 }
 
-/// The role of a column.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum ColumnRole {
     /// Positions of targets, with the factor to mm or deg.
@@ -83,7 +82,6 @@ pub(super) struct ImportHeader {
     paired: bool,
 }
 
-/// The title of a column.
 struct Title {
     cell: String,
     name: String,
@@ -273,7 +271,6 @@ impl HeaderReader<'_> {
         }
     }
 
-    /// Returns the form of the table.
     fn form(&self, titles: &[Title]) -> TableForm {
         let is_channel = |title: &Title| channels::channel(&title.name, self.layout).is_some();
         match (&self.wanted.columns, self.wanted.mounting) {
@@ -590,7 +587,6 @@ fn unused_column(title: &Title, role: &ColumnRole) -> Option<UnusedColumn> {
     (!title.is_empty()).then(|| UnusedColumn { title: title.to_owned(), reason: reason.to_owned(), known })
 }
 
-/// Returns the form of a table by its titles.
 fn form(titles: &[Title]) -> TableForm {
     let has = |word: &str| titles.iter().any(|title| title.lower == word);
     let is_error = |title: &Title| title.error().is_some() && split_direction(&title.name).0.len() >= 3;

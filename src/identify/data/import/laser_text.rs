@@ -78,7 +78,6 @@ pub(super) fn read(
     gather::finish(import, wanted, if beside { &[0] } else { &[] }, place)
 }
 
-/// Reads section by section.
 fn contents(lines: &[SheetLine]) -> Result<Contents, Box<Diagnostic>> {
     let mut found = Contents::default();
     let (mut current, mut list) = (String::new(), String::new());
@@ -117,7 +116,6 @@ fn contents(lines: &[SheetLine]) -> Result<Contents, Box<Diagnostic>> {
     Ok(found)
 }
 
-/// Returns the axis, the error and the unit.
 fn quantity(
     contents: &Contents,
     wanted: &ImportRequest,

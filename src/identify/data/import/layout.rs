@@ -136,7 +136,6 @@ pub(super) const GENERAL: ExportLayout = ExportLayout {
     letters: [(&['f', 'v'], Forward), (&['r'], Reverse)],
 };
 
-/// Returns the words of a title.
 pub(super) fn words(title: &str) -> impl Iterator<Item = &str> {
     title.split(|c: char| !c.is_alphabetic()).filter(|word| !word.is_empty())
 }

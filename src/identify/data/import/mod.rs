@@ -41,7 +41,6 @@ use crate::syntax::Files;
 use crate::syntax::sheet::{SheetLine, read_sheet};
 use std::path::Path;
 
-/// Most rows of a file.
 const MAX_ROWS: usize = 200_000;
 
 /// Reads an export; what cannot be understood as a whole is refused, single rows are left out.

@@ -38,7 +38,6 @@ pub struct ImportRequest {
 }
 
 impl ImportRequest {
-    /// Returns the factor of values.
     pub(super) fn sign(&self) -> f64 {
         if self.contents == Some(FileContents::Corrections) { -1.0 } else { 1.0 }
     }
@@ -48,12 +47,10 @@ impl ImportRequest {
         self.error.as_deref().map(|error| format!(" of `{}`", shown(error))).unwrap_or_default()
     }
 
-    /// Returns the error that is requested, if it is one.
     pub(super) fn error_id(&self) -> Option<ErrorId> {
         self.error.as_deref().and_then(parse_component_error)
     }
 
-    /// True if another error is requested.
     pub(super) fn excludes(&self, error: &ErrorId) -> bool {
         self.error_id().is_some_and(|wanted| wanted != *error)
     }

@@ -23,7 +23,6 @@ impl ReadingUnit {
     }
 }
 
-/// Returns the unit of readings with this name.
 pub(super) fn reading_unit(unit: &str) -> Result<ReadingUnit, ExportFailure> {
     let found = units::unit(unit).map(|(factor, dimension)| ReadingUnit { factor, dimension });
     found.map_err(|_| ExportFailure::NotUnit(unit.to_owned()))
@@ -39,12 +38,10 @@ pub(super) fn position_unit(unit: &str) -> Result<(bool, f64), ExportFailure> {
     }
 }
 
-/// Returns the component error with this name.
 pub(super) fn component_error(name: &str) -> Result<ErrorId, ExportFailure> {
     parse_component_error(name).ok_or_else(|| ExportFailure::NotComponentError(name.to_owned()))
 }
 
-/// Refuses an error of another axis.
 pub(super) fn own_axis(error: &ErrorId, axis: &str) -> Result<(), ExportFailure> {
     let own = error.axis.to_string().eq_ignore_ascii_case(axis);
     if own { Ok(()) } else { Err(ExportFailure::ErrorOfOtherAxis(error.clone(), axis.to_owned())) }

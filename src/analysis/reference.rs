@@ -1,0 +1,274 @@
+//! The reference: the rigid motion g of the part that its set-up takes out of the deviations.
+//!
+//! g is linear in the deviations of the functional point at some reference points, each with a gain
+//! ([`PartReference`]), so it is taken from the effect of every error before any statistic: position d - (t + w x p),
+//! orientation deviation - w, with p the place of the functional point on the part. With the exact model g is a finite
+//! motion: it is the one whose removal leaves deviations of which the linear g is zero. Vectors are in the unturned
+//! workpiece frame, from the workpiece origin.
+
+use crate::algebra::{exp_hat, rotation_vector};
+use crate::evaluate::{Batch, Columns, Deviation, Field, Order, Output, error_by_error};
+use crate::lower::NominalPose;
+use crate::machine::{ErrorId, Machine, OperatingConditions, OperatingPoint, Pose};
+use nalgebra::{DMatrix, Matrix3, Matrix6x3, SymmetricEigen, Vector3, Vector6};
+use rayon::prelude::*;
+
+/// Below this part of the largest, a direction of the points does not determine a rotation.
+const RANK: f64 = 1e-9;
+
+/// Below this ratio of singular values, in units of the size of the part, six datum points do not determine a motion.
+const DATUM_RANK: f64 = 1e-4;
+
+/// Maximum number of iterations for a finite motion; errors are small, so three or four do.
+const MAX_ITERATIONS: usize = 20;
+
+/// A small rigid motion of the part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidMotion {
+    /// Translation t of the workpiece origin, mm.
+    pub translation: Vector3<f64>,
+    /// Rotation vector w, rad.
+    pub rotation: Vector3<f64>,
+    /// True if it is a finite motion, false if it is of first order.
+    finite: bool,
+}
+
+impl RigidMotion {
+    /// The motion that moves nothing.
+    pub const NONE: Self =
+        Self { translation: Vector3::new(0.0, 0.0, 0.0), rotation: Vector3::new(0.0, 0.0, 0.0), finite: false };
+
+    fn linear(of: &Vector6<f64>) -> Self {
+        let [translation, rotation] = [of.fixed_rows::<3>(0).into_owned(), of.fixed_rows::<3>(3).into_owned()];
+        Self { translation, rotation, finite: false }
+    }
+
+    /// Returns a deviation (mm, rad) at a place `tip` of the part (mm) without the motion.
+    pub fn removed_from(&self, deviation: &Deviation, tip: &Vector3<f64>) -> Deviation {
+        let Self { translation, rotation, finite } = *self;
+        if !finite {
+            let position = deviation.position - translation - rotation.cross(tip);
+            return Deviation { position, rotation: deviation.rotation - rotation };
+        }
+        let back = exp_hat(&(-rotation).into());
+        let position = back * (deviation.position - translation) + (back * tip - tip);
+        Deviation { position, rotation: rotation_after(&-rotation, &deviation.rotation) }
+    }
+}
+
+/// Returns the rotation vector of a small rotation that is followed by another.
+fn rotation_after(second: &Vector3<f64>, first: &Vector3<f64>) -> Vector3<f64> {
+    rotation_vector(&(exp_hat(&(*second).into()) * exp_hat(&(*first).into())))
+}
+
+/// A reference point: where deviations of the functional point make the motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReferencePoint {
+    /// The pose of the machine there (mm, deg).
+    pub pose: Pose,
+    /// The functional point there, mm.
+    pub tip: Vector3<f64>,
+    /// Translation and rotation of the motion per mm of deviation.
+    pub gain: Matrix6x3<f64>,
+}
+
+/// What the set-up of a part takes out on a machine, as a linear function of deviations at reference points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PartReference {
+    points: Vec<ReferencePoint>,
+}
+
+/// Datum points that do not determine the part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DatumRank {
+    /// Number of motions that they determine, fewer than 6.
+    pub rank: usize,
+}
+
+impl PartReference {
+    /// Returns the zero of a part that is probed at one pose (mm, deg): three translations.
+    pub fn zero(machine: &Machine, pose: Pose) -> Self {
+        let tip = tip_at(machine, &pose);
+        Self { points: vec![ReferencePoint { pose, tip, gain: gain(&tip, Matrix3::identity(), Matrix3::zeros()) }] }
+    }
+
+    /// Returns the zero probed at the first pose with the rotation about an axis (unit vector) that a second point
+    /// gives; `None` if the second point lies on the axis through the first.
+    pub fn aligned_zero(machine: &Machine, [first, second]: [Pose; 2], axis: &Vector3<f64>) -> Option<Self> {
+        let [from, to] = [&first, &second].map(|pose| tip_at(machine, pose));
+        let lever = axis.cross(&(to - from));
+        let square = lever.norm_squared();
+        if square <= f64::EPSILON * (to - from).norm_squared() || square == 0.0 {
+            return None;
+        }
+        let turn = axis * lever.transpose() / square;
+        let point = |pose: Pose, tip: Vector3<f64>, translation: Matrix3<f64>, turn: Matrix3<f64>| ReferencePoint {
+            pose,
+            tip,
+            gain: gain(&from, translation, turn),
+        };
+        let points = vec![point(first, from, Matrix3::identity(), -turn), point(second, to, Matrix3::zeros(), turn)];
+        Some(Self { points })
+    }
+
+    /// Returns the frame of six datum points, 3-2-1, each probed along its normal (unit vector) at a pose (mm, deg).
+    pub fn datum(machine: &Machine, poses: Vec<Pose>, normals: &[Vector3<f64>]) -> Result<Self, DatumRank> {
+        let tips: Vec<Vector3<f64>> = poses.iter().map(|pose| tip_at(machine, pose)).collect();
+        let centre = tips.iter().sum::<Vector3<f64>>() / tips.len().max(1) as f64;
+        let size = tips.iter().map(|tip| (tip - centre).norm()).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+        let row = |i: usize, k: usize| {
+            if k < 3 { normals[i][k] } else { ((tips[i] - centre) / size).cross(&normals[i])[k - 3] }
+        };
+        let svd = DMatrix::from_fn(tips.len(), 6, row).svd(true, true);
+        let largest = svd.singular_values.max();
+        let rank = svd.singular_values.iter().filter(|s| **s > DATUM_RANK * largest).count();
+        let inverse = svd.pseudo_inverse(DATUM_RANK * largest).ok().filter(|_| rank == 6 && tips.len() == 6);
+        let Some(inverse) = inverse else { return Err(DatumRank { rank: rank.min(5) }) };
+        let point = |(i, (pose, tip)): (usize, (Pose, Vector3<f64>))| {
+            let column = |first: usize, scale: f64| Vector3::from_fn(|k, _| inverse[(first + k, i)] / scale);
+            let normal = normals[i].transpose();
+            ReferencePoint { pose, tip, gain: gain(&centre, column(0, 1.0) * normal, column(3, size) * normal) }
+        };
+        Ok(Self { points: poses.into_iter().zip(tips).enumerate().map(point).collect() })
+    }
+
+    /// Returns the best fit over poses (mm, deg): the motion that leaves the least sum of squared position deviations.
+    /// A rotation that the places do not determine is zero.
+    pub fn best_fit(machine: &Machine, poses: &[Pose]) -> Self {
+        let tips: Vec<Vector3<f64>> = poses.par_iter().map(|pose| tip_at(machine, pose)).collect();
+        let part = 1.0 / tips.len().max(1) as f64;
+        let centre = tips.iter().sum::<Vector3<f64>>() * part;
+        let inertia = tips.iter().fold(Matrix3::zeros(), |sum, tip| {
+            let arm = tip - centre;
+            sum + Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()
+        });
+        let inverse = pseudo_inverse(inertia);
+        let point = |(pose, tip): (&Pose, Vector3<f64>)| {
+            let turn = inverse * (tip - centre).cross_matrix();
+            ReferencePoint { pose: pose.clone(), tip, gain: gain(&centre, Matrix3::identity() * part, turn) }
+        };
+        Self { points: poses.iter().zip(tips).map(point).collect() }
+    }
+
+    /// Returns the reference points.
+    pub fn points(&self) -> &[ReferencePoint] {
+        &self.points
+    }
+
+    /// Returns the motion of first order by deviations of the functional point (mm) at the reference points.
+    pub fn motion(&self, positions: impl IntoIterator<Item = Vector3<f64>>) -> RigidMotion {
+        let sum = self.points.iter().zip(positions).fold(Vector6::zeros(), |sum, (point, d)| sum + point.gain * d);
+        RigidMotion::linear(&sum)
+    }
+
+    /// Returns the finite motion by deviations of the functional point (mm) at the reference points.
+    fn finite_motion(&self, positions: &[Vector3<f64>]) -> RigidMotion {
+        let mut motion = RigidMotion { finite: true, ..self.motion(positions.iter().copied()) };
+        for _ in 0..MAX_ITERATIONS {
+            let left = self.points.iter().zip(positions).map(|(point, position)| {
+                let deviation = Deviation { position: *position, rotation: Vector3::zeros() };
+                motion.removed_from(&deviation, &point.tip).position
+            });
+            let RigidMotion { translation, rotation, .. } = self.motion(left);
+            // The motion is followed by what is left, on the part.
+            motion.translation += exp_hat(&motion.rotation.into()) * translation;
+            motion.rotation = rotation_after(&motion.rotation, &rotation);
+            if translation.amax() <= 1e-12 && rotation.amax() <= 1e-15 {
+                break;
+            }
+        }
+        motion
+    }
+
+    /// Returns the motion by a field, finite if its errors are followed exactly.
+    pub fn motion_of(&self, field: &dyn Field, order: Order, conditions: OperatingConditions) -> RigidMotion {
+        let at = |point: &ReferencePoint| field.deviation(&conditions.at_pose(&point.pose)).position;
+        let positions: Vec<Vector3<f64>> = self.points.par_iter().map(at).collect();
+        match order {
+            Order::Exact => self.finite_motion(&positions),
+            Order::Degree(_) => self.motion(positions),
+        }
+    }
+}
+
+/// The effects of errors that have values, to first order, without what the set-up of the part takes out.
+pub struct ErrorEffects<'a> {
+    machine: &'a Machine,
+    conditions: OperatingConditions,
+    /// What is taken out of each; empty without a set-up.
+    motions: Vec<RigidMotion>,
+}
+
+impl<'a> ErrorEffects<'a> {
+    /// Returns the effects of the errors of a machine in some conditions.
+    pub fn new(machine: &'a Machine, conditions: OperatingConditions, reference: Option<&PartReference>) -> Self {
+        let of = |reference: &PartReference| {
+            let at = |point: &ReferencePoint| error_by_error(machine, &conditions.at_pose(&point.pose));
+            let rows: Vec<_> = reference.points.par_iter().map(at).collect();
+            let errors = 0..rows.first().map_or(0, Vec::len);
+            errors.map(|i| reference.motion(rows.iter().map(|row| row[i].1.position))).collect()
+        };
+        Self { machine, conditions, motions: reference.map_or_else(Vec::new, of) }
+    }
+
+    /// Returns the effects at a pose (mm, deg), in the order of [`Machine::errors`].
+    pub fn at(&self, pose: &[f64]) -> Vec<(ErrorId, Deviation)> {
+        let mut effects = error_by_error(self.machine, &self.conditions.at_pose(pose));
+        if !self.motions.is_empty() {
+            let tip = tip_at(self.machine, pose);
+            effects.iter_mut().zip(&self.motions).for_each(|((_, d), motion)| *d = motion.removed_from(d, &tip));
+        }
+        effects
+    }
+}
+
+/// Returns the place of the functional point on the part at a pose (mm, deg), unturned workpiece frame.
+pub fn tip_at(machine: &Machine, pose: &[f64]) -> Vector3<f64> {
+    NominalPose::at(machine, pose).pose.translation
+}
+
+/// Returns the gain of a motion that translates a point and turns about it.
+fn gain(about: &Vector3<f64>, translation: Matrix3<f64>, turn: Matrix3<f64>) -> Matrix6x3<f64> {
+    let at_origin = translation + about.cross_matrix() * turn;
+    Matrix6x3::from_fn(|i, k| if i < 3 { at_origin[(i, k)] } else { turn[(i - 3, k)] })
+}
+
+/// Returns the inverse of a moment of inertia on the axes that it determines.
+fn pseudo_inverse(inertia: Matrix3<f64>) -> Matrix3<f64> {
+    let SymmetricEigen { eigenvectors, eigenvalues } = inertia.symmetric_eigen();
+    let least = RANK * eigenvalues.max();
+    let inverse = eigenvalues.map(|value| if value > least { 1.0 / value } else { 0.0 });
+    eigenvectors * Matrix3::from_diagonal(&inverse) * eigenvectors.transpose()
+}
+
+/// A field without a motion of the part.
+pub struct ReferencedField<'a> {
+    field: &'a dyn Field,
+    motion: RigidMotion,
+}
+
+impl<'a> ReferencedField<'a> {
+    /// Returns the field without what the set-up of the part takes out in some conditions.
+    pub fn new(field: &'a dyn Field, reference: &PartReference, order: Order, conditions: OperatingConditions) -> Self {
+        Self { field, motion: reference.motion_of(field, order, conditions) }
+    }
+}
+
+impl Field for ReferencedField<'_> {
+    fn machine(&self) -> &Machine {
+        self.field.machine()
+    }
+
+    fn deviation(&self, at: &OperatingPoint<'_>) -> Deviation {
+        self.motion.removed_from(&self.field.deviation(at), &tip_at(self.field.machine(), at.axes))
+    }
+
+    fn deviations(&self, poses: &Batch<'_>, conditions: OperatingConditions, mut out: Output<'_>) {
+        let mut columns = Columns::new(out.len());
+        self.field.deviations(poses, conditions, columns.output(out.len()));
+        for i in 0..out.len() {
+            let tip = tip_at(self.field.machine(), &poses.pose(i));
+            out.put(i, &self.motion.removed_from(&columns.get(i), &tip));
+        }
+    }
+}

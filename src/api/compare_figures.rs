@@ -1,0 +1,196 @@
+//! The figures of machines side by side with one reference, and the verdicts on them.
+
+use super::bounded::DrawnBounds;
+use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
+use super::compare::{Bounded, CompareOptions};
+use crate::analysis::Comparison;
+use crate::analysis::budget::{Verdict, VersusFirst};
+use crate::analysis::figure_bands::{ComparedBands, compared_bands};
+use crate::analysis::reference::PartReference;
+use crate::evaluate::{Difference, Field, Order, Statistics, Summary};
+use crate::job::job_file::Job;
+use crate::job::machine_file::{MachineFile, order_of};
+use crate::job::over::Over;
+use crate::job::reference::{Reference, SetUp, unzeroed};
+use crate::machine::{Machine, Pose};
+use crate::run::{Call, Refused};
+
+/// Machines side by side without the rigid motion of the part that fits the deviations of each best.
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
+pub struct FittedComparison {
+    /// What it is over.
+    pub over: Over,
+    /// The machines in their order.
+    pub machines: Vec<FittedMachine>,
+    /// The 95 % value of the position of each machine but the first, minus that of the first, where budgets are
+    /// compared.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub versus_first_p95_um: Vec<VersusFirst>,
+}
+
+/// One machine of a comparison without the best fit.
+#[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
+pub struct FittedMachine {
+    /// Statistics of the deviation of the functional point, um.
+    pub position_um: Summary,
+    /// Statistics of the deviation of the orientation of the tool, urad.
+    pub rotation_urad: Summary,
+    /// The statistics minus those of the first machine; none where of only one of the two nothing is measured.
+    pub minus_first: Option<Difference>,
+    /// The 95 % value of its budget, um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub budget_p95_um: Option<f64>,
+}
+
+/// The verdict on a machine.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct MachineVerdict {
+    /// Number of the machine, from 1.
+    pub machine: usize,
+    /// Its 95 % value against that of the first; none where that depends on the reference, or is not known.
+    pub verdict: Option<Verdict>,
+    /// The reason why there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+/// Machines on the same work, whatever the reference.
+pub(crate) struct Alike<'a> {
+    pub files: &'a [MachineFile],
+    pub fields: &'a [&'a dyn Field],
+    /// Each machine with its poses for the work.
+    pub sides: &'a [(&'a Machine, Vec<Pose>)],
+    pub options: &'a CompareOptions,
+}
+
+/// The figures of machines with one reference.
+pub(crate) struct Figures {
+    pub comparison: Comparison,
+    pub bounded: Vec<Option<Bounded>>,
+    pub budgets: Option<ComparedBudgets>,
+    pub uncertainty: Option<Vec<ComparedBands>>,
+    /// Number of machines drawn.
+    pub samples: usize,
+}
+
+/// Returns the set-ups of the part on all machines, each at its poses for the work. A job without a reference is zeroed
+/// at its origin; where a machine does not reach that, all are in machine coordinates, and the reason is returned.
+pub(crate) fn set_ups(
+    call: &mut Call<'_>,
+    files: &[MachineFile],
+    sides: &[(&Machine, Vec<Pose>)],
+    asked: Option<&Reference>,
+    job: Option<&Job>,
+) -> Result<(Vec<SetUp>, Option<String>), Refused> {
+    let stated = job.map_or_else(|| asked.cloned(), |job| job.stated(asked));
+    let is_stated = stated.is_some();
+    let Some(reference) = stated.or_else(|| job.map(Job::zero)) else {
+        return Ok((vec![SetUp::machine(); files.len()], None));
+    };
+    let mut list = Vec::new();
+    for ((machine, poses), file) in sides.iter().zip(files) {
+        match SetUp::new(machine, &reference, poses) {
+            Ok(set_up) => list.push(set_up),
+            Err(refusal) if is_stated => {
+                return call.about(file.path(), |call| call.refuse(refusal));
+            }
+            Err(reason) => {
+                call.about(file.path(), |call| call.warn(unzeroed(&reason)));
+                call.check()?;
+                return Ok((vec![SetUp::machine(); files.len()], Some(reason.message)));
+            }
+        }
+    }
+    Ok((list, None))
+}
+
+/// Returns what is taken out on each machine.
+pub(crate) fn removed(set_ups: &[SetUp]) -> Vec<Option<&PartReference>> {
+    set_ups.iter().map(SetUp::removed).collect()
+}
+
+impl Alike<'_> {
+    /// Returns the figures of a comparison with set-ups.
+    pub(crate) fn figures(
+        &self,
+        call: &mut Call<'_>,
+        comparison: Comparison,
+        set_ups: &[SetUp],
+    ) -> Result<Figures, Refused> {
+        let Self { files, fields, sides, options } = self;
+        let (references, conditions) = (removed(set_ups), options.approach.into());
+        let orders: Vec<Order> = files.iter().map(|file| order_of(file, options.order)).collect();
+        let comparison = comparison.without(fields, &references, &orders, conditions);
+        let max_samples = options.max_samples.unwrap_or_else(|| options.samples.saturating_mul(8));
+        let (samples, seed, tolerances) = (options.samples, options.seed, &options.tolerances);
+        let names: Vec<&str> = files.iter().map(MachineFile::path).collect();
+        let drawn = DrawnMachines { tolerances, files: &names, samples, max_samples, seed, references: &references };
+        let budgets = budgets(call, sides, drawn)?;
+        let samples = budgets.as_ref().map_or(samples, |budgets| budgets.drawing.samples);
+        let mut bounded = Vec::new();
+        for (((machine, poses), file), reference) in sides.iter().zip(*files).zip(&references) {
+            let of = call.about(file.path(), |call| DrawnBounds::of(call, machine, (tolerances, samples, seed)))?;
+            bounded.push(of.map(|of| Bounded::new(call, &of.without(*reference), machine, poses)).transpose()?);
+        }
+        call.check()?;
+        // Figures from bounds have no uncertainty: they are one.
+        let measured = bounded.iter().all(Option::is_none);
+        let bands = || compared_bands(sides, &comparison, conditions, seed, &references);
+        let uncertainty = if measured { bands() } else { None };
+        Ok(Figures { comparison, bounded, budgets, uncertainty, samples })
+    }
+}
+
+impl Figures {
+    fn statistics(&self, index: usize) -> Statistics {
+        match &self.bounded[index] {
+            Some(of) => of.figures.statistics(self.comparison.common.len()),
+            None => self.comparison.machines[index].statistics,
+        }
+    }
+
+    /// Returns the statistics of a machine minus those of the first, where both are alike.
+    fn minus_first(&self, index: usize) -> Option<Difference> {
+        let is_alike = self.bounded[index].is_some() == self.bounded[0].is_some();
+        is_alike.then(|| self.statistics(index).minus(&self.statistics(0)))
+    }
+
+    /// Returns the figures as those without a best fit.
+    pub(crate) fn compared(&self, over: Over) -> FittedComparison {
+        let p95 = |i: usize| self.budgets.as_ref().map(|of| of.machines[i].position_um.monte_carlo.p95);
+        let one = |i: usize| {
+            let Statistics { position_um, rotation_urad, .. } = self.statistics(i);
+            FittedMachine { position_um, rotation_urad, minus_first: self.minus_first(i), budget_p95_um: p95(i) }
+        };
+        let machines = (0..self.bounded.len()).map(one).collect();
+        let versus_first_p95_um = self.budgets.as_ref().map_or_else(Vec::new, |of| of.versus_first_p95_um.clone());
+        FittedComparison { over, machines, versus_first_p95_um }
+    }
+
+    /// Returns the verdict of these figures on a machine: that of its budget, or else of its measured errors.
+    fn own_verdict(&self, index: usize) -> Option<Verdict> {
+        if let Some(of) = &self.budgets {
+            return of.versus_first_p95_um.get(index - 1).map(|versus| versus.verdict);
+        }
+        let difference = Verdict::of_difference(self.minus_first(index)?.position_um.p95);
+        match &self.uncertainty {
+            Some(bands) if !bands[index].told_apart => Some(Verdict::NotToldApart),
+            _ => Some(difference),
+        }
+    }
+
+    /// Returns the verdict on a machine, on which a best fit must agree if there is one. `unzeroed` is the reason why
+    /// the machines have no common zero.
+    pub(crate) fn verdict(&self, fitted: Option<&Self>, index: usize, unzeroed: Option<&str>) -> MachineVerdict {
+        let (own, best_fit) = (self.own_verdict(index), fitted.map(|of| of.own_verdict(index)));
+        let reason = match (unzeroed, own, best_fit.flatten()) {
+            (Some(unzeroed), ..) => Some(format!("no reference point that all machines reach: {unzeroed}")),
+            (None, None, _) => Some("only one of the two has measured errors".to_owned()),
+            (None, Some(own), Some(fit)) if own != fit => {
+                Some(format!("{} in machine coordinates, {} with the best fit", own.words(), fit.words()))
+            }
+            _ => None,
+        };
+        MachineVerdict { machine: index + 1, verdict: own.filter(|_| reason.is_none()), reason }
+    }
+}

@@ -1,0 +1,147 @@
+//! A job: the tool poses of a part, where the part lies, and what its set-up takes out.
+
+use super::reference::{Reference, ReferenceEntry, SetUp};
+use super::tool_poses::{self, ToolPoses};
+use crate::algebra::rotation_about;
+use crate::diagnostic::{Diagnostic, Reason, codes, shown};
+use crate::machine::{Machine, Pose, sin_cos_degrees};
+use crate::run::{Call, Refused};
+use crate::syntax::{from_yaml, read_text};
+use nalgebra::{Matrix3, Vector3};
+use std::path::{Path, PathBuf};
+
+/// A job file.
+#[derive(Debug, Clone, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JobFile {
+    /// The file of the tool poses, from the folder of the job file.
+    tool_poses: PathBuf,
+    /// Where the part lies on the workpiece frame.
+    #[serde(default)]
+    place: Placement,
+    /// What the set-up takes out.
+    reference: Option<ReferenceEntry>,
+    /// True if the tool poses are one continuous path.
+    path: Option<bool>,
+    /// Name of the tool.
+    tool: Option<String>,
+}
+
+/// The place of a part on the workpiece frame: a point p of the part lies at origin + Rz(c) Ry(b) Rx(a) p.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Placement {
+    /// Origin of the part, mm.
+    pub origin: [f64; 3],
+    /// Rotations about X, then Y, then Z of the workpiece frame, deg.
+    pub rotation: [f64; 3],
+}
+
+impl Placement {
+    fn turn(&self) -> Matrix3<f64> {
+        let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let turns = units.iter().zip(self.rotation);
+        turns.fold(Matrix3::identity(), |before, (about, deg)| rotation_about(about, sin_cos_degrees(deg)) * before)
+    }
+
+    /// Returns a point of the part (mm) in the workpiece frame.
+    pub(crate) fn point(&self, point: Vector3<f64>) -> Vector3<f64> {
+        if *self == Self::default() { point } else { Vector3::from(self.origin) + self.turn() * point }
+    }
+
+    /// Returns a direction of the part in the workpiece frame.
+    pub(crate) fn direction(&self, direction: Vector3<f64>) -> Vector3<f64> {
+        if *self == Self::default() { direction } else { self.turn() * direction }
+    }
+}
+
+/// A job on a machine.
+#[derive(Debug, Clone)]
+pub(crate) struct Job {
+    /// Its tool poses, workpiece frame.
+    pub poses: ToolPoses,
+    /// True if it is one continuous path, false if not; `None` where nothing is stated.
+    pub path: Option<bool>,
+    place: Placement,
+    reference: Option<Reference>,
+}
+
+/// The files that make a job: of one of them at most the other is there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct JobPaths<'a> {
+    /// The job file.
+    pub job: Option<&'a PathBuf>,
+    /// The bare tool poses.
+    pub tool_poses: Option<&'a PathBuf>,
+}
+
+impl JobPaths<'_> {
+    /// Reads the job for a machine, which gives the rotary columns their axes; `None` without files.
+    pub(crate) fn read(self, call: &mut Call<'_>, machine: &Machine) -> Result<Option<Job>, Refused> {
+        match (self.job, self.tool_poses) {
+            (Some(_), Some(_)) => call.usage("a job file names its tool poses: omit one of the two"),
+            (Some(path), None) => {
+                let job = from_file(call, machine, path)?;
+                // Until paths are solved as a whole: nothing may pass for one that is not.
+                if job.path == Some(true) {
+                    let reason = Reason::new("`path: true`, and tool poses are taken one by one");
+                    return call.refuse(refused(path, &reason));
+                }
+                Ok(Some(job))
+            }
+            (None, Some(path)) => {
+                let poses = tool_poses::read(call, machine, path)?;
+                Ok(Some(Job { poses, path: None, place: Placement::default(), reference: None }))
+            }
+            (None, None) => Ok(None),
+        }
+    }
+}
+
+impl Job {
+    /// Returns the set-up of the part on a machine, which takes out what the options state, or else the job file, or
+    /// else the zero at the part's origin; a best fit is over the poses (mm, deg).
+    pub(crate) fn set_up(
+        &self,
+        call: &mut Call<'_>,
+        machine: &Machine,
+        asked: Option<&Reference>,
+        poses: &[Pose],
+    ) -> Result<SetUp, Refused> {
+        SetUp::of(call, machine, self.stated(asked).as_ref(), Some(&self.zero()), poses)
+    }
+
+    /// Returns what the options state, or else the job file, on the part where it lies.
+    pub(crate) fn stated(&self, asked: Option<&Reference>) -> Option<Reference> {
+        asked.or(self.reference.as_ref()).map(|reference| reference.clone().placed(self.place))
+    }
+
+    /// Returns the zero at the part's origin.
+    pub(crate) fn zero(&self) -> Reference {
+        Reference::zero().placed(self.place)
+    }
+}
+
+fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Job, Refused> {
+    let files = call.run.files;
+    let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };
+    let JobFile { tool_poses, place, reference, path: is_path, tool } = match from_yaml::<JobFile>(&text) {
+        Ok(file) => file,
+        Err(failure) => return call.refuse(refused(path, &Reason::new(failure))),
+    };
+    if let Some(tool) = tool.filter(|tool| *tool != machine.tool().name) {
+        let message = format!("the job is for the tool `{}`", shown(&tool));
+        return call.refuse(refused(path, &Reason::new(message)).help(format!("choose it: `--tool {}`", shown(&tool))));
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut poses = tool_poses::read(call, machine, &folder.join(tool_poses))?;
+    poses.put(&place);
+    Ok(Job { poses, path: is_path, place, reference: reference.map(|ReferenceEntry(reference)| reference) })
+}
+
+fn refused(path: &Path, failure: &Reason) -> Diagnostic {
+    let message = format!("`{}`: {}", shown(&path.display().to_string()), shown(&failure.to_string()));
+    let help = "a job has `tool_poses`, and may have `place`, `reference`, `path` and `tool`; docs/formats/jobs.md has an \
+                example";
+    Diagnostic::new(codes::E0851, message).help(help)
+}

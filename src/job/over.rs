@@ -1,0 +1,56 @@
+//! The statement of what a result is over: a volume or a job, its reference, its poses, its tool.
+
+use super::reference::{Reference, ReferenceKind};
+use crate::machine::Machine;
+
+/// What poses are of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OverKind {
+    /// The volume of the machine.
+    Volume,
+    /// The tool poses of a part.
+    Job,
+}
+
+/// What a result is over.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct Over {
+    /// A volume or a job.
+    pub kind: OverKind,
+    /// What the set-up of the part takes out.
+    pub reference: ReferenceKind,
+    /// True if the poses are one continuous path.
+    pub path: bool,
+    /// Number of poses asked for.
+    pub poses: usize,
+    /// Number of poses that are reached.
+    pub reached: usize,
+    /// Name of the tool; empty where the machine has one without a name.
+    pub tool: String,
+    /// The reference in words.
+    #[serde(skip)]
+    words: String,
+}
+
+impl Over {
+    /// Returns the statement for poses of a machine, single ones.
+    pub(crate) fn new(kind: OverKind, machine: &Machine, reference: &Reference, [poses, reached]: [usize; 2]) -> Self {
+        let (tool, words) = (machine.tool().name.clone(), reference.to_string());
+        Self { kind, reference: reference.kind, path: false, poses, reached, tool, words }
+    }
+
+    /// Returns the statement in one line, such as `Over a job of 300 tool poses, 298 reached, single poses; reference:
+    /// zero at (0, 0, 0) along (0, 0, 1); tool: short`.
+    pub fn line(&self) -> String {
+        let of = match self.kind {
+            OverKind::Volume => format!("the volume, {} poses", self.reached),
+            OverKind::Job => {
+                let path = if self.path { "one path" } else { "single poses" };
+                format!("a job of {} tool poses, {} reached, {path}", self.poses, self.reached)
+            }
+        };
+        let tool = if self.tool.is_empty() { "that of the file" } else { &self.tool };
+        format!("Over {of}; reference: {}; tool: {tool}", self.words)
+    }
+}

@@ -1,0 +1,373 @@
+//! The reference of a job: what the set-up of its part takes out of the deviations, and how a machine probes it.
+
+use super::job_file::Placement;
+use super::tool_poses::{MissedToolPose, unit_vector};
+use crate::analysis::reference::{PartReference, ReferencedField};
+use crate::analysis::{Miss, ToolPose, Unreachable, inverse, place, rest};
+use crate::diagnostic::{Diagnostic, codes};
+use crate::evaluate::{Field, Order};
+use crate::machine::{AxisKind, Machine, OperatingConditions, Pose};
+use crate::run::{Call, Refused};
+use crate::units::{number, significant};
+use nalgebra::Vector3;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, Deserialize, Deserializer, MapAccess, Visitor};
+use std::fmt;
+use std::str::FromStr;
+
+/// Maximum number of poses over which a best fit is made.
+const MAX_FITTED: usize = 1_000_000;
+
+/// What is taken out of the deviations of a part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ReferenceKind {
+    /// Nothing: machine coordinates.
+    #[default]
+    Machine,
+    /// Three translations: the zero of the part is probed on the machine.
+    Zero,
+    /// A frame of six datum points, 3-2-1.
+    Datum,
+    /// The rigid motion with the least sum of squared position deviations over the poses.
+    BestFit,
+}
+
+impl ReferenceKind {
+    /// Returns the name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Machine => "machine",
+            Self::Zero => "zero",
+            Self::Datum => "datum",
+            Self::BestFit => "best-fit",
+        }
+    }
+}
+
+/// A reference with the points at which it is probed, part coordinates.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Reference {
+    /// What is taken out.
+    pub kind: ReferenceKind,
+    /// Point at which the zero is probed, mm.
+    pub point: [f64; 3],
+    /// Direction of the tool while the part is probed, from the tip to the holder; of any length but 0.
+    pub direction: [f64; 3],
+    /// Positions of the rotary axes while the zero is probed, deg, by name, in place of the direction; omitted axes are
+    /// at 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotary: Option<super::poses::AxisPositions>,
+    /// Rotation that a second point of the zero gives.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub align: Option<Alignment>,
+    /// The six points of a datum frame.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub datum: Vec<DatumPoint>,
+    /// Where the part lies on the workpiece frame; of a job that is stated by its file.
+    #[serde(skip)]
+    pub place: Placement,
+}
+
+/// An alignment: a second point gives the rotation about an axis through the first.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Alignment {
+    /// Direction of the axis, part coordinates.
+    pub about: [f64; 3],
+    /// The second point, mm, part coordinates.
+    pub point: [f64; 3],
+}
+
+/// A datum point: a place on the part with the normal of its surface, part coordinates.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DatumPoint {
+    /// The place, mm.
+    pub point: [f64; 3],
+    /// The normal, of any length but 0.
+    pub normal: [f64; 3],
+}
+
+impl Default for Reference {
+    fn default() -> Self {
+        Self {
+            kind: ReferenceKind::Machine,
+            point: [0.0; 3],
+            direction: [0.0, 0.0, 1.0],
+            rotary: None,
+            align: None,
+            datum: Vec::new(),
+            place: Placement::default(),
+        }
+    }
+}
+
+impl Reference {
+    /// Returns the default of a job: the zero at the part's origin, the tool along its +Z.
+    pub fn zero() -> Self {
+        Self { kind: ReferenceKind::Zero, ..Self::default() }
+    }
+
+    /// Returns the reference of a part at a place of the workpiece frame.
+    pub(crate) fn placed(self, place: Placement) -> Self {
+        Self { place, ..self }
+    }
+
+    /// Returns the best fit.
+    pub fn best_fit() -> Self {
+        Self { kind: ReferenceKind::BestFit, ..Self::default() }
+    }
+}
+
+/// In words, such as `zero at (0, 0, 0) along (0, 0, 1)`.
+impl fmt::Display for Reference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let triple = |v: &[f64; 3]| format!("({})", v.map(|x| significant(x, 6)).join(", "));
+        match self.kind {
+            ReferenceKind::Machine => f.write_str("machine coordinates"),
+            ReferenceKind::BestFit => f.write_str("best fit of the part"),
+            ReferenceKind::Datum => write!(f, "datum frame of {} points", self.datum.len()),
+            ReferenceKind::Zero => {
+                write!(f, "zero at {}", triple(&self.point))?;
+                match &self.rotary {
+                    Some(rotary) => {
+                        let list = rotary.iter().map(|(axis, q)| format!("{axis} = {}", significant(*q, 6)));
+                        write!(f, " with {}", list.collect::<Vec<_>>().join(", "))?;
+                    }
+                    None => write!(f, " along {}", triple(&self.direction))?,
+                }
+                match &self.align {
+                    Some(align) => write!(f, ", aligned about {}", triple(&align.about)),
+                    None => Ok(()),
+                }
+            }
+        }
+    }
+}
+
+/// A text that is no reference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct UnknownReference;
+
+impl fmt::Display for UnknownReference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a reference is `machine`, `zero`, `best-fit`, or `zero:X,Y,Z` with the point of the zero in mm")
+    }
+}
+
+impl std::error::Error for UnknownReference {}
+
+/// `machine`, `zero`, `best-fit`, or `zero:X,Y,Z` and `zero:X,Y,Z,I,J,K`: mm, and the direction of the tool.
+impl FromStr for Reference {
+    type Err = UnknownReference;
+
+    fn from_str(text: &str) -> Result<Self, UnknownReference> {
+        match text {
+            "machine" => return Ok(Self::default()),
+            "zero" => return Ok(Self::zero()),
+            "best-fit" => return Ok(Self::best_fit()),
+            _ => {}
+        }
+        let numbers = text.strip_prefix("zero:").ok_or(UnknownReference)?.split(',');
+        let numbers: Vec<f64> =
+            numbers.map(|x| number(x.trim()).map_err(|_| UnknownReference)).collect::<Result<_, _>>()?;
+        match numbers[..] {
+            [x, y, z] => Ok(Self { point: [x, y, z], ..Self::zero() }),
+            [x, y, z, i, j, k] => Ok(Self { point: [x, y, z], direction: [i, j, k], ..Self::zero() }),
+            _ => Err(UnknownReference),
+        }
+    }
+}
+
+/// A reference as a file states it: a text, or a mapping.
+#[derive(Debug, Clone)]
+pub(crate) struct ReferenceEntry(pub Reference);
+
+impl<'de> serde::Deserialize<'de> for ReferenceEntry {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Entry;
+        impl<'de> Visitor<'de> for Entry {
+            type Value = ReferenceEntry;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("`machine`, `zero`, `best-fit`, `zero:X,Y,Z`, or a mapping with `kind`")
+            }
+
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<ReferenceEntry, E> {
+                text.parse().map(ReferenceEntry).map_err(E::custom)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ReferenceEntry, A::Error> {
+                Reference::deserialize(MapAccessDeserializer::new(map)).map(ReferenceEntry)
+            }
+        }
+        deserializer.deserialize_any(Entry)
+    }
+}
+
+/// The set-up of a part on a machine.
+#[derive(Debug, Clone)]
+pub(crate) struct SetUp {
+    /// The reference, as it was carried out.
+    pub reference: Reference,
+    /// What it takes out; `None` in machine coordinates.
+    pub removed: Option<PartReference>,
+}
+
+impl SetUp {
+    /// The set-up that takes nothing out.
+    pub fn machine() -> Self {
+        Self { reference: Reference::default(), removed: None }
+    }
+
+    /// Returns the best fit over poses (mm, deg).
+    pub fn best_fit(machine: &Machine, poses: &[Pose]) -> Self {
+        Self { reference: Reference::best_fit(), removed: Some(PartReference::best_fit(machine, poses)) }
+    }
+
+    /// Returns the set-up of a part on a machine; a best fit is over the poses (mm, deg).
+    pub fn new(machine: &Machine, reference: &Reference, poses: &[Pose]) -> Result<Self, Diagnostic> {
+        let removed = match reference.kind {
+            ReferenceKind::Machine => None,
+            ReferenceKind::BestFit if poses.is_empty() || poses.len() > MAX_FITTED => {
+                let message = format!("a best fit is over 1 to {MAX_FITTED} poses, not {}", poses.len());
+                return Err(refuse(message, "take fewer poses, `--random 10000`, or another `--reference`"));
+            }
+            ReferenceKind::BestFit => return Ok(Self::best_fit(machine, poses)),
+            ReferenceKind::Zero => Some(zero(machine, reference)?),
+            ReferenceKind::Datum => Some(datum(machine, reference)?),
+        };
+        Ok(Self { reference: reference.clone(), removed })
+    }
+
+    /// Returns the set-up of a part by the reference asked for, or else by the default, or else none. Where the machine
+    /// does not reach the default it says so and takes machine coordinates.
+    pub fn of(
+        call: &mut Call<'_>,
+        machine: &Machine,
+        asked: Option<&Reference>,
+        default: Option<&Reference>,
+        poses: &[Pose],
+    ) -> Result<Self, Refused> {
+        match (asked, default) {
+            (Some(asked), _) => Self::new(machine, asked, poses).or_else(|refusal| call.refuse(refusal)),
+            (None, None) => Ok(Self::machine()),
+            (None, Some(default)) => Self::new(machine, default, poses).or_else(|reason| {
+                call.warn(unzeroed(&reason));
+                call.check()?;
+                Ok(Self::machine())
+            }),
+        }
+    }
+
+    /// Returns what is taken out.
+    pub fn removed(&self) -> Option<&PartReference> {
+        self.removed.as_ref()
+    }
+
+    /// Returns a field without what is taken out; `None` in machine coordinates.
+    pub fn field<'a>(
+        &self,
+        field: &'a dyn Field,
+        order: Order,
+        conditions: OperatingConditions,
+    ) -> Option<ReferencedField<'a>> {
+        Some(ReferencedField::new(field, self.removed.as_ref()?, order, conditions))
+    }
+}
+
+/// Returns the warning of a job whose part cannot be zeroed at its origin.
+pub(crate) fn unzeroed(reason: &Diagnostic) -> Diagnostic {
+    let message = format!("the deviations are in machine coordinates: {}", reason.message);
+    Diagnostic::new(codes::W0850, message)
+        .help("state a point that the machine reaches, `--reference zero:X,Y,Z`, or `--reference machine`")
+}
+
+fn refuse(message: String, help: &str) -> Diagnostic {
+    Diagnostic::new(codes::E0850, message).help(help)
+}
+
+fn zero(machine: &Machine, reference: &Reference) -> Result<PartReference, Diagnostic> {
+    let pose = probed(machine, reference, &reference.point)?;
+    let Some(align) = &reference.align else { return Ok(PartReference::zero(machine, pose)) };
+    let second = probed(machine, reference, &align.point)?;
+    let about = unturned(machine, reference, unit(&align.about, "the axis of the alignment")?);
+    PartReference::aligned_zero(machine, [pose, second], &about).ok_or_else(|| {
+        let help = "state a second point beside the axis through the first";
+        refuse("the second point of the alignment gives no rotation about its axis".to_owned(), help)
+    })
+}
+
+fn datum(machine: &Machine, reference: &Reference) -> Result<PartReference, Diagnostic> {
+    if reference.datum.len() != 6 {
+        let message = format!("a datum frame has six points, three, two and one; there are {}", reference.datum.len());
+        return Err(refuse(message, "state six points with their normals under `datum` of the reference"));
+    }
+    let poses =
+        reference.datum.iter().map(|point| probed(machine, reference, &point.point)).collect::<Result<_, _>>()?;
+    let normal =
+        |point: &DatumPoint| Ok(unturned(machine, reference, unit(&point.normal, "the normal of a datum point")?));
+    let normals = reference.datum.iter().map(normal).collect::<Result<Vec<_>, _>>()?;
+    PartReference::datum(machine, poses, &normals).map_err(|short| {
+        let message = format!("the six datum points hold {} of the six motions of the part", short.rank);
+        let help = "3-2-1: three points of a plane that are not on a line, two on a face across it, one across both";
+        refuse(message, help)
+    })
+}
+
+fn unit(vector: &[f64; 3], what: &str) -> Result<Vector3<f64>, Diagnostic> {
+    unit_vector(&Vector3::from(*vector))
+        .map_err(|_| refuse(format!("{what} is zero"), "a direction of any length but 0"))
+}
+
+/// Returns a vector of the part in the unturned workpiece frame.
+fn unturned(machine: &Machine, reference: &Reference, vector: Vector3<f64>) -> Vector3<f64> {
+    let vector = reference.place.direction(vector);
+    machine.workpiece_rotation().map_or(vector, |rotation| rotation * vector)
+}
+
+/// Returns the pose (mm, deg) at which a machine probes a point of the part (mm).
+fn probed(machine: &Machine, reference: &Reference, point: &[f64; 3]) -> Result<Pose, Diagnostic> {
+    let tip = reference.place.point(Vector3::from(*point));
+    let found = match &reference.rotary {
+        Some(rotary) => {
+            let pose = with_rotary(machine, rotary)?;
+            place(machine, &tip, &pose).and_then(|placed| {
+                if machine.beyond_travel(&placed).next().is_some() { Err(Miss::travel(placed)) } else { Ok(placed) }
+            })
+        }
+        None => {
+            let direction = unit(&reference.direction, "the direction of the tool at the reference")?;
+            inverse(machine, &ToolPose::new(tip, reference.place.direction(direction)), &rest(machine))
+        }
+    };
+    found.map_err(|miss| {
+        let why = match miss.why {
+            Unreachable::Direction => miss.why.words().to_owned(),
+            _ => MissedToolPose::new(machine, (0, None), &miss, None).words(),
+        };
+        let place = point.map(|x| significant(x, 6)).join(", ");
+        let message = format!("`{}` does not reach the reference point ({place}): {why}", machine.name());
+        refuse(message, "state a point and a direction that the machine reaches, `--reference zero:X,Y,Z,I,J,K`")
+    })
+}
+
+/// Returns the pose at rest with rotary axes at positions (deg).
+fn with_rotary(machine: &Machine, rotary: &super::poses::AxisPositions) -> Result<Pose, Diagnostic> {
+    let mut pose = rest(machine);
+    for (index, axis) in machine.axes().iter().enumerate().filter(|(_, axis)| axis.kind == AxisKind::Rotary) {
+        pose[index] = rotary.get(axis.name.as_str()).copied().unwrap_or(0.0);
+    }
+    let unknown = rotary
+        .keys()
+        .find(|name| machine.axis_index(name).is_none_or(|index| machine.axes()[index].kind != AxisKind::Rotary));
+    match unknown {
+        Some(name) => Err(refuse(
+            format!("the reference states a position of `{name}`, which is no rotary axis of the machine"),
+            "state positions of rotary axes, or a direction of the tool",
+        )),
+        None => Ok(pose),
+    }
+}
