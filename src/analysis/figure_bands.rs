@@ -1,8 +1,8 @@
 //! Intervals of the headline figures by the uncertainty that a machine file states of its errors.
 
-use super::reference::PartReference;
+use super::reference::{PartReference, RigidMotion, tip_at};
 use super::{Bands, Comparison, MachineResult, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
-use crate::evaluate::{Field, Frame, Poses, Statistics, frame_rotation};
+use crate::evaluate::{CompiledModel, Field, Frame, Poses, Statistics, frame_rotation};
 use crate::machine::{Machine, OperatingConditions, Pose};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -18,23 +18,31 @@ pub struct PoseUncertainty {
 }
 
 impl PoseUncertainty {
-    /// Returns the uncertainty at poses (mm, deg) in a frame. `None` where the machine states none.
+    /// Returns the uncertainty at poses (mm, deg) in a frame, without what a reference takes out. `None` where the
+    /// machine states none.
     pub(crate) fn at(
         machine: &Machine,
         poses: &[Pose],
         conditions: OperatingConditions,
         frame: Frame,
+        reference: Option<&PartReference>,
     ) -> Option<Vec<Self>> {
         let parts = machine.uncertain_parts();
         if parts.is_empty() {
             return None;
         }
         let models = part_models(machine, &parts, conditions);
+        let motion = |model: &CompiledModel| {
+            reference.map(|of| of.motion(of.points().iter().map(|point| model.deviation(&point.pose).position)))
+        };
+        let motions: Vec<Option<RigidMotion>> = models.iter().map(motion).collect();
         let one = |pose: &Pose| {
+            let tip = tip_at(machine, pose);
             let turned = frame_rotation(machine, pose, frame);
             let mut squares = [Vector3::zeros(); 2];
-            for model in &models {
-                let unturned = model.deviation(pose);
+            for (model, motion) in models.iter().zip(&motions) {
+                let whole = model.deviation(pose);
+                let unturned = motion.map_or(whole, |motion| motion.removed_from(&whole, &tip));
                 let effect = turned.map_or(unturned, |rotation| unturned.rotated(&rotation));
                 squares[0] += effect.position.component_mul(&effect.position);
                 squares[1] += effect.rotation.component_mul(&effect.rotation);

@@ -74,7 +74,7 @@ impl Default for BudgetOptions {
 impl BudgetOptions {
     /// Returns what drawn machines depend on.
     fn drawn_by(&self) -> impl std::fmt::Debug {
-        (self.seed, self.samples, &self.tolerances, &self.reference)
+        (self.seed, self.samples, &self.tolerances)
     }
 
     fn goal_inputs(&self) -> GoalInputs<'_> {

@@ -3,9 +3,13 @@
 use super::algebra;
 use super::effects::{ErrorEffect, Neglected, effects, inverse};
 use crate::analysis::figure_bands::PoseUncertainty;
-use crate::evaluate::{Evaluation, Frame, Order, evaluate, evaluate_over};
+use crate::analysis::{View, deviation_in};
+use crate::evaluate::{Bare, Deviation, Evaluation, Frame, Order, evaluate, evaluate_over};
+use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
+use crate::job::over::{Over, OverKind};
 use crate::job::poses::{AxisPositions, axis_positions, poses};
+use crate::job::reference::{Reference, SetUp};
 use crate::lower::WeilLift;
 use crate::machine::{Approach, Machine, OperatingConditions, Pose};
 use crate::run::{Call, Refused, Reply, Run};
@@ -22,6 +26,10 @@ pub struct EvalOptions {
     pub poses: Vec<Vec<f64>>,
     /// A CSV file of poses: a header of axis names, one pose a line, mm and deg.
     pub pose_file: Option<PathBuf>,
+    /// A job file instead of poses: the poses for its tool poses, without what its set-up takes out.
+    pub job: Option<PathBuf>,
+    /// What the set-up of the part takes out of the deviations; by default what the job says, otherwise nothing.
+    pub reference: Option<Reference>,
     /// Order of the errors; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,
     /// Side of approach, where forward and reverse curves were given.
@@ -52,6 +60,9 @@ pub struct EvalResult {
     pub direction: Approach,
     /// Name of the tool; empty for a tool without a name.
     pub tool: String,
+    /// What the result is over, for a job or a reference.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub over: Option<Over>,
     /// Units of the numbers.
     pub units: EvalUnits,
     /// The poses in their order.
@@ -92,7 +103,7 @@ pub struct PoseResult {
     pub deviation: [f64; 3],
     /// Actual minus nominal orientation of the tool, rad.
     pub rotation: [f64; 3],
-    /// `T_tool^-1 T_work`, actual minus nominal, row by row.
+    /// `T_tool^-1 T_work`, actual minus nominal, row by row; of the machine, whatever the reference.
     pub e_ve: [[f64; 4]; 4],
     /// Expanded uncertainty of the deviation, where the machine states that of its errors.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -122,7 +133,13 @@ pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run) -> Reply<EvalRe
 fn evaluate_poses(call: &mut Call, machine: &Machine, options: &EvalOptions) -> Result<EvalResult, Refused> {
     call.extend(bounded_only(machine));
     let asked = (options.at.as_slice(), options.poses.as_slice(), options.pose_file.as_ref());
-    let poses = poses(call, machine, asked)?;
+    let job = JobPaths { job: options.job.as_ref(), tool_poses: None }.read(call, machine)?;
+    let reached = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
+    let poses = match &reached {
+        Some(reached) => reached.poses.clone(),
+        None => poses(call, machine, asked)?,
+    };
+    let set_up = set_up(call, machine, options, job.as_ref(), &poses)?;
     let lift = options.algebra.as_deref().map(|text| algebra::lift(call, machine, text)).transpose()?;
     if options.inverse && lift.is_none() {
         return call.usage("displacements that undo the errors need an algebra");
@@ -133,20 +150,50 @@ fn evaluate_poses(call: &mut Call, machine: &Machine, options: &EvalOptions) -> 
         None => evaluate(machine, &conditions.at_pose(pose), order, options.frame),
     };
     let mut results: Vec<PoseResult> = poses.iter().map(|pose| result(machine, pose, &one(pose))).collect();
-    if let Some(list) = PoseUncertainty::at(machine, &poses, conditions, options.frame) {
+    let bare = Bare { machine, order };
+    if let Some(field) = set_up.field(&bare, order, conditions) {
+        let view = View { conditions, frame: options.frame };
+        results.iter_mut().zip(&poses).for_each(|(result, pose)| result.put(&deviation_in(&field, pose, view)));
+    }
+    if let Some(list) = PoseUncertainty::at(machine, &poses, conditions, options.frame, set_up.removed()) {
         results.iter_mut().zip(list).for_each(|(result, uncertainty)| result.uncertainty = Some(uncertainty));
     }
     let neglected = besides(call, machine, &poses, options, lift.as_ref(), &mut results)?;
+    let over = (job.is_some() || options.reference.is_some()).then(|| match &reached {
+        Some(of) => Over::new(OverKind::Job, machine, &set_up.reference, [of.asked, of.reached]),
+        None => Over::new(OverKind::Volume, machine, &set_up.reference, [poses.len(); 2]),
+    });
     Ok(EvalResult {
         machine: machine.name().to_owned(),
         order: lift.as_ref().map_or_else(|| order.to_string(), algebra::name),
         frame: options.frame,
         direction: options.approach,
         tool: machine.tool().name.clone(),
+        over,
         units: UNITS,
         poses: results,
         neglected,
     })
+}
+
+/// Returns the set-up of the part, of which the effects of single errors know nothing.
+fn set_up(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    options: &EvalOptions,
+    job: Option<&Job>,
+    poses: &[Pose],
+) -> Result<SetUp, Refused> {
+    let asked = options.reference.as_ref();
+    let set_up = match job {
+        Some(job) => job.set_up(call, machine, asked, poses)?,
+        None => SetUp::of(call, machine, asked, None, poses)?,
+    };
+    let effects = options.sensitivity || options.interactions || options.algebra.is_some();
+    if effects && set_up.removed().is_some() {
+        return call.usage("effects of single errors and algebras are of machine coordinates: `--reference machine`");
+    }
+    Ok(set_up)
 }
 
 /// Adds the requested results beside deviations.
@@ -173,6 +220,15 @@ fn besides(
         }
     }
     Ok(neglected)
+}
+
+impl PoseResult {
+    /// Takes another deviation.
+    fn put(&mut self, deviation: &Deviation) {
+        // Adding zero turns -0 into 0.
+        let row = |v: &Vector3<f64>| [v.x + 0.0, v.y + 0.0, v.z + 0.0];
+        (self.deviation, self.rotation) = (row(&deviation.position), row(&deviation.rotation));
+    }
 }
 
 fn result(machine: &Machine, pose: &Pose, evaluation: &Evaluation) -> PoseResult {

@@ -84,7 +84,7 @@ pub(super) struct ToolPosesArg {
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct JobArg {
     /// Take poses and reference from a job: a YAML file with `tool_poses`, `place`, `reference`.
-    #[arg(long, value_name = "FILE", conflicts_with = "tool_poses")]
+    #[arg(long, value_name = "FILE")]
     pub(super) job: Option<PathBuf>,
 }
 

@@ -65,9 +65,9 @@ pub struct Reference {
     /// The six points of a datum frame.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub datum: Vec<DatumPoint>,
-    /// Where the part lies.
+    /// Where the part lies on the workpiece frame; of a job that is stated by its file.
     #[serde(skip)]
-    place: Placement,
+    pub place: Placement,
 }
 
 /// An alignment: a second point gives the rotation about an axis through the first.

@@ -112,9 +112,11 @@ fn range(samples: usize, part: usize, parts: usize) -> Range<usize> {
 
 /// Everything that drawn machines depend on.
 fn fingerprint(division: Division<'_>, request: Request<'_>) -> String {
-    let Request { machine, bounds, poses, .. } = request;
+    let Request { machine, bounds, poses, reference, .. } = request;
     let drawn = division.drawn_by;
-    sha256(format!("{} {machine:?} {bounds:?} {poses:?} {drawn:?}", env!("CARGO_PKG_VERSION")).as_bytes())
+    let taken_out = reference.map_or_else(String::new, |reference| format!("{reference:?}"));
+    let version = env!("CARGO_PKG_VERSION");
+    sha256(format!("{version} {machine:?} {bounds:?} {poses:?} {drawn:?}{taken_out}").as_bytes())
 }
 
 /// Returns the machines of the files to merge; none without files.

@@ -15,6 +15,7 @@ use crate::evaluate::{Bare, Frame, Poses, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
+use crate::job::reference::Reference;
 use crate::job::tool_poses;
 use crate::machine::{Machine, Pose};
 use crate::report::page::{
@@ -236,7 +237,9 @@ fn own_budget(call: &mut Call, machine: &Machine, options: &ReportOptions) -> Re
         return Ok(None);
     }
     let (tolerances, samples, seed, poses) = (tolerances.clone(), *samples, *seed, *poses);
-    let options = BudgetOptions { tolerances, samples, seed, poses, ..BudgetOptions::default() };
+    // The page has no other reference.
+    let reference = Some(Reference::default());
+    let options = BudgetOptions { tolerances, samples, seed, poses, reference, ..BudgetOptions::default() };
     budget_of(call, machine, &options, None, bounded).map(Some)
 }
 

@@ -160,7 +160,18 @@ fn a_file_names_its_class_and_the_command_line_goes_over_it() {
     let work = folder.with("work.csv", "X,Y,Z,B,C\n100,100,-200,0,0\n200,150,-250,20,0\n150,100,-200,0,40\n");
     let premium = folder.with("premium.yaml", &format!("{HEAD}class: premium\n"));
     let run = |path: &std::path::Path, more: &[&str]| {
-        let fixed = ["budget", text(path), "--samples", "60", "--tool-poses", text(&work), "--format", "json"];
+        let fixed = [
+            "budget",
+            text(path),
+            "--samples",
+            "60",
+            "--reference",
+            "machine",
+            "--tool-poses",
+            text(&work),
+            "--format",
+            "json",
+        ];
         json(&[&fixed[..], more].concat())
     };
     let by_file = run(&premium, &[]);

@@ -59,7 +59,7 @@ fn two_errors_at_one_place_are_those_of_a_search_by_brute_force() {
     let path = with_errors(&folder, "EXX: { tolerance: 10 um }, EYY: { tolerance: 10 um }");
     let work = folder.with("work.csv", "X,Y,Z\n100,200,300\n");
     let cost = folder.with("cost.yaml", "weights: { EXX: 8, positioning: 1 }\n");
-    let found = goal(&path, "6 um", &["--tool-poses", text(&work), "--cost", text(&cost)]);
+    let found = goal(&path, "6 um", &["--reference", "machine", "--tool-poses", text(&work), "--cost", text(&cost)]);
     let (x, y) = (number(&of(&found, "EXX")["new"]), number(&of(&found, "EYY")["new"]));
     // Machines of our own: (x U, y V) with U and V even in -1..1.
     let mut random = Random::new(3);

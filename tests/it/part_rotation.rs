@@ -330,7 +330,7 @@ fn files_of_tool_poses_count_in_the_coordinates_of_the_part() {
     for (name, form) in forms {
         let mapped = |machine: &Path, turn: &Matrix3<f64>| -> Vec<Vec<f64>> {
             let (file, out) = (folder.with(name, &form(turn)), folder.file("map.csv"));
-            abbe(&["map", text(machine), "--tool-poses", text(&file), "--csv", text(&out)]);
+            abbe(&["map", text(machine), "--reference", "machine", "--tool-poses", text(&file), "--csv", text(&out)]);
             let text = std::fs::read_to_string(&out).unwrap();
             let cells = |line: &str| line.trim_end_matches(',').split(',').map(|c| c.parse().unwrap()).collect();
             text.lines().skip(1).map(cells).collect()
@@ -344,7 +344,8 @@ fn files_of_tool_poses_count_in_the_coordinates_of_the_part() {
         }
     }
     let none = folder.with("far.csv", "X,Y,Z,I,J,K\n0,0,9000,0,0,1\n0,0,50,0,0,1\n");
-    let output = crate::program::abbe_on(1, &["map", text(&turned), "--tool-poses", text(&none)]);
+    let output =
+        crate::program::abbe_on(1, &["map", text(&turned), "--reference", "machine", "--tool-poses", text(&none)]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("W0608"), "{output:?}");
 }
 

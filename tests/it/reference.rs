@@ -331,6 +331,35 @@ fn bounds_of_the_table_that_are_rigid_motions_vanish() {
 }
 
 #[test]
+fn the_effect_of_a_bounded_location_error_is_the_map_of_that_error() {
+    let folder = Folder::new("reference-one");
+    let work = work(&folder);
+    for error in ["EC0Y", "EA0Z", "EX0C", "EB0A", "EA0C"] {
+        let size = if error == "EX0C" { "20 um" } else { "40 urad" };
+        let value = five(&folder, "value.yaml", &format!("errors: {{ {error}: {size} }}"));
+        let bound = five(&folder, "bound.yaml", &format!("errors: {{ {error}: {{ tolerance: {size} }} }}"));
+        for reference in ["machine", "zero", "zero:20,30,-10,0,0.3,0.9", "best-fit"] {
+            let of = |verb: &str, machine: &Path, more: &[&str]| {
+                let fixed = [verb, text(machine), "--tool-poses", text(&work), "--reference", reference];
+                json(&[&fixed[..], &["--format", "json"], more].concat())
+            };
+            let map = of("map", &value, &["--order", "1"]);
+            let budget = of("budget", &bound, &["--samples", "40"]);
+            for key in ["position_um", "rotation_urad"] {
+                let (truth, found) = (number(&map[key]["max"]), &budget[key]);
+                for figure in ["worst_case", "rss"] {
+                    let found = number(&found[figure]);
+                    assert!(
+                        (found - truth).abs() < 1e-6 * truth.max(1.0),
+                        "{error} {reference} {key}: {found} {truth}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn compare_gives_a_verdict_only_where_both_references_agree() {
     let folder = Folder::new("reference-compare");
     // One has a large offset of the table and nothing else, the other small errors of form.
@@ -432,6 +461,14 @@ fn a_job_is_its_tool_poses_where_the_part_lies() {
         let _ = job(&format!("reference: {reference}\n"));
         assert!(same(figures(&["--job", job_path]), bare), "{reference}");
     }
+    let eval = json(&["eval", text(&machine), "--job", job_path, "--reference", "best-fit", "--format", "json"]);
+    let largest = eval["poses"].as_array().unwrap().iter().map(|pose| {
+        let [x, y, z] = [0, 1, 2].map(|k| number(&pose["deviation"][k]));
+        norm([x, y, z]) * 1e3
+    });
+    let best = figures(&["--job", job_path, "--reference", "best-fit"]);
+    assert!((largest.fold(0.0, f64::max) - best[0]).abs() < 1e-9, "{eval}");
+    assert_eq!((&eval["over"]["reference"], &eval["over"]["reached"]), (&"best-fit".into(), &3.into()));
     // The point of the file is one of the part: (10, 20, 3) lies at (10, -10, 8).
     let _ = job("reference: { kind: zero, point: [10, 20, 3], direction: [0.6, 0, 0.8] }\n");
     let stated = figures(&["--tool-poses", bare_path, "--reference", "zero:10,-10,8,0,0.6,0.8"]);

@@ -216,7 +216,7 @@ fn a_column_gives_the_spin() {
     }
     let file = folder.with("work.csv", &rows);
     let out = folder.file("map.csv");
-    abbe(&["map", "robots/ur5.yaml", "--tool-poses", text(&file), "--csv", text(&out)]);
+    abbe(&["map", "robots/ur5.yaml", "--reference", "machine", "--tool-poses", text(&file), "--csv", text(&out)]);
     let csv = std::fs::read_to_string(&out).unwrap();
     for line in csv.lines().skip(1) {
         let q: [f64; 6] = std::array::from_fn(|i| line.split(',').nth(i + 1).unwrap().parse::<f64>().unwrap());

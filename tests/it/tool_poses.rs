@@ -44,7 +44,18 @@ fn tips_count_from_the_workpiece_origin_and_units_are_read() {
     let file = folder
         .with("work.csv", "# exported\r\nZ [m], X [um], Y\r\n\r\n0.1, 50000, 60\r\n0.2, -10000, 0\r\n0.3, 0, -20\r\n");
     let out = folder.file("map.csv");
-    let map = json(&["map", text(&machine), "--tool-poses", text(&file), "--csv", text(&out), "--format", "json"]);
+    let map = json(&[
+        "map",
+        text(&machine),
+        "--reference",
+        "machine",
+        "--tool-poses",
+        text(&file),
+        "--csv",
+        text(&out),
+        "--format",
+        "json",
+    ]);
     let found = rows(&out);
     // Lines of the file come first: two of its seven are a comment and blank.
     assert_eq!(found.iter().map(|row| row[0]).collect::<Vec<_>>(), [4.0, 5.0, 6.0]);
@@ -61,7 +72,7 @@ fn tips_count_from_the_workpiece_origin_and_units_are_read() {
         (3, &3.into(), &0.into())
     );
     assert!((number(&map["position_um"]["max"]) - 1.6).abs() < 1e-6);
-    let said = abbe(&["map", text(&machine), "--tool-poses", text(&file)]);
+    let said = abbe(&["map", text(&machine), "--reference", "machine", "--tool-poses", text(&file)]);
     assert!(said.contains("3 poses (tool poses of ") && !said.contains("out of reach"), "{said}");
 }
 
@@ -89,7 +100,7 @@ fn rotary_columns_are_where_the_rotary_axes_go() {
         let work: String = answers["poses"].as_array().unwrap().iter().zip(&poses).map(row).collect();
         let file = folder.with("work.csv", &format!("X,Y,Z,{first} [deg],{second}\n{work}"));
         let out = folder.file("again.csv");
-        abbe(&["map", machine, "--tool-poses", text(&file), "--csv", text(&out)]);
+        abbe(&["map", machine, "--reference", "machine", "--tool-poses", text(&file), "--csv", text(&out)]);
         let again = rows(&out);
         assert_eq!(again.len(), poses.len(), "{machine}");
         for (a, b) in again.iter().zip(&poses) {
@@ -107,7 +118,7 @@ fn work_that_was_drawn_and_the_same_from_a_file_compare_alike() {
         let class = ["--class", "production", "--samples", "40", "--seed", "3", "--format", "json", "--quiet"];
         json(&[&["compare", "trunnion.yaml", "ht-b-c.yaml"], work, &class].concat())
     };
-    let (ours, theirs) = (of(&["--tool-poses", text(&file)]), of(&["--poses", "120"]));
+    let (ours, theirs) = (of(&["--reference", "machine", "--tool-poses", text(&file)]), of(&["--poses", "120"]));
     assert_eq!(ours["poses"], theirs["poses"]);
     for i in 0..2 {
         let (a, b) = (&ours["machines"][i], &theirs["machines"][i]);
@@ -163,7 +174,18 @@ fn a_budget_at_a_tool_pose_is_the_closed_form() {
     let folder = Folder::new("tool-poses-budget");
     let machine = three(&folder, "{ tolerance: 20 urad }");
     let file = folder.with("work.csv", "X,Y,Z\n0,80,0\n5,30,10\n");
-    let b = json(&["budget", text(&machine), "--tool-poses", text(&file), "--samples", "20", "--format", "json"]);
+    let b = json(&[
+        "budget",
+        text(&machine),
+        "--reference",
+        "machine",
+        "--tool-poses",
+        text(&file),
+        "--samples",
+        "20",
+        "--format",
+        "json",
+    ]);
     // Y is 20 mm more than the tip's y.
     assert!((number(&b["position_um"]["worst_case"]) - 20e-3 * 100.0).abs() < 1e-9);
     assert_eq!((&b["poses"], &b["tool_poses"]["asked"]), (&2.into(), &2.into()));
@@ -174,7 +196,17 @@ fn what_is_out_of_reach_is_named_and_what_is_wrong_refused() {
     let folder = Folder::new("tool-poses-refused");
     let machine = three(&folder, "20 urad");
     let file = folder.with("work.csv", "X,Y,Z,I,J,K\n0,0,0,0,0,1\n900,0,0,0,0,1\n0,0,0,0,1,1\n0,0,5,0,0,2e300\n");
-    let map = json(&["map", text(&machine), "--tool-poses", text(&file), "--format", "json", "--quiet"]);
+    let map = json(&[
+        "map",
+        text(&machine),
+        "--reference",
+        "machine",
+        "--tool-poses",
+        text(&file),
+        "--format",
+        "json",
+        "--quiet",
+    ]);
     assert_eq!((&map["poses"], &map["tool_poses"]["unreachable"]["total"]), (&2.into(), &2.into()));
     assert_eq!(
         map["tool_poses"]["rows"],
@@ -236,7 +268,7 @@ fn a_table_of_any_case_separator_and_unit_is_read() {
     let same = "X,Y,Z,I,J,K\n25.4,50.5,100,0,0,1\n0,60,200,0,0,1\n";
     let map = |content: &str| {
         let (work, out) = (folder.with("work.csv", content), folder.file("map.csv"));
-        abbe(&["map", text(&machine), "--tool-poses", text(&work), "--csv", text(&out)]);
+        abbe(&["map", text(&machine), "--reference", "machine", "--tool-poses", text(&work), "--csv", text(&out)]);
         let csv = std::fs::read_to_string(&out).unwrap();
         csv.lines().map(|line| line.split(',').skip(1).collect::<Vec<_>>().join(",")).collect::<Vec<_>>()
     };
@@ -260,8 +292,19 @@ fn rows_keep_their_lines_and_the_unreached_in_csv_and_json() {
     let work =
         folder.with("work.csv", "X,Y,Z,feature\n\n900,0,0,pocket\n0,0,0,pocket\n0,-30,700,\"a, b\"\n5,0,5,rib\n");
     let (csv, rows) = (folder.file("map.csv"), folder.file("map.json"));
-    let run =
-        ["map", text(&machine), "--tool-poses", text(&work), "--csv", text(&csv), "--json", text(&rows), "--quiet"];
+    let run = [
+        "map",
+        text(&machine),
+        "--reference",
+        "machine",
+        "--tool-poses",
+        text(&work),
+        "--csv",
+        text(&csv),
+        "--json",
+        text(&rows),
+        "--quiet",
+    ];
     let said = abbe(&run);
     let csv = std::fs::read_to_string(&csv).unwrap();
     let lines: Vec<&str> = csv.lines().collect();
@@ -280,7 +323,17 @@ fn rows_keep_their_lines_and_the_unreached_in_csv_and_json() {
     assert_eq!(rows[2]["beyond"][0], serde_json::json!({"axis": "Y", "by": -10.0, "unit": "mm"}));
     assert_eq!(rows[1]["axes"]["Z"], 30.0);
     // The travel that the work needs: of what is reached and what is not.
-    let map = json(&["map", text(&machine), "--tool-poses", text(&work), "--format", "json", "--quiet"]);
+    let map = json(&[
+        "map",
+        text(&machine),
+        "--reference",
+        "machine",
+        "--tool-poses",
+        text(&work),
+        "--format",
+        "json",
+        "--quiet",
+    ]);
     let travel = serde_json::json!([
         {"axis": "X", "unit": "mm", "needs": [10.0, 910.0], "has": [0.0, 400.0], "short": [0.0, 510.0]},
         {"axis": "Y", "unit": "mm", "needs": [-10.0, 20.0], "has": [0.0, 400.0], "short": [10.0, 0.0]},
@@ -298,7 +351,17 @@ fn cl_data_is_read_and_features_are_judged_one_by_one() {
     let cl = "PARTNO PLATE\n$$ ---\nUNITS/INCH\nMULTAX/ON\nRAPID\nGOTO/1,2,3,0,0,1\n$$ Pocket A\nFEDRAT/300,MMPM\n\
               GOTO/ 1, 2.0, $\n  1\nGODLTA/0,0,-1\ngoto/1,8,0 $$ Rib\nPPRINT Rib B\nGOTO/10,0,5,0,0,2\nGOTO/100,0,0\nFINI\n";
     let work = folder.with("part.cls", cl);
-    let map = json(&["map", text(&machine), "--tool-poses", text(&work), "--format", "json", "--quiet"]);
+    let map = json(&[
+        "map",
+        text(&machine),
+        "--reference",
+        "machine",
+        "--tool-poses",
+        text(&work),
+        "--format",
+        "json",
+        "--quiet",
+    ]);
     assert_eq!((&map["tool_poses"]["asked"], &map["tool_poses"]["reached"]), (&6.into(), &5.into()));
     assert_eq!(map["tool_poses"]["rows"][0]["line"], 15);
     let features = map["features"].as_array().unwrap();
@@ -318,7 +381,7 @@ fn cl_data_is_read_and_features_are_judged_one_by_one() {
     assert!(name == "EC0Y" && (um - dx(8.0, 0.0)).abs() < 1e-9, "{name} {um}");
     let ((a, of_a), (b, of_b)) = (part(&features[0], 0), part(&features[0], 1));
     assert!(a == "EB0Z" && b == "EC0Y" && (of_a - 90e-3 * 25.4).abs() < 1e-9 && (of_b + 40e-3 * 25.4).abs() < 1e-9);
-    let said = abbe(&["map", text(&machine), "--tool-poses", text(&work), "--quiet"]);
+    let said = abbe(&["map", text(&machine), "--reference", "machine", "--tool-poses", text(&work), "--quiet"]);
     assert!(said.contains("Largest deviation on each feature") && said.contains("| Pocket A | 2      |"), "{said}");
     for (content, why) in [
         ("TRACUT/1,0,0,0,0,1,0,0,0,0,1,0\nGOTO/1,2,3\n", "`TRACUT` is not followed"),

@@ -152,7 +152,8 @@ fn line(readings: usize, student: f64) {
     for q in [0.0, 260.0, 500.0] {
         let poses = folder.with("poses.csv", &format!("X,Y,Z\n{q},0,-100\n"));
         let poses = poses.to_str().unwrap();
-        let found = json(&["map", out.to_str().unwrap(), "--tool-poses", poses, "--format", "json"]);
+        let found =
+            json(&["map", out.to_str().unwrap(), "--reference", "machine", "--tool-poses", poses, "--format", "json"]);
         let (value, u) = (y + b * (q - x), (variance * (1.0 / n + (q - x).powi(2) / sxx)).sqrt());
         // The prior of 3 mm and the rounding of the file come in below this.
         near(interval(&found["uncertainty"]["position_um"]["mean"]), [value - student * u, value + student * u], 1e-3);

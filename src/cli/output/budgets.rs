@@ -3,11 +3,11 @@
 use super::budget_text::{TOTALS, TOTALS_NOTE, totals_row};
 use super::ranking::difference;
 use super::view::{errors_more, table, table_of_machines};
-use abbe::results::{ComparedBudget, ComparedBudgets, Verdict, VersusFirst};
+use abbe::results::{ComparedBudget, ComparedBudgets, MachineVerdict, Verdict, VersusFirst};
 use abbe::text::significant;
 
 /// Two tables: totals, and the part of each tolerance in the 95 % value.
-pub(crate) fn text(of: &ComparedBudgets, top: usize) -> String {
+pub(crate) fn text(of: &ComparedBudgets, verdicts: &[MachineVerdict], top: usize) -> String {
     let mut rows = table(&TOTALS);
     for (i, budget) in of.machines.iter().enumerate() {
         let _ = rows.add_row(totals_row(&format!("{} position, um", i + 1), &budget.position_um));
@@ -26,15 +26,16 @@ pub(crate) fn text(of: &ComparedBudgets, top: usize) -> String {
         counts.join(" and "),
         of.drawing.samples,
         of.drawing.distribution.name(),
-        versus_first(of),
+        versus_first(of, verdicts),
         tolerances(of, top)
     )
 }
 
 /// The differences of the 95 % values, with what can be said of them.
-fn versus_first(of: &ComparedBudgets) -> String {
+fn versus_first(of: &ComparedBudgets, verdicts: &[MachineVerdict]) -> String {
     let line = |(i, versus): (usize, &VersusFirst)| {
         let words = match versus.verdict {
+            _ if verdicts.get(i).is_some_and(|of| of.reason.is_some()) => "no verdict, as stated below".to_owned(),
             Verdict::NotToldApart => format!("not told apart with {} machines (`--max-samples`)", of.drawing.samples),
             verdict => verdict.words().to_owned(),
         };

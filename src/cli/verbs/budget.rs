@@ -20,7 +20,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
-#[command(mut_arg("job", |option| option.conflicts_with("poses")))]
+#[command(mut_arg("job", |option| option.conflicts_with_all(["poses", "tool_poses"])))]
 #[command(mut_arg("poses", |option| option.default_value("500")))]
 #[command(mut_arg("state", |option| option.requires("shard")))]
 #[command(mut_arg("shard", |option| option.conflicts_with_all(["merge", "at", "goal", "pareto", "waterfall"])))]

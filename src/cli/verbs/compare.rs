@@ -17,7 +17,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
-#[command(mut_arg("job", |option| option.conflicts_with("poses")))]
+#[command(mut_arg("job", |option| option.conflicts_with_all(["poses", "tool_poses"])))]
 pub(crate) struct Args {
     /// Two or more machine files; differences are to the first, and tool poses are drawn from its volume.
     #[arg(required = true, num_args = 2..)]
@@ -179,7 +179,7 @@ fn text(args: &Args, result: &CompareResult) -> String {
             reach.push_str(&format!("Machine {}, {}:\n{}", i + 1, side.file, reach_text(missed, travel)));
         }
     }
-    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, args.top.top));
+    let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, &result.verdicts, args.top.top));
     let errors = one_by_one(result, args.top.top);
     let reach = uncertainty(result) + &reach;
     let verdicts = best_fit(result) + &verdicts(result);

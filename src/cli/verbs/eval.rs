@@ -1,7 +1,7 @@
 //! `abbe eval`: deviation and E_VE at poses.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{AlgebraArg, FrameOption, ViewArgs, help};
+use crate::cli::arguments::{AlgebraArg, FrameOption, JobArg, ReferenceArg, ViewArgs, help};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{frame_text, length, numbers, table};
 use abbe::options::Approach;
@@ -12,6 +12,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("job", |option| option.conflicts_with_all(["at", "axis_poses"])))]
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
@@ -20,6 +21,10 @@ pub(crate) struct Args {
     at: Vec<String>,
     #[arg(long, value_name = "FILE", alias = "poses", help = help::AXIS_POSES)]
     axis_poses: Option<PathBuf>,
+    #[command(flatten)]
+    job: JobArg,
+    #[command(flatten)]
+    reference: ReferenceArg,
     #[command(flatten)]
     view: ViewArgs,
     #[command(flatten)]
@@ -43,6 +48,8 @@ impl Args {
             at: self.at.clone(),
             poses: Vec::new(),
             pose_file: self.axis_poses.clone(),
+            job: self.job.job.clone(),
+            reference: self.reference.reference.clone(),
             order: self.view.order.order,
             approach: self.view.direction.direction,
             frame: self.frame.frame,
@@ -124,7 +131,7 @@ fn text(result: &EvalResult) -> String {
         let _ = table.add_row(cells.chain([distance]).chain(micro(pose.rotation, rotation, 1e6)).collect::<Vec<_>>());
     }
     format!(
-        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}{}\n{table}\n{}{}",
+        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}{}\n{}{table}\n{}{}",
         result.machine,
         frame_text(result.frame),
         result.order,
@@ -138,6 +145,7 @@ fn text(result: &EvalResult) -> String {
             name => format!(", tool {name}"),
         },
         if result.poses.iter().any(|pose| pose.uncertainty.is_some()) { ", U (k = 2) behind \u{b1}" } else { "" },
+        result.over.as_ref().map_or_else(String::new, |over| over.line() + "\n"),
         result.poses.iter().filter_map(|pose| pose.inverse.as_ref()).map(displacements).collect::<String>(),
         effects(result)
     )

@@ -22,7 +22,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
-#[command(mut_arg("job", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
+#[command(mut_arg("job", |option| option.conflicts_with_all(["random", "low_discrepancy", "tool_poses"])))]
 pub(crate) struct Args {
     /// The machine file; its `volume` is the grid.
     machine: PathBuf,
