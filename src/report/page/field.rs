@@ -223,11 +223,14 @@ fn groups(machine: &Machine) -> Vec<LayerGroup<ErrorId>> {
     by_kind_and_axis(machine, "all", &members, alone)
 }
 
+/// Those of the errors that a condition keeps.
+type Members<'a, T> = &'a dyn Fn(&dyn Fn(&ErrorId) -> bool) -> Vec<T>;
+
 /// Groups that have members: by kind, by axis, and those given alone.
 fn by_kind_and_axis<T>(
     machine: &Machine,
     what: &str,
-    members: &dyn Fn(&dyn Fn(&ErrorId) -> bool) -> Vec<T>,
+    members: Members<'_, T>,
     alone: impl Iterator<Item = LayerGroup<T>>,
 ) -> Vec<LayerGroup<T>> {
     let kind = |id: &str, location: bool| {
