@@ -5,7 +5,7 @@
 //! volume does not move while a table turns.
 
 use super::given::MachineInput;
-use crate::analysis::budget::{Bound, BoundedLength, Draws, effects_at};
+use crate::analysis::budget::{BoundedLength, Draws, effects_at};
 use crate::analysis::{View, deviation_in, rest, space_axes};
 use crate::evaluate::{Bare, Deviation, Frame, Poses, error_by_error, evaluate, frame_rotation};
 use crate::machine::{Axis, ErrorId, ErrorTerm, Machine, Pose, axis_positions};
@@ -123,11 +123,11 @@ impl FieldData {
         let found = given.at(bounded, &Poses::Listed(nodes.clone()), Frame::Workpiece);
         let rows: Vec<Vec<f64>> = nodes.par_iter().map(|pose| effect_squares(machine, bounded, pose)).collect();
         let of = |lengths: Vec<f64>| lengths.chunks(lattice.len()).map(|at| lattice.of_lengths(at)).collect();
-        let group = |(id, label, group, members): &BoundedGroup| FieldLayer {
-            id: id.clone(),
-            label: label.clone(),
-            group,
-            at: of(rows.iter().map(|row| members.iter().map(|i| row[*i]).sum::<f64>().sqrt() * 1e3).collect()),
+        let group = |g: &LayerGroup<usize>| FieldLayer {
+            id: g.id.clone(),
+            label: g.label.clone(),
+            group: g.group,
+            at: of(rows.iter().map(|row| g.members.iter().map(|i| row[*i]).sum::<f64>().sqrt() * 1e3).collect()),
         };
         let total = |id: &str, label: &str, length: fn(&BoundedLength) -> f64| FieldLayer {
             id: id.to_owned(),
@@ -162,31 +162,12 @@ fn effect_squares(machine: &Machine, bounded: &BudgetFigures, pose: &[f64]) -> V
     squares
 }
 
-/// A choice of bounds: id, label, group, and their indices.
-type BoundedGroup = (String, String, &'static str, Vec<usize>);
-
-/// Groups of bounds by kind, by axis, and one by one.
-fn bound_groups(machine: &Machine, bounded: &BudgetFigures) -> Vec<BoundedGroup> {
-    let members = |keep: &dyn Fn(&Bound) -> bool| -> Vec<usize> {
-        bounded.bounds.iter().enumerate().filter(|(_, bound)| keep(bound)).map(|(i, _)| i).collect()
-    };
-    let kind = |id: &str, label: &str, location: bool| {
-        (id.to_owned(), label.to_owned(), "kind", members(&|bound| bound.error.is_location() == location))
-    };
-    let mut groups = vec![
-        kind("location", "RSS of all location errors", true),
-        kind("component", "RSS of all component errors", false),
-    ];
-    let mut names: Vec<String> = machine.axes().iter().map(|axis| axis.name.to_string()).collect();
-    names.extend(machine.chain().spindle().map(ToString::to_string));
-    for name in names {
-        let of_axis = members(&|bound| bound.error.axis.as_str() == name);
-        groups.push((format!("axis-{name}"), format!("RSS of all errors of {name}"), "axis", of_axis));
-    }
-    let alone = bounded.bounds.iter().enumerate();
-    groups.extend(alone.map(|(i, bound)| (bound.to_string(), format!("{bound} at its bound"), "error", vec![i])));
-    groups.retain(|(.., members)| !members.is_empty());
-    groups
+/// Groups of bounds, by their indices: by kind, by axis, and one by one.
+fn bound_groups(machine: &Machine, bounded: &BudgetFigures) -> Vec<LayerGroup<usize>> {
+    let bounds = || bounded.bounds.iter().enumerate();
+    let members = |keep: &dyn Fn(&ErrorId) -> bool| bounds().filter(|(_, b)| keep(&b.error)).map(|(i, _)| i).collect();
+    let alone = bounds().map(|(i, b)| LayerGroup::new(b.to_string(), format!("{b} at its bound"), "error", vec![i]));
+    by_kind_and_axis(machine, "RSS of all", &members, alone)
 }
 
 /// Three linear axes that span space; where there are fewer, axes of the chain fill up.
@@ -219,35 +200,50 @@ fn stations(machine: &Machine, grid: &[usize]) -> Vec<Pose> {
     list
 }
 
-/// A choice of errors: id, label, group, and the errors.
-struct LayerGroup {
+/// A choice of errors or bounds.
+struct LayerGroup<T> {
     id: String,
     label: String,
     group: &'static str,
-    members: Vec<ErrorId>,
+    members: Vec<T>,
+}
+
+impl<T> LayerGroup<T> {
+    fn new(id: String, label: String, group: &'static str, members: Vec<T>) -> Self {
+        Self { id, label, group, members }
+    }
 }
 
 /// Groups of errors by kind, by axis, and one by one.
-fn groups(machine: &Machine) -> Vec<LayerGroup> {
+fn groups(machine: &Machine) -> Vec<LayerGroup<ErrorId>> {
     let known: Vec<ErrorId> =
         machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).map(|(id, _)| id).collect();
-    let of = |id: String, label: String, group, keep: &dyn Fn(&ErrorId) -> bool| LayerGroup {
-        id,
-        label,
-        group,
-        members: known.iter().filter(|e| keep(e)).cloned().collect(),
+    let members = |keep: &dyn Fn(&ErrorId) -> bool| known.iter().filter(|id| keep(id)).cloned().collect();
+    let alone = known.iter().map(|id| LayerGroup::new(id.to_string(), id.to_string(), "error", vec![id.clone()]));
+    by_kind_and_axis(machine, "all", &members, alone)
+}
+
+/// Those of the errors that a condition keeps.
+type Members<'a, T> = &'a dyn Fn(&dyn Fn(&ErrorId) -> bool) -> Vec<T>;
+
+/// Groups that have members: by kind, by axis, and those given alone.
+fn by_kind_and_axis<T>(
+    machine: &Machine,
+    what: &str,
+    members: Members<'_, T>,
+    alone: impl Iterator<Item = LayerGroup<T>>,
+) -> Vec<LayerGroup<T>> {
+    let kind = |id: &str, location: bool| {
+        let label = format!("{what} {id} errors");
+        LayerGroup::new(id.to_owned(), label, "kind", members(&|error| error.is_location() == location))
     };
-    let mut groups = vec![
-        of("location".into(), "all location errors".into(), "kind", &|e| e.is_location()),
-        of("component".into(), "all component errors".into(), "kind", &|e| !e.is_location()),
-    ];
-    let mut names: Vec<String> = machine.axes().iter().map(|axis| axis.name.to_string()).collect();
-    names.extend(machine.chain().spindle().map(ToString::to_string));
-    for name in names {
-        let label = format!("all errors of {name}");
-        groups.push(of(format!("axis-{name}"), label, "axis", &|e| e.axis.as_str() == name));
+    let mut groups = vec![kind("location", true), kind("component", false)];
+    let names = machine.axes().iter().map(|axis| axis.name.to_string());
+    for name in names.chain(machine.chain().spindle().map(ToString::to_string)) {
+        let of_axis = members(&|error| error.axis.as_str() == name);
+        groups.push(LayerGroup::new(format!("axis-{name}"), format!("{what} errors of {name}"), "axis", of_axis));
     }
-    groups.extend(known.iter().map(|id| of(id.to_string(), id.to_string(), "error", &|e| e == id)));
+    groups.extend(alone);
     groups.retain(|group| !group.members.is_empty());
     groups
 }
@@ -296,7 +292,7 @@ impl Lattice<'_> {
         GridAxis { name: of.name.to_string(), unit: of.unit(), positions }
     }
 
-    fn sample(&self, station: &Pose, groups: &[LayerGroup]) -> Sampled {
+    fn sample(&self, station: &Pose, groups: &[LayerGroup<ErrorId>]) -> Sampled {
         let rows: Vec<_> =
             (0..self.len()).into_par_iter().map(|node| self.node(&self.pose(station, node), groups)).collect();
         let (nominal, nodes) = rows.into_iter().unzip();
@@ -304,13 +300,13 @@ impl Lattice<'_> {
     }
 
     /// Nominal tip, and the deviation of every layer, in machine directions.
-    fn node(&self, pose: &Pose, groups: &[LayerGroup]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
+    fn node(&self, pose: &Pose, groups: &[LayerGroup<ErrorId>]) -> (Vector3<f64>, Vec<Vector3<f64>>) {
         let MachineInput { machine, order, conditions, written, .. } = *self.given;
         let view = View { conditions, frame: Frame::Machine };
         let total = deviation_in(&Bare { machine, order }, pose, view).position;
         let alone = error_by_error(machine, &conditions.at_pose(pose));
         let turn = frame_rotation(machine, pose, Frame::Machine).unwrap_or_else(nalgebra::Matrix3::identity);
-        let together = |group: &LayerGroup| {
+        let together = |group: &LayerGroup<ErrorId>| {
             let members = alone.iter().filter(|(id, _)| group.members.contains(id));
             turn * members.map(|(_, d): &(ErrorId, Deviation)| d.position).sum::<Vector3<f64>>()
         };
@@ -334,7 +330,7 @@ impl Lattice<'_> {
         poses.iter().zip(sampled).map(station).collect()
     }
 
-    fn layers(&self, stations: &[Sampled], groups: &[LayerGroup]) -> Vec<FieldLayer> {
+    fn layers(&self, stations: &[Sampled], groups: &[LayerGroup<ErrorId>]) -> Vec<FieldLayer> {
         let mut heads = vec![("total".to_owned(), "all errors".to_owned(), "total")];
         heads.extend(groups.iter().map(|g| (g.id.clone(), g.label.clone(), g.group)));
         for written in self.given.written {
