@@ -124,8 +124,8 @@ impl Files for TextsAndDisk {
         Ok(bytes)
     }
 
-    fn resolved(&self, path: &Path) -> Option<PathBuf> {
-        Disk.resolved(path).or_else(|| self.texts.resolved(path))
+    fn resolve(&self, path: &Path) -> Option<PathBuf> {
+        Disk.resolve(path).or_else(|| self.texts.resolve(path))
     }
 
     fn entries(&self, folder: &Path) -> Vec<FolderEntry> {

@@ -1,32 +1,6 @@
-//! Groups of matrices over D_n: O(n, D_n) and SO(n, D_n), and the error class of a matrix.
+//! Motions over D, the dual numbers: the error class of a matrix decides whether it is one.
 
-use super::{Algebra, Dual};
-use nalgebra::{DMatrix, Matrix3, Matrix4, Vector3};
-
-/// Returns the largest coefficient of each degree of C^T C - 1 of a matrix over D_n.
-/// It is a member of O(n, D_n) if all of them are 0, to rounding.
-pub fn orthogonality_defect<const M: usize>(c: &DMatrix<Dual<M>>) -> [f64; M] {
-    let product = c.transpose() * c;
-    let of_degree = |k: usize| {
-        let coefficient = |(index, entry): (usize, &Dual<M>)| {
-            let diagonal = k == 0 && index % (c.ncols() + 1) == 0;
-            (entry.0[k] - f64::from(u8::from(diagonal))).abs()
-        };
-        product.iter().enumerate().map(coefficient).fold(0.0, f64::max)
-    };
-    std::array::from_fn(of_degree)
-}
-
-/// True if a matrix of O(n, D_n) is in SO(n, D_n): the real part decides.
-pub fn is_special<const M: usize>(c: &DMatrix<Dual<M>>) -> bool {
-    c.map(|entry| entry.real()).determinant() > 0.0
-}
-
-/// A^T B + B^T A: zero exactly if B is in the error class I^A of an orthogonal A.
-pub fn admissibility(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-    let product = a.transpose() * b;
-    &product + product.transpose()
-}
+use nalgebra::{Matrix3, Matrix4, Vector3};
 
 /// A motion over D: nominal motion and six errors.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,14 +7,14 @@ use crate::run::{Call, Refused};
 use crate::syntax::{AlgebraEntry, from_yaml};
 
 /// The algebra declared by a text (empty: by the machine file), with its generators.
-pub(crate) fn declare(call: &mut Call<'_>, machine: &Machine, text: &str) -> Result<DeclaredAlgebra, Refused> {
+pub(crate) fn declare(call: &mut Call, machine: &Machine, text: &str) -> Result<DeclaredAlgebra, Refused> {
     let choice = if text.trim().is_empty() { of_machine(machine) } else { of_text(text) };
     let declared = choice.and_then(|choice| DeclaredAlgebra::new(machine, &choice));
     declared.or_else(|refusal| call.refuse(refusal))
 }
 
 /// The same, with its basis.
-pub(crate) fn lift(call: &mut Call<'_>, machine: &Machine, text: &str) -> Result<WeilLift, Refused> {
+pub(crate) fn lift(call: &mut Call, machine: &Machine, text: &str) -> Result<WeilLift, Refused> {
     let declared = declare(call, machine, text)?;
     declared.build().or_else(|refusal| call.refuse(refusal))
 }

@@ -178,7 +178,7 @@ fn datum(file: &MachineFile, name: &str) -> Result<AxisName, Diagnostic> {
 }
 
 /// Returns the machine of the text: the proof is about the written file.
-fn reload(call: &mut Call<'_>, text: &str) -> Result<MachineFile, Refused> {
+fn reload(call: &mut Call, text: &str) -> Result<MachineFile, Refused> {
     read_back(text).or_else(|why| {
         let message = format!("the converted machine is refused: {}", shown(&why.to_string()));
         let help = "an error that is plausible in one convention need not be in another: check the large ones; and all \

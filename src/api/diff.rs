@@ -3,7 +3,7 @@
 use crate::compensation::{Correction, Jacobian};
 use crate::controller::micro;
 use crate::evaluate::{Summary, random_poses};
-use crate::file_set::effect::found_effect;
+use crate::file_set::effect::effect_in;
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::MachineFile;
 use crate::machine::Approach;
@@ -69,7 +69,7 @@ pub fn diff(file: &MachineFile, old: &Path, new: &Path, options: &DiffOptions, r
     Call::answer(run, file.sources(), |call| {
         call.check_counts(&[Count::Poses(options.poses)])?;
         let mut found = |folder: &Path| {
-            call.about(&folder.display().to_string(), |call| found_effect(call, file, folder, &options.compensation))
+            call.about(&folder.display().to_string(), |call| effect_in(call, file, folder, &options.compensation))
         };
         let ((old, of_old), (new, of_new)) = (found(old)?, found(new)?);
         call.check()?;

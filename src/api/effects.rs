@@ -59,7 +59,7 @@ pub(crate) struct Effects {
 
 /// Returns the effects at each pose, and the bound of the terms that order 1 neglects over them and over the volume.
 pub(crate) fn effects(
-    call: &mut Call<'_>,
+    call: &mut Call,
     machine: &Machine,
     poses: &[Pose],
     conditions: OperatingConditions,
@@ -106,7 +106,7 @@ fn list(effects: &[ProductEffect]) -> Vec<ErrorEffect> {
 
 /// Returns by how much the axes move to undo the errors, over an algebra: mm and deg, by axis.
 pub(crate) fn inverse(
-    call: &mut Call<'_>,
+    call: &mut Call,
     machine: &Machine,
     at: &OperatingPoint<'_>,
     lift: &WeilLift,

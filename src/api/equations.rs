@@ -144,11 +144,11 @@ impl EquationsResult {
 /// Returns the closed forms of a machine.
 ///
 /// Fails for an algebra that does not fit the machine, and for errors that are no polynomials of the position.
-pub fn equations(file: &MachineFile, options: &EquationsOptions, run: Run<'_>) -> Reply<EquationsResult> {
+pub fn equations(file: &MachineFile, options: &EquationsOptions, run: Run) -> Reply<EquationsResult> {
     Call::answer(run, file.sources(), |call| derive(call, file, options))
 }
 
-fn derive(call: &mut Call<'_>, machine: &Machine, options: &EquationsOptions) -> Result<EquationsResult, Refused> {
+fn derive(call: &mut Call, machine: &Machine, options: &EquationsOptions) -> Result<EquationsResult, Refused> {
     let text = options.algebra.clone().unwrap_or_else(|| format!("degree: {}", options.order.unwrap_or(1)));
     let declared = algebra::declare(call, machine, &text)?;
     let (naming, tool_length) = (options.symbols, options.tool_length);

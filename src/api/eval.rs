@@ -126,11 +126,11 @@ pub struct PoseResult {
 ///
 /// Fails for a pose that does not fit the machine, and where an error curve is not known. Warns of poses beyond the
 /// travel.
-pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run<'_>) -> Reply<EvalResult> {
+pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run) -> Reply<EvalResult> {
     Call::answer(run, file.sources(), |call| evaluate_poses(call, file, options))
 }
 
-fn evaluate_poses(call: &mut Call<'_>, machine: &Machine, options: &EvalOptions) -> Result<EvalResult, Refused> {
+fn evaluate_poses(call: &mut Call, machine: &Machine, options: &EvalOptions) -> Result<EvalResult, Refused> {
     call.extend(bounded_only(machine));
     let asked = (options.at.as_slice(), options.poses.as_slice(), options.pose_file.as_ref());
     let job = JobPaths { job: options.job.as_ref(), tool_poses: None }.read(call, machine)?;
@@ -198,7 +198,7 @@ fn set_up(
 
 /// Adds the requested results beside deviations.
 fn besides(
-    call: &mut Call<'_>,
+    call: &mut Call,
     machine: &Machine,
     poses: &[Pose],
     options: &EvalOptions,

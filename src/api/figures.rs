@@ -52,7 +52,7 @@ impl Default for FiguresOptions {
 /// Returns the figures of a test, read from a table: columns are named with their unit in the title.
 ///
 /// Fails for a table that cannot be read, and for readings that do not carry the figures.
-pub fn figures(path: impl AsRef<Path>, options: &FiguresOptions, run: Run<'_>) -> Reply<TestFigures> {
+pub fn figures(path: impl AsRef<Path>, options: &FiguresOptions, run: Run) -> Reply<TestFigures> {
     Call::answer(run, &Sources::default(), |call| {
         let positive = |value: f64, most: f64| value > 0.0 && value <= most;
         if !positive(options.radius_mm, 1e4) || options.feed.is_some_and(|feed| !positive(feed, 1e6)) {

@@ -95,7 +95,7 @@ pub struct GoalTolerance {
 
 /// Returns the cheapest tolerances for the goal of the options (mm).
 pub(crate) fn goal(
-    call: &mut Call<'_>,
+    call: &mut Call,
     machine: &Machine,
     inputs: GoalInputs<'_>,
     (bounds, poses, reference): (&[Bound], &[Pose], Option<&PartReference>),
@@ -187,7 +187,7 @@ fn in_order(bounds: &[Bound], prices: &[Price], power: f64, found: &CheapestTole
     order.into_iter().map(one).collect()
 }
 
-fn read(call: &mut Call<'_>, path: &Path) -> Result<CostModel, Refused> {
+fn read(call: &mut Call, path: &Path) -> Result<CostModel, Refused> {
     let files = call.run.files;
     let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };
     let written = from_yaml::<CostModel>(&text).map_err(Reason::new);

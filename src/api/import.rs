@@ -87,7 +87,7 @@ pub fn import(path: impl AsRef<Path>, options: &ImportOptions, run: Run) -> Repl
     })
 }
 
-fn request(call: &mut Call<'_>, options: &ImportOptions) -> Result<ImportRequest, Refused> {
+fn request(call: &mut Call, options: &ImportOptions) -> Result<ImportRequest, Refused> {
     let request = ImportRequest {
         axis: options.axis.clone(),
         error: options.error.clone(),
@@ -117,7 +117,7 @@ fn request(call: &mut Call<'_>, options: &ImportOptions) -> Result<ImportRequest
 }
 
 /// The material of the machine, in words.
-fn material(call: &mut Call<'_>, options: &ImportOptions) -> Result<Option<Thermal>, Refused> {
+fn material(call: &mut Call, options: &ImportOptions) -> Result<Option<Thermal>, Refused> {
     let Some(words) = &options.material else { return Ok(None) };
     let plausible = |of: &Thermal| of.temperature.abs() <= 100.0 && of.expansion.abs() <= 1e-3;
     match standards::thermal(words).filter(plausible) {

@@ -186,11 +186,11 @@ impl InstrumentResult {
 /// Returns the readings of a measuring instrument on a machine.
 ///
 /// Fails for a path that the machine cannot drive, and for a place or an axis that does not fit it.
-pub fn instrument(file: &MachineFile, options: &InstrumentOptions, run: Run<'_>) -> Reply<InstrumentResult> {
+pub fn instrument(file: &MachineFile, options: &InstrumentOptions, run: Run) -> Reply<InstrumentResult> {
     Call::answer(run, file.sources(), |call| read(call, file, options))
 }
 
-fn read(call: &mut Call<'_>, machine: &Machine, options: &InstrumentOptions) -> Result<InstrumentResult, Refused> {
+fn read(call: &mut Call, machine: &Machine, options: &InstrumentOptions) -> Result<InstrumentResult, Refused> {
     call.extend(bounded_only(machine));
     options.points.map_or(Ok(()), |points| call.check_counts(&[Count::Points(points)]))?;
     let share = if options.instrument == Instrument::RTest { 0.75 } else { 0.5 };
@@ -226,12 +226,7 @@ fn not_driven(path: &str, why: Unreachable) -> Diagnostic {
     Diagnostic::new(codes::E0612, format!("{path} cannot be driven: {}", why.words())).help(help)
 }
 
-fn circles(
-    call: &mut Call<'_>,
-    machine: &Machine,
-    at: &[f64],
-    options: &InstrumentOptions,
-) -> Result<Readings, Refused> {
+fn circles(call: &mut Call, machine: &Machine, at: &[f64], options: &InstrumentOptions) -> Result<Readings, Refused> {
     let radius_mm = options.radius_mm;
     if !(radius_mm > 0.0 && radius_mm <= 10_000.0) {
         return call.usage("`--radius` is a length above 0 and up to 10000 mm");
@@ -247,7 +242,7 @@ fn circles(
     Ok(Readings::BallBar { centre: axis_positions(machine, at), radius_mm, planes })
 }
 
-fn turns(call: &mut Call<'_>, machine: &Machine, at: &[f64], options: &InstrumentOptions) -> Result<Readings, Refused> {
+fn turns(call: &mut Call, machine: &Machine, at: &[f64], options: &InstrumentOptions) -> Result<Readings, Refused> {
     let name = |i: usize| machine.axes()[i].name.as_str();
     let rotary: Vec<usize> =
         (0..machine.axes().len()).filter(|i| machine.axes()[*i].kind == AxisKind::Rotary).collect();
@@ -281,7 +276,7 @@ fn turns(call: &mut Call<'_>, machine: &Machine, at: &[f64], options: &Instrumen
 }
 
 fn lines(
-    call: &mut Call<'_>,
+    call: &mut Call,
     machine: &Machine,
     at: &[f64],
     options: &InstrumentOptions,

@@ -105,7 +105,7 @@ struct Finding {
 ///
 /// Fails for a machine that has no kinematic parameters, for files that cannot be read, and for lines to which no
 /// location errors lead.
-pub fn locate(file: &MachineFile, path: Option<&Path>, options: &LocateOptions, run: Run<'_>) -> Reply<LocateResult> {
+pub fn locate(file: &MachineFile, path: Option<&Path>, options: &LocateOptions, run: Run) -> Reply<LocateResult> {
     Call::answer(run, file.sources(), |call| {
         let is_folder = path.is_some_and(|path| !call.run.files.entries(path).is_empty());
         if !is_folder && (options.target.is_some() || options.installed.is_some()) {
@@ -129,13 +129,13 @@ pub fn locate(file: &MachineFile, path: Option<&Path>, options: &LocateOptions, 
 
 /// The errors that the parameters in a folder tell.
 fn from_parameters(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     path: &Path,
     options: &LocateOptions,
 ) -> Result<Finding, Refused> {
     let how = CompensationOptions { templates: options.templates.clone(), ..CompensationOptions::default() };
-    let set = found_set::found_set(call, file, path, options.target.as_deref(), &how)?;
+    let set = found_set::find_set(call, file, path, options.target.as_deref(), &how)?;
     let name = &set.target.manifest.target;
     if set.target.manifest.kinematics().is_none_or(|mechanism| mechanism.machines.is_empty()) {
         return call.usage(format!("`{}` holds files of `{name}`, which has no kinematic parameters", path.display()));
@@ -159,7 +159,7 @@ fn list_found(machine: &Machine, parameters: &Parameters) -> Result<Vec<Found>, 
 }
 
 /// The errors that a table of lines tells.
-fn from_table(call: &mut Call<'_>, file: &MachineFile, path: &Path) -> Result<Finding, Refused> {
+fn from_table(call: &mut Call, file: &MachineFile, path: &Path) -> Result<Finding, Refused> {
     let Some(sheet) = read_sheet(path, call.run.files, &mut call.diagnostics) else { return Err(Refused) };
     let nominal = Transformation::nominal(file).or_else(|refusal| call.refuse(refusal))?;
     let (lines, left_out) = found_lines(&sheet, file, &nominal).or_else(|refusal| call.refuse(refusal))?;

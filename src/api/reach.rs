@@ -143,11 +143,11 @@ impl ReachResult {
 ///
 /// Fails for a box, a step or a number of directions that makes no sense, and for more tool poses than
 /// [`ReachOptions::MAX`].
-pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run<'_>) -> Reply<ReachResult> {
+pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run) -> Reply<ReachResult> {
     Call::answer(run, file.sources(), |call| find(call, file, options))
 }
 
-fn find(call: &mut Call<'_>, machine: &Machine, options: &ReachOptions) -> Result<ReachResult, Refused> {
+fn find(call: &mut Call, machine: &Machine, options: &ReachOptions) -> Result<ReachResult, Refused> {
     let robot = rotary_axes_place_tip(machine);
     let region = region(call, machine, options)?;
     let count = options.directions.unwrap_or(if robot { 6 } else { 60 });
@@ -176,7 +176,7 @@ fn too_many(step: f64, directions: usize, max: usize) -> Diagnostic {
     Diagnostic::new(codes::E0812, message).help("take a larger `--step`, a smaller `--box` or fewer `--directions`")
 }
 
-fn region(call: &mut Call<'_>, machine: &Machine, options: &ReachOptions) -> Result<[[f64; 2]; 3], Refused> {
+fn region(call: &mut Call, machine: &Machine, options: &ReachOptions) -> Result<[[f64; 2]; 3], Refused> {
     let mut region = ReachGrid::region_of(machine);
     for side in options.region.iter().flat_map(|text| text.split(',')) {
         match parse_side(side) {

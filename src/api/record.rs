@@ -37,7 +37,7 @@ impl Default for RecordOptions {
 ///
 /// Fails if the description does not fit, if a file that it names cannot be read, and if an installed set does not
 /// replay.
-pub fn record(path: &Path, options: &RecordOptions, run: Run<'_>) -> Reply<Record> {
+pub fn record(path: &Path, options: &RecordOptions, run: Run) -> Reply<Record> {
     Call::answer(run, &Sources::default(), |call| {
         let tool = LoadOptions { tool: options.tool.clone() };
         make(call, path, &tool, &|call, machine, folder, installed| {
@@ -52,7 +52,7 @@ pub fn record(path: &Path, options: &RecordOptions, run: Run<'_>) -> Reply<Recor
 /// Puts records of one machine in a line.
 ///
 /// Fails if a folder is no record or has changed, and if the records are of several machines, or one is given twice.
-pub fn record_trend(folders: &[PathBuf], options: &RecordOptions, run: Run<'_>) -> Reply<RecordTrend> {
+pub fn record_trend(folders: &[PathBuf], options: &RecordOptions, run: Run) -> Reply<RecordTrend> {
     Call::answer(run, &Sources::default(), |call| {
         let tool = LoadOptions { tool: options.tool.clone() };
         trend(call, folders, &tool, &|call, machines| {

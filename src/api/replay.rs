@@ -28,7 +28,7 @@ impl ReplayPosition {
     /// further columns are ignored.
     ///
     /// Fails for another header, and for a line without such a position.
-    pub fn list(path: &Path, run: Run<'_>) -> Reply<Vec<Self>> {
+    pub fn list(path: &Path, run: Run) -> Reply<Vec<Self>> {
         Call::answer(run, &Sources::default(), |call| list_positions(call, path))
     }
 
@@ -46,7 +46,7 @@ impl ReplayPosition {
     }
 }
 
-fn list_positions(call: &mut Call<'_>, path: &Path) -> Result<Vec<ReplayPosition>, Refused> {
+fn list_positions(call: &mut Call, path: &Path) -> Result<Vec<ReplayPosition>, Refused> {
     let read = read_text(path, None, call.run.files, &mut call.diagnostics);
     let (_, text) = read.ok_or(Refused)?;
     let mut lines = text.lines();

@@ -72,11 +72,11 @@ pub struct ErrorSource {
 ///
 /// Fails for more than [`SourcesOptions::MAX_POSES`] poses, and for a pose that does not fit the machine. Warns of a
 /// machine of which nothing is measured.
-pub fn sources(file: &MachineFile, options: &SourcesOptions, run: Run<'_>) -> Reply<ErrorSources> {
+pub fn sources(file: &MachineFile, options: &SourcesOptions, run: Run) -> Reply<ErrorSources> {
     Call::answer(run, file.sources(), |call| find(call, file, options))
 }
 
-fn find(call: &mut Call<'_>, machine: &Machine, options: &SourcesOptions) -> Result<ErrorSources, Refused> {
+fn find(call: &mut Call, machine: &Machine, options: &SourcesOptions) -> Result<ErrorSources, Refused> {
     let SourcesOptions { poses: count, seed, order, approach, .. } = *options;
     call.check_counts(&[Count::Poses(count)])?;
     if count > SourcesOptions::MAX_POSES {

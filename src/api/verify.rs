@@ -6,7 +6,7 @@ use crate::controller::{ControllerEffect, Depth, Lock, ReadBack, TablesUnderTest
 use crate::diagnostic::{Diagnostic, codes};
 use crate::file_set::differences::{warn_edited, warn_other_inputs, warn_other_tool};
 use crate::file_set::folder::Folder;
-use crate::file_set::found_set::{FoundSet, found_set};
+use crate::file_set::found_set::{FoundSet, find_set};
 use crate::file_set::module_set::{self, ModuleRequest};
 use crate::file_set::options::CompensationOptions;
 use crate::file_set::table_set::{self, FoundTables};
@@ -83,7 +83,7 @@ pub(crate) fn open(
         return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
     warn_other_inputs(call, file, lock.as_ref());
-    let set = found_set(call, file, path, options.target.as_deref(), &options.compensation)?;
+    let set = find_set(call, file, path, options.target.as_deref(), &options.compensation)?;
     call.check()?;
     warn_edited(call, &folder, lock.as_ref());
     if set.target.manifest.kinematics().is_none() {

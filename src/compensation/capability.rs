@@ -12,29 +12,21 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields)]
 pub struct Mechanisms {
     /// One table per axis, correcting that axis as a function of its own position.
-    #[serde(default)]
     pub own_axis: Option<OwnAxisRules>,
     /// Tables that correct an axis as a function of another one's position.
-    #[serde(default)]
     pub cross_axis: Option<CrossAxisRules>,
     /// Tables that correct an axis as a function of two positions.
-    #[serde(default)]
     pub plane: Option<PlaneRules>,
     /// Tables that correct an axis by the product of a function of one position and one of another.
-    #[serde(default)]
     pub product: Option<TableRules>,
     /// One lattice, correcting several axes.
-    #[serde(default)]
     pub lattice: Option<LatticeRules>,
     /// Curves of the errors by their ISO names: the controller has the model.
-    #[serde(default)]
     pub error_curves: Option<TableRules>,
     /// The controller's kinematics are replaced. Own-axis tables beside them hold the reversal, which depends on the
     /// direction of approach and is not the kinematics' to know.
-    #[serde(default)]
     pub kinematics: Option<KinematicsMechanism>,
     /// Maximum number of tables of all mechanisms together.
-    #[serde(default)]
     pub tables: Option<usize>,
 }
 
@@ -62,7 +54,6 @@ pub struct KinematicsMechanism {
     pub linear_first: bool,
     /// Largest component of an offset that the controller takes, mm; none where no limit is known. Only of kinematic
     /// parameters.
-    #[serde(default)]
     pub max_offset_mm: Option<f64>,
     /// Decimals of constants; numbers of a full model are written exactly. Of kinematic parameters those of positions
     /// are for offsets (mm), those of corrections for components of directions.
@@ -229,10 +220,8 @@ pub struct TableRules {
     #[serde(default)]
     pub fit: Fit,
     /// Largest stored number.
-    #[serde(default)]
     pub largest: Option<f64>,
     /// Largest change of the correction per change of the position between two points.
-    #[serde(default)]
     pub max_slope: Option<f64>,
     /// Increments of the stored numbers.
     pub increment: Increment,

@@ -108,10 +108,8 @@ pub struct AssumedAxis {
     pub of: MachinePart,
     /// The unit vector about which a positive command turns the tool right-handed relative to the workpiece; of the
     /// tool its axis.
-    #[serde(default)]
     pub direction: Option<[f64; 3]>,
     /// The same in either sense.
-    #[serde(default)]
     pub line: Option<[f64; 3]>,
     /// Components of the vector from the gauge point to a point of the axis, mm, where they are assumed; of the tool
     /// none.

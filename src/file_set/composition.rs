@@ -83,7 +83,7 @@ pub(crate) fn compose(
 
 /// Returns the effect that two targets have together on a machine, by the files that `compile` would write, and their
 /// certificate. Nothing is written.
-pub(crate) fn composed_effect(
+pub(crate) fn effect_of_composed(
     call: &mut Call,
     machine: &Machine,
     targets: &[String],
@@ -301,14 +301,14 @@ pub(crate) fn find(
         return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
     let named = Some(target.manifest.target.as_str());
-    let set = found_set::found_set(call, machine, &of_first, named, options)?;
+    let set = found_set::find_set(call, machine, &of_first, named, options)?;
     let of_parameters: Vec<String> =
         set.files.iter().map(|file| format!("{}/{}", target.manifest.target, file.found)).collect();
     let (module, _) = module_set::find(call, machine, &target, &of_first, request, &set.files)?;
     let Some(parameters) = module.parameters().cloned() else { return Err(Refused) };
     let rest = remaining(call, machine, &parameters)?;
     let named = Some(tables_target.manifest.target.as_str());
-    let set = found_set::found_set(call, &rest, &of_second, named, options)?;
+    let set = found_set::find_set(call, &rest, &of_second, named, options)?;
     let found = table_set::tables_of(call, &rest, &of_second, set)?;
     call.check()?;
     let of_tables = found.files.iter().map(|file| format!("{}/{file}", tables_target.manifest.target));
@@ -317,7 +317,7 @@ pub(crate) fn find(
 }
 
 /// The effect of the composed set in a folder, and the target whose tables it has.
-pub(crate) fn found_composed(
+pub(crate) fn find_composed(
     call: &mut Call,
     machine: &Machine,
     folder: &Path,

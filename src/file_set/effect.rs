@@ -1,6 +1,6 @@
 //! ControllerEffect of a set of files on a machine: of one that `compile` would write, or of one found in a folder.
 
-use super::found_set::found_set;
+use super::found_set::find_set;
 use super::module_set::{self, ModuleRequest};
 use super::options::CompensationOptions;
 use super::table_set::{self, FoundTables, TableRequest};
@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Returns the effect of a target on a machine by the files that `compile` would write, and their certificate. Nothing
 /// is written.
-fn compiled_effect(
+fn compile_effect(
     call: &mut Call,
     machine: &Machine,
     target: &ControllerTarget,
@@ -54,24 +54,24 @@ pub(crate) fn named_effect(
     }
     let names: Vec<String> = name.split('+').map(str::to_owned).collect();
     if names.len() > 1 {
-        return composition::composed_effect(call, machine, &names, options, depth);
+        return composition::effect_of_composed(call, machine, &names, options, depth);
     }
     let target = options.target(call, name)?;
-    let (effect, certificate) = compiled_effect(call, machine, &target, options, depth)?;
+    let (effect, certificate) = compile_effect(call, machine, &target, options, depth)?;
     Ok((target, effect, certificate))
 }
 
 /// Returns the effect of the set in a folder, of whatever target it is.
-pub(crate) fn found_effect(
+pub(crate) fn effect_in(
     call: &mut Call,
     machine: &Machine,
     folder: &Path,
     options: &CompensationOptions,
 ) -> Result<(ControllerTarget, ControllerEffect), Refused> {
     if composition::is_composed(folder, call) {
-        return composition::found_composed(call, machine, folder, options);
+        return composition::find_composed(call, machine, folder, options);
     }
-    let set = found_set(call, machine, folder, None, options)?;
+    let set = find_set(call, machine, folder, None, options)?;
     call.check()?;
     if set.target.manifest.kinematics().is_none() {
         let FoundTables { target, tables, .. } = table_set::tables_of(call, machine, folder, set)?;

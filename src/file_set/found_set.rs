@@ -16,7 +16,7 @@ pub(crate) struct FoundSet {
 }
 
 /// Finds the set in a folder; `named` is its target if the caller knows it.
-pub(crate) fn found_set(
+pub(crate) fn find_set(
     call: &mut Call,
     machine: &Machine,
     path: &Path,

@@ -74,7 +74,7 @@ pub(crate) fn load_installed(
     let meant = carry(call, machine, target, ModuleRequest::plain(options.orientation()))?;
     let named = Some(target.manifest.target.as_str());
     let set =
-        call.about(&folder.display().to_string(), |call| found_set::found_set(call, machine, folder, named, options))?;
+        call.about(&folder.display().to_string(), |call| found_set::find_set(call, machine, folder, named, options))?;
     let Some(file) = set.files.first() else { return call.refuse(found_set::nothing_found(folder)) };
     let values = target.read_parameters(machine, &meant, file, &mut call.diagnostics);
     values.map_or(Err(Refused), |values| Ok(Some(values)))

@@ -213,7 +213,7 @@ pub(crate) fn find(
     folder: &Path,
     options: &CompensationOptions,
 ) -> Result<FoundTables, Refused> {
-    let set = found_set::found_set(call, machine, folder, None, options)?;
+    let set = found_set::find_set(call, machine, folder, None, options)?;
     tables_of(call, machine, folder, set)
 }
 

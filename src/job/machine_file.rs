@@ -143,10 +143,10 @@ pub(crate) struct Overlay<'a> {
 }
 
 impl Files for Overlay<'_> {
-    fn resolved(&self, path: &Path) -> Option<PathBuf> {
-        self.files.resolved(path).or_else(|| {
+    fn resolve(&self, path: &Path) -> Option<PathBuf> {
+        self.files.resolve(path).or_else(|| {
             let (name, _) = (path.file_name()?, self.text.read(path).ok()?);
-            Some(self.files.resolved(folder_of(path))?.join(name))
+            Some(self.files.resolve(folder_of(path))?.join(name))
         })
     }
 
@@ -179,8 +179,8 @@ fn folder_of(file: &Path) -> &Path {
 }
 
 fn input_files(machine: &Path, sources: &Sources, files: &dyn Files) -> Vec<InputFile> {
-    let folder = files.resolved(folder_of(machine));
-    let inside = |file: &Path| Some(files.resolved(file)?.starts_with(folder.as_ref()?));
+    let folder = files.resolve(folder_of(machine));
+    let inside = |file: &Path| Some(files.resolve(file)?.starts_with(folder.as_ref()?));
     let input = |(name, text): (&str, &str)| InputFile {
         file: name.to_owned(),
         sha256: sha256(text.as_bytes()),

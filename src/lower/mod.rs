@@ -19,7 +19,7 @@ pub use chain::{Chain, NominalPose, into_part, positions};
 pub use generators::{DeclaredAlgebra, NamedSource, WeilLift, named_sources, unit_values};
 pub use joint::{JointElements, JointPosition, error_motion, invert_if, joint};
 pub use source::{AxisErrorValues, ErrorLift, ErrorSite, ErrorValues, Exact, OrderN, Source, values};
-pub use tangent::{actual_point, point, position_jacobian};
+pub use tangent::{point, position_jacobian};
 pub use twist::{
     JointError, NominalJoints, Quantity, Sensitivity, SideWeights, Twist, TwistMap, sensitivities, sensitivities_to,
     twists,

@@ -4,7 +4,7 @@
 
 use super::chain::{Chain, into_part};
 use super::joint::{JointPosition, error_motion, invert_if, nominal};
-use super::source::{AxisErrorValues, Elements, ErrorLift, ErrorSite, ErrorValues, Exact, Source};
+use super::source::{AxisErrorValues, Elements, ErrorLift, ErrorSite, ErrorValues, Source};
 use crate::algebra::{Algebra, Htm, left_jacobian, product, transform};
 use crate::machine::{AxisKind, Direction, Joints, LocationAction, Machine, MotionSide};
 use nalgebra::{Matrix3, Vector3};
@@ -16,11 +16,6 @@ pub struct PositionJacobian<S: Algebra> {
     pub point: Vector3<S>,
     /// Its derivative by each source asked for (mm per mm or per rad, workpiece frame).
     pub derivatives: Vec<Vector3<S>>,
-}
-
-/// Returns the actual functional point from the workpiece origin (mm, workpiece frame): exact model.
-pub fn actual_point(machine: &Machine, pose: &[f64], values: &ErrorValues) -> Vector3<f64> {
-    point(machine, pose, values, &Exact)
 }
 
 /// Returns the actual functional point from the workpiece origin (mm, workpiece frame) over an algebra.

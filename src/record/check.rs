@@ -36,11 +36,11 @@ pub struct RecordCheck {
 /// Compares every file of a record with its SHA-256.
 ///
 /// Fails if the folder is no record, and if a file is missing or has changed.
-pub fn check_record(folder: &Path, run: Run<'_>) -> Reply<RecordCheck> {
+pub fn check_record(folder: &Path, run: Run) -> Reply<RecordCheck> {
     Call::answer(run, &Sources::default(), |call| check(call, folder))
 }
 
-pub(crate) fn check(call: &mut Call<'_>, folder: &Path) -> Result<RecordCheck, Refused> {
+pub(crate) fn check(call: &mut Call, folder: &Path) -> Result<RecordCheck, Refused> {
     let files = call.run.files;
     let name = shown(&folder.display().to_string());
     let sums = folder.join(SUMS_NAME);
@@ -121,7 +121,7 @@ fn strangers(
 }
 
 /// Number of whole sets in the folder of replaced ones; refuses the others.
-fn count_replaced(call: &mut Call<'_>, folder: &Path) -> usize {
+fn count_replaced(call: &mut Call, folder: &Path) -> usize {
     let mut count = 0;
     for entry in call.run.files.entries(folder) {
         match set_files(call.run.files, &folder.join(&entry.name)) {

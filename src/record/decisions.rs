@@ -16,7 +16,7 @@ pub(crate) struct Figures {
 }
 
 /// Reads the document of a file of figures.
-pub(crate) fn document(call: &mut Call<'_>, source: &Line, bytes: &[u8]) -> Result<Value, Refused> {
+pub(crate) fn document(call: &mut Call, source: &Line, bytes: &[u8]) -> Result<Value, Refused> {
     serde_json::from_slice(bytes).or_else(|_| {
         let message = format!("`{source}` is no JSON document");
         call.refuse(unfit(message, "write the figures of a verb with `--format json`"))
@@ -25,7 +25,7 @@ pub(crate) fn document(call: &mut Call<'_>, source: &Line, bytes: &[u8]) -> Resu
 
 /// Returns a decision for every limit: of an error in each state that gives it, of a figure once.
 pub(crate) fn decisions(
-    call: &mut Call<'_>,
+    call: &mut Call,
     description: &Description,
     rows: &[ErrorRow],
     figures: &[Figures],

@@ -113,7 +113,7 @@ pub(crate) fn unfit(message: impl Into<String>, help: impl Into<String>) -> Diag
 
 impl Description {
     /// Reads a description.
-    pub fn read(call: &mut Call<'_>, path: &Path) -> Result<Self, Refused> {
+    pub fn read(call: &mut Call, path: &Path) -> Result<Self, Refused> {
         let text = read_text(path, None, call.run.files, &mut call.diagnostics);
         call.check()?;
         let (_, text) = text.ok_or(Refused)?;

@@ -29,7 +29,7 @@ pub(crate) struct RecordFiles {
 
 impl RecordFiles {
     /// Adds a file; returns its hash.
-    pub fn add(&mut self, call: &mut Call<'_>, name: String, bytes: Vec<u8>) -> Result<Hashed, Refused> {
+    pub fn add(&mut self, call: &mut Call, name: String, bytes: Vec<u8>) -> Result<Hashed, Refused> {
         self.bytes += bytes.len();
         if self.bytes > MAX_BYTES {
             let message = format!("the files of the record have more than {} MB together", MAX_BYTES >> 20);
@@ -51,7 +51,7 @@ impl RecordFiles {
     /// Copies a file that the description names into a folder of the record.
     pub fn copy(
         &mut self,
-        call: &mut Call<'_>,
+        call: &mut Call,
         base: &Path,
         source: &Line,
         folder: &str,
@@ -78,12 +78,12 @@ impl RecordFiles {
     /// read back.
     pub fn machine(
         &mut self,
-        call: &mut Call<'_>,
+        call: &mut Call,
         file: &MachineFile,
         options: &LoadOptions,
         folder: &str,
     ) -> Result<MachineState, Refused> {
-        let resolved = |name: &str| call.run.files.resolved(Path::new(name)).unwrap_or_else(|| PathBuf::from(name));
+        let resolved = |name: &str| call.run.files.resolve(Path::new(name)).unwrap_or_else(|| PathBuf::from(name));
         let paths: Vec<PathBuf> = file.input_files().iter().map(|input| resolved(&input.file)).collect();
         let top = common(&paths);
         let mut memory = MemoryFiles::default();
@@ -111,7 +111,7 @@ impl RecordFiles {
     }
 
     /// Copies a set of compensation files with its manifest, and the sets in its subfolders.
-    pub fn set(&mut self, call: &mut Call<'_>, path: &Path, folder: &str) -> Result<(Lock, Vec<Hashed>), Refused> {
+    pub fn set(&mut self, call: &mut Call, path: &Path, folder: &str) -> Result<(Lock, Vec<Hashed>), Refused> {
         let found = match set_files(call.run.files, path) {
             Ok(found) => found,
             Err(fault) => {

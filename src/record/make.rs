@@ -49,14 +49,14 @@ impl States {
 
 /// Makes the record that a description asks for, with a tool of the machine.
 pub(crate) fn make(
-    call: &mut Call<'_>,
+    call: &mut Call,
     path: &Path,
     load_options: &LoadOptions,
     verify: Verify<'_>,
 ) -> Result<Record, Refused> {
     let description = Description::read(call, path)?;
     let base = path.parent().unwrap_or(Path::new(""));
-    let machine = |call: &mut Call<'_>, name: &Line| {
+    let machine = |call: &mut Call, name: &Line| {
         let answer = load(base.join(name.as_str()), load_options, call.run);
         call.take(answer)
     };
@@ -120,7 +120,7 @@ pub(crate) fn make(
 }
 
 fn write(
-    call: &mut Call<'_>,
+    call: &mut Call,
     data: RecordData,
     pictures: &RecordPictures,
     mut files: RecordFiles,
@@ -144,7 +144,7 @@ fn write(
 }
 
 fn figures(
-    call: &mut Call<'_>,
+    call: &mut Call,
     description: &Description,
     base: &Path,
     files: &mut RecordFiles,
@@ -162,7 +162,7 @@ fn figures(
 
 /// The instruments, with the names of the copies of their certificates.
 fn instruments(
-    call: &mut Call<'_>,
+    call: &mut Call,
     description: &Description,
     base: &Path,
     files: &mut RecordFiles,
@@ -186,7 +186,7 @@ fn instruments(
 
 /// Copies a set, and verifies it if it is installed.
 fn set(
-    call: &mut Call<'_>,
+    call: &mut Call,
     entry: &SetEntry,
     number: usize,
     base: &Path,

@@ -122,7 +122,7 @@ pub struct RecordTrend {
 
 /// Puts records of one machine in a line.
 pub(crate) fn trend(
-    call: &mut Call<'_>,
+    call: &mut Call,
     folders: &[PathBuf],
     load_options: &LoadOptions,
     compare: Compare<'_>,
@@ -154,7 +154,7 @@ pub(crate) fn trend(
     })
 }
 
-fn load_stored(call: &mut Call<'_>, folder: &Path) -> Result<StoredRecord, Refused> {
+fn load_stored(call: &mut Call, folder: &Path) -> Result<StoredRecord, Refused> {
     let _ = check(call, folder)?;
     let bytes = call.run.files.read_at_most(&folder.join(JSON_NAME), SET_LIMIT).unwrap_or_default();
     match serde_json::from_slice::<StoredRecord>(&bytes) {
@@ -183,7 +183,7 @@ impl StoredRecord {
 }
 
 /// Refuses records of several machines, by the serial number, and a record that is given twice.
-fn refuse_mixture(call: &mut Call<'_>, records: &[StoredRecord]) -> Result<(), Refused> {
+fn refuse_mixture(call: &mut Call, records: &[StoredRecord]) -> Result<(), Refused> {
     for pair in records.windows(2) {
         let [first, second] = pair else { continue };
         let [a, b] = [&first.plate.serial, &second.plate.serial];
@@ -202,13 +202,13 @@ fn refuse_mixture(call: &mut Call<'_>, records: &[StoredRecord]) -> Result<(), R
 }
 
 fn step(
-    call: &mut Call<'_>,
+    call: &mut Call,
     pair: &[StoredRecord],
     load_options: &LoadOptions,
     compare: Compare<'_>,
 ) -> Result<TrendStep, Refused> {
     let [first, second] = pair else { return Err(Refused) };
-    let machine = |call: &mut Call<'_>, record: &StoredRecord, state: &MachineState| {
+    let machine = |call: &mut Call, record: &StoredRecord, state: &MachineState| {
         let answer = load(record.folder.join(&state.file), load_options, call.run);
         call.take(answer)
     };

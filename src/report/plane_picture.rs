@@ -91,7 +91,7 @@ pub(crate) struct BoundedSubject<'a> {
 
 impl PlaneOptions {
     /// As [`Self::place`], for a picture of what bounds lead to.
-    pub(crate) fn bounded_place(&self, call: &mut Call<'_>, machine: &Machine) -> Result<PlanePlace, Refused> {
+    pub(crate) fn bounded_place(&self, call: &mut Call, machine: &Machine) -> Result<PlanePlace, Refused> {
         if self.drawing != PlaneDrawing::Colours || self.component != PlaneComponent::Length {
             return call.usage(
                 "nothing of the machine is measured, and bounds have no direction: a picture shows the length in \
@@ -120,12 +120,7 @@ impl PlaneOptions {
     }
 
     /// Refuses a picture that cannot be drawn, before any work.
-    pub(crate) fn place(
-        &self,
-        call: &mut Call<'_>,
-        machine: &Machine,
-        compensated: bool,
-    ) -> Result<PlanePlace, Refused> {
+    pub(crate) fn place(&self, call: &mut Call, machine: &Machine, compensated: bool) -> Result<PlanePlace, Refused> {
         if self.drawing == PlaneDrawing::BeforeAfter && !compensated {
             return call.usage("`--drawing before-after` needs the compensation of a controller: add `--target NAME`");
         }

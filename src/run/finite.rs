@@ -67,6 +67,13 @@ macro_rules! harmless {
     ($($method:ident: $kind:ty,)*) => { $(fn $method(self, _: $kind) -> Seen { Ok(()) })* };
 }
 
+/// Values with members, whatever they are told beforehand.
+macro_rules! members {
+    ($($method:ident: $($told:ty),+;)*) => {
+        $(fn $method(self, $(_: $told),+) -> Result<Members, Fault> { Ok(Members::new()) })*
+    };
+}
+
 impl Serializer for Finite {
     type Ok = ();
     type Error = Fault;
@@ -122,32 +129,14 @@ impl Serializer for Finite {
         value.serialize(self)
     }
 
-    fn serialize_seq(self, _: Option<usize>) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_tuple(self, _: usize) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_tuple_variant(self, _: &'static str, _: u32, _: &'static str, _: usize) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_map(self, _: Option<usize>) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Members, Fault> {
-        Ok(Members::new())
-    }
-
-    fn serialize_struct_variant(self, _: &'static str, _: u32, _: &'static str, _: usize) -> Result<Members, Fault> {
-        Ok(Members::new())
+    members! {
+        serialize_seq: Option<usize>;
+        serialize_tuple: usize;
+        serialize_tuple_struct: &'static str, usize;
+        serialize_tuple_variant: &'static str, u32, &'static str, usize;
+        serialize_map: Option<usize>;
+        serialize_struct: &'static str, usize;
+        serialize_struct_variant: &'static str, u32, &'static str, usize;
     }
 }
 

@@ -42,7 +42,7 @@ impl Files for Disk {
         if bytes.len() as u64 > limit { Err(ReadFailure::TooLarge(bytes.len() as u64, limit)) } else { Ok(bytes) }
     }
 
-    fn resolved(&self, path: &Path) -> Option<PathBuf> {
+    fn resolve(&self, path: &Path) -> Option<PathBuf> {
         fs::canonicalize(path).ok()
     }
 

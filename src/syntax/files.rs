@@ -16,7 +16,7 @@ pub trait Files {
     }
 
     /// Returns the path with links and `..` resolved, if the file is there; by default as far as the path alone tells.
-    fn resolved(&self, path: &Path) -> Option<PathBuf> {
+    fn resolve(&self, path: &Path) -> Option<PathBuf> {
         Some(lexical(path))
     }
 

@@ -20,6 +20,13 @@ impl<'de> Deserialize<'de> for Tree {
     }
 }
 
+/// Takes values that serde_yaml holds as they come.
+macro_rules! visit {
+    ($($method:ident: $kind:ty),+) => {
+        $(fn $method<E: de::Error>(self, value: $kind) -> Result<Tree, E> { Ok(Tree(Value::from(value))) })+
+    };
+}
+
 impl<'de> Visitor<'de> for TreeVisitor {
     type Value = Tree;
 
@@ -27,25 +34,7 @@ impl<'de> Visitor<'de> for TreeVisitor {
         f.write_str("a value")
     }
 
-    fn visit_bool<E: de::Error>(self, value: bool) -> Result<Tree, E> {
-        Ok(Tree(Value::from(value)))
-    }
-
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Tree, E> {
-        Ok(Tree(Value::from(value)))
-    }
-
-    fn visit_u64<E: de::Error>(self, value: u64) -> Result<Tree, E> {
-        Ok(Tree(Value::from(value)))
-    }
-
-    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Tree, E> {
-        Ok(Tree(Value::from(value)))
-    }
-
-    fn visit_str<E: de::Error>(self, value: &str) -> Result<Tree, E> {
-        Ok(Tree(Value::from(value)))
-    }
+    visit! { visit_bool: bool, visit_i64: i64, visit_u64: u64, visit_f64: f64, visit_str: &str }
 
     fn visit_unit<E: de::Error>(self) -> Result<Tree, E> {
         Ok(Tree(Value::Null))

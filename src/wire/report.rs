@@ -63,7 +63,7 @@ impl Report {
 /// Computes a page about machines; several are compared on the tool poses of the first.
 ///
 /// Fails for targets and classes that are not there, and where [`compile`](crate::api::compile()) fails for a target.
-pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> Reply<Report> {
+pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run) -> Reply<Report> {
     Call::answer_of(run, &sources_of(files), |call| {
         let report = build(call, files, options)?;
         call.extend(finite::refusal(&report.data));
@@ -71,7 +71,7 @@ pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run<'_>) -> R
     })
 }
 
-fn build(call: &mut Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
+fn build(call: &mut Call, files: &[MachineFile], options: &ReportOptions) -> Result<Report, Refused> {
     call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
     let subjects: Vec<Subject<'_>> =
         files.iter().map(|file| Subject::one_of(call, files, file, options)).collect::<Result<_, _>>()?;
@@ -125,7 +125,7 @@ struct Subject<'a> {
 impl<'a> Subject<'a> {
     /// The subject of one of the files; with several, what is found names the file.
     fn one_of(
-        call: &mut Call<'_>,
+        call: &mut Call,
         files: &[MachineFile],
         file: &'a MachineFile,
         options: &ReportOptions,
@@ -136,7 +136,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    fn of(call: &mut Call<'_>, file: &'a MachineFile, options: &ReportOptions) -> Result<Self, Refused> {
+    fn of(call: &mut Call, file: &'a MachineFile, options: &ReportOptions) -> Result<Self, Refused> {
         let seen = call.diagnostics.count();
         let settings = (&options.tolerances, options.samples, options.seed);
         let bounded = DrawnBounds::of(call, file, settings)?;
@@ -182,7 +182,7 @@ impl<'a> Subject<'a> {
 
 /// Returns the poses of a machine for the tool poses of a file, and what the page says of them.
 fn work(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     path: &Path,
     options: &ReportOptions,
@@ -213,7 +213,7 @@ fn nothing_to_compensate(file: &MachineFile) -> Diagnostic {
 /// Returns the effect of the files that `compile` would write for a target, and their certificate; of two targets
 /// joined by a plus sign after the parameters, and after both.
 fn compensate(
-    call: &mut Call<'_>,
+    call: &mut Call,
     machine: &Machine,
     name: &str,
     options: &ReportOptions,
@@ -230,11 +230,7 @@ fn compensate(
 }
 
 /// Returns the budget that [`budget`](crate::api::budget()) would give; `None` if no error is bounded.
-fn own_budget(
-    call: &mut Call<'_>,
-    machine: &Machine,
-    options: &ReportOptions,
-) -> Result<Option<BudgetResult>, Refused> {
+fn own_budget(call: &mut Call, machine: &Machine, options: &ReportOptions) -> Result<Option<BudgetResult>, Refused> {
     let ReportOptions { tolerances, samples, seed, poses, .. } = options;
     let bounded = tolerances.bounds_if_any(call, machine)?;
     if bounded.0.is_empty() {
@@ -249,7 +245,7 @@ fn own_budget(
 
 /// Several machines on the same work, with their budgets where all have one.
 fn comparison(
-    call: &mut Call<'_>,
+    call: &mut Call,
     options: &ReportOptions,
     given: &[MachineInput<'_>],
 ) -> Result<Option<ComparisonData>, Refused> {

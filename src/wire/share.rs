@@ -48,7 +48,7 @@ impl MapParts for MapShare<'_> {
 
     fn deviations(
         &self,
-        call: &mut Call<'_>,
+        call: &mut Call,
         field: &dyn Field,
         poses: &Poses,
         view: View,

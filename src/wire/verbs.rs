@@ -298,7 +298,7 @@ struct StarterOptions {
     kind: Starter,
 }
 
-fn run_map(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_map(request: &VerbRequest<'_>, run: Run) -> Found {
     let mut rows = Cursor::new(Vec::new());
     let mut tables = Vec::new();
     if request.rows {
@@ -311,7 +311,7 @@ fn run_map(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
     Ok(answer)
 }
 
-fn run_budget(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_budget(request: &VerbRequest<'_>, run: Run) -> Found {
     let options: BudgetOptions = request.options()?;
     if options.shard.is_some() {
         let Answer { value: part, warnings } = budget_part(request.machine()?, &options, run)?;
@@ -334,13 +334,13 @@ impl StudyFile for State {
     }
 }
 
-fn run_enumerate(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_enumerate(request: &VerbRequest<'_>, run: Run) -> Found {
     let state = State(Mutex::default());
     let (answer, _) = answer(enumerate(request.machine()?, &request.options()?, Some(&state), run)?);
     Ok(answer.text(STATE, state.0.into_inner().unwrap_or_else(PoisonError::into_inner)))
 }
 
-fn run_identify(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_identify(request: &VerbRequest<'_>, run: Run) -> Found {
     let (mut answer, result) = answer(identify(request.machine()?, &request.with_texts()?, run)?);
     answer.texts.extend(result.machine_file.map(|text| ("machine.yaml".to_owned(), text)));
     answer.texts.extend(result.pictures.into_iter().map(|picture| (picture.name, picture.svg)));
@@ -348,7 +348,7 @@ fn run_identify(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
 }
 
 /// Compiles for the targets that the words name; a part of a set for several is a folder.
-fn run_compile(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_compile(request: &VerbRequest<'_>, run: Run) -> Found {
     let options: CompileOptions = request.options()?;
     if request.words.len() > 1 {
         let (answer, set) = answer(compile_composed(request.machine()?, request.words, &options, run)?);
@@ -367,7 +367,7 @@ fn run_compile(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
     Ok(VerbAnswer { files, ..answer })
 }
 
-fn run_report(request: &VerbRequest<'_>, run: Run<'_>) -> Found {
+fn run_report(request: &VerbRequest<'_>, run: Run) -> Found {
     let Answer { value: content, warnings } = report(&request.machine_files(), &request.options()?, run)?;
     let page = content.page(&[]).map_err(Diagnostics::from)?.text;
     Ok(answer(Answer { value: PageSize { bytes: page.len() }, warnings }).0.text("report.html", page))

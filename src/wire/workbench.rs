@@ -119,7 +119,7 @@ const MAX_QUESTIONS: usize = 200;
 /// all parts, one behind the other, are given to [`workbench_of_parts`] with the same request.
 ///
 /// Without such a map, and for one of bounds or of more than [`MapPoses::MAX_HELD`] poses, there are none.
-pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run<'_>) -> Vec<u8> {
+pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run) -> Vec<u8> {
     let part = MapPart::new(index, count);
     if let Ok(mut request) = parse(request) {
         request.questions.retain(|question| matches!(question, Question::Map(_)));
@@ -133,13 +133,13 @@ pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run<'_
 ///
 /// `diagnostics` are those of reading the machine, with their places. Without a machine `answers` is empty. Otherwise
 /// it has an entry for each question, the result or `{"refused": true, "diagnostics": [...]}`.
-pub fn workbench(request: &str, run: Run<'_>) -> Value {
+pub fn workbench(request: &str, run: Run) -> Value {
     workbench_of_parts(request, Vec::new(), run)
 }
 
 /// Answers a request as [`workbench`] does; `parts` holds the bytes of all parts of its first map, one behind the
 /// other. The map is computed if they are not those of all its poses.
-pub fn workbench_of_parts(request: &str, parts: Vec<u8>, run: Run<'_>) -> Value {
+pub fn workbench_of_parts(request: &str, parts: Vec<u8>, run: Run) -> Value {
     match parse(request) {
         Ok(request) => answer(&request, &MapShare::Given(RefCell::new(parts)), run),
         Err(diagnostic) => refusal(&diagnostic.into()),
@@ -162,7 +162,7 @@ fn refusal(diagnostics: &Diagnostics) -> Value {
     json!({"diagnostics": diagnostics.records(), "answers": []})
 }
 
-fn answer(request: &WorkbenchRequest, share: &MapShare<'_>, run: Run<'_>) -> Value {
+fn answer(request: &WorkbenchRequest, share: &MapShare<'_>, run: Run) -> Value {
     let text = request.texts.iter().fold(MemoryFiles::new(), |files, (name, text)| files.with(name, text.as_str()));
     let files = Overlay { text, files: run.files };
     let run = Run { files: &files, ..run };
@@ -177,7 +177,7 @@ fn answer(request: &WorkbenchRequest, share: &MapShare<'_>, run: Run<'_>) -> Val
 }
 
 impl Question {
-    fn answer(&self, machine: &MachineFile, request: &WorkbenchRequest, share: &MapShare<'_>, run: Run<'_>) -> Value {
+    fn answer(&self, machine: &MachineFile, request: &WorkbenchRequest, share: &MapShare<'_>, run: Run) -> Value {
         match self {
             Self::Check => json!(summary(machine)),
             Self::Show => json!(show(machine)),
@@ -221,7 +221,7 @@ struct MapRows {
     rows: Value,
 }
 
-fn rows(machine: &MachineFile, options: &MapOptions, run: Run<'_>) -> Reply<MapRows> {
+fn rows(machine: &MachineFile, options: &MapOptions, run: Run) -> Reply<MapRows> {
     let mut bytes = Cursor::new(Vec::new());
     let table = MapTable { name: "rows".to_owned(), form: RowFormat::Json, sink: Box::new(&mut bytes) };
     let Answer { value: map, warnings } = map_tables(machine, options, vec![table], run)?;
@@ -237,7 +237,7 @@ struct WorkRows {
     tips: Vec<RowTip>,
 }
 
-fn work(machine: &MachineFile, options: &WorkOptions, run: Run<'_>) -> Reply<WorkRows> {
+fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRows> {
     let path = &options.tool_poses;
     let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, path))?.value;
     let poses = MapPoses::ToolPoses(path.clone());

@@ -13,7 +13,7 @@ use abbe::identify::{
     FileNotes, FitModel, Measurement, Parameter, ParameterFit, Reading, ReadingContext, Solution, fit, fitted_file,
     held_out, parameters, read_measurements, solve as weigh,
 };
-use abbe::lower::{ErrorSite, Exact, Source, actual_point, position_jacobian, values};
+use abbe::lower::{ErrorSite, Exact, Source, point, position_jacobian, values};
 use abbe::machine::{Approach, Direction, Machine, machine_file};
 use abbe::syntax::{Disk, IdentifyEntry};
 use nalgebra::{DMatrix, Vector3};
@@ -74,7 +74,7 @@ fn tangents_are_the_derivatives_of_the_actual_point() {
         let pose = &sample.poses(&mut random, 1)[0];
         let at = values(&machine, &Approach::Mean.at_pose(pose));
         let found = position_jacobian(&machine, pose, &at, &Exact, &sources);
-        assert!((found.point - actual_point(&machine, pose, &at)).norm() < 1e-10);
+        assert!((found.point - point(&machine, pose, &at, &Exact)).norm() < 1e-10);
         for (source, derivative) in sources.iter().zip(&found.derivatives) {
             let h = 1e-4;
             let moved = |by: f64| {
@@ -87,7 +87,7 @@ fn tangents_are_the_derivatives_of_the_actual_point() {
                     ErrorSite::Workpiece => changed.workpiece[k] += by,
                     ErrorSite::Tool => changed.tool[k] += by,
                 }
-                actual_point(&machine, pose, &changed)
+                point(&machine, pose, &changed, &Exact)
             };
             let expected = (moved(h) - moved(-h)) / (2.0 * h);
             assert!((derivative - expected).norm() < 1e-4, "{source:?}: {derivative} {expected}");

@@ -2,10 +2,35 @@
 //! Where the print is wrong, its form is shown to fail (docs/misprints.md).
 
 use crate::oracle::random::Random;
-use abbe::algebra::{Algebra, Dual, admissibility, is_special, orthogonality_defect};
+use abbe::algebra::{Algebra, Dual};
 use nalgebra::DMatrix;
 
 type M = DMatrix<f64>;
+
+/// Returns the largest coefficient of each degree of C^T C - 1 of a matrix over D_n.
+/// It is a member of O(n, D_n) if all of them are 0, to rounding.
+fn orthogonality_defect<const N: usize>(c: &DMatrix<Dual<N>>) -> [f64; N] {
+    let product = c.transpose() * c;
+    let of_degree = |k: usize| {
+        let coefficient = |(index, entry): (usize, &Dual<N>)| {
+            let diagonal = k == 0 && index % (c.ncols() + 1) == 0;
+            (entry.0[k] - f64::from(u8::from(diagonal))).abs()
+        };
+        product.iter().enumerate().map(coefficient).fold(0.0, f64::max)
+    };
+    std::array::from_fn(of_degree)
+}
+
+/// True if a matrix of O(n, D_n) is in SO(n, D_n): the real part decides.
+fn is_special<const N: usize>(c: &DMatrix<Dual<N>>) -> bool {
+    c.map(|entry| entry.real()).determinant() > 0.0
+}
+
+/// A^T B + B^T A: zero exactly if B is in the error class I^A of an orthogonal A.
+fn admissibility(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    let product = a.transpose() * b;
+    &product + product.transpose()
+}
 
 fn random_matrix(random: &mut Random, n: usize) -> M {
     M::from_fn(n, n, |_, _| random.around(1.0))

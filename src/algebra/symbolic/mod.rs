@@ -44,11 +44,6 @@ impl Symbolic {
         self.terms.iter().map(|(monomial, value)| (monomial, *value))
     }
 
-    /// Returns the number of terms.
-    pub fn len(&self) -> usize {
-        self.terms.len()
-    }
-
     /// True if it is the polynomial 0.
     pub fn is_empty(&self) -> bool {
         self.terms.is_empty()

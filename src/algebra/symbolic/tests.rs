@@ -22,6 +22,13 @@ fn chain<S: Algebra>([a, b, c, x, sine, cosine]: [S; 6]) -> Htm<S> {
     first.compose(&second).compose(&first.inverse().unwrap_or_else(Htm::identity))
 }
 
+impl Symbolic {
+    /// Returns the number of terms.
+    fn len(&self) -> usize {
+        self.terms.len()
+    }
+}
+
 #[test]
 fn sine_and_cosine_lie_on_the_circle() {
     let [.., s, c] = all(&rules(1));

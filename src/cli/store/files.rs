@@ -36,15 +36,15 @@ impl Files for Recorded {
         if self.outside(folder).is_some() { Vec::new() } else { Disk.entries(folder) }
     }
 
-    fn resolved(&self, path: &Path) -> Option<PathBuf> {
-        Disk.resolved(path)
+    fn resolve(&self, path: &Path) -> Option<PathBuf> {
+        Disk.resolve(path)
     }
 }
 
 impl Recorded {
     /// Reads files in a folder and below it only.
     pub(crate) fn within(root: Option<&Path>) -> Self {
-        let resolved = |root: &Path| Disk.resolved(root).unwrap_or_else(|| root.to_owned());
+        let resolved = |root: &Path| Disk.resolve(root).unwrap_or_else(|| root.to_owned());
         Self { root: root.map(|root| [root.to_owned(), resolved(root)]), ..Self::default() }
     }
 
@@ -53,7 +53,7 @@ impl Recorded {
         let [named, root] = self.root.as_ref()?;
         // Of a file that is not there its folder tells.
         let folder = path.parent().map(|folder| if folder == Path::new("") { Path::new(".") } else { folder });
-        let resolved = Disk.resolved(path).or_else(|| Disk.resolved(folder?));
+        let resolved = Disk.resolve(path).or_else(|| Disk.resolve(folder?));
         (!resolved.is_some_and(|resolved| resolved.starts_with(root))).then(|| named.clone())
     }
 

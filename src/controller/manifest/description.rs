@@ -26,7 +26,6 @@ pub struct Manifest {
     /// The arithmetic of its look-up.
     pub controller: Controller,
     /// Letters the controller has for axes, if it has only these.
-    #[serde(default)]
     pub axis_letters: Option<AxisLetters>,
     /// True if the controller reads ASCII only: the machine's name is written in it.
     #[serde(default)]
@@ -44,7 +43,6 @@ pub struct CertaintyOf {
     /// The certainty of the sign.
     pub sign: Certainty,
     /// The frame in which numbers stand, with its certainty; stated by every target of kinematic parameters.
-    #[serde(default)]
     pub frame: Option<Certainty>,
 }
 
@@ -160,7 +158,6 @@ pub struct AxisLetters {
     /// The order in which the controller counts them.
     pub order: String,
     /// Numbers of axes, where the builder of the machine sets them; without the key they follow from `order`.
-    #[serde(default)]
     pub numbers: Option<AxisNumbers>,
     /// Letters and numbers of axes by name, from the options of a run.
     #[serde(skip)]
@@ -205,7 +202,6 @@ pub enum FileLayout {
     /// Lines of known patterns.
     Lines {
         /// The mark that begins a comment.
-        #[serde(default)]
         comment: Option<String>,
         /// The patterns, tried in this order.
         lines: Vec<LineSpec>,
@@ -259,13 +255,11 @@ pub struct LineSpec {
     /// The pattern, such as `$AN_CEC[<table>,<index>]=<value>`.
     pub line: String,
     /// Number of the only line that it may be on, from 1.
-    #[serde(default)]
     pub at: Option<usize>,
     /// True if a file without such a line is refused.
     #[serde(default)]
     pub required: bool,
     /// The end of a block that it marks.
-    #[serde(default)]
     pub block: Option<Edge>,
     /// Fields that it sets besides those in angle brackets.
     #[serde(default)]
@@ -305,13 +299,10 @@ pub struct FileSpec {
     /// Once, or for every axis.
     pub per: Per,
     /// The mechanism whose tables it holds, if not all; without such tables it is not written.
-    #[serde(default)]
     pub of: Option<String>,
     /// The layout by which it is read back; absent for files without tables.
-    #[serde(default)]
     pub layout: Option<FileLayout>,
     /// The form in which it assigns files to axes, if it does.
-    #[serde(default)]
     pub index: Option<Index>,
 }
 

@@ -55,7 +55,7 @@ impl Assembly<'_> {
         number(text).map(Some).map_err(|message| Fault::new(*line, message))
     }
 
-    pub fn required_number(&self, name: &str) -> Result<f64, Fault> {
+    pub fn need_number(&self, name: &str) -> Result<f64, Fault> {
         self.number(name)?.ok_or_else(|| self.fault(format!("there is no `{name}` for this table")))
     }
 
@@ -137,7 +137,7 @@ impl Assembly<'_> {
     /// A line through position 0.
     fn line(&self, mut table: CorrectionTable, rules: &TableRules, line: usize) -> Result<CorrectionTable, Fault> {
         let kind = self.kind(table.corrected[0]);
-        let slope = self.required_number("slope")?;
+        let slope = self.need_number("slope")?;
         if rules.largest.is_some_and(|max| slope.abs() > max) {
             return Err(Fault::new(line, "the controller would refuse this factor"));
         }
@@ -169,12 +169,11 @@ impl Assembly<'_> {
             });
             return listed.collect();
         }
-        let min = self.required_number(&format!("min{suffix}"))?;
+        let min = self.need_number(&format!("min{suffix}"))?;
         let mechanisms = &self.reading.target.manifest.mechanism;
         let same_step = mechanisms.name_of(table) == Some("plane")
             && mechanisms.plane.as_ref().is_some_and(|plane| plane.grid == PlaneGrid::SameStep);
-        let step =
-            if same_step { self.required_number("step")? } else { self.required_number(&format!("step{suffix}"))? };
+        let step = if same_step { self.need_number("step")? } else { self.need_number(&format!("step{suffix}"))? };
         let count = self.count(place, suffix)?;
         let nodes: Vec<f64> = (0..count).map(|i| place_of.position(min + i as f64 * step)).collect();
         if let (Some(max), Some(last)) = (self.number(&format!("max{suffix}"))?, nodes.last()) {
@@ -360,7 +359,7 @@ impl Assembly<'_> {
         let axis = self.reading.machine.axis_index(error.axis.as_str()).ok_or_else(unknown)?;
         let rules = self.reading.target.manifest.mechanism.error_curves.as_ref().ok_or_else(unknown)?;
         if error.is_location() {
-            let value = error_value(rules, error.direction, self.required_number("constant")?);
+            let value = error_value(rules, error.direction, self.need_number("constant")?);
             return Ok(AxisErrorCurve { error, positions: Vec::new(), values: vec![value] });
         }
         let place = StoredPosition { rules, kind: self.kind(axis) };

@@ -7,7 +7,7 @@ use crate::controller::emit::{StoredColumn, StoredPosition};
 use std::ops::RangeInclusive;
 
 impl Assembly<'_> {
-    fn required_index(&self, name: &str) -> Result<usize, Fault> {
+    fn need_index(&self, name: &str) -> Result<usize, Fault> {
         self.whole(name)?.ok_or_else(|| self.fault(format!("there is no `{name}`")))
     }
 
@@ -17,7 +17,7 @@ impl Assembly<'_> {
         let axis = table.axes[0];
         let (kind, turns) = (self.kind(table.corrected[0]), self.reading.machine.is_continuous(axis));
         let (reference, first, last) =
-            (self.required_index("reference")?, self.required_index("first")?, self.required_index("last_number")?);
+            (self.need_index("reference")?, self.need_index("first")?, self.need_index("last_number")?);
         // Over a turn the farthest point in - is the reference point itself, and repeats the value of the last one.
         let repeated = turns && first == reference;
         let lowest = if repeated { first } else { first.wrapping_sub(1) };
@@ -46,7 +46,7 @@ impl Assembly<'_> {
             return Err(self.fault(format!("point {} is outside {first} to {last}", index[0])));
         }
         let (place, column) = (StoredPosition { rules, kind: self.kind(axis) }, StoredColumn::new(rules, kind));
-        let step = self.required_number("step")?;
+        let step = self.need_number("step")?;
         let position = |n: usize| place.position((n as f64 - reference as f64) * step);
         let correction = |sums: &[f64], start: f64| -> Vec<f64> {
             sums.iter().map(|s| column.correction(s - sums[zero] + start, None)).collect()
@@ -196,7 +196,7 @@ impl Assembly<'_> {
     /// Positions of the entries over an axis with their numbers, rising. A turn has its first one at its end too.
     fn around(&self, axis: usize, count: usize, length: &str, rules: &TableRules) -> Result<Vec<(f64, usize)>, Fault> {
         let place = StoredPosition { rules, kind: self.kind(axis) };
-        let length = self.required_number(length)?;
+        let length = self.need_number(length)?;
         let step = length / count as f64;
         let turns = self.reading.machine.is_continuous(axis);
         let (_, max) = self.reading.machine.axes()[axis].travel.interval();

@@ -49,7 +49,7 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
-    pub(crate) fn read(call: &mut Call<'_>, file: &MachineFile, inputs: &FitInputs<'_>) -> Result<Self, Refused> {
+    pub(crate) fn read(call: &mut Call, file: &MachineFile, inputs: &FitInputs<'_>) -> Result<Self, Refused> {
         let Requested { request, own, bounds } = Requested::of(call, file, inputs.fit, inputs.fixed)?;
         let (mut data, hashes) = measurements(call, file, inputs)?;
         call.extend(remarks::unused_readings(file, &data.leave_out(&own)));
@@ -84,12 +84,7 @@ pub(crate) struct Requested {
 }
 
 impl Requested {
-    pub(crate) fn of(
-        call: &mut Call<'_>,
-        file: &MachineFile,
-        fit: &[String],
-        fixed: &[String],
-    ) -> Result<Self, Refused> {
+    pub(crate) fn of(call: &mut Call, file: &MachineFile, fit: &[String], fixed: &[String]) -> Result<Self, Refused> {
         let request = with_command_line(file, file.identify.clone().unwrap_or_default(), fit, fixed);
         let own = parameters(file, &request).or_else(|refusal| call.refuse(*refusal))?;
         let bounds = slope_bounds(file, &request, &own).or_else(|refusal| call.refuse(*refusal))?;
@@ -103,7 +98,7 @@ impl Requested {
 
 /// Returns the values known before the data. A prior of the section that names nothing here has no effect.
 pub(crate) fn priors(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     request: &IdentifyEntry,
     options: &[String],
@@ -146,7 +141,7 @@ impl Files for Recording<'_> {
 }
 
 fn measurements(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     inputs: &FitInputs<'_>,
 ) -> Result<(MeasurementSet, BTreeMap<PathBuf, String>), Refused> {
@@ -164,7 +159,7 @@ fn measurements(
 }
 
 /// Refuses files with the same contents, whose readings would count twice.
-fn refuse_copies(call: &mut Call<'_>, list: &[PathBuf], hashes: &BTreeMap<PathBuf, String>) -> Result<(), Refused> {
+fn refuse_copies(call: &mut Call, list: &[PathBuf], hashes: &BTreeMap<PathBuf, String>) -> Result<(), Refused> {
     let mut met: BTreeMap<Option<&String>, &PathBuf> = BTreeMap::new();
     for file in list {
         if let Some(known) = met.insert(hashes.get(file), file) {
@@ -177,7 +172,7 @@ fn refuse_copies(call: &mut Call<'_>, list: &[PathBuf], hashes: &BTreeMap<PathBu
 }
 
 /// Refuses too many unknowns, and fewer readings than unknowns.
-pub(crate) fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refused> {
+pub(crate) fn enough(call: &mut Call, problem: &Problem) -> Result<(), Refused> {
     let unknowns = problem.unknowns.len();
     let readings: usize = problem.rows.iter().map(Measurement::readings).sum();
     let instruments = problem.unknowns.iter().filter(|p| p.is_nuisance()).count();
@@ -200,7 +195,7 @@ pub(crate) fn enough(call: &mut Call<'_>, problem: &Problem) -> Result<(), Refus
 }
 
 pub(crate) fn solve_problem(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     inputs: &FitInputs<'_>,
     problem: &Problem,
@@ -273,7 +268,7 @@ pub(crate) fn solve_problem(
 
 /// Returns the text of the fitted machine file; refuses one that the program itself would not take.
 fn machine_file(
-    call: &mut Call<'_>,
+    call: &mut Call,
     file: &MachineFile,
     inputs: &FitInputs<'_>,
     problem: &Problem,

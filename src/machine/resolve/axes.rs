@@ -81,7 +81,7 @@ pub fn block_entry(entry: &AxisEntry, branch: Branch) -> Option<&SideEntry> {
 }
 
 /// Refuses a file with more axes than any machine and its variants have.
-pub fn refuse_many(context: &mut Context<'_>) -> Option<()> {
+pub fn refuse_many(context: &mut Context) -> Option<()> {
     let count = context.document.axes.len();
     if count <= MAX_DECLARED {
         return Some(());
@@ -92,12 +92,12 @@ pub fn refuse_many(context: &mut Context<'_>) -> Option<()> {
 }
 
 /// Returns all axes that are declared.
-pub fn axes(context: &mut Context<'_>) -> Vec<AxisDraft> {
+pub fn axes(context: &mut Context) -> Vec<AxisDraft> {
     let document = context.document;
     document.axes.iter().filter_map(|(name, entry)| axis(context, name, entry.as_ref())).collect()
 }
 
-fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Option<AxisDraft> {
+fn axis(context: &mut Context, name: &str, entry: Option<&AxisEntry>) -> Option<AxisDraft> {
     let at = keys(["axes", name]);
     let Some(name) = AxisName::new(name) else {
         let help = "a name is a capital letter, then up to seven capitals or digits: X, C1, J6";
@@ -137,7 +137,7 @@ fn axis(context: &mut Context<'_>, name: &str, entry: Option<&AxisEntry>) -> Opt
 }
 
 /// Returns the letter and the number that an entry gives the axis in the controller.
-fn controller(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys) -> ControllerAxis {
+fn controller(context: &mut Context, name: &AxisName, entry: &AxisEntry, at: &Keys) -> ControllerAxis {
     let words = match &entry.controller {
         Some(ControllerEntry::One(word)) => std::slice::from_ref(word),
         Some(ControllerEntry::Both(words)) => words,
@@ -154,7 +154,7 @@ fn controller(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at:
 }
 
 /// Geometry that the block of a side gives.
-fn block(context: &mut Context<'_>, name: &AxisName, kind: AxisKind, side: &SideEntry, at: &Keys) -> SideDraft {
+fn block(context: &mut Context, name: &AxisName, kind: AxisKind, side: &SideEntry, at: &Keys) -> SideDraft {
     let written = side.direction.as_ref();
     SideDraft {
         direction: written.and_then(|list| direction(context, &of_axis(name), list, &below(at, "direction"))),
@@ -176,7 +176,7 @@ fn by_letter(name: &AxisName) -> Option<(AxisKind, [f64; 3])> {
     linear.map(|i| (AxisKind::Linear, unit(i))).or(rotary.map(|i| (AxisKind::Rotary, unit(i))))
 }
 
-fn kind(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys) -> Option<AxisKind> {
+fn kind(context: &mut Context, name: &AxisName, entry: &AxisEntry, at: &Keys) -> Option<AxisKind> {
     if let Some(word) = &entry.kind {
         let here = below(at, "kind");
         return match word.as_str() {
@@ -202,7 +202,7 @@ fn in_a_block(entry: &AxisEntry, given: impl Fn(&SideEntry) -> bool) -> bool {
 }
 
 /// Returns the plain direction, or that of the letter; a name without either needs one in a block.
-fn plain_direction(context: &mut Context<'_>, name: &AxisName, entry: &AxisEntry, at: &Keys) -> Option<[f64; 3]> {
+fn plain_direction(context: &mut Context, name: &AxisName, entry: &AxisEntry, at: &Keys) -> Option<[f64; 3]> {
     let here = below(at, "direction");
     if let Some(list) = &entry.direction {
         return direction(context, &of_axis(name), list, &here);
@@ -223,7 +223,7 @@ fn of_axis(name: &AxisName) -> String {
 }
 
 /// Three plain numbers as a unit vector.
-pub fn direction(context: &mut Context<'_>, of: &str, list: &[Scalar], here: &Keys) -> Option<[f64; 3]> {
+pub fn direction(context: &mut Context, of: &str, list: &[Scalar], here: &Keys) -> Option<[f64; 3]> {
     let numbers: Vec<f64> =
         list.iter().filter_map(|s| if let Scalar::Number(n) = s { Some(*n) } else { None }).collect();
     let help = "write three plain numbers, not all zero: [0, 1, 1] is 45 deg between Y and Z";
@@ -244,7 +244,7 @@ pub fn direction(context: &mut Context<'_>, of: &str, list: &[Scalar], here: &Ke
 }
 
 fn plain_travel(
-    context: &mut Context<'_>,
+    context: &mut Context,
     name: &AxisName,
     kind: AxisKind,
     entry: &AxisEntry,
@@ -263,13 +263,7 @@ fn plain_travel(
     None
 }
 
-fn travel(
-    context: &mut Context<'_>,
-    name: &AxisName,
-    kind: AxisKind,
-    entry: &TravelEntry,
-    here: &Keys,
-) -> Option<Travel> {
+fn travel(context: &mut Context, name: &AxisName, kind: AxisKind, entry: &TravelEntry, here: &Keys) -> Option<Travel> {
     match entry {
         TravelEntry::Word(word) if word == "continuous" && kind == AxisKind::Rotary => Some(Travel::Continuous),
         TravelEntry::Word(word) => {

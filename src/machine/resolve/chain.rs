@@ -41,7 +41,7 @@ struct ChainWord {
 }
 
 /// Returns the chain of the machine; every name in it is an axis that the file declares.
-pub fn chain(context: &mut Context<'_>) -> Option<KinematicChain> {
+pub fn chain(context: &mut Context) -> Option<KinematicChain> {
     let document = context.document;
     let links = match (&document.chain, &document.branches) {
         (Some(_), Some(_)) => {
@@ -65,7 +65,7 @@ pub fn chain(context: &mut Context<'_>) -> Option<KinematicChain> {
 }
 
 /// Axes declared, no joint on two paths, at least one.
-fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<KinematicChain> {
+fn check(context: &mut Context, links: &ChainLinks) -> Option<KinematicChain> {
     let before = context.diagnostics.count();
     if links.axes.len() > MAX_AXES {
         let message = format!("the chain has {} axes, at most {MAX_AXES} are computed", links.axes.len());
@@ -113,7 +113,7 @@ fn check(context: &mut Context<'_>, links: &ChainLinks) -> Option<KinematicChain
 const FAMILIES: [&str; 3] = ["XUP", "YVQ", "ZWR"];
 
 /// Warns of two linear axes along one line, but for those whose letters say so: W0406.
-pub fn warn_parallel(context: &mut Context<'_>, machine: &Machine) {
+pub fn warn_parallel(context: &mut Context, machine: &Machine) {
     let linear: Vec<&Axis> = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear).collect();
     for (i, axis) in linear.iter().enumerate() {
         let across = |other: &Axis| {
@@ -133,7 +133,7 @@ pub fn warn_parallel(context: &mut Context<'_>, machine: &Machine) {
     }
 }
 
-fn twice(context: &mut Context<'_>, name: &AxisName, again: &Option<Place>, first: &Option<Place>) {
+fn twice(context: &mut Context, name: &AxisName, again: &Option<Place>, first: &Option<Place>) {
     let refusal = Diagnostic::new(codes::E0304, format!("axis `{name}` occurs twice"))
         .at(again.clone(), "again here")
         .at(first.clone(), "first here")
@@ -141,7 +141,7 @@ fn twice(context: &mut Context<'_>, name: &AxisName, again: &Option<Place>, firs
     context.diagnostics.push(refusal);
 }
 
-fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) -> Option<ChainLinks> {
+fn from_lists(context: &mut Context, workpiece: &[String], tool: &[String]) -> Option<ChainLinks> {
     let before = context.diagnostics.count();
     let mut links = ChainLinks::default();
     for (branch, key, list) in [(Branch::Workpiece, "workpiece", workpiece), (Branch::Tool, "tool", tool)] {
@@ -156,13 +156,7 @@ fn from_lists(context: &mut Context<'_>, workpiece: &[String], tool: &[String]) 
 }
 
 /// One axis or spindle. `side` is the branch it stands in, if that is settled.
-fn link(
-    context: &mut Context<'_>,
-    token: &ChainWord,
-    side: Option<Branch>,
-    may_be_spindle: bool,
-    links: &mut ChainLinks,
-) {
+fn link(context: &mut Context, token: &ChainWord, side: Option<Branch>, may_be_spindle: bool, links: &mut ChainLinks) {
     let inner = token.text.strip_prefix('(').and_then(|t| t.strip_suffix(')'));
     let bare = inner.unwrap_or(&token.text);
     let unprimed = bare.trim_end_matches(['\'', '’', '′']);
@@ -191,14 +185,14 @@ fn link(
     links.axes.push(ChainLink { name, branch, place: token.place.clone() });
 }
 
-fn refuse_name(context: &mut Context<'_>, token: &ChainWord) {
+fn refuse_name(context: &mut Context, token: &ChainWord) {
     let message = format!("`{}` is not the name of an axis", shown(&token.text));
     let help = "a name is a capital letter, then up to seven capitals or digits: X, C1, J6";
     context.diagnostics.push(Diagnostic::new(codes::E0301, message).at(token.place.clone(), "").help(help));
 }
 
 /// Returns the string as ISO prints it.
-fn walk(context: &mut Context<'_>, text: &str) -> Option<ChainLinks> {
+fn walk(context: &mut Context, text: &str) -> Option<ChainLinks> {
     let before = context.diagnostics.count();
     let tokens = tokens(context, text);
     let find = |word: &str| tokens.iter().position(|t| t.text == word);
@@ -225,7 +219,7 @@ fn walk(context: &mut Context<'_>, text: &str) -> Option<ChainLinks> {
     (context.diagnostics.count() == before).then_some(links)
 }
 
-fn left_of_bed(context: &mut Context<'_>, token: &ChainWord, links: &mut ChainLinks) {
+fn left_of_bed(context: &mut Context, token: &ChainWord, links: &mut ChainLinks) {
     let primed = token.text.ends_with(['\'', '’', '′']);
     if !primed && AxisName::new(&token.text).is_some() {
         let message = format!("axis `{}` stands on the workpiece side of the bed without a prime", token.text);

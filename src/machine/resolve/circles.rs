@@ -10,7 +10,7 @@ use petgraph::graphmap::DiGraphMap;
 
 /// Refuses references that lead back to where they began, in any arrangement of the axes: each axis takes the side
 /// that the reference stands on.
-pub fn circles(context: &mut Context<'_>, axes: &[AxisDraft], workpiece: Option<&PositionDraft>) {
+pub fn circles(context: &mut Context, axes: &[AxisDraft], workpiece: Option<&PositionDraft>) {
     let references = references(axes, workpiece);
     let mut components = tarjan_scc(&references);
     for start in references.nodes() {

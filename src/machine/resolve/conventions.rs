@@ -6,7 +6,7 @@ use crate::machine::Conventions;
 use crate::syntax::{Keys, below, keys};
 
 /// Returns the conventions in force.
-pub fn conventions(context: &mut Context<'_>) -> Conventions {
+pub fn conventions(context: &mut Context) -> Conventions {
     let document = context.document;
     let Some(entry) = &document.conventions else { return Conventions::default() };
     let at = keys(["conventions"]);
@@ -36,7 +36,7 @@ pub fn conventions(context: &mut Context<'_>) -> Conventions {
     chosen
 }
 
-fn preset(context: &mut Context<'_>, name: &str, at: &Keys) -> Conventions {
+fn preset(context: &mut Context, name: &str, at: &Keys) -> Conventions {
     Conventions::preset(name).unwrap_or_else(|| {
         let help = did_you_mean(name, &Conventions::PRESETS);
         context.at_value(codes::E0210, &below(at, "preset"), format!("there is no preset `{}`", shown(name)), help);

@@ -10,7 +10,7 @@ use crate::machine::{Direction, JointUncertainty, ResidualForm};
 use crate::syntax::{CovarianceEntry, FormEntry, Keys, Scalar, below, keys};
 
 /// Reads the section `covariance`.
-pub fn covariance(context: &mut Context<'_>, known: &JointNames<'_>) -> (Vec<JointUncertainty>, Vec<ResidualForm>) {
+pub fn covariance(context: &mut Context, known: &JointNames<'_>) -> (Vec<JointUncertainty>, Vec<ResidualForm>) {
     let document = context.document;
     let section = keys(["covariance"]);
     let (count, most) = (document.covariance.len(), JointUncertainty::MOST);
@@ -41,7 +41,7 @@ pub fn covariance(context: &mut Context<'_>, known: &JointNames<'_>) -> (Vec<Joi
     (joint, forms)
 }
 
-fn part(context: &mut Context<'_>, known: &JointNames<'_>, index: usize, entry: &CovarianceEntry) -> JointUncertainty {
+fn part(context: &mut Context, known: &JointNames<'_>, index: usize, entry: &CovarianceEntry) -> JointUncertainty {
     let here = below(&keys(["covariance"]), index);
     let mut errors = Errors::default();
     for (name, entry) in &entry.errors {
@@ -62,7 +62,7 @@ fn part(context: &mut Context<'_>, known: &JointNames<'_>, index: usize, entry: 
     JointUncertainty { errors: errors.joints, setup: setup.unwrap_or_default() }
 }
 
-fn form(context: &mut Context<'_>, known: &JointNames<'_>, entry: &FormEntry, here: &Keys) -> Option<ResidualForm> {
+fn form(context: &mut Context, known: &JointNames<'_>, entry: &FormEntry, here: &Keys) -> Option<ResidualForm> {
     let sized = entry.size.is_some() || entry.rotation.is_some();
     let (Some(axis), true, Some(length)) = (&entry.axis, sized, &entry.length) else {
         if !context.document.places.is_marred(here) {
@@ -94,7 +94,7 @@ fn form(context: &mut Context<'_>, known: &JointNames<'_>, entry: &FormEntry, he
     is_long.then(|| ResidualForm { axis: declared.name.clone(), size, rotation, length })
 }
 
-fn above_zero(context: &mut Context<'_>, value: f64, at: &Keys) -> bool {
+fn above_zero(context: &mut Context, value: f64, at: &Keys) -> bool {
     if value <= 0.0 {
         context.at_value(codes::E0213, at, format!("`{}` is not above zero", dotted_path(at)), "write a size");
     }

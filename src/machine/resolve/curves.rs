@@ -34,7 +34,7 @@ impl CurveOf<'_> {
 }
 
 /// Returns a component error from one entry; a table may give it both directions.
-pub fn component(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<ComponentError> {
+pub fn component(context: &mut Context, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<ComponentError> {
     if let Some(path) = &entry.table {
         let here = below(at, "table");
         let (cubic, table) = (cubic(context, entry, at), context.table(&here, path));
@@ -46,7 +46,7 @@ pub fn component(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry
 
 /// Returns a curve of one direction.
 pub fn one_way(
-    context: &mut Context<'_>,
+    context: &mut Context,
     of: &CurveOf<'_>,
     entry: &CurveEntry,
     at: &Keys,
@@ -60,7 +60,7 @@ pub fn one_way(
     })
 }
 
-fn cubic(context: &mut Context<'_>, entry: &CurveEntry, at: &Keys) -> Option<bool> {
+fn cubic(context: &mut Context, entry: &CurveEntry, at: &Keys) -> Option<bool> {
     match entry.interpolation.as_deref() {
         None | Some("linear") => Some(false),
         Some("cubic") => Some(true),
@@ -73,7 +73,7 @@ fn cubic(context: &mut Context<'_>, entry: &CurveEntry, at: &Keys) -> Option<boo
     }
 }
 
-fn curve(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<Curve> {
+fn curve(context: &mut Context, of: &CurveOf<'_>, entry: &CurveEntry, at: &Keys) -> Option<Curve> {
     if let Some(points) = &entry.points {
         let cubic = cubic(context, entry, at);
         return from_points(context, of, points, cubic?, &below(at, "points"));
@@ -100,7 +100,7 @@ fn curve(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &CurveEntry, at: &K
     Some(if of.continuous() { Curve::Harmonics(vec![(value, 0.0)]) } else { Curve::Polynomial(vec![value]) })
 }
 
-fn polynomial(context: &mut Context<'_>, of: &CurveOf<'_>, list: &[Scalar], at: &Keys) -> Option<Curve> {
+fn polynomial(context: &mut Context, of: &CurveOf<'_>, list: &[Scalar], at: &Keys) -> Option<Curve> {
     if of.continuous() {
         let help = "axis without ends: use `harmonics`, or a table over [0 deg, 360 deg]";
         context.at_key(codes::E0408, at, format!("a polynomial for `{}` is not periodic", of.error), help);
@@ -121,7 +121,7 @@ fn polynomial(context: &mut Context<'_>, of: &CurveOf<'_>, list: &[Scalar], at: 
 }
 
 fn harmonics(
-    context: &mut Context<'_>,
+    context: &mut Context,
     of: &CurveOf<'_>,
     orders: &indexmap::IndexMap<String, Vec<Scalar>>,
     at: &Keys,
@@ -156,7 +156,7 @@ fn harmonics(
 }
 
 fn harmonic(
-    context: &mut Context<'_>,
+    context: &mut Context,
     of: &CurveOf<'_>,
     key: &str,
     pair: &[Scalar],
@@ -183,7 +183,7 @@ fn harmonic(
     Some((order, (cosine, sine)))
 }
 
-fn bspline(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &BSplineEntry, at: &Keys) -> Option<Curve> {
+fn bspline(context: &mut Context, of: &CurveOf<'_>, entry: &BSplineEntry, at: &Keys) -> Option<Curve> {
     let (at_knots, at_coefficients) = (below(at, "knots"), below(at, "coefficients"));
     let knots: Vec<Option<f64>> = entry
         .knots
@@ -231,7 +231,7 @@ fn bspline(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &BSplineEntry, at
 }
 
 fn from_points(
-    context: &mut Context<'_>,
+    context: &mut Context,
     of: &CurveOf<'_>,
     points: &[Vec<Scalar>],
     cubic: bool,
@@ -257,7 +257,7 @@ fn from_points(
 
 /// Columns of the error in a table, both directions if they are apart.
 pub fn from_table(
-    context: &mut Context<'_>,
+    context: &mut Context,
     of: &CurveOf<'_>,
     table: &Rc<CsvTable>,
     cubic: bool,
@@ -298,7 +298,7 @@ fn carries(column: &CsvColumn, of: &CurveOf<'_>) -> bool {
     readings(&column.name).iter().any(|r| r.error == *of.error)
 }
 
-fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &CsvTable, named: Option<Place>) {
+fn missing(context: &mut Context, of: &CurveOf<'_>, table: &CsvTable, named: Option<Place>) {
     let header = table.columns.first().map(|c| c.place.clone());
     let names: Vec<&str> = table.columns[1..].iter().map(|c| c.name.as_str()).collect();
     let help =
@@ -309,7 +309,7 @@ fn missing(context: &mut Context<'_>, of: &CurveOf<'_>, table: &CsvTable, named:
 }
 
 /// Returns the first column, in mm or deg.
-fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &CsvTable, named: &Option<Place>) -> Option<Vec<f64>> {
+fn positions(context: &mut Context, of: &CurveOf<'_>, table: &CsvTable, named: &Option<Place>) -> Option<Vec<f64>> {
     let first = table.columns.first()?;
     if first.name != of.error.axis.as_str() {
         let message = format!("the table's first column is `{}`, not the axis `{}`", shown(&first.name), of.error.axis);
@@ -344,7 +344,7 @@ fn positions(context: &mut Context<'_>, of: &CurveOf<'_>, table: &CsvTable, name
 }
 
 fn from_column(
-    context: &mut Context<'_>,
+    context: &mut Context,
     of: &CurveOf<'_>,
     table: &CsvTable,
     positions: &[f64],
@@ -374,7 +374,7 @@ fn from_column(
 
 /// Points to a curve that covers the travel.
 fn knots(
-    context: &mut Context<'_>,
+    context: &mut Context,
     of: &CurveOf<'_>,
     pairs: Vec<(f64, f64)>,
     cubic: bool,
@@ -460,7 +460,7 @@ fn explain(
     }
 }
 
-fn covers(context: &mut Context<'_>, of: &CurveOf<'_>, knots: &Knots, place: Option<Place>) -> Option<()> {
+fn covers(context: &mut Context, of: &CurveOf<'_>, knots: &Knots, place: Option<Place>) -> Option<()> {
     let Some(Travel::Range(min, max)) = of.axis.travel else { return Some(()) };
     let (first, last) = (knots.positions().first()?, knots.positions().last()?);
     if *first <= min && *last >= max {

@@ -25,7 +25,7 @@ const MIN_FRACTION: f64 = 0.25;
 const NODES: u32 = 360;
 
 /// Both kinds of warning.
-pub fn warn(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
+pub fn warn(context: &mut Context, parts: &MachineParts, places: &Errors) {
     inert(context, parts, places);
     for (index, axis) in parts.axes.iter().enumerate() {
         let doubles = Doubles { parts, places, axis, index };
@@ -38,7 +38,7 @@ pub fn warn(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
 }
 
 /// Location errors that change nothing when the axis of motion is displaced.
-fn inert(context: &mut Context<'_>, parts: &MachineParts, places: &Errors) {
+fn inert(context: &mut Context, parts: &MachineParts, places: &Errors) {
     let displaced = |(axis, _): &(&Axis, _)| axis.convention(&parts.conventions).location == LocationAction::Displaces;
     for (axis, errors) in parts.axes.iter().zip(&parts.errors).filter(displaced) {
         for (_, direction, term) in errors.iter().filter(|(family, ..)| *family == ErrorFamily::Location) {
@@ -105,7 +105,7 @@ impl Doubles<'_> {
 
     /// A constant counts only if it is neither zero at the zero pose nor on average: curves are
     /// brought to zero either way. In its own direction an axis has a datum instead.
-    fn constant(&self, context: &mut Context<'_>, direction: Direction) {
+    fn constant(&self, context: &mut Context, direction: Direction) {
         let own = direction.is_rotation() == (self.axis.kind == AxisKind::Rotary)
             && self.axis.direction[direction.index() % 3].abs() > 0.999;
         if own || !self.is_given(direction) {
@@ -124,7 +124,7 @@ impl Doubles<'_> {
 
     /// The straight line in a straightness error is squareness. Like a constant it counts only if it
     /// has been taken out neither over the travel nor (as the tangent) at the zero pose.
-    fn slope(&self, context: &mut Context<'_>, direction: Direction) {
+    fn slope(&self, context: &mut Context, direction: Direction) {
         let across = Vector3::from(self.axis.direction).cross(&Vector3::ith(direction.index(), 1.0));
         if !self.is_given(direction) || across.norm() < 1e-6 {
             return;
@@ -152,7 +152,7 @@ impl Doubles<'_> {
     }
 
     /// Run-out or tilt that turns with the axis is its own displacement or inclination.
-    fn first_harmonic(&self, context: &mut Context<'_>, tilts: bool) {
+    fn first_harmonic(&self, context: &mut Context, tilts: bool) {
         let (min, max) = self.axis.travel.interval();
         let of = |i: usize| Direction::ALL[if tilts { 3 + i } else { i }];
         if (max - min < 350.0 && self.axis.travel != Travel::Continuous) || !(0..3).any(|i| self.is_given(of(i))) {
@@ -202,7 +202,7 @@ impl Doubles<'_> {
         list
     }
 
-    fn report(&self, context: &mut Context<'_>, found: &DoubledEntry, rivals: &[ErrorId]) {
+    fn report(&self, context: &mut Context, found: &DoubledEntry, rivals: &[ErrorId]) {
         let noise = if found.direction.is_rotation() { NOISE_ANGLE } else { NOISE };
         let large = found.amount > LARGE * noise;
         // NaN compares as false and stays quiet.

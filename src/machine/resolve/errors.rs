@@ -34,7 +34,7 @@ impl ErrorScope<'_> {
 }
 
 /// Returns all error terms under `errors` and in tables that are in scope.
-pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &ErrorScope<'_>) -> Errors {
+pub fn plain(context: &mut Context, known: &JointNames<'_>, scope: &ErrorScope<'_>) -> Errors {
     let document = context.document;
     let mut errors = Errors::default();
     for (name, entry) in &document.errors {
@@ -69,7 +69,7 @@ pub fn plain(context: &mut Context<'_>, known: &JointNames<'_>, scope: &ErrorSco
 
 /// Puts a term and its uncertainty.
 pub fn put_term(
-    context: &mut Context<'_>,
+    context: &mut Context,
     errors: &mut Errors,
     spelling: &Spelling,
     entry: &TermEntry,
@@ -84,7 +84,7 @@ pub fn put_term(
 }
 
 /// True if the error has not been given elsewhere.
-pub fn once(context: &mut Context<'_>, errors: &mut Errors, error: &ErrorId, place: Option<Place>) -> bool {
+pub fn once(context: &mut Context, errors: &mut Errors, error: &ErrorId, place: Option<Place>) -> bool {
     if let Some(first) = errors.places.get(error) {
         let refusal = Diagnostic::new(codes::E0407, format!("`{error}` is given twice"))
             .at(place, "again here")
@@ -118,7 +118,7 @@ fn curve_forms(entry: &CurveEntry) -> Vec<&'static str> {
 }
 
 /// Exactly one form.
-fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
+fn one_form(context: &mut Context, forms: &[&str], at: &Keys) -> bool {
     match forms {
         [_] => true,
         [] => {
@@ -137,7 +137,7 @@ fn one_form(context: &mut Context<'_>, forms: &[&str], at: &Keys) -> bool {
     }
 }
 
-fn uncertainty(context: &mut Context<'_>, error: &ErrorId, entry: &TermEntry, at: &Keys) -> Option<f64> {
+fn uncertainty(context: &mut Context, error: &ErrorId, entry: &TermEntry, at: &Keys) -> Option<f64> {
     let here = below(at, "uncertainty");
     let value = context.error_value(entry.uncertainty.as_ref()?, error.direction, &here)?;
     if entry.tolerance.is_some() {
@@ -155,7 +155,7 @@ fn uncertainty(context: &mut Context<'_>, error: &ErrorId, entry: &TermEntry, at
 
 /// Returns the term that an entry writes.
 pub fn term(
-    context: &mut Context<'_>,
+    context: &mut Context,
     spelling: &Spelling,
     entry: &TermEntry,
     known: &JointNames<'_>,
@@ -190,7 +190,7 @@ pub fn term(
 }
 
 fn constant(
-    context: &mut Context<'_>,
+    context: &mut Context,
     spelling: &Spelling,
     entry: &TermEntry,
     forms: &[&str],
@@ -209,7 +209,7 @@ fn constant(
     context.plausible(value, error.direction, &here).then_some(ErrorTerm::Constant(sign * value))
 }
 
-fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at: &Keys) -> Option<ComponentError> {
+fn both_ways(context: &mut Context, of: &CurveOf<'_>, entry: &TermEntry, at: &Keys) -> Option<ComponentError> {
     let mut one_sided = |key: &str, curve: &Option<CurveEntry>, direction| {
         let here = below(at, key);
         match curve {
@@ -231,7 +231,7 @@ fn both_ways(context: &mut Context<'_>, of: &CurveOf<'_>, entry: &TermEntry, at:
 }
 
 fn read_columns(
-    context: &mut Context<'_>,
+    context: &mut Context,
     errors: &mut Errors,
     at: &Keys,
     path: &str,
@@ -271,7 +271,7 @@ fn read_columns(
     }
 }
 
-fn plausible_curve(context: &mut Context<'_>, of: &CurveOf<'_>, component: &ComponentError, at: &Keys) -> bool {
+fn plausible_curve(context: &mut Context, of: &CurveOf<'_>, component: &ComponentError, at: &Keys) -> bool {
     let peak = component.curves().map(|curve| peak(of, curve)).fold(0.0, f64::max);
     context.plausible(peak, of.error.direction, at)
 }

@@ -34,7 +34,7 @@ impl Errors {
 }
 
 /// The bound of an error, from zero up.
-pub fn bounded(context: &mut Context<'_>, scalar: &Scalar, direction: Direction, here: &Keys) -> Option<f64> {
+pub fn bounded(context: &mut Context, scalar: &Scalar, direction: Direction, here: &Keys) -> Option<f64> {
     let value = context.error_value(scalar, direction, here)?;
     if value < 0.0 {
         context.at_value(codes::E0411, here, "a negative tolerance", NEGATIVE);

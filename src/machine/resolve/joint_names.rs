@@ -23,19 +23,14 @@ impl<'a> JointNames<'a> {
         self.declared.iter().map(|d| &d.name).chain(self.spindle).map(AxisName::as_str).collect()
     }
 
-    pub(super) fn error(&self, context: &mut Context<'_>, name: &str, at: &Keys) {
+    pub(super) fn error(&self, context: &mut Context, name: &str, at: &Keys) {
         let place = context.document.places.value(at);
         let _ = find_error(context, name, self, place);
     }
 }
 
 /// The error that a name means, if its axis (or spindle) is there.
-pub fn find_error(
-    context: &mut Context<'_>,
-    name: &str,
-    known: &JointNames<'_>,
-    place: Option<Place>,
-) -> Option<Spelling> {
+pub fn find_error(context: &mut Context, name: &str, known: &JointNames<'_>, place: Option<Place>) -> Option<Spelling> {
     let readings = readings(name);
     let there = |axis: &AxisName| known.axis(axis).is_some() || known.spindle == Some(axis);
     if let Some(reading) = readings.iter().find(|r| there(&r.error.axis)) {

@@ -47,7 +47,7 @@ pub fn resolve(document: &Document, files: &dyn Files, diagnostics: &mut Diagnos
     machine.filter(|_| !diagnostics.is_refused())
 }
 
-fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
+fn parts(context: &mut Context) -> Option<MachineParts> {
     parts::version(context);
     let name = parts::name(context);
     let conventions = conventions::conventions(context);
@@ -106,7 +106,7 @@ fn parts(context: &mut Context<'_>) -> Option<MachineParts> {
 }
 
 /// Axes that are declared but not in the chain: variants drop axes, so this is no mistake.
-fn left_out(context: &mut Context<'_>, declared: &[AxisDraft], chain: &KinematicChain, errors: &Errors) {
+fn left_out(context: &mut Context, declared: &[AxisDraft], chain: &KinematicChain, errors: &Errors) {
     let walk = chain.walk();
     for axis in declared.iter().filter(|d| !walk.iter().any(|(name, _)| **name == d.name)) {
         let message = match errors.places.keys().filter(|e| e.axis == axis.name).count() {

@@ -16,7 +16,7 @@ const NOTE: usize = 500;
 const ROTATION: [&str; 3] = ["A", "B", "C"];
 
 /// The language's version; a file without it is taken for the only version there is.
-pub fn version(context: &mut Context<'_>) {
+pub fn version(context: &mut Context) {
     let at = keys(["abbe"]);
     match &context.document.abbe {
         Some(Scalar::Number(n)) if *n == 1.0 => {}
@@ -36,7 +36,7 @@ pub fn version(context: &mut Context<'_>) {
 }
 
 /// Returns the machine's name.
-pub fn name(context: &mut Context<'_>) -> Option<String> {
+pub fn name(context: &mut Context) -> Option<String> {
     let document = context.document;
     let at = keys(["machine"]);
     match &document.machine {
@@ -56,7 +56,7 @@ pub fn name(context: &mut Context<'_>) -> Option<String> {
 }
 
 /// Text that reaches titles, file headers and controllers' comments.
-fn single_line(context: &mut Context<'_>, text: &str, limit: usize, at: &Keys) -> bool {
+fn single_line(context: &mut Context, text: &str, limit: usize, at: &Keys) -> bool {
     let bad = |c: char| c.is_control() || is_layout(c);
     let what = dotted_path(at);
     let (message, help) = if text.trim().is_empty() {
@@ -73,7 +73,7 @@ fn single_line(context: &mut Context<'_>, text: &str, limit: usize, at: &Keys) -
 }
 
 /// At least one tool.
-pub fn tools(context: &mut Context<'_>) -> Option<Vec<Tool>> {
+pub fn tools(context: &mut Context) -> Option<Vec<Tool>> {
     let document = context.document;
     if document.tool.is_some() && !document.tools.is_empty() {
         let places = &document.places;
@@ -98,7 +98,7 @@ pub fn tools(context: &mut Context<'_>) -> Option<Vec<Tool>> {
 }
 
 /// Tool names reach command lines and file names.
-fn tame(context: &mut Context<'_>, name: &str, at: &Keys) -> bool {
+fn tame(context: &mut Context, name: &str, at: &Keys) -> bool {
     let tame = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
     let fits = name.starts_with(|c: char| c.is_ascii_alphanumeric()) && name.chars().all(tame) && name.len() <= 32;
     let fits = fits && !name.contains("..");
@@ -109,7 +109,7 @@ fn tame(context: &mut Context<'_>, name: &str, at: &Keys) -> bool {
     fits
 }
 
-fn tool(context: &mut Context<'_>, name: String, entry: &ToolEntry, at: &Keys) -> Option<Tool> {
+fn tool(context: &mut Context, name: String, entry: &ToolEntry, at: &Keys) -> Option<Tool> {
     let gauge = match &entry.gauge {
         Some(list) => context.vector(list, &below(at, "gauge")),
         None => Some([0.0; 3]),
@@ -140,7 +140,7 @@ fn tool(context: &mut Context<'_>, name: String, entry: &ToolEntry, at: &Keys) -
     Some(Tool { name, gauge, tip: std::array::from_fn(|i| gauge[i] + offset[i]), direction })
 }
 
-fn length_below(context: &mut Context<'_>, scalar: &Scalar, at: &Keys) -> Option<f64> {
+fn length_below(context: &mut Context, scalar: &Scalar, at: &Keys) -> Option<f64> {
     let length = context.length(scalar, at)?;
     if length < 0.0 {
         context.at_value(
@@ -155,13 +155,13 @@ fn length_below(context: &mut Context<'_>, scalar: &Scalar, at: &Keys) -> Option
 }
 
 /// Returns the workpiece origin, if one is given.
-pub fn workpiece(context: &mut Context<'_>) -> Option<PositionDraft> {
+pub fn workpiece(context: &mut Context) -> Option<PositionDraft> {
     let written = context.document.workpiece.as_ref().and_then(|w| w.origin.as_ref())?;
     position(context, written, &keys(["workpiece", "origin"]))
 }
 
 /// Returns the angles (deg) of the workpiece's rotation about X, Y and Z.
-pub fn workpiece_rotation(context: &mut Context<'_>) -> [f64; 3] {
+pub fn workpiece_rotation(context: &mut Context) -> [f64; 3] {
     let mut angles = [0.0; 3];
     for (letter, scalar) in context.document.workpiece.iter().flat_map(|workpiece| &workpiece.rotation) {
         let at = keys(["workpiece", "rotation", letter]);
@@ -177,13 +177,13 @@ pub fn workpiece_rotation(context: &mut Context<'_>) -> [f64; 3] {
 }
 
 /// Set-up errors.
-pub fn setup(context: &mut Context<'_>) -> SetUp {
+pub fn setup(context: &mut Context) -> SetUp {
     let document = context.document;
     document.setup.as_ref().map_or_else(SetUp::default, |entry| setup_at(context, entry, &keys(["setup"])))
 }
 
 /// Set-up errors written in a section.
-pub fn setup_at(context: &mut Context<'_>, entry: &SetUpEntry, section: &Keys) -> SetUp {
+pub fn setup_at(context: &mut Context, entry: &SetUpEntry, section: &Keys) -> SetUp {
     let mut setup = SetUp::default();
     for (part, values) in [("tool", &entry.tool), ("workpiece", &entry.workpiece)] {
         let letters: &[&str] = if part == "tool" { &["X", "Y", "Z"] } else { &["X", "Y", "Z", "A", "B", "C"] };
@@ -204,7 +204,7 @@ pub fn setup_at(context: &mut Context<'_>, entry: &SetUpEntry, section: &Keys) -
 }
 
 /// Returns the origin of the numbers, also beside single error terms.
-pub fn provenance(context: &mut Context<'_>) -> Provenance {
+pub fn provenance(context: &mut Context) -> Provenance {
     let document = context.document;
     for (name, term) in &document.errors {
         for (key, value) in term.iter().filter_map(|t| t.provenance.as_ref()).flatten() {

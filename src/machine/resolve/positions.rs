@@ -26,7 +26,7 @@ enum WrittenReference {
 const POINTS: [&str; 4] = ["gauge", "tip", "workpiece", "bed"];
 
 /// Reads a position.
-pub fn position(context: &mut Context<'_>, written: &PositionEntry, entry: &Keys) -> Option<PositionDraft> {
+pub fn position(context: &mut Context, written: &PositionEntry, entry: &Keys) -> Option<PositionDraft> {
     let (from, at) = match written {
         PositionEntry::Point(list) => (Some(WrittenReference::Bed), context.vector(list, entry)),
         PositionEntry::Relative(RelativeEntry { from, at }) => {
@@ -51,7 +51,7 @@ pub fn position(context: &mut Context<'_>, written: &PositionEntry, entry: &Keys
     Some(PositionDraft { from: from?, at: at?, entry: entry.clone() })
 }
 
-fn reference(context: &mut Context<'_>, word: &str, at: &Keys) -> Option<WrittenReference> {
+fn reference(context: &mut Context, word: &str, at: &Keys) -> Option<WrittenReference> {
     let document = context.document;
     match word {
         "bed" => return Some(WrittenReference::Bed),

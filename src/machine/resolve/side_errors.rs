@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns all error terms of the file and its tables, of each axis for the side on which it stands; beside them those
 /// of axes that differ on the other side.
-pub fn errors(context: &mut Context<'_>, known: &JointNames<'_>, sides: &Sides) -> Errors {
+pub fn errors(context: &mut Context, known: &JointNames<'_>, sides: &Sides) -> Errors {
     let blocks = Branch::BOTH.map(|branch| blocks(context, known, branch));
     let block = |branch: Branch| &blocks[usize::from(branch == Branch::Workpiece)];
     let of = |axis: &AxisName, other: bool| {
@@ -72,7 +72,7 @@ impl Errors {
     }
 }
 
-fn blocks(context: &mut Context<'_>, known: &JointNames<'_>, branch: Branch) -> Errors {
+fn blocks(context: &mut Context, known: &JointNames<'_>, branch: Branch) -> Errors {
     let document = context.document;
     let declared: Vec<AxisDraft> = known.declared.iter().map(|axis| axis.standing_on(branch)).collect();
     let there = JointNames { declared: &declared, spindle: known.spindle };
@@ -98,7 +98,7 @@ fn blocks(context: &mut Context<'_>, known: &JointNames<'_>, branch: Branch) -> 
 
 /// A variant displaces an error of its base by the same spelling; under another one, which of them holds would be a
 /// matter of order.
-fn spelled_alike(context: &mut Context<'_>, known: &JointNames<'_>, blocks: &[Errors; 2]) {
+fn spelled_alike(context: &mut Context, known: &JointNames<'_>, blocks: &[Errors; 2]) {
     let document = context.document;
     let mut plain: BTreeMap<ErrorId, &String> = BTreeMap::new();
     for name in document.errors.keys() {

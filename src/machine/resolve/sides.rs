@@ -53,7 +53,7 @@ fn is_stated(context: &Context<'_>, draft: &AxisDraft, branch: Branch) -> bool {
 
 /// Warns of axes that stand on a side for which the file states no geometry, and of a workpiece that an axis on the
 /// other side would have to carry.
-pub fn warn(context: &mut Context<'_>, machine: &Machine) {
+pub fn warn(context: &mut Context, machine: &Machine) {
     let (tip, gauge) = (machine.tool().tip, machine.tool().gauge);
     for (index, why) in machine.unstated(|_| false) {
         let axis = &machine.axes()[index];

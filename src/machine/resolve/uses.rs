@@ -14,7 +14,7 @@ const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"]
 const BASES: [&str; 5] = ["poly", "fourier", "spline", "bspline", "blocks"];
 
 /// Returns the section `algebra`.
-pub fn algebra(context: &mut Context<'_>, known: &JointNames<'_>) -> Option<AlgebraChoice> {
+pub fn algebra(context: &mut Context, known: &JointNames<'_>) -> Option<AlgebraChoice> {
     let entry = context.document.algebra.as_ref()?;
     let at = keys(["algebra"]);
     let without = AlgebraEntry { vanish: Vec::new(), ..entry.clone() };
@@ -34,12 +34,7 @@ pub fn algebra(context: &mut Context<'_>, known: &JointNames<'_>) -> Option<Alge
 }
 
 /// Checks the errors of groups; names that generators have besides those of errors.
-fn generators<'a>(
-    context: &mut Context<'_>,
-    known: &JointNames<'a>,
-    entry: &'a AlgebraEntry,
-    at: &Keys,
-) -> Vec<&'a str> {
+fn generators<'a>(context: &mut Context, known: &JointNames<'a>, entry: &'a AlgebraEntry, at: &Keys) -> Vec<&'a str> {
     match &entry.generators {
         Some(GeneratorsEntry::Groups(map)) => {
             for (group, errors) in map {
@@ -54,7 +49,7 @@ fn generators<'a>(
 }
 
 /// `EXX*EYX`, `EXX^2`: names of errors or generators with powers.
-fn vanishing(context: &mut Context<'_>, known: &JointNames<'_>, monomial: &str, names: &[&str], at: &Keys) {
+fn vanishing(context: &mut Context, known: &JointNames<'_>, monomial: &str, names: &[&str], at: &Keys) {
     match named_monomial(monomial) {
         Err(refusal) => context.at_value(refusal.code, at, refusal.message, refusal.help.unwrap_or_default()),
         Ok(factors) => {
@@ -67,7 +62,7 @@ fn vanishing(context: &mut Context<'_>, known: &JointNames<'_>, monomial: &str, 
 }
 
 /// The section `identify`.
-pub fn identify(context: &mut Context<'_>, known: &JointNames<'_>) {
+pub fn identify(context: &mut Context, known: &JointNames<'_>) {
     let Some(entry) = &context.document.identify else { return };
     let knotted = |name: &str| entry.knots.keys().any(|key| parse_error_name(key) == parse_error_name(name));
     for (key, list) in [("fit", &entry.fit), ("fixed", &entry.fixed)] {
@@ -117,7 +112,7 @@ pub fn identify(context: &mut Context<'_>, known: &JointNames<'_>) {
 }
 
 /// Checks the bound on the slope of an error. Whether the error is fitted as a curve is judged by the fit.
-fn slope(context: &mut Context<'_>, known: &JointNames<'_>, name: &str, bound: &Scalar) {
+fn slope(context: &mut Context, known: &JointNames<'_>, name: &str, bound: &Scalar) {
     let at = keys(["identify", "slopes", name]);
     let place = context.document.places.key(&at);
     let Some(Spelling { error, .. }) = find_error(context, name, known, place) else { return };
@@ -143,7 +138,7 @@ fn without_direction(name: &str) -> &str {
 }
 
 /// A word near a group is meant as one.
-fn fit(context: &mut Context<'_>, known: &JointNames<'_>, name: &str, at: &Keys) {
+fn fit(context: &mut Context, known: &JointNames<'_>, name: &str, at: &Keys) {
     match crate::diagnostic::nearest(name, GROUPS) {
         Some(near) => {
             let message = format!("`{}` is neither an error nor a group", shown(name));
@@ -155,7 +150,7 @@ fn fit(context: &mut Context<'_>, known: &JointNames<'_>, name: &str, at: &Keys)
 
 /// Checks `poly3`, `fourier2`, `spline8`, `bspline8`, `bspline8/2`, `blocks4`; splines and `blocks` alone where `knots`
 /// has some.
-fn basis(context: &mut Context<'_>, form: &str, knotted: bool, at: &Keys) {
+fn basis(context: &mut Context, form: &str, knotted: bool, at: &Keys) {
     let bare = match form.trim().rsplit_once('/') {
         Some((bare, "1" | "2" | "3")) if bare.starts_with("bspline") => bare,
         _ => form.trim(),

@@ -19,7 +19,7 @@ struct Steps {
 }
 
 /// Returns a grid for every axis, in their order.
-pub fn volume(context: &mut Context<'_>, axes: &[Axis], declared: &[AxisDraft]) -> Option<Vec<Grid>> {
+pub fn volume(context: &mut Context, axes: &[Axis], declared: &[AxisDraft]) -> Option<Vec<Grid>> {
     let document = context.document;
     let steps = global(context);
     let names: Vec<&str> = declared.iter().map(|d| d.name.as_str()).chain(["step"]).collect();
@@ -35,7 +35,7 @@ pub fn volume(context: &mut Context<'_>, axes: &[Axis], declared: &[AxisDraft]) 
 }
 
 /// `step: 25 mm` is for the linear axes, `step: 15 deg` for the rotary ones.
-fn global(context: &mut Context<'_>) -> Steps {
+fn global(context: &mut Context) -> Steps {
     let mut steps = Steps { linear: LINEAR_STEP, rotary: ROTARY_STEP };
     if let Some(VolumeAxis::Step(scalar)) = context.document.volume.get("step") {
         let at = keys(["volume", "step"]);
@@ -49,7 +49,7 @@ fn global(context: &mut Context<'_>) -> Steps {
     steps
 }
 
-fn step(context: &mut Context<'_>, scalar: &Scalar, kind: AxisKind, at: &Keys) -> Option<f64> {
+fn step(context: &mut Context, scalar: &Scalar, kind: AxisKind, at: &Keys) -> Option<f64> {
     let step = context.position(scalar, kind, at)?;
     if step <= 0.0 {
         context.at_value(codes::E0214, at, format!("a step of {step} {}", unit(kind)), "a step is above zero");
@@ -58,7 +58,7 @@ fn step(context: &mut Context<'_>, scalar: &Scalar, kind: AxisKind, at: &Keys) -
     Some(step)
 }
 
-fn grid(context: &mut Context<'_>, axis: &Axis, travel: &Keys, steps: &Steps) -> Option<Grid> {
+fn grid(context: &mut Context, axis: &Axis, travel: &Keys, steps: &Steps) -> Option<Grid> {
     let document = context.document;
     let at = keys(["volume", axis.name.as_str()]);
     let (range, own) = match document.volume.get(axis.name.as_str()) {
@@ -88,13 +88,7 @@ fn grid(context: &mut Context<'_>, axis: &Axis, travel: &Keys, steps: &Steps) ->
 }
 
 /// Beyond the travel no error is known.
-fn within(
-    context: &mut Context<'_>,
-    axis: &Axis,
-    travel: &Keys,
-    interval: (f64, f64),
-    at: &Keys,
-) -> Option<(f64, f64)> {
+fn within(context: &mut Context, axis: &Axis, travel: &Keys, interval: (f64, f64), at: &Keys) -> Option<(f64, f64)> {
     if axis.travel.contains(interval.0) && axis.travel.contains(interval.1) {
         return Some(interval);
     }
