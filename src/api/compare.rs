@@ -1,18 +1,18 @@
 //! Machines side by side on the same tool poses.
 
-use super::bounded::{AddedByBounds, DrawnBounds, added};
+use super::bounded::{AddedByBounds, added};
 use super::budgets::ComparedBudgets;
-use super::compare_figures::{Alike, Figures, FittedComparison, MachineVerdict, removed, set_ups};
+use super::compare_figures::{Alike, AlikeDraws, Bounded, Figures, FittedComparison, MachineVerdict, removed, set_ups};
 use super::compiled_model::PoseDeviation;
 use super::tolerances::ToleranceOptions;
-use crate::analysis::budget::{BoundedDeviation, PoseByPose};
+use crate::analysis::budget::BoundedDeviation;
 use crate::analysis::figure_bands::ComparedBands;
 use crate::analysis::{
     Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
     contributions as contributions_of,
 };
 use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::{Bare, Difference, Field, Frame, Order, Poses, Statistics, Summary};
+use crate::evaluate::{Bare, Difference, Field, Frame, Order, Statistics, Summary};
 use crate::job::job_file::JobPaths;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::{Over, OverKind};
@@ -230,7 +230,11 @@ fn side_by_side(
         return call.refuse(nothing_in_common(files, &comparison));
     }
     let (set_ups, unzeroed) = set_ups(call, files, &sides, options.reference.as_ref(), job.as_ref())?;
-    let alike = Alike { files, fields: &fields, sides: &sides, options };
+    let (samples, approach) = (options.samples, options.approach);
+    let max_samples = options.max_samples.unwrap_or_else(|| samples.saturating_mul(8));
+    let draws = AlikeDraws { tolerances: &options.tolerances, samples, max_samples, seed: options.seed };
+    let alike =
+        Alike { files, fields: &fields, sides: &sides, draws, order: options.order, conditions: approach.into() };
     let whole = alike.figures(call, comparison.clone(), &set_ups)?;
     let (kind, counts) = (if asked.is_some() { OverKind::Job } else { OverKind::Volume }, &comparison);
     let over = |reference: &Reference| Over::new(kind, first, reference, [counts.asked, counts.common.len()]);
@@ -276,19 +280,6 @@ fn side_by_side(
         verdicts,
         rows: (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect(),
     })
-}
-
-/// What the bounds of a machine lead to at its poses for the work.
-pub(crate) struct Bounded {
-    pub(crate) found: PoseByPose,
-    pub(crate) figures: BoundedFigures,
-}
-
-impl Bounded {
-    pub(crate) fn new(call: &Call<'_>, of: &DrawnBounds, machine: &Machine, poses: &[Pose]) -> Result<Self, Refused> {
-        let found = of.at(call, machine, &Poses::Listed(poses.to_vec()), Frame::Workpiece)?;
-        Ok(Self { figures: of.figures(&found), found })
-    }
 }
 
 fn poses(side: &MachineResult) -> Vec<Pose> {

@@ -2,17 +2,18 @@
 
 use super::bounded::DrawnBounds;
 use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
-use super::compare::{Bounded, CompareOptions};
+use super::tolerances::ToleranceOptions;
 use crate::analysis::Comparison;
-use crate::analysis::budget::{Verdict, VersusFirst};
+use crate::analysis::budget::{PoseByPose, Verdict, VersusFirst};
 use crate::analysis::figure_bands::{ComparedBands, compared_bands};
 use crate::analysis::reference::PartReference;
-use crate::evaluate::{Difference, Field, Order, Statistics, Summary};
+use crate::evaluate::{Difference, Field, Frame, Order, Poses, Statistics, Summary};
 use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
 use crate::job::reference::{Reference, SetUp, unzeroed};
-use crate::machine::{Machine, Pose};
+use crate::machine::{Machine, OperatingConditions, Pose};
+use crate::report::BoundedFigures;
 use crate::run::{Call, Refused};
 
 /// Machines side by side without the rigid motion of the part that fits the deviations of each best.
@@ -60,7 +61,21 @@ pub(crate) struct Alike<'a> {
     pub fields: &'a [&'a dyn Field],
     /// Each machine with its poses for the work.
     pub sides: &'a [(&'a Machine, Vec<Pose>)],
-    pub options: &'a CompareOptions,
+    pub draws: AlikeDraws<'a>,
+    /// Order of the errors, if it is asked for.
+    pub order: Option<Order>,
+    pub conditions: OperatingConditions,
+}
+
+/// How machines are drawn for all of them.
+#[derive(Clone, Copy)]
+pub(crate) struct AlikeDraws<'a> {
+    pub tolerances: &'a ToleranceOptions,
+    /// Number in the first round.
+    pub samples: usize,
+    /// Limit of the rounds.
+    pub max_samples: usize,
+    pub seed: u64,
 }
 
 /// The figures of machines with one reference.
@@ -71,6 +86,19 @@ pub(crate) struct Figures {
     pub uncertainty: Option<Vec<ComparedBands>>,
     /// Number of machines drawn.
     pub samples: usize,
+}
+
+/// What the bounds of a machine lead to at its poses for the work.
+pub(crate) struct Bounded {
+    pub found: PoseByPose,
+    pub figures: BoundedFigures,
+}
+
+impl Bounded {
+    fn new(call: &Call<'_>, of: &DrawnBounds, machine: &Machine, poses: &[Pose]) -> Result<Self, Refused> {
+        let found = of.at(call, machine, &Poses::Listed(poses.to_vec()), Frame::Workpiece)?;
+        Ok(Self { figures: of.figures(&found), found })
+    }
 }
 
 /// Returns the set-ups of the part on all machines, each at its poses for the work. A job without a reference is zeroed
@@ -117,18 +145,17 @@ impl Alike<'_> {
         comparison: Comparison,
         set_ups: &[SetUp],
     ) -> Result<Figures, Refused> {
-        let Self { files, fields, sides, options } = self;
-        let (references, conditions) = (removed(set_ups), options.approach.into());
-        let orders: Vec<Order> = files.iter().map(|file| order_of(file, options.order)).collect();
+        let Self { files, fields, sides, draws, order, conditions } = *self;
+        let AlikeDraws { tolerances, samples, max_samples, seed } = draws;
+        let references = removed(set_ups);
+        let orders: Vec<Order> = files.iter().map(|file| order_of(file, order)).collect();
         let comparison = comparison.without(fields, &references, &orders, conditions);
-        let max_samples = options.max_samples.unwrap_or_else(|| options.samples.saturating_mul(8));
-        let (samples, seed, tolerances) = (options.samples, options.seed, &options.tolerances);
         let names: Vec<&str> = files.iter().map(MachineFile::path).collect();
         let drawn = DrawnMachines { tolerances, files: &names, samples, max_samples, seed, references: &references };
         let budgets = budgets(call, sides, drawn)?;
         let samples = budgets.as_ref().map_or(samples, |budgets| budgets.drawing.samples);
         let mut bounded = Vec::new();
-        for (((machine, poses), file), reference) in sides.iter().zip(*files).zip(&references) {
+        for (((machine, poses), file), reference) in sides.iter().zip(files).zip(&references) {
             let of = call.about(file.path(), |call| DrawnBounds::of(call, machine, (tolerances, samples, seed)))?;
             bounded.push(of.map(|of| Bounded::new(call, &of.without(*reference), machine, poses)).transpose()?);
         }

@@ -13,12 +13,10 @@ use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Deviation, Field, Order, Poses, Tally, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
-use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
 use crate::job::poses::axis_positions;
-use crate::job::reference::{ReferenceKind, SetUp};
-use crate::machine::{Machine, Pose};
+use crate::machine::Machine;
 use crate::report::plane_picture::Subject;
 use crate::report::{Rows, WorkRows};
 use crate::run::{Call, Count, Refused, Reply, Run};
@@ -118,7 +116,7 @@ fn volume(
     if poses.len() > MAX_SURVEYED {
         return call.refuse(too_many(poses.len()));
     }
-    let set_up = set_up(call, machine, options, &poses, job.as_ref())?;
+    let set_up = options.set_up(call, machine, &poses, job.as_ref())?;
     let compiled = CompiledField::new(machine, order);
     let replayed = compensation.as_ref().map(|(target, effect)| effect.field(machine, target));
     let [set_up_bare, set_up_replayed] = [Some(&compiled as &dyn Field), replayed.as_deref()]
@@ -152,27 +150,6 @@ fn volume(
         field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed, set_up.removed());
     let target = options.target.clone();
     Ok(MapResult { picture, tool_poses, features, bounds_add, target, uncompensated, uncertainty, ..result })
-}
-
-/// Returns the set-up of the part of a map.
-pub(crate) fn set_up(
-    call: &mut Call<'_>,
-    machine: &Machine,
-    options: &MapOptions,
-    poses: &Poses,
-    job: Option<&Job>,
-) -> Result<SetUp, Refused> {
-    let asked = options.reference.as_ref();
-    let stated = job.map_or_else(|| asked.cloned(), |job| job.stated(asked));
-    let fitted = stated.is_some_and(|of| of.kind == ReferenceKind::BestFit);
-    if fitted && poses.len() > MAX_POSES {
-        return call.usage(format!("a best fit is over {MAX_POSES} poses at most, all of which are held"));
-    }
-    let list: Vec<Pose> = if fitted { poses.iter().collect() } else { Vec::new() };
-    match job {
-        Some(job) => job.set_up(call, machine, asked, &list),
-        None => SetUp::of(call, machine, asked, None, &list),
-    }
 }
 
 /// Number of poses at which the warnings of a compensation are found.

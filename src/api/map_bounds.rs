@@ -1,7 +1,6 @@
 //! The map of a machine of which nothing is measured: what its bounds lead to.
 
 use super::bounded::DrawnBounds;
-use super::map::set_up;
 use super::map_result::{MapFromBounds, MapOptions, MapPoses, MapResult, WorstBoundedPose};
 use super::map_tables::{MapTable, Tables};
 use crate::analysis::budget::{BoundedDeviation, PoseByPose};
@@ -34,7 +33,7 @@ pub(crate) fn volume(
     let drawing = drawn.drawing.clone();
     let rows = Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawing) };
     let tables = Tables::new(rows, tables).or_else(|refusal| call.refuse(refusal))?;
-    let set_up = set_up(call, machine, options, &poses, job.as_ref())?;
+    let set_up = options.set_up(call, machine, &poses, job.as_ref())?;
     let drawn = drawn.without(set_up.removed());
     let found = drawn.at(call, machine, &poses, view.frame)?;
     tables.write(&found.poses).or_else(|refusal| call.refuse(refusal))?;

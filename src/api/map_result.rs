@@ -6,11 +6,11 @@ use crate::analysis::{Bands, MAX_POSES, MAX_SURVEYED};
 use crate::evaluate::{Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary};
 use crate::file_set::options::CompensationOptions;
 use crate::job::features::FeatureResult;
-use crate::job::job_file::JobPaths;
+use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
 use crate::job::poses::{AxisPositions, poses};
-use crate::job::reference::Reference;
+use crate::job::reference::{Reference, ReferenceKind, SetUp};
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::plane_picture::PlaneOptions;
@@ -66,6 +66,29 @@ impl Default for MapOptions {
             compensation: CompensationOptions::default(),
             tolerances: ToleranceOptions::default(),
             samples: 1000,
+        }
+    }
+}
+
+impl MapOptions {
+    /// Returns the set-up of the part of a map.
+    pub(crate) fn set_up(
+        &self,
+        call: &mut Call<'_>,
+        machine: &Machine,
+        poses: &Poses,
+        job: Option<&Job>,
+    ) -> Result<SetUp, Refused> {
+        let asked = self.reference.as_ref();
+        let stated = job.map_or_else(|| asked.cloned(), |job| job.stated(asked));
+        let fitted = stated.is_some_and(|of| of.kind == ReferenceKind::BestFit);
+        if fitted && poses.len() > MAX_POSES {
+            return call.usage(format!("a best fit is over {MAX_POSES} poses at most, all of which are held"));
+        }
+        let list: Vec<Pose> = if fitted { poses.iter().collect() } else { Vec::new() };
+        match job {
+            Some(job) => job.set_up(call, machine, asked, &list),
+            None => SetUp::of(call, machine, asked, None, &list),
         }
     }
 }

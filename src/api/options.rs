@@ -16,7 +16,7 @@ pub use crate::compensation::{Fit, Goal, Stored};
 pub use crate::controller::{Limits, TemplateLimit, TemplateWatch};
 pub use crate::evaluate::{Frame, Order};
 pub use crate::file_set::options::{CompensationOptions, CorrectingAxes};
-pub use crate::job::job_file::Placement;
+pub use crate::job::placement::Placement;
 pub use crate::job::reference::{Alignment, DatumPoint, Reference, ReferenceKind, UnknownReference};
 pub use crate::machine::Approach;
 pub use crate::report::page::{BenchPage, EngineFile};

@@ -1,13 +1,12 @@
 //! A job: the tool poses of a part, where the part lies, and what its set-up takes out.
 
+use super::placement::Placement;
 use super::reference::{Reference, ReferenceEntry, SetUp};
 use super::tool_poses::{self, ToolPoses};
-use crate::algebra::rotation_about;
 use crate::diagnostic::{Diagnostic, Reason, codes, shown};
-use crate::machine::{Machine, Pose, sin_cos_degrees};
+use crate::machine::{Machine, Pose};
 use crate::run::{Call, Refused};
 use crate::syntax::{from_yaml, read_text};
-use nalgebra::{Matrix3, Vector3};
 use std::path::{Path, PathBuf};
 
 /// A job file.
@@ -25,34 +24,6 @@ struct JobFile {
     path: Option<bool>,
     /// Name of the tool.
     tool: Option<String>,
-}
-
-/// The place of a part on the workpiece frame: a point p of the part lies at origin + Rz(c) Ry(b) Rx(a) p.
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct Placement {
-    /// Origin of the part, mm.
-    pub origin: [f64; 3],
-    /// Rotations about X, then Y, then Z of the workpiece frame, deg.
-    pub rotation: [f64; 3],
-}
-
-impl Placement {
-    fn turn(&self) -> Matrix3<f64> {
-        let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let turns = units.iter().zip(self.rotation);
-        turns.fold(Matrix3::identity(), |before, (about, deg)| rotation_about(about, sin_cos_degrees(deg)) * before)
-    }
-
-    /// Returns a point of the part (mm) in the workpiece frame.
-    pub(crate) fn point(&self, point: Vector3<f64>) -> Vector3<f64> {
-        if *self == Self::default() { point } else { Vector3::from(self.origin) + self.turn() * point }
-    }
-
-    /// Returns a direction of the part in the workpiece frame.
-    pub(crate) fn direction(&self, direction: Vector3<f64>) -> Vector3<f64> {
-        if *self == Self::default() { direction } else { self.turn() * direction }
-    }
 }
 
 /// A job on a machine.

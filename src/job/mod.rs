@@ -3,7 +3,8 @@
 //! - [`machine_file`]: a machine with the files that it was read from;
 //! - [`poses`]: positions of the axes, as a caller gives them and as results name them;
 //! - [`tool_poses`]: tool poses of a file, with those that the machine does not reach and the travel that they need;
-//! - [`job_file`]: a job as a file states it, with the place of its part;
+//! - [`placement`]: where the part lies;
+//! - [`job_file`]: a job as a file states it;
 //! - [`reference`]: what the set-up of a part takes out of its deviations;
 //! - [`over`]: the statement of what a result is over;
 //! - [`features`]: the features of such a file, and the largest deviation on each.
@@ -12,6 +13,7 @@ pub mod features;
 pub mod job_file;
 pub mod machine_file;
 pub mod over;
+pub mod placement;
 pub mod poses;
 pub mod reference;
 pub mod tool_poses;

@@ -176,8 +176,8 @@ fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapF
         "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{}\n{} poses ({}), {} \
          frame, first order\n{}\n{}\n{}{}",
         result.machine,
-        result.over.line(),
         bounded::source(&of.figures),
+        result.over.line(),
         result.poses,
         sampling(args, result),
         frame_text(result.frame),

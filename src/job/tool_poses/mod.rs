@@ -8,7 +8,7 @@ mod apt;
 mod columns;
 mod missed;
 
-use super::job_file::Placement;
+use super::placement::Placement;
 use super::poses::check;
 use crate::analysis::{Miss, Needs, ToolPose, Unreachable, UnreachableCount, inverse_all, place, rest, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, codes};
