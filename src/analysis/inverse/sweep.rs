@@ -3,8 +3,9 @@
 //!
 //! Along a sweep s every determinant of directions of linear axes and of the way to the place is a + b cos s + c sin s.
 //! A place that the linear axes cannot just reach has two of them span, with the others at ends of their travels, a
-//! plane through it. So the ends of the arcs in reach are zeros of such determinants, and the arcs between neighbouring
-//! zeros are in reach as a whole or not at all. The same holds for lathes, whose two linear axes meet the place at zeros.
+//! plane through it. So the ends of the arcs in reach are zeros of such determinants, and the arcs between
+//! neighbouring zeros are in reach as a whole or not at all. The same holds for lathes, whose two linear axes meet the
+//! place at zeros.
 
 use super::linear::{self, LinearSlide};
 use super::rotary::{Sweep, wrapped};
