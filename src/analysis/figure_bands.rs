@@ -1,7 +1,7 @@
 //! Intervals of the headline figures by the uncertainty that a machine file states of its errors.
 
 use super::reference::{PartReference, RigidMotion, tip_at};
-use super::{Bands, Comparison, MachineResult, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
+use super::{Bands, Comparison, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
 use crate::evaluate::{CompiledModel, Field, Frame, Poses, Statistics, frame_rotation};
 use crate::machine::{Machine, OperatingConditions, Pose};
 use nalgebra::Vector3;
@@ -102,12 +102,12 @@ pub(crate) fn compared_bands(
         return None;
     }
     let places = band_places(comparison.common.len(), &[]);
-    let one =
-        |(((machine, _), side), reference): ((&(&Machine, Vec<Pose>), &MachineResult), &Option<&PartReference>)| {
-            let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|i| side.reached[*i].clone()).unzip();
-            UncertainDeviations::of(machine, &parts, &poses, values, side.statistics, conditions, *reference)
-        };
-    let machines: Vec<UncertainDeviations> = sides.iter().zip(&comparison.machines).zip(references).map(one).collect();
+    let of = |i: usize| {
+        let side = &comparison.machines[i];
+        let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|place| side.reached[*place].clone()).unzip();
+        UncertainDeviations::of(sides[i].0, &parts, &poses, values, side.statistics, conditions, references[i])
+    };
+    let machines: Vec<UncertainDeviations> = (0..sides.len()).map(of).collect();
     let (own, differences) = bands(&machines, seed);
     let both = own.into_iter().zip(differences).map(|(own, minus_first)| {
         let [low, high] = minus_first.position_um.p95;

@@ -119,10 +119,10 @@ impl PartReference {
         let row = |i: usize, k: usize| {
             if k < 3 { normals[i][k] } else { ((tips[i] - centre) / size).cross(&normals[i])[k - 3] }
         };
-        let svd = DMatrix::from_fn(tips.len(), 6, row).svd(true, true);
-        let largest = svd.singular_values.max();
-        let rank = svd.singular_values.iter().filter(|s| **s > DATUM_RANK * largest).count();
-        let inverse = svd.pseudo_inverse(DATUM_RANK * largest).ok().filter(|_| rank == 6 && tips.len() == 6);
+        let matrix = DMatrix::from_fn(tips.len(), 6, row);
+        let sizes = matrix.singular_values();
+        let rank = sizes.iter().filter(|size| **size > DATUM_RANK * sizes.max()).count();
+        let inverse = (rank == 6 && tips.len() == 6).then(|| matrix.full_piv_lu().try_inverse()).flatten();
         let Some(inverse) = inverse else { return Err(DatumRank { rank: rank.min(5) }) };
         let point = |(i, (pose, tip)): (usize, (Pose, Vector3<f64>))| {
             let column = |first: usize, scale: f64| Vector3::from_fn(|k, _| inverse[(first + k, i)] / scale);

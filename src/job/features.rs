@@ -107,14 +107,17 @@ fn one(
     }
 }
 
+/// Returns the effects at a pose (mm, deg) of the bounds by index (mm), largest first.
+pub(crate) type BoundEffectsAt<'a> = dyn Fn(&[f64]) -> Vec<(usize, f64)> + 'a;
+
 /// Returns the features where nothing is measured: the deviations are the 95 % values, the errors those with the
-/// largest effects alone at their bounds: `effects_at` gives these at a pose (mm), largest first.
+/// largest effects alone at their bounds.
 pub(crate) fn bounded_features(
     machine: &Machine,
     reached: &ReachedToolPoses,
     bounds: &[Bound],
     found: &PoseByPose,
-    effects_at: &dyn Fn(&[f64]) -> Vec<(usize, f64)>,
+    effects_at: &BoundEffectsAt<'_>,
 ) -> Vec<FeatureResult> {
     let um: Vec<f64> = found.poses.iter().map(|pose| pose.position.p95 * 1e3).collect();
     let effects = |pose: &[f64]| {

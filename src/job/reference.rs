@@ -1,7 +1,8 @@
 //! The reference of a job: what the set-up of its part takes out of the deviations, and how a machine probes it.
 
 use super::placement::Placement;
-use super::tool_poses::{MissedToolPose, unit_vector};
+use super::tool_poses::MissedToolPose;
+use super::tool_poses::columns::unit_vector;
 use crate::analysis::reference::{PartReference, ReferencedField};
 use crate::analysis::{Miss, ToolPose, Unreachable, inverse, place, rest};
 use crate::diagnostic::{Diagnostic, codes};

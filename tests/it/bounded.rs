@@ -442,10 +442,10 @@ fn two_machines_are_compared_by_what_their_bounds_lead_to() {
     let a = machine(&folder);
     let b = folder.with("b.yaml", &FILE.replace("ECC: { tolerance: 25 urad }", "ECC: { tolerance: 60 urad }"));
     let file = work(&folder, 15);
-    let options =
-        ["--samples", "60", "--max-samples", "60", "--reference", "machine", "--tool-poses", text(&file), "--format"];
-    let result = json(&[&["compare", text(&a), text(&b)], &options[..], &["json"]].concat());
-    let csv = abbe(&[&["compare", text(&a), text(&b)], &options[..], &["csv"]].concat());
+    let work = ["--samples", "60", "--reference", "machine", "--tool-poses", text(&file)];
+    let compared = [&work[..], &["--max-samples", "60"]].concat();
+    let result = json(&[&["compare", text(&a), text(&b)], &compared[..], &["--format", "json"]].concat());
+    let csv = abbe(&[&["compare", text(&a), text(&b)], &compared[..], &["--format", "csv"]].concat());
     let (head, lines) = cells(&csv);
     assert_eq!(head[8..12], ["position_rss [um]", "position_p95 [um]", "rotation_rss [urad]", "rotation_p95 [urad]"]);
     assert!(!head.contains(&"dx [um]") && lines.len() == 30);
@@ -461,18 +461,7 @@ fn two_machines_are_compared_by_what_their_bounds_lead_to() {
     }
     for (i, path) in [&a, &b].into_iter().enumerate() {
         let side = &result["machines"][i];
-        let map = json(&[
-            "map",
-            text(path),
-            "--samples",
-            "60",
-            "--reference",
-            "machine",
-            "--tool-poses",
-            text(&file),
-            "--format",
-            "json",
-        ]);
+        let map = json(&[&["map", text(path)], &work[..], &["--format", "json"]].concat());
         assert_eq!(side["from"], "bounds");
         for key in ["position_um", "rotation_urad"] {
             assert!(near(&side["bounds"][key], &map["bounds"][key]), "{i} {key}");
@@ -485,52 +474,17 @@ fn two_machines_are_compared_by_what_their_bounds_lead_to() {
             }
         }
     }
-    let words = abbe(&[
-        "compare",
-        text(&a),
-        text(&b),
-        "--reference",
-        "machine",
-        "--tool-poses",
-        text(&file),
-        "--samples",
-        "60",
-        "--max-samples",
-        "60",
-    ]);
+    let words = abbe(&[&["compare", text(&a), text(&b)], &compared[..]].concat());
     assert!(words.contains("  2  nothing is measured. From bounds: 9 errors; 60 machines drawn"), "{words}");
     // One of them measured: its deviations stand beside the bounds of the other, without a difference.
     let measured = folder.with("c.yaml", &FILE.replace("EXX: { tolerance: 4 um }", "EXX: 4 um"));
-    let both = [
-        "compare",
-        text(&measured),
-        text(&a),
-        "--reference",
-        "machine",
-        "--tool-poses",
-        text(&file),
-        "--samples",
-        "60",
-        "--max-samples",
-        "60",
-    ];
+    let both = [&["compare", text(&measured), text(&a)], &compared[..]].concat();
     let result = json(&[&both[..], &["--format", "json"]].concat());
     assert!((number(&result["machines"][0]["position_um"]["max"]) - 4.0).abs() < 1e-9);
     assert!(number(&result["machines"][1]["position_um"]["max"]) > 0.0 && result["machines"][1]["from"] == "bounds");
     assert!(result["machines"][1]["minus_first"].is_null());
     // What the other bounds of the first add is a budget of them on this work.
-    let budget = json(&[
-        "budget",
-        text(&measured),
-        "--reference",
-        "machine",
-        "--tool-poses",
-        text(&file),
-        "--samples",
-        "60",
-        "--format",
-        "json",
-    ]);
+    let budget = json(&[&["budget", text(&measured)], &work[..], &["--format", "json"]].concat());
     let add = &result["machines"][0]["bounds_add"];
     assert!(near(&add["position_um"]["rss"], &budget["position_um"]["rss"]) && add["errors"] == 8);
     assert!(result["machines"][1].get("bounds_add").is_none());

@@ -16,7 +16,7 @@ struct Verb {
 }
 
 /// Options that name a file or a folder that is read.
-const INPUTS: [&str; 11] = [
+const INPUTS: [&str; 12] = [
     "--axis-poses",
     "--check",
     "--columns",
@@ -24,6 +24,7 @@ const INPUTS: [&str; 11] = [
     "--cost",
     "--data",
     "--installed",
+    "--job",
     "--replay",
     "--templates",
     "--tool-poses",
@@ -59,10 +60,10 @@ const VERBS: [Verb; 21] = [
             "1 mm",
             "--cost",
             "cost.END",
-            "--tool-poses",
-            "poses.END",
+            "--job",
+            "job.END",
         ],
-        inputs: &["bounded", "base", "cost", "poses"],
+        inputs: &["bounded", "base", "cost", "job", "poses"],
         outputs: &["--pareto", "--waterfall"],
     },
     Verb {
@@ -243,6 +244,7 @@ fn sources(folder: &Folder, ending: &str) {
     write("table", "X [mm],EXX [um]\n0,0\n200,5\n400,3\n");
     write("poses", "X,Y,Z\n100,200,300\n");
     write("cost", "power: 1\n");
+    write("job", &format!("tool_poses: poses.{ending}\n"));
     write("lines", "axis,dx [um],dy [um]\nC,4,-3\n");
     write(
         "data",

@@ -21,7 +21,8 @@ fn number(value: &Value) -> f64 {
 fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> [f64; N] {
     for k in 0..N {
         let pivot = (k..N).max_by(|i, j| a[*i][k].abs().total_cmp(&a[*j][k].abs())).unwrap();
-        (a.swap(k, pivot), b.swap(k, pivot));
+        a.swap(k, pivot);
+        b.swap(k, pivot);
         for i in k + 1..N {
             let factor = a[i][k] / a[k][k];
             (0..N).for_each(|j| a[i][j] -= factor * a[k][j]);

@@ -33,7 +33,7 @@ impl Column {
 }
 
 /// Returns the rows of a table; rotary columns are those of `machine`.
-pub(crate) fn rows(machine: &Machine, sheet: &Sheet) -> Result<Vec<Row>, Diagnostic> {
+pub(super) fn rows(machine: &Machine, sheet: &Sheet) -> Result<Vec<Row>, Diagnostic> {
     let help = "columns are X, Y, Z (mm, from the workpiece origin), I, J, K of the tool axis or positions of rotary \
                 axes (deg), spin (deg) and feature";
     let lines = sheet.lines();

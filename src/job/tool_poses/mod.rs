@@ -5,7 +5,7 @@
 //! they lack (`missed`).
 
 mod apt;
-mod columns;
+pub(crate) mod columns;
 mod missed;
 
 use super::placement::Placement;
@@ -19,7 +19,6 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::path::Path;
 
-pub(crate) use columns::unit_vector;
 use missed::DirectionGaps;
 pub use missed::{BeyondTravel, Lack, MissedToolPose, NeededTravel};
 pub(crate) use missed::{Lacks, needed_travel};

@@ -9,8 +9,9 @@ use nalgebra::Vector3;
 /// Below this sine a vector counts as lying within the plane.
 const WITHIN: f64 = 1e-12;
 
-/// Maximum number of vectors from which an ascent starts, and of its steps.
-const MAX_STARTS: usize = 128;
+/// Numbers of the largest vectors and of directions spread over the sphere from which an ascent starts, and of its steps.
+const STARTS: usize = 64;
+const DIRECTIONS: usize = 128;
 const MAX_CLIMB: usize = 100;
 
 /// Returns the length of the longest sum.
@@ -43,14 +44,16 @@ pub fn longest(vectors: &[[f64; 3]]) -> f64 {
     best
 }
 
-/// Returns the length of the longest sum as an ascent finds it from every vector, for more vectors than
-/// [`longest`] takes: their signs are those along the sum, until no sign changes.
+/// Returns the length of the longest sum as an ascent finds it from the largest vectors and from directions spread over the sphere,
+/// for more vectors than [`longest`] takes: their signs are those along the sum, until no sign changes.
 pub fn longest_by_ascent(vectors: &[[f64; 3]]) -> f64 {
     let vectors: Vec<Vector3<f64>> = vectors.iter().map(|v| Vector3::from(*v)).filter(|v| v.norm() > 0.0).collect();
-    let mut starts: Vec<&Vector3<f64>> = vectors.iter().collect();
+    let mut starts = vectors.clone();
     starts.sort_by(|a, b| b.norm_squared().total_cmp(&a.norm_squared()));
+    starts.truncate(STARTS);
+    starts.extend((0..DIRECTIONS).map(spiral));
     let sum_along = |u: &Vector3<f64>| vectors.iter().fold(Vector3::zeros(), |sum, v| sum + v * v.dot(u).signum());
-    let climb = |start: &&Vector3<f64>| {
+    let climb = |start: &Vector3<f64>| {
         let mut sum = sum_along(start);
         for _ in 0..MAX_CLIMB {
             let next = sum_along(&sum);
@@ -61,7 +64,15 @@ pub fn longest_by_ascent(vectors: &[[f64; 3]]) -> f64 {
         }
         sum.norm()
     };
-    starts.iter().take(MAX_STARTS).map(climb).fold(0.0, f64::max)
+    starts.iter().map(climb).fold(0.0, f64::max)
+}
+
+/// Returns the i-th of [`DIRECTIONS`] unit vectors along a spiral over the half sphere, nearly even.
+fn spiral(i: usize) -> Vector3<f64> {
+    const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+    let z = (i as f64 + 0.5) / DIRECTIONS as f64;
+    let (sin, cos) = libm::sincos(GOLDEN_ANGLE * i as f64);
+    Vector3::new(cos, sin, 0.0) * (1.0 - z * z).sqrt() + Vector3::z() * z
 }
 
 /// Returns the vectors with parallel ones added up.
