@@ -141,6 +141,8 @@ class Types:
             return f"tuple[{', '.join(self.of(one, definitions) for one in schema['prefixItems'])}]"
         if kind == "array":
             return f"Sequence[{self.of(schema['items'], definitions)}]"
+        if kind == "object" and "properties" not in schema:
+            return f"Mapping[str, {self.of(schema['additionalProperties'], definitions)}]"
         if kind == "object":
             return self.union([f"Mapping[str, {self.of(one, definitions)}]" for one in schema["properties"].values()])
         plain = {"string": "Text", "integer": "int", "number": "float", "boolean": "bool", "null": "None"}

@@ -34,6 +34,54 @@ from ._results import (
     TrendResult,
 )
 
+#: What is taken out of the deviations of a part.
+ReferenceKind = Literal["machine", "zero", "datum", "best-fit"]
+
+#: An alignment: a second point gives the rotation about an axis through the first.
+#: ``about``: Direction of the axis, part coordinates.
+#: ``point``: The second point, mm, part coordinates.
+Alignment = TypedDict(
+    "Alignment",
+    {
+        "about": Sequence[float],
+        "point": Sequence[float],
+    },
+    total=False,
+)
+
+#: A datum point: a place on the part with the normal of its surface, part coordinates.
+#: ``point``: The place, mm.
+#: ``normal``: The normal, of any length but 0.
+DatumPoint = TypedDict(
+    "DatumPoint",
+    {
+        "point": Sequence[float],
+        "normal": Sequence[float],
+    },
+    total=False,
+)
+
+#: A reference with the points at which it is probed, part coordinates.
+#: ``kind``: What is taken out.
+#: ``point``: Point at which the zero is probed, mm.
+#: ``direction``: Direction of the tool while the part is probed, from the tip to the holder; of any length but 0.
+#: ``rotary``: Positions of the rotary axes while the zero is probed, deg, by name, in place of the direction; omitted
+#: axes are at 0.
+#: ``align``: Rotation that a second point of the zero gives.
+#: ``datum``: The six points of a datum frame.
+Reference = TypedDict(
+    "Reference",
+    {
+        "kind": ReferenceKind,
+        "point": Sequence[float],
+        "direction": Sequence[float],
+        "rotary": Union[Mapping[str, float], None],
+        "align": Union[Alignment, None],
+        "datum": Sequence[DatumPoint],
+    },
+    total=False,
+)
+
 #: The order to which errors are followed; as text ``exact`` or ``1`` to ``6``.
 Order = Union[int, str]
 
@@ -184,6 +232,8 @@ class Verbs:
         at: Sequence[Text] | None = None,
         poses: Sequence[Sequence[float]] | None = None,
         pose_file: Text | None = None,
+        job: Text | None = None,
+        reference: Reference | None = None,
         order: Order | None = None,
         approach: Approach = "mean",
         frame: Frame = "workpiece",
@@ -200,6 +250,9 @@ class Verbs:
         * ``at``: Poses as text, ``X=100,C=90``: mm and deg; omitted axes are at 0.
         * ``poses``: Poses as numbers, mm and deg, each as long as the machine has axes and in the order of the chain.
         * ``pose_file``: A CSV file of poses: a header of axis names, one pose a line, mm and deg.
+        * ``job``: A job file instead of poses: the poses for its tool poses, without what its set-up takes out.
+        * ``reference``: What the set-up of the part takes out of the deviations; by default what the job says,
+          otherwise nothing.
         * ``order``: Order of the errors; exact by default, unless the conventions of the machine name an order.
         * ``approach``: Side of approach, where forward and reverse curves were given.
         * ``frame``: Frame of the vectors.
@@ -213,6 +266,8 @@ class Verbs:
             "at": at,
             "poses": poses,
             "pose_file": pose_file,
+            "job": job,
+            "reference": reference,
             "order": order_of(order),
             "approach": approach,
             "frame": frame,
@@ -286,6 +341,7 @@ class Verbs:
         poses: MapPoses = "grid",
         seed: int = 1,
         order: Order | None = None,
+        reference: Reference | None = None,
         approach: Approach = "mean",
         frame: Frame = "workpiece",
         worst: int = 5,
@@ -307,6 +363,8 @@ class Verbs:
         * ``poses``: The poses.
         * ``seed``: Seed of random and low-discrepancy poses.
         * ``order``: Order of the errors; exact by default, unless the conventions of the machine name an order.
+        * ``reference``: What the set-up of the part takes out of the deviations; by default the zero at the part's
+          origin for tool poses, nothing for a volume.
         * ``approach``: Side of approach, where forward and reverse curves were given.
         * ``frame``: Frame of the vectors.
         * ``worst``: Number of the worst poses to name.
@@ -324,6 +382,7 @@ class Verbs:
             "poses": poses,
             "seed": seed,
             "order": order_of(order),
+            "reference": reference,
             "approach": approach,
             "frame": frame,
             "worst": worst,
@@ -371,6 +430,8 @@ class Verbs:
         *others: Verbs,
         poses: int = 1000,
         tool_poses: Text | None = None,
+        job: Text | None = None,
+        reference: Reference | None = None,
         seed: int = 1,
         class_: Text | None = None,
         distribution: Distribution = "uniform",
@@ -388,6 +449,9 @@ class Verbs:
         * ``poses``: Number of tool poses, drawn from the volume of the first machine.
         * ``tool_poses``: A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or
           rotary axes (deg) of the first machine.
+        * ``job``: A job file instead of the tool poses.
+        * ``reference``: What the set-up of the part takes out of the deviations; by default the zero at the part's
+          origin for tool poses. Without tool poses machine coordinates and best fit are both compared by default.
         * ``seed``: Seed of the tool poses, and of the errors that are drawn.
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
           class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
@@ -403,6 +467,8 @@ class Verbs:
         options: dict[str, Any] = {
             "poses": poses,
             "tool_poses": tool_poses,
+            "job": job,
+            "reference": reference,
             "seed": seed,
             "class": class_,
             "distribution": distribution,
@@ -424,6 +490,8 @@ class Verbs:
         seed: int = 1,
         poses: int = 500,
         tool_poses: Text | None = None,
+        job: Text | None = None,
+        reference: Reference | None = None,
         samples: int = 1000,
         at: Text | None = None,
         goal_mm: float | None = None,
@@ -445,6 +513,9 @@ class Verbs:
         * ``poses``: Number of random poses, besides the corners of the volume.
         * ``tool_poses``: A CSV file of tool poses in the workpiece frame that replace these poses: columns X, Y, Z (mm)
           and I, J, K or rotary axes (deg).
+        * ``job``: A job file instead of the tool poses.
+        * ``reference``: What the set-up of the part takes out of the effects; by default the zero at the part's origin
+          for tool poses, nothing for a volume.
         * ``samples``: Number of machines that are drawn, at least 2.
         * ``at``: A pose at which contributions are listed too, ``X=100,C=90``: mm and deg; axes left out are at 0.
         * ``goal_mm``: Goal of the 95 % value of the position, mm: the cheapest tolerances for it are sought.
@@ -459,6 +530,8 @@ class Verbs:
             "seed": seed,
             "poses": poses,
             "tool_poses": tool_poses,
+            "job": job,
+            "reference": reference,
             "samples": samples,
             "at": at,
             "goal_mm": goal_mm,

@@ -86,6 +86,7 @@ pub enum Readings {
         centre: AxisPositions,
         /// Length of the ball bar, mm.
         radius_mm: f64,
+        /// The circles, plane by plane.
         planes: Vec<BallBar>,
     },
     /// R-tests.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Union
 
 from .._record import Named, Record
-from .deviations import DeviationBudget, ReachedToolPoses, UnreachableCount, VersusFirst
+from .deviations import DeviationBudget, Over, ReachedToolPoses, UnreachableCount, VersusFirst
 
 
 class BoundedContribution(Record):
@@ -31,6 +31,16 @@ class Tightening(Record):
     um_of_p95_sigma: Annotated[float, "Standard error of that part, um."]
     at_worst_um: Annotated[Union[float, None], "Its effect where the RSS is largest, um."]
     average_um: Annotated[Union[float, None], "Its effect averaged over the poses, um."]
+
+
+class FittedBudget(Record):
+    """A budget without the rigid motion of the part that fits the deviations best."""
+
+    over: Annotated[Over, "What it is over."]
+    position_um: Annotated[DeviationBudget, "The position deviation, um."]
+    rotation_urad: Annotated[DeviationBudget, "The rotation of the tool, urad."]
+    tighten_first: Annotated[str, "The error whose tolerance to tighten first."]
+    agrees: Annotated[bool, "True if that is the same error in machine coordinates."]
 
 
 class Percentile(Record):
@@ -105,6 +115,8 @@ class BudgetFields(Record):
     tighten: Annotated[list[Tightening], "The bounded errors; first the one whose tightening lowers the 95 % value most."]
     machine: Annotated[str, "Name of the machine."]
     chain: Annotated[str, "The kinematic chain."]
+    over: Annotated[Over, "What the budget is over."]
+    best_fit: Annotated[Union[FittedBudget, None], "The same without the rigid motion of the best fit, for a volume whose reference is not stated."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches."]
     goal: Annotated[Union[ToleranceGoal, None], "The cheapest tolerances, if a goal was given."]
     at: Annotated[Union[ContributionsAt, None], "Contributions at the pose that was named."]

@@ -7,6 +7,17 @@ from typing import Annotated, Any, Literal, Union
 from .._record import Named, Record
 
 
+class Over(Record):
+    """What a result is over."""
+
+    kind: Annotated[Literal["volume", "job"], "A volume or a job."]
+    reference: Annotated[Literal["machine", "zero", "datum", "best-fit"], "What the set-up of the part takes out."]
+    path: Annotated[bool, "True if the poses are one continuous path."]
+    poses: Annotated[int, "Number of poses asked for."]
+    reached: Annotated[int, "Number of poses that are reached."]
+    tool: Annotated[str, "Name of the tool; empty where the machine has one without a name."]
+
+
 class EvalUnits(Record):
     """Units of an ``EvalResult``."""
 
@@ -46,7 +57,7 @@ class PoseResult(Record):
     nominal: Annotated[list[float], "Nominal position of the functional point from the workpiece origin, mm."]
     deviation: Annotated[list[float], "Actual minus nominal position of the functional point, mm."]
     rotation: Annotated[list[float], "Actual minus nominal orientation of the tool, rad."]
-    e_ve: Annotated[list[list[float]], "``T_tool^-1 T_work``, actual minus nominal, row by row."]
+    e_ve: Annotated[list[list[float]], "``T_tool^-1 T_work``, actual minus nominal, row by row; of the machine, whatever the reference."]
     uncertainty: Annotated[Union[PoseUncertainty, None], "Expanded uncertainty of the deviation, where the machine states that of its errors."]
     sensitivity: Annotated[Union[list[ErrorEffect], None], "Effect of each error, with ``EvalOptions::sensitivity``."]
     interactions: Annotated[Union[list[ErrorEffect], None], "Effect of pairs of errors, with ``EvalOptions::interactions``."]
@@ -62,6 +73,7 @@ class EvalFields(Record):
     frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors."]
     direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
     tool: Annotated[str, "Name of the tool; empty for a tool without a name."]
+    over: Annotated[Union[Over, None], "What the result is over, for a job or a reference."]
     units: Annotated[EvalUnits, "Units of the numbers."]
     poses: Annotated[list[PoseResult], "The poses in their order."]
 
@@ -268,6 +280,7 @@ class MapFields(Record):
     order: Annotated[str, "``exact``, or a degree."]
     frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors."]
     direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
+    over: Annotated[Over, "What the map is over."]
     poses: Annotated[int, "Number of poses."]
     bounds: Annotated[Union[MapFromBounds, None], "What the bounds lead to, where nothing is measured."]
     bounds_add: Annotated[Union[AddedByBounds, None], "What bounds of errors without a value add to the measured ones."]
@@ -472,9 +485,35 @@ class ComparedBudgets(Record):
     versus_first_p95_um: Annotated[list[VersusFirst], "The 95 % value of the position of each machine but the first, minus that of the first."]
 
 
+class FittedMachine(Record):
+    """One machine of a comparison without the best fit."""
+
+    position_um: Annotated[Summary, "Statistics of the deviation of the functional point, um."]
+    rotation_urad: Annotated[Summary, "Statistics of the deviation of the orientation of the tool, urad."]
+    minus_first: Annotated[Union[Difference, None], "The statistics minus those of the first machine; none where of only one of the two nothing is measured."]
+    budget_p95_um: Annotated[Union[float, None], "The 95 % value of its budget, um."]
+
+
+class FittedComparison(Record):
+    """Machines side by side without the rigid motion of the part that fits the deviations of each best."""
+
+    over: Annotated[Over, "What it is over."]
+    machines: Annotated[list[FittedMachine], "The machines in their order."]
+    versus_first_p95_um: Annotated[Union[list[VersusFirst], None], "The 95 % value of the position of each machine but the first, minus that of the first, where budgets are compared."]
+
+
+class MachineVerdict(Record):
+    """The verdict on a machine."""
+
+    machine: Annotated[int, "Number of the machine, from 1."]
+    verdict: Annotated[Union[Literal["first", "equal", "not_told_apart", "worse", "better"], None], "Its 95 % value against that of the first; none where that depends on the reference, or is not known."]
+    reason: Annotated[Union[str, None], "The reason why there is none."]
+
+
 class CompareFields(Record):
     """Machines side by side, over the tool poses that all of them reach."""
 
+    over: Annotated[Over, "What the comparison is over."]
     contributions: Annotated[list[ErrorContribution], "Effect of each error alone, largest first."]
     asked: Annotated[int, "Number of tool poses asked for."]
     poses: Annotated[int, "Number of tool poses that all machines reach."]
@@ -483,3 +522,5 @@ class CompareFields(Record):
     direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
     machines: Annotated[list[ComparedMachine], "The machines in their order."]
     budgets: Annotated[Union[ComparedBudgets, None], "Budgets on the same work, where every machine bounds errors."]
+    best_fit: Annotated[Union[FittedComparison, None], "The same without the best fit of each machine, where neither tool poses nor a reference are given."]
+    verdicts: Annotated[list[MachineVerdict], "The verdict on each machine but the first."]

@@ -210,6 +210,10 @@ export interface BudgetResult {
   machine: string;
   /** The kinematic chain. */
   chain: string;
+  /** What the budget is over. */
+  over: Over;
+  /** The same without the rigid motion of the best fit, for a volume whose reference is not stated. */
+  best_fit?: FittedBudget | null;
   /** Tool poses of a file that the machine reaches. */
   tool_poses?: ReachedToolPoses | null;
   /** The cheapest tolerances, if a goal was given. */
@@ -282,6 +286,8 @@ export interface ChainTool {
 
 /** Machines side by side, over the tool poses that all of them reach. */
 export interface CompareResult {
+  /** What the comparison is over. */
+  over: Over;
   /** Effect of each error alone, largest first. */
   contributions: ErrorContribution[];
   /** Number of tool poses asked for. */
@@ -298,6 +304,10 @@ export interface CompareResult {
   machines: ComparedMachine[];
   /** Budgets on the same work, where every machine bounds errors. */
   budgets?: ComparedBudgets | null;
+  /** The same without the best fit of each machine, where neither tool poses nor a reference are given. */
+  best_fit?: FittedComparison | null;
+  /** The verdict on each machine but the first. */
+  verdicts: MachineVerdict[];
 }
 
 /** Intervals of the statistics of a machine beside another. Machines share the uncertainty that both files state. */
@@ -632,6 +642,8 @@ export interface EvalResult {
   direction: Approach;
   /** Name of the tool; empty for a tool without a name. */
   tool: string;
+  /** What the result is over, for a job or a reference. */
+  over?: Over | null;
   /** Units of the numbers. */
   units: EvalUnits;
   /** The poses in their order. */
@@ -668,6 +680,42 @@ export interface FeatureResult {
   axes: Record<string, number> | null;
   /** The errors with the largest parts in that deviation. */
   errors: DominatingError[];
+}
+
+/** A budget without the rigid motion of the part that fits the deviations best. */
+export interface FittedBudget {
+  /** What it is over. */
+  over: Over;
+  /** The position deviation, um. */
+  position_um: DeviationBudget;
+  /** The rotation of the tool, urad. */
+  rotation_urad: DeviationBudget;
+  /** The error whose tolerance to tighten first. */
+  tighten_first: string;
+  /** True if that is the same error in machine coordinates. */
+  agrees: boolean;
+}
+
+/** Machines side by side without the rigid motion of the part that fits the deviations of each best. */
+export interface FittedComparison {
+  /** What it is over. */
+  over: Over;
+  /** The machines in their order. */
+  machines: FittedMachine[];
+  /** The 95 % value of the position of each machine but the first, minus that of the first, where budgets are compared. */
+  versus_first_p95_um?: VersusFirst[];
+}
+
+/** One machine of a comparison without the best fit. */
+export interface FittedMachine {
+  /** Statistics of the deviation of the functional point, um. */
+  position_um: Summary;
+  /** Statistics of the deviation of the orientation of the tool, urad. */
+  rotation_urad: Summary;
+  /** The statistics minus those of the first machine; none where of only one of the two nothing is measured. */
+  minus_first: Difference | null;
+  /** The 95 % value of its budget, um. */
+  budget_p95_um?: number | null;
 }
 
 /** Frame of vectors; all are parallel to the machine frame at the zero pose, but for the rotation of the workpiece. */
@@ -831,6 +879,16 @@ export interface MachineSummary {
   inputs: InputFile[];
 }
 
+/** The verdict on a machine. */
+export interface MachineVerdict {
+  /** Number of the machine, from 1. */
+  machine: number;
+  /** Its 95 % value against that of the first; none where that depends on the reference, or is not known. */
+  verdict: Verdict | null;
+  /** The reason why there is none. */
+  reason?: string | null;
+}
+
 /** What the bounds of a machine lead to over a map. */
 export interface MapFromBounds {
   /** Number of bounded errors. */
@@ -865,6 +923,8 @@ export interface MapResult {
   frame: Frame;
   /** Side of approach. */
   direction: Approach;
+  /** What the map is over. */
+  over: Over;
   /** Number of poses. */
   poses: number;
   /** `bounds` where nothing is measured: then the statistics are of the 95 % value at each pose. */
@@ -950,6 +1010,25 @@ export interface OtherSide {
   continuous: boolean;
 }
 
+/** What a result is over. */
+export interface Over {
+  /** A volume or a job. */
+  kind: OverKind;
+  /** What the set-up of the part takes out. */
+  reference: ReferenceKind;
+  /** True if the poses are one continuous path. */
+  path: boolean;
+  /** Number of poses asked for. */
+  poses: number;
+  /** Number of poses that are reached. */
+  reached: number;
+  /** Name of the tool; empty where the machine has one without a name. */
+  tool: string;
+}
+
+/** What poses are of. */
+export type OverKind = "volume" | "job";
+
 /** The difference of two 95 % values with its interval; `None` where there are too few samples for an end. */
 export interface PairedDifference {
   /** Of the samples. */
@@ -995,7 +1074,7 @@ export interface PoseResult {
   deviation: [number, number, number];
   /** Actual minus nominal orientation of the tool, rad. */
   rotation: [number, number, number];
-  /** `T_tool^-1 T_work`, actual minus nominal, row by row. */
+  /** `T_tool^-1 T_work`, actual minus nominal, row by row; of the machine, whatever the reference. */
   e_ve: [[number, number, number, number], [number, number, number, number], [number, number, number, number], [number, number, number, number]];
   /** Expanded uncertainty of the deviation, where the machine states that of its errors. */
   uncertainty?: PoseUncertainty | null;
@@ -1096,6 +1175,9 @@ export interface ReachedToolPoses {
   /** The travel that the tool poses need, axis by axis. */
   travel: NeededTravel[];
 }
+
+/** What is taken out of the deviations of a part. */
+export type ReferenceKind = "machine" | "zero" | "datum" | "best-fit";
 
 /** The side of the motion on which the component errors of a rotary axis act. */
 export type RotaryOrder = "stationary" | "rotating";
