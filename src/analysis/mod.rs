@@ -12,7 +12,7 @@
 //!   set of location errors ([`LocationSet`]).
 //! - `uncertainty`: intervals of the figures of a map by the uncertainty of the errors ([`bands()`]); [`figure_bands`]:
 //!   those of a field, of machines side by side, and of single poses.
-//! - [`reference`]: the rigid motion of the part that its set-up takes out of deviations.
+//! - [`mod@reference`]: the rigid motion of the part that its set-up takes out of deviations.
 //! - [`instrument`]: the readings of a ball bar, an R-test, or a laser along the diagonals.
 
 mod closed_form;

@@ -5,7 +5,7 @@
 //! - [`tool_poses`]: tool poses of a file, with those that the machine does not reach and the travel that they need;
 //! - [`placement`]: where the part lies;
 //! - [`job_file`]: a job as a file states it;
-//! - [`reference`]: what the set-up of a part takes out of its deviations;
+//! - [`mod@reference`]: what the set-up of a part takes out of its deviations;
 //! - [`over`]: the statement of what a result is over;
 //! - [`features`]: the features of such a file, and the largest deviation on each.
 
