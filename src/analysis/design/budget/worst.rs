@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 /// Below this sine a vector counts as lying within the plane.
 const WITHIN: f64 = 1e-12;
 
-/// Numbers of the largest vectors and of directions spread over the sphere from which an ascent starts, and of its steps.
+/// Numbers of the largest vectors, and of directions spread over the sphere, from which an ascent starts; its steps.
 const STARTS: usize = 64;
 const DIRECTIONS: usize = 128;
 const MAX_CLIMB: usize = 100;
@@ -44,8 +44,8 @@ pub fn longest(vectors: &[[f64; 3]]) -> f64 {
     best
 }
 
-/// Returns the length of the longest sum as an ascent finds it from the largest vectors and from directions spread over the sphere,
-/// for more vectors than [`longest`] takes: their signs are those along the sum, until no sign changes.
+/// Returns the length of the longest sum as an ascent finds it from the largest vectors and from directions spread over
+/// the sphere, for more vectors than [`longest`] takes: their signs are those along the sum, until no sign changes.
 pub fn longest_by_ascent(vectors: &[[f64; 3]]) -> f64 {
     let vectors: Vec<Vector3<f64>> = vectors.iter().map(|v| Vector3::from(*v)).filter(|v| v.norm() > 0.0).collect();
     let mut starts = vectors.clone();
