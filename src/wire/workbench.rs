@@ -16,6 +16,7 @@ use crate::api::{
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::job::machine_file::{LoadOptions, MachineFile, Overlay, load};
+use crate::job::reference::Reference;
 use crate::job::tool_poses::{RowTip, tips};
 use crate::report::RowFormat;
 use crate::run::{Answer, Call, Reply, Run};
@@ -185,11 +186,19 @@ impl Question {
             Self::Map(options) => document(map_of_parts(machine, options, share, run)),
             Self::Rows(options) => document(rows(machine, options, run)),
             Self::Sources(options) => document(sources(machine, options, run)),
-            Self::Budget(options) => document(budget(machine, options, run)),
+            Self::Budget(options) => document(budget(
+                machine,
+                &BudgetOptions { reference: page_reference(&options.reference), ..options.clone() },
+                run,
+            )),
             Self::Reach(options) => document(reach(machine, options, run).map(with_reasons)),
             Self::Work(options) => document(work(machine, options, run)),
             Self::Compare(with) => match load(Path::new(&with.first), &request.load_options(), run) {
-                Ok(first) => document(compare(&[first.value, machine.clone()], &with.options, run)),
+                Ok(first) => {
+                    let reference = page_reference(&with.options.reference);
+                    let options = CompareOptions { reference, ..with.options.clone() };
+                    document(compare(&[first.value, machine.clone()], &options, run))
+                }
                 Err(diagnostics) => json!(diagnostics),
             },
             Self::Instrument(options) => document(instrument(machine, options, run)),
@@ -237,12 +246,17 @@ struct WorkRows {
     tips: Vec<RowTip>,
 }
 
+/// Returns the reference of a question: machine coordinates unless it states one, for the page does not.
+fn page_reference(asked: &Option<Reference>) -> Option<Reference> {
+    Some(asked.clone().unwrap_or_default())
+}
+
 fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRows> {
     let path = &options.tool_poses;
     let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, path))?.value;
     let poses = MapPoses::ToolPoses(path.clone());
     let WorkOptions { samples, target, .. } = options.clone();
-    let options = MapOptions { poses, samples, target, ..MapOptions::default() };
+    let options = MapOptions { poses, samples, target, reference: page_reference(&None), ..MapOptions::default() };
     let Answer { value: found, warnings } = rows(machine, &options, run)?;
     Ok(Answer { value: WorkRows { found, tips }, warnings })
 }

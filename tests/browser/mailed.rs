@@ -117,7 +117,8 @@ pub fn bounded() {
     let page = report(&folder.0, "page.html", &[machine.to_str().unwrap()]);
     let bench = Bench::mailed("mailed-bounds", &page, "trunnion.yaml");
     std::fs::write(&bench.file, BOUNDED).unwrap();
-    let zero = bench.command("map", &["--tool-poses", work.to_str().unwrap(), "--samples", "300"]);
+    let zero =
+        bench.command("map", &["--reference", "machine", "--tool-poses", work.to_str().unwrap(), "--samples", "300"]);
     let here = "return document.querySelector('[data-at=here]')?.dataset.value ?? '';";
     bench.click("zero");
     let expected = zero["position_um"]["max"].as_f64().unwrap();

@@ -81,7 +81,7 @@ pub fn questions() {
     let output = abbe()
         .args(["compare", "--format", "json", "--quiet"])
         .args([&first, &bench.file])
-        .args(["--tool-poses", path])
+        .args(["--reference", "machine", "--tool-poses", path])
         .output()
         .unwrap();
     let compared: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -263,7 +263,10 @@ pub fn beside() {
     let nominal = bench.command("eval", &[]);
     let tip: Vec<String> = (0..3).map(|k| nominal["poses"][0]["nominal"][k].to_string()).collect();
     std::fs::write(&poses, format!("X, Y, Z, A, C\n{}, 0, 0\n", tip.join(", "))).unwrap();
-    let map = bench.command("map", &["--tool-poses", poses.to_str().unwrap(), "--target", "linuxcnc-kins"]);
+    let map = bench.command(
+        "map",
+        &["--reference", "machine", "--tool-poses", poses.to_str().unwrap(), "--target", "linuxcnc-kins"],
+    );
     let left_um = map["position_um"]["max"].as_f64().unwrap();
     wait(
         &bench.browser,

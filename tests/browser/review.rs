@@ -166,7 +166,7 @@ pub fn part() {
     bench.click("tab-part");
     fill(&bench, "work", work.to_str().unwrap());
     let max = awaits(&bench, "part-max");
-    let printed = bench.command("map", &["--tool-poses", work.to_str().unwrap()]);
+    let printed = bench.command("map", &["--reference", "machine", "--tool-poses", work.to_str().unwrap()]);
     assert!((max - printed["position_um"]["max"].as_f64().unwrap()).abs() < 1e-9, "{max} {printed}");
     let reached = printed["tool_poses"]["reached"].as_u64().unwrap();
     assert!(text(&bench, "#panel-part strong").starts_with(&format!("{reached} of 8")));

@@ -366,7 +366,8 @@ pub fn bounds() {
     // What the bounds lead to at the zero pose, whose tip is the workpiece origin.
     let tip = bench.file.with_file_name("tip.csv");
     std::fs::write(&tip, "X, Y, Z\n0, 0, 0\n").unwrap();
-    let map = bench.command("map", &["--tool-poses", tip.to_str().unwrap(), "--samples", "300"]);
+    let map =
+        bench.command("map", &["--reference", "machine", "--tool-poses", tip.to_str().unwrap(), "--samples", "300"]);
     assert_eq!(Some(bench.figure("here")), map["position_um"]["max"].as_f64(), "{map}");
     let name = bench.browser.run("return document.getElementById('name').textContent;");
     assert_eq!(name, "<b>Bounded</b> & <script>alert(1)</script>");
