@@ -34,10 +34,6 @@ pub struct RigidMotion {
 }
 
 impl RigidMotion {
-    /// The motion that moves nothing.
-    pub const NONE: Self =
-        Self { translation: Vector3::new(0.0, 0.0, 0.0), rotation: Vector3::new(0.0, 0.0, 0.0), finite: false };
-
     fn linear(of: &Vector6<f64>) -> Self {
         let [translation, rotation] = [of.fixed_rows::<3>(0).into_owned(), of.fixed_rows::<3>(3).into_owned()];
         Self { translation, rotation, finite: false }
@@ -72,7 +68,7 @@ pub struct ReferencePoint {
     pub gain: Matrix6x3<f64>,
 }
 
-/// What the set-up of a part takes out on a machine, as a linear function of deviations at reference points.
+/// The motion that the set-up of a part takes out on a machine: a linear function of deviations at reference points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartReference {
     points: Vec<ReferencePoint>,

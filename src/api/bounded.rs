@@ -19,7 +19,7 @@ use serde::Serialize;
 pub(crate) struct DrawnBounds {
     pub bounds: Vec<Bound>,
     pub drawing: DrawSettings,
-    /// What the set-up of the part takes out.
+    /// The reference of the part, which its set-up takes out.
     pub removed: Option<PartReference>,
 }
 

@@ -4,9 +4,9 @@ use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_from_samples, budget_poses};
 use crate::analysis::reference::PartReference;
-use crate::job::job_file::JobPaths;
+use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
-use crate::job::over::{Over, OverKind};
+use crate::job::over::Over;
 use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
 use crate::job::reference::{Reference, SetUp};
 use crate::job::tool_poses::ReachedToolPoses;
@@ -216,11 +216,7 @@ impl BudgetWork {
             Some(reached) => reached.poses.clone(),
             None => budget_poses(machine, options.poses, options.seed),
         };
-        let asked = options.reference.as_ref();
-        let set_up = match &job {
-            Some(job) => job.set_up(call, machine, asked, &poses)?,
-            None => SetUp::of(call, machine, asked, None, &poses)?,
-        };
+        let set_up = Job::set_up(job.as_ref(), call, machine, options.reference.as_ref(), &poses)?;
         Ok(Self { poses, tool_poses, set_up, draws: options.tolerances.draws(options.seed) })
     }
 
@@ -237,10 +233,7 @@ impl BudgetWork {
 
     /// Returns the statement of what a budget is over.
     fn over(&self, machine: &Machine, reference: &Reference) -> Over {
-        match &self.tool_poses {
-            Some(of) => Over::new(OverKind::Job, machine, reference, [of.asked, of.reached]),
-            None => Over::new(OverKind::Volume, machine, reference, [self.poses.len(); 2]),
-        }
+        Over::work(machine, reference, self.tool_poses.as_ref(), self.poses.len())
     }
 }
 

@@ -110,7 +110,7 @@ pub(crate) fn set_ups(
     asked: Option<&Reference>,
     job: Option<&Job>,
 ) -> Result<(Vec<SetUp>, Option<String>), Refused> {
-    let stated = job.map_or_else(|| asked.cloned(), |job| job.stated(asked));
+    let stated = Job::stated(job, asked);
     let is_stated = stated.is_some();
     let Some(reference) = stated.or_else(|| job.map(Job::zero)) else {
         return Ok((vec![SetUp::machine(); files.len()], None));

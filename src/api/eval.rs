@@ -7,7 +7,7 @@ use crate::analysis::{View, deviation_in};
 use crate::evaluate::{Bare, Deviation, Evaluation, Frame, Order, evaluate, evaluate_over};
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
-use crate::job::over::{Over, OverKind};
+use crate::job::over::Over;
 use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::job::reference::{Reference, SetUp};
 use crate::lower::WeilLift;
@@ -159,10 +159,8 @@ fn evaluate_poses(call: &mut Call, machine: &Machine, options: &EvalOptions) -> 
         results.iter_mut().zip(list).for_each(|(result, uncertainty)| result.uncertainty = Some(uncertainty));
     }
     let neglected = besides(call, machine, &poses, options, lift.as_ref(), &mut results)?;
-    let over = (job.is_some() || options.reference.is_some()).then(|| match &reached {
-        Some(of) => Over::new(OverKind::Job, machine, &set_up.reference, [of.asked, of.reached]),
-        None => Over::new(OverKind::Volume, machine, &set_up.reference, [poses.len(); 2]),
-    });
+    let over = (job.is_some() || options.reference.is_some())
+        .then(|| Over::work(machine, &set_up.reference, reached.as_ref(), poses.len()));
     Ok(EvalResult {
         machine: machine.name().to_owned(),
         order: lift.as_ref().map_or_else(|| order.to_string(), algebra::name),
@@ -184,11 +182,7 @@ fn set_up(
     job: Option<&Job>,
     poses: &[Pose],
 ) -> Result<SetUp, Refused> {
-    let asked = options.reference.as_ref();
-    let set_up = match job {
-        Some(job) => job.set_up(call, machine, asked, poses)?,
-        None => SetUp::of(call, machine, asked, None, poses)?,
-    };
+    let set_up = Job::set_up(job, call, machine, options.reference.as_ref(), poses)?;
     let effects = options.sensitivity || options.interactions || options.algebra.is_some();
     if effects && set_up.removed().is_some() {
         return call.usage("effects of single errors and algebras are of machine coordinates: `--reference machine`");

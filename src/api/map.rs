@@ -142,7 +142,7 @@ fn volume(
     let reached = tool_poses.as_ref().map(|reached| reached.poses.as_slice());
     let bounds_add = added(call, machine, settings, reached, set_up.removed())?;
     let diagonals = body_diagonals(field, &view.conditions.at_pose(&rest(machine)), DIAGONAL_STEPS);
-    let over = MapPoses::over(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
+    let over = Over::work(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
     let result = result(&rows, over, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
     let besides: Vec<usize> = survey.worst.iter().map(|(i, _)| *i).collect();

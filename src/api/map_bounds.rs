@@ -1,12 +1,13 @@
 //! The map of a machine of which nothing is measured: what its bounds lead to.
 
 use super::bounded::DrawnBounds;
-use super::map_result::{MapFromBounds, MapOptions, MapPoses, MapResult, WorstBoundedPose};
+use super::map_result::{MapFromBounds, MapOptions, MapResult, WorstBoundedPose};
 use super::map_tables::{MapTable, Tables};
 use crate::analysis::budget::{BoundedDeviation, PoseByPose};
 use crate::analysis::{MAX_POSES, View};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Order, Poses};
+use crate::job::over::Over;
 use crate::job::poses::axis_positions;
 use crate::machine::{Machine, Pose};
 use crate::report::plane_picture::BoundedSubject;
@@ -46,7 +47,7 @@ pub(crate) fn volume(
     let picture = drawn_picture.map(|(picture, place)| picture.bounded_picture(place, &subject)).transpose()?;
     let features = tool_poses.as_ref().map(|reached| drawn.features(machine, reached, &found));
     let figures = drawn.figures(&found);
-    let over = MapPoses::over(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
+    let over = Over::work(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
     let result = MapResult::empty(&rows, over, figures.statistics(poses.len()));
     let worst = worst(machine, &poses, &found, options.worst);
     Ok(MapResult {

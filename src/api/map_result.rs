@@ -8,7 +8,7 @@ use crate::file_set::options::CompensationOptions;
 use crate::job::features::FeatureResult;
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
-use crate::job::over::{Over, OverKind};
+use crate::job::over::Over;
 use crate::job::poses::{AxisPositions, poses};
 use crate::job::reference::{Reference, ReferenceKind, SetUp};
 use crate::job::tool_poses::ReachedToolPoses;
@@ -80,16 +80,12 @@ impl MapOptions {
         job: Option<&Job>,
     ) -> Result<SetUp, Refused> {
         let asked = self.reference.as_ref();
-        let stated = job.map_or_else(|| asked.cloned(), |job| job.stated(asked));
-        let fitted = stated.is_some_and(|of| of.kind == ReferenceKind::BestFit);
+        let fitted = Job::stated(job, asked).is_some_and(|of| of.kind == ReferenceKind::BestFit);
         if fitted && poses.len() > MAX_POSES {
             return call.usage(format!("a best fit is over {MAX_POSES} poses at most, all of which are held"));
         }
         let list: Vec<Pose> = if fitted { poses.iter().collect() } else { Vec::new() };
-        match job {
-            Some(job) => job.set_up(call, machine, asked, &list),
-            None => SetUp::of(call, machine, asked, None, &list),
-        }
+        Job::set_up(job, call, machine, asked, &list)
     }
 }
 
@@ -136,19 +132,6 @@ impl MapPoses {
             Self::ToolPoses(path) => JobPaths { job: None, tool_poses: Some(path) },
             Self::Job(path) => JobPaths { job: Some(path), tool_poses: None },
             _ => JobPaths { job: None, tool_poses: None },
-        }
-    }
-
-    /// Returns the statement of what a map of these poses is over.
-    pub(crate) fn over(
-        machine: &Machine,
-        reference: &Reference,
-        reached: Option<&ReachedToolPoses>,
-        count: usize,
-    ) -> Over {
-        match reached {
-            Some(of) => Over::new(OverKind::Job, machine, reference, [of.asked, of.reached]),
-            None => Over::new(OverKind::Volume, machine, reference, [count, count]),
         }
     }
 

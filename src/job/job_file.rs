@@ -18,7 +18,7 @@ struct JobFile {
     /// Where the part lies on the workpiece frame.
     #[serde(default)]
     place: Placement,
-    /// What the set-up takes out.
+    /// The reference: what the set-up takes out.
     reference: Option<ReferenceEntry>,
     /// True if the tool poses are one continuous path.
     path: Option<bool>,
@@ -31,8 +31,6 @@ struct JobFile {
 pub(crate) struct Job {
     /// Its tool poses, workpiece frame.
     pub poses: ToolPoses,
-    /// True if it is one continuous path, false if not; `None` where nothing is stated.
-    pub path: Option<bool>,
     place: Placement,
     reference: Option<Reference>,
 }
@@ -51,18 +49,10 @@ impl JobPaths<'_> {
     pub(crate) fn read(self, call: &mut Call<'_>, machine: &Machine) -> Result<Option<Job>, Refused> {
         match (self.job, self.tool_poses) {
             (Some(_), Some(_)) => call.usage("a job file names its tool poses: omit one of the two"),
-            (Some(path), None) => {
-                let job = from_file(call, machine, path)?;
-                // Until paths are solved as a whole: nothing may pass for one that is not.
-                if job.path == Some(true) {
-                    let reason = Reason::new("`path: true`, and tool poses are taken one by one");
-                    return call.refuse(refused(path, &reason));
-                }
-                Ok(Some(job))
-            }
+            (Some(path), None) => from_file(call, machine, path).map(Some),
             (None, Some(path)) => {
                 let poses = tool_poses::read(call, machine, path)?;
-                Ok(Some(Job { poses, path: None, place: Placement::default(), reference: None }))
+                Ok(Some(Job { poses, place: Placement::default(), reference: None }))
             }
             (None, None) => Ok(None),
         }
@@ -71,20 +61,23 @@ impl JobPaths<'_> {
 
 impl Job {
     /// Returns the set-up of the part on a machine, which takes out what the options state, or else the job file, or
-    /// else the zero at the part's origin; a best fit is over the poses (mm, deg).
+    /// else the zero at the part's origin, and without a job nothing; a best fit is over the poses (mm, deg).
     pub(crate) fn set_up(
-        &self,
+        job: Option<&Self>,
         call: &mut Call<'_>,
         machine: &Machine,
         asked: Option<&Reference>,
         poses: &[Pose],
     ) -> Result<SetUp, Refused> {
-        SetUp::of(call, machine, self.stated(asked).as_ref(), Some(&self.zero()), poses)
+        let (stated, default) = (Self::stated(job, asked), job.map(Self::zero));
+        SetUp::of(call, machine, stated.as_ref(), default.as_ref(), poses)
     }
 
     /// Returns what the options state, or else the job file, on the part where it lies.
-    pub(crate) fn stated(&self, asked: Option<&Reference>) -> Option<Reference> {
-        asked.or(self.reference.as_ref()).map(|reference| reference.clone().placed(self.place))
+    pub(crate) fn stated(job: Option<&Self>, asked: Option<&Reference>) -> Option<Reference> {
+        let place = job.map_or_else(Placement::default, |job| job.place);
+        let stated = asked.or_else(|| job?.reference.as_ref())?;
+        Some(stated.clone().placed(place))
     }
 
     /// Returns the zero at the part's origin.
@@ -107,7 +100,12 @@ fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Job,
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut poses = tool_poses::read(call, machine, &folder.join(tool_poses))?;
     poses.put(&place);
-    Ok(Job { poses, path: is_path, place, reference: reference.map(|ReferenceEntry(reference)| reference) })
+    // Until paths are solved as a whole: nothing may pass for one that is not.
+    if is_path == Some(true) {
+        let reason = Reason::new("`path: true`, and tool poses are taken one by one");
+        return call.refuse(refused(path, &reason));
+    }
+    Ok(Job { poses, place, reference: reference.map(|ReferenceEntry(reference)| reference) })
 }
 
 fn refused(path: &Path, failure: &Reason) -> Diagnostic {

@@ -1,6 +1,7 @@
 //! The statement of what a result is over: a volume or a job, its reference, its poses, its tool.
 
 use super::reference::{Reference, ReferenceKind};
+use super::tool_poses::ReachedToolPoses;
 use crate::machine::Machine;
 
 /// What poses are of.
@@ -38,6 +39,19 @@ impl Over {
     pub(crate) fn new(kind: OverKind, machine: &Machine, reference: &Reference, [poses, reached]: [usize; 2]) -> Self {
         let (tool, words) = (machine.tool().name.clone(), reference.to_string());
         Self { kind, reference: reference.kind, path: false, poses, reached, tool, words }
+    }
+
+    /// Returns the statement for the tool poses of a job, or else for a number of poses of the volume.
+    pub(crate) fn work(
+        machine: &Machine,
+        reference: &Reference,
+        tool_poses: Option<&ReachedToolPoses>,
+        count: usize,
+    ) -> Self {
+        match tool_poses {
+            Some(of) => Self::new(OverKind::Job, machine, reference, [of.asked, of.reached]),
+            None => Self::new(OverKind::Volume, machine, reference, [count, count]),
+        }
     }
 
     /// Returns the statement in one line, such as `Over a job of 300 tool poses, 298 reached, single poses; reference:

@@ -120,7 +120,7 @@ const MAX_QUESTIONS: usize = 200;
 /// all parts, one behind the other, are given to [`workbench_of_parts`] with the same request.
 ///
 /// Without such a map, and for one of bounds or of more than [`MapPoses::MAX_HELD`] poses, there are none.
-pub fn workbench_part(request: &str, (index, count): (usize, usize), run: Run) -> Vec<u8> {
+pub fn workbench_part(request: &str, index: usize, count: usize, run: Run) -> Vec<u8> {
     let part = MapPart::new(index, count);
     if let Ok(mut request) = parse(request) {
         request.questions.retain(|question| matches!(question, Question::Map(_)));
@@ -325,7 +325,7 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
 
     /// Returns the answer to a request whose map is given in a number of parts, and the number of their bytes.
     fn together(request: &str, count: usize, change: impl FnOnce(&mut Vec<u8>)) -> (Value, usize) {
-        let parts = (0..count).flat_map(|index| workbench_part(request, (index, count), Run::default()));
+        let parts = (0..count).flat_map(|index| workbench_part(request, index, count, Run::default()));
         let mut bytes: Vec<u8> = parts.collect();
         let length = bytes.len();
         change(&mut bytes);
@@ -365,7 +365,7 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
         let request =
             json!({"machine": "m.yaml", "texts": {"m.yaml": bounded}, "questions": [{"map": {}}]}).to_string();
         assert_eq!(together(&request, 2, |_| ()), (workbench(&request, Run::default()), 0));
-        assert_eq!(workbench_part("{", (0, 2), Run::default()), Vec::<u8>::new());
+        assert_eq!(workbench_part("{", 0, 2, Run::default()), Vec::<u8>::new());
     }
 
     #[test]

@@ -37,6 +37,12 @@ fn rows(path: &Path) -> Vec<Vec<f64>> {
     text.lines().skip(1).map(numbers).collect()
 }
 
+/// The map over tool poses as JSON, without what a set-up of the part takes out.
+fn map_in_machine_coordinates(machine: &Path, work: &Path) -> Value {
+    let reference = ["--reference", "machine", "--format", "json", "--quiet"];
+    json(&[&["map", text(machine), "--tool-poses", text(work)], &reference[..]].concat())
+}
+
 #[test]
 fn tips_count_from_the_workpiece_origin_and_units_are_read() {
     let folder = Folder::new("tool-poses");
@@ -323,17 +329,7 @@ fn rows_keep_their_lines_and_the_unreached_in_csv_and_json() {
     assert_eq!(rows[2]["beyond"][0], serde_json::json!({"axis": "Y", "by": -10.0, "unit": "mm"}));
     assert_eq!(rows[1]["axes"]["Z"], 30.0);
     // The travel that the work needs: of what is reached and what is not.
-    let map = json(&[
-        "map",
-        text(&machine),
-        "--reference",
-        "machine",
-        "--tool-poses",
-        text(&work),
-        "--format",
-        "json",
-        "--quiet",
-    ]);
+    let map = map_in_machine_coordinates(&machine, &work);
     let travel = serde_json::json!([
         {"axis": "X", "unit": "mm", "needs": [10.0, 910.0], "has": [0.0, 400.0], "short": [0.0, 510.0]},
         {"axis": "Y", "unit": "mm", "needs": [-10.0, 20.0], "has": [0.0, 400.0], "short": [10.0, 0.0]},
@@ -351,17 +347,7 @@ fn cl_data_is_read_and_features_are_judged_one_by_one() {
     let cl = "PARTNO PLATE\n$$ ---\nUNITS/INCH\nMULTAX/ON\nRAPID\nGOTO/1,2,3,0,0,1\n$$ Pocket A\nFEDRAT/300,MMPM\n\
               GOTO/ 1, 2.0, $\n  1\nGODLTA/0,0,-1\ngoto/1,8,0 $$ Rib\nPPRINT Rib B\nGOTO/10,0,5,0,0,2\nGOTO/100,0,0\nFINI\n";
     let work = folder.with("part.cls", cl);
-    let map = json(&[
-        "map",
-        text(&machine),
-        "--reference",
-        "machine",
-        "--tool-poses",
-        text(&work),
-        "--format",
-        "json",
-        "--quiet",
-    ]);
+    let map = map_in_machine_coordinates(&machine, &work);
     assert_eq!((&map["tool_poses"]["asked"], &map["tool_poses"]["reached"]), (&6.into(), &5.into()));
     assert_eq!(map["tool_poses"]["rows"][0]["line"], 15);
     let features = map["features"].as_array().unwrap();

@@ -128,11 +128,7 @@ impl RotaryDirections {
     /// Sorts positions by their distance from the reference. Those that differ by rounding alone are one candidate, and
     /// of equal distances the larger positions come first, so that the choice does not depend on the last bit.
     fn in_order(&self, found: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        let rounded = |x: f64| (x * 1e6).round() as i64;
-        let key = |angles: &Vec<f64>| {
-            let cost: f64 = self.turns.iter().zip(angles).map(|(t, q)| (q - t.reference) * (q - t.reference)).sum();
-            (rounded(cost), angles.iter().map(|q| -rounded(*q)).collect::<Vec<_>>())
-        };
+        let key = |angles: &[f64]| nearness(angles.iter().zip(&self.turns).map(|(q, turn)| (*q, turn.reference)));
         let mut keyed: Vec<_> = found.into_iter().map(|angles| (key(&angles), angles)).collect();
         keyed.sort_by(|a, b| a.0.cmp(&b.0));
         keyed.dedup_by(|a, b| a.0.1 == b.0.1);
@@ -239,6 +235,14 @@ impl Turn {
         let (min, max) = self.travel.interval();
         (position, (min - position).max(position - max).max(0.0))
     }
+}
+
+/// Returns the key that sorts positions of rotary axes (deg), each with its reference, by their distance from it; of
+/// equal distances the larger positions come first. Both are rounded.
+pub fn nearness(positions: impl Iterator<Item = (f64, f64)> + Clone) -> (i64, Vec<i64>) {
+    let rounded = |x: f64| (x * 1e6).round() as i64;
+    let cost: f64 = positions.clone().map(|(q, reference)| (q - reference) * (q - reference)).sum();
+    (rounded(cost), positions.map(|(q, _)| -rounded(q)).collect())
 }
 
 /// Returns the position (deg) within a travel, whole turns away from an angle (rad), that is nearest to the reference

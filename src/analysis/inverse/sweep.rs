@@ -8,7 +8,7 @@
 //! place at zeros.
 
 use super::linear::{self, LinearSlide};
-use super::rotary::{Sweep, wrapped};
+use super::rotary::{Sweep, nearness, wrapped};
 use super::tool_pose::unturned_tool_pose;
 use crate::machine::{AxisKind, Machine, Pose, Travel};
 use nalgebra::{Matrix3, Vector3};
@@ -44,19 +44,9 @@ pub fn sweep_poses(machine: &Machine, tip: &Vector3<f64>, sweeps: &[Sweep], refe
         let exact = along.add(&mut swept);
         swept.exact &= exact;
     }
-    sort_by_distance(machine, &mut swept.arcs, reference);
+    let rotary: Vec<usize> = (0..reference.len()).filter(|i| machine.axes()[*i].kind == AxisKind::Rotary).collect();
+    swept.arcs.sort_by_cached_key(|pose| nearness(rotary.iter().map(|i| (pose[*i], reference[*i]))));
     swept
-}
-
-/// Sorts by the distance of the rotary axes from the reference; of equal distances the larger positions come first.
-fn sort_by_distance(machine: &Machine, poses: &mut [Pose], reference: &[f64]) {
-    let rounded = |x: f64| (x * 1e6).round() as i64;
-    let turned = |i: &usize| machine.axes()[*i].kind == AxisKind::Rotary;
-    poses.sort_by_cached_key(|pose| {
-        let rotary = || (0..pose.len()).filter(turned);
-        let cost: f64 = rotary().map(|i| (pose[i] - reference[i]) * (pose[i] - reference[i])).sum();
-        (rounded(cost), rotary().map(|i| -rounded(pose[i])).collect::<Vec<_>>())
-    });
 }
 
 /// a + b cos s + c sin s.

@@ -69,7 +69,8 @@ fn grid(context: &mut Context, axis: &Axis, travel: &Keys, steps: &Steps) -> Opt
     let range_at = if document.places.has(&long) { long } else { at.clone() };
     let interval = match range {
         Some(list) => {
-            context.interval(list, axis.kind, &range_at).and_then(|i| within(context, axis, travel, i, &range_at))
+            let asked = context.interval(list, axis.kind, &range_at);
+            asked.filter(|(min, max)| is_within(context, axis, travel, [*min, *max], &range_at))
         }
         None => Some(axis.travel.interval()),
     };
@@ -87,17 +88,17 @@ fn grid(context: &mut Context, axis: &Axis, travel: &Keys, steps: &Steps) -> Opt
     Some(Grid { min, max, step })
 }
 
-/// Beyond the travel no error is known.
-fn within(context: &mut Context, axis: &Axis, travel: &Keys, interval: (f64, f64), at: &Keys) -> Option<(f64, f64)> {
-    if axis.travel.contains(interval.0) && axis.travel.contains(interval.1) {
-        return Some(interval);
+/// Refuses a range (mm, deg) beyond the travel, where no error is known; true if it is within.
+fn is_within(context: &mut Context, axis: &Axis, travel: &Keys, range: [f64; 2], at: &Keys) -> bool {
+    let Travel::Range(min, max) = axis.travel else { return true };
+    if range.iter().all(|end| axis.travel.contains(*end)) {
+        return true;
     }
-    let Travel::Range(min, max) = axis.travel else { return Some(interval) };
     let message =
         format!("the volume of axis `{}` goes beyond its travel from {min} to {max} {}", axis.name, axis.unit());
     let places = &context.document.places;
     let travel = places.value(travel);
     let refusal = Diagnostic::new(codes::E0214, message).at(places.value(at), "").at(travel, "the travel");
     context.diagnostics.push(refusal.help("keep the volume within the travel"));
-    None
+    false
 }

@@ -62,7 +62,7 @@ pub extern "C" fn ask() -> usize {
 pub extern "C" fn part(index: usize, count: usize) -> usize {
     ENGINE.with_borrow_mut(|engine| {
         let request = String::from_utf8_lossy(&engine.input);
-        engine.output = workbench_part(&request, (index, count), Run::with(&engine.files));
+        engine.output = workbench_part(&request, index, count, Run::with(&engine.files));
         engine.output.len()
     })
 }

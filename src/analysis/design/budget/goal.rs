@@ -61,7 +61,7 @@ pub struct GoalRequest<'a> {
     pub power: f64,
     /// The poses (mm, deg).
     pub poses: &'a [Pose],
-    /// What the set-up of the part takes out.
+    /// The reference of the part, which its set-up takes out.
     pub reference: Option<&'a PartReference>,
     /// Generators of machines: for the search, for the correction, for the proof.
     pub draws: [&'a Draws; 3],

@@ -35,16 +35,16 @@ pub struct JointBounds {
     pub component: Vec<DrawnSource>,
     interval: (f64, f64),
     closed: bool,
-    /// What the set-up of the part takes out; `None` without a set-up.
+    /// The motions that the set-up of the part takes out; `None` without a set-up.
     removed: Option<RemovedMotions>,
 }
 
 /// The motion of the part that its set-up takes out, per unit of the sources of a joint: translation and rotation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RemovedMotions {
-    /// Of location errors.
+    /// The motions by location errors.
     location: Vec<Vector6<f64>>,
-    /// Of component errors by the nodes of their curves, node by node.
+    /// The motions by component errors at the nodes of their curves, node by node.
     component: Vec<Vec<Vector6<f64>>>,
 }
 
@@ -145,8 +145,8 @@ impl SampleChunk {
             let Some(motions) = &joint.removed else { continue };
             let sum = removed.get_or_insert([[0.0; SAMPLE_LANES]; 6]);
             let values = motions.component.iter().flatten().zip(samples.nodes.iter().flatten());
-            for (motion, errors) in values {
-                for (sum, part) in sum.iter_mut().zip(motion.iter().filter(|_| *motion != Vector6::zeros())) {
+            for (motion, errors) in values.filter(|(motion, _)| **motion != Vector6::zeros()) {
+                for (sum, part) in sum.iter_mut().zip(motion.iter()) {
                     sum.iter_mut().zip(errors).for_each(|(sum, error)| *sum += part * error);
                 }
             }
@@ -230,7 +230,7 @@ pub struct BudgetPose {
     points: Vec<CurvePoint>,
     /// Deviation that is the same in every sample.
     fixed: [f64; 3],
-    /// What a motion of the part does here.
+    /// The effect of a motion of the part here.
     effect: MotionEffect,
 }
 
@@ -400,7 +400,8 @@ impl BoundEffects {
     }
 }
 
-fn length(v: &[f64; 3]) -> f64 {
+/// Returns the length of a vector.
+pub fn length(v: &[f64; 3]) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 

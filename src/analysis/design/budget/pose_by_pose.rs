@@ -24,7 +24,7 @@ pub struct PosesRequest<'a> {
     pub bounds: &'a [Bound],
     /// The poses, at least one.
     pub poses: &'a Poses,
-    /// What the set-up of the part takes out.
+    /// The reference of the part, which its set-up takes out.
     pub reference: Option<&'a PartReference>,
     /// Frame of the vectors: that of the ranges. Lengths are the same in all.
     pub frame: Frame,

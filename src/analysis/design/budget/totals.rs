@@ -2,7 +2,7 @@
 
 use super::bounds::Bound;
 use super::draw::Draws;
-use super::kernel::{BoundEffects, BudgetPose, JointBounds, by_joint_without};
+use super::kernel::{BoundEffects, BudgetPose, JointBounds, by_joint_without, length};
 use super::monte_carlo::{self, DrawnMachine, Statistic};
 use super::quantile::{Percentile, mean};
 use super::search::{Objective, VolumeSearch, exceeds, is_closed};
@@ -24,7 +24,7 @@ pub struct Request<'a> {
     pub bounds: &'a [Bound],
     /// The poses (mm, deg).
     pub poses: &'a [Pose],
-    /// What the set-up of the part takes out.
+    /// The reference of the part, which its set-up takes out.
     pub reference: Option<&'a PartReference>,
     /// True if the worst pose is searched in the volume, beyond the poses; with a reference it never is.
     pub searched: bool,
@@ -286,7 +286,7 @@ fn worst_of(extremes: &Extremes, longest: fn(&[[f64; 3]]) -> f64) -> (usize, f64
 }
 
 fn lengths(vectors: &[[f64; 3]]) -> Vec<f64> {
-    vectors.iter().map(|v| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()).collect()
+    vectors.iter().map(length).collect()
 }
 
 /// Returns the index of the largest value; of equal ones the first.
