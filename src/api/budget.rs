@@ -2,7 +2,7 @@
 
 use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
-use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_from_samples, budget_poses};
+use crate::analysis::budget::{Bound, Budget, Coverage, Draws, Request, budget_from_samples, budget_poses};
 use crate::analysis::reference::PartReference;
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
@@ -93,6 +93,8 @@ pub struct BudgetResult {
     /// The budget.
     #[serde(flatten)]
     pub budget: BudgetFigures,
+    /// Which of the errors that act are known.
+    pub coverage: Coverage,
     /// Name of the machine.
     pub machine: String,
     /// The kinematic chain.
@@ -268,9 +270,10 @@ pub(crate) fn budget_of(
     });
     let over = work.over(machine, &work.set_up.reference);
     let BudgetWork { poses, tool_poses, .. } = work;
+    let coverage = Coverage::of(machine, &bounds);
     let budget = BudgetFigures::new(machine, bounds, &budget, poses.len(), drawing);
     let (machine, chain) = (machine.name().to_owned(), machine.chain().to_string());
-    Ok(BudgetResult { budget, machine, chain, over, best_fit, tool_poses, goal, at })
+    Ok(BudgetResult { budget, coverage, machine, chain, over, best_fit, tool_poses, goal, at })
 }
 
 /// Returns the budget of the same machines drawn without the best fit over the poses.

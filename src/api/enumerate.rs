@@ -10,7 +10,7 @@ use crate::analysis::{UnreachableCount, Work};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::MachineFile;
 use crate::job::tool_poses::{self, ReachedToolPoses};
-use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
+use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine, canonical};
 use crate::run::{Call, Count, Refused, Reply, Run, sha256};
 use crate::shards::study::{self, StudyFile};
 use indexmap::IndexMap;
@@ -475,13 +475,14 @@ fn fingerprint(
     let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
     let bounds = match judge {
         Judge::Budget { bounds, .. } => {
-            format!("{bounds:?} {rounds:?} {} {:?}", options.reach_percent, options.tolerances.distribution)
+            let bounds: String = bounds.iter().map(Bound::canonical).collect();
+            format!("{bounds} {rounds:?} {} {:?}", options.reach_percent, options.tolerances.distribution)
         }
         Judge::Errors => "errors".to_owned(),
     };
     let listed = if options.tool_poses.is_some() { format!(" {work:?}") } else { String::new() };
     let drawn = (options.rotary, options.poses, options.seed, options.tolerances.statistic);
-    let text = format!("{} {machine:?} {rules:?} {bounds} {drawn:?}{listed}", env!("CARGO_PKG_VERSION"));
+    let text = format!("{} {} {rules:?} {bounds} {drawn:?}{listed}", env!("CARGO_PKG_VERSION"), canonical(machine));
     sha256(text.as_bytes())
 }
 

@@ -3,7 +3,8 @@
 pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::budget::{BudgetResult, ContributionsAt, FittedBudget};
 pub use super::budgets::{
-    BudgetDifference, ComparedBudget, ComparedBudgets, ComparedContribution, DeviationBudgetDifference, DrawnDifference,
+    BudgetDifference, ComparedBudget, ComparedBudgets, ComparedContribution, ComparedVerdict,
+    DeviationBudgetDifference, DrawnDifference, WithheldVerdict,
 };
 pub use super::certificate::{AtReference, CertificateReport, CertificateStep, ReferenceShift};
 pub use super::check::CheckedFile;
@@ -39,7 +40,7 @@ pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::uncertainty::CertificateBands;
 pub use crate::analysis::budget::{
-    Binding, Bound, BoundedDeviation, BoundedLength, PairedDifference, Percentile, Role, Verdict, VersusFirst,
+    Binding, Bound, BoundedDeviation, BoundedLength, Coverage, PairedDifference, Percentile, Role, Verdict, VersusFirst,
 };
 pub use crate::analysis::enumerate::RoundCount;
 pub use crate::analysis::figure_bands::{ComparedBands, PoseUncertainty};

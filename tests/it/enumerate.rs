@@ -308,6 +308,12 @@ fn foreign_and_damaged_state_is_refused_and_left_alone() {
     says(&kept, &["--first", "2"], "another study");
     let second = kept.lines().nth(1).unwrap();
     says(&format!("{kept}{second}\n"), &[], "twice");
+    // Altered, impossible and missing records.
+    let (at, end) = (kept.find("\"values\":[").unwrap() + 10, kept.len());
+    let digit = at + kept[at..end].find(|c: char| c.is_ascii_digit()).unwrap();
+    says(&format!("{}9{}", &kept[..digit], &kept[digit..]), &[], "checksum");
+    says(&format!("{}-{}", &kept[..digit], &kept[digit..]), &[], "below zero");
+    says(&kept.replacen(&format!("{second}\n"), "", 1), &[], "checksum");
     std::fs::remove_file(&state).unwrap();
     let none = [&STUDY[..], &["json", "--state", "none/state.json"]].concat();
     let (code, message) = refused(&none);

@@ -30,6 +30,7 @@ mod determinism;
 mod diagnostics;
 mod diff_machines;
 mod enumerate;
+mod equal_bounds;
 mod equations;
 mod eval_exact;
 mod eval_order;

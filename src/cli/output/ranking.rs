@@ -1,14 +1,15 @@
 //! The result of `enumerate` as text and CSV.
 
-use super::view::{cell, table, tool_poses_text};
+use super::view::{table, tool_poses_text};
 use abbe::options::{JudgedBy, Statistic};
 use abbe::results::{Arrangement, PairedDifference, RankedArrangements, RankingRounds, Verdict};
-use abbe::text::significant;
+use abbe::text::{cell, significant};
 
 pub(crate) fn csv(of: &RankedArrangements) -> String {
-    let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um],not stated,samples,versus first,\
-                   minus first [um],minus first low,minus first high,travel\n"
-        .to_owned();
+    let mut csv =
+        "rank,group,chain,on table,reached,um,low [um],high [um],mean [um],minus file [um],not stated,samples,\
+                   versus first,minus first [um],minus first low [um],minus first high [um],travel [mm or deg]\n"
+            .to_owned();
     for (group, rows) in [
         ("ranked", &of.ranked),
         ("reaches less", &of.reach_less),

@@ -5,7 +5,7 @@ use crate::cli::arguments::{
     self, JobArg, PartsArgs, PictureFile, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg,
     help, svg,
 };
-use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, short, tolerance_text, totals_row};
+use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, coverage_line, short, tolerance_text, totals_row};
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, reach_text, table, tool_poses_text};
@@ -166,6 +166,7 @@ impl BudgetText<'_> {
             0 => "\n".to_owned(),
             n => format!("; {n} errors with values are left out\n"),
         };
+        text += &coverage_line(&self.result.coverage).map_or_else(String::new, |line| line + "\n");
         text += &format!(
             "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",
             budget.poses,

@@ -391,7 +391,7 @@ export interface ComparedBudgets {
   /** Number of machines that are drawn at most, if the first ones do not tell the machines apart. */
   max_samples: number;
   /** The 95 % value of the position of each machine but the first, minus that of the first. */
-  versus_first_p95_um: VersusFirst[];
+  versus_first_p95_um: ComparedVerdict[];
 }
 
 /** An error in several budgets; a list has a value for each machine, none where a machine does not bound it. */
@@ -1330,6 +1330,32 @@ export interface UnreachableCount {
 
 /** What is known of a machine or arrangement and the first. */
 export type Verdict = "first" | "equal" | "not_told_apart" | "worse" | "better";
+
+/** A machine against the first, on the machines drawn of both. */
+export interface ComparedVerdict {
+  /** What is known of the two; none if errors that only one of the files bounds could turn it. */
+  verdict: Verdict | null;
+  /** Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence. */
+  minus_first: PairedDifference;
+  /** Why there is no verdict. */
+  withheld?: WithheldVerdict | null;
+}
+
+/** Why there is no verdict on two machines: errors without a value or a bound could turn it. */
+export interface WithheldVerdict {
+  /** The reason in words. */
+  reason: string;
+  /** The verdict on the errors that are bounded. */
+  as_bounded: Verdict;
+  /** Errors that the first machine states nothing of. */
+  missing_first: string[];
+  /** Errors that this machine states nothing of. */
+  missing: string[];
+  /** The class that bounds them, where the other machine does not. */
+  class: string;
+  /** Its 95 % value minus that of the first, um, with the bounds of the other machine for what is missing, and with those of the class for what neither bounds. */
+  minus_first_if_filled: [PairedDifference, PairedDifference];
+}
 
 /** A machine or arrangement against the first, on the machines drawn of both. */
 export interface VersusFirst {

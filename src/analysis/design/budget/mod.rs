@@ -13,12 +13,14 @@
 //!    tolerance times derivative, summed up, is the 95 % value itself (Euler).
 //! 5. [`side_by_side()`]: these effects in several machines; [`PairedTest`]: whether their 95 % values differ.
 //! 6. [`pose_by_pose()`]: RSS and 95 % value at every pose by itself, for machines of which nothing is measured.
-//! 7. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
+//! 7. [`Coverage`]: which acting errors have a value, a bound, or neither.
+//! 8. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
 mod bounds;
 mod cost;
+mod coverage;
 mod draw;
 mod goal;
 mod kernel;
@@ -35,6 +37,7 @@ pub use crate::machine::{Class, classes};
 pub(crate) use bounds::on_other_sides;
 pub use bounds::{Bound, Role, adding, bounds, is_measured, known, lacks_rotary};
 pub use cost::{CostModel, Price};
+pub use coverage::{Coverage, STAND_IN_CLASS};
 pub(in crate::analysis) use draw::Normals;
 pub use draw::{Distribution, Draws, NODES};
 pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};
