@@ -17,7 +17,9 @@ pub use super::compose::{ComposedPart, ComposedSet};
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
 pub use super::diff::{AxisDifference, SetDifference};
 pub use super::effects::{ErrorEffect, Neglected};
-pub use super::enumerate::{Arrangement, EnumerateResult, RankedArrangements, RankingRounds, StudyProgress};
+pub use super::enumerate::{
+    Arrangement, EnumerateResult, ExcludedArrangements, RankedArrangements, RankingRounds, StudyProgress,
+};
 pub use super::equations::{
     EquationSymbol, EquationUnits, EquationsResult, Polynomial, PolynomialMatrix, PolynomialTerm,
 };

@@ -2,7 +2,7 @@
 
 use super::view::{table, tool_poses_text};
 use abbe::options::{JudgedBy, Statistic};
-use abbe::results::{Arrangement, PairedDifference, RankedArrangements, RankingRounds, Verdict};
+use abbe::results::{Arrangement, ExcludedArrangements, PairedDifference, RankedArrangements, RankingRounds, Verdict};
 use abbe::text::{cell, significant};
 
 pub(crate) fn csv(of: &RankedArrangements) -> String {
@@ -78,7 +78,8 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
     }
     if !of.reach_less.is_empty() {
         text += &format!(
-            "\n{} reach less than {} % of the tool poses:\n",
+            "\n{} miss some of the tool poses and have no rank; those that reach {} % are listed by their difference \
+             to the file's arrangement on the poses that they reach:\n",
             of.reach_less.len(),
             significant(of.reach * 100.0, 4)
         );
@@ -96,6 +97,11 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
         let few: Vec<&str> = cannot_turn.iter().take(3).map(|row| row.chain.as_str()).collect();
         let dots = if cannot_turn.len() > 3 { ", ..." } else { "" };
         text += &format!("\n{} cannot turn the tool: {}{dots}\n", cannot_turn.len(), few.join(", "));
+    }
+    if !of.not_buildable.is_empty() {
+        let rule = |rule: &ExcludedArrangements| format!("{} break \"{}\"", rule.arrangements, rule.rule);
+        let rules: Vec<String> = of.not_buildable.iter().map(rule).collect();
+        text += &format!("\nLeft out as hardly built: {} (`--buildable no` lists them)\n", rules.join(", "));
     }
     text + "Negative differences: less error than the arrangement of the file, on the same tool poses.\n"
 }
