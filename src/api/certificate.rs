@@ -2,15 +2,90 @@
 
 use super::uncertainty::CertificateBands;
 use crate::controller::{
-    Certificate, ControllerTarget, Depth, Figures, ProgrammingFigures, RaisedFigure, SingleErrorResidual, Strongest,
-    ZeroShift, micro,
+    Certificate, ControllerTarget, Depth, Figures, Judgement, ProgrammingFigures, RaisedFigure, SingleErrorResidual,
+    Strongest, ZeroShift, figures, judge_by, micro,
 };
-use crate::evaluate::{Field, Summary};
+use crate::evaluate::{Bare, Field, Order, Summary};
 use crate::file_set::verdict;
-use crate::machine::{Approach, AxisKind, AxisPositions, Machine};
+use crate::job::job_file::{Job, JobPaths};
+use crate::job::over::{Over, OverKind};
+use crate::job::reference::{Reference, SetUp};
+use crate::job::tool_poses::ReachedToolPoses;
+use crate::machine::{Approach, AxisKind, AxisPositions, Machine, OperatingConditions};
+use crate::run::{Call, Refused};
 use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::path::PathBuf;
+
+/// A job over which a certificate has figures besides those over the volume.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, serde::Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct CertifiedWork {
+    /// A file of tool poses: CSV or APT CL data.
+    pub tool_poses: Option<PathBuf>,
+    /// A job file instead of the tool poses.
+    pub job: Option<PathBuf>,
+    /// What the set-up of the part takes out; by default the zero at the part's origin.
+    pub reference: Option<Reference>,
+}
+
+/// The poses of a job and its set-up.
+pub(crate) struct WorkOfCertificate {
+    reached: ReachedToolPoses,
+    set_up: SetUp,
+}
+
+impl CertifiedWork {
+    /// Reads the job; `None` without one.
+    pub(crate) fn read(&self, call: &mut Call<'_>, machine: &Machine) -> Result<Option<WorkOfCertificate>, Refused> {
+        let paths = JobPaths { job: self.job.as_ref(), tool_poses: self.tool_poses.as_ref() };
+        let Some(job) = paths.read(call, machine)? else {
+            if self.reference.is_some() {
+                return call.usage("the certificate over the volume is in machine coordinates: give a job too");
+            }
+            return Ok(None);
+        };
+        let reached = job.poses.reached(call, machine)?;
+        let set_up = Job::set_up(Some(&job), call, machine, self.reference.as_ref(), &reached.poses)?;
+        Ok(Some(WorkOfCertificate { reached, set_up }))
+    }
+}
+
+/// Figures of a certificate over a job, without what the set-up of the part takes out.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct JobCertificate {
+    /// What they are over.
+    pub over: Over,
+    /// The side of approach that is worse.
+    pub direction: Approach,
+    /// Without the files.
+    pub uncompensated: Figures,
+    /// With the files: the part is set up on the machine as it runs.
+    pub compensated: Figures,
+    /// Figures that the files raise.
+    pub raised: Vec<RaisedFigure>,
+}
+
+impl JobCertificate {
+    fn new(machine: &Machine, field: &dyn Field, work: &WorkOfCertificate) -> Self {
+        let WorkOfCertificate { reached, set_up } = work;
+        let bare = Bare { machine, order: Order::Exact };
+        let of = |field: &dyn Field, conditions: OperatingConditions| {
+            let set_up = set_up.field(field, Order::Exact, conditions);
+            figures(set_up.as_ref().map_or(field, |of| of as &dyn Field), &reached.poses, conditions)
+        };
+        let by = |approach: Approach| [&bare as &dyn Field, field].map(|field| of(field, approach.into()));
+        let Judgement { approach: direction, uncompensated, compensated, raised } = judge_by(machine, &by);
+        let over = Over::work(machine, &set_up.reference, Some(reached), 0);
+        Self { over, direction, uncompensated, compensated, raised }
+    }
+
+    /// Returns in words which figures of the position deviation the files raise; `None` if they raise none.
+    pub fn raised(&self) -> Option<String> {
+        verdict::raise_remark(&self.raised)
+    }
+}
 
 /// Residual of a machine after a controller has applied a set of files.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
@@ -23,6 +98,8 @@ pub struct CertificateReport {
     pub target: String,
     /// Names of the files.
     pub files: Vec<String>,
+    /// What the figures are over: the volume.
+    pub over: Over,
     /// Number of poses.
     pub poses: usize,
     /// The side of approach that is worse.
@@ -47,6 +124,9 @@ pub struct CertificateReport {
     /// Figures after each step of a composed set, the last for all of it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub steps: Vec<CertificateStep>,
+    /// The figures over a job, if one was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub job: Option<JobCertificate>,
     /// Intervals of the figures, where the machine file states uncertainties of errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<CertificateBands>,
@@ -108,6 +188,7 @@ impl CertificateReport {
             raised: certificate.raised,
             target: target.manifest.target.clone(),
             files,
+            over: Over::new(OverKind::Volume, machine, &Reference::default(), [certificate.poses; 2]),
             poses: certificate.poses,
             direction: certificate.approach,
             tool: machine.tool().name.clone(),
@@ -119,11 +200,18 @@ impl CertificateReport {
             cannot: target.manifest.cannot.clone(),
             programming: certificate.programming,
             steps: Vec::new(),
+            job: None,
             uncertainty,
             machine: machine.clone(),
             controller: target.clone(),
             strongest: certificate.strongest,
         }
+    }
+
+    /// Returns the certificate with the figures of a field, which is the machine with the files, over a job.
+    pub(crate) fn with_job(self, work: Option<&WorkOfCertificate>, field: &dyn Field) -> Self {
+        let job = work.map(|work| JobCertificate::new(&self.machine, field, work));
+        Self { job, ..self }
     }
 
     /// Returns in words which figures of the position deviation the files raise; `None` if they raise none.

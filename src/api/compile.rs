@@ -1,6 +1,6 @@
 //! `compile`: the files of a controller, with their certificate.
 
-use super::certificate::CertificateReport;
+use super::certificate::{CertificateReport, CertifiedWork, WorkOfCertificate};
 use crate::controller::{
     Certificate, ControllerEffect, ControllerTarget, Depth, Limits, Lock, NAMES, RenderedFile, TablesUnderTest,
     certify, certify_kinematics,
@@ -31,6 +31,9 @@ pub struct CompileOptions {
     pub accept_unverified: bool,
     /// Folder with the files that were in force when the machine was measured: the new files are old plus new.
     pub installed: Option<PathBuf>,
+    /// A job over which the certificate has figures besides those over the volume.
+    #[serde(flatten)]
+    pub work: CertifiedWork,
     /// Limits on corrections.
     pub max_correction: Limits,
     /// Names of the axes that span a lattice; all if empty. The others are at 0 in its nodes.
@@ -48,6 +51,7 @@ impl Default for CompileOptions {
             seed: 1,
             accept_unverified: false,
             installed: None,
+            work: CertifiedWork::default(),
             max_correction: Limits::default(),
             lattice: Vec::new(),
             max_nodes: usize::MAX,
@@ -111,7 +115,8 @@ fn tables(
     call.extend(verdict::warnings(&certificate));
     call.check()?;
     let depth = Depth { poses: options.poses, seed: options.seed };
-    Ok(assemble(file, target, how.words(), set.rendered, certificate, &judged.field(file), depth))
+    let work = options.work.read(call, file)?;
+    Ok(assemble(file, target, how.words(), set.rendered, certificate, &judged.field(file), (depth, work)))
 }
 
 fn module(
@@ -131,7 +136,8 @@ fn module(
     call.check()?;
     let goal = if orientation { "correct pose" } else { "correct position" };
     let effect = ControllerEffect::Module(Box::new(set.module), set.beside);
-    Ok(assemble(file, target, vec![goal.to_owned()], set.rendered, certificate, &*effect.field(file, target), depth))
+    let (words, work) = (vec![goal.to_owned()], options.work.read(call, file)?);
+    Ok(assemble(file, target, words, set.rendered, certificate, &*effect.field(file, target), (depth, work)))
 }
 
 fn assemble(
@@ -141,12 +147,13 @@ fn assemble(
     files: Vec<RenderedFile>,
     certificate: Certificate,
     field: &dyn Field,
-    depth: Depth,
+    (depth, work): (Depth, Option<WorkOfCertificate>),
 ) -> CompiledSet {
     let hashes = files.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
     let lock = Lock::new(&target.manifest.target, file, words, file.inputs(), hashes);
     let names = files.iter().map(|file| file.name.clone()).collect();
-    CompiledSet { certificate: CertificateReport::new(file, target, certificate, field, depth, names), files, lock }
+    let certificate = CertificateReport::new(file, target, certificate, field, depth, names);
+    CompiledSet { certificate: certificate.with_job(work.as_ref(), field), files, lock }
 }
 
 /// A format that rests on memory alone is written only for those who accept it. A folder of one's own needs no such

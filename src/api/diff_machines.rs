@@ -4,11 +4,16 @@ use super::compare::nothing_in_common;
 use super::tolerances::ToleranceOptions;
 use crate::analysis::budget::{Bound, Request, bounds, budget, is_measured};
 use crate::analysis::{Comparison, MachineResult, Work, compare};
-use crate::evaluate::{Bare, Field, Order};
+use crate::evaluate::{Bare, Field, Order, quantile_95};
+use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
+use crate::job::over::{Over, OverKind};
+use crate::job::reference::{Reference, ReferenceKind, SetUp, unzeroed};
 use crate::machine::{Approach, Machine, MachineProperty, Pose};
 use crate::report::{MachineDifference, describe};
 use crate::run::{Call, Count, Refused, Reply, Run};
+use rayon::prelude::*;
+use std::path::PathBuf;
 
 /// Options of [`diff_machines`].
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -16,6 +21,13 @@ use crate::run::{Call, Count, Refused, Reply, Run};
 pub struct DiffMachinesOptions {
     /// Number of tool poses, drawn from the volume of the first machine.
     pub poses: usize,
+    /// A file of tool poses instead; rotary columns are those of the first machine.
+    pub tool_poses: Option<PathBuf>,
+    /// A job file instead of the tool poses.
+    pub job: Option<PathBuf>,
+    /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
+    /// poses, nothing for a volume.
+    pub reference: Option<Reference>,
     /// Seed of the tool poses.
     pub seed: u64,
     /// Order of the errors; exact by default, unless the conventions of a machine name an order.
@@ -26,7 +38,8 @@ pub struct DiffMachinesOptions {
 
 impl Default for DiffMachinesOptions {
     fn default() -> Self {
-        Self { poses: 1000, seed: 1, order: None, approach: Approach::default() }
+        let (tool_poses, job, reference) = (None, None, None);
+        Self { poses: 1000, tool_poses, job, reference, seed: 1, order: None, approach: Approach::default() }
     }
 }
 
@@ -46,14 +59,20 @@ fn difference(
     let [first, second] = files else { return call.usage("`diff` takes two machines") };
     call.check_counts(&[Count::Poses(options.poses)])?;
     let properties = first.differences(second);
-    let judge = Judge::of(first, second, options);
+    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+    let job = paths.read(call, first)?;
+    let judge = Judge::of(call, [first, second], options, job.as_ref())?;
     let single: Vec<(&MachineProperty, Machine)> = properties
         .iter()
         .filter(|property| judge.hangs_on(property))
         .filter_map(|property| Some((property, first.with_property_of(second, property)?)))
+        .filter(|(_, machine)| judge.is_set_up(machine))
         .collect();
     let both = [&**first, &**second];
-    let work = Work::random(first, options.poses, options.seed);
+    let work = match &job {
+        Some(job) => Work::Listed(job.poses.list(first)),
+        None => Work::random(first, options.poses, options.seed),
+    };
     let found = judge.compare(call, &both, &work)?;
     if found.common.is_empty() {
         return call.refuse(nothing_in_common(files, &found));
@@ -69,8 +88,10 @@ fn difference(
     }
     let machines: Vec<&Machine> = both.into_iter().chain(wide.iter().map(|(_, machine)| *machine)).collect();
     let found = judge.compare(call, &machines, &common)?;
-    let p95s = machines.iter().zip(&found.machines).map(|(machine, side)| judge.p95_um(call, machine, side));
-    let p95s: Vec<f64> = p95s.collect::<Result<_, _>>()?;
+    let mut p95s = Vec::new();
+    for (machine, side) in machines.iter().zip(&found.machines) {
+        p95s.push(judge.p95_um(call, machine, side)?);
+    }
     let place = |property: &MachineProperty| wide.iter().position(|(known, _)| *known == property).map(|i| i + 2);
     let covered = |i: &usize| covers(machines[*i], &found.machines[*i]);
     // Everything but the chain itself is judged on the chain of the second.
@@ -86,9 +107,11 @@ fn difference(
         });
     }
     let described = properties.iter().zip(effects);
+    let kind = if job.is_some() { OverKind::Job } else { OverKind::Volume };
     Ok(MachineDifference {
         machines: [first, second].map(|file| file.name().to_owned()),
         files: [first, second].map(|file| file.path().to_owned()),
+        over: Over::new(kind, first, &judge.reference, [asked, found.common.len()]),
         asked,
         poses: found.common.len(),
         seed: options.seed,
@@ -109,13 +132,41 @@ const SAMPLES: usize = 1000;
 struct Judge<'a> {
     options: &'a DiffMachinesOptions,
     bounded: bool,
+    /// What the set-up of the part takes out of each machine.
+    reference: Reference,
 }
 
 impl<'a> Judge<'a> {
-    fn of(first: &Machine, second: &Machine, options: &'a DiffMachinesOptions) -> Self {
-        let both = [first, second];
-        let bounded = both.iter().all(|machine| !is_measured(machine) && !bounds_of(machine).is_empty());
-        Self { options, bounded }
+    /// Returns the judge of two machines, for which the part is set up by one reference. Where one of them does not
+    /// reach the default, both are in machine coordinates.
+    fn of(
+        call: &mut Call<'_>,
+        files: [&MachineFile; 2],
+        options: &'a DiffMachinesOptions,
+        job: Option<&Job>,
+    ) -> Result<Self, Refused> {
+        let bounded = files.iter().all(|file| !is_measured(file) && !bounds_of(file).is_empty());
+        let stated = Job::stated(job, options.reference.as_ref());
+        let default = job.map_or_else(Reference::default, Job::zero);
+        let is_stated = stated.is_some();
+        let judge = Self { options, bounded, reference: stated.unwrap_or(default) };
+        for file in files.into_iter().filter(|_| judge.reference.kind != ReferenceKind::BestFit) {
+            match SetUp::new(file, &judge.reference, &[]) {
+                Ok(_) => {}
+                Err(refusal) if is_stated => return call.about(file.path(), |call| call.refuse(refusal)),
+                Err(reason) => {
+                    call.about(file.path(), |call| call.warn(unzeroed(&reason)));
+                    call.check()?;
+                    return Ok(Self { reference: Reference::default(), ..judge });
+                }
+            }
+        }
+        Ok(judge)
+    }
+
+    /// True if a mixture of the machines reaches the point of the reference.
+    fn is_set_up(&self, machine: &Machine) -> bool {
+        self.reference.kind == ReferenceKind::BestFit || SetUp::new(machine, &self.reference, &[]).is_ok()
     }
 
     /// True if a figure depends on a property. A travel taken alone would change the work.
@@ -135,22 +186,29 @@ impl<'a> Judge<'a> {
     }
 
     /// Returns the 95 % position deviation (um) at the poses of a machine, or the 95 % value of machines drawn.
-    fn p95_um(&self, call: &Call<'_>, machine: &Machine, side: &MachineResult) -> Result<f64, Refused> {
+    fn p95_um(&self, call: &mut Call<'_>, machine: &Machine, side: &MachineResult) -> Result<f64, Refused> {
+        let poses: Vec<Pose> = side.reached.iter().map(|(pose, _)| pose.clone()).collect();
+        let set_up = SetUp::new(machine, &self.reference, &poses).or_else(|refusal| call.refuse(refusal))?;
         if !self.bounded {
-            return Ok(side.statistics.position_um.p95);
+            let (order, conditions) = (order_of(machine, self.options.order), self.options.approach.into());
+            let bare = Bare { machine, order };
+            let Some(field) = set_up.field(&bare, order, conditions) else {
+                return Ok(side.statistics.position_um.p95);
+            };
+            let um = |pose: &Pose| field.deviation(&conditions.at_pose(pose)).position.norm() * 1e3;
+            return Ok(quantile_95(&mut poses.par_iter().map(um).collect::<Vec<_>>()));
         }
         let bounds = bounds_of(machine);
         if bounds.is_empty() {
             return Ok(0.0);
         }
-        let poses: Vec<Pose> = side.reached.iter().map(|(pose, _)| pose.clone()).collect();
         let tolerances = ToleranceOptions::default();
         let (draws, statistic) = (tolerances.draws(self.options.seed), tolerances.statistic);
         let request = Request {
             machine,
             bounds: &bounds,
             poses: &poses,
-            reference: None,
+            reference: set_up.removed(),
             searched: false,
             at: None,
             draws: &draws,
@@ -165,7 +223,7 @@ impl<'a> Judge<'a> {
     /// none without such.
     fn difference_um(
         &self,
-        call: &Call<'_>,
+        call: &mut Call<'_>,
         from: &Machine,
         mixture: &Machine,
         work: &Work,

@@ -3,14 +3,19 @@
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{Bound, Statistic, Verdict, VersusFirst, known};
 use crate::analysis::enumerate::{
-    ArrangementRow, BUILDABLE_RULES, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, Ranking, RoundCount, RoundStep,
-    Rounds, Rule, RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk, buildable, rank, standings, walks,
+    ArrangementRow, BUILDABLE_RULES, FittedArrangement, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, PartSetUps,
+    Ranking, RoundCount, RoundStep, Rounds, Rule, RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk,
+    buildable, rank, standings, walks,
 };
+use crate::analysis::reference::PartReference;
 use crate::analysis::{UnreachableCount, Work};
 use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
-use crate::job::tool_poses::{self, ReachedToolPoses};
-use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine, canonical};
+use crate::job::over::Over;
+use crate::job::reference::{Reference, ReferenceKind, SetUp};
+use crate::job::tool_poses::ReachedToolPoses;
+use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine, Pose, canonical};
 use crate::run::{Call, Count, Refused, Reply, Run, sha256};
 use crate::shards::study::{self, StudyFile};
 use indexmap::IndexMap;
@@ -43,6 +48,11 @@ pub struct EnumerateOptions {
     pub poses: usize,
     /// A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or rotary axes (deg).
     pub tool_poses: Option<PathBuf>,
+    /// A job file instead of the tool poses.
+    pub job: Option<PathBuf>,
+    /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
+    /// poses. Without tool poses arrangements are ranked in machine coordinates by default, and their best fits beside.
+    pub reference: Option<Reference>,
     /// Gives linear axes the travel that the work needs, whatever the file says; every arrangement tells it.
     pub size: bool,
     /// Number of machines that are drawn of every arrangement for the budget, at least 2.
@@ -75,6 +85,8 @@ impl Default for EnumerateOptions {
             rotary: None,
             poses: 500,
             tool_poses: None,
+            job: None,
+            reference: None,
             size: false,
             samples: 200,
             max_samples: None,
@@ -128,6 +140,8 @@ pub struct RankedArrangements {
     pub machine: String,
     /// Its kinematic chain as the file has it.
     pub chain: String,
+    /// What the ranking is over; reached are the poses that the machine reaches as its file has it.
+    pub over: Over,
     /// Criterion of the arrangements.
     pub by: JudgedBy,
     /// The class that bounds what the machine file does not.
@@ -221,6 +235,15 @@ pub struct Arrangement {
     /// Its figure minus that of the best.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub versus_first: Option<VersusFirst>,
+    /// The same with the best fit of each arrangement taken out, where neither tool poses nor a reference are given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub best_fit: Option<FittedArrangement>,
+    /// The reason why there is no verdict against the best: what depends on the reference is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub withheld: Option<String>,
+    /// True if it does not reach the point at which the part is probed.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub misses_reference: bool,
     /// Travel that the work needs by axis, mm or deg: minimum and maximum.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     pub travel: IndexMap<String, [f64; 2]>,
@@ -252,6 +275,9 @@ impl Arrangement {
             minus_file: result.map(|result| result.minus_file),
             samples: result.and_then(|result| result.samples),
             versus_first: result.and_then(|result| result.versus_first),
+            best_fit: result.and_then(|result| result.best_fit),
+            withheld: result.and_then(|result| withheld(result.versus_first?, result.best_fit?.versus_first?)),
+            misses_reference: row.standing == Standing::MissesReference,
             // Adding zero turns -0 into 0.
             travel: row.travel.into_iter().map(|t| (t.axis, [t.min + 0.0, t.max + 0.0])).collect(),
             not_stated: row.not_stated,
@@ -276,8 +302,21 @@ impl RankingRounds {
 impl RankedArrangements {
     /// Returns the number of ranked arrangements with a verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
-        self.ranked.iter().filter(|row| row.versus_first.is_some_and(|versus| versus.verdict == verdict)).count()
+        self.ranked.iter().filter(|row| row.verdict() == Some(verdict)).count()
     }
+}
+
+impl Arrangement {
+    /// Returns the verdict against the best; none where it is not ranked, or depends on the reference.
+    pub fn verdict(&self) -> Option<Verdict> {
+        self.versus_first.filter(|_| self.withheld.is_none()).map(|versus| versus.verdict)
+    }
+}
+
+/// Returns the reason why there is no verdict, if machine coordinates and best fit do not agree.
+fn withheld(own: VersusFirst, best_fit: VersusFirst) -> Option<String> {
+    let (own, best_fit) = (own.verdict, best_fit.verdict);
+    (own != best_fit).then(|| format!("{} in machine coordinates, {} with the best fit", own.words(), best_fit.words()))
 }
 
 /// Travel of linear axes that a work sizes, to either side of zero, mm.
@@ -321,19 +360,28 @@ fn studied(
     }
     let long = options.size.then(|| sized(machine));
     let machine = long.as_ref().unwrap_or(machine);
-    let (work, tool_poses) = work(call, options, machine)?;
-    if let (Judge::Budget { .. }, true) = (&judge, options.tool_poses.is_some()) {
+    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+    let job = paths.read(call, machine)?;
+    let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
+    let work = match &job {
+        Some(job) => Work::Listed(job.poses.list(machine)),
+        None => Work::random(machine, options.poses, options.seed),
+    };
+    let set_ups = SetUps::new(call, options, machine, (job.as_ref(), tool_poses.as_ref()))?;
+    if let (Judge::Budget { .. }, true) = (&judge, job.is_some()) {
         draws(work.len() as u64, options.largest() as u64).or_else(|refusal| call.refuse(refusal))?;
     }
     let rounds = rounds(options, &judge, work.len());
-    let empty = Journal::new(fingerprint(options, machine, (&judge, &rounds), &rules, &work), walks.len());
+    let listed = job.as_ref().map(|_| &work);
+    let empty = Journal::new(fingerprint(options, machine, (&judge, &rounds), &rules, (listed, &set_ups)), walks.len());
     let (by, errors) = match &judge {
         Judge::Errors => (JudgedBy::Errors, known(machine)),
         Judge::Budget { bounds, .. } => (JudgedBy::Budget, bounds.len()),
     };
     let begun = study::begin(call, options.state.as_deref(), empty)?;
     let begun = study::merge(call, &options.merge, begun)?;
-    let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work).with_travel(options.size);
+    let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work);
+    let study = study.with_travel(options.size).with_set_ups(&set_ups);
     let end = match computed(call, options, (&study, &rounds), (begun, file))? {
         Computed::End(end) => end,
         Computed::Part(progress) => return Ok(EnumerateResult::Part(progress)),
@@ -346,7 +394,10 @@ fn studied(
     let max_samples = rounds.sizes().last().copied().unwrap_or(options.samples);
     let drawn = (by == JudgedBy::Budget).then(|| RankingRounds::new(options, max_samples, (end.rounds, end.told)));
     let unranked = |rows: Vec<ArrangementRow>| rows.into_iter().map(|row| Arrangement::new(row, None)).collect();
+    let mut over = Over::work(machine, &set_ups.reference, tool_poses.as_ref(), options.poses);
+    over.reached = end.reach.work;
     Ok(EnumerateResult::Ranked(Box::new(RankedArrangements {
+        over,
         machine: machine.name().to_owned(),
         chain: machine.chain().to_string(),
         by,
@@ -425,7 +476,7 @@ fn fitting(call: &mut Call<'_>, machine: &Machine, options: &EnumerateOptions) -
     if options.rotary.is_some_and(|wanted| wanted > rotary) {
         return call.usage(format!("`--rotary` is at most {rotary}: so many rotary axes has the machine"));
     }
-    if options.tool_poses.is_none() {
+    if options.tool_poses.is_none() && options.job.is_none() {
         draws(options.poses as u64, options.largest() as u64).or_else(|refusal| call.refuse(refusal))?;
     }
     Ok(())
@@ -441,18 +492,43 @@ fn draws(poses: u64, samples: u64) -> Result<(), Diagnostic> {
     Err(Diagnostic::new(codes::E0606, message).help("take fewer poses or `--samples`"))
 }
 
-/// The tool poses of the file, or random ones over the volume of the machine.
-fn work(
-    call: &mut Call<'_>,
-    options: &EnumerateOptions,
-    machine: &Machine,
-) -> Result<(Work, Option<ReachedToolPoses>), Refused> {
-    let Some(path) = &options.tool_poses else {
-        return Ok((Work::random(machine, options.poses, options.seed), None));
-    };
-    let file = tool_poses::read(call, machine, path)?;
-    let reached = file.reached(call, machine)?;
-    Ok((Work::Listed(file.list(machine)), Some(reached)))
+/// The set-ups of the part on all arrangements.
+#[derive(Debug)]
+struct SetUps {
+    reference: Reference,
+    /// True if the best fit is asked for besides.
+    best_fit: bool,
+}
+
+impl SetUps {
+    /// Returns the set-ups by the reference of a work, which the machine of the file reaches.
+    fn new(
+        call: &mut Call<'_>,
+        options: &EnumerateOptions,
+        machine: &Machine,
+        (job, reached): (Option<&Job>, Option<&ReachedToolPoses>),
+    ) -> Result<Self, Refused> {
+        let best_fit = job.is_none() && options.reference.is_none();
+        let stated = Job::stated(job, options.reference.as_ref());
+        if let (Some(stated), None) = (stated.as_ref().filter(|of| of.kind == ReferenceKind::BestFit), reached) {
+            return Ok(Self { reference: stated.clone(), best_fit });
+        }
+        let poses = reached.map_or(&[][..], |reached| &reached.poses);
+        let reference = Job::set_up(job, call, machine, options.reference.as_ref(), poses)?.reference;
+        Ok(Self { reference, best_fit })
+    }
+}
+
+impl PartSetUps for SetUps {
+    fn references(&self, machine: &Machine, poses: &[Pose]) -> Option<Vec<Option<PartReference>>> {
+        let first = SetUp::new(machine, &self.reference, poses).ok()?.removed;
+        let fit = self.best_fit.then(|| SetUp::best_fit(machine, poses).removed);
+        Some(std::iter::once(first).chain(fit).collect())
+    }
+
+    fn is_fitted(&self) -> bool {
+        self.reference.kind == ReferenceKind::BestFit
+    }
 }
 
 fn rules(options: &EnumerateOptions, machine: &Machine) -> Result<Vec<Rule>, Diagnostic> {
@@ -500,7 +576,7 @@ fn fingerprint(
     machine: &Machine,
     (judge, rounds): (&Judge, &Rounds),
     rules: &[Rule],
-    work: &Work,
+    (listed, set_ups): (Option<&Work>, &SetUps),
 ) -> String {
     let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
     let bounds = match judge {
@@ -510,9 +586,13 @@ fn fingerprint(
         }
         Judge::Errors => "errors".to_owned(),
     };
-    let listed = if options.tool_poses.is_some() { format!(" {work:?}") } else { String::new() };
+    let listed = listed.map_or_else(String::new, |work| format!(" {work:?}"));
     let drawn = (options.buildable, options.rotary, options.poses, options.seed, options.tolerances.statistic);
-    let text = format!("{} {} {rules:?} {bounds} {drawn:?}{listed}", env!("CARGO_PKG_VERSION"), canonical(machine));
+    let text = format!(
+        "{} {} {rules:?} {bounds} {drawn:?}{listed} {set_ups:?}",
+        env!("CARGO_PKG_VERSION"),
+        canonical(machine)
+    );
     sha256(text.as_bytes())
 }
 

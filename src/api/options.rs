@@ -1,5 +1,6 @@
 //! Types of the fields of options.
 
+pub use super::certificate::CertifiedWork;
 pub use super::enumerate::JudgedBy;
 pub use super::figures::StandardTest;
 pub use super::import::{FileContents, RunApproach, StraightnessLine};

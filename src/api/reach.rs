@@ -6,12 +6,16 @@ use crate::analysis::{
     rotary_axes_place_tip,
 };
 use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
-use crate::job::tool_poses::{Lack, Lacks, MissedToolPose};
+use crate::job::over::{Over, OverKind};
+use crate::job::reference::{Reference, SetUp};
+use crate::job::tool_poses::{Lack, Lacks, MissedToolPose, ReachedToolPoses};
 use crate::machine::{Machine, Pose};
 use crate::report::{Picture, ReachPicture, structured_grid};
 use crate::run::{Call, Refused, Reply, Run};
 use crate::units::{FARTHEST, number, significant};
+use std::path::PathBuf;
 
 /// Options of [`reach`].
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -26,6 +30,10 @@ pub struct ReachOptions {
     /// Number of directions of the tool; 60 by default, 6 for robots. A machine that does not turn its tool has one; of
     /// a circle those count that are within the hemisphere about the tool axis at rest.
     pub directions: Option<usize>,
+    /// A file of tool poses in place of the box.
+    pub tool_poses: Option<PathBuf>,
+    /// A job file in place of the box.
+    pub job: Option<PathBuf>,
 }
 
 impl ReachOptions {
@@ -38,7 +46,7 @@ impl ReachOptions {
 /// Directions of the tool at every tip.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ReachDirections {
-    /// `one`, `circle` (equal turns of an axis) or `hemisphere` (equal areas).
+    /// `one`, `circle` (equal turns of an axis), `hemisphere` (equal areas) or `listed` (those of a job, one at each tip).
     pub kind: DirectionKind,
     /// Number of directions.
     pub count: usize,
@@ -53,9 +61,11 @@ pub struct ReachResult {
     pub machine: String,
     /// Name of the tool; empty for a tool without a name.
     pub tool: String,
+    /// What the reach is over.
+    pub over: Over,
     /// Ends of the box along x, y, z of the workpiece frame, mm.
     pub box_mm: [[f64; 2]; 3],
-    /// Number of tips along x, y, z.
+    /// Number of tips along x, y, z; of a job all tips stand in one row.
     pub counts: [usize; 3],
     /// Number of tips.
     pub tips: usize,
@@ -75,8 +85,14 @@ pub struct ReachResult {
     pub unreachable: UnreachableCount,
     /// What they lack, the most frequent first.
     pub lacks: Vec<Lack>,
+    /// Tool poses of a job, row by row where they are out of reach.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub job: Option<ReachedToolPoses>,
     #[serde(skip)]
     grid: ReachGrid,
+    /// The tips of a job, mm.
+    #[serde(skip)]
+    job_tips: Vec<[f64; 3]>,
     /// Directions reached at each tip.
     #[serde(skip)]
     by_tip: Vec<usize>,
@@ -91,7 +107,8 @@ struct AtTip {
 impl ReachResult {
     /// Returns the tips (mm, workpiece frame) with the fraction of the directions reached, x running fastest.
     pub fn tips(&self) -> impl Iterator<Item = ([f64; 3], f64)> {
-        self.by_tip.iter().enumerate().map(|(i, reached)| (self.grid.tip(i).into(), self.fraction(*reached)))
+        let tip = |i: usize| self.job_tips.get(i).copied().unwrap_or_else(|| self.grid.tip(i).into());
+        self.by_tip.iter().enumerate().map(move |(i, reached)| (tip(i), self.fraction(*reached)))
     }
 
     fn fraction(&self, reached: usize) -> f64 {
@@ -130,6 +147,7 @@ impl ReachResult {
     pub fn directions_text(&self) -> String {
         let about = self.directions.about.map(|x| significant(x + 0.0, 4)).join(", ");
         match self.directions.kind {
+            DirectionKind::Listed => "one direction each, those of the job".to_owned(),
             DirectionKind::One => format!("one direction, ({about})"),
             DirectionKind::Circle => format!("{} directions on the circle through ({about})", self.directions.count),
             DirectionKind::Hemisphere => {
@@ -148,6 +166,13 @@ pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run) -> Reply<Reac
 }
 
 fn find(call: &mut Call, machine: &Machine, options: &ReachOptions) -> Result<ReachResult, Refused> {
+    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+    if let Some(job) = paths.read(call, machine)? {
+        if options.region.is_some() || options.step_mm.is_some() || options.directions.is_some() {
+            return call.usage("a job has its own tool poses: omit `--box`, `--step` and `--directions`");
+        }
+        return of_job(call, machine, &job);
+    }
     let robot = rotary_axes_place_tip(machine);
     let region = region(call, machine, options)?;
     let count = options.directions.unwrap_or(if robot { 6 } else { 60 });
@@ -167,7 +192,13 @@ fn find(call: &mut Call, machine: &Machine, options: &ReachOptions) -> Result<Re
     let Some(grid) = grid else { return call.refuse(too_many(step, directions.list.len(), max)) };
     let at_tip = |results: Vec<Result<Pose, Miss>>| at_tip(machine, results);
     let tips = call.stage(grid.len(), |progress| reached(machine, &grid, &directions.list, &at_tip, progress))?;
-    Ok(sum_up(machine, grid, &directions, tips))
+    let unreachable = UnreachableCount::count(tips.iter().flat_map(|tip| &tip.why));
+    let by_tip: Vec<usize> = tips.iter().map(|tip| tip.reached).collect();
+    let mut lacks = Lacks::default();
+    tips.into_iter().for_each(|tip| lacks.merge(tip.lacks));
+    let counts = [grid.len() * directions.list.len(), by_tip.iter().sum()];
+    let over = Over::new(OverKind::Volume, machine, &Reference::default(), counts);
+    Ok(sum_up(machine, over, &grid, &directions, by_tip, (unreachable, lacks)))
 }
 
 fn too_many(step: f64, directions: usize, max: usize) -> Diagnostic {
@@ -217,16 +248,51 @@ fn at_tip(machine: &Machine, results: Vec<Result<Pose, Miss>>) -> AtTip {
     at
 }
 
-fn sum_up(machine: &Machine, grid: ReachGrid, directions: &ToolDirections, tips: Vec<AtTip>) -> ReachResult {
-    let count = directions.list.len();
-    let unreachable = UnreachableCount::count(tips.iter().flat_map(|tip| &tip.why));
-    let by_tip: Vec<usize> = tips.iter().map(|tip| tip.reached).collect();
+/// Returns the reach of the tool poses of a job. Warns if the part cannot be set up.
+fn of_job(call: &mut Call, machine: &Machine, job: &Job) -> Result<ReachResult, Refused> {
+    let reached = job.poses.examine(machine);
+    let tips = job.poses.tips();
+    let side = |k: usize| {
+        let ends = |[min, max]: [f64; 2], tip: &[f64; 3]| [min.min(tip[k]), max.max(tip[k])];
+        tips.iter().fold([f64::INFINITY, f64::NEG_INFINITY], ends)
+    };
+    let grid = ReachGrid { region: [0, 1, 2].map(side), counts: [tips.len(), 1, 1] };
+    let reference = Job::stated(Some(job), None).unwrap_or_else(|| job.zero());
+    let set_up = match SetUp::new(machine, &reference, &reached.poses) {
+        Ok(set_up) => set_up,
+        Err(reason) => {
+            let help = "state a reference that the machine reaches in the job";
+            call.warn(Diagnostic::new(codes::W0850, reason.message).help(help));
+            call.check()?;
+            SetUp::machine()
+        }
+    };
     let mut lacks = Lacks::default();
-    tips.into_iter().for_each(|tip| lacks.merge(tip.lacks));
+    reached.rows.iter().for_each(|row| lacks.take(machine, row));
+    let by_row =
+        job.poses.lines().map(|line| usize::from(reached.lines.binary_search_by(|of| of.0.cmp(&line)).is_ok()));
+    let about = ToolDirections::of(machine, 1).about;
+    let directions = ToolDirections { kind: DirectionKind::Listed, about, list: vec![about] };
+    let over = Over::work(machine, &set_up.reference, Some(&reached), 0);
+    let by_tip = by_row.collect();
+    let whole = sum_up(machine, over, &grid, &directions, by_tip, (reached.unreachable, lacks));
+    Ok(ReachResult { job: Some(reached), job_tips: tips, ..whole })
+}
+
+fn sum_up(
+    machine: &Machine,
+    over: Over,
+    grid: &ReachGrid,
+    directions: &ToolDirections,
+    by_tip: Vec<usize>,
+    (unreachable, lacks): (UnreachableCount, Lacks),
+) -> ReachResult {
+    let count = directions.list.len();
     let (reached, tool_poses) = (by_tip.iter().sum::<usize>(), by_tip.len() * count);
     ReachResult {
         machine: machine.name().to_owned(),
         tool: machine.tool().name.clone(),
+        over,
         box_mm: grid.region,
         counts: grid.counts,
         tips: by_tip.len(),
@@ -238,7 +304,9 @@ fn sum_up(machine: &Machine, grid: ReachGrid, directions: &ToolDirections, tips:
         tips_in_any_direction: by_tip.iter().filter(|reached| **reached > 0).count(),
         unreachable,
         lacks: lacks.most_first(),
-        grid,
+        job: None,
+        grid: *grid,
+        job_tips: Vec::new(),
         by_tip,
     }
 }

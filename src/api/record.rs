@@ -42,7 +42,7 @@ pub fn record(path: &Path, options: &RecordOptions, run: Run) -> Reply<Record> {
         let tool = LoadOptions { tool: options.tool.clone() };
         make(call, path, &tool, &|call, machine, folder, installed| {
             let RecordOptions { compensation, poses, seed, .. } = options.clone();
-            let options = VerifyOptions { target: None, compensation, poses, seed, installed };
+            let options = VerifyOptions { compensation, poses, seed, installed, ..VerifyOptions::default() };
             let answer = verify(machine, folder, &options, call.run);
             call.take(answer).map(|report| json!(report))
         })

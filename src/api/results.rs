@@ -6,7 +6,7 @@ pub use super::budgets::{
     BudgetDifference, ComparedBudget, ComparedBudgets, ComparedContribution, ComparedVerdict,
     DeviationBudgetDifference, DrawnDifference, WithheldVerdict,
 };
-pub use super::certificate::{AtReference, CertificateReport, CertificateStep, ReferenceShift};
+pub use super::certificate::{AtReference, CertificateReport, CertificateStep, JobCertificate, ReferenceShift};
 pub use super::check::CheckedFile;
 pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
 pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
@@ -44,7 +44,7 @@ pub use super::uncertainty::CertificateBands;
 pub use crate::analysis::budget::{
     Binding, Bound, BoundedDeviation, BoundedLength, Coverage, PairedDifference, Percentile, Role, Verdict, VersusFirst,
 };
-pub use crate::analysis::enumerate::RoundCount;
+pub use crate::analysis::enumerate::{FittedArrangement, RoundCount};
 pub use crate::analysis::figure_bands::{ComparedBands, PoseUncertainty};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest, RTestReading};
 pub use crate::analysis::{Bands, Status as LocationStatus, SummaryBand};

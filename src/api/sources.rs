@@ -97,7 +97,7 @@ fn find(call: &mut Call, machine: &Machine, options: &SourcesOptions) -> Result<
             worst(&deviations, 1).first().map_or_else(|| rest(machine), |i| volume.get(*i))
         }
     };
-    let errors = error_statistics(&field, &volume, &approach.at_pose(&at));
+    let errors = error_statistics(&field, &volume, &approach.at_pose(&at), None);
     Ok(ErrorSources {
         machine: machine.name().to_owned(),
         poses: count,

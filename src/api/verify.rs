@@ -1,6 +1,6 @@
 //! `verify`: files replayed as the controller would, and the residual.
 
-use super::certificate::CertificateReport;
+use super::certificate::{CertificateReport, CertifiedWork};
 use super::compose;
 use crate::controller::{ControllerEffect, Depth, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics};
 use crate::diagnostic::{Diagnostic, codes};
@@ -29,11 +29,15 @@ pub struct VerifyOptions {
     pub seed: u64,
     /// Folder with the files that were in force when the machine was measured: the files judged here replace them.
     pub installed: Option<PathBuf>,
+    /// A job over which the certificate has figures besides those over the volume.
+    #[serde(flatten)]
+    pub work: CertifiedWork,
 }
 
 impl Default for VerifyOptions {
     fn default() -> Self {
-        Self { target: None, compensation: CompensationOptions::default(), poses: 2000, seed: 1, installed: None }
+        let (compensation, work) = (CompensationOptions::default(), CertifiedWork::default());
+        Self { target: None, compensation, poses: 2000, seed: 1, installed: None, work }
     }
 }
 
@@ -51,7 +55,8 @@ pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: R
         if composition::is_composed(folder, call) {
             let depth = Depth { poses: options.poses, seed: options.seed };
             let installed = options.installed.as_deref();
-            return compose::verify_composed(call, file, folder, &options.compensation, installed, depth);
+            let work = options.work.read(call, file)?;
+            return compose::verify_composed(call, file, folder, &options.compensation, installed, (depth, work));
         }
         let set = open(call, file, folder, options)?;
         if set.target.manifest.kinematics().is_some() {
@@ -64,7 +69,9 @@ pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: R
         call.extend(verdict::warnings(&certificate));
         call.check()?;
         let depth = Depth { poses: options.poses, seed: options.seed };
-        Ok(CertificateReport::new(file, &target, certificate, &judged.field(file), depth, files))
+        let (field, work) = (judged.field(file), options.work.read(call, file)?);
+        let report = CertificateReport::new(file, &target, certificate, &field, depth, files);
+        Ok(report.with_job(work.as_ref(), &field))
     })
 }
 
@@ -125,5 +132,6 @@ fn module(
     call.check()?;
     let names = texts.iter().map(|text: &ReadBack| text.found.clone()).collect();
     let effect = ControllerEffect::Module(Box::new(module), beside);
-    Ok(CertificateReport::new(file, target, certificate, &*effect.field(file, target), depth, names))
+    let (field, work) = (effect.field(file, target), options.work.read(call, file)?);
+    Ok(CertificateReport::new(file, target, certificate, &*field, depth, names).with_job(work.as_ref(), &*field))
 }

@@ -1,12 +1,15 @@
 //! Options of the compensation of a machine: `compile`, `verify`, `diff`, `map` and `report` share them.
 
-use super::arguments::{PosesArg, SeedArg, ToolArg};
+use super::arguments::{JobArg, PosesArg, ReferenceArg, SeedArg, ToolArg, ToolPosesArg};
 use super::confined;
-use abbe::options::{CompensationOptions, CorrectingAxes, Fit, Goal, Stored, TemplateLimit, TemplateWatch};
+use abbe::options::{
+    CertifiedWork, CompensationOptions, CorrectingAxes, Fit, Goal, Stored, TemplateLimit, TemplateWatch,
+};
 use std::path::PathBuf;
 
-/// Options that `compile` and `verify` share.
+/// Options that `compile`, `verify`, `diff` and `report` share.
 #[derive(Debug, Clone, clap::Args)]
+#[command(mut_arg("job", |option| option.conflicts_with("tool_poses")))]
 #[command(mut_arg("poses", |option| option.default_value("2000")))]
 pub(super) struct SetArgs {
     #[command(flatten)]
@@ -17,6 +20,23 @@ pub(super) struct SetArgs {
     pub poses: PosesArg,
     #[command(flatten)]
     pub seed: SeedArg,
+    #[command(flatten)]
+    pub tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    pub job: JobArg,
+    #[command(flatten)]
+    pub reference: ReferenceArg,
+}
+
+impl SetArgs {
+    /// Returns the work of a certificate besides the volume.
+    pub(super) fn certified_work(&self) -> CertifiedWork {
+        CertifiedWork {
+            tool_poses: self.tool_poses.tool_poses.clone(),
+            job: self.job.job.clone(),
+            reference: self.reference.reference.clone(),
+        }
+    }
 }
 
 /// Options of the compensation of a machine.

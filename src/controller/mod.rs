@@ -21,8 +21,8 @@ mod replay;
 mod single_errors;
 
 pub use certificate::{
-    Certificate, CompensationDegree, ControllerEffect, Depth, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure,
-    SingleErrorResidual, Strongest, TablesUnderTest, ToolDirection, ZeroShift, micro,
+    Certificate, CompensationDegree, ControllerEffect, Depth, Figures, Judgement, ProgrammingFigures, ROUNDING_UM,
+    RaisedFigure, SingleErrorResidual, Strongest, TablesUnderTest, ToolDirection, ZeroShift, figures, judge_by, micro,
 };
 pub use emit::{LOCK_NAME, Limits, Lock, MAX_FILE_BYTES, RenderedFile};
 pub(crate) use kinematics::{FoundLine, found_lines};

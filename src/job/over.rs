@@ -34,6 +34,9 @@ pub struct Over {
     words: String,
 }
 
+/// Columns of a terminal.
+const COLUMNS: usize = 80;
+
 impl Over {
     /// Returns the statement for poses of a machine, single ones.
     pub(crate) fn new(kind: OverKind, machine: &Machine, reference: &Reference, [poses, reached]: [usize; 2]) -> Self {
@@ -54,11 +57,26 @@ impl Over {
         }
     }
 
+    /// Returns the statement as text for a terminal of 80 columns, its end on a line of its own where it is longer.
+    pub fn text(&self) -> String {
+        let mut lines = vec![String::new()];
+        for word in self.line().split(' ') {
+            if lines.last().is_some_and(|line| line.chars().count() + 1 + word.chars().count() > COLUMNS) {
+                lines.push(" ".to_owned());
+            }
+            lines.last_mut().into_iter().for_each(|line| *line += &format!("{word} "));
+        }
+        lines.iter().map(|line| format!("{}\n", line.trim_end())).collect()
+    }
+
     /// Returns the statement in one line, such as `Over a job of 300 tool poses, 298 reached, single poses; reference:
     /// zero at (0, 0, 0) along (0, 0, 1); tool: short`.
     pub fn line(&self) -> String {
         let of = match self.kind {
-            OverKind::Volume => format!("the volume, {} poses", self.reached),
+            OverKind::Volume if self.reached < self.poses => {
+                format!("the volume, {} poses, {} reached", self.poses, self.reached)
+            }
+            OverKind::Volume => format!("the volume, {} poses", self.poses),
             OverKind::Job => {
                 let path = if self.path { "one path" } else { "single poses" };
                 format!("a job of {} tool poses, {} reached, {path}", self.poses, self.reached)

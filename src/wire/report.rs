@@ -3,20 +3,24 @@
 use super::mailed;
 use super::report_options::ReportOptions;
 use crate::analysis::figure_bands::field_bands;
+use crate::analysis::reference::ReferencedField;
 use crate::analysis::{MAX_POSES, MapFailure, View, map};
 use crate::api::bounded::{DrawnBounds, added};
 use crate::api::budget::{BudgetOptions, BudgetResult, budget_of};
 use crate::api::budgets::{DrawnMachines, budgets};
+use crate::api::compare_figures::{removed, set_ups};
 use crate::api::map_result::MapOptions;
 use crate::api::sources::all_words;
 use crate::controller::Depth;
 use crate::diagnostic::{Diagnostic, codes, shown};
-use crate::evaluate::{Bare, Frame, Poses, worst};
+use crate::evaluate::{Bare, Field, Frame, Order, Poses, Random, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
+use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
-use crate::job::reference::Reference;
-use crate::job::tool_poses;
+use crate::job::over::{Over, OverKind};
+use crate::job::reference::{Reference, SetUp};
+use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, Pose};
 use crate::report::page::{
     ComparisonData, EngineFile, Instruments, MachineData, MachineInput, Page, PageData, Pictures, RenderedPage,
@@ -24,7 +28,6 @@ use crate::report::page::{
 };
 use crate::run::{Advance, Call, Cancelled, Count, Refused, Reply, Run, finite};
 use serde_json::{Value, json};
-use std::path::Path;
 
 /// Content of a page: what its workbench starts with, and numbers and pictures of its appendices. The default shows no
 /// machine.
@@ -77,7 +80,8 @@ fn build(call: &mut Call, files: &[MachineFile], options: &ReportOptions) -> Res
         files.iter().map(|file| Subject::one_of(call, files, file, options)).collect::<Result<_, _>>()?;
     let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.input(options)).collect();
     let mut report = Report::default();
-    report.data.comparison = comparison(call, options, &given)?;
+    let job = subjects.first().and_then(|first| first.job.as_ref());
+    report.data.comparison = comparison(call, (files, job), options, &given)?;
     let drawn = call.stage(given.iter().map(|given| given.poses.0).sum(), |advance| {
         let all = given.iter().enumerate().map(|(i, given)| draw(i + 1, given, advance)).collect::<Result<Vec<_>, _>>();
         if let Err(MapFailure::Cancelled) = all { Err(Cancelled) } else { Ok(all) }
@@ -98,10 +102,13 @@ fn draw(number: usize, given: &MachineInput<'_>, advance: Advance<'_>) -> Result
         return Ok((data, pictures));
     }
     let (bare, poses) = (Bare { machine: given.machine, order: given.order }, given.sample());
-    let map = map(&bare, &poses, view, advance)?;
+    let set_up = given.removed.map(|of| ReferencedField::new(&bare, of, given.order, given.conditions));
+    let field: &dyn Field = set_up.as_ref().map_or(&bare, |field| field);
+    let map = map(field, &poses, view, advance)?;
     // As `map` does by default.
     let besides = worst(&map.deviations, MapOptions::default().worst);
-    let intervals = field_bands(&bare, &poses, map.statistics, &besides, given.conditions, given.poses.1, None);
+    let intervals =
+        field_bands(field, &poses, map.statistics, &besides, given.conditions, given.poses.1, given.removed);
     let data = MachineData::new(number, given, &map).with_uncertainty(given, json!(intervals));
     let pictures = Pictures::new(given, &data);
     Ok((data, pictures))
@@ -120,6 +127,9 @@ struct Subject<'a> {
     bounds_add: Value,
     /// The tool poses of the file that the machine reaches, and what the page says of them.
     work: Option<(Vec<Pose>, Value)>,
+    job: Option<Job>,
+    set_up: SetUp,
+    over: Over,
 }
 
 impl<'a> Subject<'a> {
@@ -145,20 +155,33 @@ impl<'a> Subject<'a> {
             call.warn(nothing_to_compensate(file));
         }
         call.check()?;
-        let path = options.tool_poses.as_ref();
-        let work = path.map(|path| work(call, file, path, options, bounded.as_ref())).transpose()?;
+        let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+        let job = paths.read(call, file)?;
+        let reached = job.as_ref().map(|job| job.poses.reached(call, file)).transpose()?;
+        let poses: Vec<Pose> = match &reached {
+            Some(reached) => reached.poses.clone(),
+            None if options.reference.is_none() => Vec::new(),
+            None => Poses::Random(Random::of(file, options.poses, options.seed)).iter().collect(),
+        };
+        let set_up = Job::set_up(job.as_ref(), call, file, options.reference.as_ref(), &poses)?;
+        let over = Over::work(file, &set_up.reference, reached.as_ref(), options.poses);
+        let work = reached
+            .as_ref()
+            .map(|reached| work(call, file, reached, options, (bounded.as_ref(), &set_up)))
+            .transpose()?;
         let mut written = Vec::new();
         for name in targets {
             written.extend(compensate(call, file, name, options)?);
         }
         let reached = work.as_ref().map(|(poses, _)| poses.as_slice());
-        let bounds_add = added(call, file, settings, reached, None)?.map_or(Value::Null, |added| json!(added));
+        let bounds_add =
+            added(call, file, settings, reached, set_up.removed())?.map_or(Value::Null, |added| json!(added));
         let found = file.warnings().iter().chain(call.diagnostics.iter().skip(seen));
         let warnings = found.map(Diagnostic::to_string).collect();
         let instruments = if bounded.is_some() { Instruments::none(file) } else { Instruments::new(file) };
         let budget = own_budget(call, file, options)?;
         let words = json!(all_words(file));
-        Ok(Self { file, written, warnings, words, instruments, budget, bounds_add, work })
+        Ok(Self { file, written, warnings, words, instruments, budget, bounds_add, work, job, set_up, over })
     }
 
     fn input(&self, options: &ReportOptions) -> MachineInput<'_> {
@@ -169,6 +192,8 @@ impl<'a> Subject<'a> {
             conditions: options.approach.into(),
             poses: (self.work.as_ref().map_or(options.poses, |(poses, _)| poses.len()), options.seed),
             work: self.work.as_ref().map(|(poses, work)| (poses.as_slice(), work)),
+            removed: self.set_up.removed(),
+            over: &self.over,
             written: &self.written,
             warnings: &self.warnings,
             words: &self.words,
@@ -183,25 +208,26 @@ impl<'a> Subject<'a> {
 /// Returns the poses of a machine for the tool poses of a file, and what the page says of them.
 fn work(
     call: &mut Call,
-    file: &MachineFile,
-    path: &Path,
+    machine: &Machine,
+    reached: &ReachedToolPoses,
     options: &ReportOptions,
-    bounded: Option<&DrawnBounds>,
+    (bounded, set_up): (Option<&DrawnBounds>, &SetUp),
 ) -> Result<(Vec<Pose>, Value), Refused> {
-    let machine: &Machine = file;
-    let reached = tool_poses::read(call, machine, path)?.reached(call, machine)?;
     let bare = Bare { machine, order: order_of(machine, options.order) };
     let view = View { conditions: options.approach.into(), frame: Frame::Workpiece };
+    let referenced = set_up.field(&bare, bare.order, view.conditions);
+    let field: &dyn Field = referenced.as_ref().map_or(&bare, |field| field);
     let features = match bounded {
         Some(drawn) => {
+            let drawn = drawn.clone().without(set_up.removed());
             let found = drawn.at(call, machine, &Poses::Listed(reached.poses.clone()), view.frame)?;
-            drawn.features(machine, &reached, &found)
+            drawn.features(machine, reached, &found)
         }
-        None => features(&bare, &reached, view, true, None),
+        None => features(field, reached, view, true, set_up.removed()),
     };
     let work = json!({"file": reached.file, "asked": reached.asked, "reached": reached.reached,
         "travel": reached.travel, "features": features});
-    Ok((reached.poses, work))
+    Ok((reached.poses.clone(), work))
 }
 
 /// The warning for a machine of which nothing is measured, and a target.
@@ -246,16 +272,32 @@ fn own_budget(call: &mut Call, machine: &Machine, options: &ReportOptions) -> Re
 /// Several machines on the same work, with their budgets where all have one.
 fn comparison(
     call: &mut Call,
+    (machines, job): (&[MachineFile], Option<&Job>),
     options: &ReportOptions,
     given: &[MachineInput<'_>],
 ) -> Result<Option<ComparisonData>, Refused> {
     let Some((comparison, sides)) = ComparisonData::work(given) else { return Ok(None) };
+    if comparison.common.is_empty() {
+        let over = given[0].over;
+        return Ok(Some(ComparisonData::new(given, &comparison, &sides, Value::Null, over, &vec![None; sides.len()])));
+    }
+    let (set_ups, _) = set_ups(call, machines, &sides, options.reference.as_ref(), job)?;
+    let (references, orders) = (removed(&set_ups), given.iter().map(|of| of.order).collect::<Vec<Order>>());
+    let bare: Vec<Bare<'_>> = given.iter().map(|of| Bare { machine: of.machine, order: of.order }).collect();
+    let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
+    let comparison = comparison.without(&fields, &references, &orders, options.approach.into());
     let (samples, seed) = (options.samples, options.seed);
     let names: Vec<&str> = given.iter().map(|given| given.file).collect();
-    let (tolerances, files, max_samples, references) =
-        (&options.tolerances, &*names, samples, &*vec![None; names.len()]);
-    let drawn = DrawnMachines { tolerances, files, samples, max_samples, seed, references };
+    let (tolerances, files, max_samples) = (&options.tolerances, &*names, samples);
+    let drawn = DrawnMachines { tolerances, files, samples, max_samples, seed, references: &references };
     let budgets = budgets(call, &sides, drawn)?;
     let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
-    Ok(Some(ComparisonData::new(given, &comparison, &sides, json)))
+    let kind = if job.is_some() { OverKind::Job } else { OverKind::Volume };
+    let over = Over::new(
+        kind,
+        machines.first().map_or(given[0].machine, |file| file),
+        &set_ups[0].reference,
+        [comparison.asked, comparison.common.len()],
+    );
+    Ok(Some(ComparisonData::new(given, &comparison, &sides, json, &over, &references)))
 }

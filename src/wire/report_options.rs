@@ -3,6 +3,7 @@
 use crate::api::tolerances::ToleranceOptions;
 use crate::evaluate::Order;
 use crate::file_set::options::CompensationOptions;
+use crate::job::reference::Reference;
 use crate::machine::Approach;
 use std::path::PathBuf;
 
@@ -18,6 +19,11 @@ pub struct ReportOptions {
     pub poses: usize,
     /// A file of tool poses, of which statistics and comparison are taken: CSV or APT CL data.
     pub tool_poses: Option<PathBuf>,
+    /// A job file instead of the tool poses.
+    pub job: Option<PathBuf>,
+    /// What the set-up of the part takes out of statistics, single errors and comparison; by default the zero at the
+    /// part's origin for tool poses, nothing for a volume.
+    pub reference: Option<Reference>,
     /// Seed of the poses, and of the errors that are drawn.
     pub seed: u64,
     /// Order of the errors; exact by default, unless the conventions of a machine name an order.
@@ -37,6 +43,8 @@ impl Default for ReportOptions {
             compensation: CompensationOptions::default(),
             poses: 2000,
             tool_poses: None,
+            job: None,
+            reference: None,
             seed: 1,
             order: None,
             approach: Approach::default(),

@@ -179,7 +179,7 @@ fn a_zero_takes_out_the_deviation_at_its_point_and_nothing_else() {
     assert_eq!((&volume["over"]["kind"], &volume["over"]["reference"]), (&"volume".into(), &"machine".into()));
     let said = abbe(&["map", text(&machine), "--tool-poses", text(&work)]);
     let head =
-        "Over a job of 41 tool poses, 41 reached, single poses; reference: zero at (0, 0, 0) along (0, 0, 1); tool";
+        "Over a job of 41 tool poses, 41 reached, single poses; reference: zero at (0, 0,\n  0) along (0, 0, 1); tool";
     assert!(said.contains(head), "{said}");
 }
 

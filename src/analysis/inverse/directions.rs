@@ -20,6 +20,8 @@ pub enum DirectionKind {
     Circle,
     /// Each for an equal area of the hemisphere about the tool axis at rest.
     Hemisphere,
+    /// Those of a job, one at each tip.
+    Listed,
 }
 
 /// Directions of the tool (unit vectors from the tip to the holder, workpiece frame).

@@ -2,11 +2,12 @@
 
 use super::bands;
 use super::session::Session;
+use super::view::table;
 use crate::cli::Outcome;
 use abbe::options::Approach;
 use abbe::results::{
-    Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Machine, ROUNDING_UM,
-    ReferenceShift, SingleErrorResidual, Summary, ToolDirection,
+    Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Figures, JobCertificate, Machine,
+    ROUNDING_UM, ReferenceShift, SingleErrorResidual, Summary, ToolDirection,
 };
 use abbe::text::{micro, significant};
 use std::path::Path;
@@ -54,7 +55,7 @@ impl CertificateView<'_> {
     }
 
     fn text(&self) -> String {
-        let parts = [self.heading(), self.figures(), self.programming(), self.by_error(), self.cautions()];
+        let parts = [self.heading(), self.figures(), self.job(), self.programming(), self.by_error(), self.cautions()];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
     }
 
@@ -63,38 +64,31 @@ impl CertificateView<'_> {
         let files = if self.report.files.len() == 1 { "file" } else { "files" };
         format!(
             "{}: {}\n{} {files} in {}\nTool: {}\n\nCertificate: {} poses spread over the volume, none a table \
-             point{}\n",
+             point, machine coordinates{}\n",
             self.report.machine.name(),
             what.title,
             self.report.files.len(),
             self.folder.display(),
             tool(&self.report.machine, &self.report.controller),
             self.report.poses,
-            match self.report.direction {
-                Approach::Mean => String::new(),
-                Approach::Forward => ", approached forward (the worse direction)".to_owned(),
-                Approach::Reverse => ", approached in reverse (the worse direction)".to_owned(),
-            }
+            approached(self.report.direction)
         )
     }
 
+    /// Returns the figures over the job.
+    fn job(&self) -> String {
+        let Some(job) = &self.report.job else { return String::new() };
+        let JobCertificate { over, direction, uncompensated, compensated, .. } = job;
+        let raised = job.raised().map_or_else(String::new, |words| format!("The files RAISE {words}.\n"));
+        let ratio = ratio(&uncompensated.position_um, &compensated.position_um);
+        let worse = approached(*direction);
+        let rows = figures_table(uncompensated, compensated);
+        format!("{}Each state is set up by itself{worse}.\n{rows}\n{ratio}{raised}", over.text())
+    }
+
     fn figures(&self) -> String {
-        let mut table = comfy_table::Table::new();
-        let _ = table.load_style(comfy_table::presets::ASCII_MARKDOWN);
-        let _ = table.set_header(["", "max", "95 %", "rms", "mean"]);
         let (before, after) = (&self.report.uncompensated, &self.report.compensated);
-        let rows = [
-            ("position um, uncompensated", before.position_um),
-            ("position um, compensated", after.position_um),
-            ("tool axis urad, uncompensated", before.tool_axis_urad),
-            ("tool axis urad, compensated", after.tool_axis_urad),
-            ("orientation urad, uncompensated", before.rotation_urad),
-            ("orientation urad, compensated", after.rotation_urad),
-        ];
-        for (name, s) in rows {
-            let cells = [s.max, s.p95, s.rms, s.mean].map(|x| significant(x, 4));
-            let _ = table.add_row(std::iter::once(name.to_owned()).chain(cells));
-        }
+        let table = figures_table(before, after);
         let raised = self.report.raised().map_or_else(String::new, |words| format!("The files RAISE {words}.\n"));
         let bands = self.report.uncertainty.as_ref().map_or_else(String::new, |of| {
             bands::text(&[("uncompensated".to_owned(), &of.uncompensated), ("compensated".to_owned(), &of.compensated)])
@@ -244,6 +238,32 @@ impl CertificateView<'_> {
         text.push_str(&self.sign_test());
         text
     }
+}
+
+/// Returns the direction of approach in words.
+fn approached(direction: Approach) -> &'static str {
+    match direction {
+        Approach::Mean => "",
+        Approach::Forward => ", approached forward (the worse direction)",
+        Approach::Reverse => ", approached in reverse (the worse direction)",
+    }
+}
+
+fn figures_table(before: &Figures, after: &Figures) -> comfy_table::Table {
+    let mut table = table(&["", "max", "95 %", "rms", "mean"]);
+    let rows = [
+        ("position um, uncompensated", before.position_um),
+        ("position um, compensated", after.position_um),
+        ("tool axis urad, uncompensated", before.tool_axis_urad),
+        ("tool axis urad, compensated", after.tool_axis_urad),
+        ("orientation urad, uncompensated", before.rotation_urad),
+        ("orientation urad, compensated", after.rotation_urad),
+    ];
+    for (name, s) in rows {
+        let cells = [s.max, s.p95, s.rms, s.mean].map(|x| significant(x, 4));
+        let _ = table.add_row(std::iter::once(name.to_owned()).chain(cells));
+    }
+    table
 }
 
 /// Below this (um) an error does nothing at the functional point.

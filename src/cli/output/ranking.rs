@@ -8,7 +8,8 @@ use abbe::text::{cell, significant};
 pub(crate) fn csv(of: &RankedArrangements) -> String {
     let mut csv =
         "rank,group,chain,on table,reached,um,low [um],high [um],mean [um],minus file [um],not stated,samples,\
-                   versus first,minus first [um],minus first low [um],minus first high [um],travel [mm or deg]\n"
+                   versus first,minus first [um],minus first low [um],minus first high [um],travel [mm or deg],\
+                   best fit [um],best fit minus first [um],withheld\n"
             .to_owned();
     for (group, rows) in [
         ("ranked", &of.ranked),
@@ -29,11 +30,14 @@ pub(crate) fn csv(of: &RankedArrangements) -> String {
             let tail = [
                 cell(&row.not_stated.join(" ")).to_string(),
                 samples,
-                versus.map_or(String::new(), |versus| versus.verdict.words().to_owned()),
+                row.verdict().map_or(String::new(), |verdict| verdict.words().to_owned()),
                 text(difference.map(|d| d.value)),
                 text(difference.and_then(|d| d.low)),
                 text(difference.and_then(|d| d.high)),
                 cell(&travel).to_string(),
+                text(row.best_fit.map(|fit| fit.um)),
+                text(row.best_fit.and_then(|fit| fit.versus_first).map(|versus| versus.minus_first.value)),
+                cell(row.withheld.as_deref().unwrap_or_default()).to_string(),
             ];
             csv += &format!("{head},{},{}\n", numbers.join(","), tail.join(","));
         }
@@ -71,6 +75,7 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
                 .map_or(String::new(), |source| format!(", class {}: {source}", of.class.as_deref().unwrap_or("")))
         ),
     };
+    text += &of.over.text();
     text += &arrangements(of, &of.ranked, true, top);
     text += &standing(of);
     if of.ranked.len() > top {
@@ -109,7 +114,12 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
 /// Confidence of the ranks, and the machines drawn for it.
 fn standing(of: &RankedArrangements) -> String {
     let (equal, open, worse) = (of.count(Verdict::Equal), of.count(Verdict::NotToldApart), of.count(Verdict::Worse));
-    let mut text = format!("Against rank 1: {equal} equal to it, {open} not told apart from it, {worse} worse\n");
+    let withheld = of.ranked.iter().filter(|row| row.withheld.is_some()).count();
+    let mut text = format!("Against rank 1: {equal} equal to it, {open} not told apart from it, {worse} worse");
+    text += &match withheld {
+        0 => "\n".to_owned(),
+        _ => format!(", {withheld} without a verdict:\nmachine coordinates and best fit do not agree on them\n"),
+    };
     let Some(RankingRounds { max_samples, first, told_apart, done, drawn, drawn_without_elimination }) =
         of.rounds.as_ref().filter(|_| !of.ranked.is_empty())
     else {
@@ -139,6 +149,10 @@ fn arrangements(of: &RankedArrangements, rows: &[Arrangement], numbered: bool, t
         header.push("95 % confidence");
     }
     header.push("minus file's, um");
+    let fitted = rows.iter().any(|row| row.best_fit.is_some());
+    if fitted {
+        header.push("best fit, um");
+    }
     if numbered {
         header.push("minus rank 1, um");
         header.push("against rank 1");
@@ -158,7 +172,7 @@ fn arrangements(of: &RankedArrangements, rows: &[Arrangement], numbered: bool, t
         let mut cells = vec![
             if numbered { (i + 1).to_string() } else { String::new() },
             row.chain.clone(),
-            row.reached.to_string(),
+            if row.misses_reference { format!("{}, no zero", row.reached) } else { row.reached.to_string() },
             short(row.um),
         ];
         if budget {
@@ -166,10 +180,14 @@ fn arrangements(of: &RankedArrangements, rows: &[Arrangement], numbered: bool, t
             cells.push(row.um.map_or("-".to_owned(), |_| format!("{}..{}", end(row.low), end(row.high))));
         }
         cells.push(short(row.minus_file));
+        if fitted {
+            cells.push(short(row.best_fit.map(|fit| fit.um)));
+        }
         if numbered {
             let versus = row.versus_first;
             cells.push(versus.map_or("-".to_owned(), |versus| difference(versus.minus_first)));
-            cells.push(versus.map_or("-".to_owned(), |versus| versus.verdict.words().to_owned()));
+            let verdict = row.verdict().map_or("no verdict", Verdict::words);
+            cells.push(versus.map_or("-".to_owned(), |_| verdict.to_owned()));
         }
         if apart {
             cells.push(row.not_stated.join(", "));

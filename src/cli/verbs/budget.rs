@@ -157,7 +157,7 @@ impl BudgetText<'_> {
             Statistic::P95 => "95 % deviation over the poses",
         };
         let own = budget.tighten.iter().filter(|bound| !bound.of_class).count();
-        let mut text = format!("{}, {}\n{}\n", self.file.name(), self.file.chain(), self.result.over.line());
+        let mut text = format!("{}, {}\n{}", self.file.name(), self.file.chain(), self.result.over.text());
         text += &format!("{} errors bounded: {own} by the machine file", budget.tighten.len());
         if let (Some(class), Some(source)) = (&budget.drawing.class, &budget.drawing.class_source) {
             text += &format!(", {} by class {class} ({source})", budget.tighten.len() - own);

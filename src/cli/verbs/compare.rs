@@ -152,8 +152,8 @@ fn sources(result: &CompareResult) -> String {
 
 fn text(args: &Args, result: &CompareResult) -> String {
     let mut text = format!(
-        "{}\n{} tool poses in the workpiece frame, {}; {} reached by all\n",
-        result.over.line(),
+        "{}{} tool poses in the workpiece frame, {}; {} reached by all\n",
+        result.over.text(),
         result.asked,
         match args.tool_poses.tool_poses.as_ref().or(args.job.job.as_ref()) {
             Some(path) => format!("of {}", path.display()),

@@ -57,6 +57,7 @@ impl Args {
             seed: self.set.seed.seed,
             accept_unverified: self.accept_unverified,
             installed: self.installed.installed.clone(),
+            work: self.set.certified_work(),
             max_correction: self.max_correction.unwrap_or_default(),
             lattice: self.lattice.clone(),
             max_nodes: self.nodes,

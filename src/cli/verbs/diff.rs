@@ -40,13 +40,23 @@ fn machines(session: &mut Session, args: &Args, paths: [&Path; 2]) -> Outcome {
     }
     let tool = args.set.tool.name();
     let files = [session.load_one_of(paths[0], tool)?, session.load_one_of(paths[1], tool)?];
-    let (poses, seed) = (args.set.poses.poses, args.set.seed.seed);
-    let options = DiffMachinesOptions { poses, seed, ..DiffMachinesOptions::default() };
+    let options = DiffMachinesOptions {
+        poses: args.set.poses.poses,
+        tool_poses: args.set.tool_poses.tool_poses.clone(),
+        job: args.set.job.job.clone(),
+        reference: args.set.reference.reference.clone(),
+        seed: args.set.seed.seed,
+        ..DiffMachinesOptions::default()
+    };
     let difference = session.take(abbe::diff_machines(&files, &options, session.run()))?;
     session.show(&difference, || machines_csv(&difference), || machines_text(&difference))
 }
 
 fn sets(session: &mut Session, args: &Args, machine: &Path, [old, new]: [&Path; 2]) -> Outcome {
+    let set = &args.set;
+    if set.tool_poses.tool_poses.is_some() || set.job.job.is_some() || set.reference.reference.is_some() {
+        return session.usage("a job and its reference go with two machines, not with two sets");
+    }
     let file = session.load(machine, args.set.tool.name())?;
     for folder in [old, new] {
         file_set::check(session, folder)?;
@@ -87,10 +97,11 @@ fn machines_text(of: &MachineDifference) -> String {
     let chain = if of.differences[0].kind == "chain" { ", the others on the chain of machine 2" } else { "" };
     text + &format!(
         "{rows}\n95 %, um: change of the {what} of machine 1 with this difference alone{chain}.\n\
-         All together: {first} um -> {second} um ({}), over {} of {} tool poses that both reach.\n",
+         All together: {first} um -> {second} um ({}), over {} of {} tool poses that both reach.\n{}",
         sign_text(of.minus_first_um),
         of.poses,
-        of.asked
+        of.asked,
+        of.over.text()
     )
 }
 

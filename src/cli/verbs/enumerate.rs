@@ -2,7 +2,8 @@
 
 use crate::cli::Outcome;
 use crate::cli::arguments::{
-    MaxSamplesArg, PartsArgs, PosesArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg, percent,
+    JobArg, MaxSamplesArg, PartsArgs, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg,
+    percent,
 };
 use crate::cli::output::ranking;
 use crate::cli::output::session::Session;
@@ -23,6 +24,7 @@ enum YesNo {
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
+#[command(mut_arg("job", |option| option.conflicts_with_all(["poses", "tool_poses"])))]
 #[command(mut_arg("poses", |option| option.default_value("500")))]
 #[command(mut_arg("samples", |option| option.default_value("200")))]
 pub(crate) struct Args {
@@ -53,6 +55,10 @@ pub(crate) struct Args {
     poses: PosesArg,
     #[command(flatten)]
     tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    job: JobArg,
+    #[command(flatten)]
+    reference: ReferenceArg,
     /// Give linear axes the travel that the work needs, whatever the file says, and tell it for every arrangement.
     #[arg(long)]
     size: bool,
@@ -86,6 +92,8 @@ impl Args {
             rotary: self.rotary,
             poses: self.poses.poses,
             tool_poses: self.tool_poses.tool_poses.clone(),
+            job: self.job.job.clone(),
+            reference: self.reference.reference.clone(),
             size: self.size,
             samples: self.samples.samples,
             max_samples: self.max_samples.max_samples,

@@ -5,7 +5,7 @@ use crate::cli::arguments::{AlgebraArg, FrameOption, JobArg, ReferenceArg, ViewA
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{frame_text, length, numbers, table};
 use abbe::options::Approach;
-use abbe::results::{AxisPositions, ErrorEffect, EvalResult, Neglected, PoseResult};
+use abbe::results::{AxisPositions, ErrorEffect, EvalResult, Neglected, Over, PoseResult};
 use abbe::text::significant;
 use abbe::{EvalOptions, MachineFile, eval};
 use std::collections::{BTreeMap, BTreeSet};
@@ -145,7 +145,7 @@ fn text(result: &EvalResult) -> String {
             name => format!(", tool {name}"),
         },
         if result.poses.iter().any(|pose| pose.uncertainty.is_some()) { ", U (k = 2) behind \u{b1}" } else { "" },
-        result.over.as_ref().map_or_else(String::new, |over| over.line() + "\n"),
+        result.over.as_ref().map_or_else(String::new, Over::text),
         result.poses.iter().filter_map(|pose| pose.inverse.as_ref()).map(displacements).collect::<String>(),
         effects(result)
     )

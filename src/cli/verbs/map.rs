@@ -139,11 +139,11 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
         return text_of_bounds(file, args, result, of);
     }
     let mut text = format!(
-        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{}\n{} poses ({})\n{}\n",
+        "{}: deviation of the functional point, actual minus nominal, {} frame, order {}\n{}{} poses ({})\n{}\n",
         result.machine,
         frame_text(result.frame),
         result.order,
-        result.over.line(),
+        result.over.text(),
         result.poses,
         sampling(args, result),
         statistics(result),
@@ -173,11 +173,11 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
 /// The map of a machine of which nothing is measured.
 fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapFromBounds) -> String {
     let mut text = format!(
-        "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{}\n{} poses ({}), {} \
+        "{}: deviation of the functional point that the bounds lead to; nothing is measured\n{}\n{}{} poses ({}), {} \
          frame, first order\n{}\n{}\n{}{}",
         result.machine,
         bounded::source(&of.figures),
-        result.over.line(),
+        result.over.text(),
         result.poses,
         sampling(args, result),
         frame_text(result.frame),

@@ -1,8 +1,9 @@
 //! `abbe reach`: tips and directions of the tool within reach over a box.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{PictureFile, ToolArg, counts, help, length, png, svg};
+use crate::cli::arguments::{JobArg, PictureFile, ToolArg, ToolPosesArg, counts, help, length, png, svg};
 use crate::cli::output::session::Session;
+use crate::cli::output::view::reach_text;
 use crate::cli::store::write::{refuse_outputs, write_whole};
 use abbe::results::ReachResult;
 use abbe::text::{Reason, significant};
@@ -10,6 +11,10 @@ use abbe::{ReachOptions, reach};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["region", "step", "directions", "svg", "png"])))]
+#[command(mut_arg("job", |option| {
+    option.conflicts_with_all(["tool_poses", "region", "step", "directions", "svg", "png"])
+}))]
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
@@ -24,6 +29,10 @@ pub(crate) struct Args {
     /// rest, on its circle with one axis that turns the tool, one with none.
     #[arg(long, value_name = "N", value_parser = counts(1..=100_000))]
     directions: Option<usize>,
+    #[command(flatten)]
+    tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    job: JobArg,
     #[command(flatten)]
     tool: ToolArg,
     #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
@@ -46,7 +55,13 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let pictures = args.svg.iter().chain(&args.png);
     PictureFile::refuse(session, pictures.clone())?;
     refuse_outputs(&args.vtk, &session.files).or_else(|d| session.refuse(d))?;
-    let options = ReachOptions { region: args.region.clone(), step_mm: args.step, directions: args.directions };
+    let options = ReachOptions {
+        region: args.region.clone(),
+        step_mm: args.step,
+        directions: args.directions,
+        tool_poses: args.tool_poses.tool_poses.clone(),
+        job: args.job.job.clone(),
+    };
     let result = session.take(reach(&file, &options, session.run()))?;
     for to in pictures {
         to.write(&result.picture(), session)?;
@@ -73,17 +88,21 @@ fn text(of: &ReachResult) -> String {
     };
     let tool = if of.tool.is_empty() { String::new() } else { format!(", tool {}", of.tool) };
     let [x, y, z] = of.counts;
+    let counts = if of.job.is_some() { String::new() } else { format!(" ({x} x {y} x {z})") };
     let mut text = format!(
-        "{}: reach of the nominal machine{tool}\n{} tips ({x} x {y} x {z}): {} mm, workpiece frame\n{}\n",
+        "{}: reach of the nominal machine{tool}\n{}{} tips{counts}: {} mm, workpiece frame\n{}\n",
         of.machine,
+        of.over.text(),
         of.tips,
         [0, 1, 2].map(side).join(", "),
         of.directions_text()
     );
     let some = (of.tips_in_any_direction, of.tips_in_all_directions);
     text += &format!("\nreached            {} of {} tool poses\n", percent(of.reached, of.tool_poses), of.tool_poses);
-    text += &format!("any direction      {} of the tips ({})\n", percent(some.0, of.tips), some.0);
-    text += &format!("all directions     {} of the tips ({})\n", percent(some.1, of.tips), some.1);
+    if of.job.is_none() {
+        text += &format!("any direction      {} of the tips ({})\n", percent(some.0, of.tips), some.0);
+        text += &format!("all directions     {} of the tips ({})\n", percent(some.1, of.tips), some.1);
+    }
     let missed = &of.unreachable;
     if missed.total > 0 {
         text += &format!(
@@ -93,5 +112,6 @@ fn text(of: &ReachResult) -> String {
         let lacks: Vec<String> = of.lacks.iter().map(|lack| format!("  {}\n", lack.words("tool pose"))).collect();
         text += &lacks.concat();
     }
+    text += &of.job.as_ref().map_or_else(String::new, |job| reach_text(&job.rows, &job.travel));
     text
 }

@@ -1,6 +1,6 @@
 //! `abbe report`: one self-contained HTML page for a design review.
 
-use crate::cli::arguments::{DirectionArg, OrderArg, SamplesArg, ToolPosesArg, help};
+use crate::cli::arguments::{DirectionArg, OrderArg, SamplesArg, help};
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
 use crate::cli::store::engine;
@@ -21,8 +21,6 @@ pub(crate) struct Args {
     #[arg(long, value_name = "PATH", help = help::OUT, long_help = "The page to write",
         required_unless_present = "watch")]
     pub out: Option<PathBuf>,
-    #[command(flatten)]
-    tool_poses: ToolPosesArg,
     #[arg(long, value_name = "NAME", help = help::TARGET,
         long_help = "A controller whose compensation and certificate are to be shown; may be given several times. \
             Kinematic parameters and tables for what they leave, step by step: A+B")]
@@ -51,7 +49,9 @@ impl Args {
             targets: self.target.clone(),
             compensation: self.options.how.options(),
             poses: self.options.poses.poses,
-            tool_poses: self.tool_poses.tool_poses.clone(),
+            tool_poses: self.options.tool_poses.tool_poses.clone(),
+            job: self.options.job.job.clone(),
+            reference: self.options.reference.reference.clone(),
             seed: self.options.seed.seed,
             order: self.order.order,
             approach: self.direction.direction,

@@ -44,6 +44,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         poses: args.set.poses.poses,
         seed: args.set.seed.seed,
         installed: args.installed.installed.clone(),
+        work: args.set.certified_work(),
     };
     if let Some(path) = &args.replay {
         return replay(session, &file, &args.folder, path, &options);

@@ -55,17 +55,27 @@ pub(crate) fn raised_figures(approach: Approach, before: &Figures, after: &Figur
 
 /// Figures without and with a set of files, in the direction of approach that is worse with them, and the figures that
 /// they raise in either.
-pub(crate) struct Judgement {
+#[derive(Debug, Clone)]
+pub struct Judgement {
+    /// The direction of approach that is worse with the files.
     pub approach: Approach,
+    /// Figures without the files.
     pub uncompensated: Figures,
+    /// Figures with the files.
     pub compensated: Figures,
+    /// Figures that they raise.
     pub raised: Vec<RaisedFigure>,
 }
 
 /// Compares a machine without and with files over poses.
 pub(crate) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judgement {
+    judge_by(bare.machine(), &|approach| [bare, with].map(|field| figures(field, poses, approach.into())))
+}
+
+/// Compares figures without and with files, which `by` gives for a direction of approach.
+pub fn judge_by(machine: &Machine, by: &dyn Fn(Approach) -> [Figures; 2]) -> Judgement {
     let one = |approach: Approach| {
-        let [uncompensated, compensated] = [bare, with].map(|field| figures(field, poses, approach.into()));
+        let [uncompensated, compensated] = by(approach);
         Judgement {
             approach,
             raised: raised_figures(approach, &uncompensated, &compensated),
@@ -75,7 +85,7 @@ pub(crate) fn judge(bare: &dyn Field, with: &dyn Field, poses: &[Pose]) -> Judge
     };
     let p95 = |judgement: &Judgement| judgement.compensated.position_um.p95;
     let (mut worse, mut raised) = (None, Vec::new());
-    for mut judgement in approaches(bare.machine()).iter().map(|approach| one(*approach)) {
+    for mut judgement in approaches(machine).iter().map(|approach| one(*approach)) {
         raised.append(&mut judgement.raised);
         if worse.as_ref().is_none_or(|known| p95(&judgement) > p95(known)) {
             worse = Some(judgement);
@@ -95,7 +105,8 @@ pub(crate) fn deviations(field: &dyn Field, poses: &[Pose], conditions: Operatin
     poses.par_iter().map(|pose| field.deviation(&conditions.at_pose(pose))).collect()
 }
 
-pub(crate) fn figures(field: &dyn Field, poses: &[Pose], conditions: OperatingConditions) -> Figures {
+/// Returns the figures of a field at poses (mm, deg).
+pub fn figures(field: &dyn Field, poses: &[Pose], conditions: OperatingConditions) -> Figures {
     figures_of(field.machine(), poses, &deviations(field, poses, conditions))
 }
 

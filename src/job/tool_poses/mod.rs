@@ -133,6 +133,16 @@ impl ToolPoses {
         }
     }
 
+    /// Returns the lines of all rows, rising.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = usize> {
+        self.rows.iter().map(|row| row.line)
+    }
+
+    /// Returns the tips of all rows, mm, workpiece frame.
+    pub(crate) fn tips(&self) -> Vec<[f64; 3]> {
+        self.rows.iter().map(|row| row.tip.into()).collect()
+    }
+
     /// Returns poses of the tool, as the nominal `machine` holds it; the file may give positions of its rotary axes.
     pub(crate) fn list(&self, machine: &Machine) -> Vec<ToolPose> {
         self.rows.iter().map(|row| row.tool_pose(machine)).collect()
@@ -150,19 +160,25 @@ impl ToolPoses {
     /// Returns the poses of a machine for all rows that it reaches. Reports the others; refuses a file without a
     /// reachable row.
     pub(crate) fn reached(&self, call: &mut Call<'_>, machine: &Machine) -> Result<ReachedToolPoses, Refused> {
+        let reached = self.examine(machine);
+        self.say(call, machine, &reached.rows)?;
+        check(call, machine, &reached.poses)?;
+        Ok(reached)
+    }
+
+    /// Returns the poses of a machine for all rows that it reaches, of which there may be none.
+    pub(crate) fn examine(&self, machine: &Machine) -> ReachedToolPoses {
         let found = self.found(machine);
         let travel = needed_travel(machine, &Needs::of(found.iter().map(Result::as_ref)));
         let missed: Vec<_> =
             found.iter().enumerate().filter_map(|(i, pose)| Some((i, pose.as_ref().err()?.clone()))).collect();
         let rows = self.missed(machine, &missed);
-        self.say(call, machine, &rows)?;
         let name = |row: &Row| (row.line, row.feature.clone());
         let lines = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok()).map(|(row, _)| name(row)).collect();
         let poses: Vec<Pose> = found.into_iter().filter_map(Result::ok).collect();
-        check(call, machine, &poses)?;
         let unreachable = UnreachableCount::count(rows.iter().map(|row| &row.why));
         let (file, asked, reached) = (self.file.clone(), self.rows.len(), poses.len());
-        Ok(ReachedToolPoses { file, asked, reached, unreachable, rows, travel, poses, lines })
+        ReachedToolPoses { file, asked, reached, unreachable, rows, travel, poses, lines }
     }
 
     /// Returns the lines of rows that were missed, with what they lack.

@@ -1,8 +1,10 @@
 //! Two or more machines on the same tool poses.
 
 use super::given::MachineInput;
+use crate::analysis::reference::PartReference;
 use crate::analysis::{Comparison, ErrorContribution, MachineResult, Work, compare, contributions};
 use crate::evaluate::{Bare, Field, Frame, Poses, Statistics};
+use crate::job::over::Over;
 use crate::machine::{Machine, Pose};
 use crate::report::text::BoundedFigures;
 use crate::run::unheard;
@@ -15,6 +17,8 @@ pub struct ComparisonData {
     asked: usize,
     poses: usize,
     seed: u64,
+    over: Over,
+    over_line: String,
     /// The file of the tool poses; none if they are drawn.
     file: Option<String>,
     /// The largest of the largest position deviations: the full width of the bars.
@@ -30,9 +34,9 @@ pub struct ComparisonData {
 pub type MachinePoses<'a> = Vec<(&'a Machine, Vec<Pose>)>;
 
 /// Returns the effect of the bounds of a machine at its poses for the work, where nothing is measured.
-fn of_bounds(given: &MachineInput<'_>, poses: &[Pose]) -> Option<BoundedFigures> {
+fn of_bounds(given: &MachineInput<'_>, poses: &[Pose], reference: Option<&PartReference>) -> Option<BoundedFigures> {
     let bounded = given.budget().filter(|_| !poses.is_empty())?;
-    let found = given.at(bounded, &Poses::Listed(poses.to_vec()), Frame::Workpiece);
+    let found = given.at(bounded, &Poses::Listed(poses.to_vec()), Frame::Workpiece, reference);
     Some(MachineInput::figures(bounded, &found))
 }
 
@@ -51,10 +55,18 @@ impl ComparisonData {
         Some((comparison, sides))
     }
 
-    /// Content of the page for them; `budgets` is null if there are none.
-    pub fn new(given: &[MachineInput<'_>], comparison: &Comparison, sides: &MachinePoses<'_>, budgets: Value) -> Self {
+    /// Content of the page for them, without what set-ups take out on each; `budgets` is null if there are none.
+    pub fn new(
+        given: &[MachineInput<'_>],
+        comparison: &Comparison,
+        sides: &MachinePoses<'_>,
+        budgets: Value,
+        over: &Over,
+        references: &[Option<&PartReference>],
+    ) -> Self {
+        let bounded = given.iter().zip(sides).zip(references);
         let bounded: Vec<Option<BoundedFigures>> =
-            given.iter().zip(sides).map(|(given, (_, poses))| of_bounds(given, poses)).collect();
+            bounded.map(|((given, (_, poses)), reference)| of_bounds(given, poses, *reference)).collect();
         let statistics: Vec<Statistics> = bounded
             .iter()
             .zip(&comparison.machines)
@@ -78,12 +90,10 @@ impl ComparisonData {
         };
         let (conditions, seed) = given.first().map_or_else(Default::default, |first| (first.conditions, first.poses.1));
         Self {
-            errors: contributions(sides, conditions, &vec![None; sides.len()])
-                .into_iter()
-                .take(ERRORS)
-                .map(error)
-                .collect(),
+            errors: contributions(sides, conditions, references).into_iter().take(ERRORS).map(error).collect(),
             budgets,
+            over: over.clone(),
+            over_line: over.line(),
             asked: comparison.asked,
             poses: comparison.common.len(),
             seed,

@@ -5,9 +5,11 @@ use super::comparison::ComparisonData;
 use super::field::FieldData;
 use super::given::{MachineInput, TargetResult};
 use crate::analysis::budget::BoundedDeviation;
+use crate::analysis::reference::ReferencedField;
 use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, error_statistics, levers, rest};
 use crate::controller::CompensationDegree;
-use crate::evaluate::{Bare, Frame, Order, Statistics, Summary, worst};
+use crate::evaluate::{Bare, Field, Frame, Order, Statistics, Summary, worst};
+use crate::job::over::Over;
 use crate::machine::{
     Approach, Axis, ErrorId, ErrorTerm, Machine, OperatingConditions, ResidualForm, Travel, axis_positions,
 };
@@ -41,6 +43,10 @@ pub struct MachineData {
     workpiece_origin_mm: [f64; 3],
     workpiece_rotation_deg: [f64; 3],
     order: String,
+    /// What statistics, worst poses, features and single errors are over.
+    over: Over,
+    /// The same in words.
+    over_line: String,
     direction: Approach,
     poses: usize,
     seed: u64,
@@ -86,6 +92,9 @@ impl MachineData {
     pub fn new(number: usize, given: &MachineInput<'_>, map: &Map) -> Self {
         let machine = given.machine;
         let bare = Bare { machine, order: given.order };
+        let (order, conditions) = (given.order, given.conditions);
+        let set_up = given.removed.map(|removed| ReferencedField::new(&bare, removed, order, conditions));
+        let field: &dyn Field = set_up.as_ref().map_or(&bare, |field| field);
         let poses = given.sample();
         let bad = worst(&map.deviations, WORST);
         let worst_pose = bad.first().map_or_else(|| rest(machine), |i| poses.get(*i));
@@ -100,7 +109,7 @@ impl MachineData {
             statistics: statistics(&map.statistics),
             worst: bad.iter().map(named).collect(),
             source_poses: few.0,
-            sources: error_statistics(&bare, &few_poses, &given.conditions.at_pose(&worst_pose))
+            sources: error_statistics(field, &few_poses, &conditions.at_pose(&worst_pose), given.removed)
                 .iter()
                 .map(source)
                 .collect(),
@@ -113,7 +122,7 @@ impl MachineData {
     /// Computes everything about a machine of which nothing is measured.
     pub fn of_bounds(number: usize, given: &MachineInput<'_>, bounded: &BudgetFigures) -> Self {
         let (machine, poses) = (given.machine, given.sample());
-        let found = given.at(bounded, &poses, Frame::Workpiece);
+        let found = given.at(bounded, &poses, Frame::Workpiece, given.removed);
         let figures = MachineInput::figures(bounded, &found);
         let p95 = |i: &usize| found.poses[*i].position.p95;
         let mut order: Vec<usize> = (0..found.poses.len()).collect();
@@ -159,6 +168,8 @@ impl MachineData {
             workpiece_origin_mm: machine.workpiece(),
             workpiece_rotation_deg: machine.workpiece_angles(),
             order: if given.budget().is_some() { "first order".to_owned() } else { order_word(given.order) },
+            over: given.over.clone(),
+            over_line: given.over.line(),
             direction: given.conditions.approach,
             poses: given.poses.0,
             seed: given.poses.1,

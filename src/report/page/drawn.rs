@@ -81,7 +81,7 @@ fn plane(given: &MachineInput<'_>, axes: [usize; 2]) -> (String, Vec<String>) {
 fn bound_plane(given: &MachineInput<'_>, bounded: &BudgetFigures, axes: [usize; 2], view: View) -> String {
     let machine = given.machine;
     let p95 = |poses: Vec<Pose>| {
-        let found = given.at(bounded, &Poses::Listed(poses), Frame::Workpiece);
+        let found = given.at(bounded, &Poses::Listed(poses), Frame::Workpiece, None);
         Ok::<_, Infallible>(found.poses.iter().map(|pose| pose.position.p95).collect())
     };
     let Ok(plane) = Plane::of_lengths(machine, axes, &rest(machine), cells(machine, axes, BOUNDED_NODES), p95);

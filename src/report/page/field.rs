@@ -120,7 +120,7 @@ impl FieldData {
         let lattice = Lattice { given, axes, count };
         let nodes: Vec<Pose> =
             poses.iter().flat_map(|station| (0..lattice.len()).map(|node| lattice.pose(station, node))).collect();
-        let found = given.at(bounded, &Poses::Listed(nodes.clone()), Frame::Workpiece);
+        let found = given.at(bounded, &Poses::Listed(nodes.clone()), Frame::Workpiece, None);
         let rows: Vec<Vec<f64>> = nodes.par_iter().map(|pose| effect_squares(machine, bounded, pose)).collect();
         let of = |lengths: Vec<f64>| lengths.chunks(lattice.len()).map(|at| lattice.of_lengths(at)).collect();
         let group = |g: &LayerGroup<usize>| FieldLayer {

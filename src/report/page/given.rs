@@ -2,8 +2,10 @@
 
 use super::instruments::Instruments;
 use crate::analysis::budget::{Draws, PoseByPose, PosesRequest, is_measured, pose_by_pose};
+use crate::analysis::reference::PartReference;
 use crate::controller::{Certificate, ControllerEffect, ControllerTarget};
 use crate::evaluate::{Frame, Order, Poses, Random};
+use crate::job::over::Over;
 use crate::machine::{Machine, OperatingConditions, Pose};
 use crate::report::text::{BoundedFigures, BudgetFigures};
 use crate::run::unheard;
@@ -24,6 +26,10 @@ pub struct MachineInput<'a> {
     pub poses: (usize, u64),
     /// The poses for the tool poses of a file instead of random ones, and what the page says of the file.
     pub work: Option<(&'a [Pose], &'a Value)>,
+    /// What the set-up of the part takes out of the figures.
+    pub removed: Option<&'a PartReference>,
+    /// What the figures are over.
+    pub over: &'a Over,
     /// Results of the targets that were written for it.
     pub written: &'a [TargetResult],
     /// Readings of instruments on it.
@@ -57,11 +63,17 @@ impl<'a> MachineInput<'a> {
         self.budget.filter(|_| !is_measured(self.machine))
     }
 
-    /// Returns the effect of bounds at poses, in the frame.
-    pub fn at(&self, bounded: &BudgetFigures, poses: &Poses, frame: Frame) -> PoseByPose {
+    /// Returns the effect of bounds at poses, in the frame, without what a reference takes out.
+    pub fn at(
+        &self,
+        bounded: &BudgetFigures,
+        poses: &Poses,
+        frame: Frame,
+        reference: Option<&PartReference>,
+    ) -> PoseByPose {
         let draws = Draws::new(bounded.drawing.seed, bounded.drawing.distribution);
         let (machine, bounds, samples) = (self.machine, bounded.bounds.as_slice(), bounded.drawing.samples);
-        let request = PosesRequest { machine, bounds, poses, reference: None, frame, draws: &draws, samples };
+        let request = PosesRequest { machine, bounds, poses, reference, frame, draws: &draws, samples };
         let Ok(found) = pose_by_pose(request, &unheard);
         found
     }

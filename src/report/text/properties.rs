@@ -1,5 +1,6 @@
 //! Two machines against each other: the properties in which they differ, in words.
 
+use crate::job::over::Over;
 use crate::machine::{
     Axis, AxisName, Direction, ErrorFamily, ErrorId, ErrorSizes, Machine, MachineProperty, SetUp, Tool, Travel,
 };
@@ -12,6 +13,8 @@ pub struct MachineDifference {
     pub machines: [String; 2],
     /// File of each machine.
     pub files: [String; 2],
+    /// What the difference is over.
+    pub over: Over,
     /// Number of tool poses asked for.
     pub asked: usize,
     /// Number of tool poses that both machines reach, and most differences by themselves: one that reaches less than

@@ -234,6 +234,11 @@ pub struct BudgetPose {
     effect: MotionEffect,
 }
 
+/// Takes a motion of the part out of the position deviations (mm) at a place of the part (mm), for all samples.
+pub fn remove_motion(motion: &[SampleLanes; 6], tip: &Vector3<f64>, from: &mut [SampleLanes; 3]) {
+    MotionEffect::Position(*tip).remove(motion, from);
+}
+
 /// The effect of a motion of the part at a pose.
 #[derive(Debug, Clone, Copy)]
 enum MotionEffect {

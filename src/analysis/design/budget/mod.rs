@@ -43,7 +43,7 @@ pub use draw::{Distribution, Draws, NODES};
 pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};
 pub(crate) use kernel::{
     CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, SourceEffects, add, by_joint,
-    columns, squares,
+    columns, remove_motion, squares,
 };
 pub use monte_carlo::Statistic;
 pub use paired::{PairedDifference, PairedTest, Verdict, VersusFirst, are_equal, percentile_95, round_sizes};

@@ -12,6 +12,9 @@ pub struct RoundRecord {
     pub row: ArrangementRow,
     /// Position error of each machine drawn in the round, in their order, um; by the errors given a single one.
     pub values: Vec<f64>,
+    /// The same with the best fit of each machine taken out, where it is asked for besides.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub best_fit: Vec<f64>,
     /// The ranked value of the machine as its file has it, on the same tool poses and all machines drawn so far, um;
     /// `None` without values.
     pub file: Option<f64>,

@@ -14,6 +14,8 @@ pub enum Standing {
     CannotTurn,
     /// It reaches none of the tool poses.
     ReachesNothing,
+    /// It does not reach the point at which the part is probed.
+    MissesReference,
 }
 
 /// An arrangement and its result.
@@ -65,6 +67,18 @@ pub struct ArrangementErrors {
     /// Number of machines drawn of the arrangement; `None` by the errors given.
     pub samples: Option<usize>,
     /// Standing against rank 1; `None` for those that are not ranked.
+    pub versus_first: Option<VersusFirst>,
+    /// The same with the best fit of each machine taken out, where it is asked for besides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub best_fit: Option<FittedArrangement>,
+}
+
+/// The position error of an arrangement without the rigid motion of the part that fits its deviations best.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct FittedArrangement {
+    /// Its figure, um.
+    pub um: f64,
+    /// Its figure minus that of rank 1; none where it is not ranked.
     pub versus_first: Option<VersusFirst>,
 }
 

@@ -6,7 +6,7 @@
 //! they are depends on the records alone, not on how the study was cut.
 
 use super::journal::{Journal, RoundRecord, RoundStep};
-use super::ranking::{ArrangementErrors, ArrangementRow, Reach};
+use super::ranking::{ArrangementErrors, ArrangementRow, FittedArrangement, Reach};
 use crate::analysis::design::budget::{
     PairedDifference, PairedTest, Percentile, Verdict, VersusFirst, are_equal, mean, percentile_95, round_sizes,
 };
@@ -100,6 +100,8 @@ struct Entrant<'a> {
     step: usize,
     record: &'a RoundRecord,
     values: Vec<f64>,
+    /// The same with the best fit.
+    best_fit: Vec<f64>,
     file: Option<f64>,
     /// Number of different arrangements in its last round.
     rivals: usize,
@@ -125,7 +127,10 @@ pub fn standings(journal: &Journal, rounds: &Rounds, fraction: f64) -> Standings
     let mut entrants: Vec<Entrant<'_>> = journal
         .round(0)
         .filter(|(_, record)| reach.is_whole(&record.row) && record.row.not_stated.is_empty())
-        .map(|(step, record)| Entrant { step, record, values: record.values.clone(), file: record.file, rivals: 1 })
+        .map(|(step, record)| {
+            let (values, best_fit) = (record.values.clone(), record.best_fit.clone());
+            Entrant { step, record, values, best_fit, file: record.file, rivals: 1 }
+        })
         .collect();
     let mut inside: Vec<usize> = (0..entrants.len()).collect();
     let mut counts = Vec::new();
@@ -170,6 +175,7 @@ fn take(journal: &Journal, round: usize, entrant: &mut Entrant<'_>) {
     let table = entrant.record.row.table;
     if let Some(record) = records.into_iter().flatten().find(|record| record.row.table == table) {
         entrant.values.extend(&record.values);
+        entrant.best_fit.extend(&record.best_fit);
         entrant.file = record.file;
     }
 }
@@ -233,34 +239,43 @@ fn study_end(
     let result = |i: usize| {
         let entrant = &entrants[i];
         let test = tests.get(&(entrant.values.len(), entrant.rivals));
-        let versus = leader.map(|first| versus_first(entrants, i, first, test));
-        ((entrant.step, entrant.record.row.table), outcome(&entrant.values, entrant.file, versus, rounds.drawn))
+        let versus = |values: for<'b> fn(&'b Entrant<'_>) -> &'b [f64]| {
+            leader.map(|first| versus_first(values(entrant), values(&entrants[first]), i == first, test))
+        };
+        let result = outcome(&entrant.values, entrant.file, versus(|of| &of.values), rounds.drawn);
+        let best_fit = fitted(&entrant.best_fit, || versus(|of| &of.best_fit));
+        ((entrant.step, entrant.record.row.table), result.map(|result| ArrangementErrors { best_fit, ..result }))
     };
     let results: BTreeMap<(usize, usize), Option<ArrangementErrors>> =
         (0..entrants.len()).into_par_iter().map(result).collect();
     let row = |(step, record): (usize, &RoundRecord)| {
         let ranked = results.get(&(step, record.row.table)).copied();
-        let result = ranked.unwrap_or_else(|| outcome(&record.values, record.file, None, rounds.drawn));
+        let result = ranked.unwrap_or_else(|| {
+            let best_fit = fitted(&record.best_fit, || None);
+            let result = outcome(&record.values, record.file, None, rounds.drawn);
+            result.map(|result| ArrangementErrors { best_fit, ..result })
+        });
         ArrangementRow { result, ..record.row.clone() }
     };
     let rows = journal.round(0).map(row).collect();
     StudyEnd { rows, reach, rounds: counts, told: last.is_some_and(|decision| decision.told) }
 }
 
-/// Returns the standing of an entrant against rank 1; both by their index.
-fn versus_first(entrants: &[Entrant<'_>], i: usize, first: usize, test: Option<&PairedTest>) -> VersusFirst {
-    let (entrant, leader) = (&entrants[i], &entrants[first]);
-    let same = leader.values.get(..entrant.values.len()).unwrap_or(&leader.values);
-    if i == first {
-        return VersusFirst { verdict: Verdict::First, minus_first: PairedDifference::certain(same, same) };
-    }
+/// Returns the standing of values against those of rank 1.
+fn versus_first(values: &[f64], leader: &[f64], is_first: bool, test: Option<&PairedTest>) -> VersusFirst {
+    let same = leader.get(..values.len()).unwrap_or(leader);
+    let minus_first = PairedDifference::certain(values, same);
     match test {
-        Some(test) => test.versus(&entrant.values, same),
-        None => {
-            let verdict = if are_equal(&entrant.values, same) { Verdict::Equal } else { Verdict::Worse };
-            VersusFirst { verdict, minus_first: PairedDifference::certain(&entrant.values, same) }
-        }
+        _ if is_first => VersusFirst { verdict: Verdict::First, minus_first },
+        Some(test) => test.versus(values, same),
+        None if are_equal(values, same) => VersusFirst { verdict: Verdict::Equal, minus_first },
+        None => VersusFirst { verdict: Verdict::of_difference(minus_first.value), minus_first },
     }
+}
+
+/// Returns the result of values with the best fit (um), if there are any.
+fn fitted(values: &[f64], versus_first: impl FnOnce() -> Option<VersusFirst>) -> Option<FittedArrangement> {
+    (!values.is_empty()).then(|| FittedArrangement { um: percentile_95(values), versus_first: versus_first() })
 }
 
 /// Returns the result of values (um), if there are any.
@@ -277,9 +292,11 @@ fn outcome(
     let minus_file = um - file;
     Some(if drawn {
         let mean = Some(mean(values).0);
-        ArrangementErrors { um, low, high, mean, minus_file, samples: Some(values.len()), versus_first }
+        let samples = Some(values.len());
+        ArrangementErrors { um, low, high, mean, minus_file, samples, versus_first, best_fit: None }
     } else {
-        ArrangementErrors { um, low: None, high: None, mean: None, minus_file, samples: None, versus_first }
+        let (low, high, mean, samples, best_fit) = (None, None, None, None, None);
+        ArrangementErrors { um, low, high, mean, minus_file, samples, versus_first, best_fit }
     })
 }
 
@@ -330,7 +347,8 @@ mod tests {
                 };
                 let values = rounds.samples(missing.round).map(|sample| value(k, sample, worse)).collect();
                 let at = RoundStep { round: missing.round, step: *step };
-                let _ = journal.done.insert(at, vec![RoundRecord { row, values, file: Some(100.0) }]);
+                let _ =
+                    journal.done.insert(at, vec![RoundRecord { row, values, best_fit: Vec::new(), file: Some(100.0) }]);
             }
         }
     }

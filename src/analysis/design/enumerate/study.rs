@@ -4,13 +4,14 @@ use super::arrangement::Walk;
 use super::journal::RoundRecord;
 use super::ranking::{ArrangementRow, NeededRange, Standing};
 use super::side_draws::SideDraws;
-use super::walk_budget;
+use super::walk_budget::{self, WalkPoses};
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
 use crate::analysis::design::compare::UnreachableCount;
 use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom, inverse_all};
+use crate::analysis::reference::{PartReference, tip_at};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order};
-use crate::machine::{Approach, Axis, AxisName, Branch, ErrorId, Machine, Pose};
+use crate::machine::{Approach, Axis, AxisName, Branch, ErrorId, Machine, OperatingConditions, Pose};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -27,6 +28,30 @@ pub enum Judge {
     Errors,
 }
 
+/// The set-up of a part on every arrangement.
+pub trait PartSetUps: std::fmt::Debug + Sync {
+    /// Returns what is taken out on a machine at its poses (mm, deg) for the work; after it what the best fit takes
+    /// out, if that is asked for too. `None` if the machine does not reach the point of the reference.
+    fn references(&self, machine: &Machine, poses: &[Pose]) -> Option<Vec<Option<PartReference>>>;
+
+    /// True if what is taken out first depends on the poses.
+    fn is_fitted(&self) -> bool;
+}
+
+/// Nothing is taken out.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MachineCoordinates;
+
+impl PartSetUps for MachineCoordinates {
+    fn references(&self, _: &Machine, _: &[Pose]) -> Option<Vec<Option<PartReference>>> {
+        Some(vec![None])
+    }
+
+    fn is_fitted(&self) -> bool {
+        false
+    }
+}
+
 /// A study of arrangements.
 #[derive(Debug)]
 pub struct Study<'a> {
@@ -38,6 +63,7 @@ pub struct Study<'a> {
     poses: Vec<Pose>,
     freedom: usize,
     sized: bool,
+    set_ups: &'a dyn PartSetUps,
 }
 
 /// One round of a study: the machines that are drawn in it.
@@ -64,7 +90,13 @@ impl<'a> Study<'a> {
         let found = inverse_all(machine, &targets).into_iter().zip(targets);
         let (work, poses): (Vec<ToolPose>, Vec<Pose>) =
             found.filter_map(|(pose, target)| Some((target, pose.ok()?))).unzip();
-        Self { machine, walks, statistic, judge, work, poses, freedom: freedom(machine), sized: false }
+        let (freedom, set_ups) = (freedom(machine), &MachineCoordinates);
+        Self { machine, walks, statistic, judge, work, poses, freedom, sized: false, set_ups }
+    }
+
+    /// The same study without what the set-up of the part takes out.
+    pub fn with_set_ups(self, set_ups: &'a dyn PartSetUps) -> Self {
+        Self { set_ups, ..self }
     }
 
     /// The same study, which also tells the travel that the work needs of each arrangement.
@@ -74,20 +106,25 @@ impl<'a> Study<'a> {
 
     /// Returns a round with its samples drawn, and all before them.
     pub fn round(&'a self, samples: Range<usize>) -> StudyRound<'a> {
-        let Judge::Budget { bounds, draws } = &self.judge else {
-            let values = self.poses.par_iter().map(|pose| squared_deviation(self.machine, pose)).collect();
-            return StudyRound {
-                study: self,
-                samples,
-                drawn: SideDraws::default(),
-                reference: ReferenceMachine::Values(values),
-            };
+        let drawn = match &self.judge {
+            Judge::Errors => SideDraws::default(),
+            Judge::Budget { bounds, draws } => SideDraws::new(self.machine, bounds, draws, samples.end),
         };
-        let drawn = SideDraws::new(self.machine, bounds, draws, samples.end);
+        let reference = self.file_lengths(&self.poses, &drawn);
+        StudyRound { study: self, samples, drawn, reference }
+    }
+
+    /// Returns the machine as its file has it at some of its poses for the work.
+    fn file_lengths(&self, poses: &[Pose], drawn: &SideDraws) -> ReferenceMachine {
+        let references = self.set_ups.references(self.machine, poses).unwrap_or_else(|| vec![None]);
+        if let Judge::Errors = self.judge {
+            return ReferenceMachine::Values(squared_deviations(self.machine, poses, references[0].as_ref()));
+        }
         let axes: Vec<usize> = (0..self.machine.axes().len()).collect();
-        let table = self.machine.axes().iter().filter(|a| a.branch == Branch::Workpiece).count();
-        let lengths = walk_budget::squared_lengths(self.machine, &axes, table, &self.poses, &drawn);
-        StudyRound { study: self, samples, drawn, reference: ReferenceMachine::Drawn(lengths) }
+        let tables = [self.machine.axes().iter().filter(|a| a.branch == Branch::Workpiece).count()];
+        let references = &references[..1];
+        let walk = WalkPoses { machine: self.machine, axes: &axes, tables: &tables, poses, references };
+        ReferenceMachine::Drawn(walk_budget::squared_lengths(walk, drawn))
     }
 
     /// Returns the tool poses of the work.
@@ -142,7 +179,7 @@ impl StudyRound<'_> {
             travel: Vec::new(),
         };
         let each = || machines.iter().zip(tables);
-        let apart = |row: ArrangementRow| RoundRecord { row, values: Vec::new(), file: None };
+        let apart = |row: ArrangementRow| RoundRecord { row, values: Vec::new(), best_fit: Vec::new(), file: None };
         if freedom(nominal) < study.freedom {
             let all = study.work.len();
             let missed = UnreachableCount { total: all, direction: all, ..UnreachableCount::default() };
@@ -156,44 +193,61 @@ impl StudyRound<'_> {
         if poses.is_empty() {
             return each().map(|of| apart(row(of, Standing::ReachesNothing, missed))).collect();
         }
-        let (values, file) = self.values(walk, machines, tables, &reached, &poses);
-        let judged = each().zip(values).map(|(of, values)| RoundRecord {
+        let Some(references) = study.set_ups.references(nominal, &poses) else {
+            return each().map(|of| apart(row(of, Standing::MissesReference, missed))).collect();
+        };
+        let file = self.file_value(&reached);
+        let walk = WalkPoses { machine: nominal, axes: &walk.axes, tables, poses: &poses, references: &references };
+        let mut values = self.values(walk, machines).into_iter();
+        let (values, best_fit) = (values.next().unwrap_or_default(), values.next());
+        let best_fit = best_fit.unwrap_or_else(|| vec![Vec::new(); machines.len()]);
+        let judged = each().zip(values).zip(best_fit).map(|((of, values), best_fit)| RoundRecord {
             row: ArrangementRow { travel: travel.clone(), ..row(of, Standing::Judged, missed) },
             values,
+            best_fit,
             file: Some(file),
         });
         judged.collect()
     }
 
-    /// Returns the values of the round, um, for every arrangement, and the ranked value of the file's machine.
-    fn values(
-        &self,
-        walk: &Walk,
-        machines: &[Machine],
-        tables: &[usize],
-        reached: &[usize],
-        poses: &[Pose],
-    ) -> (Vec<Vec<f64>>, f64) {
+    /// Returns the values of the round, um, for every reference and arrangement.
+    fn values(&self, walk: WalkPoses<'_>, machines: &[Machine]) -> Vec<Vec<Vec<f64>>> {
         let statistic = self.study.statistic;
-        let um = |mm: f64| mm * 1e3;
-        match &self.reference {
+        if let ReferenceMachine::Drawn(_) = &self.reference {
+            let round = walk_budget::Round { drawn: &self.drawn, samples: self.samples.clone() };
+            let mut values = walk_budget::statistics(walk, &round, statistic);
+            values.iter_mut().flatten().flatten().for_each(|mm| *mm *= 1e3);
+            return values;
+        }
+        let value = |machine: &Machine, reference: &Option<PartReference>| {
+            vec![statistic.of(&mut squared_deviations(machine, walk.poses, reference.as_ref())).sqrt() * 1e3]
+        };
+        let of = |reference| machines.iter().map(|machine| value(machine, reference)).collect();
+        walk.references.iter().map(of).collect()
+    }
+
+    /// Returns the ranked value of the machine as its file has it on the tool poses that are reached, um.
+    fn file_value(&self, reached: &[usize]) -> f64 {
+        let (study, statistic) = (self.study, self.study.statistic);
+        let all: Vec<usize> = (0..reached.len()).collect();
+        let fitted = (study.set_ups.is_fitted() && reached.len() < study.work.len()).then(|| {
+            let poses: Vec<Pose> = reached.iter().map(|i| study.poses[*i].clone()).collect();
+            study.file_lengths(&poses, &self.drawn)
+        });
+        let (own, places) = match &fitted {
+            Some(of) => (of, &*all),
+            None => (&self.reference, reached),
+        };
+        match own {
             ReferenceMachine::Drawn(own) => {
                 let file = own.iter().flat_map(|lanes| {
-                    let same: Vec<SampleLanes> = reached.iter().map(|i| lanes[*i]).collect();
+                    let same: Vec<SampleLanes> = places.iter().map(|i| lanes[*i]).collect();
                     walk_budget::over_poses(statistic, &same)
                 });
-                let file: Vec<f64> = file.take(self.samples.end).map(um).collect();
-                let round = walk_budget::Round { drawn: &self.drawn, samples: self.samples.clone() };
-                let rows = walk_budget::statistics(&machines[0], &walk.axes, tables, poses, &round, statistic);
-                (rows.into_iter().map(|row| row.into_iter().map(um).collect()).collect(), percentile_95(&file))
+                percentile_95(&file.take(self.samples.end).map(|mm| mm * 1e3).collect::<Vec<_>>())
             }
             ReferenceMachine::Values(own) => {
-                let file = statistic.of(&mut reached.iter().map(|i| own[*i]).collect::<Vec<_>>()).sqrt();
-                let value = |machine: &Machine| {
-                    let mut squares: Vec<f64> = poses.iter().map(|pose| squared_deviation(machine, pose)).collect();
-                    vec![um(statistic.of(&mut squares).sqrt())]
-                };
-                (machines.iter().map(value).collect(), um(file))
+                statistic.of(&mut places.iter().map(|i| own[*i]).collect::<Vec<_>>()).sqrt() * 1e3
             }
         }
     }
@@ -221,7 +275,14 @@ fn turns(error: &ErrorId, axis: &AxisName) -> bool {
     error.axis == *axis && error.direction.is_rotation() && !error.is_location()
 }
 
-/// Returns the squared length (mm^2) of the deviation by the errors that have a value.
-fn squared_deviation(machine: &Machine, pose: &[f64]) -> f64 {
-    Bare { machine, order: Order::Exact }.deviation(&Approach::Mean.at_pose(pose)).position.norm_squared()
+/// Returns the squared lengths (mm^2) of the deviations by the errors that have a value, less what a reference takes out.
+fn squared_deviations(machine: &Machine, poses: &[Pose], reference: Option<&PartReference>) -> Vec<f64> {
+    let bare = Bare { machine, order: Order::Exact };
+    let motion = reference.map(|of| of.motion_of(&bare, Order::Exact, OperatingConditions::from(Approach::Mean)));
+    let square = |pose: &Pose| {
+        let whole = bare.deviation(&Approach::Mean.at_pose(pose));
+        let left = motion.map_or(whole, |motion| motion.removed_from(&whole, &tip_at(machine, pose)));
+        left.position.norm_squared()
+    };
+    poses.par_iter().map(square).collect()
 }

@@ -5,10 +5,13 @@
 
 use super::side_draws::SideDraws;
 use crate::analysis::design::budget::{
-    CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleLanes, SourceEffects, Statistic, add, columns, squares,
+    CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleLanes, SourceEffects, Statistic, add, columns,
+    remove_motion, squares,
 };
+use crate::analysis::reference::{PartReference, ReferencePoint, tip_at};
 use crate::lower::{Quantity, SideWeights, twists};
 use crate::machine::{Axis, Branch, Machine, Pose};
+use nalgebra::Vector3;
 use std::ops::Range;
 
 /// A joint at a pose: effects of its errors on the tool side and on the table side.
@@ -42,47 +45,115 @@ impl Round<'_> {
     }
 }
 
-/// Returns the statistic over the poses, mm, for every arrangement (rows, as `tables` lists them) and sample of the
-/// round. `axes` are the indices of the walk's axes among the drawn joints; the last joint is the spindle.
-pub fn statistics(
-    machine: &Machine,
-    axes: &[usize],
-    tables: &[usize],
-    poses: &[Pose],
-    round: &Round<'_>,
-    statistic: Statistic,
-) -> Vec<Vec<f64>> {
-    let drawn = round.drawn;
-    let pose_maps: Vec<PoseMaps> = poses.iter().map(|pose| maps(machine, axes, pose, drawn)).collect();
-    let mut rows = vec![Vec::with_capacity(round.chunks().len() * SAMPLE_LANES); tables.len()];
-    let mut lengths: Vec<Vec<SampleLanes>> = vec![Vec::with_capacity(poses.len()); tables.len()];
+/// Arrangements of one walk at their poses for the work.
+#[derive(Debug, Clone, Copy)]
+pub struct WalkPoses<'a> {
+    /// The nominal machine.
+    pub machine: &'a Machine,
+    /// Indices of the walk's axes among the drawn joints; the last joint is the spindle.
+    pub axes: &'a [usize],
+    /// Numbers of axes on the table, one for each arrangement.
+    pub tables: &'a [usize],
+    /// The poses (mm, deg).
+    pub poses: &'a [Pose],
+    /// What set-ups of the part take out, each by itself; `None` is nothing.
+    pub references: &'a [Option<PartReference>],
+}
+
+/// Returns the statistic over the poses, mm, for every reference, arrangement and sample of the round.
+pub fn statistics(walk: WalkPoses<'_>, round: &Round<'_>, statistic: Statistic) -> Vec<Vec<Vec<f64>>> {
+    let maps = WalkMaps::new(walk, round.drawn);
+    let empty = Vec::with_capacity(round.chunks().len() * SAMPLE_LANES);
+    let mut rows = vec![vec![empty; walk.tables.len()]; walk.references.len()];
     for chunk in round.chunks() {
-        lengths.iter_mut().for_each(Vec::clear);
-        for maps in &pose_maps {
-            let deviations = maps.deviations(chunk, drawn);
-            lengths.iter_mut().zip(tables).for_each(|(list, table)| list.push(squares(&deviations[*table])));
+        let lengths = maps.squared_lengths(chunk);
+        for (row, lanes) in rows.iter_mut().flatten().zip(lengths.iter().flatten()) {
+            row.extend(over_poses(statistic, lanes));
         }
-        rows.iter_mut().zip(&lengths).for_each(|(row, lanes)| row.extend(over_poses(statistic, lanes)));
     }
     let before = round.samples.start % SAMPLE_LANES;
-    rows.iter_mut().for_each(|row| {
+    rows.iter_mut().flatten().for_each(|row| {
         let _ = row.drain(..before);
         row.truncate(round.samples.len());
     });
     rows
 }
 
-/// Returns the squared lengths (mm^2) of one arrangement, chunk by chunk and pose by pose.
-pub fn squared_lengths(
-    machine: &Machine,
-    axes: &[usize],
-    table: usize,
-    poses: &[Pose],
-    drawn: &SideDraws,
-) -> Vec<Vec<SampleLanes>> {
-    let pose_maps: Vec<PoseMaps> = poses.iter().map(|pose| maps(machine, axes, pose, drawn)).collect();
-    let at = |maps: &PoseMaps, chunk: usize| squares(&maps.deviations(chunk, drawn)[table]);
-    (0..drawn.chunks()).map(|chunk| pose_maps.iter().map(|maps| at(maps, chunk)).collect()).collect()
+/// Returns the squared lengths (mm^2) of the first arrangement with the first reference, chunk by chunk and pose by
+/// pose.
+pub fn squared_lengths(walk: WalkPoses<'_>, drawn: &SideDraws) -> Vec<Vec<SampleLanes>> {
+    let maps = WalkMaps::new(walk, drawn);
+    let first = |of: Vec<Vec<Vec<SampleLanes>>>| of.into_iter().flatten().next().unwrap_or_default();
+    (0..drawn.chunks()).map(|chunk| first(maps.squared_lengths(chunk))).collect()
+}
+
+/// The effects of drawn errors at the poses of a walk, and at the points of its references.
+struct WalkMaps<'a> {
+    walk: WalkPoses<'a>,
+    drawn: &'a SideDraws,
+    poses: Vec<PoseMaps>,
+    tips: Vec<Vector3<f64>>,
+    /// Of each reference its points; those of a best fit are the poses.
+    points: Vec<Vec<PoseMaps>>,
+}
+
+impl<'a> WalkMaps<'a> {
+    fn new(walk: WalkPoses<'a>, drawn: &'a SideDraws) -> Self {
+        let at = |pose: &Pose| maps(walk.machine, walk.axes, pose, drawn);
+        let own = |points: &[ReferencePoint]| !points.iter().map(|point| &point.pose).eq(walk.poses);
+        let points = |of: &Option<PartReference>| match of.as_ref().map(PartReference::points) {
+            Some(points) if own(points) => points.iter().map(|point| at(&point.pose)).collect(),
+            _ => Vec::new(),
+        };
+        let is_set_up = walk.references.iter().any(Option::is_some);
+        let tips = walk.poses.iter().filter(|_| is_set_up).map(|pose| tip_at(walk.machine, pose)).collect();
+        let points = walk.references.iter().map(points).collect();
+        Self { walk, drawn, poses: walk.poses.iter().map(at).collect(), tips, points }
+    }
+
+    /// Returns the deviations of every arrangement.
+    fn deviations(&self, of: &PoseMaps, chunk: usize) -> Vec<Deviations> {
+        let all = of.deviations(chunk, self.drawn);
+        self.walk.tables.iter().map(|table| all[*table]).collect()
+    }
+
+    /// Returns squared lengths (mm^2) by reference, arrangement and pose.
+    fn squared_lengths(&self, chunk: usize) -> Vec<Vec<Vec<SampleLanes>>> {
+        let at_poses: Vec<Vec<Deviations>> = self.poses.iter().map(|pose| self.deviations(pose, chunk)).collect();
+        let arrangements = 0..self.walk.tables.len();
+        let of = |(reference, points): (&Option<PartReference>, &Vec<PoseMaps>)| {
+            let own: Vec<Vec<Deviations>> = points.iter().map(|point| self.deviations(point, chunk)).collect();
+            let at_points = if own.is_empty() { &at_poses } else { &own };
+            let lengths = |i: usize| match reference {
+                None => at_poses.iter().map(|all| squares(&all[i])).collect(),
+                Some(reference) => {
+                    let motion = motion(reference, at_points.iter().map(|all| &all[i]));
+                    let left = |(all, tip): (&Vec<Deviations>, &Vector3<f64>)| {
+                        let mut left = all[i];
+                        remove_motion(&motion, tip, &mut left);
+                        squares(&left)
+                    };
+                    at_poses.iter().zip(&self.tips).map(left).collect()
+                }
+            };
+            arrangements.clone().map(lengths).collect()
+        };
+        self.walk.references.iter().zip(&self.points).map(of).collect()
+    }
+}
+
+/// Returns the motion of every sample that a reference takes out, by deviations at its points.
+fn motion<'a>(reference: &PartReference, at_points: impl Iterator<Item = &'a Deviations>) -> [SampleLanes; 6] {
+    let mut motion = [[0.0; SAMPLE_LANES]; 6];
+    for (point, deviations) in reference.points().iter().zip(at_points) {
+        for (i, sum) in motion.iter_mut().enumerate() {
+            for (k, lanes) in deviations.iter().enumerate() {
+                let gain = point.gain[(i, k)];
+                sum.iter_mut().zip(lanes).for_each(|(sum, d)| *sum += gain * d);
+            }
+        }
+    }
+    motion
 }
 
 /// Returns the statistic of lengths over the poses, for every lane.

@@ -1,0 +1,250 @@
+//! The job in every verb: arrangements, reach, differences, certificates and the report on the part as it is set up,
+//! against closed forms of machines with a scale and with a squareness alone.
+
+use crate::program::{Folder, abbe, json, refused, text};
+use crate::support::packed::data;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn near(found: &Value, truth: f64) {
+    assert!((number(found) - truth).abs() < 1e-6 * truth.abs().max(1.0), "{found} {truth}");
+}
+
+/// A machine of three linear axes with these lines; the axes run from -300 to 300 mm.
+fn three(folder: &Folder, name: &str, lines: &str) -> PathBuf {
+    let axis = |name: &str| format!("  {name}: {{ travel: [-300, 300], origin: [0, 0, 0] }}\n");
+    let axes: String = ["X", "Y", "Z"].map(axis).concat();
+    folder.with(name, &format!("abbe: 1\nmachine: M\nchain: \"w b X Y Z t\"\naxes:\n{axes}{lines}\n"))
+}
+
+/// 20 um per 100 mm of X, and 50 um everywhere.
+const SCALE: &str = "errors: { EXX: { points: [[-300 mm, -60 um], [300 mm, 60 um]] } }\n\
+                     setup: { workpiece: { X: -50 um } }";
+
+/// Tool poses along X at -100, 0, 50 and 200 mm.
+fn along_x(folder: &Folder) -> PathBuf {
+    folder.with("x.csv", "X,Y,Z\n-100,0,0\n0,0,0\n50,0,0\n200,0,0\n")
+}
+
+/// A job of these whose part lies at X = 50.
+fn job(folder: &Folder) -> PathBuf {
+    let _ = folder.with("part.csv", "X,Y,Z\n-150,0,0\n-50,0,0\n0,0,0\n150,0,0\n");
+    folder.with("job.yaml", "tool_poses: part.csv\nplace: { origin: [50, 0, 0] }\n")
+}
+
+#[test]
+fn arrangements_are_ranked_on_the_part_as_it_is_set_up() {
+    let folder = Folder::new("job-enumerate");
+    let machine = three(&folder, "m.yaml", SCALE);
+    let (work, job) = (along_x(&folder), job(&folder));
+    let ranked = |more: &[&str]| {
+        let found = json(&[&["enumerate", text(&machine), "--format", "json"], more].concat());
+        let um: Vec<f64> = found["ranked"].as_array().unwrap().iter().map(|row| number(&row["um"])).collect();
+        assert!(um.len() > 4, "{found}");
+        (um, found)
+    };
+    let all = |um: &[f64], truth: f64| assert!(um.iter().all(|um| (um - truth).abs() < 1e-6), "{um:?} {truth}");
+    let work = text(&work);
+    // -20, 0, 10 and 40 um by the scale: with the shift up to 90 or 70 um, by the side of the bed on which X stands;
+    // with the zero at X = 0 40 um; at X = 50 30 um; a best fit leaves them less their mean, 7.5 um.
+    let (um, _) = ranked(&["--tool-poses", work, "--reference", "machine"]);
+    assert!(um.iter().all(|um| (um - 90.0).abs() < 1e-6 || (um - 70.0).abs() < 1e-6), "{um:?}");
+    let (um, found) = ranked(&["--tool-poses", work]);
+    all(&um, 40.0);
+    let over =
+        serde_json::json!({"kind": "job", "reference": "zero", "path": false, "poses": 4, "reached": 4, "tool": ""});
+    assert_eq!(found["over"], over);
+    let rows = found["ranked"].as_array().unwrap();
+    assert!(rows.iter().all(|row| row["minus_file"].as_f64().unwrap().abs() < 1e-6), "{found}");
+    assert!(rows[1..].iter().all(|row| row["versus_first"]["verdict"] == "equal"), "{found}");
+    all(&ranked(&["--job", text(&job)]).0, 30.0);
+    all(&ranked(&["--tool-poses", work, "--reference", "best-fit"]).0, 32.5);
+}
+
+#[test]
+fn bounded_arrangements_are_drawn_without_the_motion() {
+    let folder = Folder::new("job-enumerate-bounds");
+    let machine = three(&folder, "m.yaml", "errors: { EC0Y: { tolerance: 100 urad } }");
+    let work = folder.with("y.csv", "X,Y,Z\n0,-150,0\n0,20,0\n0,100,0\n");
+    let um = |reference: &str| {
+        let arguments = ["enumerate", text(&machine), "--tool-poses", text(&work), "--reference", reference];
+        let found = json(&[&arguments[..], &["--samples", "50", "--format", "json"]].concat());
+        let rows: Vec<f64> = found["ranked"].as_array().unwrap().iter().map(|row| number(&row["um"])).collect();
+        let first = rows[0];
+        assert!(rows.len() > 4 && rows.iter().all(|um| (um - first).abs() < 1e-6), "{rows:?}");
+        first
+    };
+    // A drawn squareness s moves a tip by s y: the largest |y| is 150, from the zero at Y = 100 it is 250.
+    let [machine_um, zero, shifted, fit] = ["machine", "zero", "zero:0,100,0", "best-fit"].map(um);
+    assert!(machine_um > 5.0 && machine_um <= 15.0, "{machine_um}");
+    assert!((zero / machine_um - 1.0).abs() < 1e-9 && (shifted / machine_um - 250.0 / 150.0).abs() < 1e-9);
+    assert!(fit < 1e-9, "what is a rotation of a line is no error of its form: {fit}");
+}
+
+#[test]
+fn a_volume_is_ranked_in_machine_coordinates_and_by_the_best_fit() {
+    let folder = Folder::new("job-enumerate-both");
+    let lines = "errors: { EXX: { tolerance: 8 um }, EC0Y: { tolerance: 60 urad }, EZ0Z: { tolerance: 30 um }, \
+                 EA0Z: { tolerance: 40 urad }, EYX: { tolerance: 6 um } }";
+    let machine = three(&folder, "m.yaml", lines);
+    let arguments = ["enumerate", text(&machine), "--poses", "30", "--samples", "60", "--max-samples", "60"];
+    let of = |more: &[&str]| json(&[&arguments[..], more, &["--format", "json"]].concat());
+    let [both, alone, fitted] = [&[][..], &["--reference", "machine"], &["--reference", "best-fit"]].map(of);
+    let figure = |of: &Value, chain: &Value| {
+        let rows = of["ranked"].as_array().unwrap();
+        number(&rows.iter().find(|row| row["chain"] == *chain).unwrap()["um"])
+    };
+    let mut withheld = 0;
+    for row in both["ranked"].as_array().unwrap() {
+        near(&row["um"], figure(&alone, &row["chain"]));
+        near(&row["best_fit"]["um"], figure(&fitted, &row["chain"]));
+        let [own, fit] = [&row["versus_first"]["verdict"], &row["best_fit"]["versus_first"]["verdict"]];
+        assert_eq!(row.get("withheld").is_some(), own != fit, "{row}");
+        withheld += usize::from(row.get("withheld").is_some());
+    }
+    assert!(alone["ranked"][0].get("best_fit").is_none() && both["over"]["reference"] == "machine");
+    let said = abbe(&arguments);
+    assert!(said.contains("best fit, um") && said.contains("reference: machine coordinates"), "{said}");
+    assert_eq!(said.contains("without a verdict"), withheld > 0);
+}
+
+#[test]
+fn an_arrangement_that_misses_the_zero_has_no_figure() {
+    let folder = Folder::new("job-enumerate-zero");
+    let side = "chain: \"w b X Y Z t\"\naxes:\n  X: { travel: [-300, 300], origin: [0, 0, 0], on_workpiece: { travel: [-80, 80] } }\n  \
+                Y: { travel: [-300, 300], origin: [0, 0, 0] }\n  Z: { travel: [-300, 300], origin: [0, 0, 0] }\n";
+    let machine = folder.with("m.yaml", &format!("abbe: 1\nmachine: M\n{side}{SCALE}\n"));
+    let work = folder.with("w.csv", "X,Y,Z\n-50,0,0\n50,0,0\n");
+    let arguments = ["enumerate", text(&machine), "--tool-poses", text(&work), "--reference"];
+    let found = json(&[&arguments[..], &["zero:150,0,0", "--format", "json"]].concat());
+    let apart = found["reach_less"].as_array().unwrap();
+    assert!(!apart.is_empty() && apart.iter().all(|row| row["misses_reference"] == true && row["um"].is_null()));
+    assert!(
+        apart.iter().all(|row| row["on_table"].as_u64().unwrap() > 0) && apart.iter().all(|row| row["reached"] == 2)
+    );
+    let (code, said) = refused(&[&arguments[..], &["zero:900,0,0"]].concat());
+    assert!(code == 1 && said.contains("E0850"), "{said}");
+}
+
+#[test]
+fn the_reach_of_a_job_counts_its_rows() {
+    let folder = Folder::new("job-reach");
+    let machine = three(&folder, "m.yaml", "");
+    let work = folder.with("w.csv", "X,Y,Z,feature\n0,0,0,a\n310,0,0,b\n-100,50,0,b\n0,0,-350,c\n");
+    let found = json(&["reach", text(&machine), "--tool-poses", text(&work), "--format", "json"]);
+    assert_eq!((&found["tool_poses"], &found["reached"], &found["share"]), (&4.into(), &2.into(), &0.5.into()));
+    assert_eq!((&found["over"]["kind"], &found["over"]["reached"]), (&"job".into(), &2.into()));
+    let lines: Vec<&Value> = found["job"]["rows"].as_array().unwrap().iter().map(|row| &row["line"]).collect();
+    assert_eq!(lines, [3, 5]);
+    assert_eq!(found["box_mm"][0], serde_json::json!([-100.0, 310.0]));
+    let csv = abbe(&["reach", text(&machine), "--tool-poses", text(&work), "--format", "csv"]);
+    assert_eq!(csv.lines().skip(1).collect::<Vec<_>>(), ["0,0,0,1", "310,0,0,0", "-100,50,0,1", "0,0,-350,0"]);
+    let none = folder.with("none.csv", "X,Y,Z\n400,0,0\n");
+    let (code, said) = refused(&["reach", text(&machine), "--tool-poses", text(&none)]);
+    assert_eq!(code, 0, "nothing in reach is an answer: {said}");
+    let far = folder.with("far.yaml", "tool_poses: w.csv\nreference: zero:0,400,0\n");
+    let (code, said) = refused(&["reach", text(&machine), "--job", text(&far)]);
+    assert!(code == 0 && said.contains("W0850") && said.contains("above its travel"), "{said}");
+    let (code, _) = refused(&["reach", text(&machine), "--job", text(&far), "--step", "10"]);
+    assert_eq!(code, 2);
+    let volume = json(&["reach", text(&machine), "--step", "300", "--format", "json"]);
+    assert_eq!((&volume["over"]["kind"], &volume["over"]["poses"]), (&"volume".into(), &volume["tool_poses"]));
+}
+
+#[test]
+fn differences_count_on_the_part_as_it_is_set_up() {
+    let folder = Folder::new("job-diff");
+    let (first, second) = (three(&folder, "a.yaml", ""), three(&folder, "b.yaml", SCALE));
+    let (work, job) = (along_x(&folder), job(&folder));
+    let of = |more: &[&str]| json(&[&["diff", text(&first), text(&second), "--format", "json"], more].concat());
+    let effects = |found: &Value| -> Vec<f64> {
+        found["differences"].as_array().unwrap().iter().map(|d| number(&d["minus_first_um"])).collect()
+    };
+    // Of four poses the 95 % value is the largest.
+    let found = of(&["--tool-poses", text(&work)]);
+    assert_eq!((&found["over"]["reference"], &found["over"]["kind"]), (&"zero".into(), &"job".into()));
+    near(&found["minus_first_um"], 40.0);
+    let list = effects(&found);
+    assert!(list.iter().any(|um| um.abs() < 1e-6) && list.iter().any(|um| (um - 40.0).abs() < 1e-6), "{found}");
+    near(&of(&["--job", text(&job)])["minus_first_um"], 30.0);
+    near(&of(&["--job", text(&job), "--reference", "best-fit"])["minus_first_um"], 32.5);
+    let whole = number(&of(&["--job", text(&job), "--reference", "machine"])["minus_first_um"]);
+    assert!((whole - 90.0).abs() < 1e-6 || (whole - 70.0).abs() < 1e-6, "{whole}");
+    let volume = of(&[]);
+    assert_eq!((&volume["over"]["kind"], &volume["over"]["reference"]), (&"volume".into(), &"machine".into()));
+    let folders = [folder.file("x"), folder.file("y")];
+    let (code, said) = refused(&["diff", text(&first), text(&folders[0]), text(&folders[1]), "--job", text(&job)]);
+    assert!(code == 2 && said.contains("not with two sets"), "{said}");
+}
+
+fn certificate(machine: &Path, out: &Path, verb: &str, more: &[&str]) -> Value {
+    let fixed: &[&str] = if verb == "compile" {
+        &["compile", text(machine), "--target", "grid-csv", "--out", text(out)]
+    } else {
+        &["verify", text(machine), text(out)]
+    };
+    json(&[fixed, &["--poses", "40", "--format", "json"], more].concat())
+}
+
+#[test]
+fn a_certificate_has_figures_over_the_job_beside_those_over_the_volume() {
+    let folder = Folder::new("job-certificate");
+    let machine = three(&folder, "m.yaml", SCALE);
+    let (job, out) = (job(&folder), folder.file("out"));
+    let found = certificate(&machine, &out, "compile", &["--job", text(&job)]);
+    assert_eq!((&found["over"]["kind"], &found["over"]["poses"]), (&"volume".into(), &40.into()));
+    let over =
+        serde_json::json!({"kind": "job", "reference": "zero", "path": false, "poses": 4, "reached": 4, "tool": ""});
+    assert_eq!(found["job"]["over"], over);
+    near(&found["job"]["uncompensated"]["position_um"]["max"], 30.0);
+    // A grid of straight lines follows a straight scale, rounded to what a file holds.
+    assert!(number(&found["job"]["compensated"]["position_um"]["max"]) < 0.02, "{found}");
+    assert!(number(&found["uncompensated"]["position_um"]["max"]) > 60.0);
+    let again = certificate(&machine, &out, "verify", &["--job", text(&job)]);
+    assert_eq!((&again["job"], &again["over"]), (&found["job"], &found["over"]));
+    let fit = certificate(&machine, &out, "verify", &["--job", text(&job), "--reference", "best-fit"]);
+    near(&fit["job"]["uncompensated"]["position_um"]["max"], 32.5);
+    let whole = certificate(&machine, &out, "verify", &[]);
+    assert!(whole.get("job").is_none() && whole["compensated"] == found["compensated"]);
+    let said = abbe(&["verify", text(&machine), text(&out), "--poses", "40", "--job", text(&job)]);
+    let head = "Over a job of 4 tool poses, 4 reached, single poses; reference: zero at (0, 0,";
+    assert!(said.contains(head) && said.contains("machine coordinates"), "{said}");
+    let (code, said) = refused(&["verify", text(&machine), text(&out), "--reference", "zero"]);
+    assert!(code == 2 && said.contains("give a job too"), "{said}");
+}
+
+#[test]
+fn the_report_states_its_reference_and_has_the_figures_of_the_job() {
+    let folder = Folder::new("job-report");
+    let (machine, other) = (three(&folder, "m.yaml", SCALE), three(&folder, "o.yaml", "errors: { EC0Y: 80 urad }"));
+    let (job, out) = (job(&folder), folder.file("page.html"));
+    let page = |machines: &[&Path], more: &[&str]| {
+        let machines: Vec<&str> = machines.iter().map(|path| text(path)).collect();
+        let fixed = ["--poses", "60", "--out", text(&out), "--quiet"];
+        abbe(&[&["report"], &machines[..], &fixed, more].concat());
+        std::fs::read_to_string(&out).unwrap()
+    };
+    let html = page(&[&machine], &["--job", text(&job)]);
+    assert!(
+        html.contains("reference: zero at (0, 0, 0) along (0, 0, 1)") && html.contains("are in machine coordinates.")
+    );
+    let of = &data(&html)["machines"][0];
+    near(&of["statistics"]["position_um"]["max"], 30.0);
+    near(&of["worst"][0]["length_um"], 30.0);
+    // The scale alone makes all of it.
+    let scale = of["sources"].as_array().unwrap().iter().find(|source| source["error"] == "EXX").unwrap();
+    near(&scale["max_um"], 30.0);
+    near(&scale["at_worst_um"], 30.0);
+    let fit = data(&page(&[&machine], &["--job", text(&job), "--reference", "best-fit"]));
+    near(&fit["machines"][0]["statistics"]["position_um"]["max"], 32.5);
+    let both = data(&page(&[&machine, &other], &["--job", text(&job)]));
+    near(&both["comparison"]["machines"][0]["position_um"]["max"], 30.0);
+    near(&both["comparison"]["machines"][1]["position_um"]["max"], 0.0);
+    assert_eq!(both["comparison"]["over"]["reference"], "zero");
+    let volume = page(&[&machine], &[]);
+    assert!(volume.contains("reference: machine coordinates") && !volume.contains("are in machine coordinates."));
+}
