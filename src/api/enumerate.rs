@@ -420,9 +420,9 @@ fn work(
     let Some(path) = &options.tool_poses else {
         return Ok((Work::random(machine, options.poses, options.seed), None));
     };
-    let file = tool_poses::read(call, machine, path)?;
+    let file = tool_poses::read(call, machine, path)?.along(None);
     let reached = file.reached(call, machine)?;
-    Ok((Work::Listed(file.list(machine)), Some(reached)))
+    Ok((file.work(machine), Some(reached)))
 }
 
 fn rules(options: &EnumerateOptions, machine: &Machine) -> Result<Vec<Rule>, Diagnostic> {

@@ -7,7 +7,8 @@ use super::side_draws::SideDraws;
 use super::walk_budget;
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
 use crate::analysis::design::compare::UnreachableCount;
-use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom, inverse_all};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom};
+use crate::analysis::path::solve;
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order};
 use crate::machine::{Approach, Axis, AxisName, Branch, ErrorId, Machine, Pose};
@@ -38,6 +39,7 @@ pub struct Study<'a> {
     poses: Vec<Pose>,
     freedom: usize,
     sized: bool,
+    is_path: bool,
 }
 
 /// One round of a study: the machines that are drawn in it.
@@ -61,10 +63,11 @@ impl<'a> Study<'a> {
     /// Returns a study with its work. Tool poses that the machine itself cannot reach are left out.
     pub fn new(machine: &'a Machine, walks: Vec<Walk>, judge: Judge, statistic: Statistic, work: &Work) -> Self {
         let targets: Vec<ToolPose> = (0..work.len()).into_par_iter().map(|i| work.get(machine, i)).collect();
-        let found = inverse_all(machine, &targets).into_iter().zip(targets);
+        let found = solve(machine, &targets, work.is_path()).into_iter().zip(targets);
+        let is_path = work.is_path();
         let (work, poses): (Vec<ToolPose>, Vec<Pose>) =
             found.filter_map(|(pose, target)| Some((target, pose.ok()?))).unzip();
-        Self { machine, walks, statistic, judge, work, poses, freedom: freedom(machine), sized: false }
+        Self { machine, walks, statistic, judge, work, poses, freedom: freedom(machine), sized: false, is_path }
     }
 
     /// The same study, which also tells the travel that the work needs of each arrangement.
@@ -148,7 +151,7 @@ impl StudyRound<'_> {
             let missed = UnreachableCount { total: all, direction: all, ..UnreachableCount::default() };
             return each().map(|of| apart(row(of, Standing::CannotTurn, missed))).collect();
         }
-        let found: Vec<Result<Pose, Miss>> = inverse_all(nominal, &study.work);
+        let found: Vec<Result<Pose, Miss>> = solve(nominal, &study.work, study.is_path);
         let missed = UnreachableCount::count(found.iter().filter_map(|pose| Some(&pose.as_ref().err()?.why)));
         let travel = if study.sized { travel_needs(nominal, &found) } else { Vec::new() };
         let (reached, poses): (Vec<usize>, Vec<Pose>) =
