@@ -5,6 +5,7 @@
 //!   one over an algebra ([`Inverse`]).
 //! - `volume`: maps ([`map()`]), surveys that keep no pose ([`survey()`]), planes, body diagonals, lever arms, the
 //!   tool poses on which machines are compared ([`Work`]), and those of a grid within reach ([`reach()`]).
+//! - `path`: tool poses as one continuous path ([`solve_path()`]), and its events ([`path_events()`]).
 //! - `design`: machines side by side ([`compare()`]), tolerances to the volumetric error ([`mod@budget`]), arrangements
 //!   of the axes ([`enumerate`]), and the effect of each error alone ([`error_statistics()`], [`contributions()`]).
 //! - `closed_form`: equations over polynomials in symbols ([`equations()`]), interactions of errors
@@ -20,6 +21,7 @@ mod design;
 pub mod figure_bands;
 pub mod instrument;
 mod inverse;
+mod path;
 pub mod reference;
 mod uncertainty;
 mod volume;
@@ -36,6 +38,7 @@ pub use inverse::{
     DirectionKind, Inverse, Miss, Needs, ToolDirections, ToolPose, TravelExcess, Unreachable, attitude, branches,
     direction_gap, excess, inverse, inverse_all, place, rest, rotary_axes_place_tip, tool_pose,
 };
+pub use path::{AxisMotion, PathEvents, PoleCrossing, Rewind, path_events, solve};
 pub use uncertainty::{Bands, SummaryBand, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
 pub(crate) use volume::deviations;
 pub use volume::{

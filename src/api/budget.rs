@@ -7,6 +7,7 @@ use crate::analysis::reference::PartReference;
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
+use crate::job::path::PathResult;
 use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
 use crate::job::reference::{Reference, SetUp};
 use crate::job::tool_poses::ReachedToolPoses;
@@ -34,6 +35,9 @@ pub struct BudgetOptions {
     pub tool_poses: Option<PathBuf>,
     /// A job file instead of the tool poses.
     pub job: Option<PathBuf>,
+    /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
+    /// CL data alone.
+    pub path: Option<bool>,
     /// What the set-up of the part takes out of the effects; by default the zero at the part's origin for tool poses,
     /// nothing for a volume.
     pub reference: Option<Reference>,
@@ -60,6 +64,7 @@ impl Default for BudgetOptions {
             poses: 500,
             tool_poses: None,
             job: None,
+            path: None,
             reference: None,
             samples: 1000,
             at: None,
@@ -101,6 +106,9 @@ pub struct BudgetResult {
     pub chain: String,
     /// What the budget is over.
     pub over: Over,
+    /// What the tool poses ask of the machine, if they are one path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathResult>,
     /// The same without the rigid motion of the best fit, for a volume whose reference is not stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub best_fit: Option<FittedBudget>,
@@ -211,7 +219,7 @@ struct BudgetWork {
 
 impl BudgetWork {
     fn of(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<Self, Refused> {
-        let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+        let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
         let job = paths.read(call, machine)?;
         let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
         let poses = match &tool_poses {
@@ -271,9 +279,10 @@ pub(crate) fn budget_of(
     let over = work.over(machine, &work.set_up.reference);
     let BudgetWork { poses, tool_poses, .. } = work;
     let coverage = Coverage::of(machine, &bounds);
+    let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
     let budget = BudgetFigures::new(machine, bounds, &budget, poses.len(), drawing);
     let (machine, chain) = (machine.name().to_owned(), machine.chain().to_string());
-    Ok(BudgetResult { budget, coverage, machine, chain, over, best_fit, tool_poses, goal, at })
+    Ok(BudgetResult { budget, coverage, machine, chain, over, path, best_fit, tool_poses, goal, at })
 }
 
 /// Returns the budget of the same machines drawn without the best fit over the poses.

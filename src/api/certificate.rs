@@ -26,6 +26,9 @@ pub struct CertifiedWork {
     pub tool_poses: Option<PathBuf>,
     /// A job file instead of the tool poses.
     pub job: Option<PathBuf>,
+    /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
+    /// CL data alone.
+    pub path: Option<bool>,
     /// What the set-up of the part takes out; by default the zero at the part's origin.
     pub reference: Option<Reference>,
 }
@@ -39,7 +42,7 @@ pub(crate) struct WorkOfCertificate {
 impl CertifiedWork {
     /// Reads the job; `None` without one.
     pub(crate) fn read(&self, call: &mut Call<'_>, machine: &Machine) -> Result<Option<WorkOfCertificate>, Refused> {
-        let paths = JobPaths { job: self.job.as_ref(), tool_poses: self.tool_poses.as_ref() };
+        let paths = JobPaths { job: self.job.as_ref(), tool_poses: self.tool_poses.as_ref(), path: self.path };
         let Some(job) = paths.read(call, machine)? else {
             if self.reference.is_some() {
                 return call.usage("the certificate over the volume is in machine coordinates: give a job too");

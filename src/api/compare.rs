@@ -16,6 +16,7 @@ use crate::evaluate::{Bare, Difference, Field, Frame, Order, Statistics, Summary
 use crate::job::job_file::JobPaths;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::{Over, OverKind};
+use crate::job::path::PathResult;
 use crate::job::poses::check;
 use crate::job::reference::{Reference, SetUp};
 use crate::job::tool_poses::{MissedToolPose, NeededTravel, needed_travel};
@@ -35,6 +36,9 @@ pub struct CompareOptions {
     pub tool_poses: Option<PathBuf>,
     /// A job file instead of the tool poses.
     pub job: Option<PathBuf>,
+    /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
+    /// CL data alone.
+    pub path: Option<bool>,
     /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
     /// poses. Without tool poses machine coordinates and best fit are both compared by default.
     pub reference: Option<Reference>,
@@ -61,6 +65,7 @@ impl Default for CompareOptions {
             poses: 1000,
             tool_poses: None,
             job: None,
+            path: None,
             reference: None,
             seed: 1,
             tolerances,
@@ -152,6 +157,9 @@ pub struct ComparedMachine {
     /// The travel that the tool poses of a file need, axis by axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub travel: Option<Vec<NeededTravel>>,
+    /// What the tool poses ask of it, if they are one path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathResult>,
     /// The kinematic chain.
     #[serde(skip)]
     pub chain: String,
@@ -205,22 +213,24 @@ fn side_by_side(
     let order = |machine: &Machine| order_of(machine, options.order);
     let bare: Vec<Bare<'_>> = files.iter().map(|file| Bare { machine: file, order: order(file) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
     let job = paths.read(call, first)?;
     let asked = job.as_ref().map(|job| &job.poses);
     let work = match asked {
-        Some(asked) => Work::Listed(asked.list(first)),
+        Some(asked) => asked.work(first),
         None => Work::random(first, options.poses, options.seed),
     };
     let comparison = call.stage(work.len(), |advance| compared(&fields, &work, options.approach.into(), advance))?;
     let sides: Vec<(&Machine, Vec<Pose>)> =
         files.iter().zip(&comparison.machines).map(|(file, side)| (&**file, poses(side))).collect();
-    let mut missed = vec![None; sides.len()];
+    let (mut missed, mut paths) = (vec![None; sides.len()], vec![None; sides.len()]);
     if let Some(asked) = asked {
         for (i, ((machine, poses), side)) in sides.iter().zip(&comparison.machines).enumerate() {
             let rows = asked.missed(machine, &side.missed);
+            paths[i] = side.path.as_ref().map(|events| PathResult::new(machine, events, &asked.lines()));
             call.about(files[i].path(), |call| {
                 asked.say(call, machine, &rows)?;
+                call.extend(paths[i].as_ref().and_then(|path| path.warning(machine)));
                 check(call, machine, poses)
             })?;
             missed[i] = Some(rows);
@@ -237,7 +247,9 @@ fn side_by_side(
         Alike { files, fields: &fields, sides: &sides, draws, order: options.order, conditions: approach.into() };
     let whole = alike.figures(call, comparison.clone(), &set_ups)?;
     let (kind, counts) = (if asked.is_some() { OverKind::Job } else { OverKind::Volume }, &comparison);
-    let over = |reference: &Reference| Over::new(kind, first, reference, [counts.asked, counts.common.len()]);
+    let over = |reference: &Reference| {
+        Over::new(kind, first, reference, [counts.asked, counts.common.len()]).along(work.is_path())
+    };
     let fitted = match (&options.reference, asked) {
         (None, None) => {
             let fits: Vec<SetUp> = sides.iter().map(|(machine, poses)| SetUp::best_fit(machine, poses)).collect();
@@ -261,11 +273,11 @@ fn side_by_side(
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
     };
     let travels: Vec<_> = missed.iter().enumerate().map(travel).collect();
-    let of = |(i, (((machine, missed), travel), bounds_add))| {
+    let of = |(i, ((((machine, missed), travel), bounds_add), path))| {
         let uncertainty = uncertainty.as_ref().map(|of: &Vec<ComparedBands>| of[i]);
-        ComparedMachine { missed, travel, bounds_add, uncertainty, ..machine }
+        ComparedMachine { missed, travel, path, bounds_add, uncertainty, ..machine }
     };
-    let machines = machines.zip(missed).zip(travels).zip(adds).enumerate().map(of);
+    let machines = machines.zip(missed).zip(travels).zip(adds).zip(paths).enumerate().map(of);
     Ok(CompareResult {
         over: over(&set_ups[0].reference),
         contributions: contributions.iter().map(contribution).collect(),
@@ -321,6 +333,7 @@ fn compared_machine(
         uncertainty: None,
         travel: None,
         missed: None,
+        path: None,
         chain: file.chain().to_string(),
     }
 }

@@ -25,6 +25,9 @@ pub struct DiffMachinesOptions {
     pub tool_poses: Option<PathBuf>,
     /// A job file instead of the tool poses.
     pub job: Option<PathBuf>,
+    /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
+    /// CL data alone.
+    pub path: Option<bool>,
     /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
     /// poses, nothing for a volume.
     pub reference: Option<Reference>,
@@ -38,8 +41,8 @@ pub struct DiffMachinesOptions {
 
 impl Default for DiffMachinesOptions {
     fn default() -> Self {
-        let (tool_poses, job, reference) = (None, None, None);
-        Self { poses: 1000, tool_poses, job, reference, seed: 1, order: None, approach: Approach::default() }
+        let (tool_poses, job, path, reference) = (None, None, None, None);
+        Self { poses: 1000, tool_poses, job, path, reference, seed: 1, order: None, approach: Approach::default() }
     }
 }
 
@@ -59,7 +62,7 @@ fn difference(
     let [first, second] = files else { return call.usage("`diff` takes two machines") };
     call.check_counts(&[Count::Poses(options.poses)])?;
     let properties = first.differences(second);
-    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
     let job = paths.read(call, first)?;
     let judge = Judge::of(call, [first, second], options, job.as_ref())?;
     let single: Vec<(&MachineProperty, Machine)> = properties
@@ -70,7 +73,7 @@ fn difference(
         .collect();
     let both = [&**first, &**second];
     let work = match &job {
-        Some(job) => Work::Listed(job.poses.list(first)),
+        Some(job) => job.poses.work(first),
         None => Work::random(first, options.poses, options.seed),
     };
     let found = judge.compare(call, &both, &work)?;

@@ -50,6 +50,9 @@ pub struct EnumerateOptions {
     pub tool_poses: Option<PathBuf>,
     /// A job file instead of the tool poses.
     pub job: Option<PathBuf>,
+    /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
+    /// CL data alone.
+    pub path: Option<bool>,
     /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
     /// poses. Without tool poses arrangements are ranked in machine coordinates by default, and their best fits beside.
     pub reference: Option<Reference>,
@@ -86,6 +89,7 @@ impl Default for EnumerateOptions {
             poses: 500,
             tool_poses: None,
             job: None,
+            path: None,
             reference: None,
             size: false,
             samples: 200,
@@ -360,11 +364,11 @@ fn studied(
     }
     let long = options.size.then(|| sized(machine));
     let machine = long.as_ref().unwrap_or(machine);
-    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
     let job = paths.read(call, machine)?;
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let work = match &job {
-        Some(job) => Work::Listed(job.poses.list(machine)),
+        Some(job) => job.poses.work(machine),
         None => Work::random(machine, options.poses, options.seed),
     };
     let set_ups = SetUps::new(call, options, machine, (job.as_ref(), tool_poses.as_ref()))?;

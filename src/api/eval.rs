@@ -8,6 +8,7 @@ use crate::evaluate::{Bare, Deviation, Evaluation, Frame, Order, evaluate, evalu
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
 use crate::job::over::Over;
+use crate::job::path::PathResult;
 use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::job::reference::{Reference, SetUp};
 use crate::lower::WeilLift;
@@ -28,6 +29,9 @@ pub struct EvalOptions {
     pub pose_file: Option<PathBuf>,
     /// A job file instead of poses: the poses for its tool poses, without what its set-up takes out.
     pub job: Option<PathBuf>,
+    /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
+    /// CL data alone.
+    pub path: Option<bool>,
     /// What the set-up of the part takes out of the deviations; by default what the job says, otherwise nothing.
     pub reference: Option<Reference>,
     /// Order of the errors; exact by default, unless the conventions of the machine name an order.
@@ -63,6 +67,9 @@ pub struct EvalResult {
     /// What the result is over, for a job or a reference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over: Option<Over>,
+    /// What the tool poses ask of the machine, if they are one path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathResult>,
     /// Units of the numbers.
     pub units: EvalUnits,
     /// The poses in their order.
@@ -133,7 +140,7 @@ pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run) -> Reply<EvalRe
 fn evaluate_poses(call: &mut Call, machine: &Machine, options: &EvalOptions) -> Result<EvalResult, Refused> {
     call.extend(bounded_only(machine));
     let asked = (options.at.as_slice(), options.poses.as_slice(), options.pose_file.as_ref());
-    let job = JobPaths { job: options.job.as_ref(), tool_poses: None }.read(call, machine)?;
+    let job = JobPaths { job: options.job.as_ref(), tool_poses: None, path: options.path }.read(call, machine)?;
     let reached = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let poses = match &reached {
         Some(reached) => reached.poses.clone(),
@@ -168,6 +175,7 @@ fn evaluate_poses(call: &mut Call, machine: &Machine, options: &EvalOptions) -> 
         direction: options.approach,
         tool: machine.tool().name.clone(),
         over,
+        path: reached.and_then(|reached| reached.path),
         units: UNITS,
         poses: results,
         neglected,

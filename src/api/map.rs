@@ -109,7 +109,7 @@ fn volume(
     let view = View { conditions: options.approach.into(), frame: options.frame };
     let place =
         options.picture.as_ref().map(|picture| picture.place(call, machine, options.target.is_some())).transpose()?;
-    let job = options.poses.job().read(call, machine)?;
+    let job = options.job().read(call, machine)?;
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let compensation = compensation(call, machine, options, order)?;
     let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
@@ -149,7 +149,8 @@ fn volume(
     let uncertainty =
         field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed, set_up.removed());
     let target = options.target.clone();
-    Ok(MapResult { picture, tool_poses, features, bounds_add, target, uncompensated, uncertainty, ..result })
+    let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
+    Ok(MapResult { picture, path, tool_poses, features, bounds_add, target, uncompensated, uncertainty, ..result })
 }
 
 /// Number of poses at which the warnings of a compensation are found.

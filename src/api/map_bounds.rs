@@ -22,7 +22,7 @@ pub(crate) fn volume(
 ) -> Result<MapResult, Refused> {
     refuse_measured(call, options)?;
     let place = options.picture.as_ref().map(|picture| picture.bounded_place(call, machine)).transpose()?;
-    let job = options.poses.job().read(call, machine)?;
+    let job = options.job().read(call, machine)?;
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
     if poses.len() > MAX_POSES {
@@ -54,6 +54,7 @@ pub(crate) fn volume(
         from: Some("bounds"),
         bounds: Some(MapFromBounds { figures, worst }),
         features: features.unwrap_or_default(),
+        path: tool_poses.as_ref().and_then(|reached| reached.path.clone()),
         tool_poses,
         picture,
         ..result

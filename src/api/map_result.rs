@@ -9,6 +9,7 @@ use crate::job::features::FeatureResult;
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
+use crate::job::path::PathResult;
 use crate::job::poses::{AxisPositions, poses};
 use crate::job::reference::{Reference, ReferenceKind, SetUp};
 use crate::job::tool_poses::ReachedToolPoses;
@@ -27,6 +28,9 @@ pub struct MapOptions {
     pub poses: MapPoses,
     /// Seed of random and low-discrepancy poses.
     pub seed: u64,
+    /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
+    /// CL data alone.
+    pub path: Option<bool>,
     /// Order of the errors; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,
     /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
@@ -56,6 +60,7 @@ impl Default for MapOptions {
         Self {
             poses: MapPoses::Grid,
             seed: 1,
+            path: None,
             order: None,
             reference: None,
             approach: Approach::default(),
@@ -71,6 +76,16 @@ impl Default for MapOptions {
 }
 
 impl MapOptions {
+    /// Returns the files of the job, if the poses are of one.
+    pub(crate) fn job(&self) -> JobPaths<'_> {
+        let (job, tool_poses) = match &self.poses {
+            MapPoses::ToolPoses(path) => (None, Some(path)),
+            MapPoses::Job(path) => (Some(path), None),
+            _ => (None, None),
+        };
+        JobPaths { job, tool_poses, path: self.path }
+    }
+
     /// Returns the set-up of the part of a map.
     pub(crate) fn set_up(
         &self,
@@ -126,15 +141,6 @@ impl MapPoses {
         }
     }
 
-    /// Returns the files of the job, if these are poses of one.
-    pub(crate) fn job(&self) -> JobPaths<'_> {
-        match self {
-            Self::ToolPoses(path) => JobPaths { job: None, tool_poses: Some(path) },
-            Self::Job(path) => JobPaths { job: Some(path), tool_poses: None },
-            _ => JobPaths { job: None, tool_poses: None },
-        }
-    }
-
     pub(crate) fn of(
         &self,
         call: &mut Call<'_>,
@@ -166,6 +172,9 @@ pub struct MapResult {
     pub direction: Approach,
     /// What the map is over.
     pub over: Over,
+    /// What the tool poses ask of the machine, if they are one path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathResult>,
     /// Number of poses.
     pub poses: usize,
     /// `bounds` where nothing is measured: then the statistics are of the 95 % value at each pose.
@@ -220,6 +229,7 @@ impl MapResult {
             frame: rows.view.frame,
             direction: rows.view.conditions.approach,
             over,
+            path: None,
             poses: statistics.poses,
             from: None,
             bounds: None,

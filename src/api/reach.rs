@@ -34,6 +34,9 @@ pub struct ReachOptions {
     pub tool_poses: Option<PathBuf>,
     /// A job file in place of the box.
     pub job: Option<PathBuf>,
+    /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
+    /// CL data alone.
+    pub path: Option<bool>,
 }
 
 impl ReachOptions {
@@ -166,7 +169,7 @@ pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run) -> Reply<Reac
 }
 
 fn find(call: &mut Call, machine: &Machine, options: &ReachOptions) -> Result<ReachResult, Refused> {
-    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
     if let Some(job) = paths.read(call, machine)? {
         if options.region.is_some() || options.step_mm.is_some() || options.directions.is_some() {
             return call.usage("a job has its own tool poses: omit `--box`, `--step` and `--directions`");
@@ -269,12 +272,11 @@ fn of_job(call: &mut Call, machine: &Machine, job: &Job) -> Result<ReachResult, 
     };
     let mut lacks = Lacks::default();
     reached.rows.iter().for_each(|row| lacks.take(machine, row));
-    let by_row =
-        job.poses.lines().map(|line| usize::from(reached.lines.binary_search_by(|of| of.0.cmp(&line)).is_ok()));
+    let is_reached = |line: usize| reached.lines.binary_search_by(|of| of.0.cmp(&line)).is_ok();
+    let by_tip = job.poses.lines().into_iter().map(|line| usize::from(is_reached(line))).collect();
     let about = ToolDirections::of(machine, 1).about;
     let directions = ToolDirections { kind: DirectionKind::Listed, about, list: vec![about] };
     let over = Over::work(machine, &set_up.reference, Some(&reached), 0);
-    let by_tip = by_row.collect();
     let whole = sum_up(machine, over, &grid, &directions, by_tip, (reached.unreachable, lacks));
     Ok(ReachResult { job: Some(reached), job_tips: tips, ..whole })
 }

@@ -57,6 +57,7 @@ pub use crate::evaluate::{Difference, Statistics, Summary};
 pub use crate::job::features::{DominatingError, FeatureResult};
 pub use crate::job::machine_file::InputFile;
 pub use crate::job::over::{Over, OverKind};
+pub use crate::job::path::{PathAxis, PathPole, PathResult, PathRewind};
 pub use crate::job::poses::AxisPositions;
 pub use crate::job::tool_poses::{BeyondTravel, Lack, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorKind, ErrorTerm, Machine, Sense, Travel};

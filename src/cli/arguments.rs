@@ -86,6 +86,18 @@ pub(super) struct JobArg {
     /// Take poses and reference from a job: a YAML file with `tool_poses`, `place`, `reference`.
     #[arg(long, value_name = "FILE")]
     pub(super) job: Option<PathBuf>,
+    /// Take the tool poses as one continuous path, with what it asks of the axes [default: what the job says, or else
+    /// yes for CL data, no for tables].
+    #[arg(long, value_name = "yes|no", value_parser = yes_or_no)]
+    pub(super) path: Option<bool>,
+}
+
+fn yes_or_no(text: &str) -> Result<bool, Reason> {
+    match text {
+        "yes" => Ok(true),
+        "no" => Ok(false),
+        _ => Err(Reason::new("the answer is `yes` or `no`")),
+    }
 }
 
 #[derive(Debug, Clone, clap::Args)]

@@ -34,6 +34,7 @@ impl SetArgs {
         CertifiedWork {
             tool_poses: self.tool_poses.tool_poses.clone(),
             job: self.job.job.clone(),
+            path: self.job.path,
             reference: self.reference.reference.clone(),
         }
     }

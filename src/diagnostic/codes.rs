@@ -273,6 +273,7 @@ codes! {
     W0802 "errors that are only bounded",
     W0820 "the certificate of an instrument has ended",
     W0850 "the part is not zeroed",
+    W0851 "a path that needs rewinds",
 }
 
 /// Finds a code by its name, in any case.

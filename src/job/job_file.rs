@@ -42,6 +42,8 @@ pub(crate) struct JobPaths<'a> {
     pub job: Option<&'a PathBuf>,
     /// The bare tool poses.
     pub tool_poses: Option<&'a PathBuf>,
+    /// True if the tool poses are one path; by default what the job file says, or else of CL data alone.
+    pub path: Option<bool>,
 }
 
 impl JobPaths<'_> {
@@ -49,10 +51,13 @@ impl JobPaths<'_> {
     pub(crate) fn read(self, call: &mut Call<'_>, machine: &Machine) -> Result<Option<Job>, Refused> {
         match (self.job, self.tool_poses) {
             (Some(_), Some(_)) => call.usage("a job file names its tool poses: omit one of the two"),
-            (Some(path), None) => from_file(call, machine, path).map(Some),
+            (Some(path), None) => from_file(call, machine, path, self.path).map(Some),
             (None, Some(path)) => {
-                let poses = tool_poses::read(call, machine, path)?;
+                let poses = tool_poses::read(call, machine, path)?.along(self.path);
                 Ok(Some(Job { poses, place: Placement::default(), reference: None }))
+            }
+            (None, None) if self.path.is_some() => {
+                call.usage("`--path` is about tool poses: give `--job` or `--tool-poses`")
             }
             (None, None) => Ok(None),
         }
@@ -86,7 +91,8 @@ impl Job {
     }
 }
 
-fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Job, Refused> {
+/// Reads a job file; `asked` says whether its tool poses are one path, whatever it says itself.
+fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path, asked: Option<bool>) -> Result<Job, Refused> {
     let files = call.run.files;
     let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };
     let JobFile { tool_poses, place, reference, path: is_path, tool } = match from_yaml::<JobFile>(&text) {
@@ -98,13 +104,8 @@ fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Job,
         return call.refuse(refused(path, &Reason::new(message)).help(format!("choose it: `--tool {}`", shown(&tool))));
     }
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut poses = tool_poses::read(call, machine, &folder.join(tool_poses))?;
+    let mut poses = tool_poses::read(call, machine, &folder.join(tool_poses))?.along(asked.or(is_path));
     poses.put(&place);
-    // Until paths are solved as a whole: nothing may pass for one that is not.
-    if is_path == Some(true) {
-        let reason = Reason::new("`path: true`, and tool poses are taken one by one");
-        return call.refuse(refused(path, &reason));
-    }
     Ok(Job { poses, place, reference: reference.map(|ReferenceEntry(reference)| reference) })
 }
 

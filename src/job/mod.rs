@@ -7,12 +7,14 @@
 //! - [`job_file`]: a job as a file states it;
 //! - [`mod@reference`]: what the set-up of a part takes out of its deviations;
 //! - [`over`]: the statement of what a result is over;
+//! - [`path`]: what tool poses ask of a machine as one path;
 //! - [`features`]: the features of such a file, and the largest deviation on each.
 
 pub mod features;
 pub mod job_file;
 pub mod machine_file;
 pub mod over;
+pub mod path;
 pub mod placement;
 pub mod poses;
 pub mod reference;

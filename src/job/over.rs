@@ -44,6 +44,11 @@ impl Over {
         Self { kind, reference: reference.kind, path: false, poses, reached, tool, words }
     }
 
+    /// Returns the same statement for poses of one path, or for single ones.
+    pub(crate) fn along(self, path: bool) -> Self {
+        Self { path, ..self }
+    }
+
     /// Returns the statement for the tool poses of a job, or else for a number of poses of the volume.
     pub(crate) fn work(
         machine: &Machine,
@@ -52,7 +57,7 @@ impl Over {
         count: usize,
     ) -> Self {
         match tool_poses {
-            Some(of) => Self::new(OverKind::Job, machine, reference, [of.asked, of.reached]),
+            Some(of) => Self::new(OverKind::Job, machine, reference, [of.asked, of.reached]).along(of.path.is_some()),
             None => Self::new(OverKind::Volume, machine, reference, [count, count]),
         }
     }

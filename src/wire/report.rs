@@ -155,7 +155,7 @@ impl<'a> Subject<'a> {
             call.warn(nothing_to_compensate(file));
         }
         call.check()?;
-        let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref() };
+        let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
         let job = paths.read(call, file)?;
         let reached = job.as_ref().map(|job| job.poses.reached(call, file)).transpose()?;
         let poses: Vec<Pose> = match &reached {

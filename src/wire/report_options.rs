@@ -21,6 +21,9 @@ pub struct ReportOptions {
     pub tool_poses: Option<PathBuf>,
     /// A job file instead of the tool poses.
     pub job: Option<PathBuf>,
+    /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
+    /// CL data alone.
+    pub path: Option<bool>,
     /// What the set-up of the part takes out of statistics, single errors and comparison; by default the zero at the
     /// part's origin for tool poses, nothing for a volume.
     pub reference: Option<Reference>,
@@ -44,6 +47,7 @@ impl Default for ReportOptions {
             poses: 2000,
             tool_poses: None,
             job: None,
+            path: None,
             reference: None,
             seed: 1,
             order: None,

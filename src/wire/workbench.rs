@@ -263,7 +263,8 @@ fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRow
     let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, path))?.value;
     let poses = MapPoses::ToolPoses(path.clone());
     let WorkOptions { samples, target, .. } = options.clone();
-    let options = MapOptions { poses, samples, target, reference: page_reference(&None), ..MapOptions::default() };
+    let (reference, path) = (page_reference(&None), Some(false));
+    let options = MapOptions { poses, samples, target, reference, path, ..MapOptions::default() };
     let Answer { value: found, warnings } = rows(machine, &options, run)?;
     Ok(Answer { value: WorkRows { found, tips }, warnings })
 }

@@ -1,7 +1,8 @@
 //! Machines side by side on the same work: the same tool poses in the workpiece frame, reached by
 //! each machine's own nominal inverse kinematics.
 
-use crate::analysis::inverse::{Miss, Needs, ToolPose, Unreachable, inverse_all};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, Unreachable};
+use crate::analysis::path::{PathEvents, path_events, solve};
 use crate::analysis::reference::{PartReference, tip_at};
 use crate::analysis::volume::Work;
 use crate::analysis::volume::{View, deviation_in};
@@ -30,6 +31,8 @@ pub struct MachineResult {
     pub missed: Vec<(usize, Miss)>,
     /// Positions of its axes over all tool poses.
     pub needs: Needs,
+    /// What the tool poses ask of it, if they are a path.
+    pub path: Option<PathEvents>,
     /// Its pose (mm, deg) at each common tool pose, with the deviation there (workpiece frame).
     pub reached: Vec<(Pose, Deviation)>,
     /// Over the common tool poses.
@@ -78,7 +81,7 @@ impl UnreachableCount {
 type ComparisonRow = Vec<Result<(Pose, Deviation), Miss>>;
 
 /// Returns the comparison of machines on the same work, which may be the tool poses of the first. Of several poses for
-/// a tool pose each machine takes the one nearest to its zero pose. Calls `progress` with the number of tool poses done
+/// a tool pose each machine takes the one nearest to its zero pose; a path is solved as a whole. Calls `progress` with the number of tool poses done
 /// since its last call.
 pub fn compare<F: Send>(
     fields: &[&dyn Field],
@@ -90,7 +93,12 @@ pub fn compare<F: Send>(
         return Ok(Comparison { asked: work.len(), common: Vec::new(), machines: Vec::new() });
     };
     let targets: Vec<ToolPose> = (0..work.len()).into_par_iter().map(|i| work.get(first.machine(), i)).collect();
-    let found: Vec<_> = fields.iter().map(|field| inverse_all(field.machine(), &targets)).collect();
+    let found: Vec<_> = fields.iter().map(|field| solve(field.machine(), &targets, work.is_path())).collect();
+    let events = |(field, found): (&&dyn Field, &Vec<Result<Pose, Miss>>)| {
+        let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
+        work.is_path().then(|| path_events(field.machine(), &targets, &poses))
+    };
+    let paths: Vec<Option<PathEvents>> = fields.iter().zip(&found).map(events).collect();
     let row = |index: usize| {
         let at = |(field, found): (&&dyn Field, &Vec<Result<Pose, Miss>>)| {
             let pose = found[index].clone()?;
@@ -102,7 +110,9 @@ pub fn compare<F: Send>(
         Ok((targets[index], row))
     };
     let rows: Vec<(ToolPose, ComparisonRow)> = (0..work.len()).into_par_iter().map(row).collect::<Result<_, F>>()?;
-    Ok(side_by_side(rows, fields.len()))
+    let mut comparison = side_by_side(rows, fields.len());
+    comparison.machines.iter_mut().zip(paths).for_each(|(side, path)| side.path = path);
+    Ok(comparison)
 }
 
 impl Comparison {
@@ -157,6 +167,7 @@ fn side_by_side(rows: Vec<(ToolPose, ComparisonRow)>, count: usize) -> Compariso
         unreachable: UnreachableCount::count(missed.iter().map(|(_, miss)| &miss.why)),
         missed,
         needs,
+        path: None,
         reached,
         statistics: *s,
         difference: s.minus(&all[0]),

@@ -10,6 +10,8 @@
 //!
 //! Chains whose linear axes do not place the tip, such as robots, are solved by `arm`.
 //!
+//! `candidates` lists all poses that a path chooses from.
+//!
 //! `directions` spreads directions over what the axes turn the tool over.
 //!
 //! `tool_pose` holds the poses of the tool, and the reasons why one is unreachable; `shortfall` what machines lack for
@@ -18,6 +20,7 @@
 
 mod algebra;
 mod arm;
+mod candidates;
 mod directions;
 mod linear;
 mod nominal;
@@ -27,7 +30,10 @@ mod sweep;
 mod tool_pose;
 
 pub use algebra::Inverse;
+pub use candidates::{CandidateSearch, RowCandidates, is_same, is_wound};
 pub use directions::{DirectionKind, ToolDirections, freedom};
+pub use linear::complete;
 pub use nominal::{branches, inverse, inverse_all, place, rotary_axes_place_tip};
+pub use rotary::RotaryDirections;
 pub use shortfall::{Needs, direction_gap};
-pub use tool_pose::{Miss, ToolPose, TravelExcess, Unreachable, attitude, excess, rest, tool_pose};
+pub use tool_pose::{Miss, ToolPose, TravelExcess, Unreachable, attitude, excess, rest, tool_pose, unturned_tool_pose};

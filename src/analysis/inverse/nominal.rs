@@ -22,7 +22,7 @@ pub fn inverse(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Resul
 }
 
 /// Returns what [`inverse()`] does for a machine with this arm, if it is one, and an unturned tool pose.
-fn inverse_with(
+pub fn inverse_with(
     machine: &Machine,
     arm: Option<&RotaryArm<'_>>,
     target: &ToolPose,
@@ -123,7 +123,7 @@ fn at_place(off_mm: f64) -> Result<(), Miss> {
 }
 
 /// Returns a candidate completed by the linear axes, once it has been checked.
-fn reach(machine: &Machine, target: &ToolPose, candidate: Pose, reference: &[f64]) -> Result<Pose, Miss> {
+pub fn reach(machine: &Machine, target: &ToolPose, candidate: Pose, reference: &[f64]) -> Result<Pose, Miss> {
     let pose = linear::complete(machine, &target.tip, candidate, reference)?;
     let reached = unturned_tool_pose(machine, &pose);
     let held = (reached.direction - target.direction).norm() <= DIRECTION_TOLERANCE;

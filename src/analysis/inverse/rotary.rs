@@ -100,6 +100,35 @@ impl RotaryDirections {
         Candidates { poses, beyond_travel, sweeps, more: search.free || self.turns.len() > 2 }
     }
 
+    /// Returns the candidates with all axes but two held: at the reference and, where more than two axes turn, at other
+    /// positions spread over their travels, `held` in all. They do not depend on the direction.
+    pub fn held(&self, direction: &Vector3<f64>, held: u64) -> Candidates {
+        let start: Vec<f64> = self.turns.iter().map(|turn| turn.reference).collect();
+        let mut search = DirectionSearch::new(self, direction);
+        search.around(&start);
+        if self.turns.len() > 2 {
+            (1..held).for_each(|sample| search.around(&self.sample(sample)));
+        }
+        let sweeps = std::mem::take(&mut search.sweeps);
+        Candidates { poses: self.poses(search.found), beyond_travel: None, sweeps, more: search.free }
+    }
+
+    /// Returns the direction of the tool (unit vector, unturned) at a pose (mm, deg).
+    pub fn direction(&self, pose: &[f64]) -> Vector3<f64> {
+        self.turns.iter().rev().fold(self.tool, |direction, turn| turn.rotation(pose[turn.axis]) * direction)
+    }
+
+    /// Returns the rotary axes by index, with their directions (unit vectors, unturned) at a pose (mm, deg).
+    pub fn turned_axes(&self, pose: &[f64]) -> Vec<(usize, Vector3<f64>)> {
+        let mut turned = Matrix3::identity();
+        let mut axes = Vec::new();
+        for turn in &self.turns {
+            axes.push((turn.axis, turned * turn.w));
+            turned *= turn.rotation(pose[turn.axis]);
+        }
+        axes
+    }
+
     /// True if no more than two axes turn, so that [`RotaryDirections::nearest`] finds all solutions.
     pub fn at_most_two(&self) -> bool {
         self.turns.len() <= 2

@@ -11,6 +11,8 @@ pub enum Work {
     OfPoses(Poses),
     /// A list.
     Listed(Vec<ToolPose>),
+    /// The tool poses of one continuous path.
+    Path(Vec<ToolPose>),
 }
 
 impl Work {
@@ -23,7 +25,7 @@ impl Work {
     pub fn len(&self) -> usize {
         match self {
             Self::OfPoses(poses) => poses.len(),
-            Self::Listed(list) => list.len(),
+            Self::Listed(list) | Self::Path(list) => list.len(),
         }
     }
 
@@ -36,7 +38,12 @@ impl Work {
     pub fn get(&self, machine: &Machine, index: usize) -> ToolPose {
         match self {
             Self::OfPoses(poses) => tool_pose(machine, &poses.get(index)),
-            Self::Listed(list) => list[index],
+            Self::Listed(list) | Self::Path(list) => list[index],
         }
+    }
+
+    /// True if the tool poses are one continuous path.
+    pub fn is_path(&self) -> bool {
+        matches!(self, Self::Path(_))
     }
 }

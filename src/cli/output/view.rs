@@ -1,7 +1,9 @@
 //! Options that the verbs about whole volumes share, and the format of their numbers.
 
 use abbe::options::{Frame, Order};
-use abbe::results::{MissedToolPose, NeededTravel, ReachedToolPoses, Statistics, Summary};
+use abbe::results::{
+    MissedToolPose, NeededTravel, PathPole, PathResult, PathRewind, ReachedToolPoses, Statistics, Summary,
+};
 use abbe::text::{UnknownOrder, shown, significant};
 
 pub(crate) use abbe::text::axes_text;
@@ -36,6 +38,9 @@ pub(crate) fn tool_poses_text(reached: &ReachedToolPoses) -> String {
 /// Number of rows out of reach that are listed one by one.
 const MAX_LISTED: usize = 10;
 
+/// Number of reversals of an axis whose lines are listed.
+const REVERSALS: usize = 4;
+
 /// Rows out of reach, one by one, and the travel that the work needs.
 pub(crate) fn reach_text(missed: &[MissedToolPose], travel: &[NeededTravel]) -> String {
     let line = |miss: &MissedToolPose| {
@@ -55,6 +60,40 @@ pub(crate) fn reach_text(missed: &[MissedToolPose], travel: &[NeededTravel]) -> 
         text.push_str(&format!("Travel that the tool poses need:\n{}\n", travel_table(travel)));
     }
     text
+}
+
+/// What a path asks of the machine: events, then the motion of each axis.
+pub(crate) fn path_text(path: &PathResult) -> String {
+    let PathResult { rewinds, pole_crossings, axes } = path;
+    let count = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });
+    let head = [count(rewinds.len(), "rewind"), count(pole_crossings.len(), "pole crossing")].join(", ");
+    let mut text = format!("One path: {head}\n");
+    let rewind = |of: &PathRewind| format!("  lines {} to {}: rewind, {}\n", of.lines[0], of.lines[1], of.words());
+    text.extend(rewinds.iter().take(MAX_LISTED).map(rewind));
+    let pole = |of: &PathPole| {
+        let rate = of
+            .deg_per_mm
+            .map_or("while the tip stands".to_owned(), |rate| format!("up to {} deg/mm", significant(rate, 3)));
+        let [from, to] = of.lines;
+        let (turn, nearest) = (significant(of.turn_deg, 4), significant(of.nearest_deg, 3));
+        format!("  lines {from} to {to}: pole of {} at {nearest} deg, turns {turn} deg, {rate}\n", of.axis)
+    };
+    text.extend(pole_crossings.iter().take(MAX_LISTED).map(pole));
+    let listed = rewinds.len().min(MAX_LISTED) + pole_crossings.len().min(MAX_LISTED);
+    let more = rewinds.len() + pole_crossings.len() - listed;
+    if more > 0 {
+        text.push_str(&format!("  and {more} more (`--format json` lists them)\n"));
+    }
+    let mut rows = table(&["axis", "motion", "largest step", "line", "reversals", "first lines"]);
+    for of in axes {
+        let first: Vec<String> = of.reversals.iter().take(REVERSALS).map(ToString::to_string).collect();
+        let dots = if of.reversals.len() > REVERSALS { " ..." } else { "" };
+        let line = of.largest_step_line.map_or("-".to_owned(), |line| line.to_string());
+        let (motion, step) = (significant(of.motion, 5), significant(of.largest_step, 4));
+        let (axis, count) = (format!("{}, {}", of.axis, of.unit), of.reversals.len().to_string());
+        let _ = rows.add_row([axis, motion, step, line, count, first.join(" ") + dots]);
+    }
+    format!("{text}{rows}\n")
 }
 
 fn travel_table(travel: &[NeededTravel]) -> comfy_table::Table {

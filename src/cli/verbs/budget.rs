@@ -8,7 +8,7 @@ use crate::cli::arguments::{
 use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, coverage_line, short, tolerance_text, totals_row};
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
-use crate::cli::output::view::{axes_text, reach_text, table, tool_poses_text};
+use crate::cli::output::view::{axes_text, path_text, reach_text, table, tool_poses_text};
 use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use abbe::options::Statistic;
@@ -72,6 +72,7 @@ impl Args {
             poses: self.poses.poses,
             tool_poses: self.tool_poses.tool_poses.clone(),
             reference: self.reference.reference.clone(),
+            path: self.job.path,
             samples: self.samples.samples,
             job: self.job.job.clone(),
             at: self.at.clone(),
@@ -177,6 +178,7 @@ impl BudgetText<'_> {
         );
         if let Some(reached) = &self.result.tool_poses {
             text += &reach_text(&reached.rows, &reached.travel);
+            text += &self.result.path.as_ref().map_or_else(String::new, path_text);
         }
         text += &self.totals_table();
         text += &self.result.best_fit.as_ref().map_or(String::new(), best_fit_text);

@@ -6,7 +6,7 @@ use crate::cli::arguments::{
 };
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
-    STATISTICS, errors_more, numbers, reach_text, statistics_rows, table, table_of_machines,
+    STATISTICS, errors_more, numbers, path_text, reach_text, statistics_rows, table, table_of_machines,
 };
 use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
@@ -50,6 +50,7 @@ impl Args {
             poses: self.poses.poses,
             tool_poses: self.tool_poses.tool_poses.clone(),
             reference: self.reference.reference.clone(),
+            path: self.job.path,
             job: self.job.job.clone(),
             seed: self.seed.seed,
             tolerances: self.tolerances.options(),
@@ -177,6 +178,7 @@ fn text(args: &Args, result: &CompareResult) -> String {
     for (i, side) in result.machines.iter().enumerate() {
         if let (Some(missed), Some(travel)) = (&side.missed, &side.travel) {
             reach.push_str(&format!("Machine {}, {}:\n{}", i + 1, side.file, reach_text(missed, travel)));
+            reach.push_str(&side.path.as_ref().map_or_else(String::new, path_text));
         }
     }
     let budgets = result.budgets.as_ref().map_or(String::new(), |of| budgets::text(of, &result.verdicts, args.top.top));

@@ -44,6 +44,7 @@ fn machines(session: &mut Session, args: &Args, paths: [&Path; 2]) -> Outcome {
         poses: args.set.poses.poses,
         tool_poses: args.set.tool_poses.tool_poses.clone(),
         job: args.set.job.job.clone(),
+        path: args.set.job.path,
         reference: args.set.reference.reference.clone(),
         seed: args.set.seed.seed,
         ..DiffMachinesOptions::default()

@@ -93,6 +93,7 @@ impl Args {
             poses: self.poses.poses,
             tool_poses: self.tool_poses.tool_poses.clone(),
             job: self.job.job.clone(),
+            path: self.job.path,
             reference: self.reference.reference.clone(),
             size: self.size,
             samples: self.samples.samples,

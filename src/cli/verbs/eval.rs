@@ -3,7 +3,7 @@
 use crate::cli::Outcome;
 use crate::cli::arguments::{AlgebraArg, FrameOption, JobArg, ReferenceArg, ViewArgs, help};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{frame_text, length, numbers, table};
+use crate::cli::output::view::{frame_text, length, numbers, path_text, table};
 use abbe::options::Approach;
 use abbe::results::{AxisPositions, ErrorEffect, EvalResult, Neglected, Over, PoseResult};
 use abbe::text::significant;
@@ -50,6 +50,7 @@ impl Args {
             pose_file: self.axis_poses.clone(),
             job: self.job.job.clone(),
             reference: self.reference.reference.clone(),
+            path: self.job.path,
             order: self.view.order.order,
             approach: self.view.direction.direction,
             frame: self.frame.frame,
@@ -147,7 +148,7 @@ fn text(result: &EvalResult) -> String {
         if result.poses.iter().any(|pose| pose.uncertainty.is_some()) { ", U (k = 2) behind \u{b1}" } else { "" },
         result.over.as_ref().map_or_else(String::new, Over::text),
         result.poses.iter().filter_map(|pose| pose.inverse.as_ref()).map(displacements).collect::<String>(),
-        effects(result)
+        effects(result) + &result.path.as_ref().map_or_else(String::new, path_text)
     )
 }
 

@@ -7,7 +7,7 @@ use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
-    STATISTICS, axes_text, frame_text, reach_text, statistics_rows, table, tool_poses_text,
+    STATISTICS, axes_text, frame_text, path_text, reach_text, statistics_rows, table, tool_poses_text,
 };
 use crate::cli::output::{bands, bounded};
 use crate::cli::store::write::refuse_outputs;
@@ -80,6 +80,7 @@ impl Args {
             seed: self.seed.seed,
             order: self.view.order.order,
             reference: self.reference.reference.clone(),
+            path: self.job.path,
             approach: self.view.direction.direction,
             frame: self.frame.frame,
             worst: self.worst,
@@ -161,6 +162,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     text.push_str(&features(result));
     if let Some(reached) = &result.tool_poses {
         text.push_str(&reach_text(&reached.rows, &reached.travel));
+        text.push_str(&result.path.as_ref().map_or_else(String::new, path_text));
     }
     if !result.diagonals.is_empty() {
         let list = result.diagonals.iter().map(|d| format!("{} {}", d.name, significant(d.range_um, 4)));
@@ -189,6 +191,7 @@ fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapF
     text.push_str(&features(result));
     if let Some(reached) = &result.tool_poses {
         text.push_str(&reach_text(&reached.rows, &reached.travel));
+        text.push_str(&result.path.as_ref().map_or_else(String::new, path_text));
     }
     text
 }

@@ -61,6 +61,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         directions: args.directions,
         tool_poses: args.tool_poses.tool_poses.clone(),
         job: args.job.job.clone(),
+        path: args.job.path,
     };
     let result = session.take(reach(&file, &options, session.run()))?;
     for to in pictures {

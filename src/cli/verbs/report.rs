@@ -51,6 +51,7 @@ impl Args {
             poses: self.options.poses.poses,
             tool_poses: self.options.tool_poses.tool_poses.clone(),
             job: self.options.job.job.clone(),
+            path: self.options.job.path,
             reference: self.options.reference.reference.clone(),
             seed: self.options.seed.seed,
             order: self.order.order,

@@ -8,9 +8,10 @@ mod apt;
 pub(crate) mod columns;
 mod missed;
 
+use super::path::PathResult;
 use super::placement::Placement;
 use super::poses::check;
-use crate::analysis::{Miss, Needs, ToolPose, Unreachable, UnreachableCount, inverse_all, place, rest, tool_pose};
+use crate::analysis::{Miss, Needs, ToolPose, Unreachable, UnreachableCount, Work, place, rest, solve, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::run::{Call, Refused};
@@ -72,6 +73,10 @@ impl Row {
 pub(crate) struct ToolPoses {
     file: String,
     rows: Vec<Row>,
+    /// True for CL data.
+    is_cl: bool,
+    /// True if the rows are one continuous path.
+    is_path: bool,
 }
 
 /// Tool poses of a file that a machine reaches.
@@ -89,6 +94,9 @@ pub struct ReachedToolPoses {
     pub rows: Vec<MissedToolPose>,
     /// The travel that the tool poses need, axis by axis.
     pub travel: Vec<NeededTravel>,
+    /// What they ask of the machine, if they are a path.
+    #[serde(skip)]
+    pub path: Option<PathResult>,
     /// The poses of the machine (mm, deg), in the order of the rows.
     #[serde(skip)]
     pub(crate) poses: Vec<Pose>,
@@ -112,17 +120,35 @@ pub(crate) fn tips(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Resul
     Ok(read(call, machine, path)?.rows.iter().map(tip).collect())
 }
 
-/// Reads a file; rotary columns are those of `machine`.
+/// Reads a file as single tool poses; rotary columns are those of `machine`.
 pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<ToolPoses, Refused> {
     let Some(sheet) = read_sheet(path, call.run.files, &mut call.diagnostics) else { return Err(Refused) };
-    let rows = if apt::is_cl_data(&sheet) { apt::rows(&sheet) } else { columns::rows(machine, &sheet) };
+    let is_cl = apt::is_cl_data(&sheet);
+    let rows = if is_cl { apt::rows(&sheet) } else { columns::rows(machine, &sheet) };
     match rows {
-        Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows }),
+        Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows, is_cl, is_path: false }),
         Err(refusal) => call.refuse(refusal),
     }
 }
 
 impl ToolPoses {
+    /// Returns the same rows as one path, or as single tool poses; by default CL data are a path.
+    pub(crate) fn along(self, path: Option<bool>) -> Self {
+        Self { is_path: path.unwrap_or(self.is_cl), ..self }
+    }
+
+    /// Returns the tool poses as a work, as the nominal `machine` holds them if the file gives positions of its rotary
+    /// axes.
+    pub(crate) fn work(&self, machine: &Machine) -> Work {
+        let list = self.list(machine);
+        if self.is_path { Work::Path(list) } else { Work::Listed(list) }
+    }
+
+    /// Returns the line of each row.
+    pub(crate) fn lines(&self) -> Vec<usize> {
+        self.rows.iter().map(|row| row.line).collect()
+    }
+
     /// Brings tool poses of a part into the workpiece frame, in which it lies at a place.
     pub(crate) fn put(&mut self, place: &Placement) {
         for row in &mut self.rows {
@@ -131,11 +157,6 @@ impl ToolPoses {
                 *axis = place.direction(*axis);
             }
         }
-    }
-
-    /// Returns the lines of all rows, rising.
-    pub(crate) fn lines(&self) -> impl Iterator<Item = usize> {
-        self.rows.iter().map(|row| row.line)
     }
 
     /// Returns the tips of all rows, mm, workpiece frame.
@@ -151,7 +172,7 @@ impl ToolPoses {
     fn found(&self, machine: &Machine) -> Vec<Result<Pose, Miss>> {
         // The header decides: all rows give positions of rotary axes, or none does.
         let Some(rows) = self.rows.iter().map(Row::rotary).collect::<Option<Vec<_>>>() else {
-            return inverse_all(machine, &self.list(machine));
+            return solve(machine, &self.list(machine), self.is_path);
         };
         let at_rest = rest(machine);
         rows.into_par_iter().map(|(tip, rotary)| placed(machine, tip, rotary, &at_rest)).collect()
@@ -162,6 +183,7 @@ impl ToolPoses {
     pub(crate) fn reached(&self, call: &mut Call<'_>, machine: &Machine) -> Result<ReachedToolPoses, Refused> {
         let reached = self.examine(machine);
         self.say(call, machine, &reached.rows)?;
+        call.extend(reached.path.as_ref().and_then(|path| path.warning(machine)));
         check(call, machine, &reached.poses)?;
         Ok(reached)
     }
@@ -173,12 +195,13 @@ impl ToolPoses {
         let missed: Vec<_> =
             found.iter().enumerate().filter_map(|(i, pose)| Some((i, pose.as_ref().err()?.clone()))).collect();
         let rows = self.missed(machine, &missed);
+        let path = self.is_path.then(|| PathResult::along(machine, self, &found));
         let name = |row: &Row| (row.line, row.feature.clone());
         let lines = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok()).map(|(row, _)| name(row)).collect();
         let poses: Vec<Pose> = found.into_iter().filter_map(Result::ok).collect();
         let unreachable = UnreachableCount::count(rows.iter().map(|row| &row.why));
         let (file, asked, reached) = (self.file.clone(), self.rows.len(), poses.len());
-        ReachedToolPoses { file, asked, reached, unreachable, rows, travel, poses, lines }
+        ReachedToolPoses { file, asked, reached, unreachable, rows, travel, path, poses, lines }
     }
 
     /// Returns the lines of rows that were missed, with what they lack.

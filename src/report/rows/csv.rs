@@ -35,8 +35,8 @@ pub(super) fn write_unreached(rows: &Rows<'_>, index: usize, text: &mut String) 
 impl<W: Write> Csv<W> {
     pub(super) fn new(rows: &Rows<'_>, mut out: W) -> io::Result<Self> {
         let (lead, end) = match rows.work {
-            Some(work) => (if work.has_features() { "line,feature," } else { "line," }, ",unreached"),
-            None => ("", ""),
+            Some(work) => (work.head(), ",unreached"),
+            None => (String::new(), ""),
         };
         let source = if rows.drawn.is_some() { ",from,samples,seed" } else { "" };
         writeln!(out, "{lead}{}{source}{end}", rows.columns().join(","))?;

@@ -1,7 +1,9 @@
 //! The rows of a file of tool poses behind the poses of a table: their lines, features, and those that are not reached.
 
+use crate::job::path::PathResult;
 use crate::job::tool_poses::{MissedToolPose, ReachedToolPoses};
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 
 /// A row of the file.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +35,8 @@ pub struct WorkRows {
     /// The others.
     unreached: Vec<UnreachedRow>,
     features: bool,
+    /// The events of a path by line; `None` for single poses.
+    events: Option<BTreeMap<usize, String>>,
 }
 
 impl WorkRows {
@@ -46,18 +50,22 @@ impl WorkRows {
             json: json!(miss),
         };
         let (reached, unreached) = (tool_poses.lines.iter().map(row), tool_poses.rows.iter().map(unreached));
-        Self::new(reached.collect(), unreached.collect())
+        let events = tool_poses.path.as_ref().map(PathResult::words_by_line);
+        Self { events, ..Self::new(reached.collect(), unreached.collect()) }
     }
 
     /// Returns the rows of the poses of a table, and the others; both in the order of the file.
     pub fn new(reached: Vec<WorkRow>, unreached: Vec<UnreachedRow>) -> Self {
         let of_others = unreached.iter().any(|row| row.feature.is_some());
         let features = of_others || reached.iter().any(|row| row.feature.is_some());
-        Self { reached, unreached, features }
+        Self { reached, unreached, features, events: None }
     }
 
-    pub(super) fn has_features(&self) -> bool {
-        self.features
+    /// Returns the header before the positions, with its comma.
+    pub(super) fn head(&self) -> String {
+        let [feature, event] = [(self.features, "feature,"), (self.events.is_some(), "event,")]
+            .map(|(has, name)| if has { name } else { "" });
+        format!("line,{feature}{event}")
     }
 
     /// Returns the unreached rows between the pose before an index and that pose; after the last pose all the
@@ -73,7 +81,9 @@ impl WorkRows {
 
     /// Returns the cells of a row before the positions, with their comma.
     pub(super) fn lead(&self, line: usize, feature: Option<&str>) -> String {
-        if self.features { format!("{line},{},", cell(feature.unwrap_or_default())) } else { format!("{line},") }
+        let feature = if self.features { format!("{},", cell(feature.unwrap_or_default())) } else { String::new() };
+        let event = |of: &BTreeMap<usize, String>| format!("{},", of.get(&line).map_or("", String::as_str));
+        format!("{line},{feature}{}", self.events.as_ref().map_or_else(String::new, event))
     }
 
     /// Returns the line of an unreached row in a table with so many numbers.

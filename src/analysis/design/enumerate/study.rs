@@ -7,7 +7,8 @@ use super::side_draws::SideDraws;
 use super::walk_budget::{self, WalkPoses};
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
 use crate::analysis::design::compare::UnreachableCount;
-use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom, inverse_all};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom};
+use crate::analysis::path::solve;
 use crate::analysis::reference::{PartReference, tip_at};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order};
@@ -64,6 +65,7 @@ pub struct Study<'a> {
     freedom: usize,
     sized: bool,
     set_ups: &'a dyn PartSetUps,
+    is_path: bool,
 }
 
 /// One round of a study: the machines that are drawn in it.
@@ -87,11 +89,12 @@ impl<'a> Study<'a> {
     /// Returns a study with its work. Tool poses that the machine itself cannot reach are left out.
     pub fn new(machine: &'a Machine, walks: Vec<Walk>, judge: Judge, statistic: Statistic, work: &Work) -> Self {
         let targets: Vec<ToolPose> = (0..work.len()).into_par_iter().map(|i| work.get(machine, i)).collect();
-        let found = inverse_all(machine, &targets).into_iter().zip(targets);
+        let found = solve(machine, &targets, work.is_path()).into_iter().zip(targets);
+        let is_path = work.is_path();
         let (work, poses): (Vec<ToolPose>, Vec<Pose>) =
             found.filter_map(|(pose, target)| Some((target, pose.ok()?))).unzip();
         let (freedom, set_ups) = (freedom(machine), &MachineCoordinates);
-        Self { machine, walks, statistic, judge, work, poses, freedom, sized: false, set_ups }
+        Self { machine, walks, statistic, judge, work, poses, freedom, sized: false, set_ups, is_path }
     }
 
     /// The same study without what the set-up of the part takes out.
@@ -185,7 +188,7 @@ impl StudyRound<'_> {
             let missed = UnreachableCount { total: all, direction: all, ..UnreachableCount::default() };
             return each().map(|of| apart(row(of, Standing::CannotTurn, missed))).collect();
         }
-        let found: Vec<Result<Pose, Miss>> = inverse_all(nominal, &study.work);
+        let found: Vec<Result<Pose, Miss>> = solve(nominal, &study.work, study.is_path);
         let missed = UnreachableCount::count(found.iter().filter_map(|pose| Some(&pose.as_ref().err()?.why)));
         let travel = if study.sized { travel_needs(nominal, &found) } else { Vec::new() };
         let (reached, poses): (Vec<usize>, Vec<Pose>) =

@@ -102,6 +102,16 @@ impl<'a> RotaryArm<'a> {
         poses
     }
 
+    /// Returns the poses of all branches within the travels: at the spin of a tool pose, or where it is open at equal
+    /// steps. Empty for an arm without finite branches.
+    pub fn candidates(&self, target: &ToolPose, reference: &[f64]) -> Vec<Pose> {
+        let Some(arm) = &self.finite else { return Vec::new() };
+        let spins = target
+            .spin_rad
+            .map_or_else(|| (0..SPINS).map(|k| TAU * k as f64 / SPINS as f64).collect(), |spin| vec![spin]);
+        spins.into_iter().flat_map(|spin| self.branches(arm, target, spin, reference).within).collect()
+    }
+
     /// Returns the branches at a spin (rad).
     fn branches(&self, arm: &FiniteArm, target: &ToolPose, spin: f64, reference: &[f64]) -> ArmPoses {
         let goal = self.goal(target, Some(spin));
