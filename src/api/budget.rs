@@ -5,6 +5,7 @@ use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{Bound, Budget, Coverage, Draws, Request, budget_from_samples, budget_poses};
 use crate::analysis::reference::PartReference;
 use crate::job::job_file::{Job, JobPaths};
+use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
 use crate::job::path::PathResult;
@@ -106,6 +107,9 @@ pub struct BudgetResult {
     pub chain: String,
     /// What the budget is over.
     pub over: Over,
+    /// The 95 % value of the position against the limit of the job, if it states one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<LimitVerdict>,
     /// What the tool poses ask of the machine, if they are one path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathResult>,
@@ -189,7 +193,7 @@ pub fn budget_part(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) ->
 /// Maximum number of random poses.
 const MAX_POSES: usize = 100_000;
 
-fn budgeted(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<BudgetResult, Refused> {
+fn budgeted(call: &mut Call<'_>, machine: &MachineFile, options: &BudgetOptions) -> Result<BudgetResult, Refused> {
     let at = fitting(call, machine, options)?;
     let bounded = options.tolerances.bounds(call, machine)?;
     budget_of(call, machine, options, at, bounded)
@@ -214,12 +218,14 @@ struct BudgetWork {
     poses: Vec<Pose>,
     tool_poses: Option<ReachedToolPoses>,
     set_up: SetUp,
+    limit_mm: Option<f64>,
     draws: Draws,
 }
 
 impl BudgetWork {
-    fn of(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> Result<Self, Refused> {
-        let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
+    fn of(call: &mut Call<'_>, machine: &MachineFile, options: &BudgetOptions) -> Result<Self, Refused> {
+        let paths =
+            JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
         let job = paths.read(call, machine)?;
         let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
         let poses = match &tool_poses {
@@ -227,7 +233,8 @@ impl BudgetWork {
             None => budget_poses(machine, options.poses, options.seed),
         };
         let set_up = Job::set_up(job.as_ref(), call, machine, options.reference.as_ref(), &poses)?;
-        Ok(Self { poses, tool_poses, set_up, draws: options.tolerances.draws(options.seed) })
+        let (limit_mm, draws) = (job.and_then(|job| job.limit_mm), options.tolerances.draws(options.seed));
+        Ok(Self { poses, tool_poses, set_up, limit_mm, draws })
     }
 
     fn request<'a>(
@@ -249,7 +256,7 @@ impl BudgetWork {
 
 pub(crate) fn budget_of(
     call: &mut Call<'_>,
-    machine: &Machine,
+    machine: &MachineFile,
     options: &BudgetOptions,
     at: Option<Pose>,
     (bounds, class): (Vec<Bound>, Option<ClassSource>),
@@ -277,12 +284,13 @@ pub(crate) fn budget_of(
         contributions: contributions(&bounds, list),
     });
     let over = work.over(machine, &work.set_up.reference);
-    let BudgetWork { poses, tool_poses, .. } = work;
+    let BudgetWork { poses, tool_poses, limit_mm, .. } = work;
     let coverage = Coverage::of(machine, &bounds);
     let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
     let budget = BudgetFigures::new(machine, bounds, &budget, poses.len(), drawing);
+    let limit = limit_mm.map(|limit_mm| budget.position_um.monte_carlo.against(limit_mm));
     let (machine, chain) = (machine.name().to_owned(), machine.chain().to_string());
-    Ok(BudgetResult { budget, coverage, machine, chain, over, path, best_fit, tool_poses, goal, at })
+    Ok(BudgetResult { budget, coverage, machine, chain, over, limit, path, best_fit, tool_poses, goal, at })
 }
 
 /// Returns the budget of the same machines drawn without the best fit over the poses.

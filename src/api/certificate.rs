@@ -8,6 +8,7 @@ use crate::controller::{
 use crate::evaluate::{Bare, Field, Order, Summary};
 use crate::file_set::verdict;
 use crate::job::job_file::{Job, JobPaths};
+use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
 use crate::job::reference::{Reference, SetUp};
 use crate::job::tool_poses::ReachedToolPoses;
@@ -41,8 +42,12 @@ pub(crate) struct WorkOfCertificate {
 
 impl CertifiedWork {
     /// Reads the job; `None` without one.
-    pub(crate) fn read(&self, call: &mut Call<'_>, machine: &Machine) -> Result<Option<WorkOfCertificate>, Refused> {
-        let paths = JobPaths { job: self.job.as_ref(), tool_poses: self.tool_poses.as_ref(), path: self.path };
+    pub(crate) fn read(
+        &self,
+        call: &mut Call<'_>,
+        machine: &MachineFile,
+    ) -> Result<Option<WorkOfCertificate>, Refused> {
+        let paths = JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path };
         let Some(job) = paths.read(call, machine)? else {
             if self.reference.is_some() {
                 return call.usage("the certificate over the volume is in machine coordinates: give a job too");

@@ -2,8 +2,9 @@
 
 use super::summary::{MachineSummary, summary};
 use crate::diagnostic::{Diagnostics, WarningRecord};
+use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{LoadOptions, MachineFile, load};
-use crate::run::Run;
+use crate::run::{Answer, Call, Run};
 use serde::{Serialize, Serializer};
 use std::path::Path;
 
@@ -66,9 +67,27 @@ pub fn check<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>, run: Run) -> Ve
 fn one(path: &Path, run: Run) -> CheckedFile {
     let file = path.display().to_string();
     match load(path, &LoadOptions::default(), run) {
-        Ok(answer) => CheckedFile { file, machine: Some(answer.value), diagnostics: answer.warnings },
+        Ok(answer) => with_job(file, answer, run),
         Err(diagnostics) => CheckedFile { file, machine: None, diagnostics },
     }
+}
+
+/// Returns a checked file with what is wrong with the job that it states.
+fn with_job(file: String, answer: Answer<MachineFile>, run: Run) -> CheckedFile {
+    let Answer { value: machine, warnings: mut diagnostics } = answer;
+    let found = Call::answer(run, machine.sources(), |call| {
+        let Some(job) = (JobPaths { job: None, tool_poses: None, path: None }).read(call, &machine)? else {
+            return Ok(());
+        };
+        let reached = job.poses.reached(call, &machine)?;
+        Job::set_up(Some(&job), call, &machine, None, &reached.poses).map(|_| ())
+    });
+    let (machine, of_job) = match found {
+        Ok(answer) => (Some(machine), answer.warnings),
+        Err(refusal) => (None, refusal),
+    };
+    diagnostics.absorb(of_job);
+    CheckedFile { file, machine, diagnostics }
 }
 
 /// Returns the diagnostics of checked files as one SARIF 2.1.0 log, relative file names as relative URIs.

@@ -14,6 +14,7 @@ use crate::analysis::{
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Difference, Field, Frame, Order, Statistics, Summary};
 use crate::job::job_file::JobPaths;
+use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::{Over, OverKind};
 use crate::job::path::PathResult;
@@ -157,6 +158,9 @@ pub struct ComparedMachine {
     /// The travel that the tool poses of a file need, axis by axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub travel: Option<Vec<NeededTravel>>,
+    /// Its 95 % value against the limit of the job, if it states one: of its budget, or else of its measured errors.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<LimitVerdict>,
     /// What the tool poses ask of it, if they are one path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathResult>,
@@ -213,7 +217,7 @@ fn side_by_side(
     let order = |machine: &Machine| order_of(machine, options.order);
     let bare: Vec<Bare<'_>> = files.iter().map(|file| Bare { machine: file, order: order(file) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
+    let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
     let job = paths.read(call, first)?;
     let asked = job.as_ref().map(|job| &job.poses);
     let work = match asked {
@@ -273,9 +277,18 @@ fn side_by_side(
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
     };
     let travels: Vec<_> = missed.iter().enumerate().map(travel).collect();
+    let limit_mm = job.as_ref().and_then(|job| job.limit_mm);
+    let limit = |i: usize, machine: &ComparedMachine| {
+        limit_mm.map(|limit_mm| match (&budgets, &machine.bounds) {
+            (Some(of), _) => of.machines[i].position_um.monte_carlo.against(limit_mm),
+            (None, Some(of)) => of.figures.position_um.monte_carlo.against(limit_mm),
+            (None, None) => LimitVerdict::new(limit_mm, machine.position_um.p95, None),
+        })
+    };
     let of = |(i, ((((machine, missed), travel), bounds_add), path))| {
         let uncertainty = uncertainty.as_ref().map(|of: &Vec<ComparedBands>| of[i]);
-        ComparedMachine { missed, travel, path, bounds_add, uncertainty, ..machine }
+        let limit = limit(i, &machine);
+        ComparedMachine { missed, travel, path, bounds_add, uncertainty, limit, ..machine }
     };
     let machines = machines.zip(missed).zip(travels).zip(adds).zip(paths).enumerate().map(of);
     Ok(CompareResult {
@@ -334,6 +347,7 @@ fn compared_machine(
         travel: None,
         missed: None,
         path: None,
+        limit: None,
         chain: file.chain().to_string(),
     }
 }

@@ -62,7 +62,7 @@ fn difference(
     let [first, second] = files else { return call.usage("`diff` takes two machines") };
     call.check_counts(&[Count::Poses(options.poses)])?;
     let properties = first.differences(second);
-    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
+    let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
     let job = paths.read(call, first)?;
     let judge = Judge::of(call, [first, second], options, job.as_ref())?;
     let single: Vec<(&MachineProperty, Machine)> = properties

@@ -344,10 +344,11 @@ pub fn enumerate(
 
 fn studied(
     call: &mut Call<'_>,
-    machine: &Machine,
+    machine_file: &MachineFile,
     options: &EnumerateOptions,
     file: Option<&dyn StudyFile>,
 ) -> Result<EnumerateResult, Refused> {
+    let machine: &Machine = machine_file;
     fitting(call, machine, options)?;
     let rules = rules(options, machine).or_else(|refusal| call.refuse(refusal))?;
     let walks = listed(options, machine, &rules).or_else(|refusal| call.refuse(refusal))?;
@@ -364,8 +365,8 @@ fn studied(
     }
     let long = options.size.then(|| sized(machine));
     let machine = long.as_ref().unwrap_or(machine);
-    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
-    let job = paths.read(call, machine)?;
+    let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
+    let job = paths.read(call, machine_file)?;
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let work = match &job {
         Some(job) => job.poses.work(machine),

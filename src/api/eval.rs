@@ -5,7 +5,7 @@ use super::effects::{ErrorEffect, Neglected, effects, inverse};
 use crate::analysis::figure_bands::PoseUncertainty;
 use crate::analysis::{View, deviation_in};
 use crate::evaluate::{Bare, Deviation, Evaluation, Frame, Order, evaluate, evaluate_over};
-use crate::job::job_file::{Job, JobPaths};
+use crate::job::job_file::{Job, JobPaths, NO_JOB};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
 use crate::job::over::Over;
 use crate::job::path::PathResult;
@@ -15,7 +15,7 @@ use crate::lower::WeilLift;
 use crate::machine::{Approach, Machine, OperatingConditions, Pose};
 use crate::run::{Call, Refused, Reply, Run};
 use nalgebra::Vector3;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of [`eval`].
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -137,10 +137,14 @@ pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run) -> Reply<EvalRe
     Call::answer(run, file.sources(), |call| evaluate_poses(call, file, options))
 }
 
-fn evaluate_poses(call: &mut Call, machine: &Machine, options: &EvalOptions) -> Result<EvalResult, Refused> {
+fn evaluate_poses(call: &mut Call, machine: &MachineFile, options: &EvalOptions) -> Result<EvalResult, Refused> {
     call.extend(bounded_only(machine));
     let asked = (options.at.as_slice(), options.poses.as_slice(), options.pose_file.as_ref());
-    let job = JobPaths { job: options.job.as_ref(), tool_poses: None, path: options.path }.read(call, machine)?;
+    // Poses that are asked for come before the job of the machine file.
+    let is_posed = !options.at.is_empty() || !options.poses.is_empty() || options.pose_file.is_some();
+    let posed = is_posed.then(|| Path::new(NO_JOB));
+    let job =
+        JobPaths { job: options.job.as_deref().or(posed), tool_poses: None, path: options.path }.read(call, machine)?;
     let reached = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let poses = match &reached {
         Some(reached) => reached.poses.clone(),

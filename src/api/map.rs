@@ -13,6 +13,7 @@ use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Deviation, Field, Order, Poses, Tally, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
+use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
 use crate::job::poses::axis_positions;
@@ -91,7 +92,7 @@ const DIAGONAL_STEPS: usize = 20;
 
 fn volume(
     call: &mut Call<'_>,
-    machine: &Machine,
+    file: &MachineFile,
     options: &MapOptions,
     tables: Vec<MapTable<'_>>,
     parts: &dyn MapParts,
@@ -100,16 +101,17 @@ fn volume(
     if let MapPoses::Random(0) | MapPoses::LowDiscrepancy(0) = options.poses {
         return call.usage("a map takes 1 pose at least");
     }
+    let machine: &Machine = file;
     let settings = (&options.tolerances, options.samples, options.seed);
     if let Some(drawn) = DrawnBounds::of(call, machine, settings)? {
         parts.refuse_other()?;
-        return map_bounds::volume(call, machine, options, (drawn, tables));
+        return map_bounds::volume(call, file, options, (drawn, tables));
     }
     let order = order_of(machine, options.order);
     let view = View { conditions: options.approach.into(), frame: options.frame };
     let place =
         options.picture.as_ref().map(|picture| picture.place(call, machine, options.target.is_some())).transpose()?;
-    let job = options.job().read(call, machine)?;
+    let job = options.job().read(call, file)?;
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let compensation = compensation(call, machine, options, order)?;
     let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
@@ -149,8 +151,20 @@ fn volume(
     let uncertainty =
         field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed, set_up.removed());
     let target = options.target.clone();
+    let limit = job.and_then(|job| job.limit_mm).map(|mm| LimitVerdict::new(mm, result.position_um.p95, None));
     let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
-    Ok(MapResult { picture, path, tool_poses, features, bounds_add, target, uncompensated, uncertainty, ..result })
+    Ok(MapResult {
+        limit,
+        picture,
+        path,
+        tool_poses,
+        features,
+        bounds_add,
+        target,
+        uncompensated,
+        uncertainty,
+        ..result
+    })
 }
 
 /// Number of poses at which the warnings of a compensation are found.

@@ -7,6 +7,7 @@ use crate::analysis::budget::{BoundedDeviation, PoseByPose};
 use crate::analysis::{MAX_POSES, View};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Order, Poses};
+use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
 use crate::job::poses::axis_positions;
 use crate::machine::{Machine, Pose};
@@ -16,13 +17,14 @@ use crate::run::{Call, Refused};
 
 pub(crate) fn volume(
     call: &mut Call<'_>,
-    machine: &Machine,
+    file: &MachineFile,
     options: &MapOptions,
     (drawn, tables): (DrawnBounds, Vec<MapTable<'_>>),
 ) -> Result<MapResult, Refused> {
     refuse_measured(call, options)?;
+    let machine: &Machine = file;
     let place = options.picture.as_ref().map(|picture| picture.bounded_place(call, machine)).transpose()?;
-    let job = options.job().read(call, machine)?;
+    let job = options.job().read(call, file)?;
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
     if poses.len() > MAX_POSES {
@@ -47,10 +49,12 @@ pub(crate) fn volume(
     let picture = drawn_picture.map(|(picture, place)| picture.bounded_picture(place, &subject)).transpose()?;
     let features = tool_poses.as_ref().map(|reached| drawn.features(machine, reached, &found));
     let figures = drawn.figures(&found);
+    let limit = job.and_then(|job| job.limit_mm).map(|mm| figures.position_um.monte_carlo.against(mm));
     let over = Over::work(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
     let result = MapResult::empty(&rows, over, figures.statistics(poses.len()));
     let worst = worst(machine, &poses, &found, options.worst);
     Ok(MapResult {
+        limit,
         from: Some("bounds"),
         bounds: Some(MapFromBounds { figures, worst }),
         features: features.unwrap_or_default(),

@@ -6,7 +6,8 @@ use crate::analysis::{Bands, MAX_POSES, MAX_SURVEYED};
 use crate::evaluate::{Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary};
 use crate::file_set::options::CompensationOptions;
 use crate::job::features::FeatureResult;
-use crate::job::job_file::{Job, JobPaths};
+use crate::job::job_file::{Job, JobPaths, NO_JOB};
+use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
 use crate::job::path::PathResult;
@@ -18,7 +19,7 @@ use crate::report::plane_picture::PlaneOptions;
 use crate::report::{BoundedFigures, Picture, Rows};
 use crate::run::{Call, Refused};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of [`map`](super::map()).
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -79,9 +80,10 @@ impl MapOptions {
     /// Returns the files of the job, if the poses are of one.
     pub(crate) fn job(&self) -> JobPaths<'_> {
         let (job, tool_poses) = match &self.poses {
-            MapPoses::ToolPoses(path) => (None, Some(path)),
-            MapPoses::Job(path) => (Some(path), None),
-            _ => (None, None),
+            MapPoses::ToolPoses(path) => (None, Some(path.as_path())),
+            MapPoses::Job(path) => (Some(path.as_path()), None),
+            MapPoses::Grid => (None, None),
+            _ => (Some(Path::new(NO_JOB)), None),
         };
         JobPaths { job, tool_poses, path: self.path }
     }
@@ -108,7 +110,7 @@ impl MapOptions {
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MapPoses {
-    /// The grid of the volume of the machine.
+    /// The tool poses of the job of the machine file, or else the grid of the volume of the machine.
     #[default]
     Grid,
     /// Random poses over the volume: their number.
@@ -118,7 +120,8 @@ pub enum MapPoses {
     /// The poses for the tool poses of a file, workpiece frame: CSV with columns X, Y, Z (mm) and I, J, K or rotary
     /// axes (deg), or APT CL data.
     ToolPoses(PathBuf),
-    /// The poses for the tool poses of a job file, with the reference that it states.
+    /// The poses for the tool poses of a job file, with the reference that it states; `none` in its place leaves the job
+    /// of the machine file out, for the grid of the volume.
     Job(PathBuf),
     /// Poses as numbers, mm and deg, each as long as the machine has axes and in the order of the chain.
     #[schemars(skip)]
@@ -134,7 +137,7 @@ impl MapPoses {
     /// Returns the number of poses; `None` where a file decides.
     pub fn count(&self, file: &MachineFile) -> Option<usize> {
         match self {
-            Self::Grid => Some(Nodes::of(file).len()),
+            Self::Grid => file.job.is_none().then(|| Nodes::of(file).len()),
             Self::Random(count) | Self::LowDiscrepancy(count) => Some(*count),
             Self::Listed(list) => Some(list.len()),
             Self::ToolPoses(_) | Self::Job(_) => None,
@@ -148,12 +151,12 @@ impl MapPoses {
         reached: Option<&ReachedToolPoses>,
     ) -> Result<Poses, Refused> {
         Ok(match self {
-            Self::Grid => Poses::Nodes(Nodes::of(machine)),
             Self::Random(count) => Poses::Random(Random::of(machine, *count, seed)),
             Self::LowDiscrepancy(count) => Poses::Spread(Spread::of(machine, *count, seed)),
-            Self::ToolPoses(_) | Self::Job(_) => {
-                Poses::Listed(reached.map_or_else(Vec::new, |reached| reached.poses.clone()))
-            }
+            Self::Grid | Self::ToolPoses(_) | Self::Job(_) => match reached {
+                Some(reached) => Poses::Listed(reached.poses.clone()),
+                None => Poses::Nodes(Nodes::of(machine)),
+            },
             Self::Listed(list) => Poses::Listed(poses(call, machine, (&[], list, None))?),
         })
     }
@@ -175,6 +178,9 @@ pub struct MapResult {
     /// What the tool poses ask of the machine, if they are one path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathResult>,
+    /// The 95 % value of the position against the limit of the job, if it states one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<LimitVerdict>,
     /// Number of poses.
     pub poses: usize,
     /// `bounds` where nothing is measured: then the statistics are of the 95 % value at each pose.
@@ -229,6 +235,7 @@ impl MapResult {
             frame: rows.view.frame,
             direction: rows.view.conditions.approach,
             over,
+            limit: None,
             path: None,
             poses: statistics.poses,
             from: None,

@@ -6,7 +6,7 @@ use crate::analysis::{
     rotary_axes_place_tip,
 };
 use crate::diagnostic::{Diagnostic, codes, shown};
-use crate::job::job_file::{Job, JobPaths};
+use crate::job::job_file::{Job, JobPaths, NO_JOB};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
 use crate::job::reference::{Reference, SetUp};
@@ -15,7 +15,7 @@ use crate::machine::{Machine, Pose};
 use crate::report::{Picture, ReachPicture, structured_grid};
 use crate::run::{Call, Refused, Reply, Run};
 use crate::units::{FARTHEST, number, significant};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of [`reach`].
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -168,10 +168,14 @@ pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run) -> Reply<Reac
     Call::answer(run, file.sources(), |call| find(call, file, options))
 }
 
-fn find(call: &mut Call, machine: &Machine, options: &ReachOptions) -> Result<ReachResult, Refused> {
-    let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
+fn find(call: &mut Call, machine: &MachineFile, options: &ReachOptions) -> Result<ReachResult, Refused> {
+    let is_box = options.region.is_some() || options.step_mm.is_some() || options.directions.is_some();
+    // A box that is asked for comes before the job of the machine file.
+    let boxed = (is_box && options.tool_poses.is_none()).then(|| Path::new(NO_JOB));
+    let job = options.job.as_deref().or(boxed);
+    let paths = JobPaths { job, tool_poses: options.tool_poses.as_deref(), path: options.path };
     if let Some(job) = paths.read(call, machine)? {
-        if options.region.is_some() || options.step_mm.is_some() || options.directions.is_some() {
+        if is_box {
             return call.usage("a job has its own tool poses: omit `--box`, `--step` and `--directions`");
         }
         return of_job(call, machine, &job);

@@ -55,6 +55,7 @@ pub use crate::controller::{
 pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};
 pub use crate::job::features::{DominatingError, FeatureResult};
+pub use crate::job::limit::LimitVerdict;
 pub use crate::job::machine_file::InputFile;
 pub use crate::job::over::{Over, OverKind};
 pub use crate::job::path::{PathAxis, PathPole, PathResult, PathRewind};

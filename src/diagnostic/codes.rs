@@ -274,6 +274,7 @@ codes! {
     W0820 "the certificate of an instrument has ended",
     W0850 "the part is not zeroed",
     W0851 "a path that needs rewinds",
+    W0852 "the job of a machine file gives way",
 }
 
 /// Finds a code by its name, in any case.

@@ -1,5 +1,7 @@
 //! A job: the tool poses of a part, where the part lies, and what its set-up takes out.
 
+use super::limit::parse_limit;
+use super::machine_file::MachineFile;
 use super::placement::Placement;
 use super::reference::{Reference, ReferenceEntry, SetUp};
 use super::tool_poses::{self, ToolPoses};
@@ -7,14 +9,17 @@ use crate::diagnostic::{Diagnostic, Reason, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::run::{Call, Refused};
 use crate::syntax::{from_yaml, read_text};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// A job file.
+/// The word in place of a file that leaves the job of a machine file out.
+pub(crate) const NO_JOB: &str = "none";
+
+/// A job file, or the job of a machine file.
 #[derive(Debug, Clone, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct JobFile {
     /// The file of the tool poses, from the folder of the job file.
-    tool_poses: PathBuf,
+    tool_poses: String,
     /// Where the part lies on the workpiece frame.
     #[serde(default)]
     place: Placement,
@@ -24,6 +29,8 @@ struct JobFile {
     path: Option<bool>,
     /// Name of the tool.
     tool: Option<String>,
+    /// Limit of the 95 % value of the position deviation.
+    limit: Option<String>,
 }
 
 /// A job on a machine.
@@ -31,37 +38,54 @@ struct JobFile {
 pub(crate) struct Job {
     /// Its tool poses, workpiece frame.
     pub poses: ToolPoses,
+    /// Limit of the 95 % value of the position deviation, mm.
+    pub limit_mm: Option<f64>,
     place: Placement,
     reference: Option<Reference>,
 }
 
-/// The files that make a job: of one of them at most the other is there.
+/// The files that make a job: at most one of them is there. Without both the job of the machine file counts.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct JobPaths<'a> {
-    /// The job file.
-    pub job: Option<&'a PathBuf>,
+    /// The job file, or [`NO_JOB`].
+    pub job: Option<&'a Path>,
     /// The bare tool poses.
-    pub tool_poses: Option<&'a PathBuf>,
+    pub tool_poses: Option<&'a Path>,
     /// True if the tool poses are one path; by default what the job file says, or else of CL data alone.
     pub path: Option<bool>,
 }
 
 impl JobPaths<'_> {
-    /// Reads the job for a machine, which gives the rotary columns their axes; `None` without files.
-    pub(crate) fn read(self, call: &mut Call<'_>, machine: &Machine) -> Result<Option<Job>, Refused> {
-        match (self.job, self.tool_poses) {
+    /// Reads the job for a machine, which gives the rotary columns their axes; `None` without one. Says if the job of
+    /// the machine file gives way.
+    pub(crate) fn read(self, call: &mut Call<'_>, file: &MachineFile) -> Result<Option<Job>, Refused> {
+        let job = self.job.filter(|path| *path != Path::new(NO_JOB));
+        let own = file.job.is_some() && (self.job.is_none() || job.is_some());
+        match (job, self.tool_poses) {
             (Some(_), Some(_)) => call.usage("a job file names its tool poses: omit one of the two"),
-            (Some(path), None) => from_file(call, machine, path, self.path).map(Some),
-            (None, Some(path)) => {
-                let poses = tool_poses::read(call, machine, path)?.along(self.path);
-                Ok(Some(Job { poses, place: Placement::default(), reference: None }))
+            (Some(path), None) => {
+                call.extend(own.then(|| displaced(file, path)));
+                from_file(call, file, path, self.path).map(Some)
             }
+            (None, Some(path)) => {
+                call.extend(own.then(|| displaced(file, path)));
+                let poses = tool_poses::read(call, file, path)?.along(self.path);
+                Ok(Some(Job { poses, limit_mm: None, place: Placement::default(), reference: None }))
+            }
+            (None, None) if own => from_machine_file(call, file, self.path),
             (None, None) if self.path.is_some() => {
                 call.usage("`--path` is about tool poses: give `--job` or `--tool-poses`")
             }
             (None, None) => Ok(None),
         }
     }
+}
+
+/// The warning of a machine file whose job gives way to another.
+fn displaced(file: &MachineFile, by: &Path) -> Diagnostic {
+    let [file, by] = [file.path().to_owned(), by.display().to_string()].map(|name| shown(&name));
+    Diagnostic::new(codes::W0852, format!("the job of `{file}` gives way to `{by}`"))
+        .help("omit `--job` and `--tool-poses` for the job of the machine file")
 }
 
 impl Job {
@@ -95,23 +119,59 @@ impl Job {
 fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path, asked: Option<bool>) -> Result<Job, Refused> {
     let files = call.run.files;
     let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };
-    let JobFile { tool_poses, place, reference, path: is_path, tool } = match from_yaml::<JobFile>(&text) {
-        Ok(file) => file,
-        Err(failure) => return call.refuse(refused(path, &Reason::new(failure))),
-    };
-    if let Some(tool) = tool.filter(|tool| *tool != machine.tool().name) {
-        let message = format!("the job is for the tool `{}`", shown(&tool));
-        return call.refuse(refused(path, &Reason::new(message)).help(format!("choose it: `--tool {}`", shown(&tool))));
+    let name = path.display().to_string();
+    match from_yaml::<JobFile>(&text) {
+        Ok(job) => {
+            let tool_poses = path.parent().unwrap_or(Path::new("")).join(&job.tool_poses);
+            job.on(call, machine, &name, &tool_poses, asked)
+        }
+        Err(failure) => call.refuse(refused(&name, &Reason::new(failure))),
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut poses = tool_poses::read(call, machine, &folder.join(tool_poses))?.along(asked.or(is_path));
-    poses.put(&place);
-    Ok(Job { poses, place, reference: reference.map(|ReferenceEntry(reference)| reference) })
 }
 
-fn refused(path: &Path, failure: &Reason) -> Diagnostic {
-    let message = format!("`{}`: {}", shown(&path.display().to_string()), shown(&failure.to_string()));
-    let help = "a job has `tool_poses`, and may have `place`, `reference`, `path` and `tool`; docs/formats/jobs.md has \
-                an example";
+/// Reads the job of a machine file.
+fn from_machine_file(call: &mut Call<'_>, file: &MachineFile, asked: Option<bool>) -> Result<Option<Job>, Refused> {
+    let Some(text) = &file.job else { return Ok(None) };
+    let job = text.read::<JobFile>(&mut call.diagnostics);
+    call.check()?;
+    let job = job.ok_or(Refused)?;
+    let tool_poses = text.path("tool_poses", &job.tool_poses);
+    job.on(call, file, file.path(), &tool_poses, asked).map(Some)
+}
+
+impl JobFile {
+    /// Returns the job on a machine; `name` is that of the file in which it stands.
+    fn on(
+        self,
+        call: &mut Call<'_>,
+        machine: &Machine,
+        name: &str,
+        tool_poses: &Path,
+        asked: Option<bool>,
+    ) -> Result<Job, Refused> {
+        let Self { tool_poses: _, place, reference, path, tool, limit } = self;
+        if let Some(tool) = tool.filter(|tool| *tool != machine.tool().name) {
+            let known = machine.with_tool(&tool).is_some();
+            let tool = shown(&tool);
+            let (why, help) = if known {
+                ("", format!("choose it: `--tool {tool}`"))
+            } else {
+                (", which the machine does not have", "name one of the `tools` of the machine file".to_owned())
+            };
+            let message = format!("the job is for the tool `{tool}`{why}");
+            return call.refuse(refused(name, &Reason::new(message)).help(help));
+        }
+        let limit = limit.map(|text| parse_limit(&text)).transpose();
+        let limit_mm = limit.or_else(|reason| call.refuse(refused(name, &reason)))?;
+        let mut poses = tool_poses::read(call, machine, tool_poses)?.along(asked.or(path));
+        poses.put(&place);
+        Ok(Job { poses, limit_mm, place, reference: reference.map(|ReferenceEntry(reference)| reference) })
+    }
+}
+
+fn refused(name: &str, failure: &Reason) -> Diagnostic {
+    let message = format!("`{}`: {}", shown(name), shown(&failure.to_string()));
+    let help = "a job has `tool_poses`, and may have `place`, `reference`, `path`, `tool` and `limit`; \
+                docs/formats/jobs.md has an example";
     Diagnostic::new(codes::E0851, message).help(help)
 }

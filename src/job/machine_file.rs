@@ -4,7 +4,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes};
 use crate::evaluate::{Nodes, Order};
 use crate::machine::{self, ErrorTerm, Machine};
 use crate::run::{Call, Hashed, Refused, Reply, Run, sha256};
-use crate::syntax::{self, Files, IdentifyEntry, MemoryFiles};
+use crate::syntax::{self, Files, IdentifyEntry, JobText, MemoryFiles};
 use crate::units::counted;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 pub struct MachineFile {
     pub(crate) machine: Machine,
     pub(crate) identify: Option<IdentifyEntry>,
+    pub(crate) job: Option<JobText>,
     pub(crate) sources: Sources,
     pub(crate) path: PathBuf,
     warnings: Vec<Diagnostic>,
@@ -164,10 +165,10 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     let machine = document.as_ref().and_then(|d| machine::resolve(d, files, &mut call.diagnostics));
     call.check()?;
     let machine = machine.ok_or(Refused)?;
-    let identify = document.and_then(|document| document.identify);
+    let (identify, job) = document.map_or((None, None), |document| (document.identify, document.job));
     let (sources, warnings) = (call.diagnostics.sources.clone(), call.diagnostics.iter().cloned().collect());
     let input_files = input_files(path, &sources, files);
-    let file = MachineFile { machine, identify, sources, path: path.to_owned(), warnings, input_files };
+    let file = MachineFile { machine, identify, job, sources, path: path.to_owned(), warnings, input_files };
     match &options.tool {
         None => Ok(file),
         Some(name) => file.with_tool(name).or_else(|refusal| call.refuse(refusal)),

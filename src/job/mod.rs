@@ -5,6 +5,7 @@
 //! - [`tool_poses`]: tool poses of a file, with those that the machine does not reach and the travel that they need;
 //! - [`placement`]: where the part lies;
 //! - [`job_file`]: a job as a file states it;
+//! - [`limit`]: the largest deviation that a job allows;
 //! - [`mod@reference`]: what the set-up of a part takes out of its deviations;
 //! - [`over`]: the statement of what a result is over;
 //! - [`path`]: what tool poses ask of a machine as one path;
@@ -12,6 +13,7 @@
 
 pub mod features;
 pub mod job_file;
+pub mod limit;
 pub mod machine_file;
 pub mod over;
 pub mod path;

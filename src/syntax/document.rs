@@ -14,6 +14,7 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, MapAccess};
 use serde_yaml::{Mapping, Value};
+use std::path::PathBuf;
 
 /// Named entries in the order of the file; `None` where the entry as a whole was refused.
 pub type Entries<T> = IndexMap<String, Option<T>>;
@@ -59,10 +60,31 @@ pub struct Document {
     pub algebra: Option<AlgebraEntry>,
     /// The parameters that `identify` fits.
     pub identify: Option<IdentifyEntry>,
+    /// The job that the machine is judged on, before its form is judged: see [`JobText`].
+    pub job: Option<JobText>,
     /// The places of all entries.
     pub places: Places,
     /// The chains under which the geometry of axes was written.
     pub chains: WrittenChains,
+}
+
+/// The job of a machine file as it is written. What a job is stands in a later stage, which reads it.
+#[derive(Debug, Clone)]
+pub struct JobText {
+    value: Value,
+    places: Places,
+}
+
+impl JobText {
+    /// Reads the job; what does not fit is reported.
+    pub fn read<T: DeserializeOwned>(&self, diagnostics: &mut Diagnostics) -> Option<T> {
+        entry(self.value.clone(), &keys(["job"]), &mut self.places.clone(), diagnostics)
+    }
+
+    /// Returns a path that an entry of the job names, from the file in which it stands.
+    pub fn path(&self, key: &str, written: &str) -> PathBuf {
+        self.places.resolve_path(&keys(["job", key]), written)
+    }
 }
 
 /// An axis.
@@ -349,7 +371,7 @@ pub enum SquarenessSite {
 }
 
 /// Top-level keys.
-pub const SECTIONS: [&str; 20] = [
+pub const SECTIONS: [&str; 21] = [
     "abbe",
     "machine",
     "chain",
@@ -370,6 +392,7 @@ pub const SECTIONS: [&str; 20] = [
     "setup",
     "algebra",
     "identify",
+    "job",
 ];
 
 /// Takes sections out of the merged tree.
@@ -443,6 +466,7 @@ impl Document {
             setup: reader.section("setup"),
             algebra: reader.section("algebra"),
             identify: reader.section("identify"),
+            job: reader.map.remove("job").map(|value| JobText { value, places: reader.places.clone() }),
             places: Places::default(),
             chains: layer.chains,
         };

@@ -111,7 +111,8 @@ fn sections(generator: &mut SchemaGenerator) -> Value {
         "provenance": notes(generator),
         "setup": or_null("Set-up errors.", object::<SetUpEntry>(generator)),
         "algebra": or_null("The algebra in which errors are followed.", object::<AlgebraEntry>(generator)),
-        "identify": or_null("What `identify` fits.", object::<IdentifyEntry>(generator))
+        "identify": or_null("What `identify` fits.", object::<IdentifyEntry>(generator)),
+        "job": or_null("The job that the machine is judged on.", job())
     })
 }
 
@@ -125,6 +126,32 @@ fn name(description: &str, longest: usize) -> Value {
     json!({
         "description": description, "type": "string", "minLength": 1, "maxLength": longest,
         "pattern": r"^[^\u0000-\u001f\u007f]+$"
+    })
+}
+
+/// A job: docs/formats/jobs.md.
+fn job() -> Value {
+    let point = || json!({ "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 });
+    json!({
+        "type": "object",
+        "required": ["tool_poses"],
+        "properties": {
+            "tool_poses": name("File of the tool poses, from the folder of this file.", 4096),
+            "place": {
+                "description": "Where the part lies on the workpiece frame: mm, and deg about X, then Y, then Z.",
+                "type": "object", "additionalProperties": false,
+                "properties": { "origin": point(), "rotation": point() }
+            },
+            "reference": {
+                "description": "What the set-up takes out: machine, zero, zero:X,Y,Z, best-fit, or a mapping.",
+                "type": ["string", "object"]
+            },
+            "path": { "description": "True if the tool poses are one continuous path.", "type": "boolean" },
+            "tool": name("Name of the tool that the job is for.", 120),
+            "limit": { "description": "Limit of the 95 % position deviation: 30 um.", "type": "string" },
+            "features": { "description": "Tolerances of features." }
+        },
+        "additionalProperties": false
     })
 }
 

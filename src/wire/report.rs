@@ -16,7 +16,7 @@ use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::{Bare, Field, Frame, Order, Poses, Random, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
-use crate::job::job_file::{Job, JobPaths};
+use crate::job::job_file::{Job, JobPaths, NO_JOB};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::{Over, OverKind};
 use crate::job::reference::{Reference, SetUp};
@@ -28,6 +28,7 @@ use crate::report::page::{
 };
 use crate::run::{Advance, Call, Cancelled, Count, Refused, Reply, Run, finite};
 use serde_json::{Value, json};
+use std::path::PathBuf;
 
 /// Content of a page: what its workbench starts with, and numbers and pictures of its appendices. The default shows no
 /// machine.
@@ -155,7 +156,8 @@ impl<'a> Subject<'a> {
             call.warn(nothing_to_compensate(file));
         }
         call.check()?;
-        let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
+        let paths =
+            JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
         let job = paths.read(call, file)?;
         let reached = job.as_ref().map(|job| job.poses.reached(call, file)).transpose()?;
         let poses: Vec<Pose> = match &reached {
@@ -256,7 +258,11 @@ fn compensate(
 }
 
 /// Returns the budget that [`budget`](crate::api::budget()) would give; `None` if no error is bounded.
-fn own_budget(call: &mut Call, machine: &Machine, options: &ReportOptions) -> Result<Option<BudgetResult>, Refused> {
+fn own_budget(
+    call: &mut Call,
+    machine: &MachineFile,
+    options: &ReportOptions,
+) -> Result<Option<BudgetResult>, Refused> {
     let ReportOptions { tolerances, samples, seed, poses, .. } = options;
     let bounded = tolerances.bounds_if_any(call, machine)?;
     if bounded.0.is_empty() {
@@ -264,8 +270,8 @@ fn own_budget(call: &mut Call, machine: &Machine, options: &ReportOptions) -> Re
     }
     let (tolerances, samples, seed, poses) = (tolerances.clone(), *samples, *seed, *poses);
     // The page has no other reference.
-    let reference = Some(Reference::default());
-    let options = BudgetOptions { tolerances, samples, seed, poses, reference, ..BudgetOptions::default() };
+    let (job, reference) = (Some(PathBuf::from(NO_JOB)), Some(Reference::default()));
+    let options = BudgetOptions { tolerances, samples, seed, poses, job, reference, ..BudgetOptions::default() };
     budget_of(call, machine, &options, None, bounded).map(Some)
 }
 

@@ -15,6 +15,7 @@ use crate::api::{
     compare, eval, instrument, map_tables, reach, schema, show, sources, summary, targets,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
+use crate::job::job_file::NO_JOB;
 use crate::job::machine_file::{LoadOptions, MachineFile, Overlay, load};
 use crate::job::reference::Reference;
 use crate::job::tool_poses::{RowTip, tips};
@@ -188,15 +189,23 @@ impl Question {
             Self::Sources(options) => document(sources(machine, options, run)),
             Self::Budget(options) => document(budget(
                 machine,
-                &BudgetOptions { reference: page_reference(&options.reference), ..options.clone() },
+                &BudgetOptions {
+                    job: page_job(&options.job, &options.tool_poses),
+                    reference: page_reference(&options.reference),
+                    ..options.clone()
+                },
                 run,
             )),
-            Self::Reach(options) => document(reach(machine, options, run).map(with_reasons)),
+            Self::Reach(options) => {
+                let options = ReachOptions { job: page_job(&options.job, &options.tool_poses), ..options.clone() };
+                document(reach(machine, &options, run).map(with_reasons))
+            }
             Self::Work(options) => document(work(machine, options, run)),
             Self::Compare(with) => match load(Path::new(&with.first), &request.load_options(), run) {
                 Ok(first) => {
                     let reference = page_reference(&with.options.reference);
-                    let options = CompareOptions { reference, ..with.options.clone() };
+                    let job = page_job(&with.options.job, &with.options.tool_poses);
+                    let options = CompareOptions { job, reference, ..with.options.clone() };
                     document(compare(&[first.value, machine.clone()], &options, run))
                 }
                 Err(diagnostics) => json!(diagnostics),
@@ -256,6 +265,11 @@ struct WorkRows {
 /// Returns the reference of a question: machine coordinates unless it states one, for the page does not.
 fn page_reference(asked: &Option<Reference>) -> Option<Reference> {
     Some(asked.clone().unwrap_or_default())
+}
+
+/// Returns the job of a question: none unless it names one, whatever the machine file states.
+fn page_job(asked: &Option<PathBuf>, tool_poses: &Option<PathBuf>) -> Option<PathBuf> {
+    asked.clone().or_else(|| tool_poses.is_none().then(|| PathBuf::from(NO_JOB)))
 }
 
 fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRows> {

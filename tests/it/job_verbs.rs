@@ -248,3 +248,40 @@ fn the_report_states_its_reference_and_has_the_figures_of_the_job() {
     let volume = page(&[&machine], &[]);
     assert!(volume.contains("reference: machine coordinates") && !volume.contains("are in machine coordinates."));
 }
+
+#[test]
+fn the_job_of_a_machine_file_counts_where_no_other_is_named() {
+    let folder = Folder::new("job-own");
+    let other = folder.with("other.csv", "X,Y,Z\n0,0,0\n100,0,0\n");
+    let _ = job(&folder);
+    let lines = format!("{SCALE}\njob: {{ tool_poses: part.csv, place: {{ origin: [50, 0, 0] }}, limit: 30.5 um }}");
+    let machine = three(&folder, "m.yaml", &lines);
+    let of = |more: &[&str]| json(&[&["map", text(&machine), "--format", "json"], more].concat());
+    let own = of(&[]);
+    near(&own["position_um"]["max"], 30.0);
+    assert_eq!((&own["over"]["kind"], &own["over"]["reference"]), (&"job".into(), &"zero".into()));
+    assert_eq!((&own["limit"]["limit_um"], &own["limit"]["held"]), (&30.5.into(), &true.into()));
+    let fitted = of(&["--reference", "best-fit"]);
+    near(&fitted["position_um"]["max"], 32.5);
+    assert_eq!(fitted["limit"]["held"], false);
+    assert_eq!(of(&["--random", "20"])["over"]["kind"], "volume");
+    assert_eq!(of(&["--job", "none"])["over"]["kind"], "volume");
+    let (code, said) = refused(&["map", text(&machine), "--tool-poses", text(&other)]);
+    assert!(code == 0 && said.contains("W0852") && said.contains("other.csv"), "{said}");
+    let checks = |line: &str| {
+        let machine = three(&folder, "c.yaml", line);
+        refused(&["check", text(&machine)])
+    };
+    for (line, word) in [
+        ("job: { tool_poses: absent.csv }", "absent.csv"),
+        ("job: { tool_poses: part.csv, tool: long }", "which the machine does not have"),
+        ("job: { tool_poses: part.csv, limit: 3 deg }", "no length above 0"),
+        ("job: { tool_poses: part.csv, where: 1 }", "where"),
+        ("job: { tool_poses: part.csv, reference: { kind: datum } }", "there are 0"),
+    ] {
+        let (code, said) = checks(line);
+        assert!(code == 1 && said.contains(word), "{line}: {code} {said}");
+    }
+    let (code, said) = checks("job: { tool_poses: part.csv }");
+    assert!(code == 0 && said.is_empty(), "{said}");
+}

@@ -8,7 +8,7 @@ use crate::cli::arguments::{
 use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, coverage_line, short, tolerance_text, totals_row};
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
-use crate::cli::output::view::{axes_text, path_text, reach_text, table, tool_poses_text};
+use crate::cli::output::view::{axes_text, limit_text, path_text, reach_text, table, tool_poses_text};
 use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use abbe::options::Statistic;
@@ -178,6 +178,7 @@ impl BudgetText<'_> {
         );
         if let Some(reached) = &self.result.tool_poses {
             text += &reach_text(&reached.rows, &reached.travel);
+            text += &limit_text(self.result.limit.as_ref());
             text += &self.result.path.as_ref().map_or_else(String::new, path_text);
         }
         text += &self.totals_table();

@@ -7,7 +7,7 @@ use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
-    STATISTICS, axes_text, frame_text, path_text, reach_text, statistics_rows, table, tool_poses_text,
+    STATISTICS, axes_text, frame_text, limit_text, path_text, reach_text, statistics_rows, table, tool_poses_text,
 };
 use crate::cli::output::{bands, bounded};
 use crate::cli::store::write::refuse_outputs;
@@ -159,6 +159,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
         let lead = if i == 0 { "Worst:" } else { "      " };
         text.push_str(&format!("{lead} {length} um ({x}, {y}, {z}) at {}\n", axes_text(file, worst.axes.values())));
     }
+    text.push_str(&limit_text(result.limit.as_ref()));
     text.push_str(&features(result));
     if let Some(reached) = &result.tool_poses {
         text.push_str(&reach_text(&reached.rows, &reached.travel));
@@ -188,6 +189,7 @@ fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapF
         bounded::everywhere(&of.figures),
         bounded::worst(file, of),
     );
+    text.push_str(&limit_text(result.limit.as_ref()));
     text.push_str(&features(result));
     if let Some(reached) = &result.tool_poses {
         text.push_str(&reach_text(&reached.rows, &reached.travel));

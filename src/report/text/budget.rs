@@ -4,6 +4,7 @@ use crate::analysis::budget::{
     Bound, Budget, Contribution, Distribution, PERCENTS, Percentile, Statistic, Totals, known, mean,
 };
 use crate::evaluate::{Frame, Order};
+use crate::job::limit::LimitVerdict;
 use crate::machine::{AxisPositions, ErrorId, Machine, axis_positions};
 use crate::report::pictures::{Bar, ParetoPicture, Picture, WaterfallPicture};
 use crate::units::significant;
@@ -85,6 +86,14 @@ pub struct DrawnMachineFigures {
     pub p95: f64,
     /// Percentiles by name, such as `p95`.
     pub percentiles: IndexMap<String, PercentileInterval>,
+}
+
+impl DrawnMachineFigures {
+    /// Returns the 95 % value (um) against a limit in mm.
+    pub(crate) fn against(&self, limit_mm: f64) -> LimitVerdict {
+        let interval = self.percentiles.get("p95").and_then(|of| Some([of.low?, of.high?]));
+        LimitVerdict::new(limit_mm, self.p95, interval)
+    }
 }
 
 /// A percentile of machines drawn with its confidence interval; none where there are too few machines for one.
