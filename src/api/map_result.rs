@@ -120,8 +120,8 @@ pub enum MapPoses {
     /// The poses for the tool poses of a file, workpiece frame: CSV with columns X, Y, Z (mm) and I, J, K or rotary
     /// axes (deg), or APT CL data.
     ToolPoses(PathBuf),
-    /// The poses for the tool poses of a job file, with the reference that it states; `none` in its place leaves the job
-    /// of the machine file out, for the grid of the volume.
+    /// The poses for the tool poses of a job file, with the reference that it states; `none` in its place leaves the
+    /// job of the machine file out, for the grid of the volume.
     Job(PathBuf),
     /// Poses as numbers, mm and deg, each as long as the machine has axes and in the order of the chain.
     #[schemars(skip)]

@@ -49,7 +49,8 @@ impl ReachOptions {
 /// Directions of the tool at every tip.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct ReachDirections {
-    /// `one`, `circle` (equal turns of an axis), `hemisphere` (equal areas) or `listed` (those of a job, one at each tip).
+    /// `one`, `circle` (equal turns of an axis), `hemisphere` (equal areas) or `listed` (those of a job, one at each
+    /// tip).
     pub kind: DirectionKind,
     /// Number of directions.
     pub count: usize,

@@ -67,7 +67,7 @@ impl Over {
         let mut lines = vec![String::new()];
         for word in self.line().split(' ') {
             if lines.last().is_some_and(|line| line.chars().count() + 1 + word.chars().count() > COLUMNS) {
-                lines.push(" ".to_owned());
+                lines.push("  ".to_owned());
             }
             lines.last_mut().into_iter().for_each(|line| *line += &format!("{word} "));
         }

@@ -88,7 +88,7 @@ fn bounded_arrangements_are_drawn_without_the_motion() {
 #[test]
 fn a_volume_is_ranked_in_machine_coordinates_and_by_the_best_fit() {
     let folder = Folder::new("job-enumerate-both");
-    let lines = "errors: { EXX: { tolerance: 8 um }, EC0Y: { tolerance: 60 urad }, EZ0Z: { tolerance: 30 um }, \
+    let lines = "errors: { EXX: { tolerance: 8 um }, EC0Y: { tolerance: 60 urad }, EB0Z: { tolerance: 30 urad }, \
                  EA0Z: { tolerance: 40 urad }, EYX: { tolerance: 6 um } }";
     let machine = three(&folder, "m.yaml", lines);
     let arguments = ["enumerate", text(&machine), "--poses", "30", "--samples", "60", "--max-samples", "60"];
@@ -149,9 +149,9 @@ fn the_reach_of_a_job_counts_its_rows() {
     let far = folder.with("far.yaml", "tool_poses: w.csv\nreference: zero:0,400,0\n");
     let (code, said) = refused(&["reach", text(&machine), "--job", text(&far)]);
     assert!(code == 0 && said.contains("W0850") && said.contains("above its travel"), "{said}");
-    let (code, _) = refused(&["reach", text(&machine), "--job", text(&far), "--step", "10"]);
+    let (code, _) = refused(&["reach", text(&machine), "--job", text(&far), "--step", "10 mm"]);
     assert_eq!(code, 2);
-    let volume = json(&["reach", text(&machine), "--step", "300", "--format", "json"]);
+    let volume = json(&["reach", text(&machine), "--step", "300 mm", "--format", "json"]);
     assert_eq!((&volume["over"]["kind"], &volume["over"]["poses"]), (&"volume".into(), &volume["tool_poses"]));
 }
 

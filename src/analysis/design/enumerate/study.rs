@@ -278,7 +278,8 @@ fn turns(error: &ErrorId, axis: &AxisName) -> bool {
     error.axis == *axis && error.direction.is_rotation() && !error.is_location()
 }
 
-/// Returns the squared lengths (mm^2) of the deviations by the errors that have a value, less what a reference takes out.
+/// Returns the squared lengths (mm^2) of the deviations by the errors that have a value, less what a reference
+/// takes out.
 fn squared_deviations(machine: &Machine, poses: &[Pose], reference: Option<&PartReference>) -> Vec<f64> {
     let bare = Bare { machine, order: Order::Exact };
     let motion = reference.map(|of| of.motion_of(&bare, Order::Exact, OperatingConditions::from(Approach::Mean)));
