@@ -551,6 +551,7 @@ class Verbs:
         seed: int = 1,
         by: JudgedBy | None = None,
         require: Sequence[Text] | None = None,
+        buildable: bool = True,
         max_table: int | None = None,
         rotary: int | None = None,
         poses: int = 500,
@@ -577,6 +578,8 @@ class Verbs:
         * ``seed``: Seed of poses and errors.
         * ``by``: Criterion of the arrangements; by default a budget if any error is bounded.
         * ``require``: Rules that arrangements obey, such as ``C before A``, ``Y carries A``, ``at most 2 on table``.
+        * ``buildable``: Leaves out what is hardly built: a linear axis above a rotary one on the table, more than four
+          axes below the part, more than two rotary axes in the head. What the machine's own file has is never left out.
         * ``max_table``: Maximum number of axes that carry the workpiece.
         * ``rotary``: Number of rotary axes at a time, every choice of them; by default all.
         * ``poses``: Number of tool poses.
@@ -588,7 +591,8 @@ class Verbs:
         * ``max_samples``: Maximum number of machines that are drawn of the arrangements that could be among the first;
           by default eight times ``samples``, or what can be kept of them.
         * ``first``: Number of first ranks that are to be told apart from each other and from all others.
-        * ``reach_percent``: Fraction of the tool poses that a ranked arrangement reaches, in percent.
+        * ``reach_percent``: Fraction of the tool poses, in percent, from which on arrangements that miss some are
+          listed by their figure. Ranked ones reach all.
         * ``state``: A file of results of this study; what it holds is not computed again.
         * ``shard``: Computes only part I of N of the walks of one round.
         * ``merge``: Files of results that together hold the first round; what they hold is not computed again.
@@ -600,6 +604,7 @@ class Verbs:
             "seed": seed,
             "by": by,
             "require": require,
+            "buildable": buildable,
             "max_table": max_table,
             "rotary": rotary,
             "poses": poses,

@@ -10,7 +10,7 @@ use crate::analysis::{UnreachableCount, Work};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::MachineFile;
 use crate::job::tool_poses::{self, ReachedToolPoses};
-use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine, canonical};
+use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine};
 use crate::run::{Call, Count, Refused, Reply, Run, sha256};
 use crate::shards::study::{self, StudyFile};
 use indexmap::IndexMap;
@@ -512,7 +512,7 @@ fn fingerprint(
     };
     let listed = if options.tool_poses.is_some() { format!(" {work:?}") } else { String::new() };
     let drawn = (options.buildable, options.rotary, options.poses, options.seed, options.tolerances.statistic);
-    let text = format!("{} {} {rules:?} {bounds} {drawn:?}{listed}", env!("CARGO_PKG_VERSION"), canonical(machine));
+    let text = format!("{} {} {rules:?} {bounds} {drawn:?}{listed}", env!("CARGO_PKG_VERSION"), machine.canonical());
     sha256(text.as_bytes())
 }
 

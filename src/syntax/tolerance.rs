@@ -14,9 +14,6 @@ pub struct FigureEntry {
     pub words: Vec<(&'static str, Scalar)>,
 }
 
-/// The words of data sheets for the width of a band.
-pub const FIGURE_WORDS: [&str; 11] = ["width", "A", "E", "M", "B", "R", "P", "Tp", "Pa", "U", "Ps"];
-
 /// Bounds along an axis and across it: of translations, and of rotations about these directions.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]

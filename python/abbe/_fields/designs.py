@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Union
 
 from .._record import Named, Record
-from .deviations import DeviationBudget, Over, ReachedToolPoses, UnreachableCount, VersusFirst
+from .deviations import DeviationBudget, Over, PairedDifference, ReachedToolPoses, UnreachableCount
+from .machines import Coverage
 
 
 class BoundedContribution(Record):
@@ -113,6 +114,7 @@ class BudgetFields(Record):
     contributions: Annotated[list[BoundedContribution], "Effect of each error at its bound where the RSS is largest, largest first."]
     contributions_on_average: Annotated[list[BoundedContribution], "The same, averaged over the poses."]
     tighten: Annotated[list[Tightening], "The bounded errors; first the one whose tightening lowers the 95 % value most."]
+    coverage: Annotated[Coverage, "Which of the errors that act are known."]
     machine: Annotated[str, "Name of the machine."]
     chain: Annotated[str, "The kinematic chain."]
     over: Annotated[Over, "What the budget is over."]
@@ -138,6 +140,20 @@ class RankingRounds(Record):
     done: Annotated[list[RoundCount], "The rounds done: machines drawn, and arrangements that took part."]
     drawn: Annotated[int, "Number of machines drawn of ranked arrangements."]
     drawn_without_elimination: Annotated[int, "Their number if all arrangements had as many as the one with most."]
+
+
+class ExcludedArrangements(Record):
+    """Arrangements that a rule of what can be built leaves out."""
+
+    rule: Annotated[str, "The rule."]
+    arrangements: Annotated[int, "Number of arrangements; one that breaks several rules counts for the first."]
+
+
+class VersusFirst(Record):
+    """A machine or arrangement against the first, on the machines drawn of both."""
+
+    verdict: Annotated[Literal["first", "equal", "not_told_apart", "worse", "better"], "What is known of the two."]
+    minus_first: Annotated[PairedDifference, "Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence."]
 
 
 class Arrangement(Record):
@@ -172,10 +188,11 @@ class EnumerateFields(Record):
     rounds: Annotated[Union[RankingRounds, None], "The rounds, where machines are drawn."]
     seed: Annotated[int, "Seed of poses and errors."]
     statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
-    reach: Annotated[float, "Fraction of the tool poses that a ranked arrangement reaches."]
+    reach: Annotated[float, "Fraction of the tool poses from which on arrangements that miss some are listed by their figure."]
     arrangements: Annotated[int, "Number of arrangements."]
-    ranked: Annotated[list[Arrangement], "The arrangements, best first."]
-    reach_less: Annotated[list[Arrangement], "Arrangements that reach less."]
+    not_buildable: Annotated[Union[list[ExcludedArrangements], None], "Arrangements that are left out because they are hardly built, by rule."]
+    ranked: Annotated[list[Arrangement], "The arrangements that do the whole work, best first."]
+    reach_less: Annotated[list[Arrangement], "Arrangements that miss some tool poses: figures over their own tool poses, ``minus_file`` on these."]
     geometry_not_stated: Annotated[list[Arrangement], "Arrangements whose geometry the file does not state."]
     cannot_turn_the_tool: Annotated[list[str], "Arrangements that cannot turn the tool: their chains."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches, as its file has it."]

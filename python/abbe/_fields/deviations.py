@@ -463,11 +463,22 @@ class PairedDifference(Record):
     high: Annotated[Union[float, None], "Upper end."]
 
 
-class VersusFirst(Record):
-    """A machine or arrangement against the first, on the machines drawn of both."""
+class WithheldVerdict(Record):
+    """Why there is no verdict on two machines: errors without a value or a bound could turn it."""
 
-    verdict: Annotated[Literal["first", "equal", "not_told_apart", "worse", "better"], "What is known of the two."]
+    reason: Annotated[str, "The reason in words."]
+    as_bounded: Annotated[Literal["first", "equal", "not_told_apart", "worse", "better"], "The verdict on the errors that are bounded."]
+    missing_first: Annotated[list[str], "Errors that the first machine states nothing of."]
+    missing: Annotated[list[str], "Errors that this machine states nothing of."]
+    minus_first_if_filled: Annotated[list[PairedDifference], "Its 95 % value minus that of the first, um, with the bounds of the other machine for what is missing, and with those of the class for what neither bounds."]
+
+
+class ComparedVerdict(Record):
+    """A machine against the first, on the machines drawn of both."""
+
+    verdict: Annotated[Union[Literal["first", "equal", "not_told_apart", "worse", "better"], None], "What is known of the two; none if errors that only one of the files bounds could turn it."]
     minus_first: Annotated[PairedDifference, "Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence."]
+    withheld: Annotated[Union[WithheldVerdict, None], "Why there is no verdict."]
 
 
 class ComparedBudgets(Record):
@@ -482,7 +493,7 @@ class ComparedBudgets(Record):
     distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
     statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
     max_samples: Annotated[int, "Number of machines that are drawn at most, if the first ones do not tell the machines apart."]
-    versus_first_p95_um: Annotated[list[VersusFirst], "The 95 % value of the position of each machine but the first, minus that of the first."]
+    versus_first_p95_um: Annotated[list[ComparedVerdict], "The 95 % value of the position of each machine but the first, minus that of the first."]
 
 
 class FittedMachine(Record):
@@ -499,7 +510,7 @@ class FittedComparison(Record):
 
     over: Annotated[Over, "What it is over."]
     machines: Annotated[list[FittedMachine], "The machines in their order."]
-    versus_first_p95_um: Annotated[Union[list[VersusFirst], None], "The 95 % value of the position of each machine but the first, minus that of the first, where budgets are compared."]
+    versus_first_p95_um: Annotated[Union[list[ComparedVerdict], None], "The 95 % value of the position of each machine but the first, minus that of the first, where budgets are compared."]
 
 
 class MachineVerdict(Record):

@@ -206,6 +206,8 @@ export interface BudgetResult {
   contributions_on_average: BoundedContribution[];
   /** The bounded errors; first the one whose tightening lowers the 95 % value most. */
   tighten: Tightening[];
+  /** Which of the errors that act are known. */
+  coverage: Coverage;
   /** Name of the machine. */
   machine: string;
   /** The kinematic chain. */
@@ -442,6 +444,16 @@ export interface ComparedMachine {
   travel?: NeededTravel[] | null;
 }
 
+/** A machine against the first, on the machines drawn of both. */
+export interface ComparedVerdict {
+  /** What is known of the two; none if errors that only one of the files bounds could turn it. */
+  verdict: Verdict | null;
+  /** Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence. */
+  minus_first: PairedDifference;
+  /** Why there is no verdict. */
+  withheld?: WithheldVerdict | null;
+}
+
 /** Contributions at a pose. */
 export interface ContributionsAt {
   /** The pose, mm and deg. */
@@ -468,6 +480,16 @@ export interface Conventions {
   joints: Joints;
   /** Order used when the command line names none (`hrdina-vasik-2014` is of order 1); `None` is exact. */
   default_order: number | null;
+}
+
+/** How many of the errors that act in a machine's own chain are known: six of each axis, and the location errors that are no choice of coordinates. */
+export interface Coverage {
+  /** Number of errors with a value. */
+  valued: number;
+  /** Number of errors that are bounded, by the file or by a class. */
+  bounded: number;
+  /** Names of the errors that have neither. None on a machine with measured values: what it does not state is zero. */
+  missing: string[];
 }
 
 /** A deviation, as bounds lead to it. */
@@ -703,7 +725,7 @@ export interface FittedComparison {
   /** The machines in their order. */
   machines: FittedMachine[];
   /** The 95 % value of the position of each machine but the first, minus that of the first, where budgets are compared. */
-  versus_first_p95_um?: VersusFirst[];
+  versus_first_p95_um?: ComparedVerdict[];
 }
 
 /** One machine of a comparison without the best fit. */
@@ -875,6 +897,8 @@ export interface MachineSummary {
   conventions: Conventions;
   /** Counts of the errors. */
   errors: ErrorCounts;
+  /** Which of the errors that act are known, by the file and the class that it names. */
+  coverage: Coverage;
   /** The files that the machine was read from. */
   inputs: InputFile[];
 }
@@ -1331,16 +1355,6 @@ export interface UnreachableCount {
 /** What is known of a machine or arrangement and the first. */
 export type Verdict = "first" | "equal" | "not_told_apart" | "worse" | "better";
 
-/** A machine against the first, on the machines drawn of both. */
-export interface ComparedVerdict {
-  /** What is known of the two; none if errors that only one of the files bounds could turn it. */
-  verdict: Verdict | null;
-  /** Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence. */
-  minus_first: PairedDifference;
-  /** Why there is no verdict. */
-  withheld?: WithheldVerdict | null;
-}
-
 /** Why there is no verdict on two machines: errors without a value or a bound could turn it. */
 export interface WithheldVerdict {
   /** The reason in words. */
@@ -1355,14 +1369,6 @@ export interface WithheldVerdict {
   class: string;
   /** Its 95 % value minus that of the first, um, with the bounds of the other machine for what is missing, and with those of the class for what neither bounds. */
   minus_first_if_filled: [PairedDifference, PairedDifference];
-}
-
-/** A machine or arrangement against the first, on the machines drawn of both. */
-export interface VersusFirst {
-  /** What is known of the two. */
-  verdict: Verdict;
-  /** Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence. */
-  minus_first: PairedDifference;
 }
 
 /** A pose with a large 95 % value. */
