@@ -2,6 +2,7 @@
 
 use super::forms::{Forms, deserialize_by_forms, mapping_or_value};
 use super::scalar::Scalar;
+use super::schema_forms::FIGURE_WORDS;
 use serde::Deserialize;
 use serde::de::MapAccess;
 
