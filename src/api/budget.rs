@@ -43,8 +43,10 @@ pub struct BudgetOptions {
     pub at: Option<String>,
     /// Goal of the 95 % value of the position, mm: the cheapest tolerances for it are sought.
     pub goal_mm: Option<f64>,
-    /// YAML file with the cost of tolerances; by default the sum of 1 / tolerance (um, urad).
+    /// YAML file with the cost of tolerances; by default the sum of present / new - 1, a tolerance halved counts 1.
     pub cost: Option<PathBuf>,
+    /// Tolerances may become coarser than they are for a goal.
+    pub loosen: bool,
     /// Draws only part I of N of the machines.
     pub shard: Option<(usize, usize)>,
     /// Files of drawn machines that together hold all; none is drawn again.
@@ -65,6 +67,7 @@ impl Default for BudgetOptions {
             at: None,
             goal_mm: None,
             cost: None,
+            loosen: false,
             shard: None,
             merge: Vec::new(),
         }
@@ -78,8 +81,16 @@ impl BudgetOptions {
     }
 
     fn goal_inputs(&self) -> GoalInputs<'_> {
-        let Self { cost, tolerances, samples, seed, .. } = self;
-        GoalInputs { cost: cost.as_deref(), tolerances, samples: *samples, seed: *seed }
+        let Self { cost, loosen, tolerances, samples, seed, .. } = self;
+        let default_samples = Self::default().samples;
+        GoalInputs {
+            cost: cost.as_deref(),
+            loosen: *loosen,
+            tolerances,
+            samples: *samples,
+            default_samples,
+            seed: *seed,
+        }
     }
 
     fn division<'a>(&'a self, drawn_by: &'a dyn std::fmt::Debug) -> Division<'a> {
@@ -195,6 +206,9 @@ fn fitting(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> R
     }
     if options.cost.is_some() && options.goal_mm.is_none() {
         return call.usage("`--cost` is the cost of tolerances for a `--goal`");
+    }
+    if options.loosen && options.goal_mm.is_none() {
+        return call.usage("`--loosen` lets tolerances become coarser for a `--goal`");
     }
     let at = pose_option(call, machine, options.at.as_ref())?;
     check(call, machine, at.as_slice())?;

@@ -47,9 +47,12 @@ pub(crate) struct Args {
     /// Seek the cheapest tolerances for this 95 % value of the position, such as "30 um" (above 0).
     #[arg(long, value_name = "LENGTH", value_parser = goal)]
     goal: Option<f64>,
-    /// The cost of tolerances, a YAML file [default: the sum of 1 / tolerance, um or urad].
+    /// The cost of tolerances, a YAML file [default: the sum of present / new - 1: a tolerance halved counts 1].
     #[arg(long, value_name = "FILE", requires = "goal")]
     cost: Option<PathBuf>,
+    /// Let tolerances become coarser than they are, which lowers the cost.
+    #[arg(long, requires = "goal")]
+    loosen: bool,
     #[command(flatten)]
     parts: PartsArgs,
     #[command(flatten)]
@@ -77,6 +80,7 @@ impl Args {
             at: self.at.clone(),
             goal_mm: self.goal,
             cost: self.cost.clone(),
+            loosen: self.loosen,
             shard: self.parts.shard,
             merge: self.parts.merge.clone(),
         }

@@ -1,7 +1,7 @@
 //! Percentiles of samples, with confidence intervals that suppose nothing of the distribution.
 
 /// Outside of an interval with 95 % confidence, on each side.
-const TAIL: f64 = 0.025;
+pub const TAIL: f64 = 0.025;
 
 /// A percentile of the population the samples come from.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
