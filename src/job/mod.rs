@@ -7,8 +7,10 @@
 //! - [`job_file`]: a job as a file states it;
 //! - [`mod@reference`]: what the set-up of a part takes out of its deviations;
 //! - [`over`]: the statement of what a result is over;
+//! - [`characteristics`]: tolerances of features, and the values that deviations and bounds lead to;
 //! - [`features`]: the features of such a file, and the largest deviation on each.
 
+pub mod characteristics;
 pub mod features;
 pub mod job_file;
 pub mod machine_file;

@@ -1,6 +1,6 @@
 //! A geometrical characteristic of a feature as a function of the deviations at its points.
 //!
-//! At each point counts e, the deviation along a direction: the normal, or that of the radius. A datum takes its own
+//! At each point counts e, the deviation along the normal; without normals that of a plane, or along the radius. A datum takes its own
 //! motion out of e, linearly. What is left is fitted by the motions that the characteristic leaves free: the width of
 //! the narrowest zone (a linear program), or that of the residuals of least squares. All of it is of first order and
 //! positively homogeneous, so the parts of errors sum up to the value.
@@ -21,7 +21,7 @@ pub enum CharacteristicKind {
     Straightness,
     /// Distance of two parallel planes.
     Flatness,
-    /// Difference of the radii of two concentric circles, in the section where it is largest.
+    /// Distance of two circles about the axis, along the normal, in the section where it is largest.
     Roundness,
     /// Difference of the radii of two coaxial cylinders.
     Cylindricity,
@@ -327,10 +327,10 @@ fn flat(points: &[SurfacePoint], line: bool) -> Result<(Vec<Vector3<f64>>, Measu
 /// Columns of circles and cylinders: radius, place across the axis, and with a height the tilt of the axis.
 fn round_columns(of: &Revolution) -> Columns {
     let column = |value: &dyn Fn(usize) -> f64| (0..of.points.len()).map(value).collect::<Vec<f64>>();
-    let mut columns = vec![column(&|_| 1.0), column(&|i| of.points[i].radial[0]), column(&|i| of.points[i].radial[1])];
+    let mut columns = vec![column(&|_| 1.0), column(&|i| of.points[i].across[0]), column(&|i| of.points[i].across[1])];
     if of.sections().len() > 1 {
         for k in 0..2 {
-            columns.push(column(&|i| of.points[i].height / of.half_height * of.points[i].radial[k]));
+            columns.push(column(&|i| of.points[i].height / of.half_height * of.points[i].across[k]));
         }
     }
     columns
@@ -425,7 +425,7 @@ fn centre_of(datum: &[SurfacePoint], of: &Revolution) -> Result<DatumMotion, Unf
         round.map_err(|_| Unfit::Datum("the position of an axis is to a circle or cylinder about a parallel one"))?;
     let inverse = inverse_of(&round_columns(&round));
     // The directions across the axis follow from the axis: those of both are the same.
-    let effect = DMatrix::from_fn(of.points.len(), 2, |i, k| of.points[i].radial[k]);
+    let effect = DMatrix::from_fn(of.points.len(), 2, |i, k| of.points[i].across[k]);
     Ok(DatumMotion { directions: round_directions(&round), motion: inverse.rows(1, 2).into_owned(), effect })
 }
 

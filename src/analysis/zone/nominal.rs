@@ -179,12 +179,12 @@ pub struct Revolution {
 /// A point of a surface of revolution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoundPoint {
-    /// Parts of the radius along the two directions across the axis.
-    pub radial: [f64; 2],
+    /// The direction of the deviation that counts: the normal, or else that of the radius.
+    pub direction: Vector3<f64>,
+    /// Its parts along the two directions across the axis.
+    pub across: [f64; 2],
     /// Height along the axis from the middle, mm.
     pub height: f64,
-    /// Vector whose product with a deviation is that of the radius.
-    pub direction: Vector3<f64>,
     /// The nominal radius, mm.
     radius: f64,
 }
@@ -217,14 +217,12 @@ impl Revolution {
             if !nominal.is_finite() || radius == 0.0 || (radius - nominal).abs() > FORM * radius.max(nominal) {
                 return Err(Unfit::Round);
             }
-            let radial = [dx / radius, dy / radius];
-            let outward = across[0] * radial[0] + across[1] * radial[1];
-            let direction = match p.normal.map(|normal| (normal, normal.dot(&outward))) {
-                Some((_, part)) if part.abs() < RADIAL => return Err(Unfit::Radial),
-                Some((normal, part)) => normal / part,
-                None => outward,
-            };
-            Ok(RoundPoint { radial, height: z - middle, direction, radius })
+            let outward = (across[0] * dx + across[1] * dy) / radius;
+            let direction = p.normal.unwrap_or(outward);
+            if direction.dot(&outward).abs() < RADIAL {
+                return Err(Unfit::Radial);
+            }
+            Ok(RoundPoint { direction, across: across.map(|of| of.dot(&direction)), height: z - middle, radius })
         };
         let points: Vec<RoundPoint> = points.iter().zip(&plane).zip(&heights).map(point).collect::<Result<_, _>>()?;
         let radius = points.iter().map(|p| p.radius).fold(0.0, f64::max);

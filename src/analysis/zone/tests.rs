@@ -90,13 +90,12 @@ fn forms_have_the_width_of_their_lobes_whatever_the_motion() {
             cone(&[5.0], slope).into_iter().map(|(t, _, p)| (t, p)).unzip();
         let radial = |t: &f64| turn() * V::new(t.cos(), t.sin(), 0.0);
         let lobes: Vec<V> = angles.iter().map(|t| radial(t) * (0.01 * (3.0 * t).cos() + 0.004)).collect();
-        let of = made(Kind::Roundness, &points);
-        close(value(&of, &lobes), 0.02);
-        let widths = of.widths(&added(&lobes, &rigid(&points, V::new(0.02, 0.01, 0.0), V::zeros())), &[]);
-        if slope == 0.0 {
-            close(widths.value, 0.02);
-            close(widths.least_squares.unwrap(), 0.02);
-        }
+        // Across the cone counts the part along its normal.
+        let (of, part) = (made(Kind::Roundness, &points), 1.0 / f64::hypot(1.0, slope));
+        close(value(&of, &lobes), 0.02 * part);
+        let widths = of.widths(&added(&lobes, &rigid(&points, V::new(0.02, 0.01, -0.3), V::zeros())), &[]);
+        close(widths.value, 0.02 * part);
+        close(widths.least_squares.unwrap(), 0.02 * part);
         close(value(&made(Kind::Roundness, &bare(&points)), &lobes), 0.02);
     }
 }
