@@ -58,6 +58,7 @@ pub use crate::job::features::{DominatingError, FeatureResult};
 pub use crate::job::machine_file::InputFile;
 pub use crate::job::over::{Over, OverKind};
 pub use crate::job::poses::AxisPositions;
+pub use crate::job::test_piece::TestPiece;
 pub use crate::job::tool_poses::{BeyondTravel, Lack, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorKind, ErrorTerm, Machine, Sense, Travel};
 pub use crate::record::check::RecordCheck;
