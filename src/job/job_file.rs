@@ -133,7 +133,7 @@ fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Job,
 
 fn refused(path: &Path, failure: &Reason) -> Diagnostic {
     let message = format!("`{}`: {}", shown(&path.display().to_string()), shown(&failure.to_string()));
-    let help = "a job has `tool_poses`, and may have `place`, `reference`, `path`, `tool` and `features`; docs/formats/jobs.md has \
-                an example";
+    let help = "a job has `tool_poses`, and may have `place`, `reference`, `path`, `tool` and `features`; \
+                docs/formats/jobs.md has an example";
     Diagnostic::new(codes::E0851, message).help(help)
 }

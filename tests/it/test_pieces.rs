@@ -126,7 +126,7 @@ fn ruled_and_flat_pieces_have_their_geometry() {
             assert!((row.normal[0] - out.cos()).abs() < 1e-11 && (row.normal[1] - out.sin()).abs() < 1e-11);
         }
     }
-    let list = table(&piece(&folder, "nas-979", &["--size", "320", "--steps", "12"]));
+    let list = table(&piece(&folder, "nas-979", &["--piece-size", "320", "--steps", "12"]));
     let heights =
         |name: &str| list.iter().filter(|row| row.feature.starts_with(name)).map(|row| row.tip[2]).sum::<f64>();
     assert_eq!((heights("square"), heights("diamond"), heights("circle")), (52.0 * 20.0, 52.0 * 40.0, 13.0 * 60.0));
@@ -136,7 +136,7 @@ fn ruled_and_flat_pieces_have_their_geometry() {
         let _ = abbe(&["testpiece", kind, "--out", text(&out)]);
         let job = std::fs::read_to_string(out.join(format!("{kind}.yaml"))).unwrap();
         assert!(job.contains("memory") && job.lines().all(|line| line.len() <= 100), "{job}");
-        let (code, complaint) = refused(&["testpiece", kind, "--out", text(&out)]);
+        let (code, complaint) = refused(&["testpiece", kind, "--steps", "9", "--out", text(&out)]);
         assert!(code == 1 && complaint.contains("E0811"), "{complaint}");
     }
     let (code, complaint) = refused(&["testpiece", "cone", "--half-apex", "85", "--out", text(&folder.file("x"))]);

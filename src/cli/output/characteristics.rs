@@ -28,8 +28,11 @@ pub(crate) fn text(list: &[CharacteristicResult]) -> String {
     format!("{head}\n{rows}\n{lacks}{}", if errors.is_empty() { errors } else { format!("{note}\n{errors}") })
 }
 
+/// What is smaller than this (um) is rounding.
+const ROUNDING: f64 = 1e-4;
+
 fn short(um: f64) -> String {
-    significant(um, 4)
+    significant(if um < ROUNDING { 0.0 } else { um }, 4)
 }
 
 /// `perpendicularity to base`.
@@ -39,9 +42,12 @@ fn kind(of: &CharacteristicResult) -> String {
 }
 
 fn valued(of: &CharacteristicResult) -> [String; 3] {
+    let end = |um: f64| significant(if um < ROUNDING { 0.0 } else { um }, 3);
     let cell = |um: Option<f64>| um.map_or("-".to_owned(), short);
-    let interval =
-        of.interval_um.map_or(String::new(), |[a, b]| format!(" ({}..{})", significant(a, 3), significant(b, 3)));
+    let interval = of
+        .interval_um
+        .filter(|[_, high]| *high >= ROUNDING)
+        .map_or(String::new(), |[a, b]| format!(" ({}..{})", end(a), end(b)));
     let holds = of.holds.map_or("-", |holds| if holds { "yes" } else { "no" });
     [cell(of.value_um) + &interval, cell(of.least_squares_um), holds.to_owned()]
 }
@@ -57,7 +63,8 @@ fn drawn_cells(of: &DrawnCharacteristic) -> [String; 3] {
 }
 
 fn errors(of: &CharacteristicResult) -> String {
-    if of.errors.is_empty() {
+    let value = of.value_um.or_else(|| Some(of.drawn.as_ref()?.p95_um.value));
+    if of.errors.is_empty() || value.is_none_or(|um| um < ROUNDING) {
         return String::new();
     }
     let list = of.errors.iter().map(|part| format!("{} {:.0} %", part.error, 100.0 * part.share));

@@ -16,10 +16,10 @@ pub(crate) struct Args {
     /// The kind of piece.
     #[arg(value_enum)]
     kind: TestPieceKind,
-    /// Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length of an S, mm
-    /// (above 0) [default: 160, of a cone 80].
+    /// Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length of an S,
+    /// mm (above 0) [default: 160, of a cone 80].
     #[arg(long, value_name = "MM")]
-    size: Option<f64>,
+    piece_size: Option<f64>,
     /// Height of a contour or of the base of a cone above the part's origin, or of the surface of an S, mm (above 0)
     /// [default: 20, of a cone 120, of an S 40].
     #[arg(long, value_name = "MM")]
@@ -50,7 +50,7 @@ fn tilt(text: &str) -> Result<f64, Reason> {
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let options = TestPieceOptions {
         kind: args.kind,
-        size_mm: args.size,
+        size_mm: args.piece_size,
         height_mm: args.height,
         half_apex_deg: args.half_apex,
         tilt_deg: args.tilt,

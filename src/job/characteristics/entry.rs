@@ -91,18 +91,18 @@ impl FeatureEntries {
             list.into_iter().map(move |entry| (feature.clone(), entry)).collect::<Vec<_>>()
         });
         let one = |(feature, entry): (String, ToleranceEntry)| {
-            let reason = |why: String| Reason::new(format!("feature `{}`: {why}", shown(&feature)));
+            let reason = |why: Reason| Reason::new(format!("feature `{}`: {why}", shown(&feature)));
             let tolerance_mm = entry.tolerance.as_deref().map(length).transpose().map_err(reason)?;
             let axis = entry.axis.map(|axis| Vector3::from(axis).try_normalize(0.0));
             if axis.is_some_and(|axis| axis.is_none_or(|axis| !axis.norm().is_finite())) {
-                return Err(reason("its axis has no direction".to_owned()));
+                return Err(reason(Reason::new("its axis has no direction")));
             }
             let ToleranceEntry { kind, datum, free, fit, .. } = entry;
             if datum.is_some() && !kind.is_angle() && kind != CharacteristicKind::Position {
-                return Err(reason(format!("{} has no datum", kind.name())));
+                return Err(reason(Reason::new(format!("{} has no datum", kind.name()))));
             }
             if free && kind != CharacteristicKind::Profile {
-                return Err(reason(format!("`free` is of a profile, not of {}", kind.name())));
+                return Err(reason(Reason::new(format!("`free` is of a profile, not of {}", kind.name()))));
             }
             let axis = axis.flatten().map(|axis| place.direction(axis));
             Ok(FeatureTolerance { feature, kind, tolerance_mm, datum, axis, free, fit })
@@ -112,8 +112,8 @@ impl FeatureEntries {
 }
 
 /// Returns a length above 0, mm.
-fn length(text: &str) -> Result<f64, String> {
-    let quantity = units::quantity(text).map_err(|failure| failure.to_string())?;
+fn length(text: &str) -> Result<f64, Reason> {
+    let quantity = units::quantity(text).map_err(Reason::new)?;
     let mm = quantity.as_length().filter(|mm| *mm > 0.0);
-    mm.ok_or_else(|| format!("`{}` is no tolerance: a length above 0, such as `10 um`", shown(text)))
+    mm.ok_or_else(|| Reason::new(format!("`{}` is no tolerance: a length above 0, such as `10 um`", shown(text))))
 }

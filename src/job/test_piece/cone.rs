@@ -1,9 +1,10 @@
-//! A cone frustum whose axis is tilted, milled with the flank of the tool: the tip runs along the circle of its base, and
-//! the tool lies along the straight line of the cone there.
+//! A cone frustum whose axis is tilted, milled with the flank of the tool: the tip runs along the circle of its base,
+//! and the tool lies along the straight line of the cone there.
 
 use super::options::{ConeMotion, TestPieceOptions};
 use super::path::Piece;
 use crate::analysis::zone::CharacteristicKind as Kind;
+use crate::diagnostic::Reason;
 use nalgebra::Vector3;
 
 /// Tolerance of the roundness, um.
@@ -12,14 +13,14 @@ const ROUND: f64 = 80.0;
 /// Angles (deg) within which the tilt is that of the half apex.
 const SAME: f64 = 1e-6;
 
-pub(super) fn cone(options: &TestPieceOptions) -> Result<Piece, String> {
+pub(super) fn cone(options: &TestPieceOptions) -> Result<Piece, Reason> {
     let (diameter, height, steps) = (options.size(80.0)?, options.height(120.0)?, options.intervals()?);
     let half = options.half_apex_deg;
     if !(half > 0.0 && half < 80.0) {
-        return Err(format!("half an apex is above 0 and below 80 deg, not {half}"));
+        return Err(Reason::new(format!("half an apex is above 0 and below 80 deg, not {half}")));
     }
     if options.tilt_deg.is_some() && options.c_motion.is_some() {
-        return Err("the motion of C follows from the tilt: state one of them".to_owned());
+        return Err(Reason::new("the motion of C follows from the tilt: state one of them"));
     }
     let tilt = options.tilt(match options.c_motion {
         None => 10.0,

@@ -3,6 +3,7 @@
 use super::options::TestPieceOptions;
 use super::path::Piece;
 use crate::analysis::zone::CharacteristicKind as Kind;
+use crate::diagnostic::Reason;
 use nalgebra::Vector3;
 
 /// Part of a side at its ends that is no point of a feature: there the normal turns.
@@ -16,7 +17,7 @@ const FROM_MEMORY: &str =
 const OWN_SIZES: &str = "sizes are proportions of our own; check against the standard";
 const NO_BORE: &str = "the central bore, and the position of the circle to it, are left out: boring is no contour";
 
-type Result<T> = std::result::Result<T, String>;
+type Result<T> = std::result::Result<T, Reason>;
 
 /// A polygon of four sides about a point of the part.
 struct Sides<'a> {

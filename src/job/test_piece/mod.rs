@@ -56,7 +56,7 @@ pub(crate) fn test_piece(options: &TestPieceOptions) -> Result<TestPiece, Diagno
     };
     let piece = piece.map_err(|wrong| {
         let help = "sizes are above 0 and up to 100000 mm; `abbe testpiece --help` has their meaning";
-        Diagnostic::new(codes::E0818, wrong).help(help)
+        Diagnostic::new(codes::E0818, wrong.to_string()).help(help)
     })?;
     let Piece { features, c_motion, notes, .. } = &piece;
     let mut names: Vec<String> = Vec::new();

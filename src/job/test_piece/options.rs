@@ -1,5 +1,7 @@
 //! Kinds of test pieces and their sizes.
 
+use crate::diagnostic::Reason;
+
 /// A kind of test piece.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
@@ -55,8 +57,8 @@ pub enum ConeMotion {
 pub struct TestPieceOptions {
     /// The kind.
     pub kind: TestPieceKind,
-    /// Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length of an S, mm;
-    /// by default 160, of a cone 80.
+    /// Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length of an S,
+    /// mm; by default 160, of a cone 80.
     pub size_mm: Option<f64>,
     /// Height of the contour, or of the centre of a cone's base, above the part's origin, mm; by default 20, of a cone
     /// 120, of an S the height of its surface, 40.
@@ -88,32 +90,36 @@ impl Default for TestPieceOptions {
 
 impl TestPieceOptions {
     /// Returns a size or its default, mm.
-    pub(super) fn size(&self, default_mm: f64) -> Result<f64, String> {
+    pub(super) fn size(&self, default_mm: f64) -> Result<f64, Reason> {
         length(self.size_mm, default_mm, "a size")
     }
 
     /// Returns a height or its default, mm.
-    pub(super) fn height(&self, default_mm: f64) -> Result<f64, String> {
+    pub(super) fn height(&self, default_mm: f64) -> Result<f64, Reason> {
         length(self.height_mm, default_mm, "a height")
     }
 
     /// Returns the number of intervals.
-    pub(super) fn intervals(&self) -> Result<usize, String> {
+    pub(super) fn intervals(&self) -> Result<usize, Reason> {
         if (8..=100_000).contains(&self.steps) {
             Ok(self.steps)
         } else {
-            Err("a contour has 8 to 100000 steps".to_owned())
+            Err(Reason::new("a contour has 8 to 100000 steps"))
         }
     }
 
     /// Returns the tilt or its default, deg.
-    pub(super) fn tilt(&self, default_deg: f64) -> Result<f64, String> {
+    pub(super) fn tilt(&self, default_deg: f64) -> Result<f64, Reason> {
         let tilt = self.tilt_deg.unwrap_or(default_deg);
-        if (0.0..=80.0).contains(&tilt) { Ok(tilt) } else { Err(format!("a tilt is 0 to 80 deg, not {tilt}")) }
+        if (0.0..=80.0).contains(&tilt) {
+            Ok(tilt)
+        } else {
+            Err(Reason::new(format!("a tilt is 0 to 80 deg, not {tilt}")))
+        }
     }
 }
 
-fn length(given: Option<f64>, default_mm: f64, what: &str) -> Result<f64, String> {
+fn length(given: Option<f64>, default_mm: f64, what: &str) -> Result<f64, Reason> {
     let mm = given.unwrap_or(default_mm);
-    if mm > 0.0 && mm <= 1e5 { Ok(mm) } else { Err(format!("{what} of {mm} mm")) }
+    if mm > 0.0 && mm <= 1e5 { Ok(mm) } else { Err(Reason::new(format!("{what} of {mm} mm"))) }
 }

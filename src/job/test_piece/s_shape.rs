@@ -7,6 +7,7 @@
 use super::options::TestPieceOptions;
 use super::path::Piece;
 use crate::analysis::zone::CharacteristicKind as Kind;
+use crate::diagnostic::Reason;
 use nalgebra::Vector3;
 
 /// Amplitude of the S by its length.
@@ -15,7 +16,7 @@ const AMPLITUDE: f64 = 0.25;
 /// Width of the zone of its profile, um.
 const PROFILE: f64 = 100.0;
 
-pub(super) fn s_shape(options: &TestPieceOptions) -> Result<Piece, String> {
+pub(super) fn s_shape(options: &TestPieceOptions) -> Result<Piece, Reason> {
     let (length, height, steps) = (options.size(160.0)?, options.height(40.0)?, options.intervals()?);
     let lean_deg = options.tilt(20.0)?;
     let title = format!("S-shaped ruled surface: length {length} mm, height {height} mm, lean up to {lean_deg} deg");

@@ -11,14 +11,12 @@ pub(super) fn files(name: &str, piece: &Piece) -> Vec<(String, Vec<u8>)> {
 }
 
 fn job(table: &str, piece: &Piece) -> String {
-    let mut text = format!("# {}.\n", piece.title);
+    let mut text = commented(&piece.title);
     piece.notes.iter().for_each(|note| text.push_str(&commented(note)));
-    let place = "# Where the part lies on the workpiece frame, mm and deg about X, Y, Z: state it.";
+    let place = "# Where the part lies on the workpiece frame, mm and deg about X, Y, Z: state it.\n\
+                 place: { origin: [0, 0, 0], rotation: [0, 0, 0] }";
     // Writing to a string cannot fail.
-    let _ = write!(
-        text,
-        "tool_poses: {table}\n{place}\nplace: {{ origin: [0, 0, 0], rotation: [0, 0, 0] }}\nreference: zero\nfeatures:\n"
-    );
+    let _ = write!(text, "tool_poses: {table}\n{place}\nreference: zero\nfeatures:\n");
     for (i, of) in piece.features.iter().enumerate() {
         if i == 0 || piece.features[i - 1].name != of.name {
             let _ = writeln!(text, "  {}:", of.name);

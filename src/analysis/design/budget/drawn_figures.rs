@@ -52,8 +52,8 @@ pub struct DrawnFigure {
     pub constant: f64,
 }
 
-/// Returns the figures of drawn machines; the same to the bit on any number of threads. Calls `progress` with the number
-/// of machines drawn since its last call: in all twice the samples.
+/// Returns the figures of drawn machines; the same to the bit on any number of threads. Calls `progress` with the
+/// number of machines drawn since its last call: in all twice the samples.
 pub fn draw_figures(request: FiguresRequest<'_>, progress: Advance<'_>) -> Result<Vec<DrawnFigure>, Cancelled> {
     let FiguresRequest { machine, bounds, samples, .. } = request;
     let joints = by_joint_without(machine, bounds, request.reference);
