@@ -2,8 +2,8 @@
 //!
 //! At each point counts e, the deviation along the normal; without normals that of a plane, or along the radius.
 //! A datum takes its own motion out of e, linearly. What is left is fitted by the motions that the characteristic
-//! leaves free: the width of the narrowest zone (a linear program), or that of the residuals of least squares. All of it
-//! is of first order and positively homogeneous, so the parts of errors sum up to the value.
+//! leaves free: the width of the narrowest zone (a linear program), or that of the residuals of least squares.
+//! All of it is of first order and positively homogeneous, so the parts of errors sum up to the value.
 
 use super::minimax::MinimaxFit;
 use super::nominal::{ANGLE, Flat, Revolution, SurfacePoint, Unfit};

@@ -13,7 +13,7 @@ pub(crate) fn text(list: &[CharacteristicResult]) -> String {
     let (head, columns) = if drawn {
         ("Features over the machines drawn, um (in brackets: 95 % confidence):", ["median", "95 %", "holds, %"])
     } else {
-        ("Features by the errors with values, um (in brackets: 95 % by their uncertainty):", ["value", "LS", "holds"])
+        ("Features by the errors with values, um:", ["value", "LS", "holds"])
     };
     let mut rows = table(&["feature", "characteristic", "tol.", columns[0], columns[1], columns[2]]);
     for of in list {
@@ -24,7 +24,11 @@ pub(crate) fn text(list: &[CharacteristicResult]) -> String {
     }
     let errors: String = list.iter().map(errors).collect();
     let lacks: String = list.iter().map(lacks).collect();
-    let note = if drawn { "Errors that make the 95 % value:" } else { "Errors that make the value:" };
+    let note = if drawn {
+        "Errors that make the 95 % value:"
+    } else {
+        "Errors that make the value (in brackets: 95 % by their uncertainty, um):"
+    };
     format!("{head}\n{rows}\n{lacks}{}", if errors.is_empty() { errors } else { format!("{note}\n{errors}") })
 }
 
@@ -42,14 +46,9 @@ fn kind(of: &CharacteristicResult) -> String {
 }
 
 fn valued(of: &CharacteristicResult) -> [String; 3] {
-    let end = |um: f64| significant(if um < ROUNDING { 0.0 } else { um }, 3);
     let cell = |um: Option<f64>| um.map_or("-".to_owned(), short);
-    let interval = of
-        .interval_um
-        .filter(|[_, high]| *high >= ROUNDING)
-        .map_or(String::new(), |[a, b]| format!(" ({}..{})", end(a), end(b)));
     let holds = of.holds.map_or("-", |holds| if holds { "yes" } else { "no" });
-    [cell(of.value_um) + &interval, cell(of.least_squares_um), holds.to_owned()]
+    [cell(of.value_um), cell(of.least_squares_um), holds.to_owned()]
 }
 
 fn drawn_cells(of: &DrawnCharacteristic) -> [String; 3] {
@@ -68,7 +67,8 @@ fn errors(of: &CharacteristicResult) -> String {
         return String::new();
     }
     let list = of.errors.iter().map(|part| format!("{} {:.0} %", part.error, 100.0 * part.share));
-    format!("  {} {}: {}\n", shown(&of.feature), kind(of), list.collect::<Vec<_>>().join(", "))
+    let interval = of.interval_um.map_or(String::new(), |[a, b]| format!(" ({}..{})", short(a), short(b)));
+    format!("  {} {}{interval}: {}\n", shown(&of.feature), kind(of), list.collect::<Vec<_>>().join(", "))
 }
 
 fn lacks(of: &CharacteristicResult) -> String {
