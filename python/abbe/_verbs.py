@@ -31,6 +31,7 @@ from ._results import (
     RecordResult,
     ReportResult,
     SetDiffResult,
+    TestPieceResult,
     TrendResult,
 )
 
@@ -211,6 +212,12 @@ StraightnessLine = Literal["least-squares", "end-points"]
 
 #: A test.
 StandardTest = Literal["circle", "rotation", "drift", "diagonals"]
+
+#: A kind of test piece.
+TestPieceKind = Literal["square", "diamond", "circle", "cone", "s-shape", "nas-979"]
+
+#: The motion of a rotary axis about Z along the circle of a tilted cone.
+ConeMotion = Literal["turn", "pole", "swing"]
 
 
 class Verbs:
@@ -1110,6 +1117,45 @@ def figures(
     }
     found = call("figures", [], options, words=[path], threads=threads)
     return FiguresResult(found)
+
+
+def testpiece(
+    kind: TestPieceKind = "cone",
+    *,
+    size_mm: float | None = None,
+    height_mm: float | None = None,
+    half_apex_deg: float = 15.0,
+    tilt_deg: float | None = None,
+    c_motion: ConeMotion | None = None,
+    steps: int = 360,
+    threads: int | None = None,
+) -> TestPieceResult:
+    """Makes a test piece of a standard as a job.
+
+    Options, each with the default of the façade where it is ``None``:
+
+    * ``kind``: The kind.
+    * ``size_mm``: Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length
+      of an S, mm; by default 160, of a cone 80.
+    * ``height_mm``: Height of the contour, or of the centre of a cone's base, above the part's origin, mm; by default
+      20, of a cone 120, of an S the height of its surface, 40.
+    * ``half_apex_deg``: Cone: half of its apex angle, above 0 and below 80 deg.
+    * ``tilt_deg``: Cone: tilt of its axis about Y, 0 to 80 deg; S: the largest lean of its surface; diamond: its turn
+      against the square. By default 10 of a cone or by its motion, 20 of an S, 30 of a diamond.
+    * ``c_motion``: Cone: the motion of a rotary axis about Z, which chooses the tilt in place of an angle.
+    * ``steps``: Number of intervals of a circle, or of each side, 8 to 100000.
+    """
+    options: dict[str, Any] = {
+        "kind": kind,
+        "size_mm": size_mm,
+        "height_mm": height_mm,
+        "half_apex_deg": half_apex_deg,
+        "tilt_deg": tilt_deg,
+        "c_motion": c_motion,
+        "steps": steps,
+    }
+    found = call("testpiece", [], options, threads=threads)
+    return TestPieceResult(found)
 
 
 def record(

@@ -44,15 +44,6 @@ class FittedBudget(Record):
     agrees: Annotated[bool, "True if that is the same error in machine coordinates."]
 
 
-class Percentile(Record):
-    """A percentile of the population the samples come from."""
-
-    percent: Annotated[int, "The percentile, in percent."]
-    value: Annotated[float, "The ceil(percent n / 100)-th smallest sample."]
-    low: Annotated[Union[float, None], "Lower end of the interval that holds it with 95 % confidence; ``None`` with too few samples."]
-    high: Annotated[Union[float, None], "Upper end."]
-
-
 class GoalCost(Record):
     """The cost of tolerances."""
 
@@ -120,6 +111,7 @@ class BudgetFields(Record):
     over: Annotated[Over, "What the budget is over."]
     best_fit: Annotated[Union[FittedBudget, None], "The same without the rigid motion of the best fit, for a volume whose reference is not stated."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches."]
+    characteristics: Annotated[Union[list[CharacteristicResult], None], "The characteristics of features for which the job states tolerances, over the machines drawn."]
     goal: Annotated[Union[ToleranceGoal, None], "The cheapest tolerances, if a goal was given."]
     at: Annotated[Union[ContributionsAt, None], "Contributions at the pose that was named."]
 

@@ -6,6 +6,7 @@ use crate::cli::arguments::{
     help, svg,
 };
 use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, coverage_line, short, tolerance_text, totals_row};
+use crate::cli::output::characteristics;
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, reach_text, table, tool_poses_text};
@@ -186,6 +187,7 @@ impl BudgetText<'_> {
         text += &self.result.best_fit.as_ref().map_or(String::new(), best_fit_text);
         text += &format!("Worst case at {}\n", axes_text(self.file, budget.position_um.worst_case_at.values()));
         text += &format!("RSS largest at {}\n", axes_text(self.file, budget.position_um.rss_at.values()));
+        text += &characteristics::text(&self.result.characteristics);
         text += &self.pareto_table();
         text += &self.tighten_table();
         let goal =

@@ -218,6 +218,8 @@ export interface BudgetResult {
   best_fit?: FittedBudget | null;
   /** Tool poses of a file that the machine reaches. */
   tool_poses?: ReachedToolPoses | null;
+  /** The characteristics of features for which the job states tolerances, over the machines drawn. */
+  characteristics?: CharacteristicResult[];
   /** The cheapest tolerances, if a goal was given. */
   goal?: ToleranceGoal | null;
   /** Contributions at the pose that was named. */
@@ -284,6 +286,53 @@ export interface ChainTool {
   tip_mm: [number, number, number];
   /** Unit vector of its axis, from the tip towards the spindle. */
   direction: [number, number, number];
+}
+
+/** A geometrical characteristic (ISO 1101). */
+export type CharacteristicKind = "straightness" | "flatness" | "roundness" | "cylindricity" | "profile" | "position" | "parallelism" | "perpendicularity" | "angularity";
+
+/** The part of an error in a characteristic. */
+export interface CharacteristicPart {
+  /** Name of the error; `values` for all errors with values beside bounds. */
+  error: string;
+  /** Its part, um, first order; the parts of all errors sum up to the value. */
+  um: number;
+  /** The same as a fraction of the value. */
+  share: number;
+}
+
+/** A characteristic of a feature (ISO 1101) with its tolerance. */
+export interface CharacteristicResult {
+  /** Name of the feature. */
+  feature: string;
+  /** The characteristic. */
+  kind: CharacteristicKind;
+  /** Name of the datum feature. */
+  datum?: string | null;
+  /** The fit by which it is judged. */
+  fit: ZoneFit;
+  /** Its largest value, um. */
+  tolerance_um: number | null;
+  /** Number of its points that are reached. */
+  poses: number;
+  /** Number of its points, and those of its datum, that are not. */
+  unreached: number;
+  /** The reason why the points in reach do not carry it. */
+  lacks?: string | null;
+  /** Its value by the errors that have values, um. */
+  value_um: number | null;
+  /** Width of the narrowest zone, um; none where nothing is fitted. */
+  minimum_zone_um: number | null;
+  /** Width of the zone about the least-squares feature, um; none where nothing is fitted. */
+  least_squares_um: number | null;
+  /** Interval of the value by the uncertainty of the errors, 95 %, um. */
+  interval_um?: [number, number] | null;
+  /** True if the value is within the tolerance. */
+  holds: boolean | null;
+  /** The values of machines drawn between the bounds of errors. */
+  drawn?: DrawnCharacteristic | null;
+  /** The parts of errors in the value, or in the 95 % value of the machines drawn, largest first. */
+  errors: CharacteristicPart[];
 }
 
 /** Machines side by side, over the tool poses that all of them reach. */
@@ -560,6 +609,18 @@ export interface DominatingError {
   error: string;
   /** Its part along the deviation, first order, um. */
   um: number;
+}
+
+/** A characteristic over machines drawn between the bounds of errors. */
+export interface DrawnCharacteristic {
+  /** Number of machines drawn. */
+  samples: number;
+  /** Median, um. */
+  median_um: number;
+  /** The value that 95 % of the machines do not exceed, um, with its 95 % confidence interval. */
+  p95_um: Percentile;
+  /** The fraction of the machines that hold the tolerance, with its 95 % interval (Wilson). */
+  holds: Proportion | null;
 }
 
 /** Figures of machines drawn minus those of others. */
@@ -973,6 +1034,8 @@ export interface MapResult {
   tool_poses?: ReachedToolPoses | null;
   /** The features of the file, where it names some: the largest deviation on each. */
   features?: FeatureResult[];
+  /** The characteristics of features for which the job states tolerances. */
+  characteristics?: CharacteristicResult[];
   /** The target whose compensation is in the map. */
   target?: string | null;
   /** The same without compensation, for a map with. */
@@ -1118,6 +1181,16 @@ export interface PoseUncertainty {
   deviation: [number, number, number];
   /** Uncertainty of the orientation of the tool, rad. */
   rotation: [number, number, number];
+}
+
+/** The fraction of a population that has a property, by samples of it. */
+export interface Proportion {
+  /** The fraction of the samples, 0 to 1. */
+  value: number;
+  /** Lower end of its 95 % interval (Wilson). */
+  low: number;
+  /** Upper end. */
+  high: number;
 }
 
 /** An R-test of rotary axes that turn together. */
@@ -1388,3 +1461,6 @@ export interface WorstPose {
   /** Deviation of the functional point, um. */
   deviation_um: [number, number, number];
 }
+
+/** The fit by which a zone is judged. */
+export type ZoneFit = "minimum-zone" | "least-squares";
