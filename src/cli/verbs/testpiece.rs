@@ -3,11 +3,11 @@
 use crate::cli::Outcome;
 use crate::cli::arguments::{counts, help};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{cell, numbers};
+use crate::cli::output::view::numbers;
 use crate::cli::store::tree::write_new_folder;
 use abbe::options::{ConeMotion, TestPieceKind};
 use abbe::results::TestPiece;
-use abbe::text::{Reason, significant};
+use abbe::text::{Reason, cell, significant};
 use abbe::{TestPieceOptions, testpiece};
 use std::path::PathBuf;
 
