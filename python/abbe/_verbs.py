@@ -503,6 +503,7 @@ class Verbs:
         at: Text | None = None,
         goal_mm: float | None = None,
         cost: Text | None = None,
+        loosen: bool = False,
         shard: tuple[int, int] | None = None,
         merge: Sequence[Text] | None = None,
         threads: int | None = None,
@@ -526,7 +527,9 @@ class Verbs:
         * ``samples``: Number of machines that are drawn, at least 2.
         * ``at``: A pose at which contributions are listed too, ``X=100,C=90``: mm and deg; axes left out are at 0.
         * ``goal_mm``: Goal of the 95 % value of the position, mm: the cheapest tolerances for it are sought.
-        * ``cost``: YAML file with the cost of tolerances; by default the sum of 1 / tolerance (um, urad).
+        * ``cost``: YAML file with the cost of tolerances; by default the sum of present / new - 1, a tolerance halved
+          counts 1.
+        * ``loosen``: Tolerances may become coarser than they are for a goal.
         * ``shard``: Draws only part I of N of the machines.
         * ``merge``: Files of drawn machines that together hold all; none is drawn again.
         """
@@ -543,6 +546,7 @@ class Verbs:
             "at": at,
             "goal_mm": goal_mm,
             "cost": cost,
+            "loosen": loosen,
             "shard": shard,
             "merge": merge,
         }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Union
 
 from .._record import Named, Record
-from .deviations import DeviationBudget, Over, PairedDifference, ReachedToolPoses, UnreachableCount
+from .deviations import CharacteristicResult, DeviationBudget, Over, PairedDifference, Percentile, ReachedToolPoses, UnreachableCount
 from .machines import Coverage
 
 
@@ -47,7 +47,8 @@ class FittedBudget(Record):
 class GoalCost(Record):
     """The cost of tolerances."""
 
-    power: Annotated[float, "Power of the tolerance in the cost."]
+    unit: Annotated[str, "What it counts."]
+    power: Annotated[Union[float, None], "Power of the tolerance in the cost; none where the cost is relative to the present tolerances, weight x (present / new - 1)."]
     before: Annotated[float, "Value with the old tolerances."]
     after: Annotated[float, "Value with the new tolerances."]
     per_um: Annotated[Union[float, None], "Cost of lowering the 95 % value by one um; none if no tolerance is free."]
@@ -61,7 +62,7 @@ class GoalTolerance(Record):
     unit: Annotated[str, "``um`` or ``urad``."]
     old: Annotated[float, "Before, in ``unit``."]
     new: Annotated[float, "After, in ``unit``."]
-    binds: Annotated[Literal["goal", "finest", "coarsest"], "The limit that holds it."]
+    binds: Annotated[Literal["goal", "finest", "coarsest", "present", "held"], "The limit that holds it."]
     um_of_p95: Annotated[float, "Its part of the 95 % value, um."]
     weight: Annotated[float, "Its weight in the cost."]
     cost_before: Annotated[float, "Its cost before."]

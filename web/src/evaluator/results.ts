@@ -111,7 +111,7 @@ export interface BeyondTravel {
 }
 
 /** What holds a tolerance where it is. */
-export type Binding = "goal" | "finest" | "coarsest";
+export type Binding = "goal" | "finest" | "coarsest" | "present" | "held";
 
 /** Displacement along a body diagonal. */
 export interface BodyDiagonal {
@@ -806,8 +806,10 @@ export type Frame = "workpiece" | "machine" | "tool";
 
 /** The cost of tolerances. */
 export interface GoalCost {
-  /** Power of the tolerance in the cost. */
-  power: number;
+  /** What it counts. */
+  unit: string;
+  /** Power of the tolerance in the cost; none where the cost is relative to the present tolerances, weight x (present / new - 1). */
+  power: number | null;
   /** Value with the old tolerances. */
   before: number;
   /** Value with the new tolerances. */
