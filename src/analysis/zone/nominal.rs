@@ -268,14 +268,15 @@ struct Circles {
 impl Circles {
     fn fit(plane: &[[f64; 2]], heights: &[f64], size: f64) -> Self {
         let scale = size.max(f64::MIN_POSITIVE);
+        let square = |x: f64| x * x;
         let row = |i: usize, k: usize| match k {
             0 | 1 => 2.0 * plane[i][k] / scale,
             2 => 1.0,
             3 => heights[i] / scale,
-            _ => (heights[i] / scale).powi(2),
+            _ => square(heights[i] / scale),
         };
         let matrix = DMatrix::from_fn(plane.len(), 5, row);
-        let right = DVector::from_fn(plane.len(), |i, _| (plane[i][0] / scale).powi(2) + (plane[i][1] / scale).powi(2));
+        let right = DVector::from_fn(plane.len(), |i, _| square(plane[i][0] / scale) + square(plane[i][1] / scale));
         let svd = Svd::new(&matrix);
         let x = svd.solve(&right, svd.rank(FORM * FORM));
         let square = [x[2] + x[0] * x[0] + x[1] * x[1], x[3], x[4]];

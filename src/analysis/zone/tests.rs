@@ -41,7 +41,7 @@ fn plane() -> Vec<([f64; 2], SurfacePoint)> {
 fn cone(heights: &[f64], slope: f64) -> Vec<(f64, f64, SurfacePoint)> {
     let angles = || (0..72).map(|i| f64::from(i) * std::f64::consts::TAU / 72.0);
     let at = |z: f64, t: f64| {
-        let (sine, cosine) = t.sin_cos();
+        let (sine, cosine) = libm::sincos(t);
         let radius = 40.0 - slope * z;
         (t, z, point(V::new(radius * cosine, radius * sine, z), V::new(cosine, sine, slope)))
     };
@@ -88,8 +88,8 @@ fn forms_have_the_width_of_their_lobes_whatever_the_motion() {
     for slope in [0.0, 0.27] {
         let (angles, points): (Vec<f64>, Vec<SurfacePoint>) =
             cone(&[5.0], slope).into_iter().map(|(t, _, p)| (t, p)).unzip();
-        let radial = |t: &f64| turn() * V::new(t.cos(), t.sin(), 0.0);
-        let lobes: Vec<V> = angles.iter().map(|t| radial(t) * (0.01 * (3.0 * t).cos() + 0.004)).collect();
+        let radial = |t: &f64| turn() * V::new(libm::cos(*t), libm::sin(*t), 0.0);
+        let lobes: Vec<V> = angles.iter().map(|t| radial(t) * (0.01 * libm::cos(3.0 * t) + 0.004)).collect();
         // Across the cone counts the part along its normal.
         let (of, part) = (made(Kind::Roundness, &points), 1.0 / f64::hypot(1.0, slope));
         close(value(&of, &lobes), 0.02 * part);
@@ -108,7 +108,7 @@ fn cylinders_are_followed_along_their_axis() {
     // A barrel: the radius grows by 0.01 in the middle.
     let barrel: Vec<V> = cone(&[-20.0, 0.0, 20.0], 0.0)
         .into_iter()
-        .map(|(t, z, _)| turn() * V::new(t.cos(), t.sin(), 0.0) * if z == 0.0 { 0.01 } else { 0.0 })
+        .map(|(t, z, _)| turn() * V::new(libm::cos(t), libm::sin(t), 0.0) * if z == 0.0 { 0.01 } else { 0.0 })
         .collect();
     close(value(&cylindricity, &added(&barrel, &motion(&points))), 0.01);
     close(value(&made(Kind::Roundness, &points), &barrel), 0.0);
@@ -191,7 +191,8 @@ fn weights_are_the_derivatives() {
         (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     };
     let mut random = |n: usize| -> Vec<V> { (0..n).map(|_| V::new(next(), next(), next())).collect() };
-    let cases: [(Kind, &[SurfacePoint], Option<&[SurfacePoint]>); 6] = [
+    type Points<'a> = &'a [SurfacePoint];
+    let cases: [(Kind, Points<'_>, Option<Points<'_>>); 6] = [
         (Kind::Flatness, &base, None),
         (Kind::Roundness, &bore, None),
         (Kind::Cylindricity, &bore, None),

@@ -50,7 +50,7 @@ fn tolerance(of: &PieceTolerance) -> String {
 
 /// The letters of a vector with a number of decimals.
 fn cells(of: &Vector3<f64>, decimals: i32) -> String {
-    let scale = 10_f64.powi(decimals);
+    let scale = libm::exp10(f64::from(decimals));
     // Adding zero turns -0 into 0.
     let letters = of.map(|x| (x * scale).round() / scale + 0.0);
     let digits = decimals.unsigned_abs() as usize;

@@ -1,9 +1,10 @@
 //! The cheapest tolerances with which the 95 % value of the drawn machines is a goal.
 //!
-//! The cost is a sum of weight / tolerance^power, or of weight * present / tolerance, which is convex. The error of each drawn machine is convex in the
-//! tolerances too (a largest length of sums), and so is the mean of the worst tenth of the machines, which stands for
-//! the 95 % value while the tolerances are sought: their ratio is taken from the same machines. At the optimum of a
-//! free tolerance power times its cost is in proportion to its part of the 95 % value (Karush, Kuhn, Tucker).
+//! The cost is a sum of weight / tolerance^power, or of weight * present / tolerance, which is convex. The error of
+//! each drawn machine is convex in the tolerances too (a largest length of sums), and so is the mean of the worst tenth
+//! of the machines, which stands for the 95 % value while the tolerances are sought: their ratio is taken from the same
+//! machines. At the optimum of a free tolerance power times its cost is in proportion to its part of the 95 % value
+//! (Karush, Kuhn, Tucker).
 //!
 //! A step: the parts of the worst tenth give a model in which the square of the value is a sum of squares, one for
 //! each tolerance. Its optimum between the limits is found by bisection of the multiplier. With a sum of squares one
@@ -45,6 +46,9 @@ const KEPT: f64 = 1e-3;
 
 /// Smallest part of a tolerance in the value: smaller ones are lost in the noise of the machines drawn.
 const MIN_PART: f64 = 1e-5;
+
+/// The last corrections end below the goal by a millionth, which rounding cannot turn.
+const BELOW: f64 = 1.0 - 1e-6;
 
 /// Number of machines by which the goal is corrected.
 const CORRECTING: usize = 20_000;
@@ -130,7 +134,7 @@ pub struct CheapestTolerances {
 /// The error that is left with the finest tolerances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unavoidable {
-    /// The 95 % value with all tolerances at their finest, um.
+    /// The upper end of the interval of a default run with all tolerances at their finest, um.
     pub finest_um: f64,
     /// The statistic of the errors that stay alone, um.
     pub staying_um: f64,
@@ -174,7 +178,7 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
     let [_, correcting, proving] = request.draws;
     let finest: Vec<f64> = request.prices.iter().map(|price| price.finest).collect();
     let staying_um = search.staying() * 1e3;
-    let least = search.evaluate(&finest, request.draws[0], request.samples).p95();
+    let least = search.default_run(&finest);
     if least > request.goal_mm {
         return GoalAnswer::OutOfReach(Unavoidable { finest_um: least * 1e3, staying_um });
     }
@@ -192,14 +196,26 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
             break;
         }
         aim *= by;
-        tolerances.iter_mut().zip(request.prices).for_each(|(t, p)| *t = (*t * by).clamp(p.finest, p.coarsest));
+        scale(&mut tolerances, request.prices, by);
+    }
+    for _ in 0..MAX_CORRECTIONS {
+        let by = request.goal_mm / search.default_run(&tolerances);
+        if by >= 1.0 {
+            break;
+        }
+        scale(&mut tolerances, request.prices, by * BELOW);
     }
     let before = search.evaluate(&present, request.draws[0], request.samples).percentile_um();
     let proof = search.evaluate(&tolerances, proving, request.proof_samples);
-    if proof.p95() > request.goal_mm {
-        return GoalAnswer::OutOfReach(Unavoidable { finest_um: proof.p95() * 1e3, staying_um });
+    let least = proof.p95().max(search.default_run(&tolerances));
+    if least > request.goal_mm {
+        return GoalAnswer::OutOfReach(Unavoidable { finest_um: least * 1e3, staying_um });
     }
     GoalAnswer::Kept(Box::new(search.answer(tolerances, &present, before, &proof, staying_um, steps)))
+}
+
+fn scale(tolerances: &mut [f64], prices: &[Price], by: f64) {
+    tolerances.iter_mut().zip(prices).for_each(|(t, price)| *t = (*t * by).clamp(price.finest, price.coarsest));
 }
 
 impl<'a> GoalSearch<'a> {
