@@ -279,8 +279,8 @@ struct Compared<'a> {
 }
 
 impl Compared<'_> {
-    /// Withholds the verdicts that errors without a value or a bound could turn: those whose difference changes its sign
-    /// once such errors have the other machine's bounds, and then those of a class.
+    /// Withholds the verdicts that errors without a value or a bound could turn: those whose difference changes its
+    /// sign once such errors have the other machine's bounds, and then those of a class.
     fn verdicts(&self, call: &Call<'_>, versus: Vec<VersusFirst>) -> Result<Vec<ComparedVerdict>, Refused> {
         let sides = self.sides.iter().zip(self.bounds);
         let coverages: Vec<Coverage> = sides.map(|((machine, _), bounds)| Coverage::of(machine, bounds)).collect();

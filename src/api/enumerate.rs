@@ -15,7 +15,7 @@ use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
 use crate::job::reference::{Reference, ReferenceKind, SetUp};
 use crate::job::tool_poses::ReachedToolPoses;
-use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine, Pose, canonical};
+use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine, Pose};
 use crate::run::{Call, Count, Refused, Reply, Run, sha256};
 use crate::shards::study::{self, StudyFile};
 use indexmap::IndexMap;
@@ -596,7 +596,7 @@ fn fingerprint(
     let text = format!(
         "{} {} {rules:?} {bounds} {drawn:?}{listed} {set_ups:?}",
         env!("CARGO_PKG_VERSION"),
-        canonical(machine)
+        machine.canonical()
     );
     sha256(text.as_bytes())
 }

@@ -233,6 +233,7 @@ codes! {
     E0822 "records that do not line up",
     E0850 "a reference does not fit",
     E0851 "a job cannot be read",
+    E0860 "a tolerance does not fit its feature",
     W0201 "no version of the language",
     W0401 "an axis is left out",
     W0402 "a location error cannot act",

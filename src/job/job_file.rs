@@ -1,10 +1,11 @@
 //! A job: the tool poses of a part, where the part lies, and what its set-up takes out.
 
+use super::characteristics::{FeatureEntries, FeatureTolerances, JobCharacteristics};
 use super::limit::parse_limit;
 use super::machine_file::MachineFile;
 use super::placement::Placement;
 use super::reference::{Reference, ReferenceEntry, SetUp};
-use super::tool_poses::{self, ToolPoses};
+use super::tool_poses::{self, ReachedToolPoses, ToolPoses};
 use crate::diagnostic::{Diagnostic, Reason, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::run::{Call, Refused};
@@ -31,6 +32,9 @@ struct JobFile {
     tool: Option<String>,
     /// Limit of the 95 % value of the position deviation.
     limit: Option<String>,
+    /// Tolerances of features.
+    #[serde(default)]
+    features: FeatureEntries,
 }
 
 /// A job on a machine.
@@ -40,6 +44,8 @@ pub(crate) struct Job {
     pub poses: ToolPoses,
     /// Limit of the 95 % value of the position deviation, mm.
     pub limit_mm: Option<f64>,
+    /// The tolerances of its features.
+    pub features: FeatureTolerances,
     place: Placement,
     reference: Option<Reference>,
 }
@@ -70,7 +76,8 @@ impl JobPaths<'_> {
             (None, Some(path)) => {
                 call.extend(own.then(|| displaced(file, path)));
                 let poses = tool_poses::read(call, file, path)?.along(self.path);
-                Ok(Some(Job { poses, limit_mm: None, place: Placement::default(), reference: None }))
+                let (features, place) = (FeatureTolerances::default(), Placement::default());
+                Ok(Some(Job { poses, limit_mm: None, features, place, reference: None }))
             }
             (None, None) if own => from_machine_file(call, file, self.path),
             (None, None) if self.path.is_some() => {
@@ -100,6 +107,17 @@ impl Job {
     ) -> Result<SetUp, Refused> {
         let (stated, default) = (Self::stated(job, asked), job.map(Self::zero));
         SetUp::of(call, machine, stated.as_ref(), default.as_ref(), poses)
+    }
+
+    /// Returns the characteristics of toleranced features on the tool poses that a machine reaches; `None` without.
+    pub(crate) fn characteristics(
+        job: Option<&Self>,
+        call: &mut Call<'_>,
+        machine: &Machine,
+        reached: Option<&ReachedToolPoses>,
+    ) -> Result<Option<JobCharacteristics>, Refused> {
+        let (Some(job), Some(reached)) = (job, reached) else { return Ok(None) };
+        JobCharacteristics::of(call, machine, &job.features, reached)
     }
 
     /// Returns what the options state, or else the job file, on the part where it lies.
@@ -149,7 +167,7 @@ impl JobFile {
         tool_poses: &Path,
         asked: Option<bool>,
     ) -> Result<Job, Refused> {
-        let Self { tool_poses: _, place, reference, path, tool, limit } = self;
+        let Self { tool_poses: _, place, reference, path, tool, limit, features } = self;
         if let Some(tool) = tool.filter(|tool| *tool != machine.tool().name) {
             let known = machine.with_tool(&tool).is_some();
             let tool = shown(&tool);
@@ -165,13 +183,14 @@ impl JobFile {
         let limit_mm = limit.or_else(|reason| call.refuse(refused(name, &reason)))?;
         let mut poses = tool_poses::read(call, machine, tool_poses)?.along(asked.or(path));
         poses.put(&place);
-        Ok(Job { poses, limit_mm, place, reference: reference.map(|ReferenceEntry(reference)| reference) })
+        let features = features.placed(place).or_else(|reason| call.refuse(refused(name, &reason)))?;
+        Ok(Job { poses, limit_mm, features, place, reference: reference.map(|ReferenceEntry(reference)| reference) })
     }
 }
 
 fn refused(name: &str, failure: &Reason) -> Diagnostic {
     let message = format!("`{}`: {}", shown(name), shown(&failure.to_string()));
-    let help = "a job has `tool_poses`, and may have `place`, `reference`, `path`, `tool` and `limit`; \
+    let help = "a job has `tool_poses`, and may have `place`, `reference`, `path`, `tool`, `limit` and `features`; \
                 docs/formats/jobs.md has an example";
     Diagnostic::new(codes::E0851, message).help(help)
 }

@@ -8,9 +8,12 @@
 //! - [`limit`]: the largest deviation that a job allows;
 //! - [`mod@reference`]: what the set-up of a part takes out of its deviations;
 //! - [`over`]: the statement of what a result is over;
+//! - [`characteristics`]: tolerances of features, and the values that deviations and bounds lead to;
+//! - [`test_piece`]: test pieces of standards as jobs;
 //! - [`path`]: what tool poses ask of a machine as one path;
 //! - [`features`]: the features of such a file, and the largest deviation on each.
 
+pub mod characteristics;
 pub mod features;
 pub mod job_file;
 pub mod limit;
@@ -20,4 +23,5 @@ pub mod path;
 pub mod placement;
 pub mod poses;
 pub mod reference;
+pub mod test_piece;
 pub mod tool_poses;

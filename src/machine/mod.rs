@@ -55,4 +55,4 @@ pub use resolve::{CLASS_ANGLES, largest, largest_stated, no_origin, parse_error_
 pub use set_up::SetUp;
 pub use tolerances::{FRAME_KEYS, FrameTolerances, Tolerances};
 pub use uncertainty::UncertainPart;
-pub use written::{canonical, machine_file};
+pub use written::machine_file;

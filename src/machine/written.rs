@@ -28,27 +28,29 @@ pub fn machine_file(parts: &MachineParts, provenance: &[(String, String)]) -> St
     text + &covariance(parts)
 }
 
-/// Returns the text that identifies a resolved machine with its tool: everything that results depend on, as a machine
-/// file, and the references from which its axes and its workpiece are placed anew.
-pub fn canonical(machine: &Machine) -> String {
-    let parts = machine.to_parts();
-    let Geometry { axes, workpiece } = &parts.geometry;
-    let position = |Position { from, at }: &Position| {
-        let from = match from {
-            ReferencePoint::Bed => "bed",
-            ReferencePoint::Workpiece => "workpiece",
-            ReferencePoint::Axis(name) => name.as_str(),
+impl Machine {
+    /// Returns the text that identifies the resolved machine with its tool: everything that results depend on, as a
+    /// machine file, and the references from which its axes and its workpiece are placed anew.
+    pub fn canonical(&self) -> String {
+        let parts = self.to_parts();
+        let Geometry { axes, workpiece } = &parts.geometry;
+        let position = |Position { from, at }: &Position| {
+            let from = match from {
+                ReferencePoint::Bed => "bed",
+                ReferencePoint::Workpiece => "workpiece",
+                ReferencePoint::Axis(name) => name.as_str(),
+            };
+            format!("{from} {}", point(at))
         };
-        format!("{from} {}", point(at))
-    };
-    let side = |(name, axis): (&AxisName, &AxisGeometry)| {
-        let sides = [&axis.tool, &axis.workpiece];
-        let sides = sides.map(|side| format!("{} {} {}", position(&side.origin), side.stated, side.origin_written));
-        format!("# {name}: {}\n", sides.join("; "))
-    };
-    let references: String = axes.iter().map(side).collect();
-    let tool = quote(&machine.tool().name);
-    format!("{}{references}# workpiece: {}\n# tool: {tool}\n", machine_file(&parts, &[]), position(workpiece))
+        let side = |(name, axis): (&AxisName, &AxisGeometry)| {
+            let sides = [&axis.tool, &axis.workpiece];
+            let sides = sides.map(|side| format!("{} {} {}", position(&side.origin), side.stated, side.origin_written));
+            format!("# {name}: {}\n", sides.join("; "))
+        };
+        let references: String = axes.iter().map(side).collect();
+        let tool = quote(&self.tool().name);
+        format!("{}{references}# workpiece: {}\n# tool: {tool}\n", machine_file(&parts, &[]), position(workpiece))
+    }
 }
 
 /// Text that YAML cannot misread: a JSON string is one.

@@ -3,7 +3,6 @@
 use super::study::why;
 use crate::analysis::budget::{Bound, DrawnSamples, Request, SAMPLE_LANES, draw_samples};
 use crate::diagnostic::{Diagnostic, codes, shown};
-use crate::machine::canonical;
 use crate::run::{Call, Refused, sha256};
 use crate::syntax::ReadFailure;
 use std::collections::BTreeMap;
@@ -128,7 +127,7 @@ fn fingerprint(division: Division<'_>, request: Request<'_>) -> String {
     let Request { machine, bounds, poses, reference, .. } = request;
     let (drawn, bounds) = (division.drawn_by, bounds.iter().map(Bound::canonical).collect::<String>());
     let taken_out = reference.map_or_else(String::new, |reference| format!("{reference:?}"));
-    let (version, machine) = (env!("CARGO_PKG_VERSION"), canonical(machine));
+    let (version, machine) = (env!("CARGO_PKG_VERSION"), machine.canonical());
     sha256(
         format!(
             "{version}

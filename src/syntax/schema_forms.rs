@@ -1,7 +1,6 @@
 //! Schemas of the forms of values: quantities, positions, curves, words.
 
 use super::scalar::Scalar;
-use super::tolerance::FIGURE_WORDS;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde_json::{Value, json};
 use std::borrow::Cow;
@@ -14,6 +13,9 @@ pub const LENGTH: &str = "(nm|um|µm|μm|mm|cm|m|in|inch)";
 pub const ANGLE: &str = "(nrad|urad|µrad|μrad|mrad|rad|deg|°|arcmin|arcsec)";
 /// Axis names.
 pub const AXIS: &str = "[A-Z][A-Z0-9]{0,7}";
+
+/// The words of data sheets for the width of a band.
+pub const FIGURE_WORDS: [&str; 11] = ["width", "A", "E", "M", "B", "R", "P", "Tp", "Pa", "U", "Ps"];
 
 /// Message for a quantity that does not fit.
 const WITH_UNIT: &str = "a value with its unit, such as 12 um, 25 urad, 5 arcsec, 3 um/m";

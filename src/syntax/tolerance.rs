@@ -2,6 +2,7 @@
 
 use super::forms::{Forms, deserialize_by_forms, mapping_or_value};
 use super::scalar::Scalar;
+use super::schema_forms::FIGURE_WORDS;
 use serde::Deserialize;
 use serde::de::MapAccess;
 
@@ -13,9 +14,6 @@ pub struct FigureEntry {
     /// Words of [`FIGURE_WORDS`] with their figures.
     pub words: Vec<(&'static str, Scalar)>,
 }
-
-/// The words of data sheets for the width of a band.
-pub const FIGURE_WORDS: [&str; 11] = ["width", "A", "E", "M", "B", "R", "P", "Tp", "Pa", "U", "Ps"];
 
 /// Bounds along an axis and across it: of translations, and of rotations about these directions.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]

@@ -81,7 +81,7 @@ fn bounds_without_letters_count_as_bounds() {
     let said = abbe(&["budget", text(&path), "--samples", "10", "--poses", "5"]);
     assert!(said.contains("B across 2") && said.contains("directions of the axis itself"), "{said}");
     assert!(!said.contains("boxes in machine coordinates"));
-    let letters = folder.with("l.yaml", &format!("{HEAD}errors: {{ EYB: {{ tolerance: 3 um }} }}\n"));
+    let letters = folder.with("l.yaml", &format!("{HEAD}errors: {{ EXB: {{ tolerance: 3 um }} }}\n"));
     let said = abbe(&["budget", text(&letters), "--samples", "10", "--poses", "5"]);
     assert!(said.contains("boxes in machine coordinates") && !said.contains("directions of the axis"), "{said}");
     // An angle that is bounded turns about an origin.
@@ -110,7 +110,7 @@ fn words_of_data_sheets_become_half_their_sum() {
     ] {
         assert_eq!(of(words), bound, "{words}");
     }
-    let angles = list(&machine("tolerances: { ECC: { A: 12 arcsec }, EZB: { width: 6 um } }\n"));
+    let angles = list(&machine("tolerances: { ECC: { A: 12 arcsec }, EXB: { width: 6 um } }\n"));
     assert!((angles[0].1 - 6.0 * std::f64::consts::PI / 648_000.0 * 1e6).abs() < 1e-5, "{angles:?}");
 }
 

@@ -108,6 +108,7 @@ mod support;
 #[cfg(target_os = "linux")]
 mod system_faults;
 mod targets;
+mod test_pieces;
 mod theorems;
 mod tidy;
 mod tool_poses;

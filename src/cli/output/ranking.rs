@@ -83,7 +83,7 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
     }
     if !of.reach_less.is_empty() {
         text += &format!(
-            "\n{} miss some of the tool poses and have no rank; those that reach {} % are listed by their difference \
+            "\n{} miss some of the tool poses and have no rank; those that reach {} % come first, by their difference \
              to the file's arrangement on the poses that they reach:\n",
             of.reach_less.len(),
             significant(of.reach * 100.0, 4)

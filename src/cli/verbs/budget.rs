@@ -6,6 +6,7 @@ use crate::cli::arguments::{
     help, svg,
 };
 use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, coverage_line, short, tolerance_text, totals_row};
+use crate::cli::output::characteristics;
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, limit_text, path_text, reach_text, table, tool_poses_text};
@@ -47,9 +48,12 @@ pub(crate) struct Args {
     /// Seek the cheapest tolerances for this 95 % value of the position, such as "30 um" (above 0).
     #[arg(long, value_name = "LENGTH", value_parser = goal)]
     goal: Option<f64>,
-    /// The cost of tolerances, a YAML file [default: the sum of 1 / tolerance, um or urad].
+    /// The cost of tolerances, a YAML file [default: the sum of present / new - 1: a tolerance halved counts 1].
     #[arg(long, value_name = "FILE", requires = "goal")]
     cost: Option<PathBuf>,
+    /// Let tolerances become coarser than they are, which lowers the cost.
+    #[arg(long, requires = "goal")]
+    loosen: bool,
     #[command(flatten)]
     parts: PartsArgs,
     #[command(flatten)]
@@ -78,6 +82,7 @@ impl Args {
             at: self.at.clone(),
             goal_mm: self.goal,
             cost: self.cost.clone(),
+            loosen: self.loosen,
             shard: self.parts.shard,
             merge: self.parts.merge.clone(),
         }
@@ -185,6 +190,7 @@ impl BudgetText<'_> {
         text += &self.result.best_fit.as_ref().map_or(String::new(), best_fit_text);
         text += &format!("Worst case at {}\n", axes_text(self.file, budget.position_um.worst_case_at.values()));
         text += &format!("RSS largest at {}\n", axes_text(self.file, budget.position_um.rss_at.values()));
+        text += &characteristics::text(&self.result.characteristics);
         text += &self.pareto_table();
         text += &self.tighten_table();
         let goal =

@@ -11,6 +11,7 @@ mod missed;
 use super::path::PathResult;
 use super::placement::Placement;
 use super::poses::check;
+use crate::analysis::zone::SurfacePoint;
 use crate::analysis::{Miss, Needs, ToolPose, Unreachable, UnreachableCount, Work, place, rest, solve, tool_pose};
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, Machine, Pose};
@@ -48,9 +49,18 @@ struct Row {
     spin_rad: Option<f64>,
     /// Name of the feature to which the row belongs.
     feature: Option<String>,
+    /// Normal of the surface, a unit vector out of the material, workpiece frame.
+    normal: Option<Vector3<f64>>,
 }
 
 impl Row {
+    /// Returns the place and the normal of the surface, unturned workpiece frame.
+    fn surface_point(&self, machine: &Machine) -> SurfacePoint {
+        let turned = machine.workpiece_rotation();
+        let unturned = |v: Vector3<f64>| turned.map_or(v, |rotation| rotation * v);
+        SurfacePoint { place: unturned(self.tip), normal: self.normal.map(unturned) }
+    }
+
     /// Returns the tip and the positions of the rotary axes, if the row gives these.
     fn rotary(&self) -> Option<(&Vector3<f64>, &Pose)> {
         match &self.aim {
@@ -103,6 +113,9 @@ pub struct ReachedToolPoses {
     /// Lines of these poses in the file, from 1, with their features.
     #[serde(skip)]
     pub(crate) lines: Vec<(usize, Option<String>)>,
+    /// The points of the surface there, unturned workpiece frame.
+    #[serde(skip)]
+    pub(crate) surface: Vec<SurfacePoint>,
 }
 
 /// The place of a row of a file.
@@ -156,6 +169,7 @@ impl ToolPoses {
             if let Aim::Axis(axis) = &mut row.aim {
                 *axis = place.direction(*axis);
             }
+            row.normal = row.normal.map(|normal| place.direction(normal));
         }
     }
 
@@ -198,10 +212,12 @@ impl ToolPoses {
         let path = self.is_path.then(|| PathResult::along(machine, self, &found));
         let name = |row: &Row| (row.line, row.feature.clone());
         let lines = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok()).map(|(row, _)| name(row)).collect();
+        let held = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok());
+        let surface = held.map(|(row, _)| row.surface_point(machine)).collect();
         let poses: Vec<Pose> = found.into_iter().filter_map(Result::ok).collect();
         let unreachable = UnreachableCount::count(rows.iter().map(|row| &row.why));
         let (file, asked, reached) = (self.file.clone(), self.rows.len(), poses.len());
-        ReachedToolPoses { file, asked, reached, unreachable, rows, travel, path, poses, lines }
+        ReachedToolPoses { file, asked, reached, unreachable, rows, travel, path, poses, lines, surface }
     }
 
     /// Returns the lines of rows that were missed, with what they lack.

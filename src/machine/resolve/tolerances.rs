@@ -187,6 +187,9 @@ fn joint(
             let Some(value) = value else { continue };
             let here = below(&base, key);
             let kind = known.axis(axis).and_then(|axis| axis.kind);
+            if context.document.places.is_marred(&here) {
+                continue;
+            }
             if !value.is_one() {
                 let help = format!("write `{key}: 8 um`, or words of a data sheet, `{key}: {{ A: 8 um }}`");
                 context.at_key(codes::E0416, &here, format!("`{}` is not one bound", dotted_path(&here)), help);
