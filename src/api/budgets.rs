@@ -48,17 +48,17 @@ pub struct ComparedBudgets {
 /// A machine against the first, on the machines drawn of both.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ComparedVerdict {
-    /// What is known of the two; none if errors that only one of the files bounds could turn it.
+    /// The verdict on the two; none if errors that only one of the files bounds could turn it.
     pub verdict: Option<Verdict>,
     /// Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 %
     /// confidence.
     pub minus_first: PairedDifference,
-    /// Why there is no verdict.
+    /// The reason why there is no verdict.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub withheld: Option<WithheldVerdict>,
 }
 
-/// Why there is no verdict on two machines: errors without a value or a bound could turn it.
+/// The reason why there is no verdict on two machines: errors without a value or a bound could turn it.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct WithheldVerdict {
     /// The reason in words.

@@ -131,7 +131,7 @@ const WIDE: f64 = 0.9;
 /// Number of machines drawn where the machines are bounded.
 const SAMPLES: usize = 1000;
 
-/// How a machine is judged: by its errors, or by its bounds where neither of the two has a value.
+/// The figure by which machines are judged: by their errors, or by their bounds where neither of the two has a value.
 struct Judge<'a> {
     options: &'a DiffMachinesOptions,
     bounded: bool,

@@ -62,7 +62,7 @@ pub struct ToleranceGoal {
 /// The cost of tolerances.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct GoalCost {
-    /// What it counts.
+    /// Its unit.
     pub unit: String,
     /// Power of the tolerance in the cost; none where the cost is relative to the present tolerances, weight x
     /// (present / new - 1).

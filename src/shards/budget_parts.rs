@@ -128,14 +128,7 @@ fn fingerprint(division: Division<'_>, request: Request<'_>) -> String {
     let (drawn, bounds) = (division.drawn_by, bounds.iter().map(Bound::canonical).collect::<String>());
     let taken_out = reference.map_or_else(String::new, |reference| format!("{reference:?}"));
     let (version, machine) = (env!("CARGO_PKG_VERSION"), machine.canonical());
-    sha256(
-        format!(
-            "{version}
-{machine}{bounds}{poses:?}
-{drawn:?}{taken_out}"
-        )
-        .as_bytes(),
-    )
+    sha256(format!("{version}\n{machine}{bounds}{poses:?}\n{drawn:?}{taken_out}").as_bytes())
 }
 
 /// Returns the machines of the files to merge; none without files.

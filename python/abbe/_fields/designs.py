@@ -47,7 +47,7 @@ class FittedBudget(Record):
 class GoalCost(Record):
     """The cost of tolerances."""
 
-    unit: Annotated[str, "What it counts."]
+    unit: Annotated[str, "Its unit."]
     power: Annotated[Union[float, None], "Power of the tolerance in the cost; none where the cost is relative to the present tolerances, weight x (present / new - 1)."]
     before: Annotated[float, "Value with the old tolerances."]
     after: Annotated[float, "Value with the new tolerances."]

@@ -519,7 +519,7 @@ class PairedDifference(Record):
 
 
 class WithheldVerdict(Record):
-    """Why there is no verdict on two machines: errors without a value or a bound could turn it."""
+    """The reason why there is no verdict on two machines: errors without a value or a bound could turn it."""
 
     reason: Annotated[str, "The reason in words."]
     as_bounded: Annotated[Literal["first", "equal", "not_told_apart", "worse", "better"], "The verdict on the errors that are bounded."]
@@ -531,9 +531,9 @@ class WithheldVerdict(Record):
 class ComparedVerdict(Record):
     """A machine against the first, on the machines drawn of both."""
 
-    verdict: Annotated[Union[Literal["first", "equal", "not_told_apart", "worse", "better"], None], "What is known of the two; none if errors that only one of the files bounds could turn it."]
+    verdict: Annotated[Union[Literal["first", "equal", "not_told_apart", "worse", "better"], None], "The verdict on the two; none if errors that only one of the files bounds could turn it."]
     minus_first: Annotated[PairedDifference, "Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence."]
-    withheld: Annotated[Union[WithheldVerdict, None], "Why there is no verdict."]
+    withheld: Annotated[Union[WithheldVerdict, None], "The reason why there is no verdict."]
 
 
 class ComparedBudgets(Record):

@@ -123,7 +123,7 @@ class ErrorCounts(Record):
 
 
 class Coverage(Record):
-    """How many of the errors that act in a machine's own chain are known: six of each axis, and the location errors that are no choice of coordinates."""
+    """Counts of the known errors among those that act in a machine's own chain: six of each axis, and the location errors that are no choice of coordinates."""
 
     valued: Annotated[int, "Number of errors with a value."]
     bounded: Annotated[int, "Number of errors that are bounded, by the file or by a class."]

@@ -134,7 +134,7 @@ class TestPieceFields(Record):
     features: Annotated[list[str], "Names of its features."]
     c_motion: Annotated[Union[Literal["turn", "pole", "swing"], None], "The motion of a rotary axis about Z, of a cone."]
     largest_tilt_deg: Annotated[float, "Largest angle of the tool to Z, deg."]
-    notes: Annotated[list[str], "What rests on memory, or is geometry of our own."]
+    notes: Annotated[list[str], "Notes on what rests on memory, or is geometry of our own."]
     job: Annotated[str, "Name of the job file."]
 
 

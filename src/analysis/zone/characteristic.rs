@@ -169,21 +169,35 @@ impl Characteristic {
     /// Returns the zones of deviations at the points of the feature and of its datum.
     pub fn widths(&self, feature: &[Vector3<f64>], datum: &[Vector3<f64>]) -> ZoneWidths {
         let left = self.left(feature, datum);
+        if !self.is_fitted() {
+            return ZoneWidths {
+                value: self.width(ZoneFit::MinimumZone, &left),
+                minimum_zone: None,
+                least_squares: None,
+            };
+        }
+        let [narrowest, least_squares] =
+            [ZoneFit::MinimumZone, ZoneFit::LeastSquares].map(|fit| self.width(fit, &left));
+        let value = if self.fit == ZoneFit::MinimumZone { narrowest } else { least_squares };
+        ZoneWidths { value, minimum_zone: Some(narrowest), least_squares: Some(least_squares) }
+    }
+
+    /// Returns the value that a tolerance limits, by deviations at the points of the feature and of its datum.
+    pub fn value(&self, feature: &[Vector3<f64>], datum: &[Vector3<f64>]) -> f64 {
+        let fit = if self.is_fitted() { self.fit } else { ZoneFit::MinimumZone };
+        self.width(fit, &self.left(feature, datum))
+    }
+
+    /// True if a motion or size is fitted, so that the two fits differ.
+    fn is_fitted(&self) -> bool {
+        matches!(&self.measure, Measure::Zones(zones) if zones.iter().any(|zone| zone.fit.rank() > 0))
+    }
+
+    fn width(&self, fit: ZoneFit, left: &[f64]) -> f64 {
         match &self.measure {
-            Measure::Zones(zones) => {
-                let of =
-                    |width: fn(&Zone, &[f64]) -> f64| zones.iter().map(|zone| width(zone, &left)).fold(0.0, f64::max);
-                let narrowest = of(Zone::minimum);
-                if zones.iter().all(|zone| zone.fit.rank() == 0) {
-                    return ZoneWidths { value: narrowest, minimum_zone: None, least_squares: None };
-                }
-                let least_squares = of(Zone::least_squares);
-                let value = if self.fit == ZoneFit::MinimumZone { narrowest } else { least_squares };
-                ZoneWidths { value, minimum_zone: Some(narrowest), least_squares: Some(least_squares) }
-            }
+            Measure::Zones(zones) => zones.iter().map(|zone| zone.width(fit, left)).fold(0.0, f64::max),
             Measure::Centres(centres) => {
-                let value = centres.iter().map(|centre| 2.0 * length(moved(centre, &left))).fold(0.0, f64::max);
-                ZoneWidths { value, minimum_zone: None, least_squares: None }
+                centres.iter().map(|centre| 2.0 * length(moved(centre, left))).fold(0.0, f64::max)
             }
         }
     }
@@ -195,11 +209,7 @@ impl Characteristic {
         let mut scalars = vec![0.0; self.directions.len()];
         match &self.measure {
             Measure::Zones(zones) => {
-                let width = |zone: &Zone| match self.fit {
-                    ZoneFit::MinimumZone => zone.minimum(&left),
-                    ZoneFit::LeastSquares => zone.least_squares(&left),
-                };
-                if let Some(zone) = widest(zones, width) {
+                if let Some(zone) = widest(zones, |zone| zone.width(self.fit, &left)) {
                     zone.add_weights(&left, self.fit, &mut scalars);
                 }
             }
@@ -245,7 +255,8 @@ impl Characteristic {
 
 /// Returns the first of the elements with the largest value.
 fn widest<T>(list: &[T], value: impl Fn(&T) -> f64) -> Option<&T> {
-    list.iter().rev().max_by(|a, b| value(a).total_cmp(&value(b)))
+    let valued = list.iter().rev().map(|of| (value(of), of));
+    valued.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, of)| of)
 }
 
 fn moved(centre: &[Vec<f64>; 2], deviations: &[f64]) -> [f64; 2] {
@@ -253,7 +264,7 @@ fn moved(centre: &[Vec<f64>; 2], deviations: &[f64]) -> [f64; 2] {
 }
 
 fn length([x, y]: [f64; 2]) -> f64 {
-    x.hypot(y)
+    libm::hypot(x, y)
 }
 
 impl Zone {
@@ -267,12 +278,12 @@ impl Zone {
         self.rows.iter().map(|i| deviations[*i]).collect()
     }
 
-    fn minimum(&self, deviations: &[f64]) -> f64 {
-        2.0 * self.fit.fit(&self.values(deviations)).half_width
-    }
-
-    fn least_squares(&self, deviations: &[f64]) -> f64 {
-        let residuals = self.fit.least_squares(&self.values(deviations));
+    fn width(&self, fit: ZoneFit, deviations: &[f64]) -> f64 {
+        let values = self.values(deviations);
+        if fit == ZoneFit::MinimumZone {
+            return 2.0 * self.fit.fit(&values).half_width;
+        }
+        let residuals = self.fit.least_squares(&values);
         let ends = residuals.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), r| (a.min(*r), b.max(*r)));
         if self.shifts { ends.1 - ends.0 } else { 2.0 * ends.1.max(-ends.0) }
     }

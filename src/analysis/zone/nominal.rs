@@ -213,7 +213,7 @@ impl Revolution {
         let circles = Circles::fit(&plane, &heights, cloud.extents[0]);
         let point = |((p, [x, y]), z): ((&SurfacePoint, &[f64; 2]), &f64)| {
             let [dx, dy] = [x - circles.centre[0], y - circles.centre[1]];
-            let (radius, nominal) = (dx.hypot(dy), circles.radius(*z, cloud.extents[0]));
+            let (radius, nominal) = (libm::hypot(dx, dy), circles.radius(*z, cloud.extents[0]));
             if !nominal.is_finite() || radius == 0.0 || (radius - nominal).abs() > FORM * radius.max(nominal) {
                 return Err(Unfit::Round);
             }

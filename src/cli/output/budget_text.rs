@@ -18,7 +18,7 @@ pub(crate) fn totals_row(name: &str, t: &DeviationBudget) -> Vec<String> {
     head.into_iter().chain(t.monte_carlo.percentiles.values().map(interval)).collect()
 }
 
-/// How many of the acting errors of a machine without measured values are bounded, and which are not.
+/// The line that counts the bounded among the acting errors of a machine without measured values, and names the others.
 pub(crate) fn coverage_line(of: &Coverage) -> Option<String> {
     if of.valued > 0 || (of.bounded == 0 && of.missing.is_empty()) {
         return None;

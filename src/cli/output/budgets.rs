@@ -48,7 +48,8 @@ fn versus_first(of: &ComparedBudgets, verdicts: &[MachineVerdict]) -> String {
     of.versus_first_p95_um.iter().enumerate().map(line).collect()
 }
 
-/// Why there is no verdict, with the difference that like bounds would give and the names of what is missing.
+/// The reason why there is no verdict, with the difference that like bounds would give and the names of what is
+/// missing.
 fn reason(of: &WithheldVerdict) -> String {
     let [other, class] = of.minus_first_if_filled.map(difference);
     let names = |number: &str, missing: &[String]| {

@@ -32,7 +32,7 @@ pub(crate) fn text(list: &[CharacteristicResult]) -> String {
     format!("{head}\n{rows}\n{lacks}{}", if errors.is_empty() { errors } else { format!("{note}\n{errors}") })
 }
 
-/// What is smaller than this (um) is rounding.
+/// Values below this (um) are rounding.
 const ROUNDING: f64 = 1e-4;
 
 fn short(um: f64) -> String {

@@ -127,7 +127,7 @@ impl JobCharacteristics {
     fn figures(&self, positions: &[Vector3<f64>]) -> Vec<f64> {
         let one = |job: &JobCharacteristic| {
             let [feature, datum] = job.part(positions);
-            job.of.as_ref().map_or(0.0, |of| of.widths(&feature, &datum).value)
+            job.of.as_ref().map_or(0.0, |of| of.value(&feature, &datum))
         };
         self.list.iter().map(one).collect()
     }

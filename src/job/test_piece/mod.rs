@@ -35,7 +35,7 @@ pub struct TestPiece {
     pub c_motion: Option<ConeMotion>,
     /// Largest angle of the tool to Z, deg.
     pub largest_tilt_deg: f64,
-    /// What rests on memory, or is geometry of our own.
+    /// Notes on what rests on memory, or is geometry of our own.
     pub notes: Vec<String>,
     /// Name of the job file.
     pub job: String,

@@ -33,7 +33,7 @@ pub(super) struct PieceTolerance {
 /// A test piece: its path and its tolerances.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Piece {
-    /// What it is, in a line.
+    /// The piece in a line.
     pub title: String,
     /// Names of features.
     pub names: Vec<String>,

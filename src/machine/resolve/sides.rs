@@ -103,7 +103,7 @@ pub fn warn(context: &mut Context, machine: &Machine) {
     }
 }
 
-/// Why an axis without an origin is warned of if the file bounds its angles by a class alone.
+/// The reason to warn of an axis without an origin if the file bounds its angles by a class alone.
 pub const CLASS_ANGLES: &str = "has angles bounded by the class";
 
 /// Returns the warning of an axis whose angular errors turn about machine zero for want of an origin; a rotary one

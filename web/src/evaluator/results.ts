@@ -495,11 +495,11 @@ export interface ComparedMachine {
 
 /** A machine against the first, on the machines drawn of both. */
 export interface ComparedVerdict {
-  /** What is known of the two; none if errors that only one of the files bounds could turn it. */
+  /** The verdict on the two; none if errors that only one of the files bounds could turn it. */
   verdict: Verdict | null;
   /** Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence. */
   minus_first: PairedDifference;
-  /** Why there is no verdict. */
+  /** The reason why there is no verdict. */
   withheld?: WithheldVerdict | null;
 }
 
@@ -531,7 +531,7 @@ export interface Conventions {
   default_order: number | null;
 }
 
-/** How many of the errors that act in a machine's own chain are known: six of each axis, and the location errors that are no choice of coordinates. */
+/** Counts of the known errors among those that act in a machine's own chain: six of each axis, and the location errors that are no choice of coordinates. */
 export interface Coverage {
   /** Number of errors with a value. */
   valued: number;
@@ -806,7 +806,7 @@ export type Frame = "workpiece" | "machine" | "tool";
 
 /** The cost of tolerances. */
 export interface GoalCost {
-  /** What it counts. */
+  /** Its unit. */
   unit: string;
   /** Power of the tolerance in the cost; none where the cost is relative to the present tolerances, weight x (present / new - 1). */
   power: number | null;
@@ -1430,7 +1430,7 @@ export interface UnreachableCount {
 /** What is known of a machine or arrangement and the first. */
 export type Verdict = "first" | "equal" | "not_told_apart" | "worse" | "better";
 
-/** Why there is no verdict on two machines: errors without a value or a bound could turn it. */
+/** The reason why there is no verdict on two machines: errors without a value or a bound could turn it. */
 export interface WithheldVerdict {
   /** The reason in words. */
   reason: string;

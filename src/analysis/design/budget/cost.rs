@@ -14,7 +14,7 @@ const FINEST: f64 = 0.01;
 /// Without a limit of its own a tolerance that may be loosened is at coarsest so many times the stated one.
 const COARSEST: f64 = 10.0;
 
-/// What the cost counts where no model names it.
+/// Unit of the cost where no model names one.
 const HALVED: &str = "tolerances halved";
 
 /// A cost model as it is written. Keys of the maps are names of kinds or of errors; an error goes before its kind.
@@ -23,7 +23,7 @@ const HALVED: &str = "tolerances halved";
 pub struct CostModel {
     /// Exponent of the tolerance; without one the cost is relative to the present tolerances.
     pub power: Option<f64>,
-    /// What the cost counts, such as EUR.
+    /// Unit of the cost, such as EUR.
     pub unit: Option<String>,
     /// True for what keeps its present tolerance.
     pub held: BTreeMap<String, bool>,
@@ -99,7 +99,7 @@ impl CostModel {
         Ok(model)
     }
 
-    /// Returns what the cost counts.
+    /// Returns the unit of the cost.
     pub fn unit(&self) -> &str {
         match (&self.unit, self.power) {
             (Some(unit), _) => unit,

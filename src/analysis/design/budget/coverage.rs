@@ -8,8 +8,8 @@ use serde::Serialize;
 /// The class that stands in for errors of which nothing is known.
 pub const STAND_IN_CLASS: &str = "production";
 
-/// How many of the errors that act in a machine's own chain are known: six of each axis, and the location errors that
-/// are no choice of coordinates.
+/// Counts of the known errors among those that act in a machine's own chain: six of each axis, and the location errors
+/// that are no choice of coordinates.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Coverage {
     /// Number of errors with a value.
@@ -18,7 +18,7 @@ pub struct Coverage {
     pub bounded: usize,
     /// Names of the errors that have neither. None on a machine with measured values: what it does not state is zero.
     pub missing: Vec<String>,
-    /// What is missing, with the bounds of [`STAND_IN_CLASS`].
+    /// The missing errors, with the bounds of [`STAND_IN_CLASS`].
     #[serde(skip)]
     open: Vec<Bound>,
 }

@@ -104,7 +104,7 @@ pub enum Binding {
     Coarsest,
     /// Its present tolerance, beyond which nothing is loosened.
     Present,
-    /// That it is held.
+    /// The hold on it.
     Held,
 }
 
@@ -198,16 +198,17 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
         aim *= by;
         scale(&mut tolerances, request.prices, by);
     }
+    let mut run = search.default_run(&tolerances);
     for _ in 0..MAX_CORRECTIONS {
-        let by = request.goal_mm / search.default_run(&tolerances);
-        if by >= 1.0 {
+        if run <= request.goal_mm {
             break;
         }
-        scale(&mut tolerances, request.prices, by * BELOW);
+        scale(&mut tolerances, request.prices, request.goal_mm / run * BELOW);
+        run = search.default_run(&tolerances);
     }
     let before = search.evaluate(&present, request.draws[0], request.samples).percentile_um();
     let proof = search.evaluate(&tolerances, proving, request.proof_samples);
-    let least = proof.p95().max(search.default_run(&tolerances));
+    let least = proof.p95().max(run);
     if least > request.goal_mm {
         return GoalAnswer::OutOfReach(Unavoidable { finest_um: least * 1e3, staying_um });
     }
