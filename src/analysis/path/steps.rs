@@ -38,6 +38,19 @@ pub struct PathPose<'a> {
     pub free: Option<usize>,
 }
 
+/// A row with the pose that is chosen for it.
+#[derive(Debug, Clone)]
+pub struct ChosenPose {
+    /// Index of the row.
+    pub row: usize,
+    /// The tool pose, unturned workpiece frame.
+    pub target: ToolPose,
+    /// The pose, mm and deg.
+    pub pose: Pose,
+    /// The axis that is free there.
+    pub free: Option<usize>,
+}
+
 /// The rules of steps on a machine.
 pub struct Steps<'a> {
     machine: &'a Machine,

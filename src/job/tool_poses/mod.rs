@@ -11,7 +11,9 @@ mod missed;
 use super::path::PathResult;
 use super::placement::Placement;
 use super::poses::check;
-use crate::analysis::{Miss, Needs, ToolPose, Unreachable, UnreachableCount, Work, place, rest, solve, tool_pose};
+use crate::analysis::{
+    Miss, Needs, ToolPose, Unreachable, UnreachableCount, Work, path_events, place, rest, solve, tool_pose,
+};
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::run::{Call, Refused};
@@ -182,7 +184,7 @@ impl ToolPoses {
             found.iter().enumerate().filter_map(|(i, pose)| Some((i, pose.as_ref().err()?.clone()))).collect();
         let rows = self.missed(machine, &missed);
         self.say(call, machine, &rows)?;
-        let path = self.is_path.then(|| PathResult::along(machine, self, &found));
+        let path = self.is_path.then(|| self.events(machine, &found));
         call.extend(path.as_ref().and_then(|path| path.warning(machine)));
         let name = |row: &Row| (row.line, row.feature.clone());
         let lines = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok()).map(|(row, _)| name(row)).collect();
@@ -191,6 +193,12 @@ impl ToolPoses {
         let unreachable = UnreachableCount::count(rows.iter().map(|row| &row.why));
         let (file, asked, reached) = (self.file.clone(), self.rows.len(), poses.len());
         Ok(ReachedToolPoses { file, asked, reached, unreachable, rows, travel, path, poses, lines })
+    }
+
+    /// Returns what the rows ask of a machine that takes them by these poses.
+    fn events(&self, machine: &Machine, found: &[Result<Pose, Miss>]) -> PathResult {
+        let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
+        PathResult::new(machine, &path_events(machine, &self.list(machine), &poses), &self.lines())
     }
 
     /// Returns the lines of rows that were missed, with what they lack.

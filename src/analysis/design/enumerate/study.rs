@@ -8,7 +8,7 @@ use super::walk_budget;
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
 use crate::analysis::design::compare::UnreachableCount;
 use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom};
-use crate::analysis::path::solve;
+use crate::analysis::path::{path_events, solve};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order};
 use crate::machine::{Approach, Axis, AxisName, Branch, ErrorId, Machine, Pose};
@@ -143,6 +143,7 @@ impl StudyRound<'_> {
             result: None,
             not_stated: study.not_stated(machine),
             travel: Vec::new(),
+            rewinds: None,
         };
         let each = || machines.iter().zip(tables);
         let apart = |row: ArrangementRow| RoundRecord { row, values: Vec::new(), file: None };
@@ -154,6 +155,10 @@ impl StudyRound<'_> {
         let found: Vec<Result<Pose, Miss>> = solve(nominal, &study.work, study.is_path);
         let missed = UnreachableCount::count(found.iter().filter_map(|pose| Some(&pose.as_ref().err()?.why)));
         let travel = if study.sized { travel_needs(nominal, &found) } else { Vec::new() };
+        let rewinds = study.is_path.then(|| {
+            let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
+            path_events(nominal, &study.work, &poses).rewinds.len()
+        });
         let (reached, poses): (Vec<usize>, Vec<Pose>) =
             found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
         if poses.is_empty() {
@@ -161,7 +166,7 @@ impl StudyRound<'_> {
         }
         let (values, file) = self.values(walk, machines, tables, &reached, &poses);
         let judged = each().zip(values).map(|(of, values)| RoundRecord {
-            row: ArrangementRow { travel: travel.clone(), ..row(of, Standing::Judged, missed) },
+            row: ArrangementRow { travel: travel.clone(), rewinds, ..row(of, Standing::Judged, missed) },
             values,
             file: Some(file),
         });
