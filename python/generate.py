@@ -58,6 +58,7 @@ VERBS = {
     "figures": Verb(
         "FiguresResult", "Returns figures of the ISO 230 series from the readings of a test.", words=("path",)
     ),
+    "testpiece": Verb("TestPieceResult", "Makes a test piece of a standard as a job.", first=("kind",)),
     "record": Verb("RecordResult", "Makes the record of a calibration from its description.", words=("description",)),
     "record_trend": Verb(
         "TrendResult", "Puts records of one machine in a line: every error over the dates.", words=("*folders",)
@@ -80,7 +81,7 @@ OF_RESULTS = {
 }
 
 #: Verbs without a machine: functions.
-FREE = ("import_readings", "figures", "record", "record_trend")
+FREE = ("import_readings", "figures", "testpiece", "record", "record_trend")
 
 #: Verbs that take further machines: their number in words, for the docstring.
 OTHERS = {"compare": "*others: Verbs", "report": "*others: Verbs", "diff": "other: Verbs"}
@@ -315,7 +316,7 @@ FIELD_MODULES = {
     "machines": ("show", "check", "classify", "convert", "diff", "equations"),
     "designs": ("budget", "enumerate", "report"),
     "measurements": ("instrument", "identify", "fit_monomials", "plan", "locate", "import_readings", "figures"),
-    "sets": ("compile", "verify", "diff_sets", "targets", "record", "record_trend", "check_record"),
+    "sets": ("compile", "verify", "diff_sets", "targets", "testpiece", "record", "record_trend", "check_record"),
 }
 
 

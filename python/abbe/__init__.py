@@ -23,6 +23,7 @@ from ._functions import (
     schema,
     starter,
     targets,
+    testpiece,
 )
 from ._machine import Deviations, ErrorTerm, Machine, load, loads
 from ._record import Named, Record
@@ -51,6 +52,7 @@ from ._results import (
     ReportResult,
     Result,
     SetDiffResult,
+    TestPieceResult,
     TrendResult,
 )
 
@@ -88,6 +90,7 @@ __all__ = [
     "ReportResult",
     "Result",
     "SetDiffResult",
+    "TestPieceResult",
     "TrendResult",
     "__version__",
     "check",
@@ -104,4 +107,5 @@ __all__ = [
     "set_threads",
     "starter",
     "targets",
+    "testpiece",
 ]

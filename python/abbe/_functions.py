@@ -8,7 +8,7 @@ from typing import Any, Literal
 from ._calls import Text, call
 from ._fields import TargetSummary
 from ._results import CheckRecordResult, ClassifyResult
-from ._verbs import figures, import_readings, record, record_trend
+from ._verbs import figures, import_readings, record, record_trend, testpiece
 
 __all__ = [
     "check",
@@ -22,6 +22,7 @@ __all__ = [
     "schema",
     "starter",
     "targets",
+    "testpiece",
 ]
 
 

@@ -401,6 +401,12 @@ class RecordResult(_fields.RecordFields, Folder):
     _table = "decisions"
 
 
+class TestPieceResult(_fields.TestPieceFields, Folder):
+    """A test piece as a job: its files, and what rests on memory."""
+
+    __slots__ = ()
+
+
 class TrendResult(_fields.TrendFields, Result):
     """Records of one machine in a line. The table has a row for each error."""
 

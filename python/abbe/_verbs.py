@@ -31,6 +31,7 @@ from ._results import (
     RecordResult,
     ReportResult,
     SetDiffResult,
+    TestPieceResult,
     TrendResult,
 )
 
@@ -211,6 +212,12 @@ StraightnessLine = Literal["least-squares", "end-points"]
 
 #: A test.
 StandardTest = Literal["circle", "rotation", "drift", "diagonals"]
+
+#: A kind of test piece.
+TestPieceKind = Literal["square", "diamond", "circle", "cone", "s-shape", "nas-979"]
+
+#: The motion of a rotary axis about Z along the circle of a tilted cone.
+ConeMotion = Literal["turn", "pole", "swing"]
 
 
 class Verbs:
@@ -496,6 +503,7 @@ class Verbs:
         at: Text | None = None,
         goal_mm: float | None = None,
         cost: Text | None = None,
+        loosen: bool = False,
         shard: tuple[int, int] | None = None,
         merge: Sequence[Text] | None = None,
         threads: int | None = None,
@@ -519,7 +527,9 @@ class Verbs:
         * ``samples``: Number of machines that are drawn, at least 2.
         * ``at``: A pose at which contributions are listed too, ``X=100,C=90``: mm and deg; axes left out are at 0.
         * ``goal_mm``: Goal of the 95 % value of the position, mm: the cheapest tolerances for it are sought.
-        * ``cost``: YAML file with the cost of tolerances; by default the sum of 1 / tolerance (um, urad).
+        * ``cost``: YAML file with the cost of tolerances; by default the sum of present / new - 1, a tolerance halved
+          counts 1.
+        * ``loosen``: Tolerances may become coarser than they are for a goal.
         * ``shard``: Draws only part I of N of the machines.
         * ``merge``: Files of drawn machines that together hold all; none is drawn again.
         """
@@ -536,6 +546,7 @@ class Verbs:
             "at": at,
             "goal_mm": goal_mm,
             "cost": cost,
+            "loosen": loosen,
             "shard": shard,
             "merge": merge,
         }
@@ -551,6 +562,7 @@ class Verbs:
         seed: int = 1,
         by: JudgedBy | None = None,
         require: Sequence[Text] | None = None,
+        buildable: bool = True,
         max_table: int | None = None,
         rotary: int | None = None,
         poses: int = 500,
@@ -577,6 +589,8 @@ class Verbs:
         * ``seed``: Seed of poses and errors.
         * ``by``: Criterion of the arrangements; by default a budget if any error is bounded.
         * ``require``: Rules that arrangements obey, such as ``C before A``, ``Y carries A``, ``at most 2 on table``.
+        * ``buildable``: Leaves out what is hardly built: a linear axis above a rotary one on the table, more than four
+          axes below the part, more than two rotary axes in the head. What the machine's own file has is never left out.
         * ``max_table``: Maximum number of axes that carry the workpiece.
         * ``rotary``: Number of rotary axes at a time, every choice of them; by default all.
         * ``poses``: Number of tool poses.
@@ -588,7 +602,8 @@ class Verbs:
         * ``max_samples``: Maximum number of machines that are drawn of the arrangements that could be among the first;
           by default eight times ``samples``, or what can be kept of them.
         * ``first``: Number of first ranks that are to be told apart from each other and from all others.
-        * ``reach_percent``: Fraction of the tool poses that a ranked arrangement reaches, in percent.
+        * ``reach_percent``: Fraction of the tool poses, in percent, from which on arrangements that miss some are
+          listed by their figure. Ranked ones reach all.
         * ``state``: A file of results of this study; what it holds is not computed again.
         * ``shard``: Computes only part I of N of the walks of one round.
         * ``merge``: Files of results that together hold the first round; what they hold is not computed again.
@@ -600,6 +615,7 @@ class Verbs:
             "seed": seed,
             "by": by,
             "require": require,
+            "buildable": buildable,
             "max_table": max_table,
             "rotary": rotary,
             "poses": poses,
@@ -1105,6 +1121,45 @@ def figures(
     }
     found = call("figures", [], options, words=[path], threads=threads)
     return FiguresResult(found)
+
+
+def testpiece(
+    kind: TestPieceKind = "cone",
+    *,
+    size_mm: float | None = None,
+    height_mm: float | None = None,
+    half_apex_deg: float = 15.0,
+    tilt_deg: float | None = None,
+    c_motion: ConeMotion | None = None,
+    steps: int = 360,
+    threads: int | None = None,
+) -> TestPieceResult:
+    """Makes a test piece of a standard as a job.
+
+    Options, each with the default of the façade where it is ``None``:
+
+    * ``kind``: The kind.
+    * ``size_mm``: Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length
+      of an S, mm; by default 160, of a cone 80.
+    * ``height_mm``: Height of the contour, or of the centre of a cone's base, above the part's origin, mm; by default
+      20, of a cone 120, of an S the height of its surface, 40.
+    * ``half_apex_deg``: Cone: half of its apex angle, above 0 and below 80 deg.
+    * ``tilt_deg``: Cone: tilt of its axis about Y, 0 to 80 deg; S: the largest lean of its surface; diamond: its turn
+      against the square. By default 10 of a cone or by its motion, 20 of an S, 30 of a diamond.
+    * ``c_motion``: Cone: the motion of a rotary axis about Z, which chooses the tilt in place of an angle.
+    * ``steps``: Number of intervals of a circle, or of each side, 8 to 100000.
+    """
+    options: dict[str, Any] = {
+        "kind": kind,
+        "size_mm": size_mm,
+        "height_mm": height_mm,
+        "half_apex_deg": half_apex_deg,
+        "tilt_deg": tilt_deg,
+        "c_motion": c_motion,
+        "steps": steps,
+    }
+    found = call("testpiece", [], options, threads=threads)
+    return TestPieceResult(found)
 
 
 def record(

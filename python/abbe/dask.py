@@ -504,7 +504,7 @@ def budget(machine: Machine, *, shards: int = 16, threads: int = 1, **options: A
 
 def _budget_part(sent: _Sent, shard: tuple[int, int], options: Mapping[str, Any], threads: int) -> str:
     # The search for a goal is of the whole.
-    draws = {name: of for name, of in options.items() if name not in ("goal_mm", "cost")}
+    draws = {name: of for name, of in options.items() if name not in ("goal_mm", "cost", "loosen")}
     return sent.machine().budget(shard=shard, **draws, threads=threads).state
 
 

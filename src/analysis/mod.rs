@@ -14,6 +14,7 @@
 //! - `uncertainty`: intervals of the figures of a map by the uncertainty of the errors ([`bands()`]); [`figure_bands`]:
 //!   those of a field, of machines side by side, and of single poses.
 //! - [`mod@reference`]: the rigid motion of the part that its set-up takes out of deviations.
+//! - [`zone`]: geometrical characteristics of features, as functions of the deviations at their points.
 //! - [`instrument`]: the readings of a ball bar, an R-test, or a laser along the diagonals.
 
 mod closed_form;
@@ -25,6 +26,7 @@ mod path;
 pub mod reference;
 mod uncertainty;
 mod volume;
+pub mod zone;
 
 pub use closed_form::{
     Equations, Interactions, LocationSet, Naming, Options, ProductEffect, Status, Symbol, SymbolMeaning, equations,

@@ -92,8 +92,26 @@ impl UncertainDeviations {
         Self { values, parts: parts.par_iter().map(effect).collect(), whole }
     }
 
+    /// Returns figures of the deviations in draws of the parts (JCGM 101), the same for a seed. Deviations are those of
+    /// all poses.
+    pub fn draws<T: Send>(&self, seed: u64, of: &(dyn Fn(&[Deviation]) -> T + Sync)) -> Vec<T> {
+        let one = |sample: usize| of(&self.moved(&amounts(self.parts.len(), seed, sample)));
+        (0..DRAWS).into_par_iter().map(one).collect()
+    }
+
+    /// Returns the interval that holds the middle 95 % of draws; reorders them.
+    pub fn interval(draws: &mut [f64]) -> [f64; 2] {
+        draws.sort_unstable_by(f64::total_cmp);
+        [draws[OUTSIDE - 1], draws[draws.len() - OUTSIDE]]
+    }
+
     /// Figures with so much of each part added, in standard uncertainties.
     fn with(&self, amounts: &[f64]) -> DeviationFigures {
+        figures(&Statistics::of(&self.moved(amounts)))
+    }
+
+    /// Deviations with so much of each part added, in standard uncertainties.
+    fn moved(&self, amounts: &[f64]) -> Vec<Deviation> {
         let mut moved = self.values.clone();
         for (amount, part) in amounts.iter().zip(&self.parts).filter(|(amount, _)| **amount != 0.0) {
             for (value, effect) in moved.iter_mut().zip(part) {
@@ -101,8 +119,14 @@ impl UncertainDeviations {
                 value.rotation += effect.rotation * *amount;
             }
         }
-        figures(&Statistics::of(&moved))
+        moved
     }
+}
+
+/// Returns the amounts of the parts in a draw.
+fn amounts(count: usize, seed: u64, sample: usize) -> Vec<f64> {
+    let mut normals = Normals::new(seed, sample as u64);
+    (0..count).map(|_| normals.next()).collect()
 }
 
 /// Largest, mean, rms and 95 % value, of positions, then of rotations.
@@ -216,16 +240,11 @@ fn by_draws(
     seed: u64,
     moved: &(impl Fn(&[f64]) -> Vec<DeviationFigures> + Sync),
 ) -> Vec<FigureIntervals> {
-    let one = |sample: usize| {
-        let mut normals = Normals::new(seed, sample as u64);
-        let amounts: Vec<f64> = (0..count).map(|_| normals.next()).collect();
-        moved(&amounts)
-    };
+    let one = |sample: usize| moved(&amounts(count, seed, sample));
     let all: Vec<Vec<DeviationFigures>> = (0..DRAWS).into_par_iter().map(one).collect();
     let interval = |m: usize, i: usize| {
         let mut values: Vec<f64> = all.iter().map(|figures| figures[m][i]).collect();
-        values.sort_unstable_by(f64::total_cmp);
-        [values[OUTSIDE - 1], values[DRAWS - OUTSIDE]]
+        UncertainDeviations::interval(&mut values)
     };
     (0..all.first().map_or(0, Vec::len)).map(|m| std::array::from_fn(|i| interval(m, i))).collect()
 }

@@ -7,6 +7,7 @@ use crate::analysis::budget::{
 };
 use crate::analysis::reference::PartReference;
 use crate::evaluate::{Frame, Poses};
+use crate::job::characteristics::{CharacteristicResult, DrawnRequest, JobCharacteristics};
 use crate::job::features::{FeatureResult, bounded_features};
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, Pose};
@@ -60,6 +61,17 @@ impl DrawnBounds {
         let draws = self.draws();
         let effects = |pose: &[f64]| effects_at(machine, &self.bounds, pose, &draws, self.removed.as_ref());
         bounded_features(machine, reached, &self.bounds, found, &effects)
+    }
+
+    /// Returns the characteristics of toleranced features to which they lead.
+    pub(crate) fn characteristics(
+        &self,
+        call: &Call<'_>,
+        machine: &Machine,
+        of: &JobCharacteristics,
+    ) -> Result<Vec<CharacteristicResult>, Refused> {
+        let (draws, samples, removed) = (self.draws(), self.drawing.samples, self.removed.as_ref());
+        of.drawn(call, DrawnRequest { machine, bounds: &self.bounds, removed, draws: &draws, samples, values: None })
     }
 
     fn draws(&self) -> Draws {

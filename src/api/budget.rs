@@ -2,8 +2,12 @@
 
 use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
-use crate::analysis::budget::{Bound, Budget, Draws, Request, budget_from_samples, budget_poses};
+use crate::analysis::budget::{
+    Bound, Budget, Coverage, Draws, Request, adding, budget_from_samples, budget_poses, is_measured,
+};
 use crate::analysis::reference::PartReference;
+use crate::evaluate::{CompiledField, Field, Order};
+use crate::job::characteristics::{CharacteristicResult, DrawnRequest, JobCharacteristics};
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
@@ -11,7 +15,7 @@ use crate::job::path::PathResult;
 use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
 use crate::job::reference::{Reference, SetUp};
 use crate::job::tool_poses::ReachedToolPoses;
-use crate::machine::{Machine, Pose};
+use crate::machine::{Machine, OperatingConditions, Pose};
 use crate::report::{BoundedContribution, BudgetFigures, DeviationBudget, Picture, contributions};
 use crate::run::{Call, Count, Refused, Reply, Run};
 use crate::shards::budget_parts::{self, BudgetShard, Division};
@@ -47,8 +51,10 @@ pub struct BudgetOptions {
     pub at: Option<String>,
     /// Goal of the 95 % value of the position, mm: the cheapest tolerances for it are sought.
     pub goal_mm: Option<f64>,
-    /// YAML file with the cost of tolerances; by default the sum of 1 / tolerance (um, urad).
+    /// YAML file with the cost of tolerances; by default the sum of present / new - 1, a tolerance halved counts 1.
     pub cost: Option<PathBuf>,
+    /// Tolerances may become coarser than they are for a goal.
+    pub loosen: bool,
     /// Draws only part I of N of the machines.
     pub shard: Option<(usize, usize)>,
     /// Files of drawn machines that together hold all; none is drawn again.
@@ -70,6 +76,7 @@ impl Default for BudgetOptions {
             at: None,
             goal_mm: None,
             cost: None,
+            loosen: false,
             shard: None,
             merge: Vec::new(),
         }
@@ -83,8 +90,16 @@ impl BudgetOptions {
     }
 
     fn goal_inputs(&self) -> GoalInputs<'_> {
-        let Self { cost, tolerances, samples, seed, .. } = self;
-        GoalInputs { cost: cost.as_deref(), tolerances, samples: *samples, seed: *seed }
+        let Self { cost, loosen, tolerances, samples, seed, .. } = self;
+        let default_samples = Self::default().samples;
+        GoalInputs {
+            cost: cost.as_deref(),
+            loosen: *loosen,
+            tolerances,
+            samples: *samples,
+            default_samples,
+            seed: *seed,
+        }
     }
 
     fn division<'a>(&'a self, drawn_by: &'a dyn std::fmt::Debug) -> Division<'a> {
@@ -98,6 +113,8 @@ pub struct BudgetResult {
     /// The budget.
     #[serde(flatten)]
     pub budget: BudgetFigures,
+    /// Which of the errors that act are known.
+    pub coverage: Coverage,
     /// Name of the machine.
     pub machine: String,
     /// The kinematic chain.
@@ -113,6 +130,9 @@ pub struct BudgetResult {
     /// Tool poses of a file that the machine reaches.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_poses: Option<ReachedToolPoses>,
+    /// The characteristics of features for which the job states tolerances, over the machines drawn.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub characteristics: Vec<CharacteristicResult>,
     /// The cheapest tolerances, if a goal was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub goal: Option<ToleranceGoal>,
@@ -202,6 +222,9 @@ fn fitting(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> R
     if options.cost.is_some() && options.goal_mm.is_none() {
         return call.usage("`--cost` is the cost of tolerances for a `--goal`");
     }
+    if options.loosen && options.goal_mm.is_none() {
+        return call.usage("`--loosen` lets tolerances become coarser for a `--goal`");
+    }
     let at = pose_option(call, machine, options.at.as_ref())?;
     check(call, machine, at.as_slice())?;
     Ok(at)
@@ -211,6 +234,7 @@ fn fitting(call: &mut Call<'_>, machine: &Machine, options: &BudgetOptions) -> R
 struct BudgetWork {
     poses: Vec<Pose>,
     tool_poses: Option<ReachedToolPoses>,
+    toleranced: Option<JobCharacteristics>,
     set_up: SetUp,
     draws: Draws,
 }
@@ -220,12 +244,13 @@ impl BudgetWork {
         let paths = JobPaths { job: options.job.as_ref(), tool_poses: options.tool_poses.as_ref(), path: options.path };
         let job = paths.read(call, machine)?;
         let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
+        let toleranced = Job::characteristics(job.as_ref(), call, machine, tool_poses.as_ref())?;
         let poses = match &tool_poses {
             Some(reached) => reached.poses.clone(),
             None => budget_poses(machine, options.poses, options.seed),
         };
         let set_up = Job::set_up(job.as_ref(), call, machine, options.reference.as_ref(), &poses)?;
-        Ok(Self { poses, tool_poses, set_up, draws: options.tolerances.draws(options.seed) })
+        Ok(Self { poses, tool_poses, toleranced, set_up, draws: options.tolerances.draws(options.seed) })
     }
 
     fn request<'a>(
@@ -237,6 +262,28 @@ impl BudgetWork {
         let (samples, statistic) = (options.samples, options.tolerances.statistic);
         let (searched, reference) = (self.tool_poses.is_none(), self.set_up.removed());
         Request { machine, bounds, poses: &self.poses, reference, searched, at, draws: &self.draws, samples, statistic }
+    }
+
+    /// Returns the characteristics of toleranced features over the machines drawn, which have the errors with values
+    /// besides those between bounds.
+    fn characteristics(
+        &self,
+        call: &Call<'_>,
+        machine: &Machine,
+        request: Request<'_>,
+    ) -> Result<Vec<CharacteristicResult>, Refused> {
+        let Some(of) = &self.toleranced else { return Ok(Vec::new()) };
+        let Request { draws, samples, reference: removed, .. } = request;
+        if !is_measured(machine) {
+            let bounds = request.bounds;
+            return of.drawn(call, DrawnRequest { machine, bounds, removed, draws, samples, values: None });
+        }
+        let bounds = &adding(machine, request.bounds);
+        let order = Order::Degree(1);
+        let compiled = CompiledField::new(machine, order);
+        let set_up = self.set_up.field(&compiled, order, OperatingConditions::default());
+        let values = Some(set_up.as_ref().map_or(&compiled as &dyn Field, |field| field));
+        of.drawn(call, DrawnRequest { machine, bounds, removed, draws, samples, values })
     }
 
     /// Returns the statement of what a budget is over.
@@ -257,6 +304,7 @@ pub(crate) fn budget_of(
     let drawn = budget_parts::merge(call, options.division(&options.drawn_by()), request)?;
     let steps = if drawn.is_some() { 0 } else { 2 * options.samples };
     let budget = call.stage(steps, |advance| budget_from_samples(request, drawn, advance))?;
+    let characteristics = work.characteristics(call, machine, request)?;
     let goal = match options.goal_mm {
         Some(goal_mm) => {
             let inputs = options.goal_inputs();
@@ -277,9 +325,10 @@ pub(crate) fn budget_of(
     let over = work.over(machine, &work.set_up.reference);
     let BudgetWork { poses, tool_poses, .. } = work;
     let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
+    let coverage = Coverage::of(machine, &bounds);
     let budget = BudgetFigures::new(machine, bounds, &budget, poses.len(), drawing);
     let (machine, chain) = (machine.name().to_owned(), machine.chain().to_string());
-    Ok(BudgetResult { budget, machine, chain, over, path, best_fit, tool_poses, goal, at })
+    Ok(BudgetResult { budget, coverage, machine, chain, over, path, best_fit, tool_poses, characteristics, goal, at })
 }
 
 /// Returns the budget of the same machines drawn without the best fit over the poses.

@@ -2,8 +2,8 @@
 
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
-    Bound, BoundedError, Budget, BudgetPart, PairedTest, Request, Totals, Verdict, VersusFirst, budget, round_sizes,
-    side_by_side,
+    Bound, BoundedError, Budget, BudgetPart, Class, Coverage, PairedDifference, PairedTest, Request, STAND_IN_CLASS,
+    Totals, Verdict, VersusFirst, budget, classes, round_sizes, side_by_side,
 };
 use crate::analysis::reference::PartReference;
 use crate::diagnostic::{Diagnostic, codes, shown};
@@ -42,7 +42,38 @@ pub struct ComparedBudgets {
     /// Number of machines that are drawn at most, if the first ones do not tell the machines apart.
     pub max_samples: usize,
     /// The 95 % value of the position of each machine but the first, minus that of the first.
-    pub versus_first_p95_um: Vec<VersusFirst>,
+    pub versus_first_p95_um: Vec<ComparedVerdict>,
+}
+
+/// A machine against the first, on the machines drawn of both.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct ComparedVerdict {
+    /// What is known of the two; none if errors that only one of the files bounds could turn it.
+    pub verdict: Option<Verdict>,
+    /// Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 %
+    /// confidence.
+    pub minus_first: PairedDifference,
+    /// Why there is no verdict.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub withheld: Option<WithheldVerdict>,
+}
+
+/// Why there is no verdict on two machines: errors without a value or a bound could turn it.
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+pub struct WithheldVerdict {
+    /// The reason in words.
+    pub reason: String,
+    /// The verdict on the errors that are bounded.
+    pub as_bounded: Verdict,
+    /// Errors that the first machine states nothing of.
+    pub missing_first: Vec<String>,
+    /// Errors that this machine states nothing of.
+    pub missing: Vec<String>,
+    /// The class that bounds them, where the other machine does not.
+    pub class: String,
+    /// Its 95 % value minus that of the first, um, with the bounds of the other machine for what is missing, and with
+    /// those of the class for what neither bounds.
+    pub minus_first_if_filled: [PairedDifference; 2],
 }
 
 /// The budget of a machine beside others.
@@ -166,10 +197,10 @@ pub(crate) fn budgets(
     drawn: DrawnMachines<'_>,
 ) -> Result<Option<ComparedBudgets>, Refused> {
     let mut all = Vec::new();
-    let mut classes: Vec<Option<ClassSource>> = Vec::new();
+    let mut sources: Vec<Option<ClassSource>> = Vec::new();
     for ((machine, _), file) in sides.iter().zip(drawn.files) {
         let (bounds, of) = call.about(file, |call| drawn.tolerances.bounds_if_any(call, machine))?;
-        classes.push(of);
+        sources.push(of);
         all.push(bounds);
     }
     if all.iter().all(Vec::is_empty) || sides.iter().any(|(_, poses)| poses.is_empty()) {
@@ -184,13 +215,15 @@ pub(crate) fn budgets(
         call.check()?;
         return Ok(None);
     }
-    let (list, versus_first) = budgeted(call, sides, &all, drawn)?;
-    let common = classes.iter().all(|class| *class == classes[0]).then(|| classes[0].clone()).flatten();
-    let pairs: Vec<(&[Bound], &Budget)> = all.iter().map(Vec::as_slice).zip(&list).collect();
+    let (list, versus) = budgeted(call, sides, &all, drawn)?;
     let samples = list.first().map_or(drawn.samples, |budget| budget.position.drawn.len());
+    let compared = Compared { sides, bounds: &all, sources: &sources, drawn, samples };
+    let versus_first = compared.verdicts(call, versus)?;
+    let common = sources.iter().all(|class| *class == sources[0]).then(|| sources[0].clone()).flatten();
+    let pairs: Vec<(&[Bound], &Budget)> = all.iter().map(Vec::as_slice).zip(&list).collect();
     let errors = side_by_side(&pairs);
     let one = |(i, (machine, _)): (usize, &(&Machine, Vec<Pose>))| {
-        ComparedBudget::new(machine, (&all[i], &classes[i]), &list[i], &list[0])
+        ComparedBudget::new(machine, (&all[i], &sources[i]), &list[i], &list[0])
     };
     Ok(Some(ComparedBudgets {
         machines: sides.iter().enumerate().map(one).collect(),
@@ -233,4 +266,92 @@ fn budgeted(
         }
     }
     Ok(last)
+}
+
+/// Budgets of machines with what they are drawn from.
+struct Compared<'a> {
+    sides: &'a [(&'a Machine, Vec<Pose>)],
+    bounds: &'a [Vec<Bound>],
+    sources: &'a [Option<ClassSource>],
+    drawn: DrawnMachines<'a>,
+    /// Number of machines drawn in the last round.
+    samples: usize,
+}
+
+impl Compared<'_> {
+    /// Withholds the verdicts that errors without a value or a bound could turn: those whose difference changes its
+    /// sign once such errors have the other machine's bounds, and then those of a class.
+    fn verdicts(&self, call: &Call<'_>, versus: Vec<VersusFirst>) -> Result<Vec<ComparedVerdict>, Refused> {
+        let sides = self.sides.iter().zip(self.bounds);
+        let coverages: Vec<Coverage> = sides.map(|((machine, _), bounds)| Coverage::of(machine, bounds)).collect();
+        let mut verdicts = Vec::new();
+        for (i, VersusFirst { verdict, minus_first }) in (1..).zip(versus) {
+            let decided = matches!(verdict, Verdict::Better | Verdict::Worse);
+            let complete = [0, i].iter().all(|side| coverages[*side].missing.is_empty());
+            let withheld = if decided && !complete { self.withhold(call, &coverages, i, verdict)? } else { None };
+            verdicts.push(ComparedVerdict { verdict: withheld.is_none().then_some(verdict), minus_first, withheld });
+        }
+        Ok(verdicts)
+    }
+
+    /// Returns why the verdict on a machine does not stand, if it does not.
+    fn withhold(
+        &self,
+        call: &Call<'_>,
+        coverages: &[Coverage],
+        index: usize,
+        verdict: Verdict,
+    ) -> Result<Option<WithheldVerdict>, Refused> {
+        let (name, class) = self.stand_in();
+        let test = PairedTest::of_round(self.samples, self.sides.len(), 1);
+        let fill = |class: Option<&Class>| -> Result<VersusFirst, Refused> {
+            let values = |side: usize, other: usize| {
+                let bounds = &self.bounds[side];
+                let whole = coverages[side].fill(self.sides[side].0, bounds, &self.bounds[other], class);
+                self.draw_values(call, side, &whole)
+            };
+            Ok(test.versus(&values(index, 0)?, &values(0, index)?))
+        };
+        let whole = [fill(None)?, fill(class.as_ref())?];
+        let sign = if verdict == Verdict::Better { -1.0 } else { 1.0 };
+        if whole.iter().all(|whole| sign * whole.minus_first.value > 0.0) {
+            return Ok(None);
+        }
+        let lacks = |side: usize| {
+            let (missing, acting) = (coverages[side].missing.len(), coverages[side].acting());
+            format!("{} lacks {missing} of {acting}", shown(self.drawn.files[side]))
+        };
+        let reason = format!(
+            "errors with neither value nor bound could turn it: {}, {}; `--class {name}` bounds them",
+            lacks(0),
+            lacks(index)
+        );
+        Ok(Some(WithheldVerdict {
+            reason,
+            as_bounded: verdict,
+            missing_first: coverages[0].missing.clone(),
+            missing: coverages[index].missing.clone(),
+            class: name,
+            minus_first_if_filled: whole.map(|whole| whole.minus_first),
+        }))
+    }
+
+    /// Returns the class that stands in for what neither machine bounds: one that a machine has, or else production.
+    fn stand_in(&self) -> (String, Option<Class>) {
+        let of_machine = self.sources.iter().flatten().map(|(name, _)| name.as_str()).next();
+        let name = of_machine.unwrap_or(STAND_IN_CLASS);
+        let named = self.sides.iter().filter_map(|(machine, _)| machine.class()).find(|class| class.name == name);
+        let class = classes().remove(name).or_else(|| named.map(|named| named.class.clone()));
+        (name.to_owned(), class)
+    }
+
+    /// Returns the 95 % values (um) of machines drawn between bounds of one of the machines.
+    fn draw_values(&self, call: &Call<'_>, side: usize, bounds: &[Bound]) -> Result<Vec<f64>, Refused> {
+        let DrawnMachines { tolerances, seed, references, .. } = self.drawn;
+        let (machine, poses) = &self.sides[side];
+        let (draws, statistic, samples) = (&tolerances.draws(seed), tolerances.statistic, self.samples);
+        let (reference, searched) = (references[side], false);
+        let request = Request { machine, bounds, poses, reference, searched, at: None, draws, samples, statistic };
+        Ok(call.stage(2 * samples, |advance| budget(request, advance))?.position.drawn)
+    }
 }

@@ -34,7 +34,7 @@ enum Contract<'a> {
     Accepted {
         file: &'a str,
         #[serde(flatten)]
-        summary: MachineSummary,
+        summary: Box<MachineSummary>,
         #[serde(skip_serializing_if = "Vec::is_empty")]
         warnings: Vec<WarningRecord>,
     },
@@ -49,9 +49,11 @@ impl Serialize for CheckedFile {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (file, diagnostics) = (self.file.as_str(), &self.diagnostics);
         let contract = match &self.machine {
-            Some(machine) => {
-                Contract::Accepted { file, summary: summary(machine), warnings: diagnostics.warning_records() }
-            }
+            Some(machine) => Contract::Accepted {
+                file,
+                summary: Box::new(summary(machine)),
+                warnings: diagnostics.warning_records(),
+            },
             None => Contract::Refused { file, diagnostics },
         };
         contract.serialize(serializer)

@@ -1,10 +1,10 @@
 //! The figures of machines side by side with one reference, and the verdicts on them.
 
 use super::bounded::DrawnBounds;
-use super::budgets::{ComparedBudgets, DrawnMachines, budgets};
+use super::budgets::{ComparedBudgets, ComparedVerdict, DrawnMachines, budgets};
 use super::tolerances::ToleranceOptions;
 use crate::analysis::Comparison;
-use crate::analysis::budget::{PoseByPose, Verdict, VersusFirst};
+use crate::analysis::budget::{PoseByPose, Verdict};
 use crate::analysis::figure_bands::{ComparedBands, compared_bands};
 use crate::analysis::reference::PartReference;
 use crate::evaluate::{Difference, Field, Frame, Order, Poses, Statistics, Summary};
@@ -26,7 +26,7 @@ pub struct FittedComparison {
     /// The 95 % value of the position of each machine but the first, minus that of the first, where budgets are
     /// compared.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub versus_first_p95_um: Vec<VersusFirst>,
+    pub versus_first_p95_um: Vec<ComparedVerdict>,
 }
 
 /// One machine of a comparison without the best fit.
@@ -197,7 +197,7 @@ impl Figures {
     /// Returns the verdict of these figures on a machine: that of its budget, or else of its measured errors.
     fn own_verdict(&self, index: usize) -> Option<Verdict> {
         if let Some(of) = &self.budgets {
-            return of.versus_first_p95_um.get(index - 1).map(|versus| versus.verdict);
+            return of.versus_first_p95_um.get(index - 1).and_then(|versus| versus.verdict);
         }
         let difference = Verdict::of_difference(self.minus_first(index)?.position_um.p95);
         match &self.uncertainty {
@@ -206,12 +206,20 @@ impl Figures {
         }
     }
 
+    /// Returns why errors that nothing bounds leave a machine without a verdict.
+    fn withheld(&self, index: usize) -> Option<String> {
+        let versus = self.budgets.as_ref()?.versus_first_p95_um.get(index - 1)?;
+        versus.withheld.as_ref().map(|withheld| withheld.reason.clone())
+    }
+
     /// Returns the verdict on a machine, on which a best fit must agree if there is one. `unzeroed` is the reason why
     /// the machines have no common zero.
     pub(crate) fn verdict(&self, fitted: Option<&Self>, index: usize, unzeroed: Option<&str>) -> MachineVerdict {
         let (own, best_fit) = (self.own_verdict(index), fitted.map(|of| of.own_verdict(index)));
+        let withheld = || self.withheld(index).or_else(|| fitted?.withheld(index));
         let reason = match (unzeroed, own, best_fit.flatten()) {
             (Some(unzeroed), ..) => Some(format!("no reference point that all machines reach: {unzeroed}")),
+            (None, ..) if withheld().is_some() => withheld(),
             (None, None, _) => Some("only one of the two has measured errors".to_owned()),
             (None, Some(own), Some(fit)) if own != fit => {
                 Some(format!("{} in machine coordinates, {} with the best fit", own.words(), fit.words()))

@@ -1,10 +1,12 @@
 //! `diff` of two machine files: what differs, and what each difference does to the deviations.
 
 use super::compare::nothing_in_common;
-use crate::analysis::{MachineResult, Work, compare as compared};
+use super::tolerances::ToleranceOptions;
+use crate::analysis::budget::{Bound, Request, bounds, budget, is_measured};
+use crate::analysis::{Comparison, MachineResult, Work, compare};
 use crate::evaluate::{Bare, Field, Order};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
-use crate::machine::{Approach, Machine, MachineProperty};
+use crate::machine::{Approach, Machine, MachineProperty, Pose};
 use crate::report::{MachineDifference, describe};
 use crate::run::{Call, Count, Refused, Reply, Run};
 
@@ -29,7 +31,7 @@ impl Default for DiffMachinesOptions {
 }
 
 /// Compares two machines property by property, and states the effect of each difference on the 95 % position
-/// deviation over tool poses that both reach.
+/// deviation over tool poses that both reach: of machines that are only bounded, on the 95 % value of machines drawn.
 ///
 /// Fails if the files are not two, and if no tool pose is reached by both machines.
 pub fn diff_machines(files: &[MachineFile], options: &DiffMachinesOptions, run: Run<'_>) -> Reply<MachineDifference> {
@@ -44,53 +46,141 @@ fn difference(
     let [first, second] = files else { return call.usage("`diff` takes two machines") };
     call.check_counts(&[Count::Poses(options.poses)])?;
     let properties = first.differences(second);
-    // These change no deviation, and a travel taken alone would change the work.
-    let idle = |property: &MachineProperty| {
-        matches!(
-            property,
-            MachineProperty::Travel(_)
-                | MachineProperty::Controller(_)
-                | MachineProperty::Class
-                | MachineProperty::Tolerances
-        )
-    };
-    let alone = |property: &&MachineProperty| !idle(property);
+    let judge = Judge::of(first, second, options);
     let single: Vec<(&MachineProperty, Machine)> = properties
         .iter()
-        .filter(alone)
+        .filter(|property| judge.hangs_on(property))
         .filter_map(|property| Some((property, first.with_property_of(second, property)?)))
         .collect();
-    let both = [&**first, &**second].into_iter();
-    let machines: Vec<&Machine> = both.chain(single.iter().map(|(_, machine)| machine)).collect();
-    let bare: Vec<Bare<'_>> =
-        machines.iter().map(|machine| Bare { machine, order: order_of(machine, options.order) }).collect();
-    let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
+    let both = [&**first, &**second];
     let work = Work::random(first, options.poses, options.seed);
-    let found = call.stage(work.len(), |advance| compared(&fields, &work, options.approach.into(), advance))?;
+    let found = judge.compare(call, &both, &work)?;
     if found.common.is_empty() {
         return call.refuse(nothing_in_common(files, &found));
     }
-    let p95 = |machine: usize| found.machines[machine].statistics.position_um.p95;
-    let of = |property: &MachineProperty| {
-        let index = single.iter().position(|(known, _)| *known == property)? + 2;
-        covers(machines[index], &found.machines[index]).then(|| p95(index))
-    };
+    // Mixtures that reach most of the common work are judged on what all of these reach; any other, on what it reaches
+    // itself: it must not leave the machines without a difference.
+    let (asked, common) = (found.asked, Work::Listed(found.common.clone()));
+    let (mut wide, mut narrow) = (Vec::new(), Vec::new());
+    for (property, machine) in &single {
+        let reached = judge.compare(call, &[&both[..], &[machine]].concat(), &common)?.common.len();
+        let list = if reached as f64 >= WIDE * common.len() as f64 { &mut wide } else { &mut narrow };
+        list.push((*property, machine));
+    }
+    let machines: Vec<&Machine> = both.into_iter().chain(wide.iter().map(|(_, machine)| *machine)).collect();
+    let found = judge.compare(call, &machines, &common)?;
+    let p95s = machines.iter().zip(&found.machines).map(|(machine, side)| judge.p95_um(call, machine, side));
+    let p95s: Vec<f64> = p95s.collect::<Result<_, _>>()?;
+    let place = |property: &MachineProperty| wide.iter().position(|(known, _)| *known == property).map(|i| i + 2);
+    let covered = |i: &usize| covers(machines[*i], &found.machines[*i]);
     // Everything but the chain itself is judged on the chain of the second.
-    let base = of(&MachineProperty::Chain).unwrap_or(p95(0));
-    let effect = |property: &MachineProperty| {
-        let from = if *property == MachineProperty::Chain { p95(0) } else { base };
-        of(property).map(|um| um - from)
-    };
+    let base = place(&MachineProperty::Chain).filter(covered).unwrap_or(0);
+    let mut effects = Vec::new();
+    for property in &properties {
+        let from = if *property == MachineProperty::Chain { 0 } else { base };
+        let alone = narrow.iter().find(|(known, _)| *known == property);
+        effects.push(match (place(property).filter(covered), alone) {
+            (Some(i), _) => Some(p95s[i] - p95s[from]),
+            (None, Some((_, machine))) => judge.difference_um(call, machines[from], machine, &common)?,
+            (None, None) => None,
+        });
+    }
+    let described = properties.iter().zip(effects);
     Ok(MachineDifference {
         machines: [first, second].map(|file| file.name().to_owned()),
         files: [first, second].map(|file| file.path().to_owned()),
-        asked: found.asked,
+        asked,
         poses: found.common.len(),
         seed: options.seed,
-        p95_um: [p95(0), p95(1)],
-        minus_first_um: p95(1) - p95(0),
-        differences: properties.iter().map(|property| describe(first, second, property, effect(property))).collect(),
+        from: judge.bounded.then_some("bounds"),
+        p95_um: [p95s[0], p95s[1]],
+        minus_first_um: p95s[1] - p95s[0],
+        differences: described.map(|(property, effect)| describe(first, second, property, effect)).collect(),
     })
+}
+
+/// Fraction of the common work from which on a mixture of both machines is judged together with the others.
+const WIDE: f64 = 0.9;
+
+/// Number of machines drawn where the machines are bounded.
+const SAMPLES: usize = 1000;
+
+/// How a machine is judged: by its errors, or by its bounds where neither of the two has a value.
+struct Judge<'a> {
+    options: &'a DiffMachinesOptions,
+    bounded: bool,
+}
+
+impl<'a> Judge<'a> {
+    fn of(first: &Machine, second: &Machine, options: &'a DiffMachinesOptions) -> Self {
+        let both = [first, second];
+        let bounded = both.iter().all(|machine| !is_measured(machine) && !bounds_of(machine).is_empty());
+        Self { options, bounded }
+    }
+
+    /// True if a figure depends on a property. A travel taken alone would change the work.
+    fn hangs_on(&self, property: &MachineProperty) -> bool {
+        match property {
+            MachineProperty::Travel(_) | MachineProperty::Controller(_) => false,
+            MachineProperty::Class | MachineProperty::Tolerances => self.bounded,
+            _ => true,
+        }
+    }
+
+    fn compare(&self, call: &Call<'_>, machines: &[&Machine], work: &Work) -> Result<Comparison, Refused> {
+        let bare: Vec<Bare<'_>> =
+            machines.iter().map(|machine| Bare { machine, order: order_of(machine, self.options.order) }).collect();
+        let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
+        call.stage(work.len(), |advance| compare(&fields, work, self.options.approach.into(), advance))
+    }
+
+    /// Returns the 95 % position deviation (um) at the poses of a machine, or the 95 % value of machines drawn.
+    fn p95_um(&self, call: &Call<'_>, machine: &Machine, side: &MachineResult) -> Result<f64, Refused> {
+        if !self.bounded {
+            return Ok(side.statistics.position_um.p95);
+        }
+        let bounds = bounds_of(machine);
+        if bounds.is_empty() {
+            return Ok(0.0);
+        }
+        let poses: Vec<Pose> = side.reached.iter().map(|(pose, _)| pose.clone()).collect();
+        let tolerances = ToleranceOptions::default();
+        let (draws, statistic) = (tolerances.draws(self.options.seed), tolerances.statistic);
+        let request = Request {
+            machine,
+            bounds: &bounds,
+            poses: &poses,
+            reference: None,
+            searched: false,
+            at: None,
+            draws: &draws,
+            samples: SAMPLES,
+            statistic,
+        };
+        let found = call.stage(2 * SAMPLES, |advance| budget(request, advance))?;
+        Ok(found.position.percentile(95).value)
+    }
+
+    /// Returns the figure of a mixture minus that of the machine it is made from, on the tool poses that both reach;
+    /// none without such.
+    fn difference_um(
+        &self,
+        call: &Call<'_>,
+        from: &Machine,
+        mixture: &Machine,
+        work: &Work,
+    ) -> Result<Option<f64>, Refused> {
+        let found = self.compare(call, &[from, mixture], work)?;
+        if found.common.is_empty() || !covers(mixture, &found.machines[1]) {
+            return Ok(None);
+        }
+        let [from, mixture] = [(from, &found.machines[0]), (mixture, &found.machines[1])];
+        Ok(Some(self.p95_um(call, mixture.0, mixture.1)? - self.p95_um(call, from.0, from.1)?))
+    }
+}
+
+fn bounds_of(machine: &Machine) -> Vec<Bound> {
+    bounds(machine, machine.class().map(|named| &named.class))
 }
 
 /// True if every error curve is defined at the poses.

@@ -3,8 +3,8 @@
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{Bound, Statistic, Verdict, VersusFirst, known};
 use crate::analysis::enumerate::{
-    ArrangementRow, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, Ranking, RoundCount, RoundStep, Rounds, Rule,
-    RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk, rank, standings, walks,
+    ArrangementRow, BUILDABLE_RULES, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, Ranking, RoundCount, RoundStep,
+    Rounds, Rule, RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk, buildable, rank, standings, walks,
 };
 use crate::analysis::{UnreachableCount, Work};
 use crate::diagnostic::{Diagnostic, codes, shown};
@@ -32,6 +32,9 @@ pub struct EnumerateOptions {
     pub by: Option<JudgedBy>,
     /// Rules that arrangements obey, such as `C before A`, `Y carries A`, `at most 2 on table`.
     pub require: Vec<String>,
+    /// Leaves out what is hardly built: a linear axis above a rotary one on the table, more than four axes below the
+    /// part, more than two rotary axes in the head. What the machine's own file has is never left out.
+    pub buildable: bool,
     /// Maximum number of axes that carry the workpiece.
     pub max_table: Option<usize>,
     /// Number of rotary axes at a time, every choice of them; by default all.
@@ -49,7 +52,8 @@ pub struct EnumerateOptions {
     pub max_samples: Option<usize>,
     /// Number of first ranks that are to be told apart from each other and from all others.
     pub first: usize,
-    /// Fraction of the tool poses that a ranked arrangement reaches, in percent.
+    /// Fraction of the tool poses, in percent, from which on arrangements that miss some are listed by their figure.
+    /// Ranked ones reach all.
     pub reach_percent: f64,
     /// A file of results of this study; what it holds is not computed again.
     pub state: Option<PathBuf>,
@@ -66,6 +70,7 @@ impl Default for EnumerateOptions {
             seed: 1,
             by: None,
             require: Vec::new(),
+            buildable: true,
             max_table: None,
             rotary: None,
             poses: 500,
@@ -141,13 +146,16 @@ pub struct RankedArrangements {
     pub seed: u64,
     /// Statistic of a machine over the poses.
     pub statistic: Statistic,
-    /// Fraction of the tool poses that a ranked arrangement reaches.
+    /// Fraction of the tool poses from which on arrangements that miss some are listed by their figure.
     pub reach: f64,
     /// Number of arrangements.
     pub arrangements: usize,
-    /// The arrangements, best first.
+    /// Arrangements that are left out because they are hardly built, by rule.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_buildable: Vec<ExcludedArrangements>,
+    /// The arrangements that do the whole work, best first.
     pub ranked: Vec<Arrangement>,
-    /// Arrangements that reach less.
+    /// Arrangements that miss some tool poses: figures over their own tool poses, `minus_file` on these.
     pub reach_less: Vec<Arrangement>,
     /// Arrangements whose geometry the file does not state.
     pub geometry_not_stated: Vec<Arrangement>,
@@ -158,6 +166,15 @@ pub struct RankedArrangements {
     /// Tool poses of a file that the machine reaches, as its file has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_poses: Option<ReachedToolPoses>,
+}
+
+/// Arrangements that a rule of what can be built leaves out.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+pub struct ExcludedArrangements {
+    /// The rule.
+    pub rule: &'static str,
+    /// Number of arrangements; one that breaks several rules counts for the first.
+    pub arrangements: usize,
 }
 
 /// Rounds of a ranking.
@@ -295,6 +312,12 @@ fn studied(
     fitting(call, machine, options)?;
     let rules = rules(options, machine).or_else(|refusal| call.refuse(refusal))?;
     let walks = listed(options, machine, &rules).or_else(|refusal| call.refuse(refusal))?;
+    let (walks, excluded) = if options.buildable { buildable(machine, walks) } else { (walks, [0; 3]) };
+    if walks.is_empty() {
+        let message = "the rules leave no arrangement that can be built";
+        let help = "take one of the rules back, or list what is hardly built: `--buildable no`";
+        return call.refuse(Diagnostic::new(codes::E0609, message).help(help));
+    }
     let (judge, class) = judge(call, options, machine)?;
     if options.size && matches!(judge, Judge::Errors) {
         return call
@@ -341,12 +364,19 @@ fn studied(
         statistic: options.tolerances.statistic,
         reach: options.reach_percent / 100.0,
         arrangements: ranked.len() + short.len() + not_stated.len() + cannot_turn.len(),
+        not_buildable: exclusions(excluded),
         ranked: (1..).zip(ranked).map(|(rank, row)| Arrangement::new(row, Some(rank))).collect(),
         reach_less: unranked(short),
         geometry_not_stated: unranked(not_stated),
         cannot_turn_the_tool: unranked(cannot_turn),
         tool_poses,
     })))
+}
+
+fn exclusions(counts: [usize; 3]) -> Vec<ExcludedArrangements> {
+    let all = BUILDABLE_RULES.into_iter().zip(counts);
+    let rules = all.map(|(rule, arrangements)| ExcludedArrangements { rule, arrangements });
+    rules.filter(|rule| rule.arrangements > 0).collect()
 }
 
 impl EnumerateOptions {
@@ -479,13 +509,14 @@ fn fingerprint(
     let rules: Vec<String> = rules.iter().map(Rule::to_string).collect();
     let bounds = match judge {
         Judge::Budget { bounds, .. } => {
-            format!("{bounds:?} {rounds:?} {} {:?}", options.reach_percent, options.tolerances.distribution)
+            let bounds: String = bounds.iter().map(Bound::canonical).collect();
+            format!("{bounds} {rounds:?} {} {:?}", options.reach_percent, options.tolerances.distribution)
         }
         Judge::Errors => "errors".to_owned(),
     };
     let listed = if options.tool_poses.is_some() { format!(" {work:?}") } else { String::new() };
-    let drawn = (options.rotary, options.poses, options.seed, options.tolerances.statistic);
-    let text = format!("{} {machine:?} {rules:?} {bounds} {drawn:?}{listed}", env!("CARGO_PKG_VERSION"));
+    let drawn = (options.buildable, options.rotary, options.poses, options.seed, options.tolerances.statistic);
+    let text = format!("{} {} {rules:?} {bounds} {drawn:?}{listed}", env!("CARGO_PKG_VERSION"), machine.canonical());
     sha256(text.as_bytes())
 }
 

@@ -19,7 +19,7 @@ use std::path::Path;
 const MIN_SEARCHED: usize = 2000;
 
 /// Minimum number of machines drawn for the proof.
-const MIN_PROOF: usize = 8000;
+const MIN_PROOF: usize = 100_000;
 
 /// Seeds of the correction and of the proof, from that of the search.
 const NEXT_SEEDS: [u64; 2] = [0x9E37_79B9_7F4A_7C15, 0xD1B5_4A32_D192_ED03];
@@ -29,8 +29,12 @@ const NEXT_SEEDS: [u64; 2] = [0x9E37_79B9_7F4A_7C15, 0xD1B5_4A32_D192_ED03];
 pub(crate) struct GoalInputs<'a> {
     /// A file of costs.
     pub cost: Option<&'a Path>,
+    /// True if tolerances may become coarser than they are.
+    pub loosen: bool,
     pub tolerances: &'a ToleranceOptions,
     pub samples: usize,
+    /// Number of machines of a default run.
+    pub default_samples: usize,
     pub seed: u64,
 }
 
@@ -56,10 +60,13 @@ pub struct ToleranceGoal {
 }
 
 /// The cost of tolerances.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct GoalCost {
-    /// Power of the tolerance in the cost.
-    pub power: f64,
+    /// What it counts.
+    pub unit: String,
+    /// Power of the tolerance in the cost; none where the cost is relative to the present tolerances, weight x
+    /// (present / new - 1).
+    pub power: Option<f64>,
     /// Value with the old tolerances.
     pub before: f64,
     /// Value with the new tolerances.
@@ -108,7 +115,7 @@ pub(crate) fn goal(
         Some(path) => read(call, path)?,
         None => CostModel::default(),
     };
-    let prices = match (model.prices(machine, bounds), &inputs.cost) {
+    let prices = match (model.prices(machine, bounds, inputs.loosen), &inputs.cost) {
         (Ok(prices), _) => prices,
         (Err(failure), path) => {
             let name = path.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
@@ -122,11 +129,11 @@ pub(crate) fn goal(
         machine,
         bounds,
         prices: &prices,
-        power: model.power,
         poses,
         reference,
         draws: [&first, &second, &third],
         samples: inputs.samples.max(MIN_SEARCHED),
+        default_samples: inputs.default_samples,
         proof_samples,
         statistic: tolerances.statistic,
         goal_mm,
@@ -140,33 +147,39 @@ pub(crate) fn goal(
             staying_um: found.staying_um,
             steps: found.steps,
             cost: GoalCost {
+                unit: model.unit().to_owned(),
                 power: model.power,
                 before: found.cost[0],
                 after: found.cost[1],
                 per_um: found.cost_per_um,
             },
-            tolerances: in_order(bounds, &prices, model.power, &found),
+            tolerances: in_order(bounds, &prices, &found),
         }),
         GoalAnswer::OutOfReach(left) => {
             let um = |um: f64| format!("{} um", significant(um, 4));
-            let message = format!(
-                "the goal of {} is out of reach: {} are left with every tolerance at its finest",
-                um(goal_mm * 1e3),
-                um(left.finest_um)
-            );
+            let held = prices.iter().filter(|price| price.held).count();
+            let (by, every) = match held {
+                0 => (String::new(), "every tolerance"),
+                _ => (format!(" by tightening what is not held ({held} are)"), "every other tolerance"),
+            };
+            let (goal, least) = (um(goal_mm * 1e3), um(left.finest_um));
+            let message =
+                format!("the goal of {goal} is out of reach{by}: {least} are left with {every} at its finest");
             let staying = if left.staying_um > 0.0 {
                 format!("the errors that have values stay, with {} by themselves: correct them; ", um(left.staying_um))
             } else {
                 String::new()
             };
-            let help =
-                format!("{staying}allow finer tolerances (`finest` in `--cost`), or set a goal above what is left");
+            let help = format!(
+                "{staying}{}allow finer tolerances (`finest` in `--cost`), or set a goal above what is left",
+                if held > 0 { "hold less (`held` in `--cost`), " } else { "" }
+            );
             call.refuse(Diagnostic::new(codes::E0614, message).help(help))
         }
     }
 }
 
-fn in_order(bounds: &[Bound], prices: &[Price], power: f64, found: &CheapestTolerances) -> Vec<GoalTolerance> {
+fn in_order(bounds: &[Bound], prices: &[Price], found: &CheapestTolerances) -> Vec<GoalTolerance> {
     let mut order: Vec<usize> = (0..bounds.len()).collect();
     order.sort_by(|a, b| found.parts_um[*b].total_cmp(&found.parts_um[*a]).then(a.cmp(b)));
     let one = |i: usize| {
@@ -180,8 +193,8 @@ fn in_order(bounds: &[Bound], prices: &[Price], power: f64, found: &CheapestTole
             binds: found.binding[i],
             um_of_p95: found.parts_um[i],
             weight: price.weight,
-            cost_before: price.cost(old.tolerance, power),
-            cost_after: price.cost(tolerance, power),
+            cost_before: price.cost(old.tolerance),
+            cost_after: price.cost(tolerance),
         }
     };
     order.into_iter().map(one).collect()
@@ -199,6 +212,7 @@ fn read(call: &mut Call, path: &Path) -> Result<CostModel, Refused> {
 
 fn refuse(name: &str, failure: &Reason) -> Diagnostic {
     let message = format!("`{}`: {}", shown(name), shown(&failure.to_string()));
-    let help = "a cost model has `power`, `weights`, `finest` and `coarsest`; docs/budget.md has an example";
+    let help =
+        "a cost model has `weights`, `held`, `finest`, `coarsest`, `unit` and `power`; docs/budget.md has an example";
     Diagnostic::new(codes::E0615, message).help(help)
 }

@@ -12,7 +12,9 @@ use crate::controller::{ControllerEffect, ControllerTarget, Depth};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Deviation, Field, Order, Poses, Tally, worst};
 use crate::file_set::effect::named_effect;
+use crate::job::characteristics::ValuedField;
 use crate::job::features::features;
+use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
 use crate::job::poses::axis_positions;
@@ -111,6 +113,7 @@ fn volume(
         options.picture.as_ref().map(|picture| picture.place(call, machine, options.target.is_some())).transpose()?;
     let job = options.job().read(call, machine)?;
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
+    let toleranced = Job::characteristics(job.as_ref(), call, machine, tool_poses.as_ref())?;
     let compensation = compensation(call, machine, options, order)?;
     let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
     if poses.len() > MAX_SURVEYED {
@@ -139,6 +142,9 @@ fn volume(
     let picture = drawn.map(|(picture, place)| picture.picture(place, &subject, view, order));
     let features = tool_poses.as_ref().map(|of| features(field, of, view, replayed.is_none(), set_up.removed()));
     let features = features.unwrap_or_default();
+    let (conditions, removed, bare) = (view.conditions, set_up.removed(), replayed.is_none());
+    let valued = ValuedField { field, conditions, removed, bare, seed: options.seed };
+    let characteristics = toleranced.map_or_else(Vec::new, |of| of.values(valued));
     let reached = tool_poses.as_ref().map(|reached| reached.poses.as_slice());
     let bounds_add = added(call, machine, settings, reached, set_up.removed())?;
     let diagonals = body_diagonals(field, &view.conditions.at_pose(&rest(machine)), DIAGONAL_STEPS);
@@ -150,7 +156,18 @@ fn volume(
         field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed, set_up.removed());
     let target = options.target.clone();
     let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
-    Ok(MapResult { picture, path, tool_poses, features, bounds_add, target, uncompensated, uncertainty, ..result })
+    Ok(MapResult {
+        picture,
+        path,
+        tool_poses,
+        features,
+        characteristics,
+        bounds_add,
+        target,
+        uncompensated,
+        uncertainty,
+        ..result
+    })
 }
 
 /// Number of poses at which the warnings of a compensation are found.

@@ -7,6 +7,7 @@ use crate::analysis::budget::{BoundedDeviation, PoseByPose};
 use crate::analysis::{MAX_POSES, View};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Order, Poses};
+use crate::job::job_file::Job;
 use crate::job::over::Over;
 use crate::job::poses::axis_positions;
 use crate::machine::{Machine, Pose};
@@ -24,6 +25,7 @@ pub(crate) fn volume(
     let place = options.picture.as_ref().map(|picture| picture.bounded_place(call, machine)).transpose()?;
     let job = options.job().read(call, machine)?;
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
+    let toleranced = Job::characteristics(job.as_ref(), call, machine, tool_poses.as_ref())?;
     let poses = options.poses.of(call, (machine, options.seed), tool_poses.as_ref())?;
     if poses.len() > MAX_POSES {
         return call.refuse(too_many(poses.len()));
@@ -46,6 +48,7 @@ pub(crate) fn volume(
     let drawn_picture = options.picture.as_ref().zip(place.as_ref());
     let picture = drawn_picture.map(|(picture, place)| picture.bounded_picture(place, &subject)).transpose()?;
     let features = tool_poses.as_ref().map(|reached| drawn.features(machine, reached, &found));
+    let characteristics = toleranced.map(|of| drawn.characteristics(call, machine, &of)).transpose()?;
     let figures = drawn.figures(&found);
     let over = Over::work(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
     let result = MapResult::empty(&rows, over, figures.statistics(poses.len()));
@@ -55,6 +58,7 @@ pub(crate) fn volume(
         bounds: Some(MapFromBounds { figures, worst }),
         features: features.unwrap_or_default(),
         path: tool_poses.as_ref().and_then(|reached| reached.path.clone()),
+        characteristics: characteristics.unwrap_or_default(),
         tool_poses,
         picture,
         ..result

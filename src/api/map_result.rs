@@ -5,6 +5,7 @@ use super::tolerances::ToleranceOptions;
 use crate::analysis::{Bands, MAX_POSES, MAX_SURVEYED};
 use crate::evaluate::{Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary};
 use crate::file_set::options::CompensationOptions;
+use crate::job::characteristics::CharacteristicResult;
 use crate::job::features::FeatureResult;
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
@@ -206,6 +207,9 @@ pub struct MapResult {
     /// The features of the file, where it names some: the largest deviation on each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub features: Vec<FeatureResult>,
+    /// The characteristics of features for which the job states tolerances.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub characteristics: Vec<CharacteristicResult>,
     /// The target whose compensation is in the map.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
@@ -242,6 +246,7 @@ impl MapResult {
             p95_relative_error: None,
             tool_poses: None,
             features: Vec::new(),
+            characteristics: Vec::new(),
             target: None,
             uncompensated: None,
             grid: if let Poses::Nodes(nodes) = rows.poses { Some(nodes.counts().collect()) } else { None },

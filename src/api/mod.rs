@@ -48,12 +48,14 @@ pub(crate) mod sources;
 pub(crate) mod starter;
 pub(crate) mod summary;
 pub(crate) mod targets;
+pub(crate) mod testpiece;
 pub mod text;
 pub(crate) mod tolerances;
 pub(crate) mod uncertainty;
 pub(crate) mod verify;
 
 pub use crate::job::machine_file::{LoadOptions, MachineFile, load, loads};
+pub use crate::job::test_piece::TestPieceOptions;
 pub use crate::run::{Answer, Cancellation, Cancelled, Monitor, Reply, Run};
 pub use budget::{BudgetOptions, budget, budget_part};
 pub use check::check;
@@ -84,6 +86,7 @@ pub use sources::{SourcesOptions, sources};
 pub use starter::{schema, starter};
 pub use summary::summary;
 pub use targets::targets;
+pub use testpiece::testpiece;
 pub use verify::{VerifyOptions, verify};
 
 pub use crate::diagnostic::{Diagnostic, Diagnostics, codes};

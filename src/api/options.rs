@@ -18,6 +18,7 @@ pub use crate::evaluate::{Frame, Order};
 pub use crate::file_set::options::{CompensationOptions, CorrectingAxes};
 pub use crate::job::placement::Placement;
 pub use crate::job::reference::{Alignment, DatumPoint, Reference, ReferenceKind, UnknownReference};
+pub use crate::job::test_piece::{ConeMotion, TestPieceKind};
 pub use crate::machine::Approach;
 pub use crate::report::page::{BenchPage, EngineFile};
 pub use crate::report::plane_picture::{PlaneComponent, PlaneDrawing, PlaneOptions};

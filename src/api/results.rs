@@ -3,7 +3,8 @@
 pub use super::bounded::{AddedByBounds, AddedDeviation};
 pub use super::budget::{BudgetResult, ContributionsAt, FittedBudget};
 pub use super::budgets::{
-    BudgetDifference, ComparedBudget, ComparedBudgets, ComparedContribution, DeviationBudgetDifference, DrawnDifference,
+    BudgetDifference, ComparedBudget, ComparedBudgets, ComparedContribution, ComparedVerdict,
+    DeviationBudgetDifference, DrawnDifference, WithheldVerdict,
 };
 pub use super::certificate::{AtReference, CertificateReport, CertificateStep, ReferenceShift};
 pub use super::check::CheckedFile;
@@ -16,7 +17,9 @@ pub use super::compose::{ComposedPart, ComposedSet};
 pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitSize};
 pub use super::diff::{AxisDifference, SetDifference};
 pub use super::effects::{ErrorEffect, Neglected};
-pub use super::enumerate::{Arrangement, EnumerateResult, RankedArrangements, RankingRounds, StudyProgress};
+pub use super::enumerate::{
+    Arrangement, EnumerateResult, ExcludedArrangements, RankedArrangements, RankingRounds, StudyProgress,
+};
 pub use super::equations::{
     EquationSymbol, EquationUnits, EquationsResult, Polynomial, PolynomialMatrix, PolynomialTerm,
 };
@@ -39,11 +42,13 @@ pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::uncertainty::CertificateBands;
 pub use crate::analysis::budget::{
-    Binding, Bound, BoundedDeviation, BoundedLength, PairedDifference, Percentile, Role, Verdict, VersusFirst,
+    Binding, Bound, BoundedDeviation, BoundedLength, Coverage, PairedDifference, Percentile, Proportion, Role, Verdict,
+    VersusFirst,
 };
 pub use crate::analysis::enumerate::RoundCount;
 pub use crate::analysis::figure_bands::{ComparedBands, PoseUncertainty};
 pub use crate::analysis::instrument::{BallBar, Diagonal, RTest, RTestReading};
+pub use crate::analysis::zone::{CharacteristicKind, ZoneFit};
 pub use crate::analysis::{Bands, Status as LocationStatus, SummaryBand};
 pub use crate::controller::{
     CompensationDegree, ControllerTarget, Figures, ProgrammingFigures, ROUNDING_UM, RaisedFigure, SingleErrorResidual,
@@ -51,11 +56,13 @@ pub use crate::controller::{
 };
 pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};
+pub use crate::job::characteristics::{CharacteristicPart, CharacteristicResult, DrawnCharacteristic};
 pub use crate::job::features::{DominatingError, FeatureResult};
 pub use crate::job::machine_file::InputFile;
 pub use crate::job::over::{Over, OverKind};
 pub use crate::job::path::{PathAxis, PathPole, PathResult, PathRewind};
 pub use crate::job::poses::AxisPositions;
+pub use crate::job::test_piece::TestPiece;
 pub use crate::job::tool_poses::{BeyondTravel, Lack, MissedToolPose, NeededTravel, ReachedToolPoses};
 pub use crate::machine::{Axis, AxisKind, Branch, ErrorId, ErrorKind, ErrorTerm, Machine, Sense, Travel};
 pub use crate::record::check::RecordCheck;

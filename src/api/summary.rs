@@ -1,6 +1,7 @@
 //! The machine in short: axes, tools, conventions and how many errors it has.
 
 use super::show::{Arm, arms};
+use crate::analysis::budget::{Coverage, bounds};
 use crate::job::machine_file::{InputFile, MachineFile};
 use crate::machine::{AxisKind, Branch, Conventions, ErrorId, ErrorTerm, Travel};
 use indexmap::IndexMap;
@@ -20,6 +21,8 @@ pub struct MachineSummary {
     pub conventions: Conventions,
     /// Counts of the errors.
     pub errors: ErrorCounts,
+    /// Which of the errors that act are known, by the file and the class that it names.
+    pub coverage: Coverage,
     /// The files that the machine was read from.
     pub inputs: Vec<InputFile>,
 }
@@ -81,6 +84,7 @@ pub fn summary(file: &MachineFile) -> MachineSummary {
         tools: file.tools().iter().map(|tool| tool.name.clone()).collect(),
         conventions: *file.conventions(),
         errors: counts(file),
+        coverage: Coverage::of(file, &bounds(file, file.class().map(|named| &named.class))),
         inputs: file.input_files().to_vec(),
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
-use crate::machine::{AxisName, Machine, no_origin};
+use crate::machine::{AxisName, CLASS_ANGLES, Machine, no_origin};
 use crate::report::DrawSettings;
 use crate::run::{Call, Refused};
 
@@ -61,14 +61,14 @@ impl ToleranceOptions {
     }
 }
 
-/// Warns of linear axes without an origin whose angles the class bounds; those that the file bounds are known from its
+/// Warns of axes without an origin whose angles the class bounds; those that the file bounds are known from its
 /// reading.
 fn warn_of_arms(call: &mut Call<'_>, machine: &Machine, bounds: &[Bound]) {
     let turns = |bound: &Bound| bound.of_class && bound.error.direction.is_rotation() && !bound.error.is_location();
     let bounded = |axis: &AxisName| bounds.iter().any(|bound| bound.error.axis == *axis && turns(bound));
-    let known = machine.without_origin(|_| false);
+    let known = machine.without_origin_in_file();
     for index in machine.without_origin(bounded).into_iter().filter(|index| !known.contains(index)) {
-        let warning = no_origin(machine, index, "has angles bounded by the class");
+        let warning = no_origin(machine, index, CLASS_ANGLES);
         if !call.diagnostics.iter().any(|other| *other == warning) {
             call.diagnostics.push(warning);
         }

@@ -21,7 +21,8 @@ pub(super) mod help {
     pub(in crate::cli) const AXIS: &str = "An axis, by its name";
     pub(in crate::cli) const AXIS_POSES: &str =
         "Poses of the axes from a CSV file: header of axis names, one pose a line, mm and deg";
-    pub(in crate::cli) const OUT: &str = "Write the result here: a file, of `compile` and `record` a folder";
+    pub(in crate::cli) const OUT: &str =
+        "Write the result here: a file, of `compile`, `record` and `testpiece` a folder";
     pub(in crate::cli) const PLANE: &str = "A plane of two axes, such as XY";
     pub(in crate::cli) const RADIUS: &str = "Radius of a circle, mm (above 0)";
     pub(in crate::cli) const VTK: &str = "Write a grid of VTK, which ParaView opens";

@@ -4,7 +4,7 @@ use super::global::{Global, Outcome};
 use super::output::session::Session;
 use super::verbs::{
     budget, check, classify, compare, compile, convert, diff, enumerate, equations, eval, explain, figures, identify,
-    import, init, instrument, locate, man, map, reach, record, report, show, targets, verify, workbench,
+    import, init, instrument, locate, man, map, reach, record, report, show, targets, testpiece, verify, workbench,
 };
 use super::{confined, threads};
 use clap::{Parser, Subcommand};
@@ -68,6 +68,8 @@ pub(super) enum Verb {
     Workbench(workbench::Args),
     /// Difference between two sets of compensation files, in micrometres.
     Diff(diff::Args),
+    /// A test piece of a standard as a job: tool poses, features and tolerances.
+    Testpiece(testpiece::Args),
     /// The controllers, their mechanisms, and how sure their facts are.
     Targets,
     /// The long text of a code, an error name or a target.
@@ -154,6 +156,7 @@ fn dispatch(session: &mut Session, verb: Verb) -> Outcome {
         Verb::Report(args) => report::run(session, &args),
         Verb::Workbench(args) => workbench::run(session, &args),
         Verb::Diff(args) => diff::run(session, &args),
+        Verb::Testpiece(args) => testpiece::run(session, &args),
         Verb::Targets => targets::run(session),
         Verb::Check(args) => check::run(session, &args),
         Verb::Explain(args) => explain::run(session, &args),

@@ -1,8 +1,9 @@
 //! A job: the tool poses of a part, where the part lies, and what its set-up takes out.
 
+use super::characteristics::{FeatureEntries, FeatureTolerances, JobCharacteristics};
 use super::placement::Placement;
 use super::reference::{Reference, ReferenceEntry, SetUp};
-use super::tool_poses::{self, ToolPoses};
+use super::tool_poses::{self, ReachedToolPoses, ToolPoses};
 use crate::diagnostic::{Diagnostic, Reason, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::run::{Call, Refused};
@@ -24,6 +25,9 @@ struct JobFile {
     path: Option<bool>,
     /// Name of the tool.
     tool: Option<String>,
+    /// Tolerances of features.
+    #[serde(default)]
+    features: FeatureEntries,
 }
 
 /// A job on a machine.
@@ -31,6 +35,8 @@ struct JobFile {
 pub(crate) struct Job {
     /// Its tool poses, workpiece frame.
     pub poses: ToolPoses,
+    /// The tolerances of its features.
+    pub features: FeatureTolerances,
     place: Placement,
     reference: Option<Reference>,
 }
@@ -54,7 +60,12 @@ impl JobPaths<'_> {
             (Some(path), None) => from_file(call, machine, path, self.path).map(Some),
             (None, Some(path)) => {
                 let poses = tool_poses::read(call, machine, path)?.along(self.path);
-                Ok(Some(Job { poses, place: Placement::default(), reference: None }))
+                Ok(Some(Job {
+                    poses,
+                    features: FeatureTolerances::default(),
+                    place: Placement::default(),
+                    reference: None,
+                }))
             }
             (None, None) if self.path.is_some() => {
                 call.usage("`--path` is about tool poses: give `--job` or `--tool-poses`")
@@ -78,6 +89,17 @@ impl Job {
         SetUp::of(call, machine, stated.as_ref(), default.as_ref(), poses)
     }
 
+    /// Returns the characteristics of toleranced features on the tool poses that a machine reaches; `None` without.
+    pub(crate) fn characteristics(
+        job: Option<&Self>,
+        call: &mut Call<'_>,
+        machine: &Machine,
+        reached: Option<&ReachedToolPoses>,
+    ) -> Result<Option<JobCharacteristics>, Refused> {
+        let (Some(job), Some(reached)) = (job, reached) else { return Ok(None) };
+        JobCharacteristics::of(call, machine, &job.features, reached)
+    }
+
     /// Returns what the options state, or else the job file, on the part where it lies.
     pub(crate) fn stated(job: Option<&Self>, asked: Option<&Reference>) -> Option<Reference> {
         let place = job.map_or_else(Placement::default, |job| job.place);
@@ -95,7 +117,7 @@ impl Job {
 fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path, asked: Option<bool>) -> Result<Job, Refused> {
     let files = call.run.files;
     let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };
-    let JobFile { tool_poses, place, reference, path: is_path, tool } = match from_yaml::<JobFile>(&text) {
+    let JobFile { tool_poses, place, reference, path: is_path, tool, features } = match from_yaml::<JobFile>(&text) {
         Ok(file) => file,
         Err(failure) => return call.refuse(refused(path, &Reason::new(failure))),
     };
@@ -106,12 +128,13 @@ fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path, asked: Option<
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut poses = tool_poses::read(call, machine, &folder.join(tool_poses))?.along(asked.or(is_path));
     poses.put(&place);
-    Ok(Job { poses, place, reference: reference.map(|ReferenceEntry(reference)| reference) })
+    let features = features.placed(place).or_else(|reason| call.refuse(refused(path, &reason)))?;
+    Ok(Job { poses, features, place, reference: reference.map(|ReferenceEntry(reference)| reference) })
 }
 
 fn refused(path: &Path, failure: &Reason) -> Diagnostic {
     let message = format!("`{}`: {}", shown(&path.display().to_string()), shown(&failure.to_string()));
-    let help = "a job has `tool_poses`, and may have `place`, `reference`, `path` and `tool`; docs/formats/jobs.md has \
-                an example";
+    let help = "a job has `tool_poses`, and may have `place`, `reference`, `path`, `tool` and `features`; \
+                docs/formats/jobs.md has an example";
     Diagnostic::new(codes::E0851, message).help(help)
 }

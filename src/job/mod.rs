@@ -8,8 +8,11 @@
 //! - [`mod@reference`]: what the set-up of a part takes out of its deviations;
 //! - [`over`]: the statement of what a result is over;
 //! - [`path`]: what tool poses ask of a machine as one path;
+//! - [`characteristics`]: tolerances of features, and the values that deviations and bounds lead to;
+//! - [`test_piece`]: test pieces of standards as jobs;
 //! - [`features`]: the features of such a file, and the largest deviation on each.
 
+pub mod characteristics;
 pub mod features;
 pub mod job_file;
 pub mod machine_file;
@@ -18,4 +21,5 @@ pub mod path;
 pub mod placement;
 pub mod poses;
 pub mod reference;
+pub mod test_piece;
 pub mod tool_poses;

@@ -319,7 +319,7 @@ fn datum(machine: &Machine, reference: &Reference) -> Result<PartReference, Diag
 }
 
 fn unit(vector: &[f64; 3], what: &str) -> Result<Vector3<f64>, Diagnostic> {
-    unit_vector(&Vector3::from(*vector))
+    unit_vector(&Vector3::from(*vector), what)
         .map_err(|_| refuse(format!("{what} is zero"), "a direction of any length but 0"))
 }
 

@@ -27,7 +27,7 @@ impl Machine {
         axes.filter_map(|(index, axis)| Some((index, self.geometry().unstated(&axis.name, &sides)?))).collect()
     }
 
-    /// Indices of the linear axes without an origin of which angular errors turn the carriage, or are bounded. Those
+    /// Indices of the axes without an origin about which angular errors turn the carried body, or are bounded. Those
     /// whose geometry is not stated at all are left out.
     pub fn without_origin(&self, bounded: impl Fn(&AxisName) -> bool) -> Vec<usize> {
         let unstated = self.unstated(&bounded);
@@ -35,9 +35,15 @@ impl Machine {
             |axis: &Axis| self.geometry().axes.get(&axis.name).is_none_or(|both| both.on(axis.branch).origin_written);
         let silent = |index: usize, axis: &Axis| {
             let turned = self.turns_about_its_origin(index) || bounded(&axis.name);
-            axis.kind == AxisKind::Linear && turned && !written(axis) && unstated.iter().all(|(i, _)| *i != index)
+            let turned = turned || (axis.kind == AxisKind::Rotary && self.tilts_its_line(index));
+            turned && !written(axis) && unstated.iter().all(|(i, _)| *i != index)
         };
         self.axes().iter().enumerate().filter(|(index, axis)| silent(*index, axis)).map(|(index, _)| index).collect()
+    }
+
+    /// Returns the same with the bounds of the file: by letter, along and across, and by the class that it names.
+    pub fn without_origin_in_file(&self) -> Vec<usize> {
+        self.without_origin(|_| self.class().is_some())
     }
 
     /// Returns the axis from which the workpiece's origin is given, if that axis does not carry the workpiece.
@@ -55,6 +61,12 @@ impl Machine {
             || bounded(ErrorFamily::Component)
             || (carried && bounded(ErrorFamily::Location))
             || (carried && errors.location[3..].iter().any(Option::is_some))
+    }
+
+    /// True if the file gives or bounds an angle by which the line of an axis is off.
+    fn tilts_its_line(&self, axis: usize) -> bool {
+        self.axis_errors(axis).location[3..].iter().any(Option::is_some)
+            || self.tolerances().bounds(&self.axes()[axis].name, ErrorFamily::Location, true)
     }
 
     /// Returns the same machine with linear axes of `length_mm` to either side of their zero, on both sides of the bed;

@@ -1,9 +1,10 @@
 //! A machine as a machine file: self-contained, no `extends`, no tables outside. The inverse of [`super::resolve()`].
 
 use super::{
-    AlgebraChoice, Axis, AxisKind, AxisName, Branch, ComponentError, ControllerAxis, Curve, Direction, ErrorFamily,
-    ErrorId, ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Grid, JointErrors, JointUncertainty, MAIN_AXES,
-    MachineParts, ReferencePoint, ResidualForm, Sense, SetUp, Tool, Travel,
+    AlgebraChoice, Axis, AxisGeometry, AxisKind, AxisName, Branch, ComponentError, ControllerAxis, Curve, Direction,
+    ErrorFamily, ErrorId, ErrorTerm, FRAME_KEYS, FrameTolerances, Generators, Geometry, Grid, JointErrors,
+    JointUncertainty, MAIN_AXES, Machine, MachineParts, Position, ReferencePoint, ResidualForm, Sense, SetUp, Tool,
+    Travel,
 };
 
 /// Returns the text of a machine file that says what `parts` say; `provenance` are further entries of that section
@@ -25,6 +26,31 @@ pub fn machine_file(parts: &MachineParts, provenance: &[(String, String)]) -> St
         text += &format!("  {}: {}\n", quote(key), quote(value));
     }
     text + &covariance(parts)
+}
+
+impl Machine {
+    /// Returns the text that identifies the resolved machine with its tool: everything that results depend on, as a
+    /// machine file, and the references from which its axes and its workpiece are placed anew.
+    pub fn canonical(&self) -> String {
+        let parts = self.to_parts();
+        let Geometry { axes, workpiece } = &parts.geometry;
+        let position = |Position { from, at }: &Position| {
+            let from = match from {
+                ReferencePoint::Bed => "bed",
+                ReferencePoint::Workpiece => "workpiece",
+                ReferencePoint::Axis(name) => name.as_str(),
+            };
+            format!("{from} {}", point(at))
+        };
+        let side = |(name, axis): (&AxisName, &AxisGeometry)| {
+            let sides = [&axis.tool, &axis.workpiece];
+            let sides = sides.map(|side| format!("{} {} {}", position(&side.origin), side.stated, side.origin_written));
+            format!("# {name}: {}\n", sides.join("; "))
+        };
+        let references: String = axes.iter().map(side).collect();
+        let tool = quote(&self.tool().name);
+        format!("{}{references}# workpiece: {}\n# tool: {tool}\n", machine_file(&parts, &[]), position(workpiece))
+    }
 }
 
 /// Text that YAML cannot misread: a JSON string is one.

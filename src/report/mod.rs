@@ -28,7 +28,9 @@ pub use pictures::{
     PlanePicture, PlaneQuantity, PlaneStyle, PolarPicture, RTestPicture, ReachPicture, RunCurves, RunPanel, RunPicture,
     all_curves, before_after, chain_dot, chain_picture,
 };
-pub use rows::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows, structured_grid};
+pub use rows::{
+    RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows, cell, structured_grid,
+};
 pub use text::{
     BoundedContribution, BoundedFigures, BoundedLengths, BudgetFigures, DeviationBudget, DrawSettings,
     DrawnMachineFigures, LengthStatistics, MachineDifference, PercentileInterval, PropertyDifference, RssDifference,

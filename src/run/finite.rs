@@ -15,8 +15,10 @@ pub(crate) fn refusal(result: &impl Serialize) -> Option<Diagnostic> {
 /// Returns the refusal of a number that is not finite; `place` says where it would stand.
 pub(crate) fn not_finite(place: &str) -> Diagnostic {
     let place = if place.is_empty() { "the result" } else { place };
-    Diagnostic::new(codes::E0542, format!("`{place}` is not a finite number"))
-        .help("an input is far from what a machine has: look for a wrong unit or power of ten; nothing was written")
+    Diagnostic::new(codes::E0542, format!("`{place}` is not a finite number")).help(
+        "an input is far from what a machine has (look for a wrong unit or power of ten), or the geometry is \
+             singular at a pose, such as a tilted axis at a pole: leave that pose out; nothing was written",
+    )
 }
 
 /// Visits numbers and writes nothing. Stops at the first that is not finite.

@@ -1,7 +1,7 @@
 //! Machines of a budget that are drawn in parts, on other computers if need be, and put together.
 
 use super::study::why;
-use crate::analysis::budget::{DrawnSamples, Request, SAMPLE_LANES, draw_samples};
+use crate::analysis::budget::{Bound, DrawnSamples, Request, SAMPLE_LANES, draw_samples};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::run::{Call, Refused, sha256};
 use crate::syntax::ReadFailure;
@@ -23,9 +23,21 @@ pub struct BudgetShard {
     pub first: usize,
     /// The machines of this part, mm and rad.
     pub drawn: DrawnSamples,
+    /// SHA-256 of the rest.
+    sha256: String,
 }
 
 impl BudgetShard {
+    fn new(fingerprint: String, samples: usize, first: usize, drawn: DrawnSamples) -> Self {
+        let part = Self { abbe_budget: FORM.to_owned(), fingerprint, samples, first, drawn, sha256: String::new() };
+        Self { sha256: part.checksum(), ..part }
+    }
+
+    fn checksum(&self) -> String {
+        let Self { fingerprint, samples, first, drawn, .. } = self;
+        sha256(serde_json::json!([fingerprint, samples, first, drawn]).to_string().as_bytes())
+    }
+
     /// Returns the number of machines of this part.
     pub fn count(&self) -> usize {
         self.drawn.position.len()
@@ -48,7 +60,7 @@ pub(crate) struct Division<'a> {
     pub drawn_by: &'a dyn std::fmt::Debug,
 }
 
-const FORM: &str = "1";
+const FORM: &str = "2";
 
 /// Size of the largest file of a part: those of more machines take more parts.
 const MAX_BYTES: u64 = 256 << 20;
@@ -73,7 +85,7 @@ pub(crate) fn draw_part(
         Err(refusal) => return call.refuse(refusal),
     }
     let drawn = call.stage(2 * range.len(), |advance| draw_samples(request, range, advance))?;
-    Ok(BudgetShard { abbe_budget: FORM.to_owned(), fingerprint, samples, first, drawn })
+    Ok(BudgetShard::new(fingerprint, samples, first, drawn))
 }
 
 /// Returns the part that a file holds already, if there is such a file.
@@ -113,10 +125,17 @@ fn range(samples: usize, part: usize, parts: usize) -> Range<usize> {
 /// Everything that drawn machines depend on.
 fn fingerprint(division: Division<'_>, request: Request<'_>) -> String {
     let Request { machine, bounds, poses, reference, .. } = request;
-    let drawn = division.drawn_by;
+    let (drawn, bounds) = (division.drawn_by, bounds.iter().map(Bound::canonical).collect::<String>());
     let taken_out = reference.map_or_else(String::new, |reference| format!("{reference:?}"));
-    let version = env!("CARGO_PKG_VERSION");
-    sha256(format!("{version} {machine:?} {bounds:?} {poses:?} {drawn:?}{taken_out}").as_bytes())
+    let (version, machine) = (env!("CARGO_PKG_VERSION"), machine.canonical());
+    sha256(
+        format!(
+            "{version}
+{machine}{bounds}{poses:?}
+{drawn:?}{taken_out}"
+        )
+        .as_bytes(),
+    )
 }
 
 /// Returns the machines of the files to merge; none without files.
@@ -183,8 +202,15 @@ fn read(call: &Call<'_>, path: &Path, fingerprint: &str, bounds: usize) -> Resul
             format!("`{name}` belongs to another budget: the machine file, an option or the program has changed");
         return Err(foreign(message));
     }
+    if part.sha256 != part.checksum() {
+        return Err(foreign(format!("`{name}` was altered: its checksum is of other machines")));
+    }
     if part.first.checked_add(part.count()).is_none_or(|end| end > part.samples) {
         return Err(foreign(format!("`{name}` is not a state file: it has more machines than the budget")));
+    }
+    let values = part.drawn.position.iter().chain(&part.drawn.rotation).map(|sample| sample.value);
+    if values.into_iter().any(|value| !value.is_finite() || value < 0.0) {
+        return Err(foreign(format!("`{name}` is not a state file: an error of a drawn machine is below zero")));
     }
     let all = || part.drawn.position.iter().chain(&part.drawn.rotation);
     if part.drawn.rotation.len() != part.count() || all().any(|sample| sample.parts.len() != bounds) {

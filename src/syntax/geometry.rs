@@ -34,7 +34,7 @@ impl Forms for TravelEntry {
     const EXPECTING: &'static str = "[min, max] or continuous";
 
     fn scalar(word: Scalar) -> Option<Self> {
-        if let Scalar::Text(word) = word { Some(Self::Word(word)) } else { None }
+        Some(Self::Word(word.to_string()))
     }
 
     fn list(range: Vec<Scalar>) -> Option<Self> {

@@ -43,7 +43,7 @@ pub use scalar::Scalar;
 pub use schema::schema;
 pub use table::{ColumnDirection, CsvColumn, CsvTable, read_table};
 pub use term::{BSplineEntry, CurveEntry, TermEntry};
-pub use tolerance::{BoundEntry, ClassEntry, FrameEntry};
+pub use tolerance::{BoundEntry, ClassEntry, FigureEntry, FrameEntry};
 pub use yaml::{YamlFailure, from_yaml};
 
 use crate::diagnostic::Diagnostics;

@@ -9,7 +9,7 @@ use super::document::{
 };
 use super::geometry::Branches;
 use super::schema_errors::{self, errors};
-use super::schema_forms::{AXIS, any, class_name, interval, notes, object, preset, quantity, step, text};
+use super::schema_forms::{AXIS, any, bound, class_name, interval, notes, object, preset, step, text};
 use super::tolerance::{BoundEntry, ClassEntry};
 use schemars::SchemaGenerator;
 use schemars::generate::SchemaSettings;
@@ -158,7 +158,7 @@ fn axes(generator: &mut SchemaGenerator) -> Value {
 
 /// Bounds by the name of an error, of an axis, or of a pair of linear axes.
 fn tolerances(generator: &mut SchemaGenerator) -> Value {
-    let entry = any(vec![quantity(generator).to_value(), object::<BoundEntry>(generator), json!({ "type": "null" })]);
+    let entry = any(vec![bound(generator).to_value(), object::<BoundEntry>(generator), json!({ "type": "null" })]);
     json!({
         "type": "object",
         "additionalProperties": entry

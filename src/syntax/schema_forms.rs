@@ -14,6 +14,9 @@ pub const ANGLE: &str = "(nrad|urad|µrad|μrad|mrad|rad|deg|°|arcmin|arcsec)";
 /// Axis names.
 pub const AXIS: &str = "[A-Z][A-Z0-9]{0,7}";
 
+/// The words of data sheets for the width of a band.
+pub const FIGURE_WORDS: [&str; 11] = ["width", "A", "E", "M", "B", "R", "P", "Tp", "Pa", "U", "Ps"];
+
 /// Message for a quantity that does not fit.
 const WITH_UNIT: &str = "a value with its unit, such as 12 um, 25 urad, 5 arcsec, 3 um/m";
 /// Message for a position in mm or deg that does not fit.
@@ -40,8 +43,28 @@ pub fn text(pattern: &str, expected: &str) -> Value {
 
 /// A number with any unit.
 pub fn quantity(_: &mut SchemaGenerator) -> Schema {
+    with_unit("")
+}
+
+/// A bound: a number with any unit, as it is or behind both signs.
+pub fn bound(_: &mut SchemaGenerator) -> Schema {
+    with_unit(r"((\+-|\+/-|±)\s*)?")
+}
+
+/// A bound along or across an axis: a value or words of a data sheet.
+pub fn figure(generator: &mut SchemaGenerator) -> Schema {
+    let bound = bound(generator).to_value();
+    let words: serde_json::Map<String, Value> =
+        FIGURE_WORDS.iter().map(|word| ((*word).to_owned(), bound.clone())).collect();
+    json_schema!({
+        "anyOf": [bound, { "type": "object", "properties": words, "additionalProperties": false }]
+    })
+}
+
+/// A number with any unit, behind what `sign` matches.
+fn with_unit(sign: &str) -> Schema {
     let unit = format!(r"({LENGTH}|{ANGLE})(\^[1-9])?");
-    let pattern = format!(r"^\s*{NUMBER}\s*({unit}(\s*/\s*{unit})*|/\s*{NUMBER})\s*$");
+    let pattern = format!(r"^\s*{sign}{NUMBER}\s*({unit}(\s*/\s*{unit})*|/\s*{NUMBER})\s*$");
     json_schema!({
         "description": "A value with its unit, such as 12 um.", "type": ["string", "null"], "pattern": pattern,
         "patternErrorMessage": format!("Expected {WITH_UNIT}.")

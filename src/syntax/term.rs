@@ -72,6 +72,7 @@ entry_with_curve! {
         #[schemars(schema_with = "curve")]
         pub reverse: Option<CurveEntry>,
         /// Not known, only bounded.
+        #[schemars(schema_with = "super::schema_forms::bound")]
         pub tolerance: Option<Scalar>,
         /// Expanded uncertainty (k = 2) of the values.
         pub uncertainty: Option<Scalar>,

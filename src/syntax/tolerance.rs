@@ -1,21 +1,36 @@
 //! Bounds as written: the sections `tolerances` and `class`.
 
-use super::forms::{deserialize_by_forms, mapping_or_value};
+use super::forms::{Forms, deserialize_by_forms, mapping_or_value};
 use super::scalar::Scalar;
+use super::schema_forms::FIGURE_WORDS;
 use serde::Deserialize;
+use serde::de::MapAccess;
+
+/// A bound along or across an axis: a value, or figures of a data sheet by their words.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FigureEntry {
+    /// Anywhere from minus to plus.
+    pub value: Option<Scalar>,
+    /// Words of [`FIGURE_WORDS`] with their figures.
+    pub words: Vec<(&'static str, Scalar)>,
+}
 
 /// Bounds along an axis and across it: of translations, and of rotations about these directions.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FrameEntry {
     /// Translation along the axis.
-    pub along: Option<Scalar>,
+    #[schemars(schema_with = "super::schema_forms::figure")]
+    pub along: Option<FigureEntry>,
     /// Translations across it, each.
-    pub across: Option<Scalar>,
+    #[schemars(schema_with = "super::schema_forms::figure")]
+    pub across: Option<FigureEntry>,
     /// Rotation about the axis.
-    pub about_along: Option<Scalar>,
+    #[schemars(schema_with = "super::schema_forms::figure")]
+    pub about_along: Option<FigureEntry>,
     /// Rotations about the directions across it, each.
-    pub about_across: Option<Scalar>,
+    #[schemars(schema_with = "super::schema_forms::figure")]
+    pub about_across: Option<FigureEntry>,
 }
 
 /// The bound of an error, of an axis, or of a squareness.
@@ -23,45 +38,64 @@ pub struct FrameEntry {
 #[serde(deny_unknown_fields, default, remote = "Self")]
 pub struct BoundEntry {
     /// Of an error or squareness: anywhere from minus to plus.
+    #[schemars(schema_with = "super::schema_forms::bound")]
     pub value: Option<Scalar>,
     /// Of an axis: translation along it.
-    pub along: Option<Scalar>,
+    #[schemars(schema_with = "super::schema_forms::figure")]
+    pub along: Option<FigureEntry>,
     /// Of an axis: translations across it, each.
-    pub across: Option<Scalar>,
+    #[schemars(schema_with = "super::schema_forms::figure")]
+    pub across: Option<FigureEntry>,
     /// Of an axis: rotation about it.
-    pub about_along: Option<Scalar>,
+    #[schemars(schema_with = "super::schema_forms::figure")]
+    pub about_along: Option<FigureEntry>,
     /// Of an axis: rotations about the directions across it, each.
-    pub about_across: Option<Scalar>,
+    #[schemars(schema_with = "super::schema_forms::figure")]
+    pub about_across: Option<FigureEntry>,
     /// Of an axis: its location errors.
     pub location: Option<FrameEntry>,
     /// Whole width of the band that holds the error.
+    #[schemars(schema_with = "super::schema_forms::bound")]
     pub width: Option<Scalar>,
     /// ISO 230-2: bidirectional accuracy of positioning.
     #[serde(rename = "A")]
+    #[schemars(schema_with = "super::schema_forms::bound")]
     pub a: Option<Scalar>,
     /// ISO 230-2: bidirectional systematic positioning error.
     #[serde(rename = "E")]
+    #[schemars(schema_with = "super::schema_forms::bound")]
     pub e: Option<Scalar>,
     /// ISO 230-2: range of the mean bidirectional positioning error.
     #[serde(rename = "M")]
+    #[schemars(schema_with = "super::schema_forms::bound")]
     pub m: Option<Scalar>,
     /// ISO 230-2: reversal error; beside M.
     #[serde(rename = "B")]
+    #[schemars(schema_with = "super::schema_forms::bound")]
     pub b: Option<Scalar>,
     /// ISO 230-2: bidirectional repeatability; beside E or M.
     #[serde(rename = "R")]
+    #[schemars(schema_with = "super::schema_forms::bound")]
     pub r: Option<Scalar>,
     /// VDI/DGQ 3441: positioning uncertainty.
     #[serde(rename = "P")]
+    #[schemars(schema_with = "super::schema_forms::bound")]
     pub p: Option<Scalar>,
+    /// VDI/DGQ 3441: tolerance of position, the limit of P.
+    #[serde(rename = "Tp")]
+    #[schemars(schema_with = "super::schema_forms::bound")]
+    pub tp: Option<Scalar>,
     /// VDI/DGQ 3441: positional deviation.
     #[serde(rename = "Pa")]
+    #[schemars(schema_with = "super::schema_forms::bound")]
     pub pa: Option<Scalar>,
     /// VDI/DGQ 3441: reversal error; beside Pa.
     #[serde(rename = "U")]
+    #[schemars(schema_with = "super::schema_forms::bound")]
     pub u: Option<Scalar>,
     /// VDI/DGQ 3441: scatter of positions; beside Pa.
     #[serde(rename = "Ps")]
+    #[schemars(schema_with = "super::schema_forms::bound")]
     pub ps: Option<Scalar>,
 }
 
@@ -76,27 +110,46 @@ impl BoundEntry {
         }
     }
 
-    /// The words of data sheets that are given.
-    pub fn words(&self) -> Vec<(&'static str, &Scalar)> {
-        let all = [
-            ("width", &self.width),
-            ("A", &self.a),
-            ("E", &self.e),
-            ("M", &self.m),
-            ("B", &self.b),
-            ("R", &self.r),
-            ("P", &self.p),
-            ("Pa", &self.pa),
-            ("U", &self.u),
-            ("Ps", &self.ps),
-        ];
-        all.into_iter().filter_map(|(word, value)| Some((word, value.as_ref()?))).collect()
+    /// The bound of an error or squareness: its value, and the words of data sheets that are given.
+    pub fn figure(&self) -> FigureEntry {
+        let figures =
+            [&self.width, &self.a, &self.e, &self.m, &self.b, &self.r, &self.p, &self.tp, &self.pa, &self.u, &self.ps];
+        let words = FIGURE_WORDS.into_iter().zip(figures);
+        FigureEntry {
+            value: self.value.clone(),
+            words: words.filter_map(|(word, figure)| Some((word, figure.clone()?))).collect(),
+        }
+    }
+
+    /// True if it bounds an error or a squareness, and nothing of an axis.
+    pub fn is_figure(&self) -> bool {
+        self.location.is_none() && self.frame() == FrameEntry::default()
+    }
+}
+
+impl FigureEntry {
+    /// True if there is either a value or words.
+    pub fn is_one(&self) -> bool {
+        self.value.is_some() == self.words.is_empty()
+    }
+}
+
+impl std::fmt::Display for FigureEntry {
+    /// As a file has it: `9 arcsec`, `{ E: 6 um, R: 3 um }`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.value {
+            Some(value) => write!(f, "{value}"),
+            None => {
+                let words: Vec<String> = self.words.iter().map(|(word, figure)| format!("{word}: {figure}")).collect();
+                write!(f, "{{ {} }}", words.join(", "))
+            }
+        }
     }
 }
 
 impl FrameEntry {
     /// The four bounds: along, across, about along, about across.
-    pub fn four(&self) -> [Option<&Scalar>; 4] {
+    pub fn four(&self) -> [Option<&FigureEntry>; 4] {
         [&self.along, &self.across, &self.about_along, &self.about_across].map(Option::as_ref)
     }
 }
@@ -171,6 +224,33 @@ pub struct RotaryClassEntry {
     pub angular_positioning: Option<Scalar>,
 }
 
+/// A key of [`FIGURE_WORDS`]; any other is refused where it stands.
+struct FigureWord(&'static str);
+
+impl<'de> Deserialize<'de> for FigureWord {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let key = String::deserialize(deserializer)?;
+        let word = FIGURE_WORDS.into_iter().find(|word| *word == key);
+        word.map(Self).ok_or_else(|| serde::de::Error::unknown_field(&key, &FIGURE_WORDS))
+    }
+}
+
+impl Forms for FigureEntry {
+    const EXPECTING: &'static str = "a bound with its unit, or words of a data sheet such as { P: 9 arcsec }";
+
+    fn scalar(value: Scalar) -> Option<Self> {
+        Some(Self { value: Some(value), words: Vec::new() })
+    }
+
+    fn map<'de, A: MapAccess<'de>>(mut map: A) -> Result<Self, A::Error> {
+        let mut words = Vec::new();
+        while let Some(FigureWord(word)) = map.next_key()? {
+            words.extend(map.next_value::<Option<Scalar>>()?.map(|figure| (word, figure)));
+        }
+        Ok(Self { value: None, words })
+    }
+}
+
 mapping_or_value!(
     BoundEntry,
     value: std::convert::identity,
@@ -181,4 +261,4 @@ mapping_or_value!(
     like: |name: Scalar| name.to_string(),
     "the name of a class, or a mapping such as { like: premium, linear: { ... } }"
 );
-deserialize_by_forms!(BoundEntry, ClassEntry);
+deserialize_by_forms!(BoundEntry, FigureEntry, ClassEntry);

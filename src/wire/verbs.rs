@@ -10,17 +10,17 @@ use crate::api::results::{
     BudgetResult, CertificateReport, ChainResult, Classification, CompareResult, CompiledSet, ComposedPart,
     ConvertResult, EquationsResult, ErrorSources, EvalResult, IdentifyResult, ImportResult, InstrumentResult,
     LocateResult, MachineDifference, MachineSummary, MapResult, MeasurementPlan, MonomialFit, RankedArrangements,
-    ReachResult, Record, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures,
+    ReachResult, Record, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures, TestPiece,
 };
 use crate::api::starter::Starter;
 use crate::api::{
     Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompileOptions, ConvertOptions, Diagnostic, Diagnostics,
     DiffMachinesOptions, DiffOptions, EnumerateOptions, EquationsOptions, EvalOptions, FiguresOptions, IdentifyOptions,
     ImportOptions, InstrumentOptions, LocateOptions, MachineFile, MapOptions, PlanOptions, ReachOptions, RecordOptions,
-    Run, VerifyOptions, budget, budget_part, check, check_record, classify, compare, compile, compile_composed,
-    convert, diff, diff_machines, enumerate, equations, eval, explain, figures, fit_monomials, identify, import,
-    instrument, locate, map_tables, plan_measurements, reach, record, record_trend, schema, show, starter, targets,
-    verify,
+    Run, TestPieceOptions, VerifyOptions, budget, budget_part, check, check_record, classify, compare, compile,
+    compile_composed, convert, diff, diff_machines, enumerate, equations, eval, explain, figures, fit_monomials,
+    identify, import, instrument, locate, map_tables, plan_measurements, reach, record, record_trend, schema, show,
+    starter, targets, testpiece, verify,
 };
 use crate::controller::LOCK_NAME;
 use crate::report::RowFormat;
@@ -87,7 +87,7 @@ pub struct Verb {
 }
 
 /// All verbs.
-pub static VERBS: [Verb; 30] = [
+pub static VERBS: [Verb; 31] = [
     of::<EvalOptions, EvalResult>("eval", &[], |request, run| {
         Ok(answer(eval(request.machine()?, &request.options()?, run)?).0)
     }),
@@ -128,6 +128,10 @@ pub static VERBS: [Verb; 30] = [
     of::<FiguresOptions, TestFigures>("figures", &["figures.svg"], |request, run| {
         let (answer, result) = answer(figures(request.path(0)?, &request.options()?, run)?);
         Ok(answer.text("figures.svg", result.picture().svg()))
+    }),
+    of::<TestPieceOptions, TestPiece>("testpiece", &[], |request, run| {
+        let (answer, piece) = answer(testpiece(&request.options()?, run)?);
+        Ok(VerbAnswer { files: piece.files, ..answer })
     }),
     of::<LocateOptions, LocateResult>("locate", &["machine.yaml"], |request, run| {
         let (machine, path) = (request.machine()?, request.path(0)?);

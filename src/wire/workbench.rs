@@ -231,6 +231,13 @@ struct MapRows {
 }
 
 fn rows(machine: &MachineFile, options: &MapOptions, run: Run) -> Reply<MapRows> {
+    let count = options.poses.count(machine).unwrap_or(0);
+    if count > MapPoses::MAX_HELD {
+        let message = format!("{count} rows: {} are held in memory at most", MapPoses::MAX_HELD);
+        let help = "take fewer random poses, or larger steps under `volume`; `abbe map --csv` writes any number";
+        let refusal = Diagnostic::new(codes::E0812, message).help(help);
+        return Call::answer(run, machine.sources(), |call| call.refuse(refusal));
+    }
     let mut bytes = Cursor::new(Vec::new());
     let table = MapTable { name: "rows".to_owned(), form: RowFormat::Json, sink: Box::new(&mut bytes) };
     let Answer { value: map, warnings } = map_tables(machine, options, vec![table], run)?;
@@ -402,6 +409,12 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
         assert!(um(1) > um(0), "{compared}");
         assert_eq!(compared["machines"][1]["minus_first"]["position_um"]["p95"], json!(um(1) - um(0)));
         assert_eq!(missing["refused"], true);
+    }
+
+    #[test]
+    fn rows_that_are_held_are_bounded() {
+        let found = ask(MACHINE, json!([{"rows": {"poses": {"random": 1_000_001}}}]));
+        assert!(found["answers"][0].to_string().contains("E0812"), "{found}");
     }
 
     #[test]

@@ -81,7 +81,7 @@ fn bounds_without_letters_count_as_bounds() {
     let said = abbe(&["budget", text(&path), "--samples", "10", "--poses", "5"]);
     assert!(said.contains("B across 2") && said.contains("directions of the axis itself"), "{said}");
     assert!(!said.contains("boxes in machine coordinates"));
-    let letters = folder.with("l.yaml", &format!("{HEAD}errors: {{ EYB: {{ tolerance: 3 um }} }}\n"));
+    let letters = folder.with("l.yaml", &format!("{HEAD}errors: {{ EXB: {{ tolerance: 3 um }} }}\n"));
     let said = abbe(&["budget", text(&letters), "--samples", "10", "--poses", "5"]);
     assert!(said.contains("boxes in machine coordinates") && !said.contains("directions of the axis"), "{said}");
     // An angle that is bounded turns about an origin.
@@ -110,8 +110,51 @@ fn words_of_data_sheets_become_half_their_sum() {
     ] {
         assert_eq!(of(words), bound, "{words}");
     }
-    let angles = list(&machine("tolerances: { ECC: { A: 12 arcsec }, EZB: { width: 6 um } }\n"));
+    let angles = list(&machine("tolerances: { ECC: { A: 12 arcsec }, EXB: { width: 6 um } }\n"));
     assert!((angles[0].1 - 6.0 * std::f64::consts::PI / 648_000.0 * 1e6).abs() < 1e-5, "{angles:?}");
+}
+
+#[test]
+fn words_stand_beside_the_axis_itself() {
+    let found = list(&machine(
+        "tolerances:\n  B: { about_along: { P: 9 arcsec }, about_across: { width: 40 urad }, along: +-3 um }\n  X: { \
+         along: { A: +-4 um } }\n  Y: { along: { E: 6 um, R: \u{b1}1 um } }\n  EZZ: +-4 um\n  C: { about_along: { \
+         Tp: 20 urad } }\n  X-Y: { width: 40 urad }\n",
+    ));
+    let of = |name: &str| found.iter().find(|(known, _)| known == name).unwrap_or_else(|| panic!("{found:?}")).1;
+    let half = 4.5 * std::f64::consts::PI / 648_000.0 * 1e6;
+    assert!((of("B about along") - half).abs() < 1e-5, "{found:?}");
+    for (name, bound) in [
+        ("EAB", 20.0),
+        ("B about across 2", 20.0),
+        ("B along", 3.0),
+        ("EXX", 4.0),
+        ("EYY", 4.0),
+        ("EZZ", 4.0),
+        ("ECC", 10.0),
+        ("EC0Y", 20.0),
+    ] {
+        assert_eq!(of(name), bound, "{name}");
+    }
+    let codes = |rest: &str| {
+        let (_, diagnostics) = read(&[("m.yaml", &format!("{HEAD}tolerances: {{ {rest} }}\n"))]);
+        diagnostics.iter().map(|d| d.code.id).collect::<Vec<_>>()
+    };
+    // Positioning of a swivel axis is about it; a repeatability alone bounds nothing; a width is no location error.
+    for rest in [
+        "B: { along: { P: 9 um } }",
+        "X: { along: { R: 2 um } }",
+        "C: { location: { across: { width: 9 um } } }",
+        "X-Y: { A: 9 arcsec }",
+        "X: { along: { } }",
+    ] {
+        assert_eq!(codes(rest), ["E0416"], "{rest}");
+    }
+    assert_eq!(codes("B: { about_along: { Q: 9 urad } }"), ["E0201"]);
+    assert_eq!(codes("EXX: +--4 um"), ["E0411"]);
+    // A letter that is neither along the axis nor across it.
+    assert_eq!(codes("EBB: { P: 9 arcsec }"), ["W0407"]);
+    assert!(codes("EXB: 3 um, ECC: 9 urad").is_empty());
 }
 
 /// Figures of random measurements by their definitions: half the sum of the widths holds every reading, about the middle.

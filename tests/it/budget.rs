@@ -392,6 +392,16 @@ fn a_budget_is_the_same_in_parts() {
     says(&["--shard", "2/7", "--state", text(&third)], "E0610", "holds the machines");
     says(&["--shard", "3/7", "--state", text(&third), "--seed", "2"], "E0610", "another budget");
     says(&["--shard", "1/1", "--state", text(&machine)], "E0630", "");
+    let altered = folder.file("altered");
+    std::fs::write(&altered, String::from_utf8(before.clone()).unwrap().replacen("\"value\":0.0", "\"value\":0.1", 1))
+        .unwrap();
+    says(&["--shard", "3/7", "--state", text(&altered)], "E0610", "checksum");
+    // The same machine, spelled otherwise, has the same parts.
+    let same = std::fs::read_to_string(&machine).unwrap().replace("9 um", "'9.0 um'") + "\n# as bought\n";
+    let respelled = folder.with("respelled.yaml", &same);
+    let draw =
+        ["budget", text(&respelled), "--samples", "203", "--poses", "40", "--shard", "3/7", "--state", text(&third)];
+    assert_eq!(abbe_on(2, &draw).status.code(), Some(0));
     assert_eq!(std::fs::read(&third).unwrap(), before);
     for usage in [
         &["--shard", "0/7", "--state", "s"][..],

@@ -124,7 +124,7 @@ fn added_axes_conventions_and_travels_are_named() {
     let same = abbe(&["diff", &base, &base]);
     assert!(same.contains("The machines do not differ."), "{same}");
     let csv = abbe(&["diff", &base, &other, "--poses", "100", "--format", "csv"]);
-    assert_eq!(csv.lines().next(), Some("kind,name,first,second,largest,minus first [um]"));
+    assert_eq!(csv.lines().next(), Some("kind,name,first,second,largest [um or urad],minus first [um]"));
     assert_eq!(csv.lines().count(), 4, "{csv}");
 }
 

@@ -10,7 +10,7 @@ use crate::oracle::{program::Folder as Workshop, yaml};
 use crate::program::{Folder, abbe, abbe_on, json, refused, text};
 use abbe::analysis::Work;
 use abbe::analysis::budget::{Distribution, Draws, NODES, Statistic, bounds, classes};
-use abbe::analysis::enumerate::{Judge, Rule, Standing, Study, TooMany, walks};
+use abbe::analysis::enumerate::{Judge, Rule, Standing, Study, TooMany, buildable, walks};
 use abbe::analysis::{ToolPose, inverse, rest};
 use abbe::lower::sensitivities_to;
 use abbe::machine::{AxisKind, AxisName, Branch, ErrorId, Machine, Pose, Travel as Way};
@@ -185,7 +185,7 @@ fn the_arrangement_of_the_file_is_there_and_compares_with_itself() {
 
 #[test]
 fn what_cannot_turn_the_tool_is_listed_apart() {
-    let result = json(&["enumerate", "trunnion.yaml", "--poses", "20", "--format", "json"]);
+    let result = json(&["enumerate", "trunnion.yaml", "--poses", "20", "--buildable", "no", "--format", "json"]);
     let apart: Vec<&str> =
         result["cannot_turn_the_tool"].as_array().unwrap().iter().map(|chain| chain.as_str().unwrap()).collect();
     // C turns about the tool axis at any place after A on the walk: half of all walks.
@@ -201,6 +201,8 @@ fn what_cannot_turn_the_tool_is_listed_apart() {
         "C before A",
         "--max-table",
         "2",
+        "--buildable",
+        "no",
         "--format",
         "json",
     ]);
@@ -308,6 +310,12 @@ fn foreign_and_damaged_state_is_refused_and_left_alone() {
     says(&kept, &["--first", "2"], "another study");
     let second = kept.lines().nth(1).unwrap();
     says(&format!("{kept}{second}\n"), &[], "twice");
+    // Altered, impossible and missing records.
+    let (at, end) = (kept.find("\"values\":[").unwrap() + 10, kept.len());
+    let digit = at + kept[at..end].find(|c: char| c.is_ascii_digit()).unwrap();
+    says(&format!("{}9{}", &kept[..digit], &kept[digit..]), &[], "checksum");
+    says(&format!("{}-{}", &kept[..digit], &kept[digit..]), &[], "below zero");
+    says(&kept.replacen(&format!("{second}\n"), "", 1), &[], "checksum");
     std::fs::remove_file(&state).unwrap();
     let none = [&STUDY[..], &["json", "--state", "none/state.json"]].concat();
     let (code, message) = refused(&none);
@@ -386,4 +394,41 @@ fn machines_are_rearranged_as_a_file_would_say() {
     let fewer = machine.rearranged(&[side("Z", t), side("Y", t), side("X", t)]).unwrap();
     assert!(fewer.axes().iter().all(|axis| axis.kind == AxisKind::Linear));
     assert!(fewer.errors().all(|(error, _)| error.axis.as_str().len() == 1 && !"AC".contains(error.axis.as_str())));
+}
+
+/// Rules of what can be built, by brute force over all arrangements of a machine of three linear and two rotary axes.
+#[test]
+fn what_is_hardly_built_is_counted_and_left_out() {
+    let machine = machine("trunnion.yaml");
+    let all = walks(&machine, None, &[]).unwrap();
+    let is_rotary = |axis: usize| ["A", "C"].contains(&machine.axes()[axis].name.as_str());
+    // Listed from the workpiece on; the file has no linear axis above a rotary one.
+    let broken = |axes: &[usize], table: usize| {
+        let above = (0..table).any(|i| !is_rotary(axes[i]) && (i + 1..table).any(|j| is_rotary(axes[j])));
+        if above {
+            Some(0)
+        } else if table > 4 {
+            Some(1)
+        } else {
+            None
+        }
+    };
+    let mut counts = [0; 3];
+    let mut left = Vec::new();
+    for walk in &all {
+        for table in &walk.tables {
+            match broken(&walk.axes, *table) {
+                Some(rule) => counts[rule] += 1,
+                None => left.push((walk.axes.clone(), *table)),
+            }
+        }
+    }
+    let (found, excluded) = buildable(&machine, all);
+    assert_eq!(excluded, counts);
+    let found: Vec<(Vec<usize>, usize)> =
+        found.iter().flat_map(|walk| walk.tables.iter().map(|table| (walk.axes.clone(), *table))).collect();
+    assert_eq!(found, left);
+    let own: Vec<usize> = (0..machine.axes().len()).collect();
+    let on_table = machine.axes().iter().filter(|axis| axis.branch == Branch::Workpiece).count();
+    assert!(found.contains(&(own, on_table)));
 }

@@ -40,16 +40,21 @@ fn percentile_95(mut values: Vec<f64>) -> f64 {
 fn one_squareness_has_the_closed_form() {
     let folder = Folder::new("goal-one");
     let path = with_errors(&folder, "EC0Y: { tolerance: 20 urad }");
-    // |U| of a rectangle of half width 500 mm * t: its 95 % value is 0.95 of that.
+    // |U| of a rectangle of half width 500 mm * t: its 95 % value is 0.95 of that, 0.475 um per urad. A default run of
+    // 1000 machines has 0.95 +- 1.96 sqrt(0.95 * 0.05 / 1000) = 0.95 +- 0.0135 of them below, which |U| repeats.
     let found = goal(&path, "4.75 um", &["--poses", "20"]);
     let new = of(&found, "EC0Y");
-    assert!((number(&new["new"]) - 10.0).abs() < 0.2, "{new}");
+    let tolerance = 10.0 * 0.95 / 0.9635;
+    assert!((number(&new["new"]) - tolerance).abs() < 0.15, "{new}");
     assert_eq!((&new["old"], &new["unit"], &new["binds"]), (&20.0.into(), &"urad".into(), &"goal".into()));
-    assert!((number(&found["proof_um"]["value"]) - 4.75).abs() < 0.02 * 4.75);
-    // Cost 1 / t with t = goal / 0.475 um per urad: 0.475 / goal, and 0.475 / goal^2 for a micrometre.
-    let cost = &found["cost"];
-    assert!((number(&cost["before"]) - 0.05).abs() < 1e-12 && (number(&cost["after"]) - 0.1).abs() < 0.002);
-    assert!((number(&cost["per_um"]) - 0.475 / 4.75 / 4.75).abs() < 0.02 * 0.021, "{cost}");
+    let proof = &found["proof_um"];
+    assert!((number(&proof["value"]) - 0.475 * number(&new["new"])).abs() < 0.005 * 4.75, "{proof}");
+    assert!(number(&proof["high"]) < 4.75 && found["proof_samples"] == 100_000, "{found}");
+    // Cost 20 / t - 1 with t = p95 / 0.475: a micrometre less of p95 costs 20 * 0.475 / p95^2.
+    let (cost, p95) = (&found["cost"], number(&proof["value"]));
+    assert!(number(&cost["before"]) == 0.0 && (number(&cost["after"]) - (20.0 * 0.475 / p95 - 1.0)).abs() < 0.02);
+    assert!((number(&cost["per_um"]) - 20.0 * 0.475 / p95 / p95).abs() < 0.02, "{cost}");
+    assert_eq!((&cost["unit"], &cost["power"]), (&"tolerances halved".into(), &Value::Null));
     assert_eq!(found["staying_um"], 0.0);
 }
 
@@ -65,9 +70,11 @@ fn two_errors_at_one_place_are_those_of_a_search_by_brute_force() {
     let mut random = Random::new(3);
     let drawn: Vec<(f64, f64)> = (0..40_000).map(|_| (random.around(1.0), random.around(1.0))).collect();
     let value = |x: f64, y: f64| percentile_95(drawn.iter().map(|(u, v)| (x * u).hypot(y * v)).collect());
-    assert!((value(x, y) - 6.0).abs() < 0.02 * 6.0, "{x} {y}: {}", value(x, y));
+    // Below the goal by the sampling error of a default run.
+    let own = value(x, y);
+    assert!(own < 6.0 * 1.005 && own > 0.94 * 6.0, "{x} {y}: {own}");
     // Of all ratios, each scaled to the goal, none is cheaper by more than the noise.
-    let cost = |ratio: f64| (8.0 / ratio + 1.0) * value(ratio, 1.0) / 6.0;
+    let cost = |ratio: f64| (8.0 / ratio + 1.0) * value(ratio, 1.0) / own;
     let best = (1..80).map(|i| cost(0.05 * f64::from(i))).fold(f64::INFINITY, f64::min);
     assert!(8.0 / x + 1.0 / y < 1.02 * best, "{x} {y}: {} {best}", 8.0 / x + 1.0 / y);
     assert_eq!((&of(&found, "EXX")["weight"], &of(&found, "EXX")["kind"]), (&8.0.into(), &"positioning".into()));
@@ -126,25 +133,25 @@ fn machines_of_our_own_keep_the_goal_and_limits_bind() {
     let path = with_errors(&folder, SIX);
     let found = goal(&path, "12 um", &["--poses", "20"]);
     assert!((number(&found["staying_um"]) - 2.0).abs() < 1e-9);
-    let own = own_p95(&path, &found, 20);
-    assert!((own - 12.0).abs() < 0.02 * 12.0, "{own}");
-    // Power times cost is in proportion to the part of the 95 % value.
+    // Below the goal by the sampling error of a default run.
+    let within = |own: f64| assert!(own < 12.0 * 1.005 && own > 0.94 * 12.0, "{own}");
+    within(own_p95(&path, &found, 20));
+    // Weight times present / new is in proportion to the part of the 95 % value.
     let list = found["tolerances"].as_array().unwrap();
     let price = number(&found["cost"]["per_um"]);
-    for entry in list.iter().filter(|entry| number(&entry["um_of_p95"]) > 1.0) {
-        let ratio = number(&entry["cost_after"]) / number(&entry["um_of_p95"]) / price;
+    for entry in list.iter().filter(|entry| entry["binds"] == "goal" && number(&entry["um_of_p95"]) > 1.0) {
+        let ratio = (number(&entry["cost_after"]) + 1.0) / number(&entry["um_of_p95"]) / price;
         assert!((ratio - 1.0).abs() < 0.25, "{ratio} {entry}");
     }
     // No single tolerance can be given up for another at less cost: a limit that binds makes the whole dearer.
-    let limits = folder.with("cost.yaml", "finest: { EC0Y: 18 urad }\ncoarsest: { EXX: 2 um, EYX: 2 um }\n");
+    let limits = folder.with("cost.yaml", "finest: { EC0Y: 18 urad }\ncoarsest: { EXX: 1.5 um, EYX: 1.5 um }\n");
     let bound = goal(&path, "12 um", &["--poses", "20", "--cost", text(&limits)]);
-    for (error, binds, new) in [("EC0Y", "finest", 18.0), ("EXX", "coarsest", 2.0), ("EYX", "coarsest", 2.0)] {
+    for (error, binds, new) in [("EC0Y", "finest", 18.0), ("EXX", "coarsest", 1.5), ("EYX", "coarsest", 1.5)] {
         let entry = of(&bound, error);
         assert!(entry["binds"] == binds && (number(&entry["new"]) - new).abs() < 1e-9, "{entry}");
     }
     assert!(number(&bound["cost"]["after"]) > number(&found["cost"]["after"]));
-    let own = own_p95(&path, &bound, 20);
-    assert!((own - 12.0).abs() < 0.02 * 12.0, "{own}");
+    within(own_p95(&path, &bound, 20));
     // The same on any number of threads.
     let on = |threads: usize| {
         let goal = ["--goal", "12 um", "--samples", "200", "--poses", "4", "--format", "json"];
@@ -157,6 +164,71 @@ fn machines_of_our_own_keep_the_goal_and_limits_bind() {
     }
     let csv = abbe(&["budget", text(&path), "--goal", "12 um", "--samples", "200", "--poses", "4", "--format", "csv"]);
     assert!(csv.lines().next().unwrap().ends_with(",new tolerance,binds") && csv.contains(",goal\n"), "{csv}");
+}
+
+/// The file with the new tolerances passes: in a default run, the upper end of the interval is within the goal.
+#[test]
+fn the_written_file_is_within_the_goal_by_a_default_run() {
+    let folder = Folder::new("goal-written");
+    for (errors, limit) in [(SIX, 12.0), ("EC0Y: { tolerance: 20 urad }, EXX: { tolerance: 9 um }", 8.0)] {
+        let path = with_errors(&folder, errors);
+        let found =
+            json(&["budget", text(&path), "--goal", &format!("{limit} um"), "--format", "json"])["goal"].clone();
+        let mut lines = Vec::new();
+        for entry in found["tolerances"].as_array().unwrap() {
+            let (error, unit) = (entry["error"].as_str().unwrap(), entry["unit"].as_str().unwrap());
+            assert!(number(&entry["new"]) <= number(&entry["old"]), "{entry}");
+            lines.push(format!("{error}: {{ tolerance: {} {unit} }}", number(&entry["new"])));
+        }
+        // Measured errors are left out of the figures of a budget, and count for a goal.
+        let written = with_errors(&folder, &lines.join(", "));
+        for seed in ["1", "2", "3"] {
+            let p95 = &json(&["budget", text(&written), "--seed", seed, "--format", "json"])["position_um"]["monte_carlo"]
+                ["percentiles"]["p95"];
+            let of_interval = if seed == "1" { "high" } else { "value" };
+            assert!(number(&p95[of_interval]) <= limit, "{errors}, seed {seed}: {p95}");
+        }
+    }
+}
+
+#[test]
+fn what_is_held_stays_and_nothing_is_loosened_unasked() {
+    let folder = Folder::new("goal-held");
+    let path = with_errors(&folder, &format!("{SIX}, EZZ: {{ tolerance: 0.5 um }}"));
+    let held = folder.with("held.yaml", "held: { positioning: true, squareness: true, EB0Z: false }\nunit: EUR\n");
+    let found = goal(&path, "19 um", &["--poses", "20", "--cost", text(&held)]);
+    for entry in found["tolerances"].as_array().unwrap() {
+        let (error, old, new) = (entry["error"].as_str().unwrap(), number(&entry["old"]), number(&entry["new"]));
+        let is_held = ["EXX", "EZZ", "EC0Y"].contains(&error);
+        assert_eq!((entry["binds"] == "held", new == old || !is_held), (is_held, true), "{entry}");
+        let cost = number(&entry["cost_after"]);
+        assert!(new <= old && (cost - (old / new - 1.0)).abs() < 1e-9, "{entry}");
+    }
+    assert_eq!(found["cost"]["unit"], "EUR");
+    let own = own_p95(&path, &found, 20);
+    assert!(own < 19.0 && own > 0.93 * 19.0, "{own}");
+    // With fewer to be tightened the same goal costs more.
+    let free = goal(&path, "19 um", &["--poses", "20"]);
+    assert!(number(&free["cost"]["after"]) < number(&found["cost"]["after"]));
+    // What hardly counts is loosened where that is allowed, which pays for the rest.
+    let loose = goal(&path, "19 um", &["--poses", "20", "--loosen"]);
+    let coarser = |of: &Value| {
+        of["tolerances"].as_array().unwrap().iter().filter(|e| e["new"].as_f64() > e["old"].as_f64()).count()
+    };
+    assert!(coarser(&loose) > 0 && coarser(&free) == 0, "{loose}");
+    assert!(number(&loose["cost"]["after"]) < number(&free["cost"]["after"]));
+    let said = abbe(&["budget", text(&path), "--goal", "19 um", "--poses", "20", "--loosen"]);
+    assert!(said.contains("Coarser than now:") && said.contains("tolerances halved"), "{said}");
+    let said = abbe(&["budget", text(&path), "--goal", "19 um", "--poses", "20", "--cost", text(&held)]);
+    assert!(said.contains("3 of them held") && said.contains(" EUR"), "{said}");
+    // Held ones alone are above the goal.
+    let all = folder.with("all.yaml", "held: { squareness: true }\n");
+    let arguments = ["budget", text(&path), "--goal", "4 um", "--poses", "20", "--cost", text(&all)];
+    let (code, message) = refused(&arguments);
+    assert!(code == 1 && message.contains("by tightening what is not held (2 are)"), "{message}");
+    // A goal that is met asks for nothing.
+    let met = goal(&path, "60 um", &["--poses", "20"]);
+    assert!(number(&met["cost"]["after"]) == 0.0 && coarser(&met) == 0, "{met}");
 }
 
 #[test]
@@ -188,7 +260,7 @@ fn a_goal_out_of_reach_says_what_is_left() {
         says(&["--goal", "5 um", "--cost", text(&cost)], &["E0615", words, "docs/budget.md"]);
     }
     says(&["--goal", "5 um", "--cost", "none.yaml"], &["E0101"]);
-    for usage in [&["--goal", "5 urad"][..], &["--goal", "-5 um"], &["--cost", text(&limits)]] {
+    for usage in [&["--goal", "5 urad"][..], &["--goal", "-5 um"], &["--cost", text(&limits)], &["--loosen"]] {
         assert_eq!(refused(&[&["budget", text(&path)], usage].concat()).0, 2, "{usage:?}");
     }
 }

@@ -106,7 +106,7 @@ fn the_machines_of_the_test_data_resolve() {
 fn small(lines: &str) -> String {
     format!(
         "abbe: 1\nmachine: Small\nchain: w C' b X Z t\naxes:\n  X: {{ travel: [0, 500], origin: [0, 0, 0] }}\n  Z: {{ travel: [-400, 0], origin: [0, 0, 0] }}\n  \
-         C: {{ travel: continuous }}\n{lines}\n"
+         C: {{ travel: continuous, origin: [0, 0, 0] }}\n{lines}\n"
     )
 }
 
@@ -362,7 +362,7 @@ fn variants_merge_replace_and_remove() {
         "tool: { gauge: [1, 2, 3], length: 100 mm }\nconventions: bui-kimm\nmeasured: [tables/x.csv]\n\
          errors: { EX0C: 1 um, EXC: { points: [[0, 1 um], [360, 1 um]] }, EYC: 5 um }\nvolume: { X: { step: 10 }, Z: { step: 5 } }\nsetup: { tool: { X: 1 um } }",
     )
-    .replace("C: { travel: continuous }", "C: { travel: continuous, origin: [7, 8, 9], on_tool: { origin: { from: bed, at: [7, 8, 9] } } }",);
+    .replace("C: { travel: continuous, origin: [0, 0, 0] }", "C: { travel: continuous, origin: [7, 8, 9], on_tool: { origin: { from: bed, at: [7, 8, 9] } } }",);
     let variant = "extends: ../base/b.yaml\nmachine: Variant\nchain: null\nbranches: { tool: [X, Z, C] }\n\
         axes: { X: { travel: [0, 300], origin: [0, 0, 0] }, C: { sense: direct } }\ntool: { offset: [0, 0, -5] }\nconventions: { joints: orthogonal }\n\
         errors: { EX0C: 2 um, EXC: { harmonics: { 1: [0 um, 0.1 um] } }, EYC: null, EZC: { table: c.csv } }\nvolume: { Z: { step: 8 } }\nsetup: { tool: { X: null, Y: 2 um } }\n";

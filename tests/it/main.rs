@@ -30,6 +30,7 @@ mod determinism;
 mod diagnostics;
 mod diff_machines;
 mod enumerate;
+mod equal_bounds;
 mod equations;
 mod eval_exact;
 mod eval_order;
@@ -107,6 +108,7 @@ mod support;
 #[cfg(target_os = "linux")]
 mod system_faults;
 mod targets;
+mod test_pieces;
 mod theorems;
 mod tidy;
 mod tool_poses;

@@ -97,6 +97,8 @@ fn verdicts_are_those_of_machines_drawn_by_the_test() {
         "production",
         "--max-table",
         "2",
+        "--buildable",
+        "no",
         "--poses",
         "12",
         "--samples",

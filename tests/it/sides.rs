@@ -347,7 +347,7 @@ fn arrangements_whose_geometry_is_not_stated_are_ranked_apart_and_never_first() 
     let folder = Folder::new("sides-unstated");
     let silent_of_heads = SMALL.replace(", on_tool: { origin: { from: A, at: [0, 0, 30] } }", "");
     let path = folder.with("m.yaml", &silent_of_heads);
-    let arguments = ["enumerate", text(&path), "--poses", "15", "--samples", "20"];
+    let arguments = ["enumerate", text(&path), "--buildable", "no", "--poses", "15", "--samples", "20"];
     let result = json(&[&arguments[..], &["--format", "json"]].concat());
     let rows = |key: &str| result[key].as_array().unwrap().clone();
     let on_tool = |chain: &str| !chain.contains("C'");
@@ -408,8 +408,10 @@ fn show_says_what_holds_on_the_other_side() {
 #[test]
 fn a_linear_axis_without_origin_is_a_warning_if_something_turns_it() {
     let with = |x: &str, errors: &str| {
-        let axes =
-            format!("  X: {{ travel: [0, 500]{x} }}\n  Z: {{ travel: [-400, 0] }}\n  C: {{ travel: continuous }}\n");
+        let axes = format!(
+            "  X: {{ travel: [0, 500]{x} }}\n  Z: {{ travel: [-400, 0] }}\n  C: {{ travel: continuous, \
+             origin: [0, 0, 0] }}\n"
+        );
         let text = five("w C' b X Z t", &axes, &format!("tool: {{ length: 120 }}\nerrors: {{ {errors} }}\n"));
         let (_, diagnostics) = read(&[("m.yaml", &text)]);
         diagnostics.iter().map(|d| format!("{} {}", d.code, d.message)).collect::<Vec<_>>()

@@ -413,7 +413,7 @@ fn a_study_takes_the_travel_that_the_work_needs() {
     let said = abbe(&[&run[..], &["text"]].concat());
     assert!(said.contains("X 300") && said.contains("travel needed, mm or deg"), "{said}");
     let csv = abbe(&[&run[..], &["csv"]].concat());
-    assert!(csv.lines().next().unwrap().ends_with(",travel") && csv.contains("X -50 250"), "{csv}");
+    assert!(csv.lines().next().unwrap().ends_with(",travel [mm or deg]") && csv.contains("X -50 250"), "{csv}");
     // Errors with values end with the travel.
     let valued = three(&folder, "20 urad");
     let (code, message) = refused(&["enumerate", text(&valued), "--size"]);

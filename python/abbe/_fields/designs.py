@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Union
 
 from .._record import Named, Record
-from .deviations import DeviationBudget, Over, ReachedToolPoses, UnreachableCount, VersusFirst
+from .deviations import CharacteristicResult, DeviationBudget, Over, PairedDifference, Percentile, ReachedToolPoses, UnreachableCount
+from .machines import Coverage
 
 
 class BoundedContribution(Record):
@@ -43,19 +44,11 @@ class FittedBudget(Record):
     agrees: Annotated[bool, "True if that is the same error in machine coordinates."]
 
 
-class Percentile(Record):
-    """A percentile of the population the samples come from."""
-
-    percent: Annotated[int, "The percentile, in percent."]
-    value: Annotated[float, "The ceil(percent n / 100)-th smallest sample."]
-    low: Annotated[Union[float, None], "Lower end of the interval that holds it with 95 % confidence; ``None`` with too few samples."]
-    high: Annotated[Union[float, None], "Upper end."]
-
-
 class GoalCost(Record):
     """The cost of tolerances."""
 
-    power: Annotated[float, "Power of the tolerance in the cost."]
+    unit: Annotated[str, "What it counts."]
+    power: Annotated[Union[float, None], "Power of the tolerance in the cost; none where the cost is relative to the present tolerances, weight x (present / new - 1)."]
     before: Annotated[float, "Value with the old tolerances."]
     after: Annotated[float, "Value with the new tolerances."]
     per_um: Annotated[Union[float, None], "Cost of lowering the 95 % value by one um; none if no tolerance is free."]
@@ -69,7 +62,7 @@ class GoalTolerance(Record):
     unit: Annotated[str, "``um`` or ``urad``."]
     old: Annotated[float, "Before, in ``unit``."]
     new: Annotated[float, "After, in ``unit``."]
-    binds: Annotated[Literal["goal", "finest", "coarsest"], "The limit that holds it."]
+    binds: Annotated[Literal["goal", "finest", "coarsest", "present", "held"], "The limit that holds it."]
     um_of_p95: Annotated[float, "Its part of the 95 % value, um."]
     weight: Annotated[float, "Its weight in the cost."]
     cost_before: Annotated[float, "Its cost before."]
@@ -113,11 +106,13 @@ class BudgetFields(Record):
     contributions: Annotated[list[BoundedContribution], "Effect of each error at its bound where the RSS is largest, largest first."]
     contributions_on_average: Annotated[list[BoundedContribution], "The same, averaged over the poses."]
     tighten: Annotated[list[Tightening], "The bounded errors; first the one whose tightening lowers the 95 % value most."]
+    coverage: Annotated[Coverage, "Which of the errors that act are known."]
     machine: Annotated[str, "Name of the machine."]
     chain: Annotated[str, "The kinematic chain."]
     over: Annotated[Over, "What the budget is over."]
     best_fit: Annotated[Union[FittedBudget, None], "The same without the rigid motion of the best fit, for a volume whose reference is not stated."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches."]
+    characteristics: Annotated[Union[list[CharacteristicResult], None], "The characteristics of features for which the job states tolerances, over the machines drawn."]
     goal: Annotated[Union[ToleranceGoal, None], "The cheapest tolerances, if a goal was given."]
     at: Annotated[Union[ContributionsAt, None], "Contributions at the pose that was named."]
 
@@ -138,6 +133,20 @@ class RankingRounds(Record):
     done: Annotated[list[RoundCount], "The rounds done: machines drawn, and arrangements that took part."]
     drawn: Annotated[int, "Number of machines drawn of ranked arrangements."]
     drawn_without_elimination: Annotated[int, "Their number if all arrangements had as many as the one with most."]
+
+
+class ExcludedArrangements(Record):
+    """Arrangements that a rule of what can be built leaves out."""
+
+    rule: Annotated[str, "The rule."]
+    arrangements: Annotated[int, "Number of arrangements; one that breaks several rules counts for the first."]
+
+
+class VersusFirst(Record):
+    """A machine or arrangement against the first, on the machines drawn of both."""
+
+    verdict: Annotated[Literal["first", "equal", "not_told_apart", "worse", "better"], "What is known of the two."]
+    minus_first: Annotated[PairedDifference, "Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence."]
 
 
 class Arrangement(Record):
@@ -172,10 +181,11 @@ class EnumerateFields(Record):
     rounds: Annotated[Union[RankingRounds, None], "The rounds, where machines are drawn."]
     seed: Annotated[int, "Seed of poses and errors."]
     statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
-    reach: Annotated[float, "Fraction of the tool poses that a ranked arrangement reaches."]
+    reach: Annotated[float, "Fraction of the tool poses from which on arrangements that miss some are listed by their figure."]
     arrangements: Annotated[int, "Number of arrangements."]
-    ranked: Annotated[list[Arrangement], "The arrangements, best first."]
-    reach_less: Annotated[list[Arrangement], "Arrangements that reach less."]
+    not_buildable: Annotated[Union[list[ExcludedArrangements], None], "Arrangements that are left out because they are hardly built, by rule."]
+    ranked: Annotated[list[Arrangement], "The arrangements that do the whole work, best first."]
+    reach_less: Annotated[list[Arrangement], "Arrangements that miss some tool poses: figures over their own tool poses, ``minus_file`` on these."]
     geometry_not_stated: Annotated[list[Arrangement], "Arrangements whose geometry the file does not state."]
     cannot_turn_the_tool: Annotated[list[str], "Arrangements that cannot turn the tool: their chains."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches, as its file has it."]

@@ -266,6 +266,60 @@ class FeatureResult(Record):
     errors: Annotated[list[DominatingError], "The errors with the largest parts in that deviation."]
 
 
+class Percentile(Record):
+    """A percentile of the population the samples come from."""
+
+    percent: Annotated[int, "The percentile, in percent."]
+    value: Annotated[float, "The ceil(percent n / 100)-th smallest sample."]
+    low: Annotated[Union[float, None], "Lower end of the interval that holds it with 95 % confidence; ``None`` with too few samples."]
+    high: Annotated[Union[float, None], "Upper end."]
+
+
+class Proportion(Record):
+    """The fraction of a population that has a property, by samples of it."""
+
+    value: Annotated[float, "The fraction of the samples, 0 to 1."]
+    low: Annotated[float, "Lower end of its 95 % interval (Wilson)."]
+    high: Annotated[float, "Upper end."]
+
+
+class DrawnCharacteristic(Record):
+    """A characteristic over machines drawn between the bounds of errors."""
+
+    samples: Annotated[int, "Number of machines drawn."]
+    median_um: Annotated[float, "Median, um."]
+    p95_um: Annotated[Percentile, "The value that 95 % of the machines do not exceed, um, with its 95 % confidence interval."]
+    holds: Annotated[Union[Proportion, None], "The fraction of the machines that hold the tolerance, with its 95 % interval (Wilson)."]
+
+
+class CharacteristicPart(Record):
+    """The part of an error in a characteristic."""
+
+    error: Annotated[str, "Name of the error; ``values`` for all errors with values beside bounds."]
+    um: Annotated[float, "Its part, um, first order; the parts of all errors sum up to the value."]
+    share: Annotated[float, "The same as a fraction of the value."]
+
+
+class CharacteristicResult(Record):
+    """A characteristic of a feature (ISO 1101) with its tolerance."""
+
+    feature: Annotated[str, "Name of the feature."]
+    kind: Annotated[Literal["straightness", "flatness", "roundness", "cylindricity", "profile", "position", "parallelism", "perpendicularity", "angularity"], "The characteristic."]
+    datum: Annotated[Union[str, None], "Name of the datum feature."]
+    fit: Annotated[Literal["minimum-zone", "least-squares"], "The fit by which it is judged."]
+    tolerance_um: Annotated[Union[float, None], "Its largest value, um."]
+    poses: Annotated[int, "Number of its points that are reached."]
+    unreached: Annotated[int, "Number of its points, and those of its datum, that are not."]
+    lacks: Annotated[Union[str, None], "The reason why the points in reach do not carry it."]
+    value_um: Annotated[Union[float, None], "Its value by the errors that have values, um."]
+    minimum_zone_um: Annotated[Union[float, None], "Width of the narrowest zone, um; none where nothing is fitted."]
+    least_squares_um: Annotated[Union[float, None], "Width of the zone about the least-squares feature, um; none where nothing is fitted."]
+    interval_um: Annotated[Union[list[float], None], "Interval of the value by the uncertainty of the errors, 95 %, um."]
+    holds: Annotated[Union[bool, None], "True if the value is within the tolerance."]
+    drawn: Annotated[Union[DrawnCharacteristic, None], "The values of machines drawn between the bounds of errors."]
+    errors: Annotated[list[CharacteristicPart], "The parts of errors in the value, or in the 95 % value of the machines drawn, largest first."]
+
+
 class Uncompensated(Record):
     """Statistics of a machine without compensation."""
 
@@ -292,6 +346,7 @@ class MapFields(Record):
     p95_relative_error: Annotated[Union[float, None], "Relative error of the 95 % values, for a map of more than ``MapPoses::MAX_HELD`` poses."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file, with those that the machine reaches."]
     features: Annotated[Union[list[FeatureResult], None], "The features of the file, where it names some: the largest deviation on each."]
+    characteristics: Annotated[Union[list[CharacteristicResult], None], "The characteristics of features for which the job states tolerances."]
     target: Annotated[Union[str, None], "The target whose compensation is in the map."]
     uncompensated: Annotated[Union[Uncompensated, None], "The same without compensation, for a map with."]
 
@@ -463,11 +518,22 @@ class PairedDifference(Record):
     high: Annotated[Union[float, None], "Upper end."]
 
 
-class VersusFirst(Record):
-    """A machine or arrangement against the first, on the machines drawn of both."""
+class WithheldVerdict(Record):
+    """Why there is no verdict on two machines: errors without a value or a bound could turn it."""
 
-    verdict: Annotated[Literal["first", "equal", "not_told_apart", "worse", "better"], "What is known of the two."]
+    reason: Annotated[str, "The reason in words."]
+    as_bounded: Annotated[Literal["first", "equal", "not_told_apart", "worse", "better"], "The verdict on the errors that are bounded."]
+    missing_first: Annotated[list[str], "Errors that the first machine states nothing of."]
+    missing: Annotated[list[str], "Errors that this machine states nothing of."]
+    minus_first_if_filled: Annotated[list[PairedDifference], "Its 95 % value minus that of the first, um, with the bounds of the other machine for what is missing, and with those of the class for what neither bounds."]
+
+
+class ComparedVerdict(Record):
+    """A machine against the first, on the machines drawn of both."""
+
+    verdict: Annotated[Union[Literal["first", "equal", "not_told_apart", "worse", "better"], None], "What is known of the two; none if errors that only one of the files bounds could turn it."]
     minus_first: Annotated[PairedDifference, "Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence."]
+    withheld: Annotated[Union[WithheldVerdict, None], "Why there is no verdict."]
 
 
 class ComparedBudgets(Record):
@@ -482,7 +548,7 @@ class ComparedBudgets(Record):
     distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
     statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
     max_samples: Annotated[int, "Number of machines that are drawn at most, if the first ones do not tell the machines apart."]
-    versus_first_p95_um: Annotated[list[VersusFirst], "The 95 % value of the position of each machine but the first, minus that of the first."]
+    versus_first_p95_um: Annotated[list[ComparedVerdict], "The 95 % value of the position of each machine but the first, minus that of the first."]
 
 
 class FittedMachine(Record):
@@ -499,7 +565,7 @@ class FittedComparison(Record):
 
     over: Annotated[Over, "What it is over."]
     machines: Annotated[list[FittedMachine], "The machines in their order."]
-    versus_first_p95_um: Annotated[Union[list[VersusFirst], None], "The 95 % value of the position of each machine but the first, minus that of the first, where budgets are compared."]
+    versus_first_p95_um: Annotated[Union[list[ComparedVerdict], None], "The 95 % value of the position of each machine but the first, minus that of the first, where budgets are compared."]
 
 
 class MachineVerdict(Record):

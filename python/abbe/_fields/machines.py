@@ -122,6 +122,14 @@ class ErrorCounts(Record):
     tolerance: Annotated[int, "Errors of which only a bound is known."]
 
 
+class Coverage(Record):
+    """How many of the errors that act in a machine's own chain are known: six of each axis, and the location errors that are no choice of coordinates."""
+
+    valued: Annotated[int, "Number of errors with a value."]
+    bounded: Annotated[int, "Number of errors that are bounded, by the file or by a class."]
+    missing: Annotated[list[str], "Names of the errors that have neither. None on a machine with measured values: what it does not state is zero."]
+
+
 class MachineSummary(Record):
     """A machine in short, as ``check`` prints it."""
 
@@ -131,6 +139,7 @@ class MachineSummary(Record):
     tools: Annotated[list[str], "Names of the tools; empty for a tool without a name."]
     conventions: Annotated[Conventions, "The conventions in force."]
     errors: Annotated[ErrorCounts, "Counts of the errors."]
+    coverage: Annotated[Coverage, "Which of the errors that act are known, by the file and the class that it names."]
     inputs: Annotated[list[InputFile], "The files that the machine was read from."]
 
 
@@ -219,7 +228,7 @@ class DiffFields(Record):
     machines: Annotated[list[str], "Name of each machine."]
     files: Annotated[list[str], "File of each machine."]
     asked: Annotated[int, "Number of tool poses asked for."]
-    poses: Annotated[int, "Number of tool poses that both machines reach, with every difference by itself too."]
+    poses: Annotated[int, "Number of tool poses that both machines reach, and most differences by themselves: one that reaches less than nine tenths of them is judged on what it reaches."]
     seed: Annotated[int, "Seed of the tool poses."]
     p95_um: Annotated[list[float], "95 % position deviation of each machine at these tool poses, um."]
     minus_first_um: Annotated[float, "Second less first."]

@@ -126,6 +126,18 @@ class TargetSummary(Record):
     frame: Annotated[Union[TargetCertainty, None], "The frame of kinematic parameters, and its certainty; ``None`` of tables."]
 
 
+class TestPieceFields(Record):
+    """A test piece as a job."""
+
+    kind: Annotated[Literal["square", "diamond", "circle", "cone", "s-shape", "nas-979"], "The kind."]
+    poses: Annotated[int, "Number of tool poses."]
+    features: Annotated[list[str], "Names of its features."]
+    c_motion: Annotated[Union[Literal["turn", "pole", "swing"], None], "The motion of a rotary axis about Z, of a cone."]
+    largest_tilt_deg: Annotated[float, "Largest angle of the tool to Z, deg."]
+    notes: Annotated[list[str], "What rests on memory, or is geometry of our own."]
+    job: Annotated[str, "Name of the job file."]
+
+
 class Dates(Record):
     """First and last day of the calibration, and the day of issue."""
 

@@ -1,6 +1,6 @@
 //! Budgets as text: their totals, and tolerances.
 
-use abbe::results::{DeviationBudget, PercentileInterval};
+use abbe::results::{Coverage, DeviationBudget, PercentileInterval};
 use abbe::text::{angle, length, significant};
 
 pub(crate) const TOTALS: [&str; 9] =
@@ -16,6 +16,22 @@ pub(crate) fn totals_row(name: &str, t: &DeviationBudget) -> Vec<String> {
     };
     let head = [name.to_owned(), short(t.worst_case), short(t.rss), short(t.mean_of_both), short(t.monte_carlo.mean)];
     head.into_iter().chain(t.monte_carlo.percentiles.values().map(interval)).collect()
+}
+
+/// How many of the acting errors of a machine without measured values are bounded, and which are not.
+pub(crate) fn coverage_line(of: &Coverage) -> Option<String> {
+    if of.valued > 0 || (of.bounded == 0 && of.missing.is_empty()) {
+        return None;
+    }
+    let (bounded, acting) = (of.bounded, of.acting());
+    Some(match of.missing.len() {
+        0 => format!("all {acting} errors that act are bounded"),
+        n => format!(
+            "{bounded} of {acting} errors that act are bounded; {n} have neither value nor bound (`--class` has some): \
+             {}",
+            of.missing.join(", ")
+        ),
+    })
 }
 
 /// A tolerance in um or urad as `± 20 um`.

@@ -3,7 +3,7 @@
 use super::budget_text::{TOTALS, TOTALS_NOTE, totals_row};
 use super::ranking::difference;
 use super::view::{errors_more, table, table_of_machines};
-use abbe::results::{ComparedBudget, ComparedBudgets, MachineVerdict, Verdict, VersusFirst};
+use abbe::results::{ComparedBudget, ComparedBudgets, ComparedVerdict, MachineVerdict, Verdict, WithheldVerdict};
 use abbe::text::significant;
 
 /// Two tables: totals, and the part of each tolerance in the 95 % value.
@@ -33,15 +33,34 @@ pub(crate) fn text(of: &ComparedBudgets, verdicts: &[MachineVerdict], top: usize
 
 /// The differences of the 95 % values, with what can be said of them.
 fn versus_first(of: &ComparedBudgets, verdicts: &[MachineVerdict]) -> String {
-    let line = |(i, versus): (usize, &VersusFirst)| {
-        let words = match versus.verdict {
-            _ if verdicts.get(i).is_some_and(|of| of.reason.is_some()) => "no verdict, as stated below".to_owned(),
-            Verdict::NotToldApart => format!("not told apart with {} machines (`--max-samples`)", of.drawing.samples),
-            verdict => verdict.words().to_owned(),
+    let line = |(i, versus): (usize, &ComparedVerdict)| {
+        let stated_below = versus.withheld.is_none() && verdicts.get(i).is_some_and(|of| of.reason.is_some());
+        let words = match (versus.verdict, &versus.withheld) {
+            _ if stated_below => "no verdict, as stated below".to_owned(),
+            (Some(Verdict::NotToldApart), _) => {
+                format!("not told apart with {} machines (`--max-samples`)", of.drawing.samples)
+            }
+            (Some(verdict), _) => verdict.words().to_owned(),
+            (None, withheld) => format!("no verdict{}", withheld.as_ref().map(reason).unwrap_or_default()),
         };
         format!("95 % value of the position, {} - 1: {} um, {words}\n", i + 2, difference(versus.minus_first))
     };
     of.versus_first_p95_um.iter().enumerate().map(line).collect()
+}
+
+/// Why there is no verdict, with the difference that like bounds would give and the names of what is missing.
+fn reason(of: &WithheldVerdict) -> String {
+    let [other, class] = of.minus_first_if_filled.map(difference);
+    let names = |number: &str, missing: &[String]| {
+        if missing.is_empty() { String::new() } else { format!("\n  missing in {number}: {}", missing.join(", ")) }
+    };
+    format!(
+        ": {}\n  with the other machine's bounds for them {other} um, with those of class {} too {class} um{}{}",
+        of.reason,
+        of.class,
+        names("1", &of.missing_first),
+        names("this one", &of.missing)
+    )
 }
 
 fn tolerances(of: &ComparedBudgets, top: usize) -> String {

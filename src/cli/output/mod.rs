@@ -5,6 +5,7 @@ pub(super) mod bounded;
 pub(super) mod budget_text;
 pub(super) mod budgets;
 pub(super) mod certificate;
+pub(super) mod characteristics;
 pub(super) mod identify_report;
 pub(super) mod map_output;
 pub(super) mod monomials;

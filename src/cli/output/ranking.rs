@@ -1,14 +1,15 @@
 //! The result of `enumerate` as text and CSV.
 
-use super::view::{cell, table, tool_poses_text};
+use super::view::{table, tool_poses_text};
 use abbe::options::{JudgedBy, Statistic};
-use abbe::results::{Arrangement, PairedDifference, RankedArrangements, RankingRounds, Verdict};
-use abbe::text::significant;
+use abbe::results::{Arrangement, ExcludedArrangements, PairedDifference, RankedArrangements, RankingRounds, Verdict};
+use abbe::text::{cell, significant};
 
 pub(crate) fn csv(of: &RankedArrangements) -> String {
-    let mut csv = "rank,group,chain,on table,reached,um,low,high,mean,minus file [um],not stated,samples,versus first,\
-                   minus first [um],minus first low,minus first high,travel\n"
-        .to_owned();
+    let mut csv =
+        "rank,group,chain,on table,reached,um,low [um],high [um],mean [um],minus file [um],not stated,samples,\
+                   versus first,minus first [um],minus first low [um],minus first high [um],travel [mm or deg]\n"
+            .to_owned();
     for (group, rows) in [
         ("ranked", &of.ranked),
         ("reaches less", &of.reach_less),
@@ -77,7 +78,8 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
     }
     if !of.reach_less.is_empty() {
         text += &format!(
-            "\n{} reach less than {} % of the tool poses:\n",
+            "\n{} miss some of the tool poses and have no rank; those that reach {} % come first, by their difference \
+             to the file's arrangement on the poses that they reach:\n",
             of.reach_less.len(),
             significant(of.reach * 100.0, 4)
         );
@@ -95,6 +97,11 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
         let few: Vec<&str> = cannot_turn.iter().take(3).map(|row| row.chain.as_str()).collect();
         let dots = if cannot_turn.len() > 3 { ", ..." } else { "" };
         text += &format!("\n{} cannot turn the tool: {}{dots}\n", cannot_turn.len(), few.join(", "));
+    }
+    if !of.not_buildable.is_empty() {
+        let rule = |rule: &ExcludedArrangements| format!("{} break \"{}\"", rule.arrangements, rule.rule);
+        let rules: Vec<String> = of.not_buildable.iter().map(rule).collect();
+        text += &format!("\nLeft out as hardly built: {} (`--buildable no` lists them)\n", rules.join(", "));
     }
     text + "Negative differences: less error than the arrangement of the file, on the same tool poses.\n"
 }

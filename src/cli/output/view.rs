@@ -149,11 +149,6 @@ pub(crate) fn errors_more(count: usize, top: usize) -> String {
     }
 }
 
-/// A cell of a CSV file, quoted where it has to be.
-pub(crate) fn cell(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
-}
-
 pub(crate) fn numbers(values: impl IntoIterator<Item = f64>) -> String {
     values.into_iter().map(|x| plain(x).to_string()).collect::<Vec<_>>().join(",")
 }

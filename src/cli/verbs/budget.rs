@@ -5,7 +5,8 @@ use crate::cli::arguments::{
     self, JobArg, PartsArgs, PictureFile, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg,
     help, svg,
 };
-use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, short, tolerance_text, totals_row};
+use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, coverage_line, short, tolerance_text, totals_row};
+use crate::cli::output::characteristics;
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
 use crate::cli::output::view::{axes_text, path_text, reach_text, table, tool_poses_text};
@@ -47,9 +48,12 @@ pub(crate) struct Args {
     /// Seek the cheapest tolerances for this 95 % value of the position, such as "30 um" (above 0).
     #[arg(long, value_name = "LENGTH", value_parser = goal)]
     goal: Option<f64>,
-    /// The cost of tolerances, a YAML file [default: the sum of 1 / tolerance, um or urad].
+    /// The cost of tolerances, a YAML file [default: the sum of present / new - 1: a tolerance halved counts 1].
     #[arg(long, value_name = "FILE", requires = "goal")]
     cost: Option<PathBuf>,
+    /// Let tolerances become coarser than they are, which lowers the cost.
+    #[arg(long, requires = "goal")]
+    loosen: bool,
     #[command(flatten)]
     parts: PartsArgs,
     #[command(flatten)]
@@ -78,6 +82,7 @@ impl Args {
             at: self.at.clone(),
             goal_mm: self.goal,
             cost: self.cost.clone(),
+            loosen: self.loosen,
             shard: self.parts.shard,
             merge: self.parts.merge.clone(),
         }
@@ -167,6 +172,7 @@ impl BudgetText<'_> {
             0 => "\n".to_owned(),
             n => format!("; {n} errors with values are left out\n"),
         };
+        text += &coverage_line(&self.result.coverage).map_or_else(String::new, |line| line + "\n");
         text += &format!(
             "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",
             budget.poses,
@@ -183,6 +189,7 @@ impl BudgetText<'_> {
         text += &self.result.best_fit.as_ref().map_or(String::new(), best_fit_text);
         text += &format!("Worst case at {}\n", axes_text(self.file, budget.position_um.worst_case_at.values()));
         text += &format!("RSS largest at {}\n", axes_text(self.file, budget.position_um.rss_at.values()));
+        text += &characteristics::text(&self.result.characteristics);
         text += &self.pareto_table();
         text += &self.tighten_table();
         let goal =

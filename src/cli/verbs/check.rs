@@ -1,11 +1,12 @@
 //! `abbe check`: all diagnostics, and a summary of the machine.
 
+use crate::cli::output::budget_text::coverage_line;
 use crate::cli::output::session::Session;
 use crate::cli::{Exit, Format, Outcome};
 use abbe::results::{AxisSummary, CheckedFile, ErrorCounts};
 use abbe::results::{ErrorId, ErrorTerm, Travel};
 use abbe::text::annotations;
-use abbe::text::{angle, counts, length, shown, significant};
+use abbe::text::{angle, cell, counts, length, shown, significant};
 use abbe::{MachineFile, check, summary};
 use serde_json::json;
 use std::path::PathBuf;
@@ -63,6 +64,7 @@ fn text(CheckedFile { file, machine, diagnostics }: &CheckedFile) -> String {
     let mut text = format!("{}\n  chain   {}\n  axes    {}\n", machine.name(), machine.chain(), axes.join(", "));
     let class = machine.class().map_or_else(String::new, |class| format!("; class {}", shown(&class.name)));
     text.push_str(&format!("  errors  {location} location, {component} component, {tolerance} only bounded{class}\n"));
+    text.push_str(&coverage_line(&short.coverage).map_or_else(String::new, |line| format!("  known   {line}\n")));
     let arms = short.axes.iter().filter(|axis| axis.arm_mm.share.is_some_and(|share| share > 0.0));
     let arm = |axis: &AxisSummary| {
         let share = axis.arm_mm.share.unwrap_or(0.0) * 100.0;
@@ -95,18 +97,13 @@ fn csv(machine: &MachineFile) -> String {
 /// The same of several files, with the name of the file in front; refused ones have no rows.
 fn csv_of_several(checked: &[CheckedFile]) -> String {
     let of = |CheckedFile { file, machine, .. }: &CheckedFile| {
-        let name = quote(file);
+        let name = cell(file);
         machine.iter().flat_map(rows).map(|row| format!("{name},{row}")).collect::<Vec<_>>()
     };
     std::iter::once("file,error,kind,value".to_owned())
         .chain(checked.iter().flat_map(of))
         .collect::<Vec<_>>()
         .join("\n")
-}
-
-fn quote(text: &str) -> String {
-    let plain = !text.contains([',', '"', '\n', '\r']);
-    if plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
 }
 
 fn rows(machine: &MachineFile) -> Vec<String> {

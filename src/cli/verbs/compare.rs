@@ -6,12 +6,12 @@ use crate::cli::arguments::{
 };
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{
-    STATISTICS, cell, errors_more, numbers, path_text, reach_text, statistics_rows, table, table_of_machines,
+    STATISTICS, errors_more, numbers, path_text, reach_text, statistics_rows, table, table_of_machines,
 };
 use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
 use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, MachineVerdict, Statistics};
-use abbe::text::significant;
+use abbe::text::{cell, significant};
 use abbe::{CompareOptions, compare};
 use std::path::PathBuf;
 

@@ -3,11 +3,11 @@
 use crate::cli::Outcome;
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{cell, table};
+use crate::cli::output::view::table;
 use crate::cli::store::file_set;
 use abbe::options::CompensationOptions;
 use abbe::results::{MachineDifference, PropertyDifference, SetDifference};
-use abbe::text::significant;
+use abbe::text::{cell, significant};
 use abbe::{DiffMachinesOptions, DiffOptions};
 use std::path::{Path, PathBuf};
 
@@ -58,7 +58,7 @@ fn sets(session: &mut Session, args: &Args, machine: &Path, [old, new]: [&Path; 
 }
 
 fn machines_csv(of: &MachineDifference) -> String {
-    let mut csv = "kind,name,first,second,largest,minus first [um]\n".to_owned();
+    let mut csv = "kind,name,first,second,largest [um or urad],minus first [um]\n".to_owned();
     for d in &of.differences {
         let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
         let (first, second) = (cell(&d.first), cell(&d.second));
@@ -81,10 +81,12 @@ fn machines_text(of: &MachineDifference) -> String {
         let effect = d.minus_first_um.map_or_else(|| "-".to_owned(), sign_text);
         let _ = rows.add_row([property_name(d), d.first.clone(), d.second.clone(), effect]);
     }
+    let what =
+        if of.from.is_some() { "95 % value of machines drawn between the bounds" } else { "95 % position deviation" };
     let [first, second] = of.p95_um.map(|um| significant(um, 4));
     let chain = if of.differences[0].kind == "chain" { ", the others on the chain of machine 2" } else { "" };
     text + &format!(
-        "{rows}\n95 %, um: change of the 95 % position deviation of machine 1 with this difference alone{chain}.\n\
+        "{rows}\n95 %, um: change of the {what} of machine 1 with this difference alone{chain}.\n\
          All together: {first} um -> {second} um ({}), over {} of {} tool poses that both reach.\n",
         sign_text(of.minus_first_um),
         of.poses,

@@ -14,6 +14,13 @@ use abbe::results::{EnumerateResult, StudyProgress};
 use abbe::{EnumerateOptions, enumerate};
 use std::path::PathBuf;
 
+/// An answer to a question.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum YesNo {
+    Yes,
+    No,
+}
+
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
 #[command(mut_arg("poses", |option| option.default_value("500")))]
@@ -32,6 +39,10 @@ pub(crate) struct Args {
     /// may be given again.
     #[arg(long, value_name = "RULE")]
     require: Vec<String>,
+    /// Leave out what is hardly built (linear above rotary on the table, more than four axes below the part, more than
+    /// two rotary in the head), unless the file has it so.
+    #[arg(long, value_enum, default_value_t = YesNo::Yes)]
+    buildable: YesNo,
     /// Maximum number of axes that carry the workpiece (0 or more) [default: all].
     #[arg(long, value_name = "N")]
     max_table: Option<usize>,
@@ -52,7 +63,7 @@ pub(crate) struct Args {
     /// Draw more machines until the first K ranks are told apart (1 to 1000).
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     first: u32,
-    /// Rank what reaches at least this share of the tool poses, in percent (0 to 100).
+    /// List by its figure what misses tool poses but reaches this share of them, in percent (0 to 100).
     #[arg(long, value_name = "PERCENT", default_value_t = 50.0, value_parser = percent)]
     reach: f64,
     #[command(flatten)]
@@ -70,6 +81,7 @@ impl Args {
             seed: self.seed.seed,
             by: self.by,
             require: self.require.clone(),
+            buildable: self.buildable == YesNo::Yes,
             max_table: self.max_table,
             rotary: self.rotary,
             poses: self.poses.poses,

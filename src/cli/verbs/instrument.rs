@@ -3,11 +3,11 @@
 use crate::cli::Outcome;
 use crate::cli::arguments::{PictureFile, ToolArg, counts, help, svg};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{cell, table};
+use crate::cli::output::view::table;
 use crate::cli::store::write;
 use abbe::options::{CirclePlane, Instrument};
 use abbe::results::{BallBar, Diagonal, InstrumentResult, LaserReadings, RTest, Readings};
-use abbe::text::significant;
+use abbe::text::{cell, significant};
 use abbe::{InstrumentOptions, instrument};
 use std::path::PathBuf;
 

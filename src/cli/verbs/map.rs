@@ -9,7 +9,7 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::{
     STATISTICS, axes_text, frame_text, path_text, reach_text, statistics_rows, table, tool_poses_text,
 };
-use crate::cli::output::{bands, bounded};
+use crate::cli::output::{bands, bounded, characteristics};
 use crate::cli::store::write::refuse_outputs;
 use crate::cli::tolerances::BoundsArgs;
 use crate::cli::{Format, Outcome};
@@ -160,6 +160,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
         text.push_str(&format!("{lead} {length} um ({x}, {y}, {z}) at {}\n", axes_text(file, worst.axes.values())));
     }
     text.push_str(&features(result));
+    text.push_str(&characteristics::text(&result.characteristics));
     if let Some(reached) = &result.tool_poses {
         text.push_str(&reach_text(&reached.rows, &reached.travel));
         text.push_str(&result.path.as_ref().map_or_else(String::new, path_text));
@@ -189,6 +190,7 @@ fn text_of_bounds(file: &MachineFile, args: &Args, result: &MapResult, of: &MapF
         bounded::worst(file, of),
     );
     text.push_str(&features(result));
+    text.push_str(&characteristics::text(&result.characteristics));
     if let Some(reached) = &result.tool_poses {
         text.push_str(&reach_text(&reached.rows, &reached.travel));
         text.push_str(&result.path.as_ref().map_or_else(String::new, path_text));

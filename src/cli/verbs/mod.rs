@@ -24,5 +24,6 @@ pub(super) mod record;
 pub(super) mod report;
 pub(super) mod show;
 pub(super) mod targets;
+pub(super) mod testpiece;
 pub(super) mod verify;
 pub(super) mod workbench;

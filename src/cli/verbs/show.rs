@@ -2,10 +2,10 @@
 
 use crate::cli::arguments::{PictureFile, ToolArg, help, png, svg};
 use crate::cli::output::session::Session;
-use crate::cli::output::view::{cell, numbers, table};
+use crate::cli::output::view::{numbers, table};
 use crate::cli::{Format, Outcome};
 use abbe::results::{AxisKind, Branch, ChainAxis, ChainResult, ErrorTerm, LocationStatus, Sense};
-use abbe::text::significant;
+use abbe::text::{cell, significant};
 use abbe::{MachineFile, show};
 use std::path::PathBuf;
 

@@ -143,7 +143,7 @@ impl Reader {
         match numbers[..] {
             [x, y, z] => self.push(record, Vector3::new(x, y, z) * self.factor),
             [x, y, z, i, j, k] => {
-                self.axis = unit_vector(&Vector3::new(i, j, k))?;
+                self.axis = unit_vector(&Vector3::new(i, j, k), "the tool axis I, J, K")?;
                 self.push(record, Vector3::new(x, y, z) * self.factor)
             }
             _ => Err(wrong(format!("`{}` with {} numbers: 3 or 6 are expected", record.word, numbers.len()))),
@@ -175,6 +175,7 @@ impl Reader {
             tip,
             aim: Aim::Axis(self.axis),
             spin_rad: None,
+            normal: None,
             feature: if rapid { Some(RAPID.to_owned()) } else { self.feature.clone() },
         });
         Ok(())

@@ -18,6 +18,8 @@ enum Column {
     Rotary(usize, f64),
     /// Turn of the tool about its axis, with the factor to deg.
     Spin(f64),
+    /// A letter of the normal of the surface.
+    Normal(usize),
     Feature,
 }
 
@@ -25,6 +27,7 @@ impl Column {
     fn same(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Tip(i, _), Self::Tip(k, _)) | (Self::Axis(i), Self::Axis(k)) => i == k,
+            (Self::Normal(i), Self::Normal(k)) => i == k,
             (Self::Rotary(i, _), Self::Rotary(k, _)) => i == k,
             (Self::Feature, Self::Feature) | (Self::Spin(_), Self::Spin(_)) => true,
             _ => false,
@@ -35,7 +38,7 @@ impl Column {
 /// Returns the rows of a table; rotary columns are those of `machine`.
 pub(super) fn rows(machine: &Machine, sheet: &Sheet) -> Result<Vec<Row>, Diagnostic> {
     let help = "columns are X, Y, Z (mm, from the workpiece origin), I, J, K of the tool axis or positions of rotary \
-                axes (deg), spin (deg) and feature";
+                axes (deg), spin (deg), NX, NY, NZ of the normal of the surface, and feature";
     let lines = sheet.lines();
     let [header, data @ ..] = lines.as_slice() else {
         return Err(wrong("the file has no header").at(Some(sheet.start()), "").help(help));
@@ -63,6 +66,9 @@ fn columns(machine: &Machine, header: &[String]) -> Result<Vec<Column>, Diagnost
     if count(|c| matches!(c, Column::Tip(..))) != 3 {
         return Err(wrong("the columns X, Y and Z are needed: the functional point in the workpiece frame"));
     }
+    if let 1 | 2 = count(|c| matches!(c, Column::Normal(_))) {
+        return Err(wrong("of NX, NY and NZ all are needed, or none"));
+    }
     match (count(|c| matches!(c, Column::Axis(_))), count(|c| matches!(c, Column::Rotary(..)))) {
         (1 | 2, _) => Err(wrong("of I, J and K all are needed, or none")),
         (3, 1..) => Err(wrong("the tool axis is given twice: by I, J, K and by rotary axes")),
@@ -79,6 +85,9 @@ fn column(machine: &Machine, cell: &str) -> Result<Column, Diagnostic> {
     if let (Some(i), None) = (["I", "J", "K"].iter().position(|letter| *letter == name), unit) {
         return Ok(Column::Axis(i));
     }
+    if let (Some(i), None) = (["NX", "NY", "NZ"].iter().position(|letter| *letter == name), unit) {
+        return Ok(Column::Normal(i));
+    }
     if name == "SPIN" {
         return Ok(Column::Spin(factor(&name, unit, Dimension::ANGLE)?));
     }
@@ -93,7 +102,7 @@ fn column(machine: &Machine, cell: &str) -> Result<Column, Diagnostic> {
             let names: Vec<&str> = rotary.map(|axis| axis.name.as_str()).collect();
             let known = if names.is_empty() { "there is none".to_owned() } else { names.join(", ") };
             let message = format!(
-                "column `{}` is neither X, Y, Z nor I, J, K, spin, feature nor a rotary axis ({known})",
+                "column `{}` is neither X, Y, Z nor I, J, K, spin, NX, NY, NZ, feature nor a rotary axis ({known})",
                 shown(cell)
             );
             Err(wrong(message))
@@ -131,7 +140,7 @@ impl Table<'_> {
             return Err(wrong(format!("{} cells under {} columns", cells.len(), self.columns.len())));
         }
         let (mut tip, mut axis, mut pose) = (Vector3::zeros(), Vector3::zeros(), vec![0.0; self.machine.axes().len()]);
-        let (mut feature, mut spin_rad) = (None, None);
+        let (mut feature, mut spin_rad, mut normal) = (None, None, Vector3::zeros());
         for (cell, column) in cells.iter().zip(&self.columns) {
             if *column == Column::Feature {
                 feature = Some(cell.clone());
@@ -142,6 +151,7 @@ impl Table<'_> {
             match *column {
                 Column::Tip(i, factor) => tip[i] = number * factor,
                 Column::Axis(i) => axis[i] = number,
+                Column::Normal(i) => normal[i] = number,
                 Column::Rotary(i, factor) => pose[i] = number * factor,
                 Column::Spin(factor) => spin_rad = Some((number * factor).to_radians()),
                 Column::Feature => {}
@@ -153,17 +163,19 @@ impl Table<'_> {
         let holds = |kind: fn(&Column) -> bool| self.columns.iter().any(kind);
         let aim = match (holds(|c| matches!(c, Column::Rotary(..))), holds(|c| matches!(c, Column::Axis(_)))) {
             (true, _) => Aim::Rotary(pose),
-            (_, true) => Aim::Axis(unit_vector(&axis)?),
+            (_, true) => Aim::Axis(unit_vector(&axis, "the tool axis I, J, K")?),
             _ => Aim::Axis(into_part(self.machine, Vector3::from(self.machine.tool().direction))),
         };
-        Ok(Row { place: line.place.clone(), line: line.number, tip, aim, spin_rad, feature })
+        let normal = holds(|c| matches!(c, Column::Normal(_))).then(|| unit_vector(&normal, "the normal NX, NY, NZ"));
+        let normal = normal.transpose()?;
+        Ok(Row { place: line.place.clone(), line: line.number, tip, aim, spin_rad, feature, normal })
     }
 }
 
-/// Returns the direction of a tool axis of any length but 0.
-pub(crate) fn unit_vector(axis: &Vector3<f64>) -> Result<Vector3<f64>, Diagnostic> {
+/// Returns the direction of a vector of any length but 0.
+pub(crate) fn unit_vector(axis: &Vector3<f64>, what: &str) -> Result<Vector3<f64>, Diagnostic> {
     // Scaled first: the square of a large or small number is not one.
     let largest = axis.amax();
     let scaled = if largest > 0.0 && largest.is_finite() { axis / largest } else { Vector3::zeros() };
-    scaled.try_normalize(0.0).ok_or_else(|| wrong("the tool axis I, J, K has no direction: it is zero"))
+    scaled.try_normalize(0.0).ok_or_else(|| wrong(format!("{what} has no direction: it is zero")))
 }

@@ -11,6 +11,7 @@ mod missed;
 use super::path::PathResult;
 use super::placement::Placement;
 use super::poses::check;
+use crate::analysis::zone::SurfacePoint;
 use crate::analysis::{
     Miss, Needs, ToolPose, Unreachable, UnreachableCount, Work, path_events, place, rest, solve, tool_pose,
 };
@@ -50,9 +51,18 @@ struct Row {
     spin_rad: Option<f64>,
     /// Name of the feature to which the row belongs.
     feature: Option<String>,
+    /// Normal of the surface, a unit vector out of the material, workpiece frame.
+    normal: Option<Vector3<f64>>,
 }
 
 impl Row {
+    /// Returns the place and the normal of the surface, unturned workpiece frame.
+    fn surface_point(&self, machine: &Machine) -> SurfacePoint {
+        let turned = machine.workpiece_rotation();
+        let unturned = |v: Vector3<f64>| turned.map_or(v, |rotation| rotation * v);
+        SurfacePoint { place: unturned(self.tip), normal: self.normal.map(unturned) }
+    }
+
     /// Returns the tip and the positions of the rotary axes, if the row gives these.
     fn rotary(&self) -> Option<(&Vector3<f64>, &Pose)> {
         match &self.aim {
@@ -105,6 +115,9 @@ pub struct ReachedToolPoses {
     /// Lines of these poses in the file, from 1, with their features.
     #[serde(skip)]
     pub(crate) lines: Vec<(usize, Option<String>)>,
+    /// The points of the surface there, unturned workpiece frame.
+    #[serde(skip)]
+    pub(crate) surface: Vec<SurfacePoint>,
 }
 
 /// The place of a row of a file.
@@ -158,6 +171,7 @@ impl ToolPoses {
             if let Aim::Axis(axis) = &mut row.aim {
                 *axis = place.direction(*axis);
             }
+            row.normal = row.normal.map(|normal| place.direction(normal));
         }
     }
 
@@ -188,11 +202,13 @@ impl ToolPoses {
         call.extend(path.as_ref().and_then(|path| path.warning(machine)));
         let name = |row: &Row| (row.line, row.feature.clone());
         let lines = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok()).map(|(row, _)| name(row)).collect();
+        let held = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok());
+        let surface = held.map(|(row, _)| row.surface_point(machine)).collect();
         let poses: Vec<Pose> = found.into_iter().filter_map(Result::ok).collect();
         check(call, machine, &poses)?;
         let unreachable = UnreachableCount::count(rows.iter().map(|row| &row.why));
         let (file, asked, reached) = (self.file.clone(), self.rows.len(), poses.len());
-        Ok(ReachedToolPoses { file, asked, reached, unreachable, rows, travel, path, poses, lines })
+        Ok(ReachedToolPoses { file, asked, reached, unreachable, rows, travel, path, poses, lines, surface })
     }
 
     /// Returns what the rows ask of a machine that takes them by these poses.

@@ -267,10 +267,14 @@ fn travel(context: &mut Context, name: &AxisName, kind: AxisKind, entry: &Travel
     match entry {
         TravelEntry::Word(word) if word == "continuous" && kind == AxisKind::Rotary => Some(Travel::Continuous),
         TravelEntry::Word(word) => {
-            let help = if word == "continuous" {
-                "a linear axis has two ends: [0 mm, 500 mm]"
-            } else {
-                "write [min, max] or continuous"
+            let one_number = word.starts_with(|c: char| c.is_ascii_digit() || "+-.±".contains(c));
+            let help = match kind {
+                AxisKind::Linear if word == "continuous" => "a linear axis has two ends: [0 mm, 500 mm]",
+                AxisKind::Rotary if one_number => {
+                    "write `continuous` for an axis that turns without end, or both ends: [-120 deg, 30 deg]"
+                }
+                AxisKind::Linear if one_number => "write both ends: [0 mm, 500 mm]",
+                _ => "write [min, max] or continuous",
             };
             let message = format!("`{}` is not a travel of axis `{name}`", shown(word));
             context.at_value(codes::E0403, here, message, help);

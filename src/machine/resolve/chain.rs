@@ -98,7 +98,7 @@ fn check(context: &mut Context, links: &ChainLinks) -> Option<KinematicChain> {
         let declared = context.document.places.key(&keys(["axes", name.as_str()]));
         twice(context, name, place, &declared);
     }
-    if links.axes.is_empty() {
+    if links.axes.is_empty() && !context.document.places.is_marred(&keys(["branches"])) {
         context.at_value(
             codes::E0302,
             &keys(["chain"]),
@@ -106,7 +106,7 @@ fn check(context: &mut Context, links: &ChainLinks) -> Option<KinematicChain> {
             "name at least one axis between w and t",
         );
     }
-    graph.ok().filter(|_| context.diagnostics.count() == before)
+    graph.ok().filter(|_| context.diagnostics.count() == before && !links.axes.is_empty())
 }
 
 /// Letters of axes that are parallel by ISO 841.
@@ -130,6 +130,21 @@ pub fn warn_parallel(context: &mut Context, machine: &Machine) {
         let help = "right for a quill or a second slide, whose errors then act alike and are told apart by moving one \
                     at a time only; else correct `direction`";
         context.at_key(codes::W0406, &keys(["axes", axis.name.as_str()]), message, help);
+    }
+}
+
+/// Linear axes from which on a chain looks like a hexapod.
+const HEXAPOD: usize = 6;
+
+/// Warns of six linear axes one upon the other: the legs of a hexapod stand side by side, which no chain says.
+pub fn warn_many_linear(context: &mut Context, machine: &Machine) {
+    let linear = machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear).count();
+    if linear >= HEXAPOD {
+        let written = if context.document.chain.is_some() { "chain" } else { "branches" };
+        let message = format!("the chain has {linear} linear axes, each carrying the next");
+        let help = "parallel kinematics (hexapods, deltas, scissor tables) are not modelled: their legs act side by \
+                    side, and every result would be of another machine";
+        context.at_value(codes::W0410, &keys([written]), message, help);
     }
 }
 
@@ -232,7 +247,7 @@ fn left_of_bed(context: &mut Context, token: &ChainWord, links: &mut ChainLinks)
 
 /// Words between spaces, dashes and the outer brackets; a letter before the bracket (V, H) says how
 /// the spindle stands and is not part of the walk.
-fn tokens(context: &Context<'_>, text: &str) -> Vec<ChainWord> {
+fn tokens(context: &Context, text: &str) -> Vec<ChainWord> {
     let body = match text.find('[') {
         Some(open) if matches!(text[..open].trim(), "" | "V" | "H") => open + 1..text.rfind(']').unwrap_or(text.len()),
         _ => 0..text.len(),
@@ -280,7 +295,7 @@ pub fn side_in(chain: &WrittenChain, axis: &str) -> Option<Branch> {
 }
 
 /// Returns the place of a piece of a text value, if the value stands in the file as it is.
-pub fn inside(context: &Context<'_>, at: &Keys, value: &str, start: usize, length: usize) -> Option<Place> {
+pub fn inside(context: &Context, at: &Keys, value: &str, start: usize, length: usize) -> Option<Place> {
     let whole = context.document.places.value(at)?;
     let written = context.diagnostics.sources.text(whole.source).get(whole.range.clone())?;
     match written.find(value) {

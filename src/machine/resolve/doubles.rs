@@ -260,7 +260,7 @@ fn turning(convention: &JointConvention) -> f64 {
     }
 }
 
-fn datum(context: &Context<'_>) -> DatumEntry {
+fn datum(context: &Context) -> DatumEntry {
     context.document.identify.as_ref().and_then(|identify| identify.datum).unwrap_or_default()
 }
 

@@ -5,10 +5,10 @@ use super::curves::{CurveOf, component, from_table, one_way};
 use super::found_errors::{Errors, bounded};
 use super::joint_names::{JointNames, find_error};
 use super::names::Spelling;
-use super::tolerances::{Named, letter, meaning};
+use super::tolerances::{Named, letter, meaning, warn_oblique};
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, AxisName, ComponentError, Direction, ErrorFamily, ErrorId, ErrorTerm};
-use crate::syntax::{ColumnDirection, CurveEntry, Keys, TermEntry, below, keys};
+use crate::syntax::{ColumnDirection, CurveEntry, FigureEntry, Keys, TermEntry, below, keys};
 use crate::units::{self, Dimension};
 use std::collections::BTreeSet;
 
@@ -167,6 +167,8 @@ pub fn term(
     }
     let error = &spelling.error;
     if let Some(scalar) = &entry.tolerance {
+        let figure = FigureEntry { value: Some(scalar.clone()), words: Vec::new() };
+        warn_oblique(context, error, known, &figure, at);
         return bounded(context, scalar, error.direction, &below(at, "tolerance")).map(ErrorTerm::Tolerance);
     }
     if error.is_location() {

@@ -33,9 +33,17 @@ impl Errors {
     }
 }
 
-/// The bound of an error, from zero up.
+/// Returns what stands behind both signs: `4 um` of `+-4 um`, `+/-4 um` or `±4 um`.
+pub fn behind_both_signs(scalar: &Scalar) -> Option<Scalar> {
+    let Scalar::Text(text) = scalar else { return None };
+    let rest = ["+-", "+/-", "±"].into_iter().find_map(|signs| text.trim().strip_prefix(signs))?;
+    Some(Scalar::Text(rest.trim().to_owned()))
+}
+
+/// The bound of an error, from zero up; both signs may stand before it.
 pub fn bounded(context: &mut Context, scalar: &Scalar, direction: Direction, here: &Keys) -> Option<f64> {
-    let value = context.error_value(scalar, direction, here)?;
+    let unsigned = behind_both_signs(scalar);
+    let value = context.error_value(unsigned.as_ref().unwrap_or(scalar), direction, here)?;
     if value < 0.0 {
         context.at_value(codes::E0411, here, "a negative tolerance", NEGATIVE);
         return None;

@@ -24,7 +24,7 @@ mod volume;
 
 pub use errors::{largest, largest_stated};
 pub use names::parse_error_name;
-pub use sides::no_origin;
+pub use sides::{CLASS_ANGLES, no_origin};
 
 use super::{Axis, Branch, Conventions, Geometry, KinematicChain, Machine, MachineParts, Origins};
 use crate::diagnostic::{Diagnostics, codes};
@@ -43,6 +43,8 @@ pub fn resolve(document: &Document, files: &dyn Files, diagnostics: &mut Diagnos
         tolerances::squareness(context, machine);
         sides::warn(context, machine);
         chain::warn_parallel(context, machine);
+        chain::warn_many_linear(context, machine);
+        parts::warn_direction(context, machine);
     }
     machine.filter(|_| !diagnostics.is_refused())
 }
@@ -102,11 +104,15 @@ fn parts(context: &mut Context) -> Option<MachineParts> {
         chain,
     };
     doubles::warn(context, &parts, &errors);
+    sides::warn_carried(context, &parts, &errors);
     Some(parts)
 }
 
 /// Axes that are declared but not in the chain: variants drop axes, so this is no mistake.
 fn left_out(context: &mut Context, declared: &[AxisDraft], chain: &KinematicChain, errors: &Errors) {
+    if context.document.places.is_marred(&keys(["branches"])) {
+        return;
+    }
     let walk = chain.walk();
     for axis in declared.iter().filter(|d| !walk.iter().any(|(name, _)| **name == d.name)) {
         let message = match errors.places.keys().filter(|e| e.axis == axis.name).count() {

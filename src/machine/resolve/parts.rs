@@ -4,7 +4,7 @@ use super::axes::direction;
 use super::context::{Context, dotted_path};
 use super::positions::{PositionDraft, position};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, is_layout, shown};
-use crate::machine::{AxisKind, Direction, Provenance, SetUp, Tool};
+use crate::machine::{AxisKind, Direction, Machine, Provenance, SetUp, Tool};
 use crate::syntax::{Keys, Scalar, SetUpEntry, ToolEntry, below, keys};
 
 /// Longest name of a machine, in characters.
@@ -138,6 +138,30 @@ fn tool(context: &mut Context, name: String, entry: &ToolEntry, at: &Keys) -> Op
     };
     let (gauge, offset, direction) = (gauge?, offset?, direction?);
     Some(Tool { name, gauge, tip: std::array::from_fn(|i| gauge[i] + offset[i]), direction })
+}
+
+/// Rotary axes from which on a machine is a robot, whose flange seldom points along Z of the machine.
+const ROBOT: usize = 4;
+
+/// Warns of tools of a robot whose direction is not written.
+pub fn warn_direction(context: &mut Context, machine: &Machine) {
+    if machine.axes().iter().filter(|axis| axis.kind == AxisKind::Rotary).count() < ROBOT {
+        return;
+    }
+    let document = context.document;
+    let single = document.tool.iter().map(|tool| (keys(["tool"]), tool));
+    let named = document.tools.iter().filter_map(|(name, tool)| Some((keys(["tools", name]), tool.as_ref()?)));
+    let silent: Vec<Keys> =
+        single.chain(named).filter(|(_, tool)| tool.direction.is_none()).map(|(at, _)| at).collect();
+    for at in silent {
+        let message = format!(
+            "`{}` of a robot has no `direction`: its axis is Z of the machine at the zero pose",
+            dotted_path(&at)
+        );
+        let help = "write where the tool axis points at the zero pose, from the tip to the gauge point, such as \
+                    `direction: [0, 1, 0]`; `[0, 0, 1]` keeps Z";
+        context.at_key(codes::W0409, &at, message, help);
+    }
 }
 
 fn length_below(context: &mut Context, scalar: &Scalar, at: &Keys) -> Option<f64> {

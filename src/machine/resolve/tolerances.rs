@@ -1,19 +1,35 @@
 //! The sections `tolerances` and `class`: bounds of errors, of axes, of squareness, and of everything else.
 
+use super::axes::AxisDraft;
 use super::context::{Context, dotted_path};
-use super::found_errors::{Errors, NEGATIVE, bounded};
+use super::found_errors::{Errors, NEGATIVE, behind_both_signs, bounded};
 use super::joint_names::JointNames;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{
     AxisKind, AxisName, CLASS_NAMES, ClassNumbers, Direction, ErrorFamily, ErrorId, ErrorKind, ErrorTerm, FRAME_KEYS,
     Frames, MAIN_AXES, Machine, NamedClass, Tolerances, classes,
 };
-use crate::syntax::{BoundEntry, FrameEntry, Keys, Scalar, below, keys};
+use crate::syntax::{BoundEntry, FigureEntry, FrameEntry, Keys, below, keys};
+use crate::units::significant;
 
 /// Words of data sheets that bound a positioning error: one that says how wide the band is, and those that widen it.
 /// The bound is half of their sum. docs/guide-data-sheets.md derives it.
-const WORDS: [(&str, &[&str]); 6] =
-    [("A", &[]), ("E", &["R"]), ("M", &["B", "R"]), ("P", &[]), ("Pa", &["U", "Ps"]), ("width", &[])];
+const WORDS: [(&str, &[&str]); 7] =
+    [("A", &[]), ("E", &["R"]), ("M", &["B", "R"]), ("P", &[]), ("Tp", &[]), ("Pa", &["U", "Ps"]), ("width", &[])];
+
+/// An axis is oblique to a letter if the cosine of the angle between them is within these.
+const OBLIQUE: std::ops::Range<f64> = 1e-3..1.0 - 1e-6;
+
+/// An error, a bound along or across an axis, or a squareness, as the words of data sheets see it.
+struct FigureOf<'a> {
+    /// Its name in messages.
+    name: &'a str,
+    direction: Direction,
+    /// True for a constant: a location error.
+    constant: bool,
+    /// True for an error of positioning, of which all words are said.
+    positioning: bool,
+}
 
 /// The meaning of a name under `tolerances`.
 pub enum Named {
@@ -37,7 +53,7 @@ pub fn meaning(name: &str, known: &JointNames<'_>) -> Named {
 
 /// Returns the bound of an error by its letter.
 pub fn letter(
-    context: &mut Context<'_>,
+    context: &mut Context,
     error: &ErrorId,
     entry: &BoundEntry,
     known: &JointNames<'_>,
@@ -48,57 +64,83 @@ pub fn letter(
         context.at_key(codes::E0408, at, format!("`{error}` is a component error of the spindle"), help);
         return None;
     }
-    let words = entry.words();
-    if entry.location.is_some() || entry.frame() != FrameEntry::default() || entry.value.is_some() != words.is_empty() {
+    let figure = entry.figure();
+    if !entry.is_figure() || !figure.is_one() {
         let help = format!("write one bound, `{error}: 8 um`, or words of a data sheet, `{error}: {{ A: 8 um }}`");
         context.at_key(codes::E0416, at, format!("`{}` is not the bound of an error", dotted_path(at)), help);
         return None;
     }
-    if let Some(value) = &entry.value {
-        let here = context.value_of(at);
-        return bounded(context, value, error.direction, &here).map(ErrorTerm::Tolerance);
-    }
-    by_words(context, error, &words, known, at).map(ErrorTerm::Tolerance)
+    warn_oblique(context, error, known, &figure, at);
+    let of = FigureOf {
+        name: &error.to_string(),
+        direction: error.direction,
+        constant: error.is_location(),
+        positioning: known.axis(&error.axis).is_some_and(|axis| positions(error, axis)),
+    };
+    let here = if figure.value.is_some() { context.value_of(at) } else { at.clone() };
+    half_width(context, &figure, &of, &here).map(ErrorTerm::Tolerance)
 }
 
-/// Half of the sum of the widths.
-fn by_words(
-    context: &mut Context<'_>,
-    error: &ErrorId,
-    words: &[(&str, &Scalar)],
-    known: &JointNames<'_>,
-    at: &Keys,
-) -> Option<f64> {
-    let listed = words.iter().map(|(word, _)| *word).collect::<Vec<_>>();
+/// Returns a bound: its value, or half of the sum of the widths.
+fn half_width(context: &mut Context, figure: &FigureEntry, of: &FigureOf<'_>, at: &Keys) -> Option<f64> {
+    if let Some(value) = &figure.value {
+        return bounded(context, value, of.direction, at);
+    }
+    let listed: Vec<&str> = figure.words.iter().map(|(word, _)| *word).collect();
     let fits = |(lead, more): &&(&str, &[&str])| {
         listed.contains(lead) && listed.iter().all(|word| word == lead || more.contains(word))
     };
-    let positioning = known.axis(&error.axis).is_some_and(|axis| positions(error, axis.kind, axis.plain.direction));
-    let message = if error.is_location() {
-        format!("`{error}` is a constant, and `{}` a width over a travel", listed.join("`, `"))
-    } else if !positioning && listed != ["width"] {
-        format!("`{}` is said of positioning, which `{error}` is not", listed.join("`, `"))
+    let (name, words) = (of.name, listed.join("`, `"));
+    let message = if of.constant {
+        format!("`{name}` is a constant, and `{words}` a width over a travel")
+    } else if !of.positioning && listed != ["width"] {
+        format!("`{words}` is said of positioning, which `{name}` is not")
     } else if !WORDS.iter().any(|row| fits(&row)) {
-        format!("`{}` alone bounds no error", listed.join("`, `"))
+        format!("`{words}` alone bounds no error")
     } else {
-        let widths = words.iter().map(|(word, value)| bounded(context, value, error.direction, &below(at, word)));
-        return widths.collect::<Vec<_>>().into_iter().sum::<Option<f64>>().map(|sum| 0.5 * sum);
+        let width = |(word, figure): &(&str, crate::syntax::Scalar)| {
+            let size = bounded(context, figure, of.direction, &below(at, word))?;
+            Some(if behind_both_signs(figure).is_some() { 2.0 * size } else { size })
+        };
+        let widths: Vec<Option<f64>> = figure.words.iter().map(width).collect();
+        return widths.into_iter().sum::<Option<f64>>().map(|sum| 0.5 * sum);
     };
-    let help = "positioning: A; E with or without R; M with or without B and R; P; Pa with or without U and Ps; any \
-                component error: width; location errors and squareness: one value";
+    let help = "positioning: A; E with or without R; M with or without B and R; P; Tp; Pa with or without U and Ps; \
+                any component error and squareness: width; location errors: one value; `+-4 um` is a width of 8 um";
     context.at_key(codes::E0416, at, message, help);
     None
 }
 
+/// Warns of a bound by a letter that is neither along its axis nor across it: it is a box in machine coordinates, and
+/// takes the place of what a class says of the axis.
+pub fn warn_oblique(context: &mut Context, error: &ErrorId, known: &JointNames<'_>, figure: &FigureEntry, at: &Keys) {
+    let Some((axis, u)) = known.axis(&error.axis).and_then(|axis| Some((axis, axis.on(axis.side).direction?))) else {
+        return;
+    };
+    let along = u[error.direction.index() % 3].abs();
+    if !OBLIQUE.contains(&along) {
+        return;
+    }
+    let own = along > 0.5 && !error.is_location();
+    let key = FRAME_KEYS[2 * usize::from(error.direction.is_rotation()) + usize::from(!own)];
+    let entry = format!("{{ {key}: {figure} }}");
+    let entry = if error.is_location() { format!("{{ location: {entry} }}") } else { entry };
+    let motion = if axis.kind == Some(AxisKind::Rotary) { "turns about" } else { "moves along" };
+    let direction = u.map(|x| significant(x, 4)).join(", ");
+    let message = format!("`{error}` is neither along nor across axis `{}`, which {motion} [{direction}]", axis.name);
+    let help = format!("for a bound of the axis itself write under `tolerances`: `{}: {entry}`", axis.name);
+    context.at_key(codes::W0407, at, message, help);
+}
+
 /// True for the error of positioning of an axis: along a linear, about a rotary one.
-fn positions(error: &ErrorId, kind: Option<AxisKind>, direction: Option<[f64; 3]>) -> bool {
-    let (Some(kind), Some(u)) = (kind, direction) else { return true };
+fn positions(error: &ErrorId, axis: &AxisDraft) -> bool {
+    let (Some(kind), Some(u)) = (axis.kind, axis.on(axis.side).direction) else { return true };
     let own = u[error.direction.index() % 3].abs() > 0.5;
     own && error.direction.is_rotation() == (kind == AxisKind::Rotary)
 }
 
 /// Bounds along and across axes, and of squareness.
-pub fn frames(context: &mut Context<'_>, known: &JointNames<'_>, errors: &Errors) -> Tolerances {
+pub fn frames(context: &mut Context, known: &JointNames<'_>, errors: &Errors) -> Tolerances {
     let mut all = Tolerances::default();
     for (name, entry) in &context.document.tolerances {
         let (at, Some(entry)) = (keys(["tolerances", name]), entry) else { continue };
@@ -113,7 +155,7 @@ pub fn frames(context: &mut Context<'_>, known: &JointNames<'_>, errors: &Errors
 }
 
 fn joint(
-    context: &mut Context<'_>,
+    context: &mut Context,
     axis: &AxisName,
     entry: &BoundEntry,
     known: &JointNames<'_>,
@@ -121,8 +163,12 @@ fn joint(
     errors: &Errors,
     all: &mut Tolerances,
 ) {
-    if entry.value.is_some() || !entry.words().is_empty() {
-        let help = format!("write `{axis}: {{ along: 2 um, across: 3 um, about_across: 10 urad }}`");
+    let figure = entry.figure();
+    if figure != FigureEntry::default() {
+        let help = match known.axis(axis).and_then(|axis| axis.kind).filter(|_| figure.value.is_none()) {
+            Some(kind) => format!("write `{axis}: {{ {}: {figure} }}`", positioning_key(kind)),
+            None => format!("write `{axis}: {{ along: 2 um, across: 3 um, about_across: 10 urad }}`"),
+        };
         let message = format!("`{}` does not say which errors of axis `{axis}` it bounds", dotted_path(at));
         context.at_key(codes::E0416, at, message, help);
         return;
@@ -140,35 +186,56 @@ fn joint(
         for (slot, (key, value)) in FRAME_KEYS.into_iter().zip(entry.four()).enumerate() {
             let Some(value) = value else { continue };
             let here = below(&base, key);
-            let direction = if slot < 2 { Direction::X } else { Direction::A };
+            let kind = known.axis(axis).and_then(|axis| axis.kind);
+            if context.document.places.is_marred(&here) {
+                continue;
+            }
+            if !value.is_one() {
+                let help = format!("write `{key}: 8 um`, or words of a data sheet, `{key}: {{ A: 8 um }}`");
+                context.at_key(codes::E0416, &here, format!("`{}` is not one bound", dotted_path(&here)), help);
+                continue;
+            }
             if by_letter(context, axis, family, slot >= 2, &here, errors) {
                 continue;
             }
-            four[slot] = bounded(context, value, direction, &here);
+            let of = FigureOf {
+                name: &dotted_path(&here),
+                direction: if slot < 2 { Direction::X } else { Direction::A },
+                constant: family == ErrorFamily::Location,
+                positioning: kind.is_some_and(|kind| positioning_key(kind) == key),
+            };
+            four[slot] = half_width(context, value, &of, &here);
         }
     }
     let _ = all.joints.insert(axis.clone(), both);
 }
 
-fn pair(context: &mut Context<'_>, name: &str, entry: &BoundEntry, at: &Keys, errors: &Errors, all: &mut Tolerances) {
+/// The key of the error of positioning of an axis.
+fn positioning_key(kind: AxisKind) -> &'static str {
+    if kind == AxisKind::Linear { FRAME_KEYS[0] } else { FRAME_KEYS[2] }
+}
+
+fn pair(context: &mut Context, name: &str, entry: &BoundEntry, at: &Keys, errors: &Errors, all: &mut Tolerances) {
     let mut two: Vec<usize> =
         name.split('-').filter_map(|axis| MAIN_AXES.iter().position(|l| *l == axis.trim())).collect();
     two.sort_unstable();
     two.dedup();
-    let only = BoundEntry { value: None, ..entry.clone() } == BoundEntry::default();
-    let ([first, second], Some(value), true, 2) = (&two[..], &entry.value, only, name.split('-').count()) else {
+    let figure = entry.figure();
+    let only = entry.is_figure() && figure.is_one();
+    let ([first, second], true, 2) = (&two[..], only, name.split('-').count()) else {
         let help = "write the squareness of two of the linear axes X, Y, Z: `X-Y: 0.02/500`; of others, `W: { \
                     location: { about_across: 40 urad } }`";
         context.at_key(codes::E0416, at, format!("`{}` is not the bound of a squareness", dotted_path(at)), help);
         return;
     };
-    let here = context.value_of(at);
+    let here = if figure.value.is_some() { context.value_of(at) } else { at.clone() };
     let carrying = AxisName::new(MAIN_AXES[*second]);
     if carrying.is_some_and(|axis| by_letter(context, &axis, ErrorFamily::Location, true, &here, errors)) {
         return;
     }
     let pair = [*first, *second];
-    if let Some(value) = bounded(context, value, Direction::A, &here)
+    let of = FigureOf { name, direction: Direction::A, constant: false, positioning: false };
+    if let Some(value) = half_width(context, &figure, &of, &here)
         && all.squareness.insert(pair, value).is_some()
     {
         context.at_key(codes::E0407, at, format!("`{}` is given twice", dotted_path(at)), "keep one of them");
@@ -177,7 +244,7 @@ fn pair(context: &mut Context<'_>, name: &str, entry: &BoundEntry, at: &Keys, er
 
 /// Refuses a bound along or across an axis beside one by letter in the same three directions.
 fn by_letter(
-    context: &mut Context<'_>,
+    context: &mut Context,
     axis: &AxisName,
     family: ErrorFamily,
     turns: bool,
@@ -201,7 +268,7 @@ fn by_letter(
 }
 
 /// Refuses squareness beside rotations across the axis that has it.
-fn warn_doubled(context: &mut Context<'_>, all: &Tolerances) {
+fn warn_doubled(context: &mut Context, all: &Tolerances) {
     for pair in all.squareness.keys() {
         let letters = pair.map(|axis| MAIN_AXES[axis]);
         let Some(axis) = AxisName::new(letters[1]) else { continue };
@@ -214,7 +281,7 @@ fn warn_doubled(context: &mut Context<'_>, all: &Tolerances) {
 }
 
 /// Refuses squareness of axes that have none: parallel ones.
-pub fn squareness(context: &mut Context<'_>, machine: &Machine) {
+pub fn squareness(context: &mut Context, machine: &Machine) {
     let frames = Frames::of(machine);
     for [first, second] in machine.tolerances().squareness.keys() {
         let [Some(_), Some(joint)] = [first, second].map(|axis| machine.axis_index(MAIN_AXES[*axis])) else { continue };
@@ -229,7 +296,7 @@ pub fn squareness(context: &mut Context<'_>, machine: &Machine) {
 }
 
 /// Returns the class of the file.
-pub fn class(context: &mut Context<'_>) -> Option<NamedClass> {
+pub fn class(context: &mut Context) -> Option<NamedClass> {
     let entry = context.document.class.as_ref()?;
     let at = keys(["class"]);
     let known = classes();

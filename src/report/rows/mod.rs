@@ -17,4 +17,4 @@ mod work;
 
 pub use structured::structured_grid;
 pub use table::{RowBlock, RowFormat, RowValues, Rows, Sink, Stream};
-pub use work::{UnreachedRow, WorkRow, WorkRows};
+pub use work::{UnreachedRow, WorkRow, WorkRows, cell};

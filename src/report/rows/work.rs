@@ -102,13 +102,37 @@ impl WorkRows {
     }
 }
 
-fn cell(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+/// Returns a cell of a CSV file, quoted where it has to be. Text that a spreadsheet would run as a formula, because of
+/// its first character, stands behind an apostrophe; numbers with a sign and a unit do not.
+pub fn cell(text: &str) -> String {
+    let number = |rest: &str| {
+        rest.starts_with(|c: char| c.is_ascii_digit() || c == '.') && !rest.contains(['=', '|', '!', '(', '@'])
+    };
+    let signed = text.strip_prefix(['+', '-']).is_some_and(|rest| !number(rest));
+    let runs = signed || text.starts_with(['=', '@', '\t', '\r']);
+    let text = if runs { format!("'{text}") } else { text.to_owned() };
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_cell_runs_as_a_formula() {
+        for (text, safe) in [
+            ("=1+1", "'=1+1"),
+            ("@SUM(A1)", "'@SUM(A1)"),
+            ("+cmd", "'+cmd"),
+            ("-2+3|'x'!A0", "'-2+3|'x'!A0"),
+            ("=A,B", "\"'=A,B\""),
+            ("-12 um", "-12 um"),
+            ("+.5", "+.5"),
+            ("bore 1", "bore 1"),
+        ] {
+            assert_eq!(cell(text), safe);
+        }
+    }
 
     #[test]
     fn unreached_rows_stand_in_their_places() {

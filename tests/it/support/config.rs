@@ -24,10 +24,32 @@ pub fn sample(path: &Path) -> Sample {
         constant(&mut sample, name, text(value));
     }
     let folder = path.parent().unwrap();
+    for (word, own) in words(&file) {
+        let block = side_block(word, own).into_iter().flat_map(|block| entries(block, "errors"));
+        for (name, value) in block {
+            match value.as_mapping() {
+                None => constant(&mut sample, name, text(value)),
+                // The table of the whole axis, below.
+                Some(of) => assert!(file["measured"].as_sequence().unwrap().contains(&of["table"]), "{name}"),
+            }
+        }
+    }
     for table in file.get("measured").and_then(Value::as_sequence).into_iter().flatten() {
         measured(&mut sample, &std::fs::read_to_string(folder.join(text(table))).unwrap());
     }
     sample
+}
+
+/// The words of the chain that are axes, with their entries.
+fn words(file: &Mapping) -> impl Iterator<Item = (&str, &Mapping)> {
+    let axes = text(&file["chain"]).split(' ').filter(|word| !["w", "b", "t"].contains(word) && !word.starts_with('('));
+    axes.map(|word| (word, file["axes"][word.trim_end_matches('\'')].as_mapping().unwrap()))
+}
+
+/// What an axis says of the side on which it is.
+fn side_block<'a>(word: &str, own: &'a Mapping) -> Option<&'a Mapping> {
+    let side = if word.ends_with('\'') { "on_workpiece" } else { "on_tool" };
+    own.get(side).and_then(Value::as_mapping)
 }
 
 /// A file merged over the one it extends.
@@ -70,12 +92,8 @@ fn geometry(file: &Mapping) -> Sample {
         ..Machine::default()
     };
     let mut axes = Vec::new();
-    for word in chain.split(' ').filter(|word| !["w", "b", "t"].contains(word)) {
-        if word.starts_with('(') {
-            rigid.spindle = Some([0.0; 6]);
-            continue;
-        }
-        let own = file["axes"][word.trim_end_matches('\'')].as_mapping().unwrap();
+    rigid.spindle = chain.contains('(').then_some([0.0; 6]);
+    for (word, own) in words(file) {
         rigid.walk.push(axis(word, own, tool(file).0));
         let travel = (own["travel"] != "continuous").then(|| [0, 1].map(|end| quantity(&own["travel"][end])));
         axes.push(Extra { travel, errors: Default::default() });
@@ -87,9 +105,8 @@ fn geometry(file: &Mapping) -> Sample {
 /// The origin of an axis: of the block of its side, or the plain one. Positions count from the gauge point or from
 /// machine zero.
 fn origin(word: &str, own: &Mapping, gauge: V3) -> V3 {
-    let side = if word.ends_with('\'') { "on_workpiece" } else { "on_tool" };
-    let block = own.get(side).and_then(Value::as_mapping);
-    block.iter().for_each(|block| known(block, &["origin"]));
+    let block = side_block(word, own);
+    block.iter().for_each(|block| known(block, &["origin", "errors"]));
     let Some(origin) = block.and_then(|block| block.get("origin")).or(own.get("origin")) else { return [0.0; 3] };
     let Some(relative) = origin.as_mapping() else { return vector(origin) };
     assert_eq!(relative["from"], "gauge", "this reader does not know the point");

@@ -111,7 +111,7 @@ export interface BeyondTravel {
 }
 
 /** What holds a tolerance where it is. */
-export type Binding = "goal" | "finest" | "coarsest";
+export type Binding = "goal" | "finest" | "coarsest" | "present" | "held";
 
 /** Displacement along a body diagonal. */
 export interface BodyDiagonal {
@@ -206,6 +206,8 @@ export interface BudgetResult {
   contributions_on_average: BoundedContribution[];
   /** The bounded errors; first the one whose tightening lowers the 95 % value most. */
   tighten: Tightening[];
+  /** Which of the errors that act are known. */
+  coverage: Coverage;
   /** Name of the machine. */
   machine: string;
   /** The kinematic chain. */
@@ -216,6 +218,8 @@ export interface BudgetResult {
   best_fit?: FittedBudget | null;
   /** Tool poses of a file that the machine reaches. */
   tool_poses?: ReachedToolPoses | null;
+  /** The characteristics of features for which the job states tolerances, over the machines drawn. */
+  characteristics?: CharacteristicResult[];
   /** The cheapest tolerances, if a goal was given. */
   goal?: ToleranceGoal | null;
   /** Contributions at the pose that was named. */
@@ -282,6 +286,53 @@ export interface ChainTool {
   tip_mm: [number, number, number];
   /** Unit vector of its axis, from the tip towards the spindle. */
   direction: [number, number, number];
+}
+
+/** A geometrical characteristic (ISO 1101). */
+export type CharacteristicKind = "straightness" | "flatness" | "roundness" | "cylindricity" | "profile" | "position" | "parallelism" | "perpendicularity" | "angularity";
+
+/** The part of an error in a characteristic. */
+export interface CharacteristicPart {
+  /** Name of the error; `values` for all errors with values beside bounds. */
+  error: string;
+  /** Its part, um, first order; the parts of all errors sum up to the value. */
+  um: number;
+  /** The same as a fraction of the value. */
+  share: number;
+}
+
+/** A characteristic of a feature (ISO 1101) with its tolerance. */
+export interface CharacteristicResult {
+  /** Name of the feature. */
+  feature: string;
+  /** The characteristic. */
+  kind: CharacteristicKind;
+  /** Name of the datum feature. */
+  datum?: string | null;
+  /** The fit by which it is judged. */
+  fit: ZoneFit;
+  /** Its largest value, um. */
+  tolerance_um: number | null;
+  /** Number of its points that are reached. */
+  poses: number;
+  /** Number of its points, and those of its datum, that are not. */
+  unreached: number;
+  /** The reason why the points in reach do not carry it. */
+  lacks?: string | null;
+  /** Its value by the errors that have values, um. */
+  value_um: number | null;
+  /** Width of the narrowest zone, um; none where nothing is fitted. */
+  minimum_zone_um: number | null;
+  /** Width of the zone about the least-squares feature, um; none where nothing is fitted. */
+  least_squares_um: number | null;
+  /** Interval of the value by the uncertainty of the errors, 95 %, um. */
+  interval_um?: [number, number] | null;
+  /** True if the value is within the tolerance. */
+  holds: boolean | null;
+  /** The values of machines drawn between the bounds of errors. */
+  drawn?: DrawnCharacteristic | null;
+  /** The parts of errors in the value, or in the 95 % value of the machines drawn, largest first. */
+  errors: CharacteristicPart[];
 }
 
 /** Machines side by side, over the tool poses that all of them reach. */
@@ -391,7 +442,7 @@ export interface ComparedBudgets {
   /** Number of machines that are drawn at most, if the first ones do not tell the machines apart. */
   max_samples: number;
   /** The 95 % value of the position of each machine but the first, minus that of the first. */
-  versus_first_p95_um: VersusFirst[];
+  versus_first_p95_um: ComparedVerdict[];
 }
 
 /** An error in several budgets; a list has a value for each machine, none where a machine does not bound it. */
@@ -442,6 +493,16 @@ export interface ComparedMachine {
   travel?: NeededTravel[] | null;
 }
 
+/** A machine against the first, on the machines drawn of both. */
+export interface ComparedVerdict {
+  /** What is known of the two; none if errors that only one of the files bounds could turn it. */
+  verdict: Verdict | null;
+  /** Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence. */
+  minus_first: PairedDifference;
+  /** Why there is no verdict. */
+  withheld?: WithheldVerdict | null;
+}
+
 /** Contributions at a pose. */
 export interface ContributionsAt {
   /** The pose, mm and deg. */
@@ -468,6 +529,16 @@ export interface Conventions {
   joints: Joints;
   /** Order used when the command line names none (`hrdina-vasik-2014` is of order 1); `None` is exact. */
   default_order: number | null;
+}
+
+/** How many of the errors that act in a machine's own chain are known: six of each axis, and the location errors that are no choice of coordinates. */
+export interface Coverage {
+  /** Number of errors with a value. */
+  valued: number;
+  /** Number of errors that are bounded, by the file or by a class. */
+  bounded: number;
+  /** Names of the errors that have neither. None on a machine with measured values: what it does not state is zero. */
+  missing: string[];
 }
 
 /** A deviation, as bounds lead to it. */
@@ -538,6 +609,18 @@ export interface DominatingError {
   error: string;
   /** Its part along the deviation, first order, um. */
   um: number;
+}
+
+/** A characteristic over machines drawn between the bounds of errors. */
+export interface DrawnCharacteristic {
+  /** Number of machines drawn. */
+  samples: number;
+  /** Median, um. */
+  median_um: number;
+  /** The value that 95 % of the machines do not exceed, um, with its 95 % confidence interval. */
+  p95_um: Percentile;
+  /** The fraction of the machines that hold the tolerance, with its 95 % interval (Wilson). */
+  holds: Proportion | null;
 }
 
 /** Figures of machines drawn minus those of others. */
@@ -703,7 +786,7 @@ export interface FittedComparison {
   /** The machines in their order. */
   machines: FittedMachine[];
   /** The 95 % value of the position of each machine but the first, minus that of the first, where budgets are compared. */
-  versus_first_p95_um?: VersusFirst[];
+  versus_first_p95_um?: ComparedVerdict[];
 }
 
 /** One machine of a comparison without the best fit. */
@@ -723,8 +806,10 @@ export type Frame = "workpiece" | "machine" | "tool";
 
 /** The cost of tolerances. */
 export interface GoalCost {
-  /** Power of the tolerance in the cost. */
-  power: number;
+  /** What it counts. */
+  unit: string;
+  /** Power of the tolerance in the cost; none where the cost is relative to the present tolerances, weight x (present / new - 1). */
+  power: number | null;
   /** Value with the old tolerances. */
   before: number;
   /** Value with the new tolerances. */
@@ -875,6 +960,8 @@ export interface MachineSummary {
   conventions: Conventions;
   /** Counts of the errors. */
   errors: ErrorCounts;
+  /** Which of the errors that act are known, by the file and the class that it names. */
+  coverage: Coverage;
   /** The files that the machine was read from. */
   inputs: InputFile[];
 }
@@ -949,6 +1036,8 @@ export interface MapResult {
   tool_poses?: ReachedToolPoses | null;
   /** The features of the file, where it names some: the largest deviation on each. */
   features?: FeatureResult[];
+  /** The characteristics of features for which the job states tolerances. */
+  characteristics?: CharacteristicResult[];
   /** The target whose compensation is in the map. */
   target?: string | null;
   /** The same without compensation, for a map with. */
@@ -1094,6 +1183,16 @@ export interface PoseUncertainty {
   deviation: [number, number, number];
   /** Uncertainty of the orientation of the tool, rad. */
   rotation: [number, number, number];
+}
+
+/** The fraction of a population that has a property, by samples of it. */
+export interface Proportion {
+  /** The fraction of the samples, 0 to 1. */
+  value: number;
+  /** Lower end of its 95 % interval (Wilson). */
+  low: number;
+  /** Upper end. */
+  high: number;
 }
 
 /** An R-test of rotary axes that turn together. */
@@ -1331,12 +1430,20 @@ export interface UnreachableCount {
 /** What is known of a machine or arrangement and the first. */
 export type Verdict = "first" | "equal" | "not_told_apart" | "worse" | "better";
 
-/** A machine or arrangement against the first, on the machines drawn of both. */
-export interface VersusFirst {
-  /** What is known of the two. */
-  verdict: Verdict;
-  /** Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence. */
-  minus_first: PairedDifference;
+/** Why there is no verdict on two machines: errors without a value or a bound could turn it. */
+export interface WithheldVerdict {
+  /** The reason in words. */
+  reason: string;
+  /** The verdict on the errors that are bounded. */
+  as_bounded: Verdict;
+  /** Errors that the first machine states nothing of. */
+  missing_first: string[];
+  /** Errors that this machine states nothing of. */
+  missing: string[];
+  /** The class that bounds them, where the other machine does not. */
+  class: string;
+  /** Its 95 % value minus that of the first, um, with the bounds of the other machine for what is missing, and with those of the class for what neither bounds. */
+  minus_first_if_filled: [PairedDifference, PairedDifference];
 }
 
 /** A pose with a large 95 % value. */
@@ -1356,3 +1463,6 @@ export interface WorstPose {
   /** Deviation of the functional point, um. */
   deviation_um: [number, number, number];
 }
+
+/** The fit by which a zone is judged. */
+export type ZoneFit = "minimum-zone" | "least-squares";

@@ -37,7 +37,7 @@ export class Tighten {
     this.input.addEventListener("keydown", ({ key }) => key === "Enter" && this.ask());
     const label = make("label", { for: "goal" }, "Goal of the 95 % value ");
     const row = make("p", {}, label, this.input, " µm ", this.find);
-    const words = "The cheapest tolerances for a goal; a tolerance costs the more the finer it is (budget --goal).";
+    const words = "The cheapest tolerances for a goal: halving one costs 1, and none becomes coarser (budget --goal).";
     parent.append(make("p", { class: "words" }, words), row, this.problem, this.answer);
   }
 
@@ -85,7 +85,7 @@ export class Tighten {
   }
 
   private shown(goal: ToleranceGoal): HTMLElement[] {
-    const { cost, proof_um: proof } = goal;
+    const { cost, proof_um: proof, tolerances } = goal;
     const { low, high } = proof;
     const interval = low === null || high === null ? "" : ` (${rounded(low)} to ${rounded(high)})`;
     const price = cost.per_um === null ? "" : ` (${rounded(cost.per_um)} for a further µm)`;
@@ -95,9 +95,10 @@ export class Tighten {
       figure("goal-proof", proof.value, "µm"),
       `${interval} by ${goal.proof_samples} other machines, `,
       `before ${rounded(goal.before_um.value)} µm; `,
-      `cost ${rounded(cost.before)} → ${rounded(cost.after)}${price}.`,
+      `cost ${priceOf(goal)}${price}.`,
     );
-    const rows = goal.tolerances.map((of) => {
+    const changed = tolerances.filter(changes);
+    const rows = changed.map((of) => {
       const unit = of.unit.replace("u", "µ");
       return row(
         make("th", { scope: "row", "data-error": of.error, tabindex: "0" }, of.error),
@@ -109,15 +110,17 @@ export class Tighten {
     const list = table(["Error", "is", "new", "in the 95 %"], rows);
     const csv = () => download.csv("tolerances", [["error", "unit", "old", "new", "um_of_p95"], ...listed(goal)]);
     const write = button("Write into the file", () => this.write(goal), { class: "primary", id: "write-tolerances" });
+    const kept = make("p", { class: "words" }, `${tolerances.length - changed.length} tolerances stay as they are.`);
     return [
       facts,
       make("div", { class: "scroll", tabindex: "0" }, list),
+      kept,
       make("p", {}, write, " ", button("CSV", csv)),
     ];
   }
 
   private write(goal: ToleranceGoal): void {
-    this.editor.change(toleranceEdits(this.editor.view.state, goal.tolerances));
+    this.editor.change(toleranceEdits(this.editor.view.state, goal.tolerances.filter(changes)));
   }
 }
 
@@ -126,9 +129,13 @@ function tightened(goal: ToleranceGoal): (Node | string)[] {
   const finer = goal.tolerances.filter((of) => of.new < of.old).sort((a, b) => a.new / a.old - b.new / b.old);
   const names = finer.slice(0, 3).map((of) => `${of.error} to ${rounded(of.new)} ${of.unit.replace("u", "µ")}`);
   const more = finer.length > 3 ? ` and ${finer.length - 3} more` : "";
-  const cost = `cost ${rounded(goal.cost.before)} → ${rounded(goal.cost.after)}`;
+  const cost = `cost ${priceOf(goal)}`;
   return finer.length ? [`${names.join(", ")}${more}; ${cost}.`] : [`Nothing: the goal is met; ${cost}.`];
 }
+
+const changes = (of: ToleranceGoal["tolerances"][number]) => of.new !== of.old;
+
+const priceOf = ({ cost }: ToleranceGoal) => `${rounded(cost.after - cost.before)} ${cost.unit}`;
 
 const listed = (goal: ToleranceGoal) => goal.tolerances.map((of) => [of.error, of.unit, of.old, of.new, of.um_of_p95]);
 

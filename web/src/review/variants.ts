@@ -135,6 +135,7 @@ export function verdictOf(of: Comparison): Judgement {
     if (drawn.verdict === "equal") return { which: "Equal", by: ["Nothing"], sure: "Equal in every drawn machine." };
     if (drawn.verdict === "not_told_apart")
       return { which: "Not told apart", by, sure: "No: they are not told apart." };
+    if (drawn.withheld) return { which: "No verdict", by, sure: `No: ${drawn.withheld.reason}.` };
     const which = drawn.verdict === "better" ? "The present state" : "Variant A";
     return { which, by, sure: "Yes: more than the drawn machines differ." };
   }
@@ -160,6 +161,7 @@ export function judgement(of: Comparison): string {
     const by = `${rounded(value)} µm${band} in the 95 % value of drawn machines`;
     if (drawn.verdict === "equal") return "Equal in every drawn machine.";
     if (drawn.verdict === "not_told_apart") return `Not told apart: ${by}.`;
+    if (drawn.withheld) return `No verdict: ${drawn.withheld.reason}; as bounded ${by}.`;
     return `${drawn.verdict === "better" ? "Better" : "Worse"} than A, more than the drawn machines differ: ${by}.`;
   }
   const by = b?.minus_first?.position_um.p95;

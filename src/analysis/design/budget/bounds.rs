@@ -66,6 +66,12 @@ impl Bound {
         std::array::from_fn(|k| ErrorId { direction: Direction::ALL[from + k], ..self.error.clone() })
     }
 
+    /// Returns everything of it as a line of text.
+    pub fn canonical(&self) -> String {
+        let Self { error, direction: [x, y, z], tolerance, .. } = self;
+        format!("{self} {error} {x} {y} {z} {tolerance}\n")
+    }
+
     /// Returns the name that its random numbers hang on.
     pub(super) fn stream(&self) -> String {
         let apart = if self.role == Role::Letter { "~" } else { "" };

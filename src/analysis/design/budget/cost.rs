@@ -1,4 +1,5 @@
-//! The cost of tolerances: the sum over the errors of weight / tolerance^power, the tolerance in um or urad.
+//! The cost of tolerances: the sum over the errors of weight * (present / new - 1), which counts a tolerance that is
+//! halved as its weight; or of weight / tolerance^power, the tolerance in um or urad.
 
 use super::bounds::Bound;
 use crate::diagnostic::Reason;
@@ -10,27 +11,28 @@ use std::collections::BTreeMap;
 /// Without a limit of its own a tolerance is at finest this fraction of the stated one.
 const FINEST: f64 = 0.01;
 
-/// Without a limit of its own a tolerance is at coarsest so many times the stated one.
+/// Without a limit of its own a tolerance that may be loosened is at coarsest so many times the stated one.
 const COARSEST: f64 = 10.0;
 
+/// What the cost counts where no model names it.
+const HALVED: &str = "tolerances halved";
+
 /// A cost model as it is written. Keys of the maps are names of kinds or of errors; an error goes before its kind.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CostModel {
-    /// Exponent of the tolerance.
-    pub power: f64,
+    /// Exponent of the tolerance; without one the cost is relative to the present tolerances.
+    pub power: Option<f64>,
+    /// What the cost counts, such as EUR.
+    pub unit: Option<String>,
+    /// True for what keeps its present tolerance.
+    pub held: BTreeMap<String, bool>,
     /// Weights, 1 where none is given.
     pub weights: BTreeMap<String, f64>,
     /// Finest tolerances, such as `1 um`.
     pub finest: BTreeMap<String, String>,
     /// Coarsest tolerances.
     pub coarsest: BTreeMap<String, String>,
-}
-
-impl Default for CostModel {
-    fn default() -> Self {
-        Self { power: 1.0, weights: BTreeMap::new(), finest: BTreeMap::new(), coarsest: BTreeMap::new() }
-    }
 }
 
 /// The price of one bounded error.
@@ -40,6 +42,12 @@ pub struct Price {
     pub kind: ErrorKind,
     /// Its weight.
     pub weight: f64,
+    /// True if it keeps its present tolerance.
+    pub held: bool,
+    /// Present tolerance (mm, rad).
+    pub present: f64,
+    /// Exponent of the tolerance; without one the cost is relative to the present tolerance.
+    pub power: Option<f64>,
     /// Finest tolerance (mm, rad).
     pub finest: f64,
     /// Coarsest tolerance (mm, rad).
@@ -49,9 +57,25 @@ pub struct Price {
 }
 
 impl Price {
-    /// Returns the cost of a tolerance (mm, rad).
-    pub fn cost(&self, tolerance: f64, power: f64) -> f64 {
-        self.weight / libm::pow(tolerance * self.per_unit, power)
+    /// Returns the cost of a tolerance (mm, rad); relative to the present one, below zero for a coarser one.
+    pub fn cost(&self, tolerance: f64) -> f64 {
+        match self.power {
+            Some(power) => self.weight / libm::pow(tolerance * self.per_unit, power),
+            None => self.weight * (self.present / tolerance - 1.0),
+        }
+    }
+
+    /// Returns how much the cost rises for a tolerance (mm, rad) that shrinks, relatively: -dc / d log t.
+    pub fn rise(&self, tolerance: f64) -> f64 {
+        match self.power {
+            Some(power) => power * self.cost(tolerance),
+            None => self.weight * self.present / tolerance,
+        }
+    }
+
+    /// Returns the exponent of the tolerance in what changes the cost.
+    pub fn exponent(&self) -> f64 {
+        self.power.unwrap_or(1.0)
     }
 }
 
@@ -59,13 +83,14 @@ impl CostModel {
     /// Returns a model that was read, if it is one. Fails with the reason.
     pub fn validate(self) -> Result<Self, Reason> {
         let model = self;
-        if !(model.power > 0.0 && model.power <= 10.0) {
-            return Err(Reason::new(format!("`power` is {}; it is above 0 and 10 at most", model.power)));
+        if let Some(power) = model.power.filter(|power| !(*power > 0.0 && *power <= 10.0)) {
+            return Err(Reason::new(format!("`power` is {power}; it is above 0 and 10 at most")));
         }
         if let Some((key, weight)) = model.weights.iter().find(|(_, weight)| !(**weight > 0.0 && weight.is_finite())) {
             return Err(Reason::new(format!("the weight of `{key}` is {weight}; it is above 0")));
         }
-        let keys = model.weights.keys().chain(model.finest.keys()).chain(model.coarsest.keys());
+        let keys =
+            model.weights.keys().chain(model.held.keys()).chain(model.finest.keys()).chain(model.coarsest.keys());
         let known = |key: &str| ErrorKind::ALL.iter().any(|kind| kind.name() == key) || parse_error_name(key).is_some();
         if let Some(key) = keys.into_iter().find(|key| !known(key)) {
             let kinds = ErrorKind::ALL.map(ErrorKind::name).join(", ");
@@ -74,12 +99,22 @@ impl CostModel {
         Ok(model)
     }
 
-    /// Returns the prices of the bounded errors. Fails for limits in wrong units and limits that leave nothing.
-    pub fn prices(&self, machine: &Machine, bounds: &[Bound]) -> Result<Vec<Price>, Reason> {
-        bounds.iter().map(|bound| self.price(machine, bound)).collect()
+    /// Returns what the cost counts.
+    pub fn unit(&self) -> &str {
+        match (&self.unit, self.power) {
+            (Some(unit), _) => unit,
+            (None, Some(_)) => "of weight / tolerance^power (um, urad)",
+            (None, None) => HALVED,
+        }
     }
 
-    fn price(&self, machine: &Machine, bound: &Bound) -> Result<Price, Reason> {
+    /// Returns the prices of the bounded errors; none is above its present tolerance unless it may be loosened, or
+    /// its coarsest one is given. Fails for limits in wrong units and limits that leave nothing.
+    pub fn prices(&self, machine: &Machine, bounds: &[Bound], loosen: bool) -> Result<Vec<Price>, Reason> {
+        bounds.iter().map(|bound| self.price(machine, bound, loosen)).collect()
+    }
+
+    fn price(&self, machine: &Machine, bound: &Bound, loosen: bool) -> Result<Price, Reason> {
         let error = &bound.error;
         let axis = machine.axis_index(error.axis.as_str()).map(|index| &machine.axes()[index]);
         let kind = ErrorKind::of(axis, error, axis.is_some_and(|axis| bound.is_along(axis)));
@@ -87,14 +122,21 @@ impl CostModel {
             Some(text) => limit(text, error.direction),
             None => Ok(plain),
         };
-        let finest = limit(&self.finest, bound.tolerance * FINEST)?;
-        let coarsest = limit(&self.coarsest, bound.tolerance * COARSEST)?;
+        let (present, held) = (bound.tolerance, entry(&self.held, error, kind).copied().unwrap_or(false));
+        let mut finest = limit(&self.finest, present * FINEST)?;
+        let mut coarsest = limit(&self.coarsest, present * if loosen { COARSEST } else { 1.0 })?;
+        if held {
+            (finest, coarsest) = (present, present);
+        } else if !loosen && entry(&self.coarsest, error, kind).is_none() {
+            // A finest tolerance above the present one asks for nothing.
+            finest = finest.min(present);
+        }
         if finest > coarsest {
             return Err(Reason::new(format!("the finest tolerance of `{error}` is larger than the coarsest")));
         }
         let weight = entry(&self.weights, error, kind).copied().unwrap_or(1.0);
         let per_unit = error.direction.micro().0;
-        Ok(Price { kind, weight, finest, coarsest, per_unit })
+        Ok(Price { kind, weight, held, present, power: self.power, finest, coarsest, per_unit })
     }
 }
 
@@ -127,7 +169,7 @@ mod tests {
     fn a_model_is_read_and_refused_with_its_reason() {
         let model = parse("power: 2\nweights: { straightness: 3, EXX: 0.5 }\nfinest: { tilt: 2 urad }\n");
         let model = model.unwrap();
-        assert_eq!((model.power, model.weights["EXX"], model.finest["tilt"].as_str()), (2.0, 0.5, "2 urad"));
+        assert_eq!((model.power.unwrap(), model.weights["EXX"], model.finest["tilt"].as_str()), (2.0, 0.5, "2 urad"));
         assert_eq!(parse("{}"), Ok(CostModel::default()));
         for (text, words) in [
             ("wieghts: {}", "wieghts"),

@@ -1,9 +1,10 @@
 //! The cheapest tolerances with which the 95 % value of the drawn machines is a goal.
 //!
-//! The cost is a sum of weight / tolerance^power, which is convex. The error of each drawn machine is convex in the
-//! tolerances too (a largest length of sums), and so is the mean of the worst tenth of the machines, which stands for
-//! the 95 % value while the tolerances are sought: their ratio is taken from the same machines. At the optimum of a
-//! free tolerance power times its cost is in proportion to its part of the 95 % value (Karush, Kuhn, Tucker).
+//! The cost is a sum of weight / tolerance^power, or of weight * present / tolerance, which is convex. The error of
+//! each drawn machine is convex in the tolerances too (a largest length of sums), and so is the mean of the worst tenth
+//! of the machines, which stands for the 95 % value while the tolerances are sought: their ratio is taken from the same
+//! machines. At the optimum of a free tolerance power times its cost is in proportion to its part of the 95 % value
+//! (Karush, Kuhn, Tucker).
 //!
 //! A step: the parts of the worst tenth give a model in which the square of the value is a sum of squares, one for
 //! each tolerance. Its optimum between the limits is found by bisection of the multiplier. With a sum of squares one
@@ -11,14 +12,15 @@
 //! same on every run.
 //!
 //! The tolerances fit the machines by which they are sought better than others. Hence the goal of the search is
-//! corrected until other machines keep the goal, and a third set of machines proves it.
+//! corrected until other machines keep it, and a third set of machines proves it. The search aims below the goal by
+//! the sampling error of a default run, so that the upper end of the interval of such a run is within the goal, too.
 
 use super::bounds::Bound;
 use super::cost::Price;
 use super::draw::Draws;
 use super::kernel::{BudgetPose, JointBounds, by_joint_without};
 use super::monte_carlo::{self, DrawnMachine, Statistic};
-use super::quantile::{Percentile, rank};
+use super::quantile::{Percentile, TAIL, rank, ranks};
 use crate::analysis::reference::{PartReference, tip_at};
 use crate::evaluate::{Deviation, error_by_error};
 use crate::lower::Quantity;
@@ -45,6 +47,12 @@ const KEPT: f64 = 1e-3;
 /// Smallest part of a tolerance in the value: smaller ones are lost in the noise of the machines drawn.
 const MIN_PART: f64 = 1e-5;
 
+/// The last corrections end below the goal by a millionth, which rounding cannot turn.
+const BELOW: f64 = 1.0 - 1e-6;
+
+/// Number of machines by which the goal is corrected.
+const CORRECTING: usize = 20_000;
+
 /// The fraction of the machines by which tolerances are sought.
 const WORST: usize = 10;
 
@@ -57,8 +65,6 @@ pub struct GoalRequest<'a> {
     pub bounds: &'a [Bound],
     /// The price of each.
     pub prices: &'a [Price],
-    /// Exponent of the tolerance in the cost.
-    pub power: f64,
     /// The poses (mm, deg).
     pub poses: &'a [Pose],
     /// The reference of the part, which its set-up takes out.
@@ -67,7 +73,9 @@ pub struct GoalRequest<'a> {
     pub draws: [&'a Draws; 3],
     /// Number of machines for the search.
     pub samples: usize,
-    /// Number of machines for the correction, and for the proof.
+    /// Number of machines of a default run, the first of those for the search: its interval is within the goal.
+    pub default_samples: usize,
+    /// Number of machines for the proof.
     pub proof_samples: usize,
     /// Statistic of each machine over the poses.
     pub statistic: Statistic,
@@ -94,6 +102,10 @@ pub enum Binding {
     Finest,
     /// The coarsest tolerance.
     Coarsest,
+    /// Its present tolerance, beyond which nothing is loosened.
+    Present,
+    /// That it is held.
+    Held,
 }
 
 /// The cheapest tolerances, in the order of the bounds.
@@ -122,7 +134,7 @@ pub struct CheapestTolerances {
 /// The error that is left with the finest tolerances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unavoidable {
-    /// The 95 % value with all tolerances at their finest, um.
+    /// The upper end of the interval of a default run with all tolerances at their finest, um.
     pub finest_um: f64,
     /// The statistic of the errors that stay alone, um.
     pub staying_um: f64,
@@ -150,6 +162,14 @@ impl DrawnValue {
     fn percentile_um(&self) -> Percentile {
         Percentile::of(&self.sorted.iter().map(|mm| mm * 1e3).collect::<Vec<_>>(), 95)
     }
+
+    /// Returns the upper end of the interval that a run of `count` machines has, as a multiple of the 95 % value: the
+    /// quantile at its share of the machines.
+    fn sampling_error(&self, count: usize) -> f64 {
+        let share = ranks(count, 95, TAIL).1.min(count) as f64 / count as f64;
+        let at = ((share * self.sorted.len() as f64) as usize).clamp(1, self.sorted.len());
+        self.sorted[at - 1] / self.p95()
+    }
 }
 
 /// Returns the cheapest tolerances; the request has at least one bound, pose and sample.
@@ -158,7 +178,7 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
     let [_, correcting, proving] = request.draws;
     let finest: Vec<f64> = request.prices.iter().map(|price| price.finest).collect();
     let staying_um = search.staying() * 1e3;
-    let least = search.evaluate(&finest, request.draws[0], request.samples).p95();
+    let least = search.default_run(&finest);
     if least > request.goal_mm {
         return GoalAnswer::OutOfReach(Unavoidable { finest_um: least * 1e3, staying_um });
     }
@@ -168,18 +188,34 @@ pub fn cheapest(request: GoalRequest<'_>) -> GoalAnswer {
     let (mut aim, mut steps) = (request.goal_mm, 0);
     for _ in 0..MAX_CORRECTIONS {
         steps += search.settle(&mut tolerances, aim);
-        let kept = search.evaluate(&tolerances, correcting, request.proof_samples).p95();
+        let kept = search.evaluate(&tolerances, correcting, CORRECTING);
+        let by = request.goal_mm / (kept.p95() * kept.sampling_error(request.default_samples));
+        let by = by.min(request.goal_mm / search.default_run(&tolerances));
         let at_coarsest = tolerances.iter().zip(request.prices).all(|(t, price)| *t >= price.coarsest);
-        if (kept / request.goal_mm - 1.0).abs() <= KEPT || (at_coarsest && kept <= request.goal_mm) {
+        if (by - 1.0).abs() <= KEPT || (at_coarsest && by >= 1.0) {
             break;
         }
-        let by = request.goal_mm / kept;
         aim *= by;
-        tolerances.iter_mut().zip(request.prices).for_each(|(t, p)| *t = (*t * by).clamp(p.finest, p.coarsest));
+        scale(&mut tolerances, request.prices, by);
+    }
+    for _ in 0..MAX_CORRECTIONS {
+        let by = request.goal_mm / search.default_run(&tolerances);
+        if by >= 1.0 {
+            break;
+        }
+        scale(&mut tolerances, request.prices, by * BELOW);
     }
     let before = search.evaluate(&present, request.draws[0], request.samples).percentile_um();
     let proof = search.evaluate(&tolerances, proving, request.proof_samples);
+    let least = proof.p95().max(search.default_run(&tolerances));
+    if least > request.goal_mm {
+        return GoalAnswer::OutOfReach(Unavoidable { finest_um: least * 1e3, staying_um });
+    }
     GoalAnswer::Kept(Box::new(search.answer(tolerances, &present, before, &proof, staying_um, steps)))
+}
+
+fn scale(tolerances: &mut [f64], prices: &[Price], by: f64) {
+    tolerances.iter_mut().zip(prices).for_each(|(t, price)| *t = (*t * by).clamp(price.finest, price.coarsest));
 }
 
 impl<'a> GoalSearch<'a> {
@@ -222,6 +258,12 @@ impl<'a> GoalSearch<'a> {
         DrawnValue { worst: mean(&|sample| sample.value), parts, sorted: drawn.iter().map(|s| s.value).collect() }
     }
 
+    /// Returns the upper end (mm) of the interval of a default run.
+    fn default_run(&self, tolerances: &[f64]) -> f64 {
+        let run = self.evaluate(tolerances, self.request.draws[0], self.request.default_samples).percentile_um();
+        run.high.unwrap_or(run.value) * 1e-3
+    }
+
     /// Moves tolerances to the cheapest ones whose 95 % value is `aim` (mm); returns the number of steps.
     fn settle(&self, tolerances: &mut [f64], aim: f64) -> usize {
         for step in 0..MAX_STEPS {
@@ -242,7 +284,7 @@ impl<'a> GoalSearch<'a> {
 
     /// Returns the optimum of the model: the square of the value is a sum of squares.
     fn step(&self, tolerances: &[f64], found: &DrawnValue, aim: f64) -> Vec<f64> {
-        let GoalRequest { prices, power, .. } = self.request;
+        let GoalRequest { prices, .. } = self.request;
         let value = found.worst;
         let staying = value - found.parts.iter().sum::<f64>();
         let squares: Vec<f64> = found.parts.iter().map(|part| part.max(MIN_PART * value) * value).collect();
@@ -251,8 +293,8 @@ impl<'a> GoalSearch<'a> {
         let at = |log: f64| -> Vec<f64> {
             let one = |((t, square), price): ((&f64, &f64), &Price)| {
                 let multiplier = libm::exp(log);
-                let free = power * price.cost(1.0, power) * t * t / (2.0 * multiplier * square);
-                libm::pow(free, 1.0 / (power + 2.0)).clamp(price.finest, price.coarsest)
+                let free = price.rise(1.0) * t * t / (2.0 * multiplier * square);
+                libm::pow(free, 1.0 / (price.exponent() + 2.0)).clamp(price.finest, price.coarsest)
             };
             tolerances.iter().zip(&squares).zip(prices).map(one).collect()
         };
@@ -277,8 +319,10 @@ impl<'a> GoalSearch<'a> {
         staying_um: f64,
         steps: usize,
     ) -> CheapestTolerances {
-        let GoalRequest { prices, power, .. } = self.request;
+        let GoalRequest { prices, .. } = self.request;
         let binding = |(t, price): (&f64, &Price)| match *t {
+            _ if price.held => Binding::Held,
+            t if t >= price.coarsest && price.coarsest == price.present => Binding::Present,
             t if t <= price.finest => Binding::Finest,
             t if t >= price.coarsest => Binding::Coarsest,
             _ => Binding::Goal,
@@ -287,16 +331,15 @@ impl<'a> GoalSearch<'a> {
         // The worst tenth stands for the 95 % value.
         let um = proof.p95() / proof.worst * 1e3;
         let parts_um: Vec<f64> = proof.parts.iter().map(|part| part * um).collect();
-        let costs = |list: &[f64]| -> Vec<f64> { list.iter().zip(prices).map(|(t, p)| p.cost(*t, power)).collect() };
-        let new = costs(&tolerances);
+        let cost = |list: &[f64]| -> f64 { list.iter().zip(prices).map(|(t, price)| price.cost(*t)).sum() };
         let free = |i: &usize| binding[*i] == Binding::Goal;
         let (mut paid, mut won) = (0.0, 0.0);
         for i in (0..tolerances.len()).filter(free) {
-            paid += power * new[i];
+            paid += prices[i].rise(tolerances[i]);
             won += parts_um[i];
         }
         CheapestTolerances {
-            cost: [costs(present).iter().sum(), new.iter().sum()],
+            cost: [cost(present), cost(&tolerances)],
             cost_per_um: (won > 0.0).then(|| paid / won),
             proof: proof.percentile_um(),
             tolerances,

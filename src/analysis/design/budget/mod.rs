@@ -13,13 +13,17 @@
 //!    tolerance times derivative, summed up, is the 95 % value itself (Euler).
 //! 5. [`side_by_side()`]: these effects in several machines; [`PairedTest`]: whether their 95 % values differ.
 //! 6. [`pose_by_pose()`]: RSS and 95 % value at every pose by itself, for machines of which nothing is measured.
-//! 7. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
+//! 7. [`Coverage`]: which acting errors have a value, a bound, or neither.
+//! 8. [`draw_figures()`]: figures of drawn machines by their deviations at poses, such as those of features.
+//! 9. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
 mod bounds;
 mod cost;
+mod coverage;
 mod draw;
+mod drawn_figures;
 mod goal;
 mod kernel;
 mod monte_carlo;
@@ -35,8 +39,10 @@ pub use crate::machine::{Class, classes};
 pub(crate) use bounds::on_other_sides;
 pub use bounds::{Bound, Role, adding, bounds, is_measured, known, lacks_rotary};
 pub use cost::{CostModel, Price};
+pub use coverage::{Coverage, STAND_IN_CLASS};
 pub(in crate::analysis) use draw::Normals;
 pub use draw::{Distribution, Draws, NODES};
+pub use drawn_figures::{DrawnFigure, FiguresAt, FiguresRequest, WeightsAt, draw_figures};
 pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};
 pub(crate) use kernel::{
     CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, SourceEffects, add, by_joint,
@@ -45,7 +51,7 @@ pub(crate) use kernel::{
 pub use monte_carlo::Statistic;
 pub use paired::{PairedDifference, PairedTest, Verdict, VersusFirst, are_equal, percentile_95, round_sizes};
 pub use pose_by_pose::{BoundedDeviation, BoundedLength, PoseByPose, PosesRequest, effects_at, pose_by_pose};
-pub use quantile::{Percentile, mean, rank};
+pub use quantile::{Percentile, Proportion, mean, rank};
 pub use side_by_side::{BoundedError, BudgetPart, side_by_side};
 pub use totals::{
     Budget, Contribution, DrawnSamples, PERCENTS, Request, Totals, budget, budget_from_samples, budget_poses,

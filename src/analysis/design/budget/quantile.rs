@@ -1,7 +1,7 @@
 //! Percentiles of samples, with confidence intervals that suppose nothing of the distribution.
 
 /// Outside of an interval with 95 % confidence, on each side.
-const TAIL: f64 = 0.025;
+pub const TAIL: f64 = 0.025;
 
 /// A percentile of the population the samples come from.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -14,6 +14,33 @@ pub struct Percentile {
     pub low: Option<f64>,
     /// Upper end.
     pub high: Option<f64>,
+}
+
+/// The fraction of a population that has a property, by samples of it.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct Proportion {
+    /// The fraction of the samples, 0 to 1.
+    pub value: f64,
+    /// Lower end of its 95 % interval (Wilson).
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+impl Proportion {
+    /// The normal number beyond which 2.5 % lie.
+    const NORMAL: f64 = 1.959_963_984_540_054;
+
+    /// Returns the fraction of `count` samples, at least one, with Wilson's score interval: it stays within 0 to 1, and
+    /// has a width where all samples agree.
+    pub fn of(found: usize, count: usize) -> Self {
+        let (n, square) = (count as f64, Self::NORMAL * Self::NORMAL);
+        let value = found as f64 / n;
+        let middle = (value + 0.5 * square / n) / (1.0 + square / n);
+        let spread = value * (1.0 - value) / n + 0.25 * square / (n * n);
+        let half = Self::NORMAL * spread.sqrt() / (1.0 + square / n);
+        Self { value, low: (middle - half).max(0.0), high: (middle + half).min(1.0) }
+    }
 }
 
 /// Returns the rank (from 1) of a percentile among `count` samples.
@@ -77,6 +104,17 @@ mod tests {
         // With 50 samples the largest is above the 95 % value only with 1 - 0.95^50 = 92 %.
         let few = Percentile::of(&samples[..50], 95);
         assert!(few.high.is_none() && few.low.is_some());
+    }
+
+    #[test]
+    fn proportions_have_the_interval_of_wilson() {
+        // Newcombe (1998), table I, method 3: 81 of 263, 15 of 148, 0 of 20, 1 of 29.
+        for (found, count, low, high) in
+            [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
+        {
+            let of = Proportion::of(found, count);
+            assert!((of.low - low).abs() < 6e-5 && (of.high - high).abs() < 6e-5, "{found}/{count}: {of:?}");
+        }
     }
 
     #[test]

@@ -312,12 +312,16 @@ fn contributions(lengths: &[f64]) -> Vec<Contribution> {
     list
 }
 
+/// Returns the ranks (from 0) around the 95 % value of samples in rising order, at least one.
+pub(super) fn around_95(count: usize) -> Range<usize> {
+    let n = count as f64;
+    let first = ((WINDOW.0 * n) as usize).min(count - 1);
+    first..(libm::ceil(WINDOW.1 * n) as usize).clamp(first + 1, count)
+}
+
 /// Returns the means of the parts over the samples around the 95 % value.
 fn tighten(drawn: &[DrawnMachine], count: usize, scale: f64) -> Vec<ToleranceEffect> {
-    let n = drawn.len() as f64;
-    let first = ((WINDOW.0 * n) as usize).min(drawn.len() - 1);
-    let last = (libm::ceil(WINDOW.1 * n) as usize).clamp(first + 1, drawn.len());
-    let around = &drawn[first..last];
+    let around = &drawn[around_95(drawn.len())];
     let one = |bound: usize| {
         let parts: Vec<f64> = around.iter().map(|sample| sample.parts[bound] * scale).collect();
         let (effect, sigma) = mean(&parts);

@@ -13,6 +13,7 @@
 //! Every axis has the geometry, travel and errors that the file states for the side on which it stands.
 
 mod arrangement;
+mod buildable;
 mod journal;
 mod ranking;
 mod rounds;
@@ -22,6 +23,7 @@ mod study;
 mod walk_budget;
 
 pub use arrangement::{MAX_ARRANGEMENTS, TooMany, Walk, walks};
+pub use buildable::{BUILDABLE_RULES, buildable};
 pub use journal::{Journal, RoundRecord, RoundStep};
 pub use ranking::{ArrangementRow, NeededRange, Ranking, Reach, Standing, rank};
 pub use rounds::{MissingSteps, RoundCount, Rounds, Standings, StudyEnd, standings};

@@ -76,7 +76,8 @@ pub struct ArrangementErrors {
 pub struct Ranking {
     /// Best first; of equal ones the one listed first.
     pub ranked: Vec<ArrangementRow>,
-    /// Judged, but they reach a smaller fraction of the work than required; those that reach more come first.
+    /// Judged, but they miss tool poses. First those that reach enough, by their difference to the machine as its file
+    /// has it on the same tool poses; then those that reach more.
     pub short: Vec<ArrangementRow>,
     /// The file does not state their geometry; first those that reach enough of the work, best first.
     pub not_stated: Vec<ArrangementRow>,
@@ -84,7 +85,7 @@ pub struct Ranking {
     pub cannot_turn: Vec<ArrangementRow>,
 }
 
-/// The part of the work that a ranked arrangement reaches.
+/// The work, and the part of it that an arrangement reaches to be listed by its figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reach {
     /// Number of tool poses.
@@ -94,7 +95,12 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// True for an arrangement that reaches enough.
+    /// True for an arrangement that does the whole work: only these are compared with each other.
+    pub fn is_whole(self, row: &ArrangementRow) -> bool {
+        row.standing == Standing::Judged && row.reached == self.work
+    }
+
+    /// True for an arrangement that reaches enough to be listed by its figure.
     pub fn is_enough(self, row: &ArrangementRow) -> bool {
         row.standing == Standing::Judged && row.reached as f64 >= self.fraction * self.work as f64
     }
@@ -112,10 +118,10 @@ pub fn rank(rows: Vec<ArrangementRow>, reach: Reach) -> Ranking {
     Ranking { ranked, short, not_stated: apart, cannot_turn }
 }
 
-/// Returns those that reach enough, best first, and the others, of which those that reach more come first.
+/// Returns those that do the whole work, best first, and the others.
 fn in_order(rows: Vec<ArrangementRow>, reach: Reach) -> (Vec<ArrangementRow>, Vec<ArrangementRow>) {
     let (mut ranked, mut short): (Vec<ArrangementRow>, Vec<ArrangementRow>) =
-        rows.into_iter().partition(|row| reach.is_enough(row));
+        rows.into_iter().partition(|row| reach.is_whole(row));
     let um = |row: &ArrangementRow| row.result.map_or(f64::INFINITY, |result| result.um);
     // Against rank 1, on the machines drawn of both: what was left after a round has fewer of them.
     let key = |row: &ArrangementRow| match row.result.and_then(|result| result.versus_first) {
@@ -124,6 +130,14 @@ fn in_order(rows: Vec<ArrangementRow>, reach: Reach) -> (Vec<ArrangementRow>, Ve
         None => um(row),
     };
     ranked.sort_by(|a, b| key(a).total_cmp(&key(b)));
-    short.sort_by(|a, b| b.reached.cmp(&a.reached).then(um(a).total_cmp(&um(b))));
+    // Values over different tool poses are no ranks: each counts against the file's machine on its own ones.
+    let versus_file = |row: &ArrangementRow| row.result.map_or(f64::INFINITY, |result| result.minus_file);
+    short.sort_by(|a, b| {
+        let by_reach = b.reached.cmp(&a.reached).then(versus_file(a).total_cmp(&versus_file(b)));
+        match (reach.is_enough(a), reach.is_enough(b)) {
+            (true, true) => versus_file(a).total_cmp(&versus_file(b)).then(by_reach),
+            (enough, other) => other.cmp(&enough).then(by_reach),
+        }
+    });
     (ranked, short)
 }

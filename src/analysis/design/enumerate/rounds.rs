@@ -124,7 +124,7 @@ pub fn standings(journal: &Journal, rounds: &Rounds, fraction: f64) -> Standings
     let reach = Reach { work, fraction };
     let mut entrants: Vec<Entrant<'_>> = journal
         .round(0)
-        .filter(|(_, record)| reach.is_enough(&record.row) && record.row.not_stated.is_empty())
+        .filter(|(_, record)| reach.is_whole(&record.row) && record.row.not_stated.is_empty())
         .map(|(step, record)| Entrant { step, record, values: record.values.clone(), file: record.file, rivals: 1 })
         .collect();
     let mut inside: Vec<usize> = (0..entrants.len()).collect();

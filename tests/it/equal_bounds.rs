@@ -1,0 +1,116 @@
+//! Machines of which different errors are bounded: what is covered is stated, and a verdict that the missing errors
+//! could turn is withheld.
+
+use crate::program::{Folder, json, text};
+use serde_json::Value;
+
+const HEAD: &str = "abbe: 1\nmachine: M\nchain: \"w Y' b X Z t\"\naxes:\n  X: { travel: [0, 400], origin: [0, 0, 0] }\n  \
+                    Y: { travel: [0, 300], origin: [0, 0, 0] }\n  Z: { travel: [-200, 0], origin: [0, 0, 0] }\n";
+
+fn compare(first: &str, second: &str) -> Value {
+    let folder = Folder::new("equal-bounds");
+    let [a, b] =
+        [("a.yaml", first), ("b.yaml", second)].map(|(name, rest)| folder.with(name, &format!("{HEAD}{rest}")));
+    json(&[
+        "compare",
+        text(&a),
+        text(&b),
+        "--poses",
+        "40",
+        "--samples",
+        "300",
+        "--max-samples",
+        "300",
+        "--format",
+        "json",
+    ])
+}
+
+#[test]
+fn the_errors_that_act_are_counted() {
+    let folder = Folder::new("coverage");
+    let coverage = |rest: &str| {
+        let path = folder.with("m.yaml", &format!("{HEAD}{rest}"));
+        json(&["check", text(&path), "--format", "json"])["coverage"].clone()
+    };
+    // Six of each of three axes, and three squarenesses: ISO 230-1.
+    let none = coverage("");
+    assert_eq!((&none["valued"], &none["bounded"]), (&0.into(), &0.into()));
+    assert_eq!(none["missing"].as_array().unwrap().len(), 21);
+    let some = coverage("tolerances: { EXX: 5 um, X: { about_across: 9 urad }, X-Y: 20 urad, EZZ: 0 um }\n");
+    assert_eq!((&some["valued"], &some["bounded"]), (&0.into(), &4.into()));
+    let missing: Vec<&str> = some["missing"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+    // A bound of zero says that there is none of it.
+    assert_eq!(missing.len(), 16);
+    assert!(["EYX", "EAX", "EA0Z", "EB0Z"].iter().all(|name| missing.contains(name)), "{missing:?}");
+    assert!(["EXX", "EBX", "ECX", "EC0Y", "EZZ"].iter().all(|name| !missing.contains(name)), "{missing:?}");
+    assert_eq!(coverage("class: production\n")["missing"], serde_json::json!([]));
+    // Of a measured machine, what is not stated is zero.
+    assert_eq!(coverage("errors: { EXX: { polynomial: [0 um, 3 um/m] } }\n")["missing"], serde_json::json!([]));
+}
+
+#[test]
+fn a_verdict_that_missing_errors_could_turn_is_withheld() {
+    // The first lacks EYY: with the second's bound for it both are one machine, and the difference is exactly zero.
+    let found = compare("tolerances: { EXX: 5 um, EYY: 5 um }\n", "tolerances: { EXX: 5 um }\n");
+    let versus = &found["budgets"]["versus_first_p95_um"][0];
+    assert_eq!(versus["verdict"], Value::Null);
+    assert!(versus["minus_first"]["value"].as_f64().unwrap() < -0.5);
+    let withheld = &versus["withheld"];
+    assert_eq!(withheld["as_bounded"], "better");
+    assert_eq!(withheld["minus_first_if_filled"][0]["value"], 0.0);
+    assert!(withheld["reason"].as_str().unwrap().contains("--class production"));
+    let lacks = |key: &str| withheld[key].as_array().unwrap().contains(&"EYY".into());
+    assert!(lacks("missing") && !lacks("missing_first"));
+    // Like bounds, or a difference that nothing missing makes up for, have their verdict.
+    for (first, second) in [
+        ("tolerances: { EXX: 5 um }\nclass: production\n", "tolerances: { EXX: 90 um }\nclass: production\n"),
+        ("tolerances: { EXX: 5 um }\n", "tolerances: { EXX: 900 um }\n"),
+        ("tolerances: { EXX: 5 um, EYY: 5 um }\n", "tolerances: { EXX: 900 um }\n"),
+    ] {
+        let found = compare(first, second);
+        let versus = &found["budgets"]["versus_first_p95_um"][0];
+        assert_eq!(versus["verdict"], "worse", "{first}");
+        assert_eq!(versus.get("withheld"), None);
+    }
+}
+
+#[test]
+fn designs_differ_by_their_budgets() {
+    let folder = Folder::new("diff-bounds");
+    let file = |name: &str, rest: &str| folder.with(name, &format!("{HEAD}{rest}"));
+    let diff = |first: &str, second: &str| {
+        let [a, b] = [file("a.yaml", first), file("b.yaml", second)];
+        json(&["diff", text(&a), text(&b), "--poses", "60", "--format", "json"])
+    };
+    // One error alone, twice as wide: to first order every machine drawn errs twice as much.
+    let found = diff("tolerances: { EXX: 5 um }\n", "tolerances: { EXX: 10 um }\n");
+    let p95: Vec<f64> = found["p95_um"].as_array().unwrap().iter().map(|um| um.as_f64().unwrap()).collect();
+    assert!(p95[0] > 1.0 && (p95[1] - 2.0 * p95[0]).abs() < 1e-9, "{p95:?}");
+    let difference = &found["differences"][0];
+    assert_eq!((&difference["name"], &found["from"]), (&"EXX".into(), &"bounds".into()));
+    assert!((difference["minus_first_um"].as_f64().unwrap() - p95[0]).abs() < 1e-9);
+    // Bounds along axes, squareness and a class have their effect, too.
+    let found = diff("tolerances: { EXX: 5 um }\n", "tolerances: { EXX: 5 um, X-Y: 50 urad }\nclass: premium\n");
+    let names: Vec<&str> =
+        found["differences"].as_array().unwrap().iter().map(|d| d["kind"].as_str().unwrap()).collect();
+    assert_eq!(names, ["class", "tolerances"]);
+    assert!(found["differences"].as_array().unwrap().iter().all(|d| d["minus_first_um"].as_f64().unwrap() > 0.0));
+}
+
+#[test]
+fn a_mixture_that_reaches_nothing_is_no_refusal() {
+    let folder = Folder::new("diff-mixture");
+    let first = folder.with("a.yaml", &format!("{HEAD}errors: {{ EC0Y: 20 urad }}\n"));
+    let moved = "tool: { gauge: [5000, 0, 0] }\nworkpiece: { origin: [5000, 0, 0] }\nerrors: { EC0Y: 30 urad }\n";
+    let second = folder.with("b.yaml", &format!("{HEAD}{moved}"));
+    let found = json(&["diff", text(&first), text(&second), "--poses", "50", "--format", "json"]);
+    assert_eq!(found["poses"], 50);
+    let effects: Vec<(&str, bool)> = found["differences"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|d| (d["kind"].as_str().unwrap(), d["minus_first_um"].is_null()))
+        .collect();
+    assert_eq!(effects, [("tool", true), ("workpiece", true), ("error", false)]);
+}
