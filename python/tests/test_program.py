@@ -202,7 +202,7 @@ def test_parts_of_a_budget_are_put_together(tmp_path: Path) -> None:
     other.write_text(json.dumps(parts))
     for code, merge, changed in [
         ("E0611", paths[1:], {}),
-        ("E0611", [*paths, other], {}),
+        ("E0610", [*paths, other], {}),
         ("E0610", [*paths[1:], bad], {}),
         ("E0610", [*paths[1:], short], {}),
         ("E0610", [tmp_path / "none"], {}),

@@ -11,7 +11,7 @@ use serde::de::MapAccess;
 pub struct FigureEntry {
     /// Anywhere from minus to plus.
     pub value: Option<Scalar>,
-    /// Words of [`FIGURE_WORDS`] with their figures.
+    /// Words of data sheets, such as `P`, with their figures.
     pub words: Vec<(&'static str, Scalar)>,
 }
 
