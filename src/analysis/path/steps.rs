@@ -102,8 +102,11 @@ impl<'a> Steps<'a> {
     }
 
     /// Returns the rotary axes by index, each with the angle (rad) between its line and the nearest direction of the
-    /// tool on the shortest way from one row to another.
+    /// tool on the shortest way from one row to another; none of an arm, whose poles are others.
     pub fn tilts(&self, from: &[f64], to: &[f64]) -> Vec<(usize, f64)> {
+        if self.is_arm {
+            return Vec::new();
+        }
         let [a, b] = [from, to].map(|pose| self.directions.direction(pose));
         let ends = self.directions.turned_axes(from).into_iter().zip(self.directions.turned_axes(to));
         let tilt = |((axis, w), (_, w_to)): ((usize, Vector3<f64>), (usize, Vector3<f64>))| {
