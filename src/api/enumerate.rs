@@ -251,6 +251,9 @@ pub struct Arrangement {
     /// Travel that the work needs by axis, mm or deg: minimum and maximum.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     pub travel: IndexMap<String, [f64; 2]>,
+    /// Number of its rewinds, where the tool poses are one path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rewinds: Option<usize>,
     /// Geometry that the file does not state.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub not_stated: Vec<String>,
@@ -284,6 +287,7 @@ impl Arrangement {
             misses_reference: row.standing == Standing::MissesReference,
             // Adding zero turns -0 into 0.
             travel: row.travel.into_iter().map(|t| (t.axis, [t.min + 0.0, t.max + 0.0])).collect(),
+            rewinds: row.rewinds,
             not_stated: row.not_stated,
             rank,
         }

@@ -1,9 +1,8 @@
 //! What tool poses ask of a machine as one path, by the lines of their file.
 
-use super::tool_poses::ToolPoses;
-use crate::analysis::{AxisMotion, Miss, PathEvents, PoleCrossing, Rewind, path_events};
+use crate::analysis::{AxisMotion, PathEvents, PoleCrossing, Rewind};
 use crate::diagnostic::{Diagnostic, codes, shown};
-use crate::machine::{Machine, Pose};
+use crate::machine::Machine;
 use crate::units::significant;
 use indexmap::IndexMap;
 use std::collections::BTreeMap;
@@ -63,12 +62,6 @@ pub struct PathAxis {
 }
 
 impl PathResult {
-    /// Returns what tool poses ask of a machine that takes them by these poses (mm, deg).
-    pub(crate) fn along(machine: &Machine, tool_poses: &ToolPoses, found: &[Result<Pose, Miss>]) -> Self {
-        let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
-        Self::new(machine, &path_events(machine, &tool_poses.list(machine), &poses), &tool_poses.lines())
-    }
-
     /// Returns the events of a path on a machine; `lines` are those of its rows.
     pub(crate) fn new(machine: &Machine, events: &PathEvents, lines: &[usize]) -> Self {
         let name = |axis: usize| machine.axes()[axis].name.to_string();

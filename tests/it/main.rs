@@ -77,6 +77,7 @@ mod papers_way;
 mod parameter_pages;
 mod parametrisation;
 mod part_rotation;
+mod paths;
 mod plan;
 mod prior;
 mod priors;

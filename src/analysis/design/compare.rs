@@ -81,9 +81,8 @@ impl UnreachableCount {
 type ComparisonRow = Vec<Result<(Pose, Deviation), Miss>>;
 
 /// Returns the comparison of machines on the same work, which may be the tool poses of the first. Of several poses for
-/// a tool pose each machine takes the one nearest to its zero pose; a path is solved as a whole.
-/// Calls `progress` with the number of tool poses done
-/// since its last call.
+/// a tool pose each machine takes the one nearest to its zero pose; a path is solved as a whole. Calls `progress` with
+/// the number of tool poses done since its last call.
 pub fn compare<F: Send>(
     fields: &[&dyn Field],
     work: &Work,

@@ -13,7 +13,7 @@ const END_TURN_DEG: f64 = 10.0;
 /// An axis reverses where it then moves back by more, mm or deg.
 pub const REVERSAL: f64 = 1e-3;
 
-/// A tip that moves by less stands, mm.
+/// A tip or an axis that moves by less stands, mm or deg.
 const STANDING_MM: f64 = 1e-6;
 
 /// A step in which the tool has to leave the path.
@@ -118,7 +118,7 @@ fn motion(axis: usize, rows: &[PathRow<'_>], is_rewind: &[bool]) -> AxisMotion {
             turning = Some(TurningPoint::new(axis, &pair[1]));
             continue;
         }
-        if by > motion.largest {
+        if by > motion.largest.max(STANDING_MM) {
             (motion.largest, motion.largest_row) = (by, Some(pair[1].row));
         }
         motion.reversals.extend(turning.as_mut().and_then(|turning| turning.pass(&pair[1])));
@@ -161,7 +161,8 @@ fn poles(steps: &Steps<'_>, rows: &[PathRow<'_>], is_rewind: &[bool]) -> Vec<Pol
     let tilts: Vec<Vec<(usize, f64)>> = rows.windows(2).map(|pair| steps.tilts(pair[0].pose, pair[1].pose)).collect();
     let Some(first) = tilts.first() else { return Vec::new() };
     let mut list = Vec::new();
-    for (k, (axis, _)) in first.iter().enumerate() {
+    let always_free = steps.always_free();
+    for (k, (axis, _)) in first.iter().enumerate().filter(|(_, (axis, _))| Some(*axis) != always_free) {
         let is_near = |step: usize| !is_rewind[step] && tilts[step][k].1.to_degrees() < POLE_DEG;
         let mut from = 0;
         while from < tilts.len() {

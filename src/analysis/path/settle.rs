@@ -1,8 +1,7 @@
 //! The last touches to a chosen sequence: whole turns of endless and long axes, and the turn of a free axis spread over
 //! the rows at which it is free.
 
-use super::solve::ChosenPose;
-use super::steps::Steps;
+use super::steps::{ChosenPose, Steps};
 use crate::analysis::inverse::{CandidateSearch, is_wound};
 use crate::machine::{Machine, Pose, Travel};
 use std::ops::Range;

@@ -5,7 +5,7 @@
 //! and a path of more than one block takes twice the time.
 
 use super::settle::settle;
-use super::steps::{PathPose, Steps};
+use super::steps::{ChosenPose, PathPose, Steps};
 use crate::analysis::inverse::{CandidateSearch, Miss, RowCandidates, ToolPose, inverse_all, is_same};
 use crate::machine::{Machine, Pose};
 use rayon::prelude::*;
@@ -58,19 +58,6 @@ impl Layer {
         order.sort_by_key(|index| (self.nodes[*index].cost, *index));
         order
     }
-}
-
-/// A row with the pose that is chosen for it.
-#[derive(Debug, Clone)]
-pub struct ChosenPose {
-    /// Index of the row.
-    pub row: usize,
-    /// The tool pose, unturned workpiece frame.
-    pub target: ToolPose,
-    /// The pose, mm and deg.
-    pub pose: Pose,
-    /// The axis that is free there.
-    pub free: Option<usize>,
 }
 
 /// Returns the poses (mm, deg) of a machine along a path of tool poses, in their order: of all sequences of candidates

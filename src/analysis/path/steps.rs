@@ -38,6 +38,19 @@ pub struct PathPose<'a> {
     pub free: Option<usize>,
 }
 
+/// A row with the pose that is chosen for it.
+#[derive(Debug, Clone)]
+pub struct ChosenPose {
+    /// Index of the row.
+    pub row: usize,
+    /// The tool pose, unturned workpiece frame.
+    pub target: ToolPose,
+    /// The pose, mm and deg.
+    pub pose: Pose,
+    /// The axis that is free there.
+    pub free: Option<usize>,
+}
+
 /// The rules of steps on a machine.
 pub struct Steps<'a> {
     machine: &'a Machine,
@@ -89,8 +102,11 @@ impl<'a> Steps<'a> {
     }
 
     /// Returns the rotary axes by index, each with the angle (rad) between its line and the nearest direction of the
-    /// tool on the shortest way from one row to another.
+    /// tool on the shortest way from one row to another; none of an arm, whose poles are others.
     pub fn tilts(&self, from: &[f64], to: &[f64]) -> Vec<(usize, f64)> {
+        if self.is_arm {
+            return Vec::new();
+        }
         let [a, b] = [from, to].map(|pose| self.directions.direction(pose));
         let ends = self.directions.turned_axes(from).into_iter().zip(self.directions.turned_axes(to));
         let tilt = |((axis, w), (_, w_to)): ((usize, Vector3<f64>), (usize, Vector3<f64>))| {

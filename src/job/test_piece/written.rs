@@ -16,7 +16,7 @@ fn job(table: &str, piece: &Piece) -> String {
     let place = "# Where the part lies on the workpiece frame, mm and deg about X, Y, Z: state it.\n\
                  place: { origin: [0, 0, 0], rotation: [0, 0, 0] }";
     // Writing to a string cannot fail.
-    let _ = write!(text, "tool_poses: {table}\n{place}\nreference: zero\nfeatures:\n");
+    let _ = write!(text, "tool_poses: {table}\npath: true\n{place}\nreference: zero\nfeatures:\n");
     for (i, of) in piece.features.iter().enumerate() {
         if i == 0 || piece.features[i - 1].name != of.name {
             let _ = writeln!(text, "  {}:", of.name);

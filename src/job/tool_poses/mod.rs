@@ -12,7 +12,9 @@ use super::path::PathResult;
 use super::placement::Placement;
 use super::poses::check;
 use crate::analysis::zone::SurfacePoint;
-use crate::analysis::{Miss, Needs, ToolPose, Unreachable, UnreachableCount, Work, place, rest, solve, tool_pose};
+use crate::analysis::{
+    Miss, Needs, ToolPose, Unreachable, UnreachableCount, Work, path_events, place, rest, solve, tool_pose,
+};
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::run::{Call, Refused};
@@ -209,7 +211,7 @@ impl ToolPoses {
         let missed: Vec<_> =
             found.iter().enumerate().filter_map(|(i, pose)| Some((i, pose.as_ref().err()?.clone()))).collect();
         let rows = self.missed(machine, &missed);
-        let path = self.is_path.then(|| PathResult::along(machine, self, &found));
+        let path = self.is_path.then(|| self.events(machine, &found));
         let name = |row: &Row| (row.line, row.feature.clone());
         let lines = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok()).map(|(row, _)| name(row)).collect();
         let held = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok());
@@ -218,6 +220,12 @@ impl ToolPoses {
         let unreachable = UnreachableCount::count(rows.iter().map(|row| &row.why));
         let (file, asked, reached) = (self.file.clone(), self.rows.len(), poses.len());
         ReachedToolPoses { file, asked, reached, unreachable, rows, travel, path, poses, lines, surface }
+    }
+
+    /// Returns what the rows ask of a machine that takes them by these poses.
+    fn events(&self, machine: &Machine, found: &[Result<Pose, Miss>]) -> PathResult {
+        let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
+        PathResult::new(machine, &path_events(machine, &self.list(machine), &poses), &self.lines())
     }
 
     /// Returns the lines of rows that were missed, with what they lack.

@@ -38,6 +38,9 @@ pub struct ArrangementRow {
     /// The travel that the work needs of each axis (mm, deg), for a study that sizes them.
     #[serde(default)]
     pub travel: Vec<NeededRange>,
+    /// Number of its rewinds, where the tool poses are a path.
+    #[serde(default)]
+    pub rewinds: Option<usize>,
 }
 
 /// The positions of an axis over a work.

@@ -344,6 +344,7 @@ mod tests {
                     result: None,
                     not_stated: Vec::new(),
                     travel: Vec::new(),
+                    rewinds: None,
                 };
                 let values = rounds.samples(missing.round).map(|sample| value(k, sample, worse)).collect();
                 let at = RoundStep { round: missing.round, step: *step };

@@ -8,7 +8,7 @@ use super::walk_budget::{self, WalkPoses};
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
 use crate::analysis::design::compare::UnreachableCount;
 use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom};
-use crate::analysis::path::solve;
+use crate::analysis::path::{path_events, solve};
 use crate::analysis::reference::{PartReference, tip_at};
 use crate::analysis::volume::Work;
 use crate::evaluate::{Bare, Field, Order};
@@ -180,6 +180,7 @@ impl StudyRound<'_> {
             result: None,
             not_stated: study.not_stated(machine),
             travel: Vec::new(),
+            rewinds: None,
         };
         let each = || machines.iter().zip(tables);
         let apart = |row: ArrangementRow| RoundRecord { row, values: Vec::new(), best_fit: Vec::new(), file: None };
@@ -191,6 +192,10 @@ impl StudyRound<'_> {
         let found: Vec<Result<Pose, Miss>> = solve(nominal, &study.work, study.is_path);
         let missed = UnreachableCount::count(found.iter().filter_map(|pose| Some(&pose.as_ref().err()?.why)));
         let travel = if study.sized { travel_needs(nominal, &found) } else { Vec::new() };
+        let rewinds = study.is_path.then(|| {
+            let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
+            path_events(nominal, &study.work, &poses).rewinds.len()
+        });
         let (reached, poses): (Vec<usize>, Vec<Pose>) =
             found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
         if poses.is_empty() {
@@ -205,7 +210,7 @@ impl StudyRound<'_> {
         let (values, best_fit) = (values.next().unwrap_or_default(), values.next());
         let best_fit = best_fit.unwrap_or_else(|| vec![Vec::new(); machines.len()]);
         let judged = each().zip(values).zip(best_fit).map(|((of, values), best_fit)| RoundRecord {
-            row: ArrangementRow { travel: travel.clone(), ..row(of, Standing::Judged, missed) },
+            row: ArrangementRow { travel: travel.clone(), rewinds, ..row(of, Standing::Judged, missed) },
             values,
             best_fit,
             file: Some(file),
