@@ -82,7 +82,7 @@ fn difference(
     }
     // Mixtures that reach most of the common work are judged on what all of these reach; any other, on what it reaches
     // itself: it must not leave the machines without a difference.
-    let (asked, common) = (found.asked, Work::Listed(found.common.clone()));
+    let (asked, common) = (found.asked, work.of_some(found.common.clone()));
     let (mut wide, mut narrow) = (Vec::new(), Vec::new());
     for (property, machine) in &single {
         let reached = judge.compare(call, &[&both[..], &[machine]].concat(), &common)?.common.len();
@@ -114,7 +114,7 @@ fn difference(
     Ok(MachineDifference {
         machines: [first, second].map(|file| file.name().to_owned()),
         files: [first, second].map(|file| file.path().to_owned()),
-        over: Over::new(kind, first, &judge.reference, [asked, found.common.len()]),
+        over: Over::new(kind, first, &judge.reference, [asked, found.common.len()]).along(work.is_path()),
         asked,
         poses: found.common.len(),
         seed: options.seed,

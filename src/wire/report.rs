@@ -4,7 +4,7 @@ use super::mailed;
 use super::report_options::ReportOptions;
 use crate::analysis::figure_bands::field_bands;
 use crate::analysis::reference::ReferencedField;
-use crate::analysis::{MAX_POSES, MapFailure, View, map};
+use crate::analysis::{MAX_POSES, MapFailure, View, Work, map};
 use crate::api::bounded::{DrawnBounds, added};
 use crate::api::budget::{BudgetOptions, BudgetResult, budget_of};
 use crate::api::budgets::{DrawnMachines, budgets};
@@ -282,7 +282,9 @@ fn comparison(
     options: &ReportOptions,
     given: &[MachineInput<'_>],
 ) -> Result<Option<ComparisonData>, Refused> {
-    let Some((comparison, sides)) = ComparisonData::work(given) else { return Ok(None) };
+    let work = machines.first().and_then(|first| Some(job?.poses.work(first)));
+    let is_path = work.as_ref().is_some_and(Work::is_path);
+    let Some((comparison, sides)) = ComparisonData::work(given, work) else { return Ok(None) };
     if comparison.common.is_empty() {
         let over = given[0].over;
         return Ok(Some(ComparisonData::new(given, &comparison, &sides, Value::Null, over, &vec![None; sides.len()])));
@@ -304,6 +306,7 @@ fn comparison(
         machines.first().map_or(given[0].machine, |file| file),
         &set_ups[0].reference,
         [comparison.asked, comparison.common.len()],
-    );
+    )
+    .along(is_path);
     Ok(Some(ComparisonData::new(given, &comparison, &sides, json, &over, &references)))
 }

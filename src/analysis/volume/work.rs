@@ -42,6 +42,11 @@ impl Work {
         }
     }
 
+    /// Returns a work of these tool poses, some of its own, which stay one path if it is one.
+    pub fn of_some(&self, list: Vec<ToolPose>) -> Self {
+        if self.is_path() { Self::Path(list) } else { Self::Listed(list) }
+    }
+
     /// True if the tool poses are one continuous path.
     pub fn is_path(&self) -> bool {
         matches!(self, Self::Path(_))

@@ -9,7 +9,7 @@ pub(crate) fn csv(of: &RankedArrangements) -> String {
     let mut csv =
         "rank,group,chain,on table,reached,um,low [um],high [um],mean [um],minus file [um],not stated,samples,\
                    versus first,minus first [um],minus first low [um],minus first high [um],travel [mm or deg],\
-                   best fit [um],best fit minus first [um],withheld\n"
+                   best fit [um],best fit minus first [um],withheld,rewinds\n"
             .to_owned();
     for (group, rows) in [
         ("ranked", &of.ranked),
@@ -38,6 +38,7 @@ pub(crate) fn csv(of: &RankedArrangements) -> String {
                 text(row.best_fit.map(|fit| fit.um)),
                 text(row.best_fit.and_then(|fit| fit.versus_first).map(|versus| versus.minus_first.value)),
                 cell(row.withheld.as_deref().unwrap_or_default()).to_string(),
+                row.rewinds.map_or(String::new(), |rewinds| rewinds.to_string()),
             ];
             csv += &format!("{head},{},{}\n", numbers.join(","), tail.join(","));
         }
@@ -161,6 +162,10 @@ fn arrangements(of: &RankedArrangements, rows: &[Arrangement], numbered: bool, t
     if apart {
         header.push("not stated");
     }
+    let wound = rows.iter().any(|row| row.rewinds.is_some());
+    if wound {
+        header.push("rewinds");
+    }
     let sized = rows.iter().any(|row| !row.travel.is_empty());
     if sized {
         header.push("travel needed, mm or deg");
@@ -191,6 +196,9 @@ fn arrangements(of: &RankedArrangements, rows: &[Arrangement], numbered: bool, t
         }
         if apart {
             cells.push(row.not_stated.join(", "));
+        }
+        if wound {
+            cells.push(row.rewinds.map_or("-".to_owned(), |rewinds| rewinds.to_string()));
         }
         if sized {
             let length = |(axis, [min, max]): (&String, &[f64; 2])| format!("{axis} {}", significant(max - min, 4));

@@ -44,12 +44,13 @@ fn of_bounds(given: &MachineInput<'_>, poses: &[Pose], reference: Option<&PartRe
 const ERRORS: usize = 20;
 
 impl ComparisonData {
-    /// Two or more machines at tool poses drawn from the volume of the first.
-    pub fn work<'a>(given: &[MachineInput<'a>]) -> Option<(Comparison, MachinePoses<'a>)> {
+    /// Two or more machines on a job, or else at tool poses drawn from the volume of the first.
+    pub fn work<'a>(given: &[MachineInput<'a>], job: Option<Work>) -> Option<(Comparison, MachinePoses<'a>)> {
         let first = given.first().filter(|_| given.len() > 1)?;
+        let work = job.unwrap_or_else(|| Work::OfPoses(first.sample()));
         let bare: Vec<Bare<'_>> = given.iter().map(|g| Bare { machine: g.machine, order: g.order }).collect();
         let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-        let Ok(comparison) = compare(&fields, &Work::OfPoses(first.sample()), first.conditions, &unheard);
+        let Ok(comparison) = compare(&fields, &work, first.conditions, &unheard);
         let poses = |c: &MachineResult| c.reached.iter().map(|(pose, _)| pose.clone()).collect();
         let sides = given.iter().zip(&comparison.machines).map(|(g, c)| (g.machine, poses(c))).collect();
         Some((comparison, sides))
