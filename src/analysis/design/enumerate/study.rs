@@ -190,7 +190,7 @@ impl StudyRound<'_> {
             return each().map(|of| apart(row(of, Standing::CannotTurn, missed))).collect();
         }
         let found: Vec<Result<Pose, Miss>> = solve(nominal, &study.work, study.is_path);
-        let missed = UnreachableCount::count(found.iter().filter_map(|pose| Some(&pose.as_ref().err()?.why)));
+        let missed = UnreachableCount::count(found.iter().filter_map(|pose| pose.as_ref().err()));
         let travel = if study.sized { travel_needs(nominal, &found) } else { Vec::new() };
         let rewinds = study.is_path.then(|| {
             let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
