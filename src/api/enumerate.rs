@@ -1,7 +1,7 @@
 //! All arrangements of the axes on the two sides of the bed, ranked on the same work.
 
 use super::tolerances::{ClassSource, ToleranceOptions};
-use crate::analysis::budget::{Bound, Statistic, Verdict, VersusFirst, known};
+use crate::analysis::budget::{Bound, PairedDifference, Statistic, Verdict, VersusFirst, known};
 use crate::analysis::enumerate::{
     ArrangementRow, BUILDABLE_RULES, FittedArrangement, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, PartSetUps,
     Ranking, RoundCount, RoundStep, Rounds, Rule, RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk,
@@ -238,7 +238,7 @@ pub struct Arrangement {
     pub samples: Option<usize>,
     /// Its figure minus that of the best.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub versus_first: Option<VersusFirst>,
+    pub versus_first: Option<AgainstFirst>,
     /// The same with the best fit of each arrangement taken out, where neither tool poses nor a reference are given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub best_fit: Option<FittedArrangement>,
@@ -270,6 +270,11 @@ impl Arrangement {
     fn new(row: ArrangementRow, rank: Option<usize>) -> Self {
         let result = row.result;
         let judged = result.filter(|_| row.standing == Standing::Judged);
+        let withheld = result.and_then(|result| withheld(result.versus_first?, result.best_fit?.versus_first?));
+        let against = |VersusFirst { verdict, minus_first }: VersusFirst| AgainstFirst {
+            verdict: Some(verdict).filter(|_| withheld.is_none()),
+            minus_first,
+        };
         Self {
             chain: row.chain,
             on_table: row.table,
@@ -281,9 +286,9 @@ impl Arrangement {
             mean: result.and_then(|result| result.mean),
             minus_file: result.map(|result| result.minus_file),
             samples: result.and_then(|result| result.samples),
-            versus_first: result.and_then(|result| result.versus_first),
+            versus_first: result.and_then(|result| result.versus_first).map(against),
             best_fit: result.and_then(|result| result.best_fit),
-            withheld: result.and_then(|result| withheld(result.versus_first?, result.best_fit?.versus_first?)),
+            withheld,
             misses_reference: row.standing == Standing::MissesReference,
             // Adding zero turns -0 into 0.
             travel: row.travel.into_iter().map(|t| (t.axis, [t.min + 0.0, t.max + 0.0])).collect(),
@@ -317,8 +322,17 @@ impl RankedArrangements {
 impl Arrangement {
     /// Returns the verdict against the best; none where it is not ranked, or depends on the reference.
     pub fn verdict(&self) -> Option<Verdict> {
-        self.versus_first.filter(|_| self.withheld.is_none()).map(|versus| versus.verdict)
+        self.versus_first.and_then(|versus| versus.verdict)
     }
+}
+
+/// An arrangement against the best.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct AgainstFirst {
+    /// The verdict; none if it is withheld.
+    pub verdict: Option<Verdict>,
+    /// The difference to the best on the machines drawn of both.
+    pub minus_first: PairedDifference,
 }
 
 /// Returns the reason why there is no verdict, if machine coordinates and best fit do not agree.
