@@ -18,6 +18,7 @@ use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine, Pose};
 use crate::run::{Call, Count, Refused, Reply, Run, sha256};
 use crate::shards::study::{self, StudyFile};
+use crate::units::significant;
 use indexmap::IndexMap;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -663,6 +664,23 @@ fn progress(options: &EnumerateOptions, missing: &MissingSteps) -> StudyProgress
     StudyProgress { state, round: round + 1, walks_done: walks - todo.len(), walks }
 }
 
+/// Searches for poses of arms below which a study says nothing of its cost.
+const MANY_SEARCHES: usize = 500;
+
+/// Time that one of them takes on a core, s: docs/enumerate.md has the command.
+const SEARCH_SECONDS: f64 = 0.04;
+
+/// Says what searches for poses of arms will cost.
+fn announce(call: &Call<'_>, searches: usize) {
+    if searches >= MANY_SEARCHES {
+        let minutes = significant(searches as f64 * SEARCH_SECONDS / 60.0, 2);
+        call.announce(&format!(
+            "{searches} searches for poses of arms, some {minutes} min on one core; fewer `--poses` or `--require` \
+             take less"
+        ));
+    }
+}
+
 fn computed_round(
     call: &mut Call<'_>,
     (study, rounds): (&Study<'_>, &Rounds),
@@ -670,6 +688,7 @@ fn computed_round(
     (begun, file): (Journal, Option<&dyn StudyFile>),
 ) -> Result<Journal, Refused> {
     let keeper = study::Keeper::new(begun, file);
+    announce(call, study.searches(todo.len()));
     let drawn = study.round(rounds.samples(round));
     let done = call.stage(todo.len(), |advance| {
         todo.into_par_iter().try_for_each(|(step, tables)| {

@@ -7,7 +7,7 @@ use super::side_draws::SideDraws;
 use super::walk_budget::{self, WalkPoses};
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
 use crate::analysis::design::compare::UnreachableCount;
-use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom, rotary_axes_place_tip};
 use crate::analysis::path::{path_events, solve};
 use crate::analysis::reference::{PartReference, tip_at};
 use crate::analysis::volume::Work;
@@ -105,6 +105,12 @@ impl<'a> Study<'a> {
     /// The same study, which also tells the travel that the work needs of each arrangement.
     pub fn with_travel(self, sized: bool) -> Self {
         Self { sized, ..self }
+    }
+
+    /// Returns the number of searches for poses of arms that so many walks take; 0 of machines whose linear axes place
+    /// the tip, which need none.
+    pub fn searches(&self, walks: usize) -> usize {
+        if rotary_axes_place_tip(self.machine) { walks.saturating_mul(self.work.len()) } else { 0 }
     }
 
     /// Returns a round with its samples drawn, and all before them.
