@@ -140,14 +140,15 @@ impl PlaceStudy<'_> {
         let stated = Job::stated(Some(&job), self.asked);
         let mut reference = stated.clone().unwrap_or_else(|| job.zero());
         let mut attempts = self.attempts(call, self.asked)?;
-        let is_reached = attempts.iter().any(|of| of.tried.reached > 0);
-        let is_set_up = attempts.iter().any(|of| of.tried.reaches_reference);
+        let mut reached = attempts.iter().filter(|of| of.tried.reached > 0);
+        let is_set_up = reached.clone().any(|of| of.tried.reaches_reference);
+        let first = reached.next().map(|of| of.unset.clone());
         let figure = !matches!(self.figure, PlaceFigure::Reach);
-        if figure && !is_reached {
+        if figure && first.is_none() {
             // Nothing to compare: the refusal says what is missing at the place of the job.
             job.poses.reached(call, self.machine)?;
         }
-        if let Some(reason) = attempts[own].unset.clone().filter(|_| is_reached && !is_set_up) {
+        if let Some(reason) = first.flatten().filter(|_| !is_set_up) {
             match (figure, stated) {
                 (true, Some(_)) => return call.refuse(reason),
                 (true, None) => call.warn(unzeroed(&reason)),

@@ -60,16 +60,16 @@ fn text(of: &PlacementResult) -> String {
     };
     let mut text = format!("{}: places of the part, {what}\n{}", of.machine, of.over.text());
     text += &of.drawing.as_ref().map_or_else(String::new, |of| format!("{}{}\n", of.words(), of.class_words()));
-    text += &fold(&format!("{} places: {}", of.places, of.ranges.iter().map(range).collect::<Vec<_>>().join(", ")));
+    let count: usize = of.ranges.iter().map(|range| range.count).product();
+    let own = if of.places > count { " and the file's own" } else { "" };
+    let ranges = of.ranges.iter().map(range).collect::<Vec<_>>().join(", ");
+    text += &fold(&format!("{count} places{own}: {ranges}"));
     let all = of.over.poses;
-    text += &match of.best.as_ref() {
-        None => "none of them reaches a tool pose\n".to_owned(),
-        Some(best) if best.reached == all => {
-            fold(&format!("{} reach all {all} tool poses; {} are ranked", of.reach_all, of.ranked))
-        }
-        Some(best) => fold(&format!(
-            "{} reach all {all} tool poses; ranked are the {} that reach the same {}",
-            of.reach_all, of.ranked, best.reached
+    text += &match of.best.as_ref().map(|best| best.reached) {
+        None => "None of them reaches a tool pose.\n".to_owned(),
+        Some(most) => fold(&format!(
+            "Places that reach all {all} tool poses: {}; ranked, for they reach the same {most}: {}",
+            of.reach_all, of.ranked
         )),
     };
     text += &format!("\n{}\n", rows(of));

@@ -18,7 +18,7 @@ const WIDEST: f64 = 600.0;
 const HIGHEST: f64 = 420.0;
 const STRIP: f64 = 70.0;
 /// Characters of a note.
-const NOTE: usize = 88;
+const NOTE: usize = 98;
 /// Colour of a place that is not ranked.
 const APART: &str = "#cfd3d7";
 
