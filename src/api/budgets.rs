@@ -206,6 +206,13 @@ pub(crate) fn budgets(
     if all.iter().all(Vec::is_empty) || sides.iter().any(|(_, poses)| poses.is_empty()) {
         return Ok(None);
     }
+    if drawn.references.iter().flatten().any(|of| !of.is_linear()) {
+        let message = "budgets are not compared: a minimum zone has no worst case, RSS or parts of errors";
+        let help = "take the least squares, `--reference best-fit`, or another reference";
+        call.warn(Diagnostic::new(codes::W0607, message).help(help));
+        call.check()?;
+        return Ok(None);
+    }
     let without = drawn.files.iter().zip(&all).filter(|(_, bounds)| bounds.is_empty());
     let without: Vec<String> = without.map(|(file, _)| format!("`{}`", shown(file))).collect();
     if !without.is_empty() {

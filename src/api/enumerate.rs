@@ -14,6 +14,7 @@ use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
 use crate::job::reference::{Reference, ReferenceKind, SetUp};
+use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine, Pose};
 use crate::run::{Call, Count, Refused, Reply, Run, sha256};
@@ -55,6 +56,7 @@ pub struct EnumerateOptions {
     pub path: Option<bool>,
     /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
     /// poses. Without tool poses arrangements are ranked in machine coordinates by default, and their best fits beside.
+    #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
     /// Gives linear axes the travel that the work needs, whatever the file says; every arrangement tells it.
     pub size: bool,
@@ -519,6 +521,9 @@ impl SetUps {
     ) -> Result<Self, Refused> {
         let best_fit = job.is_none() && options.reference.is_none();
         let stated = Job::stated(job, options.reference.as_ref());
+        if let Some(reference) = &stated {
+            SetUp { reference: reference.clone(), removed: None }.refuse_minimum_zone(call, "a ranking")?;
+        }
         if let (Some(stated), None) = (stated.as_ref().filter(|of| of.kind == ReferenceKind::BestFit), reached) {
             return Ok(Self { reference: stated.clone(), best_fit });
         }

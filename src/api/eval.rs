@@ -11,6 +11,7 @@ use crate::job::over::Over;
 use crate::job::path::PathResult;
 use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::job::reference::{Reference, SetUp};
+use crate::job::reference_text::ReferenceOption;
 use crate::lower::WeilLift;
 use crate::machine::{Approach, Machine, OperatingConditions, Pose};
 use crate::run::{Call, Refused, Reply, Run};
@@ -33,6 +34,7 @@ pub struct EvalOptions {
     /// CL data alone.
     pub path: Option<bool>,
     /// What the set-up of the part takes out of the deviations; by default what the job says, otherwise nothing.
+    #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
     /// Order of the errors; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,

@@ -1,7 +1,7 @@
 //! Results of the functions, and their parts, for `abbe::results`; `results.md` has them by verb.
 
 pub use super::bounded::{AddedByBounds, AddedDeviation};
-pub use super::budget::{BudgetResult, ContributionsAt, FittedBudget};
+pub use super::budget::{BudgetResult, ContributionsAt, FittedBudget, ZoneBudget};
 pub use super::budgets::{
     BudgetDifference, ComparedBudget, ComparedBudgets, ComparedContribution, ComparedVerdict,
     DeviationBudgetDifference, DrawnDifference, WithheldVerdict,

@@ -7,6 +7,7 @@
 //! - [`job_file`]: a job as a file states it;
 //! - [`limit`]: the largest deviation that a job allows;
 //! - [`mod@reference`]: what the set-up of a part takes out of its deviations;
+//! - [`reference_text`]: the same as a text;
 //! - [`over`]: the statement of what a result is over;
 //! - [`characteristics`]: tolerances of features, and the values that deviations and bounds lead to;
 //! - [`test_piece`]: test pieces of standards as jobs;
@@ -23,5 +24,6 @@ pub mod path;
 pub mod placement;
 pub mod poses;
 pub mod reference;
+pub mod reference_text;
 pub mod test_piece;
 pub mod tool_poses;

@@ -166,6 +166,7 @@ impl<'a> Subject<'a> {
             None => Poses::Random(Random::of(file, options.poses, options.seed)).iter().collect(),
         };
         let set_up = Job::set_up(job.as_ref(), call, file, options.reference.as_ref(), &poses)?;
+        set_up.refuse_minimum_zone(call, "a report")?;
         let over = Over::work(file, &set_up.reference, reached.as_ref(), options.poses);
         let work = reached
             .as_ref()

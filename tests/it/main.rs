@@ -70,6 +70,7 @@ mod map;
 mod map_files;
 mod measurements;
 mod mechanisms;
+mod minimum_zone;
 mod options;
 mod oracle;
 mod paper_2015;
