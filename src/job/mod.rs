@@ -12,6 +12,7 @@
 //! - [`characteristics`]: tolerances of features, and the values that deviations and bounds lead to;
 //! - [`test_piece`]: test pieces of standards as jobs;
 //! - [`path`]: what tool poses ask of a machine as one path;
+//! - [`round_features`]: those that are round, with their profile over the angle;
 //! - [`features`]: the features of such a file, and the largest deviation on each.
 
 pub mod characteristics;
@@ -25,5 +26,6 @@ pub mod placement;
 pub mod poses;
 pub mod reference;
 pub mod reference_text;
+pub mod round_features;
 pub mod test_piece;
 pub mod tool_poses;

@@ -6,6 +6,7 @@ use crate::analysis::reference::PartReference;
 use crate::controller::{Certificate, ControllerEffect, ControllerTarget};
 use crate::evaluate::{Frame, Order, Poses, Random};
 use crate::job::over::Over;
+use crate::job::round_features::RoundFeature;
 use crate::machine::{Machine, OperatingConditions, Pose};
 use crate::report::text::{BoundedFigures, BudgetFigures};
 use crate::run::unheard;
@@ -26,6 +27,8 @@ pub struct MachineInput<'a> {
     pub poses: (usize, u64),
     /// The poses for the tool poses of a file instead of random ones, and what the page says of the file.
     pub work: Option<(&'a [Pose], &'a Value)>,
+    /// The round features of the work.
+    pub round: &'a [RoundFeature],
     /// What the set-up of the part takes out of the figures.
     pub removed: Option<&'a PartReference>,
     /// What the figures are over.
