@@ -41,6 +41,7 @@ pub use super::sources::{ErrorSource, ErrorSources};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::uncertainty::CertificateBands;
+pub use super::withheld::TurnedVerdicts;
 pub use crate::analysis::budget::{
     Binding, Bound, BoundedDeviation, BoundedLength, Coverage, PairedDifference, Percentile, Proportion, Role, Verdict,
     VersusFirst,

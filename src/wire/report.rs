@@ -209,6 +209,7 @@ impl<'a> Subject<'a> {
             words: &self.words,
             instruments: &self.instruments,
             budget: self.budget.as_ref().map(|result| &result.budget),
+            coverage: self.budget.as_ref().map(|result| &result.coverage),
             bounds_add: &self.bounds_add,
             type_b: self.file.identify.as_ref().map_or(&[], |section| section.type_b.as_slice()),
         }

@@ -1,7 +1,7 @@
 //! A machine as it was handed to the page.
 
 use super::instruments::Instruments;
-use crate::analysis::budget::{Draws, PoseByPose, PosesRequest, is_measured, pose_by_pose};
+use crate::analysis::budget::{Coverage, Draws, PoseByPose, PosesRequest, is_measured, pose_by_pose};
 use crate::analysis::reference::PartReference;
 use crate::controller::{Certificate, ControllerEffect, ControllerTarget};
 use crate::evaluate::{Frame, Order, Poses, Random};
@@ -39,6 +39,8 @@ pub struct MachineInput<'a> {
     pub instruments: &'a Instruments,
     /// Its budget, if errors are bounded.
     pub budget: Option<&'a BudgetFigures>,
+    /// Which of the errors that act are known, if errors are bounded.
+    pub coverage: Option<&'a Coverage>,
     /// Effect of the bounds of errors without a value beside the measured ones; null without any.
     pub bounds_add: &'a Value,
     /// Uncertainties that all readings of its fit shared (type B), in words.
