@@ -240,6 +240,7 @@ class Verbs:
         poses: Sequence[Sequence[float]] | None = None,
         pose_file: Text | None = None,
         job: Text | None = None,
+        path: bool | None = None,
         reference: Reference | None = None,
         order: Order | None = None,
         approach: Approach = "mean",
@@ -258,6 +259,8 @@ class Verbs:
         * ``poses``: Poses as numbers, mm and deg, each as long as the machine has axes and in the order of the chain.
         * ``pose_file``: A CSV file of poses: a header of axis names, one pose a line, mm and deg.
         * ``job``: A job file instead of poses: the poses for its tool poses, without what its set-up takes out.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
         * ``reference``: What the set-up of the part takes out of the deviations; by default what the job says,
           otherwise nothing.
         * ``order``: Order of the errors; exact by default, unless the conventions of the machine name an order.
@@ -274,6 +277,7 @@ class Verbs:
             "poses": poses,
             "pose_file": pose_file,
             "job": job,
+            "path": path,
             "reference": reference,
             "order": order_of(order),
             "approach": approach,
@@ -347,6 +351,7 @@ class Verbs:
         rows: bool = False,
         poses: MapPoses = "grid",
         seed: int = 1,
+        path: bool | None = None,
         order: Order | None = None,
         reference: Reference | None = None,
         approach: Approach = "mean",
@@ -369,6 +374,8 @@ class Verbs:
 
         * ``poses``: The poses.
         * ``seed``: Seed of random and low-discrepancy poses.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
         * ``order``: Order of the errors; exact by default, unless the conventions of the machine name an order.
         * ``reference``: What the set-up of the part takes out of the deviations; by default the zero at the part's
           origin for tool poses, nothing for a volume.
@@ -388,6 +395,7 @@ class Verbs:
         options: dict[str, Any] = {
             "poses": poses,
             "seed": seed,
+            "path": path,
             "order": order_of(order),
             "reference": reference,
             "approach": approach,
@@ -410,6 +418,9 @@ class Verbs:
         region: Text | None = None,
         step_mm: float | None = None,
         directions: int | None = None,
+        tool_poses: Text | None = None,
+        job: Text | None = None,
+        path: bool | None = None,
         threads: int | None = None,
     ) -> ReachResult:
         """Returns the tips and directions of the tool within reach over a box.
@@ -423,11 +434,18 @@ class Verbs:
           third.
         * ``directions``: Number of directions of the tool; 60 by default, 6 for robots. A machine that does not turn
           its tool has one; of a circle those count that are within the hemisphere about the tool axis at rest.
+        * ``tool_poses``: A file of tool poses in place of the box.
+        * ``job``: A job file in place of the box.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
         """
         options: dict[str, Any] = {
             "region": region,
             "step_mm": step_mm,
             "directions": directions,
+            "tool_poses": tool_poses,
+            "job": job,
+            "path": path,
         }
         found = call("reach", [self._native], options, threads=threads)
         return ReachResult(found)
@@ -438,6 +456,7 @@ class Verbs:
         poses: int = 1000,
         tool_poses: Text | None = None,
         job: Text | None = None,
+        path: bool | None = None,
         reference: Reference | None = None,
         seed: int = 1,
         class_: Text | None = None,
@@ -457,6 +476,8 @@ class Verbs:
         * ``tool_poses``: A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or
           rotary axes (deg) of the first machine.
         * ``job``: A job file instead of the tool poses.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
         * ``reference``: What the set-up of the part takes out of the deviations; by default the zero at the part's
           origin for tool poses. Without tool poses machine coordinates and best fit are both compared by default.
         * ``seed``: Seed of the tool poses, and of the errors that are drawn.
@@ -475,6 +496,7 @@ class Verbs:
             "poses": poses,
             "tool_poses": tool_poses,
             "job": job,
+            "path": path,
             "reference": reference,
             "seed": seed,
             "class": class_,
@@ -498,6 +520,7 @@ class Verbs:
         poses: int = 500,
         tool_poses: Text | None = None,
         job: Text | None = None,
+        path: bool | None = None,
         reference: Reference | None = None,
         samples: int = 1000,
         at: Text | None = None,
@@ -522,6 +545,8 @@ class Verbs:
         * ``tool_poses``: A CSV file of tool poses in the workpiece frame that replace these poses: columns X, Y, Z (mm)
           and I, J, K or rotary axes (deg).
         * ``job``: A job file instead of the tool poses.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
         * ``reference``: What the set-up of the part takes out of the effects; by default the zero at the part's origin
           for tool poses, nothing for a volume.
         * ``samples``: Number of machines that are drawn, at least 2.
@@ -541,6 +566,7 @@ class Verbs:
             "poses": poses,
             "tool_poses": tool_poses,
             "job": job,
+            "path": path,
             "reference": reference,
             "samples": samples,
             "at": at,
@@ -567,6 +593,9 @@ class Verbs:
         rotary: int | None = None,
         poses: int = 500,
         tool_poses: Text | None = None,
+        job: Text | None = None,
+        path: bool | None = None,
+        reference: Reference | None = None,
         size: bool = False,
         samples: int = 200,
         max_samples: int | None = None,
@@ -596,6 +625,12 @@ class Verbs:
         * ``poses``: Number of tool poses.
         * ``tool_poses``: A CSV file of tool poses in the workpiece frame instead: columns X, Y, Z (mm) and I, J, K or
           rotary axes (deg).
+        * ``job``: A job file instead of the tool poses.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
+        * ``reference``: What the set-up of the part takes out of the deviations; by default the zero at the part's
+          origin for tool poses. Without tool poses arrangements are ranked in machine coordinates by default, and their
+          best fits beside.
         * ``size``: Gives linear axes the travel that the work needs, whatever the file says; every arrangement tells
           it.
         * ``samples``: Number of machines that are drawn of every arrangement for the budget, at least 2.
@@ -620,6 +655,9 @@ class Verbs:
             "rotary": rotary,
             "poses": poses,
             "tool_poses": tool_poses,
+            "job": job,
+            "path": path,
+            "reference": reference,
             "size": size,
             "samples": samples,
             "max_samples": max_samples,
@@ -861,6 +899,10 @@ class Verbs:
         seed: int = 1,
         accept_unverified: bool = False,
         installed: Text | None = None,
+        tool_poses: Text | None = None,
+        job: Text | None = None,
+        path: bool | None = None,
+        reference: Reference | None = None,
         max_correction: Limits | None = None,
         lattice: Sequence[Text] | None = None,
         max_nodes: int | None = None,
@@ -879,6 +921,11 @@ class Verbs:
         * ``accept_unverified``: True if a format or a sign that is known from memory only may be written.
         * ``installed``: Folder with the files that were in force when the machine was measured: the new files are old
           plus new.
+        * ``tool_poses``: A file of tool poses: CSV or APT CL data.
+        * ``job``: A job file instead of the tool poses.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
+        * ``reference``: What the set-up of the part takes out; by default the zero at the part's origin.
         * ``max_correction``: Limits on corrections.
         * ``lattice``: Names of the axes that span a lattice; all if empty. The others are at 0 in its nodes.
         * ``max_nodes``: Maximum number of lattice nodes.
@@ -891,6 +938,10 @@ class Verbs:
             "seed": seed,
             "accept_unverified": accept_unverified,
             "installed": installed,
+            "tool_poses": tool_poses,
+            "job": job,
+            "path": path,
+            "reference": reference,
             "max_correction": max_correction,
             "lattice": lattice,
             "max_nodes": max_nodes,
@@ -907,6 +958,10 @@ class Verbs:
         poses: int = 2000,
         seed: int = 1,
         installed: Text | None = None,
+        tool_poses: Text | None = None,
+        job: Text | None = None,
+        path: bool | None = None,
+        reference: Reference | None = None,
         threads: int | None = None,
     ) -> CertificateResult:
         """Replays the files in a folder, and certifies the residual.
@@ -919,6 +974,11 @@ class Verbs:
         * ``seed``: Seed of the poses.
         * ``installed``: Folder with the files that were in force when the machine was measured: the files judged here
           replace them.
+        * ``tool_poses``: A file of tool poses: CSV or APT CL data.
+        * ``job``: A job file instead of the tool poses.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
+        * ``reference``: What the set-up of the part takes out; by default the zero at the part's origin.
         """
         options: dict[str, Any] = {
             "target": target,
@@ -926,6 +986,10 @@ class Verbs:
             "poses": poses,
             "seed": seed,
             "installed": installed,
+            "tool_poses": tool_poses,
+            "job": job,
+            "path": path,
+            "reference": reference,
         }
         found = call("verify", [self._native], options, words=[folder], threads=threads)
         return CertificateResult(found)
@@ -961,6 +1025,10 @@ class Verbs:
         other: Verbs,
         *,
         poses: int = 1000,
+        tool_poses: Text | None = None,
+        job: Text | None = None,
+        path: bool | None = None,
+        reference: Reference | None = None,
         seed: int = 1,
         order: Order | None = None,
         approach: Approach = "mean",
@@ -971,12 +1039,22 @@ class Verbs:
         Options, each with the default of the façade where it is ``None``:
 
         * ``poses``: Number of tool poses, drawn from the volume of the first machine.
+        * ``tool_poses``: A file of tool poses instead; rotary columns are those of the first machine.
+        * ``job``: A job file instead of the tool poses.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
+        * ``reference``: What the set-up of the part takes out of the deviations; by default the zero at the part's
+          origin for tool poses, nothing for a volume.
         * ``seed``: Seed of the tool poses.
         * ``order``: Order of the errors; exact by default, unless the conventions of a machine name an order.
         * ``approach``: Side of approach, where forward and reverse curves were given.
         """
         options: dict[str, Any] = {
             "poses": poses,
+            "tool_poses": tool_poses,
+            "job": job,
+            "path": path,
+            "reference": reference,
             "seed": seed,
             "order": order_of(order),
             "approach": approach,
@@ -991,6 +1069,9 @@ class Verbs:
         compensation: CompensationOptions | None = None,
         poses: int = 2000,
         tool_poses: Text | None = None,
+        job: Text | None = None,
+        path: bool | None = None,
+        reference: Reference | None = None,
         seed: int = 1,
         order: Order | None = None,
         approach: Approach = "mean",
@@ -1006,6 +1087,11 @@ class Verbs:
         * ``compensation``: Options of the compensation.
         * ``poses``: Number of poses of maps and certificates.
         * ``tool_poses``: A file of tool poses, of which statistics and comparison are taken: CSV or APT CL data.
+        * ``job``: A job file instead of the tool poses.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
+        * ``reference``: What the set-up of the part takes out of statistics, single errors and comparison; by default
+          the zero at the part's origin for tool poses, nothing for a volume.
         * ``seed``: Seed of the poses, and of the errors that are drawn.
         * ``order``: Order of the errors; exact by default, unless the conventions of a machine name an order.
         * ``approach``: Side of approach, where forward and reverse curves were given.
@@ -1017,6 +1103,9 @@ class Verbs:
             "compensation": compensation,
             "poses": poses,
             "tool_poses": tool_poses,
+            "job": job,
+            "path": path,
+            "reference": reference,
             "seed": seed,
             "order": order_of(order),
             "approach": approach,

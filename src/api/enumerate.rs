@@ -2,7 +2,7 @@
 
 use super::tolerances::{ClassSource, ToleranceOptions};
 use super::withheld::{StudyCoverage, TurnedVerdicts};
-use crate::analysis::budget::{Bound, Coverage, Statistic, Verdict, VersusFirst, known};
+use crate::analysis::budget::{Bound, Coverage, PairedDifference, Statistic, Verdict, VersusFirst, known};
 use crate::analysis::enumerate::{
     ArrangementRow, BUILDABLE_RULES, FittedArrangement, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, PartSetUps,
     Ranking, RoundCount, RoundStep, Rounds, Rule, RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk,
@@ -20,6 +20,7 @@ use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine, Pose};
 use crate::run::{Call, Count, Refused, Reply, Run, sha256};
 use crate::shards::study::{self, StudyFile};
+use crate::units::significant;
 use indexmap::IndexMap;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -247,7 +248,7 @@ pub struct Arrangement {
     pub samples: Option<usize>,
     /// Its figure minus that of the best.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub versus_first: Option<VersusFirst>,
+    pub versus_first: Option<AgainstFirst>,
     /// The same with the best fit of each arrangement taken out, where neither tool poses nor a reference are given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub best_fit: Option<FittedArrangement>,
@@ -280,6 +281,11 @@ impl Arrangement {
     fn new(row: ArrangementRow, rank: Option<usize>) -> Self {
         let result = row.result;
         let judged = result.filter(|_| row.standing == Standing::Judged);
+        let withheld = result.and_then(|result| withheld(result.versus_first?, result.best_fit?.versus_first?));
+        let against = |VersusFirst { verdict, minus_first }: VersusFirst| AgainstFirst {
+            verdict: Some(verdict).filter(|_| withheld.is_none()),
+            minus_first,
+        };
         Self {
             chain: row.chain,
             on_table: row.table,
@@ -291,9 +297,9 @@ impl Arrangement {
             mean: result.and_then(|result| result.mean),
             minus_file: result.map(|result| result.minus_file),
             samples: result.and_then(|result| result.samples),
-            versus_first: result.and_then(|result| result.versus_first),
+            versus_first: result.and_then(|result| result.versus_first).map(against),
             best_fit: result.and_then(|result| result.best_fit),
-            withheld: result.and_then(|result| withheld(result.versus_first?, result.best_fit?.versus_first?)),
+            withheld,
             misses_reference: row.standing == Standing::MissesReference,
             // Adding zero turns -0 into 0.
             travel: row.travel.into_iter().map(|t| (t.axis, [t.min + 0.0, t.max + 0.0])).collect(),
@@ -327,8 +333,17 @@ impl RankedArrangements {
 impl Arrangement {
     /// Returns the verdict against the best; none where it is not ranked, or depends on the reference.
     pub fn verdict(&self) -> Option<Verdict> {
-        self.versus_first.filter(|_| self.withheld.is_none()).map(|versus| versus.verdict)
+        self.versus_first.and_then(|versus| versus.verdict)
     }
+}
+
+/// An arrangement against the best.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct AgainstFirst {
+    /// The verdict; none if it is withheld.
+    pub verdict: Option<Verdict>,
+    /// The difference to the best on the machines drawn of both.
+    pub minus_first: PairedDifference,
 }
 
 /// Returns the reason why there is no verdict, if machine coordinates and best fit do not agree.
@@ -673,6 +688,23 @@ fn progress(options: &EnumerateOptions, missing: &MissingSteps) -> StudyProgress
     StudyProgress { state, round: round + 1, walks_done: walks - todo.len(), walks }
 }
 
+/// Searches for poses of arms below which a study says nothing of its cost.
+const MANY_SEARCHES: usize = 500;
+
+/// Time that one of them takes on a core, s: docs/enumerate.md has the command.
+const SEARCH_SECONDS: f64 = 0.04;
+
+/// Says what searches for poses of arms will cost.
+fn announce(call: &Call<'_>, searches: usize) {
+    if searches >= MANY_SEARCHES {
+        let minutes = significant(searches as f64 * SEARCH_SECONDS / 60.0, 2);
+        call.announce(&format!(
+            "{searches} searches for poses of arms, some {minutes} min on one core; fewer `--poses` or `--require` \
+             take less"
+        ));
+    }
+}
+
 fn computed_round(
     call: &mut Call<'_>,
     (study, rounds): (&Study<'_>, &Rounds),
@@ -680,6 +712,7 @@ fn computed_round(
     (begun, file): (Journal, Option<&dyn StudyFile>),
 ) -> Result<Journal, Refused> {
     let keeper = study::Keeper::new(begun, file);
+    announce(call, study.searches(todo.len()));
     let drawn = study.round(rounds.samples(round));
     let done = call.stage(todo.len(), |advance| {
         todo.into_par_iter().try_for_each(|(step, tables)| {

@@ -2,8 +2,7 @@
 
 use super::text::parse_length;
 use crate::analysis::{
-    DirectionKind, Miss, ReachGrid, ToolDirections, Unreachable, UnreachableCount, reach as reached,
-    rotary_axes_place_tip,
+    DirectionKind, Miss, ReachGrid, ToolDirections, UnreachableCount, reach as reached, rotary_axes_place_tip,
 };
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::job_file::{Job, JobPaths, NO_JOB};
@@ -104,7 +103,7 @@ pub struct ReachResult {
 
 struct AtTip {
     reached: usize,
-    why: Vec<Unreachable>,
+    unreachable: UnreachableCount,
     lacks: Lacks,
 }
 
@@ -200,10 +199,12 @@ fn find(call: &mut Call, machine: &MachineFile, options: &ReachOptions) -> Resul
     let Some(grid) = grid else { return call.refuse(too_many(step, directions.list.len(), max)) };
     let at_tip = |results: Vec<Result<Pose, Miss>>| at_tip(machine, results);
     let tips = call.stage(grid.len(), |progress| reached(machine, &grid, &directions.list, &at_tip, progress))?;
-    let unreachable = UnreachableCount::count(tips.iter().flat_map(|tip| &tip.why));
     let by_tip: Vec<usize> = tips.iter().map(|tip| tip.reached).collect();
-    let mut lacks = Lacks::default();
-    tips.into_iter().for_each(|tip| lacks.merge(tip.lacks));
+    let (mut unreachable, mut lacks) = (UnreachableCount::default(), Lacks::default());
+    for tip in tips {
+        unreachable.merge(tip.unreachable);
+        lacks.merge(tip.lacks);
+    }
     let counts = [grid.len() * directions.list.len(), by_tip.iter().sum()];
     let over = Over::new(OverKind::Volume, machine, &Reference::default(), counts);
     Ok(sum_up(machine, over, &grid, &directions, by_tip, (unreachable, lacks)))
@@ -243,12 +244,12 @@ fn parse_side(side: &str) -> Option<(usize, [f64; 2])> {
 }
 
 fn at_tip(machine: &Machine, results: Vec<Result<Pose, Miss>>) -> AtTip {
-    let mut at = AtTip { reached: 0, why: Vec::new(), lacks: Lacks::default() };
+    let mut at = AtTip { reached: 0, unreachable: UnreachableCount::default(), lacks: Lacks::default() };
     for result in results {
         match result {
             Ok(_) => at.reached += 1,
             Err(miss) => {
-                at.why.push(miss.why);
+                at.unreachable.add(&miss);
                 at.lacks.take(machine, &MissedToolPose::new(machine, (0, None), &miss, None));
             }
         }

@@ -18,7 +18,7 @@ pub use super::convert::{ConversionProof, ConvertResult, ConvertedError, MisfitS
 pub use super::diff::{AxisDifference, SetDifference};
 pub use super::effects::{ErrorEffect, Neglected};
 pub use super::enumerate::{
-    Arrangement, EnumerateResult, ExcludedArrangements, RankedArrangements, RankingRounds, StudyProgress,
+    AgainstFirst, Arrangement, EnumerateResult, ExcludedArrangements, RankedArrangements, RankingRounds, StudyProgress,
 };
 pub use super::equations::{
     EquationSymbol, EquationUnits, EquationsResult, Polynomial, PolynomialMatrix, PolynomialTerm,

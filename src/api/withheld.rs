@@ -59,6 +59,7 @@ impl StudyCoverage<'_> {
             let of = values.get(&row.chain).zip(values.get(&first.chain));
             if of.is_none_or(|(own, first)| turns(row, own, first)) {
                 row.withheld = Some(reason.clone());
+                row.versus_first.iter_mut().for_each(|versus| versus.verdict = None);
                 arrangements += 1;
             }
         }

@@ -11,6 +11,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Hears of the progress of a long job, and may cancel it. All methods do nothing by default.
 pub trait Monitor: Sync {
+    /// Hears in words what a long stage will cost, before it begins.
+    fn announce(&self, _cost: &str) {}
     /// A stage of `total` steps begins; 0 if nobody knows how many there will be.
     fn begin(&self, _total: usize) {}
     /// `steps` more of them are done; of 0 steps the job only asks whether to go on. May be called from several
@@ -242,6 +244,11 @@ impl<'a> Call<'a> {
             self.cancelled.set(true);
             Refused
         })
+    }
+
+    /// Says what a long stage will cost.
+    pub fn announce(&self, cost: &str) {
+        self.run.monitor.announce(cost);
     }
 
     /// Reports a stage of `total` steps while `job` runs; ends the call if it is cancelled.

@@ -108,9 +108,10 @@ fn a_ranking_withholds_what_missing_errors_turn() {
         let rows = found["ranked"].as_array().unwrap();
         for row in &rows[1..] {
             let versus = &row["versus_first"];
-            let is_worse = versus["verdict"] == "worse";
+            let is_worse = number(&versus["minus_first"]["low"]) > 0.0;
             let flips = value(&row["chain"]) <= value(&rows[0]["chain"]);
             assert_eq!(row.get("withheld").is_some(), is_worse && flips, "{tolerance}: {row}");
+            assert_eq!(versus["verdict"] == "worse", is_worse && !flips, "{tolerance}: {row}");
             if let Some(reason) = row.get("withheld") {
                 assert!(reason.as_str().unwrap().contains("lacks 20 of 21; `--class production` bounds them"));
                 turned += 1;

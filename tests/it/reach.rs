@@ -386,3 +386,91 @@ fn a_short_cross_slide_reaches_the_whole_circle() {
     let by = map["tool_poses"]["rows"][0]["beyond"][0]["by"].as_f64().unwrap();
     assert!((by.abs() - ((101.0_f64.powi(2) - 4.0).sqrt() - 100.0)).abs() < 1e-9, "{by}");
 }
+
+/// A turning table below a head of two rotary axes, by hand: three axes for a direction.
+struct TableAndHead {
+    /// Half of the travels of X, Y and Z, mm, and of C, B and A, deg.
+    half: [f64; 6],
+    /// Height of the head's pivot above the tip, mm.
+    pivot: f64,
+}
+
+impl TableAndHead {
+    /// Sum of what X, Y and Z lack (mm) at an angle (rad) of C; `None` if the head cannot point there.
+    fn lack(&self, tip: [f64; 3], direction: [f64; 3], c: f64) -> Option<f64> {
+        let turned = |[x, y, z]: [f64; 3]| {
+            let (sine, cosine) = c.sin_cos();
+            [cosine * x - sine * y, sine * x + cosine * y, z]
+        };
+        let (tip, d) = (turned(tip), turned(direction));
+        let (b, a) = (d[0].atan2(d[2]).to_degrees(), d[1].asin().to_degrees());
+        let pivot = [0.0, 0.0, self.pivot];
+        let lack = |k: usize| (tip[k] + self.pivot * d[k] - pivot[k]).abs() - self.half[k];
+        (b.abs() <= self.half[4] && a.abs() <= self.half[5]).then(|| (0..3).map(|k| lack(k).max(0.0)).sum())
+    }
+
+    fn least(&self, tip: [f64; 3], direction: [f64; 3]) -> f64 {
+        let angle = |k: i32| f64::from(k) / 5e4 * self.half[3].to_radians();
+        (-50_000..=50_000).filter_map(|k| self.lack(tip, direction, angle(k))).fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[test]
+fn what_is_proved_out_of_reach_of_three_rotary_axes_is() {
+    let folder = Folder::new("reach-three");
+    let mut random = Random::new(41);
+    let (mut found, mut proved, mut open, mut lost) = (0, 0, 0, 0);
+    for _ in 0..8 {
+        let half = [
+            random.between(40.0, 120.0),
+            random.between(2.0, 40.0),
+            random.between(30.0, 90.0),
+            random.between(60.0, 175.0),
+            random.between(15.0, 80.0),
+            random.between(15.0, 80.0),
+        ];
+        let by_hand = TableAndHead { half, pivot: random.between(50.0, 200.0) };
+        let linear = ["X", "Y", "Z"].iter().zip(half);
+        let mut axes: Vec<String> =
+            linear.map(|(axis, half)| format!("{axis}: {{ travel: [-{half}, {half}], origin: [0, 0, 0] }}")).collect();
+        let rotary = ["C", "B", "A"].iter().zip(&half[3..]).zip([0.0, by_hand.pivot, by_hand.pivot]);
+        axes.extend(
+            rotary.map(|((axis, half), z)| {
+                format!("{axis}: {{ travel: [-{half} deg, {half} deg], origin: [0, 0, {z}] }}")
+            }),
+        );
+        let machine = machine(&folder, "w C' b X Y Z B A t", &axes.join(", "), "");
+        let mut targets = vec![([0.0; 3], [0.0, 0.0, 1.0])];
+        for _ in 0..24 {
+            let (tilt, about) = (random.between(0.0, 1.4), random.between(0.0, 6.28));
+            let direction = [tilt.sin() * about.cos(), tilt.sin() * about.sin(), tilt.cos()];
+            targets.push(([random.around(120.0), random.around(120.0), random.around(60.0)], direction));
+        }
+        let row = |(t, d): &([f64; 3], [f64; 3])| format!("{},{},{},{},{},{}\n", t[0], t[1], t[2], d[0], d[1], d[2]);
+        let rows: String = targets.iter().map(row).collect();
+        let work = folder.with("work.csv", &format!("X,Y,Z,I,J,K\n{rows}"));
+        let reach = json(&["reach", text(&machine), "--tool-poses", text(&work), "--format", "json", "--quiet"]);
+        let rows = reach["job"]["rows"].as_array().unwrap();
+        for (i, (tip, direction)) in targets.iter().enumerate() {
+            let least = by_hand.least(*tip, *direction);
+            let Some(row) = rows.iter().find(|row| row["line"] == i + 2) else {
+                // The step of the brute force hides that much.
+                assert!(least < 0.02, "{tip:?} {direction:?}: reached, by brute force {least}");
+                found += 1;
+                continue;
+            };
+            if row["not_proved"] == true {
+                open += 1;
+                lost += usize::from(least == 0.0);
+            } else {
+                assert!(least > 0.0, "{tip:?} {direction:?}: proved out of reach, and reached by brute force");
+                proved += 1;
+            }
+        }
+        let missed = &reach["unreachable"];
+        let of_rows = rows.iter().filter(|row| row["not_proved"] == true).count();
+        assert_eq!(missed["not_proved"].as_u64().unwrap_or(0) as usize, of_rows);
+    }
+    println!("{found} found, {proved} proved, {open} open, {lost} lost");
+    assert!(found > 30 && proved > 60 && open <= 12 && lost == 0, "{found} {proved} {open} {lost}");
+}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Union
 
 from .._record import Named, Record
-from .deviations import CharacteristicResult, DeviationBudget, Over, PairedDifference, Percentile, ReachedToolPoses, UnreachableCount
+from .deviations import CharacteristicResult, DeviationBudget, LimitVerdict, Over, PairedDifference, PathResult, Percentile, ReachedToolPoses, UnreachableCount
 from .machines import Coverage
 
 
@@ -110,6 +110,8 @@ class BudgetFields(Record):
     machine: Annotated[str, "Name of the machine."]
     chain: Annotated[str, "The kinematic chain."]
     over: Annotated[Over, "What the budget is over."]
+    limit: Annotated[Union[LimitVerdict, None], "The 95 % value of the position against the limit of the job, if it states one."]
+    path: Annotated[Union[PathResult, None], "What the tool poses ask of the machine, if they are one path."]
     best_fit: Annotated[Union[FittedBudget, None], "The same without the rigid motion of the best fit, for a volume whose reference is not stated."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches."]
     characteristics: Annotated[Union[list[CharacteristicResult], None], "The characteristics of features for which the job states tolerances, over the machines drawn."]
@@ -142,11 +144,25 @@ class ExcludedArrangements(Record):
     arrangements: Annotated[int, "Number of arrangements; one that breaks several rules counts for the first."]
 
 
+class AgainstFirst(Record):
+    """An arrangement against the best."""
+
+    verdict: Annotated[Union[Literal["first", "equal", "not_told_apart", "worse", "better"], None], "The verdict; none if it is withheld."]
+    minus_first: Annotated[PairedDifference, "The difference to the best on the machines drawn of both."]
+
+
 class VersusFirst(Record):
     """A machine or arrangement against the first, on the machines drawn of both."""
 
     verdict: Annotated[Literal["first", "equal", "not_told_apart", "worse", "better"], "What is known of the two."]
     minus_first: Annotated[PairedDifference, "Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence."]
+
+
+class FittedArrangement(Record):
+    """The position error of an arrangement without the rigid motion of the part that fits its deviations best."""
+
+    um: Annotated[float, "Its figure, um."]
+    versus_first: Annotated[Union[VersusFirst, None], "Its figure minus that of rank 1; none where it is not ranked."]
 
 
 class Arrangement(Record):
@@ -162,8 +178,12 @@ class Arrangement(Record):
     mean: Annotated[Union[float, None], "Mean of the machines drawn, um."]
     minus_file: Annotated[Union[float, None], "Its figure minus that of the arrangement of the file, um."]
     samples: Annotated[Union[int, None], "Number of machines drawn."]
-    versus_first: Annotated[Union[VersusFirst, None], "Its figure minus that of the best."]
+    versus_first: Annotated[Union[AgainstFirst, None], "Its figure minus that of the best."]
+    best_fit: Annotated[Union[FittedArrangement, None], "The same with the best fit of each arrangement taken out, where neither tool poses nor a reference are given."]
+    withheld: Annotated[Union[str, None], "The reason why there is no verdict against the best: what depends on the reference is none."]
+    misses_reference: Annotated[Union[bool, None], "True if it does not reach the point at which the part is probed."]
     travel: Annotated[Union[Named[list[float]], None], "Travel that the work needs by axis, mm or deg: minimum and maximum."]
+    rewinds: Annotated[Union[int, None], "Number of its rewinds, where the tool poses are one path."]
     not_stated: Annotated[Union[list[str], None], "Geometry that the file does not state."]
     rank: Annotated[Union[int, None], "Its rank, from 1; of ranked arrangements only."]
 
@@ -173,6 +193,7 @@ class EnumerateFields(Record):
 
     machine: Annotated[str, "Name of the machine."]
     chain: Annotated[str, "Its kinematic chain as the file has it."]
+    over: Annotated[Over, "What the ranking is over; reached are the poses that the machine reaches as its file has it."]
     by: Annotated[Literal["budget", "errors"], "Criterion of the arrangements."]
     class_source: Annotated[Union[str, None], "Source of the class."]
     errors: Annotated[int, "Number of errors that count."]

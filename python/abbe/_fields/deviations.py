@@ -18,6 +18,43 @@ class Over(Record):
     tool: Annotated[str, "Name of the tool; empty where the machine has one without a name."]
 
 
+class PathRewind(Record):
+    """A step in which the tool has to leave the path."""
+
+    lines: Annotated[list[int], "Lines of the file before and after it."]
+    turns_deg: Annotated[Named[float], "Motions of the rotary axes, deg."]
+
+
+class PathPole(Record):
+    """A passage near the line of a rotary axis."""
+
+    axis: Annotated[str, "Name of the rotary axis."]
+    lines: Annotated[list[int], "Lines of the file before and after it."]
+    nearest_line: Annotated[int, "The line after the step that comes nearest."]
+    nearest_deg: Annotated[float, "Least angle between the tool and the axis, deg."]
+    turn_deg: Annotated[float, "Angle by which the axis turns meanwhile, deg."]
+    deg_per_mm: Annotated[Union[float, None], "Largest turn of the axis per motion of the tip, deg/mm; none if the axis turns while the tip stands."]
+
+
+class PathAxis(Record):
+    """The motion of an axis along a path."""
+
+    axis: Annotated[str, "Its name."]
+    unit: Annotated[str, "``mm`` or ``deg``."]
+    motion: Annotated[float, "Sum of its motions, rewinds among them."]
+    largest_step: Annotated[float, "Its largest motion from one row to the next, rewinds apart."]
+    largest_step_line: Annotated[Union[int, None], "The line after that step; none if it does not move."]
+    reversals: Annotated[list[int], "Lines of the file at which it reverses."]
+
+
+class PathResult(Record):
+    """What a path asks of a machine."""
+
+    rewinds: Annotated[list[PathRewind], "The steps in which the tool has to leave the path, in their order."]
+    pole_crossings: Annotated[list[PathPole], "The passages near the line of a rotary axis, axis by axis."]
+    axes: Annotated[list[PathAxis], "The motion of each axis."]
+
+
 class EvalUnits(Record):
     """Units of an ``EvalResult``."""
 
@@ -74,8 +111,18 @@ class EvalFields(Record):
     direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
     tool: Annotated[str, "Name of the tool; empty for a tool without a name."]
     over: Annotated[Union[Over, None], "What the result is over, for a job or a reference."]
+    path: Annotated[Union[PathResult, None], "What the tool poses ask of the machine, if they are one path."]
     units: Annotated[EvalUnits, "Units of the numbers."]
     poses: Annotated[list[PoseResult], "The poses in their order."]
+
+
+class LimitVerdict(Record):
+    """A figure against the limit of a job."""
+
+    limit_um: Annotated[float, "The limit, um."]
+    um: Annotated[float, "The 95 % value of the position deviation, um."]
+    interval_um: Annotated[Union[list[float], None], "The interval in which it lies, um; none where it is not drawn."]
+    held: Annotated[Union[bool, None], "True if it holds the limit; none where the interval is on both sides of it."]
 
 
 class LengthStatistics(Record):
@@ -204,6 +251,7 @@ class UnreachableCount(Record):
     direction: Annotated[int, "Number for which the rotary axes cannot point the tool in the direction."]
     place: Annotated[int, "Number whose place the linear axes do not span."]
     travel: Annotated[int, "Number for which an axis would leave its travel."]
+    not_proved: Annotated[Union[int, None], "Number of them for which no pose was found, without a proof that there is none."]
 
 
 class BeyondTravel(Record):
@@ -223,6 +271,7 @@ class MissedToolPose(Record):
     beyond: Annotated[Union[list[BeyondTravel], None], "The axes that would leave their travel."]
     off_deg: Annotated[Union[float, None], "Angle between the tool axis and the nearest direction in which the machine can hold its tool, deg."]
     off_mm: Annotated[Union[float, None], "Distance of the place from those that the axes span, mm."]
+    not_proved: Annotated[Union[bool, None], "True if no pose was found, without a proof that there is none."]
 
 
 class NeededTravel(Record):
@@ -335,6 +384,8 @@ class MapFields(Record):
     frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors."]
     direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
     over: Annotated[Over, "What the map is over."]
+    path: Annotated[Union[PathResult, None], "What the tool poses ask of the machine, if they are one path."]
+    limit: Annotated[Union[LimitVerdict, None], "The 95 % value of the position against the limit of the job, if it states one."]
     poses: Annotated[int, "Number of poses."]
     bounds: Annotated[Union[MapFromBounds, None], "What the bounds lead to, where nothing is measured."]
     bounds_add: Annotated[Union[AddedByBounds, None], "What bounds of errors without a value add to the measured ones."]
@@ -354,7 +405,7 @@ class MapFields(Record):
 class ReachDirections(Record):
     """Directions of the tool at every tip."""
 
-    kind: Annotated[Literal["one", "circle", "hemisphere"], "``one``, ``circle`` (equal turns of an axis) or ``hemisphere`` (equal areas)."]
+    kind: Annotated[Literal["one", "circle", "hemisphere", "listed"], "``one``, ``circle`` (equal turns of an axis), ``hemisphere`` (equal areas) or ``listed`` (those of a job, one at each tip)."]
     count: Annotated[int, "Number of directions."]
     about: Annotated[list[float], "The tool axis at rest, from the tip to the holder, workpiece frame."]
 
@@ -376,8 +427,9 @@ class ReachFields(Record):
 
     machine: Annotated[str, "Name of the machine."]
     tool: Annotated[str, "Name of the tool; empty for a tool without a name."]
+    over: Annotated[Over, "What the reach is over."]
     box_mm: Annotated[list[list[float]], "Ends of the box along x, y, z of the workpiece frame, mm."]
-    counts: Annotated[list[int], "Number of tips along x, y, z."]
+    counts: Annotated[list[int], "Number of tips along x, y, z; of a job all tips stand in one row."]
     tips: Annotated[int, "Number of tips."]
     directions: Annotated[ReachDirections, "The directions at every tip."]
     tool_poses: Annotated[int, "Number of tool poses: tips times directions."]
@@ -387,6 +439,7 @@ class ReachFields(Record):
     tips_in_any_direction: Annotated[int, "Number of tips that are reached in at least one."]
     unreachable: Annotated[UnreachableCount, "Number of the tool poses out of reach, by reason."]
     lacks: Annotated[list[Lack], "What they lack, the most frequent first."]
+    job: Annotated[Union[ReachedToolPoses, None], "Tool poses of a job, row by row where they are out of reach."]
 
 
 class ErrorContribution(Record):
@@ -452,6 +505,8 @@ class ComparedMachine(Record):
     uncertainty: Annotated[Union[ComparedBands, None], "Intervals of its statistics, and of these minus those of the first machine, where any of the files states uncertainties of errors."]
     missed: Annotated[Union[list[MissedToolPose], None], "Rows of a file of tool poses that it does not reach."]
     travel: Annotated[Union[list[NeededTravel], None], "The travel that the tool poses of a file need, axis by axis."]
+    limit: Annotated[Union[LimitVerdict, None], "Its 95 % value against the limit of the job, if it states one: of its budget, or else of its measured errors."]
+    path: Annotated[Union[PathResult, None], "What the tool poses ask of it, if they are one path."]
 
 
 class DeviationBudget(Record):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Union
 
 from .._record import Named, Record
-from .deviations import Bands, Summary
+from .deviations import Bands, Over, Summary
 from .machines import DiffFields
 
 
@@ -69,6 +69,16 @@ class CertificateStep(Record):
     compensated: Annotated[CertifiedFigures, "With their files."]
 
 
+class JobCertificate(Record):
+    """Figures of a certificate over a job, without what the set-up of the part takes out."""
+
+    over: Annotated[Over, "What they are over."]
+    direction: Annotated[Literal["mean", "forward", "reverse"], "The side of approach that is worse."]
+    uncompensated: Annotated[CertifiedFigures, "Without the files."]
+    compensated: Annotated[CertifiedFigures, "With the files: the part is set up on the machine as it runs."]
+    raised: Annotated[list[RaisedFigure], "Figures that the files raise."]
+
+
 class CertificateBands(Record):
     """Intervals of the figures of a certificate."""
 
@@ -83,6 +93,7 @@ class CertificateFields(Record):
     raised: Annotated[list[RaisedFigure], "Figures that the files raise."]
     target: Annotated[str, "Name of the target."]
     files: Annotated[list[str], "Names of the files."]
+    over: Annotated[Over, "What the figures are over: the volume."]
     poses: Annotated[int, "Number of poses."]
     direction: Annotated[Literal["mean", "forward", "reverse"], "The side of approach that is worse."]
     tool: Annotated[str, "Name of the tool; may be empty."]
@@ -94,6 +105,7 @@ class CertificateFields(Record):
     cannot: Annotated[list[str], "Errors that the controller cannot correct, in words."]
     programming: Annotated[Union[list[ProgrammingFigures], None], "Figures for each form of the tool direction, where the controller transforms."]
     steps: Annotated[Union[list[CertificateStep], None], "Figures after each step of a composed set, the last for all of it."]
+    job: Annotated[Union[JobCertificate, None], "The figures over a job, if one was given."]
     uncertainty: Annotated[Union[CertificateBands, None], "Intervals of the figures, where the machine file states uncertainties of errors."]
 
 

@@ -52,6 +52,13 @@ pub struct UnreachableCount {
     pub place: usize,
     /// Number for which an axis would leave its travel.
     pub travel: usize,
+    /// Number of them for which no pose was found, without a proof that there is none.
+    #[serde(default, skip_serializing_if = "is_none_of_them")]
+    pub not_proved: usize,
+}
+
+fn is_none_of_them(count: &usize) -> bool {
+    *count == 0
 }
 
 /// `12 (3 direction, 9 travel)`.
@@ -59,22 +66,38 @@ impl std::fmt::Display for UnreachableCount {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let each = [(self.direction, "direction"), (self.place, "place"), (self.travel, "travel")];
         let list: Vec<String> = each.iter().filter(|(n, _)| *n > 0).map(|(n, why)| format!("{n} {why}")).collect();
-        if list.is_empty() { f.write_str("0") } else { write!(f, "{} ({})", self.total, list.join(", ")) }
+        let open = if self.not_proved > 0 { format!("; {} not proved", self.not_proved) } else { String::new() };
+        if list.is_empty() { f.write_str("0") } else { write!(f, "{} ({}{open})", self.total, list.join(", ")) }
     }
 }
 
 impl UnreachableCount {
     /// Returns the numbers of reasons.
-    pub fn count<'a>(reasons: impl Iterator<Item = &'a Unreachable>) -> Self {
-        reasons.fold(Self::default(), |mut missed, reason| {
-            missed.total += 1;
-            match reason {
-                Unreachable::Direction => missed.direction += 1,
-                Unreachable::Place => missed.place += 1,
-                Unreachable::Travel => missed.travel += 1,
-            }
-            missed
+    pub fn count<'a>(misses: impl Iterator<Item = &'a Miss>) -> Self {
+        misses.fold(Self::default(), |mut count, miss| {
+            count.add(miss);
+            count
         })
+    }
+
+    /// Counts a tool pose.
+    pub fn add(&mut self, miss: &Miss) {
+        self.total += 1;
+        self.not_proved += usize::from(!miss.is_proved);
+        match miss.why {
+            Unreachable::Direction => self.direction += 1,
+            Unreachable::Place => self.place += 1,
+            Unreachable::Travel => self.travel += 1,
+        }
+    }
+
+    /// Adds other tool poses.
+    pub fn merge(&mut self, other: Self) {
+        self.total += other.total;
+        self.direction += other.direction;
+        self.place += other.place;
+        self.travel += other.travel;
+        self.not_proved += other.not_proved;
     }
 }
 
@@ -164,7 +187,7 @@ fn side_by_side(rows: Vec<(ToolPose, ComparisonRow)>, count: usize) -> Compariso
     let all: Vec<Statistics> = reached.iter().map(|list| statistics(list)).collect();
     let sides = missed.into_iter().zip(needs).zip(reached).zip(&all);
     let sides = sides.map(|(((missed, needs), reached), s)| MachineResult {
-        unreachable: UnreachableCount::count(missed.iter().map(|(_, miss)| &miss.why)),
+        unreachable: UnreachableCount::count(missed.iter().map(|(_, miss)| miss)),
         missed,
         needs,
         path: None,

@@ -5,7 +5,9 @@
 //!    two axes or fewer turn, in closed form; the nearest ones where there are more.
 //! 2. `linear` finds those of the linear axes that give the place, moving them as little as it can.
 //! 3. Where an axis is free, `sweep` gives the arcs of it that are in reach, in closed form.
-//! 4. The first of the candidates, nearest to the reference first, that is within the travel is taken,
+//! 4. With three rotary axes and more, or several free ones, positions are tried, then `bisection` proves that none is
+//!    in reach, gives others to try, or leaves it open.
+//! 5. The first of the candidates, nearest to the reference first, that is within the travel is taken,
 //!    and checked with the nominal machine (`nominal`).
 //!
 //! Chains whose linear axes do not place the tip, such as robots, are solved by `arm`.
@@ -20,6 +22,7 @@
 
 mod algebra;
 mod arm;
+mod bisection;
 mod candidates;
 mod directions;
 mod linear;

@@ -1,13 +1,14 @@
 //! The nominal inverse kinematics: candidates of the rotary axes, completed by the linear axes, and checked.
 
 use super::arm::RotaryArm;
+use super::bisection::bisect;
 use super::linear;
 use super::rotary::RotaryDirections;
 use super::sweep::sweep_poses;
 use super::tool_pose::{
     DIRECTION_TOLERANCE, Miss, PLACE_TOLERANCE, ToolPose, Unreachable, rest, unturned_tool_pose, within_travel,
 };
-use crate::machine::{Machine, Pose};
+use crate::machine::{AxisKind, Machine, Pose};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -63,12 +64,20 @@ fn by_linear_axes(machine: &Machine, target: &ToolPose, reference: &[f64]) -> Re
         let (others, sweeps) = directions.others(&target.direction);
         found = tried(others).or_else(|| tried(sweep_poses(machine, &target.tip, &sweeps, &reference).arcs));
     }
+    // More linear axes than three share a place in more ways than `linear` tries.
+    let mut is_proved = exact && axes.iter().filter(|axis| axis.kind == AxisKind::Linear).count() <= 3;
+    if found.is_none() && !is_proved {
+        let bisection = bisect(machine, &directions, target, &reference);
+        found = tried(directions.around(&target.direction, &bisection.near));
+        is_proved = bisection.is_out_of_reach;
+    }
     let Some(pose) = found else {
         let turned = near.beyond_travel.map(|pose| {
             let completed = linear::complete(machine, &target.tip, pose.clone(), &reference);
             Miss::travel(completed.unwrap_or_else(|miss| miss.beyond.unwrap_or(pose)))
         });
-        return Err(turned.into_iter().fold(failure, |failure, turned| failure.or_nearer(turned, axes)));
+        let miss = turned.into_iter().fold(failure, |failure, turned| failure.or_nearer(turned, axes));
+        return Err(miss.proved(is_proved));
     };
     Ok(pose)
 }

@@ -144,6 +144,14 @@ impl RotaryDirections {
         (self.poses(search.found), sweeps)
     }
 
+    /// Returns the candidates with all axes but two held as in these poses (mm, deg).
+    pub fn around(&self, direction: &Vector3<f64>, poses: &[Pose]) -> Vec<Pose> {
+        let mut search = DirectionSearch::new(self, direction);
+        let angles = |pose: &Pose| -> Vec<f64> { self.turns.iter().map(|turn| pose[turn.axis]).collect() };
+        poses.iter().for_each(|pose| search.around(&angles(pose)));
+        self.poses(search.found)
+    }
+
     /// Returns positions (deg) spread over the travels: a Halton sequence.
     fn sample(&self, index: u64) -> Vec<f64> {
         let bases = [2, 3, 5, 7, 11, 13, 17, 19];

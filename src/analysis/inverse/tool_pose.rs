@@ -88,22 +88,29 @@ pub struct Miss {
     pub beyond: Option<Pose>,
     /// For [`Unreachable::Place`]: distance of the place from what the axes span, mm.
     pub off_mm: Option<f64>,
+    /// True if no pose at all takes the tool pose; false if none was found.
+    pub is_proved: bool,
 }
 
 impl Miss {
     /// Returns a miss of which only the reason is known.
     pub fn new(why: Unreachable) -> Self {
-        Self { why, beyond: None, off_mm: None }
+        Self { why, beyond: None, off_mm: None, is_proved: true }
     }
 
     /// Returns a miss by travel, with the pose (mm, deg) beyond it.
     pub fn travel(beyond: Pose) -> Self {
-        Self { why: Unreachable::Travel, beyond: Some(beyond), off_mm: None }
+        Self { beyond: Some(beyond), ..Self::new(Unreachable::Travel) }
     }
 
     /// Returns a miss by the place, which is so far (mm) from what the axes span.
     pub fn place(off_mm: f64) -> Self {
         Self { off_mm: Some(off_mm), ..Self::new(Unreachable::Place) }
+    }
+
+    /// Returns the same miss with what is known of other poses.
+    pub fn proved(self, is_proved: bool) -> Self {
+        Self { is_proved, ..self }
     }
 
     /// Returns the miss that comes nearer to the tool pose: the later reason; of two beyond the travel the lesser.

@@ -1,8 +1,9 @@
-//! Progress on standard error: only on a terminal, and only for work that lasts over a second.
+//! Progress on standard error: only on a terminal, and only for work that lasts over a second. What long work will
+//! cost is said anywhere.
 
 use abbe::{Cancelled, Monitor};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -20,6 +21,7 @@ const UNKNOWN: &str = "{pos} steps in {elapsed}";
 
 /// The progress of the stages of a call, one after the other.
 pub(crate) struct StageProgress {
+    quiet: bool,
     visible: bool,
     stage: Mutex<Option<ProgressBar>>,
 }
@@ -27,7 +29,7 @@ pub(crate) struct StageProgress {
 impl StageProgress {
     /// Starts the display; `quiet` prints nothing.
     pub(crate) fn new(quiet: bool) -> Self {
-        Self { visible: !quiet && std::io::stderr().is_terminal(), stage: Mutex::new(None) }
+        Self { quiet, visible: !quiet && std::io::stderr().is_terminal(), stage: Mutex::new(None) }
     }
 
     fn stage(&self) -> MutexGuard<'_, Option<ProgressBar>> {
@@ -46,6 +48,13 @@ fn hidden_bar(total: usize) -> ProgressBar {
 }
 
 impl Monitor for StageProgress {
+    fn announce(&self, cost: &str) {
+        if !self.quiet {
+            // Who cannot be told is not told.
+            let _ = writeln!(std::io::stderr(), "{cost}");
+        }
+    }
+
     fn begin(&self, total: usize) {
         *self.stage() = self.visible.then(|| hidden_bar(total));
     }

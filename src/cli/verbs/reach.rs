@@ -110,6 +110,10 @@ fn text(of: &ReachResult) -> String {
             "out of reach       {}: direction {}, place {}, travel {}\n",
             missed.total, missed.direction, missed.place, missed.travel
         );
+        if missed.not_proved > 0 {
+            text +=
+                &format!("not proved         {} of them: no pose was found, and there may be one\n", missed.not_proved);
+        }
         let lacks: Vec<String> = of.lacks.iter().map(|lack| format!("  {}\n", lack.words("tool pose"))).collect();
         text += &lacks.concat();
     }

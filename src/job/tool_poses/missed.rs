@@ -27,6 +27,9 @@ pub struct MissedToolPose {
     /// Distance of the place from those that the axes span, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub off_mm: Option<f64>,
+    /// True if no pose was found, without a proof that there is none.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub not_proved: bool,
 }
 
 /// An axis that would have to leave its travel.
@@ -69,23 +72,25 @@ impl MissedToolPose {
         };
         let pose = miss.beyond.as_deref().unwrap_or_default();
         let beyond = excess(machine.axes(), pose).into_iter().map(|e| of_axis(e.axis, e.by)).collect();
-        Self { line, feature, why: miss.why, beyond, off_deg, off_mm: miss.off_mm }
+        Self { line, feature, why: miss.why, beyond, off_deg, off_mm: miss.off_mm, not_proved: !miss.is_proved }
     }
 
     /// Returns what is missing in words, such as `Z 84 mm below its travel`.
     pub fn words(&self) -> String {
+        let open = if self.not_proved { " (not proved)" } else { "" };
         let axis = |b: &BeyondTravel| {
             let side = if b.by < 0.0 { "below" } else { "above" };
             format!("{} {} {} {side} its travel", b.axis, significant(b.by.abs(), 4), b.unit)
         };
-        match (self.why, self.off_deg, self.off_mm) {
+        let lack = match (self.why, self.off_deg, self.off_mm) {
             (Unreachable::Travel, ..) if !self.beyond.is_empty() => {
                 self.beyond.iter().map(axis).collect::<Vec<_>>().join(", ")
             }
             (_, Some(deg), _) if deg > 0.0 => format!("tool axis off by {} deg", significant(deg, 4)),
             (_, _, Some(mm)) => format!("place off by {} mm", significant(mm, 4)),
             (why, ..) => why.words().to_owned(),
-        }
+        };
+        lack + open
     }
 }
 

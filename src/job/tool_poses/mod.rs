@@ -217,7 +217,7 @@ impl ToolPoses {
         let held = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok());
         let surface = held.map(|(row, _)| row.surface_point(machine)).collect();
         let poses: Vec<Pose> = found.into_iter().filter_map(Result::ok).collect();
-        let unreachable = UnreachableCount::count(rows.iter().map(|row| &row.why));
+        let unreachable = UnreachableCount::count(missed.iter().map(|(_, miss)| miss));
         let (file, asked, reached) = (self.file.clone(), self.rows.len(), poses.len());
         ReachedToolPoses { file, asked, reached, unreachable, rows, travel, path, poses, lines, surface }
     }

@@ -214,6 +214,10 @@ export interface BudgetResult {
   chain: string;
   /** What the budget is over. */
   over: Over;
+  /** The 95 % value of the position against the limit of the job, if it states one. */
+  limit?: LimitVerdict | null;
+  /** What the tool poses ask of the machine, if they are one path. */
+  path?: PathResult | null;
   /** The same without the rigid motion of the best fit, for a volume whose reference is not stated. */
   best_fit?: FittedBudget | null;
   /** Tool poses of a file that the machine reaches. */
@@ -491,6 +495,10 @@ export interface ComparedMachine {
   missed?: MissedToolPose[] | null;
   /** The travel that the tool poses of a file need, axis by axis. */
   travel?: NeededTravel[] | null;
+  /** Its 95 % value against the limit of the job, if it states one: of its budget, or else of its measured errors. */
+  limit?: LimitVerdict | null;
+  /** What the tool poses ask of it, if they are one path. */
+  path?: PathResult | null;
 }
 
 /** A machine against the first, on the machines drawn of both. */
@@ -598,7 +606,7 @@ export interface Difference {
 }
 
 /** The kind of a set of directions. */
-export type DirectionKind = "one" | "circle" | "hemisphere";
+export type DirectionKind = "one" | "circle" | "hemisphere" | "listed";
 
 /** The distribution of an error between its bounds. */
 export type Distribution = "uniform" | "triangular";
@@ -727,6 +735,8 @@ export interface EvalResult {
   tool: string;
   /** What the result is over, for a job or a reference. */
   over?: Over | null;
+  /** What the tool poses ask of the machine, if they are one path. */
+  path?: PathResult | null;
   /** Units of the numbers. */
   units: EvalUnits;
   /** The poses in their order. */
@@ -921,6 +931,18 @@ export interface LengthStatistics {
   p95: number;
 }
 
+/** A figure against the limit of a job. */
+export interface LimitVerdict {
+  /** The limit, um. */
+  limit_um: number;
+  /** The 95 % value of the position deviation, um. */
+  um: number;
+  /** The interval in which it lies, um; none where it is not drawn. */
+  interval_um?: [number, number] | null;
+  /** True if it holds the limit; none where the interval is on both sides of it. */
+  held: boolean | null;
+}
+
 /** The side of the motion on which the component errors of a linear axis act. */
 export type LinearOrder = "after" | "before";
 
@@ -1012,6 +1034,10 @@ export interface MapResult {
   direction: Approach;
   /** What the map is over. */
   over: Over;
+  /** What the tool poses ask of the machine, if they are one path. */
+  path?: PathResult | null;
+  /** The 95 % value of the position against the limit of the job, if it states one. */
+  limit?: LimitVerdict | null;
   /** Number of poses. */
   poses: number;
   /** `bounds` where nothing is measured: then the statistics are of the 95 % value at each pose. */
@@ -1058,6 +1084,8 @@ export interface MissedToolPose {
   off_deg?: number | null;
   /** Distance of the place from those that the axes span, mm. */
   off_mm?: number | null;
+  /** True if no pose was found, without a proof that there is none. */
+  not_proved?: boolean;
 }
 
 /** The travel that a work needs of an axis, and the travel that it has. */
@@ -1126,6 +1154,56 @@ export interface PairedDifference {
   low: number | null;
   /** Upper end. */
   high: number | null;
+}
+
+/** The motion of an axis along a path. */
+export interface PathAxis {
+  /** Its name. */
+  axis: string;
+  /** `mm` or `deg`. */
+  unit: string;
+  /** Sum of its motions, rewinds among them. */
+  motion: number;
+  /** Its largest motion from one row to the next, rewinds apart. */
+  largest_step: number;
+  /** The line after that step; none if it does not move. */
+  largest_step_line: number | null;
+  /** Lines of the file at which it reverses. */
+  reversals: number[];
+}
+
+/** A passage near the line of a rotary axis. */
+export interface PathPole {
+  /** Name of the rotary axis. */
+  axis: string;
+  /** Lines of the file before and after it. */
+  lines: [number, number];
+  /** The line after the step that comes nearest. */
+  nearest_line: number;
+  /** Least angle between the tool and the axis, deg. */
+  nearest_deg: number;
+  /** Angle by which the axis turns meanwhile, deg. */
+  turn_deg: number;
+  /** Largest turn of the axis per motion of the tip, deg/mm; none if the axis turns while the tip stands. */
+  deg_per_mm: number | null;
+}
+
+/** What a path asks of a machine. */
+export interface PathResult {
+  /** The steps in which the tool has to leave the path, in their order. */
+  rewinds: PathRewind[];
+  /** The passages near the line of a rotary axis, axis by axis. */
+  pole_crossings: PathPole[];
+  /** The motion of each axis. */
+  axes: PathAxis[];
+}
+
+/** A step in which the tool has to leave the path. */
+export interface PathRewind {
+  /** Lines of the file before and after it. */
+  lines: [number, number];
+  /** Motions of the rotary axes, deg. */
+  turns_deg: Record<string, number>;
 }
 
 /** A percentile of the population the samples come from. */
@@ -1221,7 +1299,7 @@ export interface RTestReading {
 
 /** Directions of the tool at every tip. */
 export interface ReachDirections {
-  /** `one`, `circle` (equal turns of an axis) or `hemisphere` (equal areas). */
+  /** `one`, `circle` (equal turns of an axis), `hemisphere` (equal areas) or `listed` (those of a job, one at each tip). */
   kind: DirectionKind;
   /** Number of directions. */
   count: number;
@@ -1235,9 +1313,11 @@ export interface ReachResult {
   machine: string;
   /** Name of the tool; empty for a tool without a name. */
   tool: string;
+  /** What the reach is over. */
+  over: Over;
   /** Ends of the box along x, y, z of the workpiece frame, mm. */
   box_mm: [[number, number], [number, number], [number, number]];
-  /** Number of tips along x, y, z. */
+  /** Number of tips along x, y, z; of a job all tips stand in one row. */
   counts: [number, number, number];
   /** Number of tips. */
   tips: number;
@@ -1257,6 +1337,8 @@ export interface ReachResult {
   unreachable: UnreachableCount;
   /** What they lack, the most frequent first. */
   lacks: Lack[];
+  /** Tool poses of a job, row by row where they are out of reach. */
+  job?: ReachedToolPoses | null;
 }
 
 /** Tool poses of a file that a machine reaches. */
@@ -1425,6 +1507,8 @@ export interface UnreachableCount {
   place: number;
   /** Number for which an axis would leave its travel. */
   travel: number;
+  /** Number of them for which no pose was found, without a proof that there is none. */
+  not_proved?: number;
 }
 
 /** What is known of a machine or arrangement and the first. */

@@ -7,7 +7,7 @@ use super::side_draws::SideDraws;
 use super::walk_budget::{self, WalkPoses};
 use crate::analysis::design::budget::{Bound, Draws, SampleLanes, Statistic, percentile_95};
 use crate::analysis::design::compare::UnreachableCount;
-use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom};
+use crate::analysis::inverse::{Miss, Needs, ToolPose, freedom, rotary_axes_place_tip};
 use crate::analysis::path::{path_events, solve};
 use crate::analysis::reference::{PartReference, tip_at};
 use crate::analysis::volume::Work;
@@ -117,6 +117,12 @@ impl<'a> Study<'a> {
         &mut self.judge
     }
 
+    /// Returns the number of searches for poses of arms that so many walks take; 0 of machines whose linear axes place
+    /// the tip, which need none.
+    pub fn searches(&self, walks: usize) -> usize {
+        if rotary_axes_place_tip(self.machine) { walks.saturating_mul(self.work.len()) } else { 0 }
+    }
+
     /// Returns a round with its samples drawn, and all before them.
     pub fn round(&'a self, samples: Range<usize>) -> StudyRound<'a> {
         let drawn = match &self.judge {
@@ -200,7 +206,7 @@ impl StudyRound<'_> {
             return each().map(|of| apart(row(of, Standing::CannotTurn, missed))).collect();
         }
         let found: Vec<Result<Pose, Miss>> = solve(nominal, &study.work, study.is_path);
-        let missed = UnreachableCount::count(found.iter().filter_map(|pose| Some(&pose.as_ref().err()?.why)));
+        let missed = UnreachableCount::count(found.iter().filter_map(|pose| pose.as_ref().err()));
         let travel = if study.sized { travel_needs(nominal, &found) } else { Vec::new() };
         let rewinds = study.is_path.then(|| {
             let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();

@@ -90,7 +90,8 @@ impl<'a> RotaryArm<'a> {
         }
         let axes = self.machine.axes();
         let misses = found.beyond.into_iter().map(Miss::travel);
-        Err(misses.fold(Miss::new(Unreachable::Place), |failure, miss| miss.or_nearer(failure, axes)))
+        let miss = misses.fold(Miss::new(Unreachable::Place), |failure, miss| miss.or_nearer(failure, axes));
+        Err(miss.proved(self.is_complete() && target.spin_rad.is_some()))
     }
 
     /// Returns the poses of all branches that take a tool pose at its spin, nearest to the reference first; empty for
