@@ -1,10 +1,10 @@
 //! The minimum zone of a part: the rigid motion that leaves the smallest largest position deviation at some places.
 //!
-//! With B the effects of the motions, the fit is `min over x of max |d_i - B_i x|`, with lengths of vectors: a program of
-//! second-order cones with six unknowns. Weights w of sum 1 give a lower bound of its square, the least sum of
-//! w_i |d_i - B_i x|^2 over x, so a fit proves itself. A few places hold the largest deviation. The fit is made on a set
-//! of places by Newton's method with a logarithmic barrier, whose multipliers are the weights; places that exceed it
-//! join the set, until bound and largest deviation of all places meet.
+//! With B the effects of the motions, the fit is `min over x of max |d_i - B_i x|`, with lengths of vectors: a
+//! program of second-order cones with six unknowns. Weights w of sum 1 give a lower bound of its square, the least
+//! sum of w_i |d_i - B_i x|^2 over x, so a fit proves itself. A few places hold the largest deviation. The fit is
+//! made on a set of places by Newton's method with a logarithmic barrier, whose multipliers are the weights; places
+//! that exceed it join the set, until bound and largest deviation of all places meet.
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, SymmetricEigen, Vector3, Vector6};
 
@@ -76,8 +76,8 @@ impl RigidZone {
         Self { arms, centre, turns }
     }
 
-    /// Returns the motion that leaves the smallest largest deviation of deviations (mm), one a place. Of several motions
-    /// it is one: that to which the barrier leads from the least squares.
+    /// Returns the motion that leaves the smallest largest deviation of deviations (mm), one a place. Of several
+    /// motions it is one: that to which the barrier leads from the least squares.
     pub fn fit(&self, deviations: &[Vector3<f64>]) -> ZoneMotion {
         let count = self.arms.len().min(deviations.len());
         let sum = (0..count).fold(Vector6::zeros(), |sum, i| sum + self.adjoint(i, &deviations[i]));

@@ -75,8 +75,8 @@ pub struct ReferencePoint {
     pub gain: Matrix6x3<f64>,
 }
 
-/// The motion that the set-up of a part takes out on a machine: a function of deviations at reference points, linear but
-/// for the minimum zone.
+/// The motion that the set-up of a part takes out on a machine: a function of deviations at reference points, linear
+/// but for the minimum zone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartReference {
     points: Vec<ReferencePoint>,

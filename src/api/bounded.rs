@@ -125,9 +125,9 @@ pub struct AddedDeviation {
 /// Number of random poses, as a budget has them.
 const POSES: usize = 500;
 
-/// Returns what the bounds of a machine with measured errors add, as a budget would have it, at the poses of a work or
-/// over the volume, without what the set-up of the part takes out; `None` where no error without a value is bounded, and
-/// with a minimum zone.
+/// Returns what the bounds of a machine with measured errors add, as a budget would have it, at the poses of a work
+/// or over the volume, without what the set-up of the part takes out; `None` where no error without a value is
+/// bounded, and with a minimum zone.
 pub(crate) fn added(
     call: &mut Call<'_>,
     machine: &Machine,

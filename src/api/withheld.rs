@@ -33,8 +33,8 @@ pub(crate) struct StudyCoverage<'a> {
 }
 
 impl StudyCoverage<'_> {
-    /// Withholds the verdicts against the best arrangement, the first, whose difference changes its sign once the missing
-    /// errors have the bounds of a class, on so many machines drawn; `None` if there are none.
+    /// Withholds the verdicts against the best arrangement, the first, whose difference changes its sign once the
+    /// missing errors have the bounds of a class, on so many machines drawn; `None` if there are none.
     pub(crate) fn withhold(
         &self,
         call: &Call<'_>,

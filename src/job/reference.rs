@@ -27,7 +27,8 @@ pub enum ReferenceKind {
     Zero,
     /// A frame of six datum points, 3-2-1.
     Datum,
-    /// The rigid motion with the least sum of squared position deviations over the poses, or with the least largest one.
+    /// The rigid motion with the least sum of squared position deviations over the poses, or with the least largest
+    /// one.
     BestFit,
 }
 

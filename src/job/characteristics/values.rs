@@ -95,8 +95,8 @@ impl JobCharacteristics {
         largest(valued.map(|(i, (error, _))| (error.to_string(), if rows.is_empty() { 0.0 } else { sum(i) })), value)
     }
 
-    /// Returns the intervals of the values (um) by the uncertainties of a machine; `None` where it states none, and with
-    /// a minimum zone.
+    /// Returns the intervals of the values (um) by the uncertainties of a machine; `None` where it states none, and
+    /// with a minimum zone.
     fn intervals(&self, of: ValuedField<'_>, deviations: &[Deviation]) -> Option<Vec<Option<[f64; 2]>>> {
         let machine = of.field.machine();
         let parts = uncertain_parts([machine]);

@@ -229,8 +229,8 @@ impl<'a> PolarPicture<'a> {
 
     /// Returns diagrams of round features, each with its least-squares circle.
     pub fn profiles(title: &'a str, subtitle: &'a str, panels: &'a [DialPanel]) -> Self {
-        let outwards = " of deviation along the normal; the dark circle is the nominal surface. Outwards: away from the \
-                        axis. N\u{d7}: deviations are drawn N times as large as the radius.";
+        let outwards = " of deviation along the normal; the dark circle is the nominal surface. Outwards: away from \
+                        the axis. N\u{d7}: deviations are drawn N times as large as the radius.";
         Self { title, subtitle, panels, ways: &PROFILE, outwards, is_told: true }
     }
 

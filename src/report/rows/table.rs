@@ -108,8 +108,8 @@ const ALONG_NORMAL: &str = "dn [um]";
 const BOUNDED: [&str; 4] = ["position_rss [um]", "position_p95 [um]", "rotation_rss [urad]", "rotation_p95 [urad]"];
 
 impl Rows<'_> {
-    /// `X [mm]`, ..., then those of the deviation, at the end along the normal where the tool poses have one, or of what
-    /// bounds lead to.
+    /// `X [mm]`, ..., then those of the deviation, at the end along the normal where the tool poses have one, or of
+    /// what bounds lead to.
     pub(super) fn columns(&self) -> Vec<String> {
         let axes = self.machine.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
         let values = if self.drawn.is_some() { &BOUNDED[..] } else { &DEVIATION };

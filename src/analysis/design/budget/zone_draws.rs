@@ -9,9 +9,10 @@ use crate::run::{Advance, Cancelled};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-/// Returns the statistic of each drawn machine over the poses without what a reference takes out of all its deviations
-/// together, in the order of drawing: of the position (mm), and of the orientation (rad). The points of the reference are
-/// the poses of the request. Calls `progress` with the number of machines drawn since its last call.
+/// Returns the statistic of each drawn machine over the poses without what a reference takes out of all its
+/// deviations together, in the order of drawing: of the position (mm), and of the orientation (rad). The points of
+/// the reference are the poses of the request. Calls `progress` with the number of machines drawn since its last
+/// call.
 pub fn draw_with_zone(
     request: Request<'_>,
     zone: &PartReference,
