@@ -151,7 +151,7 @@ pub(crate) enum ReferenceOption {
     Text(String),
     /// The points.
     #[expect(dead_code, reason = "the schema alone")]
-    Points(Reference),
+    Points(Box<Reference>),
 }
 
 #[cfg(test)]
