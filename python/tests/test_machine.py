@@ -255,3 +255,16 @@ def test_interrupts(job: str) -> None:
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert done.stdout.split() == ["interrupted", "1", "5"], done.stderr
     assert done.returncode == 0
+
+
+def test_a_reference_is_a_text_as_on_the_command_line_or_a_mapping() -> None:
+    machine = abbe.load(TRUNNION)
+    poses = {"random": 30}
+    fitted = machine.map(poses=poses, reference="best-fit:minimum-zone")
+    other = machine.map(poses=poses, reference={"kind": "best-fit", "minimum_zone": True})
+    assert fitted.position_um.max == other.position_um.max and fitted.over.reference == "best-fit"
+    zero = machine.map(poses=poses, reference="zero:0,0,60,0,0,1")
+    other = machine.map(poses=poses, reference={"kind": "zero", "point": [0, 0, 60], "direction": [0, 0, 1]})
+    assert zero.position_um.max == other.position_um.max != fitted.position_um.max
+    with pytest.raises(abbe.DiagnosticError, match="a reference is `machine`"):
+        machine.map(poses=poses, reference="origin")

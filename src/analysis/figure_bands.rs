@@ -19,7 +19,7 @@ pub struct PoseUncertainty {
 
 impl PoseUncertainty {
     /// Returns the uncertainty at poses (mm, deg) in a frame, without what a reference takes out. `None` where the
-    /// machine states none.
+    /// machine states none, and with a minimum zone.
     pub(crate) fn at(
         machine: &Machine,
         poses: &[Pose],
@@ -28,7 +28,7 @@ impl PoseUncertainty {
         reference: Option<&PartReference>,
     ) -> Option<Vec<Self>> {
         let parts = machine.uncertain_parts();
-        if parts.is_empty() {
+        if parts.is_empty() || !is_linear(&[reference]) {
             return None;
         }
         let models = part_models(machine, &parts, conditions);
@@ -66,9 +66,14 @@ pub struct ComparedBands {
     pub told_apart: bool,
 }
 
+/// True if no reference is a minimum zone, whose motion does not follow single parts of an uncertainty.
+fn is_linear(references: &[Option<&PartReference>]) -> bool {
+    references.iter().flatten().all(|of| of.is_linear())
+}
+
 /// Returns the intervals of the figures of a field over poses, of which `whole` are the statistics and `besides` the
 /// indices of poses not to be left out; a reference that the field is without is taken out of each part too. `None`
-/// where the machine states no uncertainty.
+/// where the machine states no uncertainty, and with a minimum zone.
 pub(crate) fn field_bands(
     field: &dyn Field,
     poses: &Poses,
@@ -80,7 +85,7 @@ pub(crate) fn field_bands(
 ) -> Option<Bands> {
     let machine = field.machine();
     let parts = uncertain_parts([machine]);
-    if parts.is_empty() {
+    if parts.is_empty() || !is_linear(&[reference]) {
         return None;
     }
     let places: Vec<Pose> = band_places(poses.len(), besides).into_iter().map(|i| poses.get(i)).collect();
@@ -89,7 +94,7 @@ pub(crate) fn field_bands(
     bands(&[deviations], seed).0.pop()
 }
 
-/// Returns the intervals of all machines; `None` where no file states an uncertainty.
+/// Returns the intervals of all machines; `None` where no file states an uncertainty, and with minimum zones.
 pub(crate) fn compared_bands(
     sides: &[(&Machine, Vec<Pose>)],
     comparison: &Comparison,
@@ -98,7 +103,7 @@ pub(crate) fn compared_bands(
     references: &[Option<&PartReference>],
 ) -> Option<Vec<ComparedBands>> {
     let parts = uncertain_parts(sides.iter().map(|(machine, _)| *machine));
-    if parts.is_empty() {
+    if parts.is_empty() || !is_linear(references) {
         return None;
     }
     let places = band_places(comparison.common.len(), &[]);

@@ -13,7 +13,8 @@
 //!   set of location errors ([`LocationSet`]).
 //! - `uncertainty`: intervals of the figures of a map by the uncertainty of the errors ([`bands()`]); [`figure_bands`]:
 //!   those of a field, of machines side by side, and of single poses.
-//! - [`mod@reference`]: the rigid motion of the part that its set-up takes out of deviations.
+//! - [`mod@reference`]: the rigid motion of the part that its set-up takes out of deviations; `minimum_zone`: the one
+//!   that leaves the smallest largest deviation.
 //! - [`zone`]: geometrical characteristics of features, as functions of the deviations at their points.
 //! - [`instrument`]: the readings of a ball bar, an R-test, or a laser along the diagonals.
 
@@ -22,6 +23,7 @@ mod design;
 pub mod figure_bands;
 pub mod instrument;
 mod inverse;
+mod minimum_zone;
 mod path;
 pub mod reference;
 mod uncertainty;

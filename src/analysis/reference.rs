@@ -5,7 +5,11 @@
 //! orientation deviation - w, with p the place of the functional point on the part. With the exact model g is a finite
 //! motion: it is the one whose removal leaves deviations of which the linear g is zero. Vectors are in the unturned
 //! workpiece frame, from the workpiece origin.
+//!
+//! Of a minimum zone g is not linear: it is that of all deviations together, and single errors have none
+//! ([`PartReference::is_linear`]).
 
+use super::minimum_zone::RigidZone;
 use crate::algebra::{exp_hat, rotation_vector};
 use crate::evaluate::{Batch, Columns, Deviation, Field, Order, Output, error_by_error};
 use crate::lower::NominalPose;
@@ -18,6 +22,9 @@ const RANK: f64 = 1e-9;
 
 /// Below this ratio of singular values, in units of the size of the part, six datum points do not determine a motion.
 const DATUM_RANK: f64 = 1e-4;
+
+/// A finite motion of a minimum zone stands once another lowers the largest deviation by less than this part.
+const GAINED: f64 = 1e-9;
 
 /// Maximum number of iterations for a finite motion; errors are small, so three or four do.
 const MAX_ITERATIONS: usize = 20;
@@ -68,10 +75,13 @@ pub struct ReferencePoint {
     pub gain: Matrix6x3<f64>,
 }
 
-/// The motion that the set-up of a part takes out on a machine: a linear function of deviations at reference points.
+/// The motion that the set-up of a part takes out on a machine: a function of deviations at reference points, linear
+/// but for the minimum zone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartReference {
     points: Vec<ReferencePoint>,
+    /// The minimum zone over the points, in place of their gains.
+    zone: Option<RigidZone>,
 }
 
 /// Datum points that do not determine the part.
@@ -85,7 +95,8 @@ impl PartReference {
     /// Returns the zero of a part that is probed at one pose (mm, deg): three translations.
     pub fn zero(machine: &Machine, pose: Pose) -> Self {
         let tip = tip_at(machine, &pose);
-        Self { points: vec![ReferencePoint { pose, tip, gain: gain(&tip, Matrix3::identity(), Matrix3::zeros()) }] }
+        let gain = gain(&tip, Matrix3::identity(), Matrix3::zeros());
+        Self { points: vec![ReferencePoint { pose, tip, gain }], zone: None }
     }
 
     /// Returns the zero probed at the first pose with the rotation about an axis (unit vector) that a second point
@@ -104,7 +115,7 @@ impl PartReference {
             gain: gain(&from, translation, turn),
         };
         let points = vec![point(first, from, Matrix3::identity(), -turn), point(second, to, Matrix3::zeros(), turn)];
-        Some(Self { points })
+        Some(Self { points, zone: None })
     }
 
     /// Returns the frame of six datum points, 3-2-1, each probed along its normal (unit vector) at a pose (mm, deg).
@@ -125,7 +136,7 @@ impl PartReference {
             let normal = normals[i].transpose();
             ReferencePoint { pose, tip, gain: gain(&centre, column(0, 1.0) * normal, column(3, size) * normal) }
         };
-        Ok(Self { points: poses.into_iter().zip(tips).enumerate().map(point).collect() })
+        Ok(Self { points: poses.into_iter().zip(tips).enumerate().map(point).collect(), zone: None })
     }
 
     /// Returns the best fit over poses (mm, deg): the motion that leaves the least sum of squared position deviations.
@@ -133,17 +144,29 @@ impl PartReference {
     pub fn best_fit(machine: &Machine, poses: &[Pose]) -> Self {
         let tips: Vec<Vector3<f64>> = poses.par_iter().map(|pose| tip_at(machine, pose)).collect();
         let part = 1.0 / tips.len().max(1) as f64;
-        let centre = tips.iter().sum::<Vector3<f64>>() * part;
-        let inertia = tips.iter().fold(Matrix3::zeros(), |sum, tip| {
-            let arm = tip - centre;
-            sum + Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()
-        });
+        let (centre, inertia) = moments(&tips);
         let inverse = pseudo_inverse(inertia);
         let point = |(pose, tip): (&Pose, Vector3<f64>)| {
             let turn = inverse * (tip - centre).cross_matrix();
             ReferencePoint { pose: pose.clone(), tip, gain: gain(&centre, Matrix3::identity() * part, turn) }
         };
-        Self { points: poses.iter().zip(tips).map(point).collect() }
+        Self { points: poses.iter().zip(tips).map(point).collect(), zone: None }
+    }
+
+    /// Returns the minimum zone over poses (mm, deg): the motion that leaves the smallest largest position deviation.
+    /// A rotation that the places do not determine is zero.
+    pub fn minimum_zone(machine: &Machine, poses: &[Pose]) -> Self {
+        let fit = Self::best_fit(machine, poses);
+        let tips: Vec<Vector3<f64>> = fit.points.iter().map(|point| point.tip).collect();
+        let (centre, inertia) = moments(&tips);
+        let (directions, inverse) = inverse_moments(inertia);
+        let roots = directions * Matrix3::from_diagonal(&inverse.map(f64::sqrt));
+        Self { zone: Some(RigidZone::new(&tips, centre, &roots)), ..fit }
+    }
+
+    /// True if its motion is linear in the deviations, so that effects of single errors have one.
+    pub fn is_linear(&self) -> bool {
+        self.zone.is_none()
     }
 
     /// Returns the reference points.
@@ -153,18 +176,31 @@ impl PartReference {
 
     /// Returns the motion of first order by deviations of the functional point (mm) at the reference points.
     pub fn motion(&self, positions: impl IntoIterator<Item = Vector3<f64>>) -> RigidMotion {
+        if let Some(zone) = &self.zone {
+            return RigidMotion::linear(&zone.fit(&positions.into_iter().collect::<Vec<_>>()).motion);
+        }
         let sum = self.points.iter().zip(positions).fold(Vector6::zeros(), |sum, (point, d)| sum + point.gain * d);
         RigidMotion::linear(&sum)
     }
 
-    /// Returns the finite motion by deviations of the functional point (mm) at the reference points.
+    /// Returns the finite motion by deviations of the functional point (mm) at the reference points. Of a minimum zone
+    /// it is the one after which another would lower the largest deviation by less than a billionth.
     fn finite_motion(&self, positions: &[Vector3<f64>]) -> RigidMotion {
         let mut motion = RigidMotion { finite: true, ..self.motion(positions.iter().copied()) };
+        let mut best = (motion, f64::INFINITY);
         for _ in 0..MAX_ITERATIONS {
             let left = self.points.iter().zip(positions).map(|(point, position)| {
                 let deviation = Deviation { position: *position, rotation: Vector3::zeros() };
                 motion.removed_from(&deviation, &point.tip).position
             });
+            let left: Vec<Vector3<f64>> = left.collect();
+            if self.zone.is_some() {
+                let largest = left.iter().map(Vector3::norm).fold(0.0, f64::max);
+                if largest >= best.1 * (1.0 - GAINED) {
+                    return best.0;
+                }
+                best = (motion, largest);
+            }
             let RigidMotion { translation, rotation, .. } = self.motion(left);
             // The motion is followed by what is left, on the part.
             motion.translation += exp_hat(&motion.rotation.into()) * translation;
@@ -196,15 +232,23 @@ pub struct ErrorEffects<'a> {
 }
 
 impl<'a> ErrorEffects<'a> {
-    /// Returns the effects of the errors of a machine in some conditions.
-    pub fn new(machine: &'a Machine, conditions: OperatingConditions, reference: Option<&PartReference>) -> Self {
+    /// Returns the effects of the errors of a machine in some conditions; `None` if the motion of the reference is not
+    /// linear, as single errors have none then.
+    pub fn new(
+        machine: &'a Machine,
+        conditions: OperatingConditions,
+        reference: Option<&PartReference>,
+    ) -> Option<Self> {
+        if reference.is_some_and(|of| !of.is_linear()) {
+            return None;
+        }
         let of = |reference: &PartReference| {
             let at = |point: &ReferencePoint| error_by_error(machine, &conditions.at_pose(&point.pose));
             let rows: Vec<_> = reference.points.par_iter().map(at).collect();
             let errors = 0..rows.first().map_or(0, Vec::len);
             errors.map(|i| reference.motion(rows.iter().map(|row| row[i].1.position))).collect()
         };
-        Self { machine, conditions, motions: reference.map_or_else(Vec::new, of) }
+        Some(Self { machine, conditions, motions: reference.map_or_else(Vec::new, of) })
     }
 
     /// Returns the effects at a pose (mm, deg), in the order of [`Machine::errors`].
@@ -229,12 +273,27 @@ fn gain(about: &Vector3<f64>, translation: Matrix3<f64>, turn: Matrix3<f64>) -> 
     Matrix6x3::from_fn(|i, k| if i < 3 { at_origin[(i, k)] } else { turn[(i - 3, k)] })
 }
 
-/// Returns the inverse of a moment of inertia on the axes that it determines.
-fn pseudo_inverse(inertia: Matrix3<f64>) -> Matrix3<f64> {
+/// Returns the centre of places and their moment of inertia about it.
+fn moments(tips: &[Vector3<f64>]) -> (Vector3<f64>, Matrix3<f64>) {
+    let centre = tips.iter().sum::<Vector3<f64>>() * (1.0 / tips.len().max(1) as f64);
+    let inertia = tips.iter().fold(Matrix3::zeros(), |sum, tip| {
+        let arm = tip - centre;
+        sum + Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()
+    });
+    (centre, inertia)
+}
+
+/// Returns the axes of a moment of inertia, and the inverse about each; zero where it does not determine a rotation.
+fn inverse_moments(inertia: Matrix3<f64>) -> (Matrix3<f64>, Vector3<f64>) {
     let SymmetricEigen { eigenvectors, eigenvalues } = inertia.symmetric_eigen();
     let least = RANK * eigenvalues.max();
-    let inverse = eigenvalues.map(|value| if value > least { 1.0 / value } else { 0.0 });
-    eigenvectors * Matrix3::from_diagonal(&inverse) * eigenvectors.transpose()
+    (eigenvectors, eigenvalues.map(|value| if value > least { 1.0 / value } else { 0.0 }))
+}
+
+/// Returns the inverse of a moment of inertia on the axes that it determines.
+fn pseudo_inverse(inertia: Matrix3<f64>) -> Matrix3<f64> {
+    let (axes, inverse) = inverse_moments(inertia);
+    axes * Matrix3::from_diagonal(&inverse) * axes.transpose()
 }
 
 /// A field without a motion of the part.

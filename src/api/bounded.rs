@@ -126,8 +126,9 @@ pub struct AddedDeviation {
 /// Number of random poses, as a budget has them.
 const POSES: usize = 500;
 
-/// Returns what the bounds of a machine with measured errors add, as a budget would have it, at the poses of a work or
-/// over the volume, without what the set-up of the part takes out; `None` where no error without a value is bounded.
+/// Returns what the bounds of a machine with measured errors add, as a budget would have it, at the poses of a work
+/// or over the volume, without what the set-up of the part takes out; `None` where no error without a value is
+/// bounded, and with a minimum zone.
 pub(crate) fn added(
     call: &mut Call<'_>,
     machine: &Machine,
@@ -135,7 +136,7 @@ pub(crate) fn added(
     work: Option<&[Pose]>,
     reference: Option<&PartReference>,
 ) -> Result<Option<AddedByBounds>, Refused> {
-    if !is_measured(machine) {
+    if !is_measured(machine) || reference.is_some_and(|of| !of.is_linear()) {
         return Ok(None);
     }
     let (all, _) = tolerances.bounds_if_any(call, machine)?;

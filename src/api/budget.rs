@@ -3,7 +3,7 @@
 use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
-    Bound, Budget, Coverage, Draws, Request, adding, budget_from_samples, budget_poses, is_measured,
+    Bound, Budget, Coverage, Draws, Request, adding, budget_from_samples, budget_poses, draw_with_zone, is_measured,
 };
 use crate::analysis::reference::PartReference;
 use crate::evaluate::{CompiledField, Field, Order};
@@ -15,9 +15,10 @@ use crate::job::over::Over;
 use crate::job::path::PathResult;
 use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
 use crate::job::reference::{Reference, SetUp};
+use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, OperatingConditions, Pose};
-use crate::report::{BoundedContribution, BudgetFigures, DeviationBudget, Picture, contributions};
+use crate::report::{BoundedContribution, BudgetFigures, DeviationBudget, DrawnMachineFigures, Picture, contributions};
 use crate::run::{Call, Count, Refused, Reply, Run};
 use crate::shards::budget_parts::{self, BudgetShard, Division};
 use schemars::JsonSchema;
@@ -45,6 +46,7 @@ pub struct BudgetOptions {
     pub path: Option<bool>,
     /// What the set-up of the part takes out of the effects; by default the zero at the part's origin for tool poses,
     /// nothing for a volume.
+    #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
     /// Number of machines that are drawn, at least 2.
     pub samples: usize,
@@ -131,6 +133,10 @@ pub struct BudgetResult {
     /// The same without the rigid motion of the best fit, for a volume whose reference is not stated.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub best_fit: Option<FittedBudget>,
+    /// The machines drawn without the minimum zone, where it is the reference: it has no worst case, RSS and effects of
+    /// single errors, so the other figures are without the least squares.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub minimum_zone: Option<ZoneBudget>,
     /// Tool poses of a file that the machine reaches.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tool_poses: Option<ReachedToolPoses>,
@@ -158,6 +164,17 @@ pub struct FittedBudget {
     pub tighten_first: String,
     /// True if that is the same error in machine coordinates.
     pub agrees: bool,
+}
+
+/// Machines drawn without the motion of the part that leaves the smallest largest deviation of each.
+#[derive(Debug, Clone, Serialize, JsonSchema)]
+pub struct ZoneBudget {
+    /// What it is over.
+    pub over: Over,
+    /// The position deviation, um.
+    pub position_um: DrawnMachineFigures,
+    /// The rotation of the tool, urad.
+    pub rotation_urad: DrawnMachineFigures,
 }
 
 /// Contributions at a pose.
@@ -240,6 +257,8 @@ struct BudgetWork {
     tool_poses: Option<ReachedToolPoses>,
     toleranced: Option<JobCharacteristics>,
     set_up: SetUp,
+    /// The set-up that is asked for, if it is a minimum zone.
+    zone: Option<SetUp>,
     limit_mm: Option<f64>,
     draws: Draws,
 }
@@ -255,9 +274,16 @@ impl BudgetWork {
             Some(reached) => reached.poses.clone(),
             None => budget_poses(machine, options.poses, options.seed),
         };
-        let set_up = Job::set_up(job.as_ref(), call, machine, options.reference.as_ref(), &poses)?;
+        let asked = Job::set_up(job.as_ref(), call, machine, options.reference.as_ref(), &poses)?;
+        if options.goal_mm.is_some() {
+            asked.refuse_minimum_zone(call, "a goal")?;
+        }
+        let (set_up, zone) = match asked.reference.is_minimum_zone() {
+            true => (SetUp::best_fit(machine, &poses), Some(asked)),
+            false => (asked, None),
+        };
         let (limit_mm, draws) = (job.and_then(|job| job.limit_mm), options.tolerances.draws(options.seed));
-        Ok(Self { poses, tool_poses, toleranced, set_up, limit_mm, draws })
+        Ok(Self { poses, tool_poses, toleranced, set_up, zone, limit_mm, draws })
     }
 
     fn request<'a>(
@@ -293,6 +319,25 @@ impl BudgetWork {
         of.drawn(call, DrawnRequest { machine, bounds, removed, draws, samples, values })
     }
 
+    /// Returns the machines drawn without the minimum zone, if that is the reference.
+    fn drawn_with_zone(
+        &self,
+        call: &Call<'_>,
+        machine: &Machine,
+        request: Request<'_>,
+    ) -> Result<Option<ZoneBudget>, Refused> {
+        let Some((of, zone)) = self.zone.as_ref().and_then(|of| Some((of, of.removed()?))) else { return Ok(None) };
+        let [position, rotation] = call.stage(request.samples, |advance| draw_with_zone(request, zone, advance))?;
+        let figures = |mut values: Vec<f64>, scale: f64| {
+            values.iter_mut().for_each(|value| *value *= scale);
+            values.sort_by(f64::total_cmp);
+            DrawnMachineFigures::of(&values)
+        };
+        let over = self.over(machine, &of.reference);
+        let (position_um, rotation_urad) = (figures(position, 1e3), figures(rotation, 1e6));
+        Ok(Some(ZoneBudget { over, position_um, rotation_urad }))
+    }
+
     /// Returns the statement of what a budget is over.
     fn over(&self, machine: &Machine, reference: &Reference) -> Over {
         Over::work(machine, reference, self.tool_poses.as_ref(), self.poses.len())
@@ -325,6 +370,7 @@ pub(crate) fn budget_of(
     } else {
         None
     };
+    let minimum_zone = work.drawn_with_zone(call, machine, request)?;
     let at = at.zip(budget.at.as_ref()).map(|(pose, list)| ContributionsAt {
         axes: axis_positions(machine, &pose),
         contributions: contributions(&bounds, list),
@@ -334,7 +380,8 @@ pub(crate) fn budget_of(
     let coverage = Coverage::of(machine, &bounds);
     let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
     let budget = BudgetFigures::new(machine, bounds, &budget, poses.len(), drawing);
-    let limit = limit_mm.map(|limit_mm| budget.position_um.monte_carlo.against(limit_mm));
+    let drawn = minimum_zone.as_ref().map_or(&budget.position_um.monte_carlo, |of| &of.position_um);
+    let limit = limit_mm.map(|limit_mm| drawn.against(limit_mm));
     let (machine, chain) = (machine.name().to_owned(), machine.chain().to_string());
     Ok(BudgetResult {
         budget,
@@ -345,6 +392,7 @@ pub(crate) fn budget_of(
         limit,
         path,
         best_fit,
+        minimum_zone,
         tool_poses,
         characteristics,
         goal,

@@ -206,6 +206,13 @@ pub(crate) fn budgets(
     if all.iter().all(Vec::is_empty) || sides.iter().any(|(_, poses)| poses.is_empty()) {
         return Ok(None);
     }
+    if drawn.references.iter().flatten().any(|of| !of.is_linear()) {
+        let message = "budgets are not compared: a minimum zone has no worst case, RSS or parts of errors";
+        let help = "take the least squares, `--reference best-fit`, or another reference";
+        call.warn(Diagnostic::new(codes::W0607, message).help(help));
+        call.check()?;
+        return Ok(None);
+    }
     let without = drawn.files.iter().zip(&all).filter(|(_, bounds)| bounds.is_empty());
     let without: Vec<String> = without.map(|(file, _)| format!("`{}`", shown(file))).collect();
     if !without.is_empty() {
@@ -268,6 +275,14 @@ fn budgeted(
     Ok(last)
 }
 
+/// Returns the class that stands in for what no machine bounds: one that is in force, or else production.
+pub(crate) fn stand_in(in_force: Option<&str>, machines: &[&Machine]) -> (String, Option<Class>) {
+    let name = in_force.unwrap_or(STAND_IN_CLASS);
+    let named = machines.iter().filter_map(|machine| machine.class()).find(|class| class.name == name);
+    let class = classes().remove(name).or_else(|| named.map(|named| named.class.clone()));
+    (name.to_owned(), class)
+}
+
 /// Budgets of machines with what they are drawn from.
 struct Compared<'a> {
     sides: &'a [(&'a Machine, Vec<Pose>)],
@@ -302,7 +317,9 @@ impl Compared<'_> {
         index: usize,
         verdict: Verdict,
     ) -> Result<Option<WithheldVerdict>, Refused> {
-        let (name, class) = self.stand_in();
+        let of_machine = self.sources.iter().flatten().map(|(name, _)| name.as_str()).next();
+        let machines: Vec<&Machine> = self.sides.iter().map(|(machine, _)| *machine).collect();
+        let (name, class) = stand_in(of_machine, &machines);
         let test = PairedTest::of_round(self.samples, self.sides.len(), 1);
         let fill = |class: Option<&Class>| -> Result<VersusFirst, Refused> {
             let values = |side: usize, other: usize| {
@@ -334,15 +351,6 @@ impl Compared<'_> {
             class: name,
             minus_first_if_filled: whole.map(|whole| whole.minus_first),
         }))
-    }
-
-    /// Returns the class that stands in for what neither machine bounds: one that a machine has, or else production.
-    fn stand_in(&self) -> (String, Option<Class>) {
-        let of_machine = self.sources.iter().flatten().map(|(name, _)| name.as_str()).next();
-        let name = of_machine.unwrap_or(STAND_IN_CLASS);
-        let named = self.sides.iter().filter_map(|(machine, _)| machine.class()).find(|class| class.name == name);
-        let class = classes().remove(name).or_else(|| named.map(|named| named.class.clone()));
-        (name.to_owned(), class)
     }
 
     /// Returns the 95 % values (um) of machines drawn between bounds of one of the machines.

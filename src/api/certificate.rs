@@ -11,6 +11,7 @@ use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
 use crate::job::reference::{Reference, SetUp};
+use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Approach, AxisKind, AxisPositions, Machine, OperatingConditions};
 use crate::run::{Call, Refused};
@@ -31,6 +32,7 @@ pub struct CertifiedWork {
     /// CL data alone.
     pub path: Option<bool>,
     /// What the set-up of the part takes out; by default the zero at the part's origin.
+    #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
 }
 

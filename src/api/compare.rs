@@ -20,6 +20,7 @@ use crate::job::over::{Over, OverKind};
 use crate::job::path::PathResult;
 use crate::job::poses::check;
 use crate::job::reference::{Reference, SetUp};
+use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::{MissedToolPose, NeededTravel, needed_travel};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};
@@ -42,6 +43,7 @@ pub struct CompareOptions {
     pub path: Option<bool>,
     /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
     /// poses. Without tool poses machine coordinates and best fit are both compared by default.
+    #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
     /// Seed of the tool poses, and of the errors that are drawn.
     pub seed: u64,

@@ -157,6 +157,9 @@ impl Alike<'_> {
         let mut bounded = Vec::new();
         for (((machine, poses), file), reference) in sides.iter().zip(files).zip(&references) {
             let of = call.about(file.path(), |call| DrawnBounds::of(call, machine, (tolerances, samples, seed)))?;
+            if of.is_some() {
+                set_ups.iter().try_for_each(|of| of.refuse_minimum_zone(call, "a comparison of bounds"))?;
+            }
             bounded.push(of.map(|of| Bounded::new(call, &of.without(*reference), machine, poses)).transpose()?);
         }
         call.check()?;

@@ -9,6 +9,7 @@ use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::{Over, OverKind};
 use crate::job::reference::{Reference, ReferenceKind, SetUp, unzeroed};
+use crate::job::reference_text::ReferenceOption;
 use crate::machine::{Approach, Machine, MachineProperty, Pose};
 use crate::report::{MachineDifference, describe};
 use crate::run::{Call, Count, Refused, Reply, Run};
@@ -30,6 +31,7 @@ pub struct DiffMachinesOptions {
     pub path: Option<bool>,
     /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
     /// poses, nothing for a volume.
+    #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
     /// Seed of the tool poses.
     pub seed: u64,
@@ -201,6 +203,7 @@ impl<'a> Judge<'a> {
             let um = |pose: &Pose| field.deviation(&conditions.at_pose(pose)).position.norm() * 1e3;
             return Ok(quantile_95(&mut poses.par_iter().map(um).collect::<Vec<_>>()));
         }
+        set_up.refuse_minimum_zone(call, "a difference of bounds")?;
         let bounds = bounds_of(machine);
         if bounds.is_empty() {
             return Ok(0.0);

@@ -1,7 +1,8 @@
 //! All arrangements of the axes on the two sides of the bed, ranked on the same work.
 
 use super::tolerances::{ClassSource, ToleranceOptions};
-use crate::analysis::budget::{Bound, PairedDifference, Statistic, Verdict, VersusFirst, known};
+use super::withheld::{StudyCoverage, TurnedVerdicts};
+use crate::analysis::budget::{Bound, Coverage, PairedDifference, Statistic, Verdict, VersusFirst, known};
 use crate::analysis::enumerate::{
     ArrangementRow, BUILDABLE_RULES, FittedArrangement, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, PartSetUps,
     Ranking, RoundCount, RoundStep, Rounds, Rule, RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk,
@@ -14,6 +15,7 @@ use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
 use crate::job::reference::{Reference, ReferenceKind, SetUp};
+use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine, Pose};
 use crate::run::{Call, Count, Refused, Reply, Run, sha256};
@@ -56,6 +58,7 @@ pub struct EnumerateOptions {
     pub path: Option<bool>,
     /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
     /// poses. Without tool poses arrangements are ranked in machine coordinates by default, and their best fits beside.
+    #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
     /// Gives linear axes the travel that the work needs, whatever the file says; every arrangement tells it.
     pub size: bool,
@@ -155,6 +158,12 @@ pub struct RankedArrangements {
     pub class_source: Option<String>,
     /// Number of errors that count.
     pub errors: usize,
+    /// Which of the errors that act in the machine of the file are known, where the ranking is by a budget.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<Coverage>,
+    /// Verdicts that are withheld because errors without a value or a bound could turn them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turned: Option<TurnedVerdicts>,
     /// Number of tool poses.
     pub poses: usize,
     /// Number of machines drawn of every arrangement.
@@ -243,7 +252,8 @@ pub struct Arrangement {
     /// The same with the best fit of each arrangement taken out, where neither tool poses nor a reference are given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub best_fit: Option<FittedArrangement>,
-    /// The reason why there is no verdict against the best: what depends on the reference is none.
+    /// The reason why there is no verdict against the best: what depends on the reference is none, nor is what errors
+    /// without a value or a bound could turn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub withheld: Option<String>,
     /// True if it does not reach the point at which the part is probed.
@@ -398,10 +408,11 @@ fn studied(
     let rounds = rounds(options, &judge, work.len());
     let listed = job.as_ref().map(|_| &work);
     let empty = Journal::new(fingerprint(options, machine, (&judge, &rounds), &rules, (listed, &set_ups)), walks.len());
-    let (by, errors) = match &judge {
-        Judge::Errors => (JudgedBy::Errors, known(machine)),
-        Judge::Budget { bounds, .. } => (JudgedBy::Budget, bounds.len()),
+    let (by, errors, bounds) = match &judge {
+        Judge::Errors => (JudgedBy::Errors, known(machine), Vec::new()),
+        Judge::Budget { bounds, .. } => (JudgedBy::Budget, bounds.len(), bounds.clone()),
     };
+    let coverage = (by == JudgedBy::Budget).then(|| Coverage::of(machine, &bounds));
     let begun = study::begin(call, options.state.as_deref(), empty)?;
     let begun = study::merge(call, &options.merge, begun)?;
     let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work);
@@ -417,6 +428,14 @@ fn studied(
     let Ranking { ranked, short, not_stated, cannot_turn } = rank(end.rows, end.reach);
     let max_samples = rounds.sizes().last().copied().unwrap_or(options.samples);
     let drawn = (by == JudgedBy::Budget).then(|| RankingRounds::new(options, max_samples, (end.rounds, end.told)));
+    let mut ranked: Vec<Arrangement> = (1..).zip(ranked).map(|(rank, row)| Arrangement::new(row, Some(rank))).collect();
+    let turned = match &coverage {
+        Some(coverage) => {
+            let of = StudyCoverage { machine, bounds: &bounds, coverage, class: class.as_deref() };
+            of.withhold(call, (&study, options.samples), &mut ranked)?
+        }
+        None => None,
+    };
     let unranked = |rows: Vec<ArrangementRow>| rows.into_iter().map(|row| Arrangement::new(row, None)).collect();
     let mut over = Over::work(machine, &set_ups.reference, tool_poses.as_ref(), options.poses);
     over.reached = end.reach.work;
@@ -428,6 +447,8 @@ fn studied(
         class,
         class_source,
         errors,
+        coverage,
+        turned,
         poses: end.reach.work,
         samples: drawn.is_some().then_some(options.samples),
         rounds: drawn,
@@ -436,7 +457,7 @@ fn studied(
         reach: options.reach_percent / 100.0,
         arrangements: ranked.len() + short.len() + not_stated.len() + cannot_turn.len(),
         not_buildable: exclusions(excluded),
-        ranked: (1..).zip(ranked).map(|(rank, row)| Arrangement::new(row, Some(rank))).collect(),
+        ranked,
         reach_less: unranked(short),
         geometry_not_stated: unranked(not_stated),
         cannot_turn_the_tool: unranked(cannot_turn),
@@ -534,6 +555,9 @@ impl SetUps {
     ) -> Result<Self, Refused> {
         let best_fit = job.is_none() && options.reference.is_none();
         let stated = Job::stated(job, options.reference.as_ref());
+        if let Some(reference) = &stated {
+            SetUp { reference: reference.clone(), removed: None }.refuse_minimum_zone(call, "a ranking")?;
+        }
         if let (Some(stated), None) = (stated.as_ref().filter(|of| of.kind == ReferenceKind::BestFit), reached) {
             return Ok(Self { reference: stated.clone(), best_fit });
         }

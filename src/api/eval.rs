@@ -4,13 +4,14 @@ use super::algebra;
 use super::effects::{ErrorEffect, Neglected, effects, inverse};
 use crate::analysis::figure_bands::PoseUncertainty;
 use crate::analysis::{View, deviation_in};
-use crate::evaluate::{Bare, Deviation, Evaluation, Frame, Order, evaluate, evaluate_over};
+use crate::evaluate::{Bare, Deviation, Evaluation, Frame, Order, evaluate, evaluate_over, frame_rotation};
 use crate::job::job_file::{Job, JobPaths, NO_JOB};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
 use crate::job::over::Over;
 use crate::job::path::PathResult;
 use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::job::reference::{Reference, SetUp};
+use crate::job::reference_text::ReferenceOption;
 use crate::lower::WeilLift;
 use crate::machine::{Approach, Machine, OperatingConditions, Pose};
 use crate::run::{Call, Refused, Reply, Run};
@@ -33,6 +34,7 @@ pub struct EvalOptions {
     /// CL data alone.
     pub path: Option<bool>,
     /// What the set-up of the part takes out of the deviations; by default what the job says, otherwise nothing.
+    #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
     /// Order of the errors; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,
@@ -110,6 +112,10 @@ pub struct PoseResult {
     pub deviation: [f64; 3],
     /// Actual minus nominal orientation of the tool, rad.
     pub rotation: [f64; 3],
+    /// The part of the deviation along the normal of the surface, out of the material, mm; none where the tool poses
+    /// have no columns NX, NY, NZ.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub along_normal: Option<f64>,
     /// `T_tool^-1 T_work`, actual minus nominal, row by row; of the machine, whatever the reference.
     pub e_ve: [[f64; 4]; 4],
     /// Expanded uncertainty of the deviation, where the machine states that of its errors.
@@ -165,6 +171,11 @@ fn evaluate_poses(call: &mut Call, machine: &MachineFile, options: &EvalOptions)
     if let Some(field) = set_up.field(&bare, order, conditions) {
         let view = View { conditions, frame: options.frame };
         results.iter_mut().zip(&poses).for_each(|(result, pose)| result.put(&deviation_in(&field, pose, view)));
+    }
+    for ((result, pose), point) in results.iter_mut().zip(&poses).zip(reached.iter().flat_map(|of| &of.surface)) {
+        let turn = frame_rotation(machine, pose, options.frame);
+        let normal = point.normal.map(|normal| turn.map_or(normal, |turn| turn * normal));
+        result.along_normal = normal.map(|normal| normal.dot(&Vector3::from(result.deviation)) + 0.0);
     }
     if let Some(list) = PoseUncertainty::at(machine, &poses, conditions, options.frame, set_up.removed()) {
         results.iter_mut().zip(list).for_each(|(result, uncertainty)| result.uncertainty = Some(uncertainty));
@@ -245,6 +256,7 @@ fn result(machine: &Machine, pose: &Pose, evaluation: &Evaluation) -> PoseResult
         nominal: row(&evaluation.nominal),
         deviation: row(&evaluation.deviation.position),
         rotation: row(&evaluation.deviation.rotation),
+        along_normal: None,
         e_ve: std::array::from_fn(|i| std::array::from_fn(|j| evaluation.e_ve[(i, j)] + 0.0)),
         uncertainty: None,
         sensitivity: None,

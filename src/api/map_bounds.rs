@@ -39,6 +39,7 @@ pub(crate) fn volume(
     let rows = Rows { machine, poses: &poses, view, order, target: "", work: work.as_ref(), drawn: Some(&drawing) };
     let tables = Tables::new(rows, tables).or_else(|refusal| call.refuse(refusal))?;
     let set_up = options.set_up(call, machine, &poses, job.as_ref())?;
+    set_up.refuse_minimum_zone(call, "a map of bounds")?;
     let drawn = drawn.without(set_up.removed());
     let found = drawn.at(call, machine, &poses, view.frame)?;
     tables.write(&found.poses).or_else(|refusal| call.refuse(refusal))?;

@@ -14,6 +14,7 @@ use crate::job::over::Over;
 use crate::job::path::PathResult;
 use crate::job::poses::{AxisPositions, poses};
 use crate::job::reference::{Reference, ReferenceKind, SetUp};
+use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::plane_picture::PlaneOptions;
@@ -37,6 +38,7 @@ pub struct MapOptions {
     pub order: Option<Order>,
     /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
     /// poses, nothing for a volume.
+    #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
     /// Side of approach, where forward and reverse curves were given.
     pub approach: Approach,

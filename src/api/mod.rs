@@ -54,6 +54,7 @@ pub mod text;
 pub(crate) mod tolerances;
 pub(crate) mod uncertainty;
 pub(crate) mod verify;
+mod withheld;
 
 pub use crate::job::machine_file::{LoadOptions, MachineFile, load, loads};
 pub use crate::job::test_piece::TestPieceOptions;

@@ -1,7 +1,7 @@
 //! Results of the functions, and their parts, for `abbe::results`; `results.md` has them by verb.
 
 pub use super::bounded::{AddedByBounds, AddedDeviation};
-pub use super::budget::{BudgetResult, ContributionsAt, FittedBudget};
+pub use super::budget::{BudgetResult, ContributionsAt, FittedBudget, ZoneBudget};
 pub use super::budgets::{
     BudgetDifference, ComparedBudget, ComparedBudgets, ComparedContribution, ComparedVerdict,
     DeviationBudgetDifference, DrawnDifference, WithheldVerdict,
@@ -42,6 +42,7 @@ pub use super::sources::{ErrorSource, ErrorSources};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
 pub use super::uncertainty::CertificateBands;
+pub use super::withheld::TurnedVerdicts;
 pub use crate::analysis::budget::{
     Binding, Bound, BoundedDeviation, BoundedLength, Coverage, PairedDifference, Percentile, Proportion, Role, Verdict,
     VersusFirst,

@@ -44,7 +44,7 @@ pub struct DominatingError {
 }
 
 /// Returns the features in the order in which the file names them; empty if it names none. Errors are named where the
-/// field is the bare machine, without what `removed` takes out of the field.
+/// field is the bare machine, without what `removed` takes out of the field; a minimum zone has none.
 pub(crate) fn features(
     field: &dyn Field,
     reached: &ReachedToolPoses,
@@ -54,7 +54,8 @@ pub(crate) fn features(
 ) -> Vec<FeatureResult> {
     let um: Vec<f64> =
         reached.poses.par_iter().map(|pose| deviation_in(field, pose, view).position.norm() * 1e3).collect();
-    let effects = (bare && is_named(reached)).then(|| ErrorEffects::new(field.machine(), view.conditions, removed));
+    let named = bare && is_named(reached);
+    let effects = named.then(|| ErrorEffects::new(field.machine(), view.conditions, removed)).flatten();
     let errors = |pose: &[f64]| effects.as_ref().map_or_else(Vec::new, |of| dominating(field, pose, view, of));
     grouped(field.machine(), reached, &um, &errors)
 }

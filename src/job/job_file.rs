@@ -4,7 +4,7 @@ use super::characteristics::{FeatureEntries, FeatureTolerances, JobCharacteristi
 use super::limit::parse_limit;
 use super::machine_file::MachineFile;
 use super::placement::Placement;
-use super::reference::{Reference, ReferenceEntry, SetUp};
+use super::reference::{Reference, SetUp};
 use super::tool_poses::{self, ReachedToolPoses, ToolPoses};
 use crate::diagnostic::{Diagnostic, Reason, codes, shown};
 use crate::machine::{Machine, Pose};
@@ -25,7 +25,7 @@ struct JobFile {
     #[serde(default)]
     place: Placement,
     /// The reference: what the set-up takes out.
-    reference: Option<ReferenceEntry>,
+    reference: Option<Reference>,
     /// True if the tool poses are one continuous path.
     path: Option<bool>,
     /// Name of the tool.
@@ -219,7 +219,6 @@ impl JobFile {
         let limit_mm = limit.or_else(|reason| call.refuse(refused(name, &reason)))?;
         let poses = tool_poses::read(call, machine, tool_poses)?.along(asked.or(path));
         let features = features.placed(place).or_else(|reason| call.refuse(refused(name, &reason)))?;
-        let reference = reference.map(|ReferenceEntry(reference)| reference);
         Ok(UnplacedJob(Job { poses, limit_mm, features, place, reference }))
     }
 }

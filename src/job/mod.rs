@@ -7,10 +7,12 @@
 //! - [`job_file`]: a job as a file states it;
 //! - [`limit`]: the largest deviation that a job allows;
 //! - [`mod@reference`]: what the set-up of a part takes out of its deviations;
+//! - [`reference_text`]: the same as a text;
 //! - [`over`]: the statement of what a result is over;
 //! - [`characteristics`]: tolerances of features, and the values that deviations and bounds lead to;
 //! - [`test_piece`]: test pieces of standards as jobs;
 //! - [`path`]: what tool poses ask of a machine as one path;
+//! - [`round_features`]: those that are round, with their profile over the angle;
 //! - [`features`]: the features of such a file, and the largest deviation on each.
 
 pub mod characteristics;
@@ -25,5 +27,7 @@ pub mod place_study;
 pub mod placement;
 pub mod poses;
 pub mod reference;
+pub mod reference_text;
+pub mod round_features;
 pub mod test_piece;
 pub mod tool_poses;

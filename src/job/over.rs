@@ -21,6 +21,9 @@ pub struct Over {
     pub kind: OverKind,
     /// What the set-up of the part takes out.
     pub reference: ReferenceKind,
+    /// True if the best fit is the minimum zone.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub minimum_zone: bool,
     /// True if the poses are one continuous path.
     pub path: bool,
     /// Number of poses asked for.
@@ -53,7 +56,8 @@ impl Over {
     /// Returns the statement for poses of a machine, single ones.
     pub(crate) fn new(kind: OverKind, machine: &Machine, reference: &Reference, [poses, reached]: [usize; 2]) -> Self {
         let (tool, words) = (machine.tool().name.clone(), reference.to_string());
-        Self { kind, reference: reference.kind, path: false, poses, reached, tool, words }
+        let minimum_zone = reference.is_minimum_zone();
+        Self { kind, reference: reference.kind, minimum_zone, path: false, poses, reached, tool, words }
     }
 
     /// Returns the same statement for poses of one path, or for single ones.

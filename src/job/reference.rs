@@ -9,12 +9,9 @@ use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Field, Order};
 use crate::machine::{AxisKind, Machine, OperatingConditions, Pose};
 use crate::run::{Call, Refused};
-use crate::units::{number, significant};
+use crate::units::significant;
 use nalgebra::Vector3;
-use serde::de::value::MapAccessDeserializer;
-use serde::de::{self, Deserialize, Deserializer, MapAccess, Visitor};
 use std::fmt;
-use std::str::FromStr;
 
 /// Maximum number of poses over which a best fit is made.
 const MAX_FITTED: usize = 1_000_000;
@@ -30,7 +27,8 @@ pub enum ReferenceKind {
     Zero,
     /// A frame of six datum points, 3-2-1.
     Datum,
-    /// The rigid motion with the least sum of squared position deviations over the poses.
+    /// The rigid motion with the least sum of squared position deviations over the poses, or with the least largest
+    /// one.
     BestFit,
 }
 
@@ -48,7 +46,8 @@ impl ReferenceKind {
 
 /// A reference with the points at which it is probed, part coordinates.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default, deny_unknown_fields, remote = "Self")]
+#[schemars(rename = "Reference")]
 pub struct Reference {
     /// What is taken out.
     pub kind: ReferenceKind,
@@ -63,6 +62,9 @@ pub struct Reference {
     /// Rotation that a second point of the zero gives.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub align: Option<Alignment>,
+    /// True for the best fit with the smallest largest position deviation in place of the least squares.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub minimum_zone: bool,
     /// The six points of a datum frame.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub datum: Vec<DatumPoint>,
@@ -99,6 +101,7 @@ impl Default for Reference {
             direction: [0.0, 0.0, 1.0],
             rotary: None,
             align: None,
+            minimum_zone: false,
             datum: Vec::new(),
             place: Placement::default(),
         }
@@ -120,6 +123,16 @@ impl Reference {
     pub fn best_fit() -> Self {
         Self { kind: ReferenceKind::BestFit, ..Self::default() }
     }
+
+    /// Returns the best fit with the smallest largest deviation.
+    pub fn minimum_zone() -> Self {
+        Self { minimum_zone: true, ..Self::best_fit() }
+    }
+
+    /// True if its motion is not linear in the errors.
+    pub(crate) fn is_minimum_zone(&self) -> bool {
+        self.kind == ReferenceKind::BestFit && self.minimum_zone
+    }
 }
 
 /// In words, such as `zero at (0, 0, 0) along (0, 0, 1)`.
@@ -128,6 +141,9 @@ impl fmt::Display for Reference {
         let triple = |v: &[f64; 3]| format!("({})", v.map(|x| significant(x, 6)).join(", "));
         match self.kind {
             ReferenceKind::Machine => f.write_str("machine coordinates"),
+            ReferenceKind::BestFit if self.minimum_zone => {
+                f.write_str("best fit of the part, minimum zone (no intervals, no parts of errors)")
+            }
             ReferenceKind::BestFit => f.write_str("best fit of the part"),
             ReferenceKind::Datum => write!(f, "datum frame of {} points", self.datum.len()),
             ReferenceKind::Zero => {
@@ -145,66 +161,6 @@ impl fmt::Display for Reference {
                 }
             }
         }
-    }
-}
-
-/// A text that is no reference.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct UnknownReference;
-
-impl fmt::Display for UnknownReference {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a reference is `machine`, `zero`, `best-fit`, or `zero:X,Y,Z` with the point of the zero in mm")
-    }
-}
-
-impl std::error::Error for UnknownReference {}
-
-/// `machine`, `zero`, `best-fit`, or `zero:X,Y,Z` and `zero:X,Y,Z,I,J,K`: mm, and the direction of the tool.
-impl FromStr for Reference {
-    type Err = UnknownReference;
-
-    fn from_str(text: &str) -> Result<Self, UnknownReference> {
-        match text {
-            "machine" => return Ok(Self::default()),
-            "zero" => return Ok(Self::zero()),
-            "best-fit" => return Ok(Self::best_fit()),
-            _ => {}
-        }
-        let numbers = text.strip_prefix("zero:").ok_or(UnknownReference)?.split(',');
-        let numbers: Vec<f64> =
-            numbers.map(|x| number(x.trim()).map_err(|_| UnknownReference)).collect::<Result<_, _>>()?;
-        match numbers[..] {
-            [x, y, z] => Ok(Self { point: [x, y, z], ..Self::zero() }),
-            [x, y, z, i, j, k] => Ok(Self { point: [x, y, z], direction: [i, j, k], ..Self::zero() }),
-            _ => Err(UnknownReference),
-        }
-    }
-}
-
-/// A reference as a file states it: a text, or a mapping.
-#[derive(Debug, Clone)]
-pub(crate) struct ReferenceEntry(pub Reference);
-
-impl<'de> serde::Deserialize<'de> for ReferenceEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Entry;
-        impl<'de> Visitor<'de> for Entry {
-            type Value = ReferenceEntry;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("`machine`, `zero`, `best-fit`, `zero:X,Y,Z`, or a mapping with `kind`")
-            }
-
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<ReferenceEntry, E> {
-                text.parse().map(ReferenceEntry).map_err(E::custom)
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ReferenceEntry, A::Error> {
-                Reference::deserialize(MapAccessDeserializer::new(map)).map(ReferenceEntry)
-            }
-        }
-        deserializer.deserialize_any(Entry)
     }
 }
 
@@ -228,6 +184,15 @@ impl SetUp {
         Self { reference: Reference::best_fit(), removed: Some(PartReference::best_fit(machine, poses)) }
     }
 
+    /// Refuses a minimum zone for what needs a motion that is linear in the errors: `what`, such as `a goal`.
+    pub fn refuse_minimum_zone(&self, call: &mut Call<'_>, what: &str) -> Result<(), Refused> {
+        if !self.reference.is_minimum_zone() {
+            return Ok(());
+        }
+        let message = format!("a minimum zone is for values and for the machines that `budget` draws, not for {what}");
+        call.refuse(refuse(message, "take the least squares, `--reference best-fit`, or another reference"))
+    }
+
     /// Returns the set-up of a part on a machine; a best fit is over the poses (mm, deg).
     pub fn new(machine: &Machine, reference: &Reference, poses: &[Pose]) -> Result<Self, Diagnostic> {
         let removed = match reference.kind {
@@ -236,6 +201,7 @@ impl SetUp {
                 let message = format!("a best fit is over 1 to {MAX_FITTED} poses, not {}", poses.len());
                 return Err(refuse(message, "take fewer poses, `--random 10000`, or another `--reference`"));
             }
+            ReferenceKind::BestFit if reference.minimum_zone => Some(PartReference::minimum_zone(machine, poses)),
             ReferenceKind::BestFit => return Ok(Self::best_fit(machine, poses)),
             ReferenceKind::Zero => Some(zero(machine, reference)?),
             ReferenceKind::Datum => Some(datum(machine, reference)?),

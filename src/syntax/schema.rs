@@ -143,7 +143,7 @@ fn job() -> Value {
                 "properties": { "origin": point(), "rotation": point() }
             },
             "reference": {
-                "description": "What the set-up takes out: machine, zero, zero:X,Y,Z, best-fit, or a mapping.",
+                "description": "What the set-up takes out: machine, zero, zero:X,Y,Z, best-fit, datum:..., a mapping.",
                 "type": ["string", "object"]
             },
             "path": { "description": "True if the tool poses are one continuous path.", "type": "boolean" },

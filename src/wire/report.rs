@@ -20,6 +20,7 @@ use crate::job::job_file::{Job, JobPaths, NO_JOB};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::{Over, OverKind};
 use crate::job::reference::{Reference, SetUp};
+use crate::job::round_features::{RoundFeature, round_features};
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, Pose};
 use crate::report::page::{
@@ -128,6 +129,8 @@ struct Subject<'a> {
     bounds_add: Value,
     /// The tool poses of the file that the machine reaches, and what the page says of them.
     work: Option<(Vec<Pose>, Value)>,
+    /// The features among them that are round.
+    round: Vec<RoundFeature>,
     job: Option<Job>,
     set_up: SetUp,
     over: Over,
@@ -166,11 +169,15 @@ impl<'a> Subject<'a> {
             None => Poses::Random(Random::of(file, options.poses, options.seed)).iter().collect(),
         };
         let set_up = Job::set_up(job.as_ref(), call, file, options.reference.as_ref(), &poses)?;
+        set_up.refuse_minimum_zone(call, "a report")?;
         let over = Over::work(file, &set_up.reference, reached.as_ref(), options.poses);
-        let work = reached
-            .as_ref()
-            .map(|reached| work(call, file, reached, options, (bounded.as_ref(), &set_up)))
-            .transpose()?;
+        let (work, round) = match job.as_ref().zip(reached.as_ref()) {
+            Some((job, reached)) => {
+                let (poses, said, round) = work(call, file, (job, reached), options, (bounded.as_ref(), &set_up))?;
+                (Some((poses, said)), round)
+            }
+            None => (None, Vec::new()),
+        };
         let mut written = Vec::new();
         for name in targets {
             written.extend(compensate(call, file, name, options)?);
@@ -183,7 +190,7 @@ impl<'a> Subject<'a> {
         let instruments = if bounded.is_some() { Instruments::none(file) } else { Instruments::new(file) };
         let budget = own_budget(call, file, options)?;
         let words = json!(all_words(file));
-        Ok(Self { file, written, warnings, words, instruments, budget, bounds_add, work, job, set_up, over })
+        Ok(Self { file, written, warnings, words, instruments, budget, bounds_add, work, round, job, set_up, over })
     }
 
     fn input(&self, options: &ReportOptions) -> MachineInput<'_> {
@@ -194,6 +201,7 @@ impl<'a> Subject<'a> {
             conditions: options.approach.into(),
             poses: (self.work.as_ref().map_or(options.poses, |(poses, _)| poses.len()), options.seed),
             work: self.work.as_ref().map(|(poses, work)| (poses.as_slice(), work)),
+            round: &self.round,
             removed: self.set_up.removed(),
             over: &self.over,
             written: &self.written,
@@ -201,20 +209,22 @@ impl<'a> Subject<'a> {
             words: &self.words,
             instruments: &self.instruments,
             budget: self.budget.as_ref().map(|result| &result.budget),
+            coverage: self.budget.as_ref().map(|result| &result.coverage),
             bounds_add: &self.bounds_add,
             type_b: self.file.identify.as_ref().map_or(&[], |section| section.type_b.as_slice()),
         }
     }
 }
 
-/// Returns the poses of a machine for the tool poses of a file, and what the page says of them.
+/// Returns the poses of a machine for the tool poses of a job, what the page says of them, and the features among them
+/// that are round.
 fn work(
     call: &mut Call,
     machine: &Machine,
-    reached: &ReachedToolPoses,
+    (job, reached): (&Job, &ReachedToolPoses),
     options: &ReportOptions,
     (bounded, set_up): (Option<&DrawnBounds>, &SetUp),
-) -> Result<(Vec<Pose>, Value), Refused> {
+) -> Result<(Vec<Pose>, Value, Vec<RoundFeature>), Refused> {
     let bare = Bare { machine, order: order_of(machine, options.order) };
     let view = View { conditions: options.approach.into(), frame: Frame::Workpiece };
     let referenced = set_up.field(&bare, bare.order, view.conditions);
@@ -227,9 +237,18 @@ fn work(
         }
         None => features(field, reached, view, true, set_up.removed()),
     };
+    let round = match bounded {
+        Some(_) => Vec::new(),
+        None => round_features(field, view.conditions, reached, &job.features),
+    };
+    let profile = |RoundFeature { feature, profile, .. }: &RoundFeature| {
+        json!({"feature": feature, "radius_mm": profile.radius, "height_mm": profile.height,
+            "points": profile.points.len(), "minimum_zone_um": profile.minimum_zone * 1e3,
+            "least_squares_um": profile.least_squares * 1e3})
+    };
     let work = json!({"file": reached.file, "asked": reached.asked, "reached": reached.reached,
-        "travel": reached.travel, "features": features});
-    Ok((reached.poses.clone(), work))
+        "travel": reached.travel, "features": features, "round": round.iter().map(profile).collect::<Vec<_>>()});
+    Ok((reached.poses.clone(), work, round))
 }
 
 /// The warning for a machine of which nothing is measured, and a target.

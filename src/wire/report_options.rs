@@ -4,6 +4,7 @@ use crate::api::tolerances::ToleranceOptions;
 use crate::evaluate::Order;
 use crate::file_set::options::CompensationOptions;
 use crate::job::reference::Reference;
+use crate::job::reference_text::ReferenceOption;
 use crate::machine::Approach;
 use std::path::PathBuf;
 
@@ -26,6 +27,7 @@ pub struct ReportOptions {
     pub path: Option<bool>,
     /// What the set-up of the part takes out of statistics, single errors and comparison; by default the zero at the
     /// part's origin for tool poses, nothing for a volume.
+    #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
     /// Seed of the poses, and of the errors that are drawn.
     pub seed: u64,

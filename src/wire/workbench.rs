@@ -102,6 +102,8 @@ pub struct CompareWith {
 pub struct WorkOptions {
     /// The file of tool poses.
     pub tool_poses: PathBuf,
+    /// What the set-up of the part takes out of the deviations; by default nothing.
+    pub reference: Option<Reference>,
     /// Number of machines that are drawn where errors are only bounded.
     pub samples: usize,
     /// Maps what the compensation of this target leaves, where errors are measured.
@@ -110,7 +112,7 @@ pub struct WorkOptions {
 
 impl Default for WorkOptions {
     fn default() -> Self {
-        Self { tool_poses: PathBuf::new(), samples: MapOptions::default().samples, target: None }
+        Self { tool_poses: PathBuf::new(), reference: None, samples: MapOptions::default().samples, target: None }
     }
 }
 
@@ -260,6 +262,8 @@ struct WorkRows {
     #[serde(flatten)]
     found: MapRows,
     tips: Vec<RowTip>,
+    /// What the figures are over, in words.
+    over: String,
 }
 
 /// Returns the reference of a question: machine coordinates unless it states one, for the page does not.
@@ -276,11 +280,12 @@ fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRow
     let path = &options.tool_poses;
     let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, path))?.value;
     let poses = MapPoses::ToolPoses(path.clone());
-    let WorkOptions { samples, target, .. } = options.clone();
-    let (reference, path) = (page_reference(&None), Some(false));
+    let WorkOptions { samples, target, reference, .. } = options.clone();
+    let (reference, path) = (page_reference(&reference), Some(false));
     let options = MapOptions { poses, samples, target, reference, path, ..MapOptions::default() };
     let Answer { value: found, warnings } = rows(machine, &options, run)?;
-    Ok(Answer { value: WorkRows { found, tips }, warnings })
+    let over = found.map.over.line();
+    Ok(Answer { value: WorkRows { found, tips, over }, warnings })
 }
 
 fn document<T: Serialize>(answer: Reply<T>) -> Value {

@@ -172,6 +172,20 @@ pub fn part() {
     let max = awaits(&bench, "part-max");
     let printed = bench.command("map", &["--reference", "machine", "--tool-poses", work.to_str().unwrap()]);
     assert!((max - printed["position_um"]["max"].as_f64().unwrap()).abs() < 1e-9, "{max} {printed}");
+    assert!(text(&bench, "#part-over").contains("reference: machine coordinates"));
+    // Another reference is another figure, and says so.
+    for (reference, words) in [("best-fit:minimum-zone", "minimum zone"), ("zero", "zero at (0, 0, 0)")] {
+        fill(&bench, "reference", reference);
+        let said = format!("return document.getElementById('part-over').textContent.includes('{words}');");
+        wait(&bench.browser, &said);
+        let fitted = bench.command("map", &["--reference", reference, "--tool-poses", work.to_str().unwrap()]);
+        let shown = bench.figure("part-max");
+        assert!((shown - fitted["position_um"]["max"].as_f64().unwrap()).abs() < 1e-9, "{reference}: {shown}");
+        assert!((shown - max).abs() > 1e-3, "{reference} takes nothing out");
+    }
+    picture(&bench, "part-reference");
+    fill(&bench, "reference", "machine");
+    wait(&bench.browser, "return document.getElementById('part-over').textContent.includes('machine coordinates');");
     let reached = printed["tool_poses"]["reached"].as_u64().unwrap();
     assert!(text(&bench, "#panel-part strong").starts_with(&format!("{reached} of 8")));
     let axis = printed["tool_poses"]["rows"][0]["beyond"][0]["axis"].as_str().unwrap();

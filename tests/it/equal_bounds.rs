@@ -1,8 +1,13 @@
 //! Machines of which different errors are bounded: what is covered is stated, and a verdict that the missing errors
 //! could turn is withheld.
 
-use crate::program::{Folder, json, text};
+use crate::program::{Folder, abbe, json, text};
+use crate::support::packed::data;
 use serde_json::Value;
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
 
 const HEAD: &str = "abbe: 1\nmachine: M\nchain: \"w Y' b X Z t\"\naxes:\n  X: { travel: [0, 400], origin: [0, 0, 0] }\n  \
                     Y: { travel: [0, 300], origin: [0, 0, 0] }\n  Z: { travel: [-200, 0], origin: [0, 0, 0] }\n";
@@ -73,6 +78,76 @@ fn a_verdict_that_missing_errors_could_turn_is_withheld() {
         assert_eq!(versus["verdict"], "worse", "{first}");
         assert_eq!(versus.get("withheld"), None);
     }
+}
+
+#[test]
+fn a_ranking_withholds_what_missing_errors_turn() {
+    let folder = Folder::new("ranking-coverage");
+    let (mut turned, mut kept) = (0, 0);
+    for tolerance in ["EXX: 5 um", "EAY: 30 urad", "ECX: 20 urad", "X-Y: 40 urad", "EBX: 2000 urad"] {
+        let machine = folder.with("m.yaml", &format!("{HEAD}tolerances: {{ {tolerance} }}\n"));
+        let of = |more: &[&str]| {
+            let fixed = ["enumerate", text(&machine), "--poses", "40", "--samples", "300", "--max-samples", "300"];
+            json(&[&fixed[..], &["--reference", "machine", "--format", "json"], more].concat())
+        };
+        let [found, whole] = [of(&[]), of(&["--class", "production"])];
+        let coverage = &found["coverage"];
+        assert_eq!(
+            (&coverage["bounded"], coverage["missing"].as_array().unwrap().len()),
+            (&1.into(), 20),
+            "{coverage}"
+        );
+        assert_eq!((whole["coverage"]["missing"].as_array().unwrap().len(), whole.get("turned")), (0, None));
+        // The bounds of the class in the file would give the difference the sign that counts.
+        let value = |chain: &Value| {
+            // With a class the geometry of other sides matters, so some come apart; their figures are the same.
+            let of = |group: &str| whole[group].as_array().unwrap().clone();
+            let rows = [of("ranked"), of("geometry_not_stated")].concat();
+            number(&rows.iter().find(|row| row["chain"] == *chain).unwrap()["um"])
+        };
+        let rows = found["ranked"].as_array().unwrap();
+        for row in &rows[1..] {
+            let versus = &row["versus_first"];
+            let is_worse = number(&versus["minus_first"]["low"]) > 0.0;
+            let flips = value(&row["chain"]) <= value(&rows[0]["chain"]);
+            assert_eq!(row.get("withheld").is_some(), is_worse && flips, "{tolerance}: {row}");
+            assert_eq!(versus["verdict"] == "worse", is_worse && !flips, "{tolerance}: {row}");
+            if let Some(reason) = row.get("withheld") {
+                assert!(reason.as_str().unwrap().contains("lacks 20 of 21; `--class production` bounds them"));
+                turned += 1;
+            } else if is_worse {
+                kept += 1;
+            }
+        }
+        let count = rows.iter().filter(|row| row.get("withheld").is_some()).count();
+        assert_eq!(found["turned"]["arrangements"].as_u64().unwrap_or(0), count as u64);
+        let said = abbe(&["enumerate", text(&machine), "--poses", "40", "--reference", "machine"]);
+        assert!(said.contains("1 of 21 errors that act are bounded; 20 have neither value nor bound"), "{said}");
+    }
+    assert!(turned > 0 && kept > 0, "{turned} {kept}");
+}
+
+#[test]
+fn a_report_names_what_is_missing_and_why_there_is_no_verdict() {
+    let folder = Folder::new("report-coverage");
+    let file = |name: &str, rest: &str| folder.with(name, &format!("{HEAD}{rest}"));
+    let [first, second] =
+        [file("a.yaml", "tolerances: { EXX: 5 um, EYY: 5 um }\n"), file("b.yaml", "tolerances: { EXX: 5 um }\n")];
+    let out = folder.file("report.html");
+    let files = ["report", text(&first), text(&second), "--poses", "40", "--samples", "300", "--out", text(&out)];
+    let _ = abbe(&[&files[..], &["--quiet"]].concat());
+    let html = std::fs::read_to_string(&out).unwrap();
+    let found = data(&html);
+    assert_eq!(found["machines"][1]["coverage"]["acting"], 21);
+    assert_eq!(found["comparison"]["budgets"]["versus_first_p95_um"][0]["verdict"], Value::Null);
+    assert!(html.contains("<b>no verdict</b>") && html.contains("errors with neither value nor bound could turn it"));
+    assert!(html.contains("20 have neither value nor bound: ") && html.contains("they count as zero."));
+    let _ = file("b.yaml", "class: premium\n");
+    let _ = file("a.yaml", "class: commodity\n");
+    let _ = abbe(&[&files[..], &["--quiet"]].concat());
+    let html = std::fs::read_to_string(&out).unwrap();
+    assert!(html.contains("<b>better</b> than machine 1") && !html.contains("<b>no verdict</b>"));
+    assert!(!html.contains("they count as zero."));
 }
 
 #[test]

@@ -70,6 +70,8 @@ mod map;
 mod map_files;
 mod measurements;
 mod mechanisms;
+mod minimum_zone;
+mod normals;
 mod options;
 mod oracle;
 mod paper_2015;

@@ -140,14 +140,16 @@ fn a_part_that_lies_elsewhere_is_no_error() {
     let work = work(&folder);
     let shifted = five(&folder, "shifted.yaml", "setup: { workpiece: { X: 300 um, Y: -200 um, Z: 100 um } }");
     assert!((largest(&deviations(&shifted, &work, "machine"), 0) - 374.165_738_7).abs() < 1e-4);
-    for reference in ["zero", "zero:10,20,-5,0,0.5,0.8", "best-fit"] {
+    for reference in ["zero", "zero:10,20,-5,0,0.5,0.8", "best-fit", "best-fit:minimum-zone"] {
         assert!(largest(&deviations(&shifted, &work, reference), 0) < 1e-7, "{reference}");
     }
     // A finite turn: half of its square would be 0.05 um on 80 mm.
     let turned = "setup: { workpiece: { A: 900 urad, B: -500 urad, C: 700 urad, X: 50 um } }";
     let turned = five(&folder, "turned.yaml", turned);
-    let left = deviations(&turned, &work, "best-fit");
-    assert!(largest(&left, 0) < 1e-6 && largest(&left, 3) < 1e-6, "{} {}", largest(&left, 0), largest(&left, 3));
+    for reference in ["best-fit", "best-fit:minimum-zone"] {
+        let left = deviations(&turned, &work, reference);
+        assert!(largest(&left, 0) < 1e-6 && largest(&left, 3) < 1e-6, "{} {}", largest(&left, 0), largest(&left, 3));
+    }
     assert!(largest(&deviations(&turned, &work, "zero"), 0) > 50.0, "a zero takes no rotation out");
 }
 
@@ -382,6 +384,48 @@ fn compare_gives_a_verdict_only_where_both_references_agree() {
     assert!((p95(&stated["machines"][0]) - p95(&found["best_fit"]["machines"][0])).abs() < 1e-9);
     let said = abbe(&arguments[..5]);
     assert!(said.contains("Machine 2 against 1: no verdict: better in machine coordinates"), "{said}");
+}
+
+#[test]
+fn the_command_line_states_what_files_state() {
+    let folder = Folder::new("reference-text");
+    let machine = five(
+        &folder,
+        "m.yaml",
+        "errors: { EC0Y: 300 urad, EA0Z: 200 urad, EZZ: { points: [[-300 mm, -90 um], [300 mm, 110 um]] }, EX0C: 7 um }",
+    );
+    let work = work(&folder);
+    let of = |arguments: &[&str]| {
+        let found = json(&[&["map", text(&machine), "--format", "json"], arguments].concat());
+        (found["position_um"].clone(), found["over"].clone())
+    };
+    for (words, mapping) in [
+        (
+            "datum:-80,-80,0,Z:80,-80,0,Z:0,80,0,0,0,2:-60,-80,-20,-Y:60,-80,-20,0,-1,0:-80,0,-20,-X",
+            "{ kind: datum, datum: [{ point: [-80, -80, 0], normal: [0, 0, 1] }, { point: [80, -80, 0], normal: [0, 0, \
+             1] }, { point: [0, 80, 0], normal: [0, 0, 1] }, { point: [-60, -80, -20], normal: [0, -1, 0] }, { point: \
+             [60, -80, -20], normal: [0, -1, 0] }, { point: [-80, 0, -20], normal: [-1, 0, 0] }] }",
+        ),
+        (
+            "zero:10,-20,5,0,0.3,0.9:about:Z:80,0,5",
+            "{ kind: zero, point: [10, -20, 5], direction: [0, 0.3, 0.9], align: { about: [0, 0, 1], point: [80, 0, 5] } }",
+        ),
+        (
+            "zero:10,0,0:rotary:A=20,C=-90:about:0,1,1:0,0,50",
+            "{ kind: zero, point: [10, 0, 0], rotary: { A: 20, C: -90 }, align: { about: [0, 1, 1], point: [0, 0, 50] } }",
+        ),
+        ("best-fit:minimum-zone", "{ kind: best-fit, minimum_zone: true }"),
+    ] {
+        let job = folder.with("job.yaml", &format!("tool_poses: work.csv\nreference: {mapping}\n"));
+        let as_text = folder.with("text.yaml", &format!("tool_poses: work.csv\nreference: {words}\n"));
+        let line = of(&["--tool-poses", text(&work), "--reference", words]);
+        assert_eq!(line, of(&["--job", text(&job)]), "{words}");
+        assert_eq!(line, of(&["--job", text(&as_text)]), "{words}");
+        assert_ne!(line.0, of(&["--tool-poses", text(&work)]).0, "{words}");
+    }
+    let unknown = ["map", text(&machine), "--tool-poses", text(&work), "--reference", "datum:0,0,0"];
+    let (code, said) = refused(&unknown);
+    assert!(code == 2 && said.contains("six points and their normals"), "{said}");
 }
 
 #[test]

@@ -30,7 +30,7 @@ impl ErrorContribution {
 }
 
 /// Returns every error of any of the machines, each machine at its own poses (mm, deg) of the same work, without what
-/// the set-up of the part takes out of each; largest first, then by name.
+/// the set-up of the part takes out of each; largest first, then by name. With minimum zones there is none.
 pub fn contributions(
     machines: &[(&Machine, Vec<Pose>)],
     conditions: OperatingConditions,
@@ -38,7 +38,8 @@ pub fn contributions(
 ) -> Vec<ErrorContribution> {
     let mut by_error: BTreeMap<ErrorId, Vec<Option<f64>>> = BTreeMap::new();
     for (index, ((machine, poses), reference)) in machines.iter().zip(references).enumerate() {
-        for (error, um) in deviation_alone(machine, poses, &ErrorEffects::new(machine, conditions, *reference)) {
+        let Some(effects) = ErrorEffects::new(machine, conditions, *reference) else { continue };
+        for (error, um) in deviation_alone(machine, poses, &effects) {
             let slots = by_error.entry(error).or_insert_with(|| vec![None; machines.len()]);
             slots[index] = Some(um);
         }

@@ -8,9 +8,11 @@
 mod characteristic;
 mod minimax;
 mod nominal;
+mod profile;
 #[cfg(test)]
 mod tests;
 
 pub use characteristic::{Characteristic, CharacteristicKind, CharacteristicRequest, PointWeight, ZoneFit, ZoneWidths};
 pub use minimax::{Minimax, MinimaxFit};
 pub use nominal::{SurfacePoint, Unfit};
+pub use profile::{ProfilePoint, RoundProfile, RoundSurface};

@@ -183,10 +183,12 @@ pub struct RoundPoint {
     pub direction: Vector3<f64>,
     /// Its parts along the two directions across the axis.
     pub across: [f64; 2],
+    /// The direction of the radius by the two directions across the axis, of length 1.
+    pub radial: [f64; 2],
     /// Height along the axis from the middle, mm.
     pub height: f64,
     /// The nominal radius, mm.
-    radius: f64,
+    pub radius: f64,
 }
 
 impl Revolution {
@@ -222,7 +224,14 @@ impl Revolution {
             if direction.dot(&outward).abs() < RADIAL {
                 return Err(Unfit::Radial);
             }
-            Ok(RoundPoint { direction, across: across.map(|of| of.dot(&direction)), height: z - middle, radius })
+            let radial = [dx / radius, dy / radius];
+            Ok(RoundPoint {
+                direction,
+                across: across.map(|of| of.dot(&direction)),
+                radial,
+                height: z - middle,
+                radius,
+            })
         };
         let points: Vec<RoundPoint> = points.iter().zip(&plane).zip(&heights).map(point).collect::<Result<_, _>>()?;
         let radius = points.iter().map(|p| p.radius).fold(0.0, f64::max);

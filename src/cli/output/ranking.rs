@@ -1,8 +1,11 @@
 //! The result of `enumerate` as text and CSV.
 
+use super::budget_text::coverage_line;
 use super::view::{table, tool_poses_text};
 use abbe::options::{JudgedBy, Statistic};
-use abbe::results::{Arrangement, ExcludedArrangements, PairedDifference, RankedArrangements, RankingRounds, Verdict};
+use abbe::results::{
+    Arrangement, ExcludedArrangements, PairedDifference, RankedArrangements, RankingRounds, TurnedVerdicts, Verdict,
+};
 use abbe::text::{cell, significant};
 
 pub(crate) fn csv(of: &RankedArrangements) -> String {
@@ -76,6 +79,8 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
                 .map_or(String::new(), |source| format!(", class {}: {source}", of.class.as_deref().unwrap_or("")))
         ),
     };
+    let missing = of.coverage.as_ref().filter(|coverage| !coverage.missing.is_empty());
+    text += &missing.and_then(coverage_line).map_or_else(String::new, |line| line + "\n");
     text += &of.over.text();
     text += &arrangements(of, &of.ranked, true, top);
     text += &standing(of);
@@ -115,12 +120,16 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
 /// Confidence of the ranks, and the machines drawn for it.
 fn standing(of: &RankedArrangements) -> String {
     let (equal, open, worse) = (of.count(Verdict::Equal), of.count(Verdict::NotToldApart), of.count(Verdict::Worse));
-    let withheld = of.ranked.iter().filter(|row| row.withheld.is_some()).count();
+    let turned = of.turned.as_ref().map_or(0, |turned| turned.arrangements);
+    let withheld = of.ranked.iter().filter(|row| row.withheld.is_some()).count() - turned;
     let mut text = format!("Against rank 1: {equal} equal to it, {open} not told apart from it, {worse} worse");
     text += &match withheld {
         0 => "\n".to_owned(),
         _ => format!(", {withheld} without a verdict:\nmachine coordinates and best fit do not agree on them\n"),
     };
+    if let Some(TurnedVerdicts { arrangements, reason, .. }) = &of.turned {
+        text += &format!("{arrangements} more without a verdict: {reason}\n");
+    }
     let Some(RankingRounds { max_samples, first, told_apart, done, drawn, drawn_without_elimination }) =
         of.rounds.as_ref().filter(|_| !of.ranked.is_empty())
     else {

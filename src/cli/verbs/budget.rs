@@ -13,7 +13,7 @@ use crate::cli::output::view::{axes_text, limit_text, path_text, reach_text, tab
 use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use abbe::options::Statistic;
-use abbe::results::{BoundedContribution, BudgetResult, FittedBudget, Tightening};
+use abbe::results::{BoundedContribution, BudgetResult, DrawnMachineFigures, FittedBudget, Tightening, ZoneBudget};
 use abbe::text::{Reason, significant};
 use abbe::{BudgetOptions, MachineFile, budget, budget_part};
 use serde_json::json;
@@ -188,6 +188,7 @@ impl BudgetText<'_> {
         }
         text += &self.totals_table();
         text += &self.result.best_fit.as_ref().map_or(String::new(), best_fit_text);
+        text += &self.result.minimum_zone.as_ref().map_or(String::new(), zone_text);
         text += &format!("Worst case at {}\n", axes_text(self.file, budget.position_um.worst_case_at.values()));
         text += &format!("RSS largest at {}\n", axes_text(self.file, budget.position_um.rss_at.values()));
         text += &characteristics::text(&self.result.characteristics);
@@ -269,6 +270,22 @@ fn best_fit_text(of: &FittedBudget) -> String {
         format!("what to tighten first depends on the reference: here {}, so state one", of.tighten_first)
     };
     format!("Without the best fit of the part: 95 % of the machines within {p95} um; {first}\n")
+}
+
+/// The machines drawn without the minimum zone, and what the other figures are without.
+fn zone_text(of: &ZoneBudget) -> String {
+    let text = |of: &DrawnMachineFigures, unit: &str| {
+        let ends = of.percentiles.get("p95").and_then(|of| of.low.zip(of.high));
+        let ends =
+            ends.map_or(String::new(), |(low, high)| format!(" ({}..{})", significant(low, 3), significant(high, 3)));
+        format!("{}{ends} {unit}", significant(of.p95, 4))
+    };
+    format!(
+        "Without the minimum zone of each machine: 95 % of them within {} and {}\n\
+         It has no worst case, RSS, shares or first to tighten: all other figures are without the least squares.\n",
+        text(&of.position_um, "um"),
+        text(&of.rotation_urad, "urad")
+    )
 }
 
 fn bound_text(of: &Tightening) -> String {

@@ -71,11 +71,12 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 fn csv(file: &MachineFile, result: &EvalResult) -> String {
     let axes = file.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
     let names = ["x [mm]", "y [mm]", "z [mm]", "dx [mm]", "dy [mm]", "dz [mm]", "wx [rad]", "wy [rad]", "wz [rad]"];
+    let normal = result.poses.iter().any(|pose| pose.along_normal.is_some()).then(|| "dn [mm]".to_owned());
     let stated = result.poses.iter().any(|pose| pose.uncertainty.is_some());
     let expanded = names[3..].iter().map(|name| format!("U {name}")).take(if stated { 6 } else { 0 });
     let effects = effect_names(result);
     let asked = extra_columns(file, result, &effects);
-    let header: Vec<String> = axes.chain(names.map(str::to_owned)).chain(expanded).chain(asked).collect();
+    let header: Vec<String> = axes.chain(names.map(str::to_owned)).chain(normal).chain(expanded).chain(asked).collect();
     let line = |pose: &PoseResult| {
         let vectors = [pose.nominal, pose.deviation, pose.rotation];
         let expanded = pose.uncertainty.iter().flat_map(|u| [u.deviation, u.rotation]);
@@ -84,7 +85,7 @@ fn csv(file: &MachineFile, result: &EvalResult) -> String {
             effects_of(pose).map(|effect| (effect.error.as_str(), effect)).collect();
         // Pairs without an effect at a pose are not listed there.
         let six = |name: &&str| own.get(name).map_or([[0.0; 3]; 2], |effect| [effect.deviation, effect.rotation]);
-        let stated = vectors.into_iter().chain(expanded).flatten();
+        let stated = vectors.into_iter().flatten().chain(pose.along_normal).chain(expanded.flatten());
         numbers(pose.axes.values().copied().chain(stated).chain(undone).chain(effects.iter().flat_map(six).flatten()))
     };
     let lines: Vec<String> = std::iter::once(header.join(",")).chain(result.poses.iter().map(line)).collect();
@@ -122,14 +123,17 @@ fn effects_of(pose: &PoseResult) -> impl Iterator<Item = &ErrorEffect> {
 
 fn text(result: &EvalResult) -> String {
     let units = ["dx um", "dy um", "dz um", "|d| um", "wx urad", "wy urad", "wz urad"];
+    let normal = result.poses.iter().any(|pose| pose.along_normal.is_some()).then_some("along normal um");
     let axes: Vec<&str> =
         result.poses.first().into_iter().flat_map(|pose| pose.axes.keys().map(String::as_str)).collect();
-    let mut table = table(&axes.into_iter().chain(units).collect::<Vec<_>>());
+    let mut table = table(&axes.into_iter().chain(units).chain(normal).collect::<Vec<_>>());
     for pose in &result.poses {
         let (position, rotation) = pose.uncertainty.map_or((None, None), |u| (Some(u.deviation), Some(u.rotation)));
         let distance = significant(length(&pose.deviation) * 1e3, 5);
         let cells = pose.axes.values().map(|q| significant(*q, 9)).chain(micro(pose.deviation, position, 1e3));
-        let _ = table.add_row(cells.chain([distance]).chain(micro(pose.rotation, rotation, 1e6)).collect::<Vec<_>>());
+        let along = pose.along_normal.map(|mm| significant(mm * 1e3, 5));
+        let cells = cells.chain([distance]).chain(micro(pose.rotation, rotation, 1e6)).chain(along);
+        let _ = table.add_row(cells.collect::<Vec<_>>());
     }
     format!(
         "{}: deviation of the functional point, actual minus nominal, {} frame, order {}{}{}{}\n{}{table}\n{}{}",

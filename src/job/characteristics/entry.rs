@@ -84,6 +84,13 @@ pub(crate) struct FeatureTolerance {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct FeatureTolerances(pub(super) Vec<FeatureTolerance>);
 
+impl FeatureTolerances {
+    /// Returns the axis that is stated for a feature, workpiece frame.
+    pub(crate) fn axis(&self, feature: &str) -> Option<Vector3<f64>> {
+        self.0.iter().filter(|of| of.feature == feature).find_map(|of| of.axis)
+    }
+}
+
 impl FeatureEntries {
     /// Returns the tolerances of a part at a place.
     pub(crate) fn placed(self, place: Placement) -> Result<FeatureTolerances, Reason> {

@@ -54,7 +54,7 @@ impl JobCharacteristics {
         let at = |pose: &Vec<f64>| of.field.deviation(&of.conditions.at_pose(pose));
         let deviations: Vec<Deviation> = self.poses.par_iter().map(at).collect();
         let positions: Vec<Vector3<f64>> = deviations.iter().map(|d| d.position).collect();
-        let effects = of.bare.then(|| ErrorEffects::new(machine, of.conditions, of.removed));
+        let effects = of.bare.then(|| ErrorEffects::new(machine, of.conditions, of.removed)).flatten();
         let intervals = self.intervals(of, &deviations);
         let one = |(i, job): (usize, &JobCharacteristic)| {
             let mut result = job.empty();
@@ -95,11 +95,12 @@ impl JobCharacteristics {
         largest(valued.map(|(i, (error, _))| (error.to_string(), if rows.is_empty() { 0.0 } else { sum(i) })), value)
     }
 
-    /// Returns the intervals of the values (um) by the uncertainties of a machine; `None` where it states none.
+    /// Returns the intervals of the values (um) by the uncertainties of a machine; `None` where it states none, and
+    /// with a minimum zone.
     fn intervals(&self, of: ValuedField<'_>, deviations: &[Deviation]) -> Option<Vec<Option<[f64; 2]>>> {
         let machine = of.field.machine();
         let parts = uncertain_parts([machine]);
-        if parts.is_empty() {
+        if parts.is_empty() || of.removed.is_some_and(|of| !of.is_linear()) {
             return None;
         }
         let whole = Statistics::of(deviations);

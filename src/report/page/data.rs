@@ -4,7 +4,7 @@
 use super::comparison::ComparisonData;
 use super::field::FieldData;
 use super::given::{MachineInput, TargetResult};
-use crate::analysis::budget::BoundedDeviation;
+use crate::analysis::budget::{BoundedDeviation, Coverage};
 use crate::analysis::reference::ReferencedField;
 use crate::analysis::{ErrorStatistics, LocationSet, Map, Status, body_diagonals, error_statistics, levers, rest};
 use crate::controller::CompensationDegree;
@@ -75,6 +75,8 @@ pub struct MachineData {
     diagonals: Vec<Value>,
     instruments: Value,
     budget: Value,
+    /// Which of the errors that act have a value, a bound, or neither; null without a budget.
+    coverage: Value,
     certificates: Vec<Value>,
     field: FieldData,
 }
@@ -191,10 +193,15 @@ impl MachineData {
             diagonals: Vec::new(),
             instruments: given.instruments.json(machine),
             budget: json!(given.budget),
+            coverage: given.coverage.map_or(Value::Null, coverage),
             certificates: Vec::new(),
             field,
         }
     }
+}
+
+fn coverage(of: &Coverage) -> Value {
+    json!({"valued": of.valued, "bounded": of.bounded, "missing": of.missing, "acting": of.acting()})
 }
 
 fn component_bounds(budget: &BudgetFigures) -> usize {

@@ -3,12 +3,18 @@
 use super::data::MachineData;
 use super::given::MachineInput;
 use super::render::Pictures;
+use crate::analysis::zone::ProfilePoint;
 use crate::analysis::{Plane, View, rest, space_axes};
 use crate::evaluate::{Bare, Field, Frame, Poses};
+use crate::job::round_features::RoundFeature;
 use crate::machine::Pose;
-use crate::report::pictures::{PlanePicture, PlaneQuantity, PlaneStyle, axis_curves, chain_picture};
+use crate::report::pictures::{
+    DialPanel, PlanePicture, PlaneQuantity, PlaneStyle, PolarPicture, axis_curves, chain_picture,
+};
 use crate::report::plane_picture::cells;
 use crate::report::text::BudgetFigures;
+use crate::units::significant;
+use nalgebra::Vector3;
 use std::convert::Infallible;
 
 /// Intervals along the longer side of a plane.
@@ -32,6 +38,7 @@ impl Pictures {
             curves: curves.collect(),
             planes: pairs.map(|axes| plane(given, axes)).collect(),
             pareto: data.pareto(BARS).map_or_else(String::new, |picture| picture.svg()),
+            round: round(given).unwrap_or_default(),
             instruments: given.instruments.pictures(machine),
             budget: given
                 .budget
@@ -40,6 +47,47 @@ impl Pictures {
                 .collect(),
         }
     }
+}
+
+/// The profiles of the round features of a job; `None` without.
+fn round(given: &MachineInput<'_>) -> Option<String> {
+    let mut panels: Vec<DialPanel> = given.round.iter().map(dial).collect();
+    let radius = |of: &RoundFeature| of.profile.radius;
+    let times: Vec<f64> = given.round.iter().map(|of| PolarPicture::magnification(&panels, radius(of))).collect();
+    for ((panel, of), times) in panels.iter_mut().zip(given.round).zip(times) {
+        let around = [significant(of.profile.least_squares * 1e3, 3), significant(radius(of), 4)];
+        let [width, radius] = around;
+        panel.line = format!("least squares {width} \u{b5}m; {}\u{d7} at R {radius} mm", significant(times, 2));
+    }
+    let subtitle = format!("{}, deviation along the normal", given.machine.name());
+    (!panels.is_empty()).then(|| PolarPicture::profiles("Roundness", &subtitle, &panels).picture().svg())
+}
+
+/// The profile of a round feature, from the largest gap on; closed if no gap is larger than three steps.
+fn dial(of: &RoundFeature) -> DialPanel {
+    let points = &of.profile.points;
+    let count = points.len();
+    let gap = |i: usize| (points[(i + 1) % count].angle_deg - points[i].angle_deg).rem_euclid(360.0);
+    let widest = (0..count).fold(0, |best, i| if gap(i) > gap(best) { i } else { best });
+    let order = (1..=count).map(|k| &points[(widest + k) % count]);
+    let curve = |value: fn(&ProfilePoint) -> f64| order.clone().map(|p| (p.angle_deg, value(p) * 1e3)).collect();
+    let width = significant(of.profile.minimum_zone * 1e3, 3);
+    let name = if of.feature.is_empty() { "tool poses" } else { of.feature.as_str() };
+    DialPanel {
+        directions: of.across.map(|direction| direction_name(&direction)),
+        curves: vec![curve(|p| p.deviation), curve(|p| p.circle)],
+        marks: Vec::new(),
+        closed: gap(widest) <= 3.0 * 360.0 / count as f64,
+        title: format!("{name}: roundness {width} \u{b5}m"),
+        line: String::new(),
+    }
+}
+
+/// A direction by the axis that is next to it.
+fn direction_name(direction: &Vector3<f64>) -> String {
+    let axis = direction.iamax();
+    let sign = if direction[axis] < 0.0 { "\u{2212}" } else { "+" };
+    format!("{sign}{}", ["X", "Y", "Z"][axis])
 }
 
 /// A plane as a map and as a grid, and after each compensation with the same colours.

@@ -1,11 +1,12 @@
 //! A machine as it was handed to the page.
 
 use super::instruments::Instruments;
-use crate::analysis::budget::{Draws, PoseByPose, PosesRequest, is_measured, pose_by_pose};
+use crate::analysis::budget::{Coverage, Draws, PoseByPose, PosesRequest, is_measured, pose_by_pose};
 use crate::analysis::reference::PartReference;
 use crate::controller::{Certificate, ControllerEffect, ControllerTarget};
 use crate::evaluate::{Frame, Order, Poses, Random};
 use crate::job::over::Over;
+use crate::job::round_features::RoundFeature;
 use crate::machine::{Machine, OperatingConditions, Pose};
 use crate::report::text::{BoundedFigures, BudgetFigures};
 use crate::run::unheard;
@@ -26,6 +27,8 @@ pub struct MachineInput<'a> {
     pub poses: (usize, u64),
     /// The poses for the tool poses of a file instead of random ones, and what the page says of the file.
     pub work: Option<(&'a [Pose], &'a Value)>,
+    /// The round features of the work.
+    pub round: &'a [RoundFeature],
     /// What the set-up of the part takes out of the figures.
     pub removed: Option<&'a PartReference>,
     /// What the figures are over.
@@ -36,6 +39,8 @@ pub struct MachineInput<'a> {
     pub instruments: &'a Instruments,
     /// Its budget, if errors are bounded.
     pub budget: Option<&'a BudgetFigures>,
+    /// Which of the errors that act are known, if errors are bounded.
+    pub coverage: Option<&'a Coverage>,
     /// Effect of the bounds of errors without a value beside the measured ones; null without any.
     pub bounds_add: &'a Value,
     /// Uncertainties that all readings of its fit shared (type B), in words.

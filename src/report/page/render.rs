@@ -29,6 +29,8 @@ pub struct Pictures {
     pub planes: Vec<(String, Vec<String>)>,
     /// The errors with the largest effect, largest first; empty without errors.
     pub pareto: String,
+    /// Profiles of round features; empty without.
+    pub round: String,
     /// Ball bar, R-test and diagonals; empty where there are none.
     pub instruments: [String; 3],
     /// Pareto chart and waterfall of the budget, if there is one.

@@ -1,5 +1,5 @@
 //! Polar diagrams of deviations that are exaggerated about a nominal circle: of a ball bar or an axis of rotation about
-//! the least-squares centre, one exaggeration for all panels.
+//! the least-squares centre, of round features with the least-squares circle, one exaggeration for all panels.
 
 use super::scale::round_step;
 use super::svg::{FIRST, Font, INK, LINE, Picture, Point, SECOND, Svg, TextAnchor, polygon, polyline, wrap};
@@ -79,6 +79,8 @@ pub struct PolarPicture<'a> {
     ways: &'a [(&'a str, Stroke)],
     /// The meaning of outwards.
     outwards: &'a str,
+    /// True if the text for screen readers has the lines below the diagrams.
+    is_told: bool,
 }
 
 const PANEL: f64 = 290.0;
@@ -96,6 +98,10 @@ const PITCH: f64 = 19.0;
 const SENSES: [(&str, Stroke); 2] = [
     ("counter-clockwise", Stroke { colour: FIRST, dashes: "" }),
     ("clockwise", Stroke { colour: SECOND, dashes: "5 3" }),
+];
+const PROFILE: [(&str, Stroke); 2] = [
+    ("deviation along the normal", Stroke { colour: FIRST, dashes: "" }),
+    ("least-squares circle", Stroke { colour: SECOND, dashes: "5 3" }),
 ];
 const MEAN_TURN: [(&str, Stroke); 1] = [("synchronous", Stroke { colour: FIRST, dashes: "" })];
 
@@ -201,18 +207,37 @@ impl Dial {
     }
 }
 
+/// Returns the largest value of diagrams, um.
+fn largest(panels: &[DialPanel]) -> f64 {
+    let all = panels.iter().flat_map(|panel| panel.curves.iter().flatten());
+    all.fold(0.0_f64, |max, (_, x)| max.max(x.abs()))
+}
+
 impl<'a> PolarPicture<'a> {
     /// Returns diagrams of circles, counter-clockwise and clockwise.
     pub fn senses(title: &'a str, subtitle: &'a str, panels: &'a [DialPanel]) -> Self {
         let outwards =
             " of radial deviation; the dark circle is the nominal radius. Outwards: the machine is too far out.";
-        Self { title, subtitle, panels, ways: &SENSES, outwards }
+        Self { title, subtitle, panels, ways: &SENSES, outwards, is_told: false }
     }
 
     /// Returns diagrams of the mean turn of an axis of rotation.
     pub fn mean_turn(title: &'a str, subtitle: &'a str, panels: &'a [DialPanel]) -> Self {
         let outwards = ", of a tilt as many µrad; the dark circle is zero, outwards is plus.";
-        Self { title, subtitle, panels, ways: &MEAN_TURN, outwards }
+        Self { title, subtitle, panels, ways: &MEAN_TURN, outwards, is_told: false }
+    }
+
+    /// Returns diagrams of round features, each with its least-squares circle.
+    pub fn profiles(title: &'a str, subtitle: &'a str, panels: &'a [DialPanel]) -> Self {
+        let outwards = " of deviation along the normal; the dark circle is the nominal surface. Outwards: away from \
+                        the axis. N\u{d7}: deviations are drawn N times as large as the radius.";
+        Self { title, subtitle, panels, ways: &PROFILE, outwards, is_told: true }
+    }
+
+    /// Returns how many times deviations are drawn as large as a radius (mm) of one of the diagrams.
+    pub fn magnification(panels: &[DialPanel], radius_mm: f64) -> f64 {
+        let ring_mm = Dial::new(Point { x: 0.0, y: 0.0 }, largest(panels)).ring * 1e-3;
+        (PITCH / ring_mm) / (NOMINAL / radius_mm)
     }
 
     /// The picture.
@@ -221,8 +246,7 @@ impl<'a> PolarPicture<'a> {
         let below = TOP + ROW * self.panels.len().div_ceil(ACROSS) as f64 + 6.0;
         let mut svg = Svg::new(width, below + 42.0);
         svg.heading(LEFT, self.title, 60, self.subtitle, (width / 7.5) as usize);
-        let all = self.panels.iter().flat_map(|panel| panel.curves.iter().flatten());
-        let largest = all.fold(0.0_f64, |max, (_, x)| max.max(x.abs()));
+        let largest = largest(self.panels);
         let dial = |i: usize| {
             let (column, row) = ((i % ACROSS) as f64, (i / ACROSS) as f64);
             let centre = Point { x: LEFT + PANEL * (column + 0.5), y: TOP + PANEL * 0.5 + ROW * row };
@@ -234,7 +258,9 @@ impl<'a> PolarPicture<'a> {
         for (i, line) in wrap(&note, (width / 6.4) as usize).iter().enumerate() {
             svg.text((LEFT, below + 22.0 + 16.0 * i as f64), line, Font::faint(12.0), TextAnchor::Start, 0.0);
         }
-        svg.picture(&format!("{}: {}", self.title, self.subtitle))
+        let below = |panel: &DialPanel| format!("; {}, {}", panel.title, panel.line);
+        let told = self.panels.iter().filter(|_| self.is_told).map(below).collect::<String>();
+        svg.picture(&format!("{}: {}{told}", self.title, self.subtitle))
     }
 
     fn draw(&self, svg: &mut Svg, panel: &DialPanel, dial: Dial) {

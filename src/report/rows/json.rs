@@ -17,15 +17,17 @@ impl Rows<'_> {
         let names = self.machine.axes().iter().map(|axis| axis.name.to_string());
         let axes: Map<String, Value> = names.zip(axes.iter().map(|q| json!(q))).collect();
         let mut pose = self.work.and_then(|work| work.reached.get(index)).map_or_else(Map::new, WorkRows::json_lead);
+        let along = values.get(6);
         let values = match values {
             [rss_um, p95_um, rss_urad, p95_urad] => [
                 ("position_um", json!({"rss": rss_um, "p95": p95_um})),
                 ("rotation_urad", json!({"rss": rss_urad, "p95": p95_urad})),
             ],
-            six => [("deviation_um", json!(six[..3])), ("rotation_urad", json!(six[3..]))],
+            six => [("deviation_um", json!(six[..3])), ("rotation_urad", json!(six[3..6]))],
         };
         pose.extend([("axes".to_owned(), Value::Object(axes))]);
         pose.extend(values.map(|(name, value)| (name.to_owned(), value)));
+        pose.extend(along.map(|um| ("along_normal_um".to_owned(), json!(um))));
         text.push_str(",\n");
         text.push_str(&Value::Object(pose).to_string());
     }

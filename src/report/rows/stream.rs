@@ -25,6 +25,7 @@ impl<'a> Rows<'a> {
             }
             let mut row = pose;
             values.append(&mut row);
+            row.extend(self.along_normal(index, &row));
             // Adding zero turns -0 into 0.
             row.iter_mut().for_each(|x| *x += 0.0);
             if wants(RowFormat::Csv) {

@@ -6,6 +6,7 @@ use crate::analysis::{View, tool_pose};
 use crate::evaluate::{Deviation, Frame, Order, Poses, frame_rotation};
 use crate::machine::{Approach, Machine};
 use crate::report::text::DrawSettings;
+use nalgebra::Vector3;
 use std::io::{self, Seek, Write};
 
 /// Subject of a table.
@@ -100,15 +101,33 @@ impl<T: Write + Seek + Send> Sink for T {}
 /// Names of the six columns of a deviation.
 const DEVIATION: [&str; 6] = ["dx [um]", "dy [um]", "dz [um]", "wx [urad]", "wy [urad]", "wz [urad]"];
 
+/// Name of the column of the deviation along the normal of the surface.
+const ALONG_NORMAL: &str = "dn [um]";
+
 /// Names of the four columns of what bounds lead to.
 const BOUNDED: [&str; 4] = ["position_rss [um]", "position_p95 [um]", "rotation_rss [urad]", "rotation_p95 [urad]"];
 
 impl Rows<'_> {
-    /// `X [mm]`, ..., then those of the deviation, or of what bounds lead to.
+    /// `X [mm]`, ..., then those of the deviation, at the end along the normal where the tool poses have one, or of
+    /// what bounds lead to.
     pub(super) fn columns(&self) -> Vec<String> {
         let axes = self.machine.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit()));
         let values = if self.drawn.is_some() { &BOUNDED[..] } else { &DEVIATION };
-        axes.chain(values.iter().map(|name| (*name).to_owned())).collect()
+        let along = self.normals().map(|_| ALONG_NORMAL);
+        axes.chain(values.iter().copied().chain(along).map(str::to_owned)).collect()
+    }
+
+    /// Returns the normals of the surface, unturned workpiece frame, of a table of deviations.
+    fn normals(&self) -> Option<&[Vector3<f64>]> {
+        self.work.filter(|_| self.drawn.is_none()).and_then(|work| work.normals.as_deref())
+    }
+
+    /// Returns the deviation along the normal at the pose with an index, by a row of positions and deviation (um).
+    pub(super) fn along_normal(&self, index: usize, row: &[f64]) -> Option<f64> {
+        let (pose, values) = row.split_at(self.machine.axes().len());
+        let normal = self.normals()?.get(index)?;
+        let turned = frame_rotation(self.machine, pose, self.view.frame).map_or(*normal, |turn| turn * normal);
+        Some(turned.iter().zip(values).map(|(n, d)| n * d).sum())
     }
 
     /// Nominal tip from the workpiece origin, mm, in the frame of the vectors.

@@ -2,6 +2,7 @@
 
 use crate::job::path::PathResult;
 use crate::job::tool_poses::{MissedToolPose, ReachedToolPoses};
+use nalgebra::Vector3;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
@@ -37,6 +38,8 @@ pub struct WorkRows {
     features: bool,
     /// The events of a path by line; `None` for single poses.
     events: Option<BTreeMap<usize, String>>,
+    /// The normals of the surface at the poses, unturned workpiece frame; `None` where the file has none.
+    pub(super) normals: Option<Vec<Vector3<f64>>>,
 }
 
 impl WorkRows {
@@ -51,14 +54,15 @@ impl WorkRows {
         };
         let (reached, unreached) = (tool_poses.lines.iter().map(row), tool_poses.rows.iter().map(unreached));
         let events = tool_poses.path.as_ref().map(PathResult::words_by_line);
-        Self { events, ..Self::new(reached.collect(), unreached.collect()) }
+        let normals = tool_poses.surface.iter().map(|point| point.normal).collect();
+        Self { events, normals, ..Self::new(reached.collect(), unreached.collect()) }
     }
 
     /// Returns the rows of the poses of a table, and the others; both in the order of the file.
     pub fn new(reached: Vec<WorkRow>, unreached: Vec<UnreachedRow>) -> Self {
         let of_others = unreached.iter().any(|row| row.feature.is_some());
         let features = of_others || reached.iter().any(|row| row.feature.is_some());
-        Self { reached, unreached, features, events: None }
+        Self { reached, unreached, features, events: None, normals: None }
     }
 
     /// Returns the header before the positions, with its comma.

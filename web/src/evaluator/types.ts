@@ -14,7 +14,7 @@ export type Question =
   | { budget: { poses?: number; samples?: number; goal_mm?: number } & Options }
   | { eval: { poses: number[][] } }
   | { reach: { step_mm?: number } }
-  | { work: { tool_poses: string; samples?: number; target?: string } }
+  | { work: { tool_poses: string; reference?: string; samples?: number; target?: string } }
   | { compare: { first: string; options: { poses?: number; tool_poses?: string } } }
   | { instrument: { instrument: "ball_bar" | "r_test" | "diagonals" } }
   | "targets"
@@ -185,6 +185,8 @@ export interface Work {
   };
   rows: { poses: WorkRow[] };
   tips: { line: number; tip_mm: Vec3 }[];
+  /** What the figures are over, in words. */
+  over: string;
 }
 
 /** An error that is one number, wherever it stands. */

@@ -16,6 +16,14 @@ import { figure, rounded } from "./number";
 /** Colours of what stops a pose, told apart without red and green, and from the scale of deviations. */
 const STOPPED = ["#0077bb", "#33bbee", "#009988", "#666666", "#7755cc", "#aa7700"];
 
+/** What the set-up of the part takes out of the deviations, in words. */
+const REFERENCES = {
+  machine: "Machine coordinates",
+  zero: "Zero at the part's origin",
+  "best-fit": "Best fit",
+  "best-fit:minimum-zone": "Best fit, minimum zone",
+};
+
 type Feature = NonNullable<Work["map"]["features"]>[number];
 
 /** Rows that are listed. */
@@ -23,6 +31,11 @@ const FEW = 6;
 
 export class Part {
   private readonly input = make("input", { type: "text", id: "work", placeholder: "work.csv", spellcheck: "false" });
+  private readonly reference = make(
+    "select",
+    { id: "reference", "aria-label": "Reference: what the set-up of the part takes out of the deviations" },
+    ...Object.entries(REFERENCES).map(([value, words]) => make("option", { value }, words)),
+  );
   private readonly body = make("div", { "aria-live": "polite" });
   private readonly asking: Newest;
   /** A file that was dropped, or chosen: its name and text. */
@@ -39,6 +52,7 @@ export class Part {
     this.asking = new Newest(failed);
     this.input.value = place().work;
     this.input.addEventListener("change", () => this.name());
+    this.reference.addEventListener("change", () => this.update());
     const file = make("input", { type: "file", "aria-label": "File of tool poses", id: "work-file", hidden: "" });
     file.addEventListener("change", () => void this.take(file.files));
     const choose = button("Choose a file", () => file.click());
@@ -46,7 +60,8 @@ export class Part {
       "Tool poses in the workpiece frame: CSV with X, Y, Z and I, J, K or rotary axes, or APT. " +
       "Drop a file here, choose it, or name it:";
     const chooser = make("p", { class: "chooser" }, this.input, choose, file);
-    parent.append(make("p", { class: "words" }, words), chooser, this.body);
+    const setUp = make("p", {}, make("label", { for: "reference" }, "Reference "), this.reference);
+    parent.append(make("p", { class: "words" }, words), chooser, setUp, this.body);
     this.input.setAttribute("aria-label", "Path of a file of tool poses");
     parent.addEventListener("dragover", (event) => event.preventDefault());
     parent.addEventListener("drop", (event) => {
@@ -87,11 +102,17 @@ export class Part {
     if (!work) return this.nothing([]);
     const { path, more } = work;
     void this.asking.do(async () => {
-      const [answer] = await this.session.ask([{ work: { tool_poses: path } }], more);
+      const [answer] = await this.session.ask([{ work: { tool_poses: path, ...this.setUp() } }], more);
       const work = accepted<Work>(answer);
       if (work) this.shown(work, path);
       else if (answer !== undefined) this.nothing((answer as Refusal).diagnostics.map(({ message }) => message));
     });
+  }
+
+  /** The reference that is chosen; that of the page is machine coordinates. */
+  private setUp(): { reference?: string } {
+    const { value } = this.reference;
+    return value === "machine" ? {} : { reference: value };
   }
 
   private nothing(reasons: string[]): void {
@@ -118,6 +139,7 @@ export class Part {
         ` tool poses of ${name} are reached`,
         ...this.largest(reached),
       ),
+      make("p", { class: "words", id: "part-over" }, `${work.over}.`),
       this.legend(colours, rows),
       ...this.features(work),
       make("ol", { class: "rows" }, ...reached.slice(0, FEW).map((row) => this.row(row))),

@@ -40,7 +40,8 @@ function measured(map: NonNullable<Findings["map"]>): Deciding {
   return {
     value: map.position_um.p95,
     band,
-    words: "95 % of the poses in the volume deviate less than this: functional point, actual minus nominal.",
+    words:
+      "95 % of the poses in the volume deviate less than this: functional point, actual minus nominal, in machine coordinates.",
     source: band
       ? "interval by the uncertainties of the file"
       : "The file states no uncertainties, so no interval is known.",

@@ -15,7 +15,8 @@
 //! 6. [`pose_by_pose()`]: RSS and 95 % value at every pose by itself, for machines of which nothing is measured.
 //! 7. [`Coverage`]: which acting errors have a value, a bound, or neither.
 //! 8. [`draw_figures()`]: figures of drawn machines by their deviations at poses, such as those of features.
-//! 9. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
+//! 9. [`draw_with_zone()`]: drawn machines on which the part is set up by a minimum zone.
+//! 10. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
@@ -34,6 +35,7 @@ mod search;
 mod side_by_side;
 mod totals;
 mod worst;
+mod zone_draws;
 
 pub use crate::machine::{Class, classes};
 pub(crate) use bounds::on_other_sides;
@@ -58,3 +60,4 @@ pub use totals::{
     draw_samples,
 };
 pub use worst::longest;
+pub use zone_draws::draw_with_zone;

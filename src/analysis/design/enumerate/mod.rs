@@ -20,6 +20,7 @@ mod rounds;
 mod rule;
 mod side_draws;
 mod study;
+mod values_by_chain;
 mod walk_budget;
 
 pub use arrangement::{MAX_ARRANGEMENTS, TooMany, Walk, walks};
@@ -29,3 +30,4 @@ pub use ranking::{ArrangementRow, FittedArrangement, NeededRange, Ranking, Reach
 pub use rounds::{MissingSteps, RoundCount, Rounds, Standings, StudyEnd, standings};
 pub use rule::{Rule, RuleFailure};
 pub use study::{Judge, MachineCoordinates, PartSetUps, Study, StudyRound};
+pub use values_by_chain::ChainValues;

@@ -54,7 +54,7 @@ impl PartSetUps for MachineCoordinates {
 }
 
 /// A study of arrangements.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Study<'a> {
     machine: &'a Machine,
     walks: Vec<Walk>,
@@ -105,6 +105,16 @@ impl<'a> Study<'a> {
     /// The same study, which also tells the travel that the work needs of each arrangement.
     pub fn with_travel(self, sized: bool) -> Self {
         Self { sized, ..self }
+    }
+
+    /// Returns the number of walks.
+    pub fn walks(&self) -> usize {
+        self.walks.len()
+    }
+
+    /// Returns the criterion.
+    pub(super) fn judge_mut(&mut self) -> &mut Judge {
+        &mut self.judge
     }
 
     /// Returns the number of searches for poses of arms that so many walks take; 0 of machines whose linear axes place
