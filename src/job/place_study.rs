@@ -88,6 +88,15 @@ pub struct CommonFigures {
     pub best_max_um: f64,
 }
 
+impl CommonFigures {
+    /// Returns those on a number of tool poses; 95 % value and largest deviation (um) of the place of the job, then of
+    /// the best.
+    fn new(poses: usize, [[own_p95_um, own_max_um], [best_p95_um, best_max_um]]: [[f64; 2]; 2]) -> Self {
+        let p95_um = own_p95_um - best_p95_um;
+        Self { poses, own_p95_um, best_p95_um, p95_um, own_max_um, best_max_um }
+    }
+}
+
 /// The figure of a place.
 pub(crate) enum PlaceFigure<'a> {
     /// None: reach alone.
@@ -263,7 +272,9 @@ impl PlaceStudy<'_> {
         let minus = |a: usize, b: usize| a as i64 - b as i64;
         let figures = |of: &TriedPlace| Some([of.p95_um?, of.max_um?]);
         let common = match (figures(at_own), figures(at_best)) {
-            (Some(a), Some(b)) if attempts[own].missed == attempts[best].missed => Some((at_own.reached, a, b)),
+            (Some(a), Some(b)) if attempts[own].missed == attempts[best].missed => {
+                Some(CommonFigures::new(at_own.reached, [a, b]))
+            }
             (Some(_), Some(_)) => self.on_common(call, asked, [&at_own.place, &at_best.place])?,
             _ => None,
         };
@@ -271,24 +282,17 @@ impl PlaceStudy<'_> {
             poses: minus(at_best.reached, at_own.reached),
             rewinds: at_own.rewinds.zip(at_best.rewinds).map(|(own, best)| minus(own, best)),
             margin_mm: at_own.margin_mm.zip(at_best.margin_mm).map(|(own, best)| best - own),
-            common: common.map(|(poses, [own_p95_um, own_max_um], [best_p95_um, best_max_um])| CommonFigures {
-                poses,
-                own_p95_um,
-                best_p95_um,
-                p95_um: own_p95_um - best_p95_um,
-                own_max_um,
-                best_max_um,
-            }),
+            common,
         })
     }
 
-    /// Returns the number of tool poses that both places reach, and their figures there (95 % value and largest, um).
+    /// Returns the figures of two places, that of the job first, on the tool poses that both reach.
     fn on_common(
         &self,
         call: &mut Call<'_>,
         asked: Option<&Reference>,
         places: [&Placement; 2],
-    ) -> Result<Option<(usize, [f64; 2], [f64; 2])>, Refused> {
+    ) -> Result<Option<CommonFigures>, Refused> {
         let jobs = places.map(|place| self.job.at(*place));
         let [a, b] = [&jobs[0], &jobs[1]].map(|job| job.poses.solved(self.machine).0);
         let (a, b): (Vec<Pose>, Vec<Pose>) = a.into_iter().zip(b).filter_map(|(a, b)| a.zip(b)).unzip();
@@ -299,7 +303,7 @@ impl PlaceStudy<'_> {
             let figure = call.stage(1, |progress| self.figure(&set_up, poses, progress))?;
             figures.extend(figure.or_else(|refusal| call.refuse(refusal))?.map(|of| [of.p95, of.max]));
         }
-        Ok(<[_; 2]>::try_from(figures).ok().map(|[a, b]| (count, a, b)))
+        Ok(<[_; 2]>::try_from(figures).ok().map(|figures| CommonFigures::new(count, figures)))
     }
 }
 

@@ -68,7 +68,7 @@ fn text(of: &PlacementResult) -> String {
     text += &match of.best.as_ref().map(|best| best.reached) {
         None => "None of them reaches a tool pose.\n".to_owned(),
         Some(most) => fold(&format!(
-            "Places that reach all {all} tool poses: {}; ranked, for they reach the same {most}: {}",
+            "Reach all {all} tool poses: {}; ranked, with the same {most} in reach: {}",
             of.reach_all, of.ranked
         )),
     };
@@ -161,12 +161,13 @@ fn gained(of: &PlacementResult, best: &TriedPlace, gain: &PlacementGain) -> Stri
 fn figures(of: &CommonFigures, all: usize) -> String {
     let on = if of.poses == all { String::new() } else { format!(" (on the {} tool poses that both reach)", of.poses) };
     let percent = if of.own_p95_um > 0.0 {
-        format!(", {} %", significant(-100.0 * of.p95_um / of.own_p95_um, 3))
+        let side = if of.p95_um < 0.0 { "more" } else { "less" };
+        format!("{} % {side}, ", significant(100.0 * of.p95_um.abs() / of.own_p95_um, 3))
     } else {
         String::new()
     };
     format!(
-        "95 % value {} um instead of {}{percent}{on}, largest {} instead of {}",
+        "95 % value {percent}{} um instead of {}{on}, largest {} instead of {}",
         significant(of.best_p95_um, 4),
         significant(of.own_p95_um, 4),
         significant(of.best_max_um, 4),
