@@ -2,8 +2,8 @@
 //!
 //! - `chain`, `dot`: the kinematic chain; `curves`: curves of the component errors.
 //! - `plane`: the deviation over a plane, before and after; `fit`: prediction against data over a plane.
-//! - `bars`: a budget; `reach`: sections of a box by the share of directions; `placement`: places of a part; `polar`, `readings`: the readings of
-//!   instruments.
+//! - `bars`: a budget; `reach`: sections of a box by the share of directions; `placement`: places of a part; `polar`,
+//!   `readings`: the readings of instruments.
 //! - `svg` writes the drawing, `lettering` its text, `png` the pixels, `outlines` the text of a PNG; `scale` and
 //!   `frame` are ticks, colours and axes.
 
