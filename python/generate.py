@@ -33,6 +33,7 @@ VERBS = {
     "convert": Verb("ConvertResult", "Returns the same machine under other conventions.", first=("to",)),
     "map": Verb("MapResult", "Maps the error over the volume."),
     "reach": Verb("ReachResult", "Returns the tips and directions of the tool within reach over a box."),
+    "place": Verb("PlacementResult", "Tries the part of a job at places of the table: reach and deviation at each."),
     "compare": Verb("CompareResult", "Compares the machine with others on the same tool poses."),
     "budget": Verb("BudgetResult", "Returns what tolerances do to the volumetric error, and which to tighten first."),
     "enumerate": Verb("EnumerateResult", "Ranks all arrangements of the axes on the same work."),
@@ -312,7 +313,7 @@ from .._record import Named, Record
 
 #: Modules of fields by the verbs whose results they hold; what several need stands in the first of these.
 FIELD_MODULES = {
-    "deviations": ("eval", "map", "reach", "compare"),
+    "deviations": ("eval", "map", "reach", "place", "compare"),
     "machines": ("show", "check", "classify", "convert", "diff", "equations"),
     "designs": ("budget", "enumerate", "report"),
     "measurements": ("instrument", "identify", "fit_monomials", "plan", "locate", "import_readings", "figures"),

@@ -74,7 +74,8 @@ impl DrawnBounds {
         of.drawn(call, DrawnRequest { machine, bounds: &self.bounds, removed, draws: &draws, samples, values: None })
     }
 
-    fn draws(&self) -> Draws {
+    /// Returns the generator of the machines drawn.
+    pub(crate) fn draws(&self) -> Draws {
         Draws::new(self.drawing.seed, self.drawing.distribution)
     }
 

@@ -74,7 +74,12 @@ fn refuse_measured(call: &mut Call<'_>, options: &MapOptions) -> Result<(), Refu
     if options.target.is_some() {
         return call.usage("nothing of the machine is measured, so there is nothing to compensate: omit `--target`");
     }
-    match options.order {
+    refuse_order(call, options.order)
+}
+
+/// Refuses an order of the errors other than the first.
+pub(crate) fn refuse_order(call: &mut Call<'_>, order: Option<Order>) -> Result<(), Refused> {
+    match order {
         None | Some(Order::Degree(1)) => Ok(()),
         Some(_) => call.usage("what bounds lead to is computed to first order: omit `--order`"),
     }

@@ -35,6 +35,7 @@ pub use super::identify::{
 pub use super::instrument::{InstrumentResult, LaserReadings, Readings};
 pub use super::locate::{AxisLine, LocateResult, LocatedAxis, LocatedError};
 pub use super::map_result::{BodyDiagonal, MapFromBounds, MapResult, Uncompensated, WorstBoundedPose, WorstPose};
+pub use super::place::PlacementResult;
 pub use super::reach::{ReachDirections, ReachResult};
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};
 pub use super::sources::{ErrorSource, ErrorSources};
@@ -63,6 +64,8 @@ pub use crate::job::limit::LimitVerdict;
 pub use crate::job::machine_file::InputFile;
 pub use crate::job::over::{Over, OverKind};
 pub use crate::job::path::{PathAxis, PathPole, PathResult, PathRewind};
+pub use crate::job::place_grid::PlaceRange;
+pub use crate::job::place_study::{CommonFigures, PlacementGain, TriedPlace};
 pub use crate::job::poses::AxisPositions;
 pub use crate::job::test_piece::TestPiece;
 pub use crate::job::tool_poses::{BeyondTravel, Lack, MissedToolPose, NeededTravel, ReachedToolPoses};

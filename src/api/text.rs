@@ -4,6 +4,7 @@ pub use super::check::annotations;
 pub use crate::controller::micro;
 pub use crate::diagnostic::{Reason, Rendering, render, shown, summary as counts};
 pub use crate::evaluate::UnknownOrder;
+pub use crate::job::over::fold;
 pub use crate::job::poses::axes_text;
 pub use crate::report::cell;
 pub use crate::standards::NOT_VERIFIED;

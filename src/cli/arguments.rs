@@ -93,6 +93,14 @@ pub(super) struct JobArg {
     pub(super) path: Option<bool>,
 }
 
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct PlaceArg {
+    /// Try the part of the job at places: ranges of its origin X, Y, Z (mm) and its rotation A, B, C (deg), with the
+    /// number of values.
+    #[arg(long, value_name = "X=-200..200:9,C=0..90:4", allow_hyphen_values = true)]
+    pub(super) place: Option<String>,
+}
+
 fn yes_or_no(text: &str) -> Result<bool, Reason> {
     match text {
         "yes" => Ok(true),

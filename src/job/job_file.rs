@@ -65,6 +65,11 @@ impl JobPaths<'_> {
     /// Reads the job for a machine, which gives the rotary columns their axes; `None` without one. Says if the job of
     /// the machine file gives way.
     pub(crate) fn read(self, call: &mut Call<'_>, file: &MachineFile) -> Result<Option<Job>, Refused> {
+        Ok(self.read_unplaced(call, file)?.map(UnplacedJob::placed))
+    }
+
+    /// Reads the same with the part not yet on the workpiece frame.
+    pub(crate) fn read_unplaced(self, call: &mut Call<'_>, file: &MachineFile) -> Result<Option<UnplacedJob>, Refused> {
         let job = self.job.filter(|path| *path != Path::new(NO_JOB));
         let own = file.job.is_some() && (self.job.is_none() || job.is_some());
         match (job, self.tool_poses) {
@@ -77,7 +82,7 @@ impl JobPaths<'_> {
                 call.extend(own.then(|| displaced(file, path)));
                 let poses = tool_poses::read(call, file, path)?.along(self.path);
                 let (features, place) = (FeatureTolerances::default(), Placement::default());
-                Ok(Some(Job { poses, limit_mm: None, features, place, reference: None }))
+                Ok(Some(UnplacedJob(Job { poses, limit_mm: None, features, place, reference: None })))
             }
             (None, None) if own => from_machine_file(call, file, self.path),
             (None, None) if self.path.is_some() => {
@@ -93,6 +98,33 @@ fn displaced(file: &MachineFile, by: &Path) -> Diagnostic {
     let [file, by] = [file.path().to_owned(), by.display().to_string()].map(|name| shown(&name));
     Diagnostic::new(codes::W0852, format!("the job of `{file}` gives way to `{by}`"))
         .help("omit `--job` and `--tool-poses` for the job of the machine file")
+}
+
+/// A job whose tool poses are in part coordinates.
+#[derive(Debug, Clone)]
+pub(crate) struct UnplacedJob(Job);
+
+impl UnplacedJob {
+    /// Returns the job with the part at its own place.
+    fn placed(mut self) -> Job {
+        self.0.poses.put(&self.0.place);
+        self.0
+    }
+
+    /// Returns the place that the job states.
+    pub(crate) fn place(&self) -> Placement {
+        self.0.place
+    }
+
+    /// Returns the tool poses, part coordinates.
+    pub(crate) fn poses(&self) -> &ToolPoses {
+        &self.0.poses
+    }
+
+    /// Returns the job with the part at another place; its reference moves along, tolerances are left out.
+    pub(crate) fn at(&self, place: Placement) -> Job {
+        Self(Job { place, features: FeatureTolerances::default(), ..self.0.clone() }).placed()
+    }
 }
 
 impl Job {
@@ -134,7 +166,7 @@ impl Job {
 }
 
 /// Reads a job file; `asked` says whether its tool poses are one path, whatever it says itself.
-fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path, asked: Option<bool>) -> Result<Job, Refused> {
+fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path, asked: Option<bool>) -> Result<UnplacedJob, Refused> {
     let files = call.run.files;
     let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };
     let name = path.display().to_string();
@@ -148,7 +180,11 @@ fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path, asked: Option<
 }
 
 /// Reads the job of a machine file.
-fn from_machine_file(call: &mut Call<'_>, file: &MachineFile, asked: Option<bool>) -> Result<Option<Job>, Refused> {
+fn from_machine_file(
+    call: &mut Call<'_>,
+    file: &MachineFile,
+    asked: Option<bool>,
+) -> Result<Option<UnplacedJob>, Refused> {
     let Some(text) = &file.job else { return Ok(None) };
     let job = text.read::<JobFile>(&mut call.diagnostics);
     call.check()?;
@@ -166,7 +202,7 @@ impl JobFile {
         name: &str,
         tool_poses: &Path,
         asked: Option<bool>,
-    ) -> Result<Job, Refused> {
+    ) -> Result<UnplacedJob, Refused> {
         let Self { tool_poses: _, place, reference, path, tool, limit, features } = self;
         if let Some(tool) = tool.filter(|tool| *tool != machine.tool().name) {
             let known = machine.with_tool(&tool).is_some();
@@ -181,10 +217,9 @@ impl JobFile {
         }
         let limit = limit.map(|text| parse_limit(&text)).transpose();
         let limit_mm = limit.or_else(|reason| call.refuse(refused(name, &reason)))?;
-        let mut poses = tool_poses::read(call, machine, tool_poses)?.along(asked.or(path));
-        poses.put(&place);
+        let poses = tool_poses::read(call, machine, tool_poses)?.along(asked.or(path));
         let features = features.placed(place).or_else(|reason| call.refuse(refused(name, &reason)))?;
-        Ok(Job { poses, limit_mm, features, place, reference })
+        Ok(UnplacedJob(Job { poses, limit_mm, features, place, reference }))
     }
 }
 

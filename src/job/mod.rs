@@ -3,7 +3,7 @@
 //! - [`machine_file`]: a machine with the files that it was read from;
 //! - [`poses`]: positions of the axes, as a caller gives them and as results name them;
 //! - [`tool_poses`]: tool poses of a file, with those that the machine does not reach and the travel that they need;
-//! - [`placement`]: where the part lies;
+//! - [`placement`]: where the part lies; [`place_grid`]: ranges of places; [`place_study`]: the part tried at each;
 //! - [`job_file`]: a job as a file states it;
 //! - [`limit`]: the largest deviation that a job allows;
 //! - [`mod@reference`]: what the set-up of a part takes out of its deviations;
@@ -22,6 +22,8 @@ pub mod limit;
 pub mod machine_file;
 pub mod over;
 pub mod path;
+pub mod place_grid;
+pub mod place_study;
 pub mod placement;
 pub mod poses;
 pub mod reference;

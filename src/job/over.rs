@@ -40,6 +40,18 @@ pub struct Over {
 /// Columns of a terminal.
 const COLUMNS: usize = 80;
 
+/// Returns a sentence in lines for a terminal of 80 columns, all but the first indented.
+pub fn fold(sentence: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in sentence.split(' ') {
+        if lines.last().is_some_and(|line| line.chars().count() + 1 + word.chars().count() > COLUMNS) {
+            lines.push("  ".to_owned());
+        }
+        lines.last_mut().into_iter().for_each(|line| *line += &format!("{word} "));
+    }
+    lines.iter().map(|line| format!("{}\n", line.trim_end())).collect()
+}
+
 impl Over {
     /// Returns the statement for poses of a machine, single ones.
     pub(crate) fn new(kind: OverKind, machine: &Machine, reference: &Reference, [poses, reached]: [usize; 2]) -> Self {
@@ -68,14 +80,7 @@ impl Over {
 
     /// Returns the statement as text for a terminal of 80 columns, its end on a line of its own where it is longer.
     pub fn text(&self) -> String {
-        let mut lines = vec![String::new()];
-        for word in self.line().split(' ') {
-            if lines.last().is_some_and(|line| line.chars().count() + 1 + word.chars().count() > COLUMNS) {
-                lines.push("  ".to_owned());
-            }
-            lines.last_mut().into_iter().for_each(|line| *line += &format!("{word} "));
-        }
-        lines.iter().map(|line| format!("{}\n", line.trim_end())).collect()
+        fold(&self.line())
     }
 
     /// Returns the statement in one line, such as `Over a job of 300 tool poses, 298 reached, single poses; reference:

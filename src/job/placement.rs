@@ -15,6 +15,17 @@ pub struct Placement {
 }
 
 impl Placement {
+    /// Returns the six numbers: origin (mm), rotation (deg).
+    pub(crate) fn numbers(&self) -> [f64; 6] {
+        let ([x, y, z], [a, b, c]) = (self.origin, self.rotation);
+        [x, y, z, a, b, c]
+    }
+
+    /// Returns the place of six numbers: origin (mm), rotation (deg).
+    pub(crate) fn of_numbers([x, y, z, a, b, c]: [f64; 6]) -> Self {
+        Self { origin: [x, y, z], rotation: [a, b, c] }
+    }
+
     fn turn(&self) -> Matrix3<f64> {
         let units = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let turns = units.iter().zip(self.rotation);

@@ -25,8 +25,8 @@ mod text;
 pub(crate) use pictures::axis_curves;
 pub use pictures::{
     DiagonalPicture, DialMark, DialPanel, FitPicture, FitPoint, LinePanel, LinePicture, Picture, PictureFailure,
-    PlanePicture, PlaneQuantity, PlaneStyle, PolarPicture, RTestPicture, ReachPicture, RunCurves, RunPanel, RunPicture,
-    all_curves, before_after, chain_dot, chain_picture,
+    PlacementPicture, PlanePicture, PlaneQuantity, PlaneStyle, PolarPicture, RTestPicture, ReachPicture, RunCurves,
+    RunPanel, RunPicture, all_curves, before_after, chain_dot, chain_picture,
 };
 pub use rows::{
     RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows, cell, structured_grid,

@@ -9,18 +9,19 @@ use crate::api::map_tables::MapTable;
 use crate::api::results::{
     BudgetResult, CertificateReport, ChainResult, Classification, CompareResult, CompiledSet, ComposedPart,
     ConvertResult, EquationsResult, ErrorSources, EvalResult, IdentifyResult, ImportResult, InstrumentResult,
-    LocateResult, MachineDifference, MachineSummary, MapResult, MeasurementPlan, MonomialFit, RankedArrangements,
-    ReachResult, Record, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures, TestPiece,
+    LocateResult, MachineDifference, MachineSummary, MapResult, MeasurementPlan, MonomialFit, PlacementResult,
+    RankedArrangements, ReachResult, Record, RecordCheck, RecordTrend, SetDifference, TargetSummary, TestFigures,
+    TestPiece,
 };
 use crate::api::starter::Starter;
 use crate::api::{
     Answer, BudgetOptions, ClassifyOptions, CompareOptions, CompileOptions, ConvertOptions, Diagnostic, Diagnostics,
     DiffMachinesOptions, DiffOptions, EnumerateOptions, EquationsOptions, EvalOptions, FiguresOptions, IdentifyOptions,
-    ImportOptions, InstrumentOptions, LocateOptions, MachineFile, MapOptions, PlanOptions, ReachOptions, RecordOptions,
-    Run, TestPieceOptions, VerifyOptions, budget, budget_part, check, check_record, classify, compare, compile,
-    compile_composed, convert, diff, diff_machines, enumerate, equations, eval, explain, figures, fit_monomials,
-    identify, import, instrument, locate, map_tables, plan_measurements, reach, record, record_trend, schema, show,
-    starter, targets, testpiece, verify,
+    ImportOptions, InstrumentOptions, LocateOptions, MachineFile, MapOptions, PlacementOptions, PlanOptions,
+    ReachOptions, RecordOptions, Run, TestPieceOptions, VerifyOptions, budget, budget_part, check, check_record,
+    classify, compare, compile, compile_composed, convert, diff, diff_machines, enumerate, equations, eval, explain,
+    figures, fit_monomials, identify, import, instrument, locate, map_tables, place, plan_measurements, reach, record,
+    record_trend, schema, show, starter, targets, testpiece, verify,
 };
 use crate::controller::LOCK_NAME;
 use crate::report::RowFormat;
@@ -87,7 +88,7 @@ pub struct Verb {
 }
 
 /// All verbs.
-pub static VERBS: [Verb; 31] = [
+pub static VERBS: [Verb; 32] = [
     of::<EvalOptions, EvalResult>("eval", &[], |request, run| {
         Ok(answer(eval(request.machine()?, &request.options()?, run)?).0)
     }),
@@ -103,6 +104,10 @@ pub static VERBS: [Verb; 31] = [
     of::<ReachOptions, ReachResult>("reach", &["reach.svg"], |request, run| {
         let (answer, result) = answer(reach(request.machine()?, &request.options()?, run)?);
         Ok(answer.text("reach.svg", result.picture().svg()))
+    }),
+    of::<PlacementOptions, PlacementResult>("place", &["place.svg"], |request, run| {
+        let (answer, result) = answer(place(request.machine()?, &request.options()?, run)?);
+        Ok(answer.text("place.svg", result.picture().svg()))
     }),
     of::<CompareOptions, CompareResult>("compare", &[], |request, run| {
         Ok(answer(compare(&request.machine_files(), &request.options()?, run)?).0)

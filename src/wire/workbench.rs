@@ -104,6 +104,8 @@ pub struct WorkOptions {
     pub tool_poses: PathBuf,
     /// What the set-up of the part takes out of the deviations; by default nothing.
     pub reference: Option<Reference>,
+    /// True if the tool poses are one continuous path; by default CL data are.
+    pub path: Option<bool>,
     /// Number of machines that are drawn where errors are only bounded.
     pub samples: usize,
     /// Maps what the compensation of this target leaves, where errors are measured.
@@ -112,7 +114,8 @@ pub struct WorkOptions {
 
 impl Default for WorkOptions {
     fn default() -> Self {
-        Self { tool_poses: PathBuf::new(), reference: None, samples: MapOptions::default().samples, target: None }
+        let samples = MapOptions::default().samples;
+        Self { tool_poses: PathBuf::new(), reference: None, path: None, samples, target: None }
     }
 }
 
@@ -280,8 +283,8 @@ fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRow
     let path = &options.tool_poses;
     let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, path))?.value;
     let poses = MapPoses::ToolPoses(path.clone());
-    let WorkOptions { samples, target, reference, .. } = options.clone();
-    let (reference, path) = (page_reference(&reference), Some(false));
+    let WorkOptions { samples, target, reference, path, .. } = options.clone();
+    let reference = page_reference(&reference);
     let options = MapOptions { poses, samples, target, reference, path, ..MapOptions::default() };
     let Answer { value: found, warnings } = rows(machine, &options, run)?;
     let over = found.map.over.line();

@@ -184,6 +184,16 @@ pub fn part() {
         assert!((shown - max).abs() > 1e-3, "{reference} takes nothing out");
     }
     picture(&bench, "part-reference");
+    // As one path, with what it asks of the machine.
+    fill(&bench, "path", "yes");
+    wait(&bench.browser, "return document.getElementById('part-path') !== null;");
+    let along = bench.command("map", &["--path", "yes", "--tool-poses", work.to_str().unwrap()]);
+    let rewinds = bench.browser.run("return Number(document.getElementById('part-path').dataset.rewinds);");
+    assert_eq!(rewinds.as_f64(), Some(along["path"]["rewinds"].as_array().unwrap().len() as f64));
+    assert!(text(&bench, "#part-over").contains("one path"));
+    picture(&bench, "part-path");
+    fill(&bench, "path", "");
+    wait(&bench.browser, "return document.getElementById('part-path') === null;");
     fill(&bench, "reference", "machine");
     wait(&bench.browser, "return document.getElementById('part-over').textContent.includes('machine coordinates');");
     let reached = printed["tool_poses"]["reached"].as_u64().unwrap();

@@ -36,7 +36,7 @@ const STATES: [&str; 2] = ["--merge", "--state"];
 
 const MACHINE: &[&str] = &["machine", "base", "table"];
 
-const VERBS: [Verb; 21] = [
+const VERBS: [Verb; 23] = [
     Verb {
         name: "show",
         arguments: &["show", "machine.END"],
@@ -188,6 +188,18 @@ const VERBS: [Verb; 21] = [
         arguments: &["reach", "machine.END"],
         inputs: MACHINE,
         outputs: &["--svg", "--png", "--vtk"],
+    },
+    Verb {
+        name: "reach at places",
+        arguments: &["reach", "machine.END", "--job", "job.END", "--place", "X=0..1:2"],
+        inputs: &["machine", "base", "table", "job", "poses"],
+        outputs: &["--svg", "--png"],
+    },
+    Verb {
+        name: "map at places",
+        arguments: &["map", "machine.END", "--tool-poses", "poses.END", "--place", "X=0..1:2"],
+        inputs: &["machine", "base", "table", "poses"],
+        outputs: &["--svg", "--png"],
     },
     Verb {
         name: "instrument",

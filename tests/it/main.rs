@@ -80,6 +80,7 @@ mod parameter_pages;
 mod parametrisation;
 mod part_rotation;
 mod paths;
+mod placement;
 mod plan;
 mod prior;
 mod priors;

@@ -99,6 +99,8 @@ fn verdicts_are_those_of_machines_drawn_by_the_test() {
         "2",
         "--buildable",
         "no",
+        "--reference",
+        "machine",
         "--poses",
         "12",
         "--samples",

@@ -442,7 +442,7 @@ fn what_is_proved_out_of_reach_of_three_rotary_axes_is() {
         let machine = machine(&folder, "w C' b X Y Z B A t", &axes.join(", "), "");
         let mut targets = vec![([0.0; 3], [0.0, 0.0, 1.0])];
         for _ in 0..24 {
-            let (tilt, about) = (random.between(0.0, 1.4), random.between(0.0, 6.28));
+            let (tilt, about) = (random.between(0.0, 1.4), random.between(0.0, std::f64::consts::TAU));
             let direction = [tilt.sin() * about.cos(), tilt.sin() * about.sin(), tilt.cos()];
             targets.push(([random.around(120.0), random.around(120.0), random.around(60.0)], direction));
         }

@@ -96,14 +96,19 @@ pub(crate) struct PictureArgs {
 }
 
 impl PictureArgs {
-    /// Returns the paths of the pictures.
+    /// Returns the files of the pictures.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &PictureFile> + Clone {
+        self.svg.iter().chain(&self.png)
+    }
+
+    /// Returns their paths.
     pub(crate) fn paths(&self) -> impl Iterator<Item = &PathBuf> {
-        self.svg.iter().chain(&self.png).map(PictureFile::path)
+        self.files().map(PictureFile::path)
     }
 
     /// Refuses options of a picture without one, and files that are no pictures.
     pub(crate) fn refuse_unfit(&self, session: &Session) -> Outcome {
-        PictureFile::refuse_unknown(session, self.svg.iter().chain(&self.png))?;
+        PictureFile::refuse_unknown(session, self.files())?;
         let drawn = self.svg.is_some() || self.png.is_some();
         if !drawn && (self.plane.is_some() || self.at.is_some() || self.drawing != PlaneDrawing::Colours) {
             return session
@@ -122,7 +127,7 @@ impl PictureArgs {
     /// Writes the picture.
     pub(crate) fn write(&self, session: &mut Session, picture: Option<&Picture>) -> Outcome {
         let Some(picture) = picture else { return Ok(()) };
-        for file in self.svg.iter().chain(&self.png) {
+        for file in self.files() {
             file.write(picture, session)?;
         }
         Ok(())

@@ -10,6 +10,7 @@ pub(super) mod identify_report;
 pub(super) mod map_output;
 pub(super) mod monomials;
 pub(super) mod pictures;
+pub(super) mod placement;
 pub(super) mod plan;
 pub(super) mod progress;
 pub(super) mod ranking;

@@ -1,7 +1,7 @@
 //! `abbe map`: the error over a volume.
 
 use crate::cli::arguments::{
-    FrameOption, JobArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, counts, help,
+    FrameOption, JobArg, PlaceArg, ReferenceArg, SamplesArg, SeedArg, ToolPosesArg, ViewArgs, counts, help,
 };
 use crate::cli::how::CompensationArgs;
 use crate::cli::output::map_output::{OutputArgs, PictureArgs};
@@ -9,20 +9,24 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::{
     STATISTICS, axes_text, frame_text, limit_text, path_text, reach_text, statistics_rows, table, tool_poses_text,
 };
-use crate::cli::output::{bands, bounded, characteristics};
+use crate::cli::output::{bands, bounded, characteristics, placement};
 use crate::cli::store::write::refuse_outputs;
 use crate::cli::tolerances::BoundsArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::{MapPoses, MapTable, TableForm};
 use abbe::results::{MapFromBounds, MapResult, Statistics};
 use abbe::text::{shown, significant};
-use abbe::{Diagnostic, MachineFile, MapOptions, codes, map_tables};
+use abbe::{Diagnostic, MachineFile, MapOptions, PlacementOptions, codes, map_tables, place};
 use std::io::Cursor;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 #[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
 #[command(mut_arg("job", |option| option.conflicts_with_all(["random", "low_discrepancy", "tool_poses"])))]
+#[command(mut_arg("place", |option| {
+    let files = ["csv", "json", "parquet", "vtk", "plane", "at", "drawing"];
+    option.conflicts_with_all(["random", "low_discrepancy", "target"]).conflicts_with_all(files)
+}))]
 pub(crate) struct Args {
     /// The machine file; its `volume` is the grid.
     machine: PathBuf,
@@ -38,6 +42,8 @@ pub(crate) struct Args {
     tool_poses: ToolPosesArg,
     #[command(flatten)]
     job: JobArg,
+    #[command(flatten)]
+    place: PlaceArg,
     #[command(flatten)]
     reference: ReferenceArg,
     #[command(flatten)]
@@ -93,12 +99,36 @@ impl Args {
     }
 }
 
+impl Args {
+    fn placement(&self, ranges: &str) -> PlacementOptions {
+        PlacementOptions {
+            ranges: ranges.to_owned(),
+            figure: true,
+            job: self.job.job.clone(),
+            tool_poses: self.tool_poses.tool_poses.clone(),
+            path: self.job.path,
+            reference: self.reference.reference.clone(),
+            order: self.view.order.order,
+            approach: self.view.direction.direction,
+            tolerances: self.bounds.options(),
+            samples: self.samples.samples,
+            seed: self.seed.seed,
+        }
+    }
+}
+
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let file = session.load(&args.machine, args.view.tool.name())?;
     // Refusals come before the work.
     let outputs = || args.outputs.paths().chain(args.pictures.paths());
     refuse_outputs(outputs(), &session.files).or_else(|d| session.refuse(d))?;
     args.pictures.refuse_unfit(session)?;
+    if let Some(ranges) = &args.place.place {
+        let result = session.take(place(&file, &args.placement(ranges), session.run()))?;
+        // Tool poses are among the files read by now.
+        refuse_outputs(outputs(), &session.files).or_else(|d| session.refuse(d))?;
+        return placement::show(session, &result, args.pictures.files());
+    }
     let options = args.options();
     if let Some(count) = options.poses.count(&file).filter(|count| session.format() == Format::Csv && too_long(*count))
     {

@@ -1,20 +1,20 @@
 //! `abbe reach`: tips and directions of the tool within reach over a box.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{JobArg, PictureFile, ToolArg, ToolPosesArg, counts, help, length, png, svg};
+use crate::cli::arguments::{JobArg, PictureFile, PlaceArg, ToolArg, ToolPosesArg, counts, help, length, png, svg};
+use crate::cli::output::placement;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::reach_text;
 use crate::cli::store::write::{refuse_outputs, write_whole};
 use abbe::results::ReachResult;
 use abbe::text::{Reason, significant};
-use abbe::{ReachOptions, reach};
+use abbe::{PlacementOptions, ReachOptions, place, reach};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
-#[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["region", "step", "directions", "svg", "png"])))]
-#[command(mut_arg("job", |option| {
-    option.conflicts_with_all(["tool_poses", "region", "step", "directions", "svg", "png"])
-}))]
+#[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["region", "step", "directions"])))]
+#[command(mut_arg("job", |option| option.conflicts_with_all(["tool_poses", "region", "step", "directions"])))]
+#[command(mut_arg("place", |option| option.conflicts_with_all(["region", "step", "directions", "vtk"])))]
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
@@ -34,9 +34,12 @@ pub(crate) struct Args {
     #[command(flatten)]
     job: JobArg,
     #[command(flatten)]
+    place: PlaceArg,
+    #[command(flatten)]
     tool: ToolArg,
     #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
-        long_help = "Draw sections of the box, coloured by shares of directions, as SVG unless the file ends in .png")]
+        long_help = "Draw sections of the box, coloured by shares of directions, or with `--place` the places of the \
+                     part, as SVG unless the file ends in .png")]
     svg: Option<PictureFile>,
     #[arg(long, value_name = "FILE", value_parser = png, help = help::PNG,
         long_help = "The same, as PNG unless the file ends in .svg")]
@@ -55,6 +58,21 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     let pictures = args.svg.iter().chain(&args.png);
     PictureFile::refuse(session, pictures.clone())?;
     refuse_outputs(&args.vtk, &session.files).or_else(|d| session.refuse(d))?;
+    let is_job = args.job.job.is_some() || args.tool_poses.tool_poses.is_some();
+    if let Some(ranges) = &args.place.place {
+        let options = PlacementOptions {
+            ranges: ranges.clone(),
+            job: args.job.job.clone(),
+            tool_poses: args.tool_poses.tool_poses.clone(),
+            path: args.job.path,
+            ..PlacementOptions::default()
+        };
+        let result = session.take(place(&file, &options, session.run()))?;
+        return placement::show(session, &result, pictures);
+    }
+    if is_job && pictures.clone().next().is_some() {
+        return session.usage("the picture is of a box or of places: omit `--svg` and `--png`, or add `--place`");
+    }
     let options = ReachOptions {
         region: args.region.clone(),
         step_mm: args.step,

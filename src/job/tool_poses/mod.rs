@@ -13,7 +13,7 @@ use super::placement::Placement;
 use super::poses::check;
 use crate::analysis::zone::SurfacePoint;
 use crate::analysis::{
-    Miss, Needs, ToolPose, Unreachable, UnreachableCount, Work, path_events, place, rest, solve, tool_pose,
+    Miss, Needs, PathEvents, ToolPose, Unreachable, UnreachableCount, Work, path_events, place, rest, solve, tool_pose,
 };
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, Machine, Pose};
@@ -211,7 +211,10 @@ impl ToolPoses {
         let missed: Vec<_> =
             found.iter().enumerate().filter_map(|(i, pose)| Some((i, pose.as_ref().err()?.clone()))).collect();
         let rows = self.missed(machine, &missed);
-        let path = self.is_path.then(|| self.events(machine, &found));
+        let path = self.is_path.then(|| {
+            let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
+            PathResult::new(machine, &self.events(machine, &poses), &self.lines())
+        });
         let name = |row: &Row| (row.line, row.feature.clone());
         let lines = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok()).map(|(row, _)| name(row)).collect();
         let held = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok());
@@ -223,9 +226,29 @@ impl ToolPoses {
     }
 
     /// Returns what the rows ask of a machine that takes them by these poses.
-    fn events(&self, machine: &Machine, found: &[Result<Pose, Miss>]) -> PathResult {
-        let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
-        PathResult::new(machine, &path_events(machine, &self.list(machine), &poses), &self.lines())
+    fn events(&self, machine: &Machine, poses: &[Option<&Pose>]) -> PathEvents {
+        path_events(machine, &self.list(machine), poses)
+    }
+
+    /// Returns the pose of a machine for each row, `None` where it is out of reach, and the number of rewinds of a
+    /// path.
+    pub(crate) fn solved(&self, machine: &Machine) -> (Vec<Option<Pose>>, Option<usize>) {
+        let found: Vec<Option<Pose>> = self.found(machine).into_iter().map(Result::ok).collect();
+        let rewinds = self.is_path.then(|| {
+            let poses: Vec<Option<&Pose>> = found.iter().map(Option::as_ref).collect();
+            self.events(machine, &poses).rewinds.len()
+        });
+        (found, rewinds)
+    }
+
+    /// True if the rows give positions of rotary axes.
+    pub(crate) fn gives_rotary(&self) -> bool {
+        self.rows.iter().any(|row| row.rotary().is_some())
+    }
+
+    /// True if the rows are one path.
+    pub(crate) fn is_path(&self) -> bool {
+        self.is_path
     }
 
     /// Returns the lines of rows that were missed, with what they lack.

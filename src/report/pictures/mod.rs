@@ -2,8 +2,8 @@
 //!
 //! - `chain`, `dot`: the kinematic chain; `curves`: curves of the component errors.
 //! - `plane`: the deviation over a plane, before and after; `fit`: prediction against data over a plane.
-//! - `bars`: a budget; `reach`: sections of a box by the share of directions; `polar`, `readings`: the readings of
-//!   instruments.
+//! - `bars`: a budget; `reach`: sections of a box by the share of directions; `placement`: places of a part; `polar`,
+//!   `readings`: the readings of instruments.
 //! - `svg` writes the drawing, `lettering` its text, `png` the pixels, `outlines` the text of a PNG; `scale` and
 //!   `frame` are ticks, colours and axes.
 
@@ -16,6 +16,7 @@ mod frame;
 mod lettering;
 #[cfg(feature = "png")]
 mod outlines;
+mod placement;
 mod plane;
 mod png;
 mod point;
@@ -31,6 +32,7 @@ pub use chain::chain_picture;
 pub use curves::{all_curves, axis_curves};
 pub use dot::chain_dot;
 pub use fit::{FitPicture, FitPoint};
+pub use placement::PlacementPicture;
 pub use plane::{PlanePicture, PlaneQuantity, PlaneStyle, before_after};
 pub use png::PictureFailure;
 pub use polar::{DialMark, DialPanel, PolarPicture};

@@ -172,6 +172,7 @@ export interface WorkRow {
 
 export interface Work {
   map: {
+    path?: results.PathResult | null;
     position_um: Summary;
     features?: {
       feature: string;

@@ -24,6 +24,11 @@ const REFERENCES = {
   "best-fit:minimum-zone": "Best fit, minimum zone",
 };
 
+/** Whether the tool poses are solved one by one or as a whole, in words. */
+const PATHS = { "": "As the file has them (APT: one path)", yes: "One continuous path", no: "Single poses" };
+
+type Path = NonNullable<Work["map"]["path"]>;
+
 type Feature = NonNullable<Work["map"]["features"]>[number];
 
 /** Rows that are listed. */
@@ -35,6 +40,11 @@ export class Part {
     "select",
     { id: "reference", "aria-label": "Reference: what the set-up of the part takes out of the deviations" },
     ...Object.entries(REFERENCES).map(([value, words]) => make("option", { value }, words)),
+  );
+  private readonly path = make(
+    "select",
+    { id: "path", "aria-label": "Tool poses: one continuous path, or single ones" },
+    ...Object.entries(PATHS).map(([value, words]) => make("option", { value }, words)),
   );
   private readonly body = make("div", { "aria-live": "polite" });
   private readonly asking: Newest;
@@ -52,7 +62,7 @@ export class Part {
     this.asking = new Newest(failed);
     this.input.value = place().work;
     this.input.addEventListener("change", () => this.name());
-    this.reference.addEventListener("change", () => this.update());
+    for (const choice of [this.reference, this.path]) choice.addEventListener("change", () => this.update());
     const file = make("input", { type: "file", "aria-label": "File of tool poses", id: "work-file", hidden: "" });
     file.addEventListener("change", () => void this.take(file.files));
     const choose = button("Choose a file", () => file.click());
@@ -61,7 +71,8 @@ export class Part {
       "Drop a file here, choose it, or name it:";
     const chooser = make("p", { class: "chooser" }, this.input, choose, file);
     const setUp = make("p", {}, make("label", { for: "reference" }, "Reference "), this.reference);
-    parent.append(make("p", { class: "words" }, words), chooser, setUp, this.body);
+    const solved = make("p", {}, make("label", { for: "path" }, "Tool poses "), this.path);
+    parent.append(make("p", { class: "words" }, words), chooser, setUp, solved, this.body);
     this.input.setAttribute("aria-label", "Path of a file of tool poses");
     parent.addEventListener("dragover", (event) => event.preventDefault());
     parent.addEventListener("drop", (event) => {
@@ -110,9 +121,10 @@ export class Part {
   }
 
   /** The reference that is chosen; that of the page is machine coordinates. */
-  private setUp(): { reference?: string } {
+  private setUp(): { reference?: string; path?: boolean } {
     const { value } = this.reference;
-    return value === "machine" ? {} : { reference: value };
+    const path = this.path.value ? { path: this.path.value === "yes" } : {};
+    return value === "machine" ? path : { reference: value, ...path };
   }
 
   private nothing(reasons: string[]): void {
@@ -141,6 +153,7 @@ export class Part {
       ),
       make("p", { class: "words", id: "part-over" }, `${work.over}.`),
       this.legend(colours, rows),
+      ...(work.map.path ? [events(work.map.path)] : []),
       ...this.features(work),
       make("ol", { class: "rows" }, ...reached.slice(0, FEW).map((row) => this.row(row))),
       make("p", {}, button("CSV", csv)),
@@ -214,6 +227,33 @@ export class Part {
     const see = button(label, () => row.axes && this.go(row.axes), { class: "link" });
     return make("li", {}, see, " ", figure(`line-${row.line}`, deviation(row), "µm"));
   }
+}
+
+/** What a path asks of the machine: rewinds, pole crossings, reversals, by the lines of the file. */
+function events(path: Path): HTMLElement {
+  const turns = (of: Record<string, number>) => Object.entries(of).map(([axis, deg]) => `${axis} ${rounded(deg)}°`);
+  const rewinds = path.rewinds.map(
+    ({ lines: [from, to], turns_deg }) => `Rewind between lines ${from} and ${to}: ${turns(turns_deg).join(", ")}`,
+  );
+  const poles = path.pole_crossings.map(({ axis, nearest_line, nearest_deg, deg_per_mm }) => {
+    const rate = deg_per_mm === null ? "it turns while the tip stands" : `up to ${rounded(deg_per_mm)}°/mm`;
+    return `Pole of ${axis} at line ${nearest_line}, ${rounded(nearest_deg)}° away: ${rate}`;
+  });
+  const reversals = path.axes
+    .filter(({ reversals }) => reversals.length)
+    .map(({ axis, reversals }) => `${axis} ${reversals.length}`);
+  const all = [
+    ...few(rewinds, "rewinds"),
+    ...few(poles, "pole crossings"),
+    reversals.length ? `Reversals: ${reversals.join(", ")}` : "No axis reverses",
+  ];
+  if (!rewinds.length) all.unshift("No rewinds");
+  return make("ul", { id: "part-path", "data-rewinds": `${rewinds.length}` }, ...all.map((of) => make("li", {}, of)));
+}
+
+/** The first of a list, and how many more there are. */
+function few(list: string[], of: string): string[] {
+  return list.length > FEW ? [...list.slice(0, FEW), `... and ${list.length - FEW} more ${of}`] : list;
 }
 
 function fits(rows: WorkRow[], stops: string[]): (Node | string)[] {

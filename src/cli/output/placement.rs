@@ -1,0 +1,176 @@
+//! Places of a part: the best ones as text, all of them as CSV, and the picture.
+
+use super::session::Session;
+use super::view::table;
+use crate::cli::Outcome;
+use crate::cli::arguments::PictureFile;
+use abbe::options::Placement;
+use abbe::results::{CommonFigures, PlaceRange, PlacementGain, PlacementResult, TriedPlace};
+use abbe::text::{fold, significant};
+
+/// Number of the best places that are listed.
+const LISTED: usize = 5;
+
+/// Columns of a terminal.
+const COLUMNS: usize = 80;
+
+/// Writes the pictures and prints the places.
+pub(crate) fn show<'a>(
+    session: &mut Session,
+    of: &PlacementResult,
+    pictures: impl Iterator<Item = &'a PictureFile>,
+) -> Outcome {
+    for to in pictures {
+        to.write(&of.picture(), session)?;
+    }
+    session.show(of, || csv(of), || text(of))
+}
+
+fn csv(of: &PlacementResult) -> String {
+    let mut text = "X [mm],Y [mm],Z [mm],A [deg],B [deg],C [deg],own,reached,share,rewinds,margin [mm],reference,\
+                    p95 [um],max [um],rank\n"
+        .to_owned();
+    for tried in &of.tried {
+        let Placement { origin: [x, y, z], rotation: [a, b, c] } = tried.place;
+        let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+        let count = |value: Option<usize>| value.map_or_else(String::new, |value| value.to_string());
+        let flag = |value: bool| u8::from(value).to_string();
+        let cells = [
+            [x, y, z, a, b, c].map(|x| x.to_string()).join(","),
+            flag(tried.own),
+            tried.reached.to_string(),
+            tried.share.to_string(),
+            count(tried.rewinds),
+            number(tried.margin_mm),
+            flag(tried.reaches_reference),
+            number(tried.p95_um),
+            number(tried.max_um),
+            count(tried.rank),
+        ];
+        text += &(cells.join(",") + "\n");
+    }
+    text
+}
+
+fn text(of: &PlacementResult) -> String {
+    let what = match of.from {
+        Some("bounds") => "position deviation that the bounds lead to",
+        Some(_) => "position deviation",
+        None => "reach of the nominal machine",
+    };
+    let mut text = format!("{}: places of the part, {what}\n{}", of.machine, of.over.text());
+    text += &of.drawing.as_ref().map_or_else(String::new, |of| format!("{}{}\n", of.words(), of.class_words()));
+    let count: usize = of.ranges.iter().map(|range| range.count).product();
+    let own = if of.places > count { " and the file's own" } else { "" };
+    let ranges = of.ranges.iter().map(range).collect::<Vec<_>>().join(", ");
+    text += &fold(&format!("{count} places{own}: {ranges}"));
+    let all = of.over.poses;
+    text += &match of.best.as_ref().map(|best| best.reached) {
+        None => "None of them reaches a tool pose.\n".to_owned(),
+        Some(most) => fold(&format!(
+            "Reach all {all} tool poses: {}; ranked, with the same {most} in reach: {}",
+            of.reach_all, of.ranked
+        )),
+    };
+    text += &format!("\n{}\n", rows(of));
+    if let (Some(best), Some(gain)) = (&of.best, &of.gain) {
+        text += &fold(&gained(of, best, gain));
+        if !of.at_end_of.is_empty() {
+            let ends = of.at_end_of.join(", ");
+            text += &fold(&format!("It is at an end of {ends}: a wider range may have a better one."));
+        }
+        text += &format!("In the job file:\n  {}\n", line(&best.place));
+    }
+    text
+}
+
+/// The line of a job file.
+fn line(place: &Placement) -> String {
+    let list = |numbers: &[f64; 3]| numbers.map(|x| x.to_string()).join(", ");
+    format!("place: {{ origin: [{}], rotation: [{}] }}", list(&place.origin), list(&place.rotation))
+}
+
+fn range(of: &PlaceRange) -> String {
+    let [first, last] = of.ends.map(|x| significant(x, 6));
+    match of.count {
+        1 => format!("{} {first} {}", of.of, of.unit),
+        count => format!("{} {first} .. {last} {} ({count})", of.of, of.unit),
+    }
+}
+
+/// A column of the table, and the cell of a place.
+type Column<'a> = (String, Box<dyn Fn(&TriedPlace) -> String + 'a>);
+
+/// The best places and that of the job; the last columns go where the table is too wide for a terminal.
+fn rows(of: &PlacementResult) -> comfy_table::Table {
+    let number = |value: Option<f64>| value.map_or("-".to_owned(), |value| significant(value, 4));
+    let rank = |of: &TriedPlace| {
+        let rank = of.rank.map_or("-".to_owned(), |rank| rank.to_string());
+        if of.own { rank + ", file" } else { rank }
+    };
+    let mut columns: Vec<Column<'_>> = vec![("rank".to_owned(), Box::new(rank))];
+    for range in &of.ranges {
+        let head = format!("{}, {}", range.of, range.unit);
+        columns.push((head, Box::new(|of| significant(range.of_place(&of.place), 6))));
+    }
+    columns.push(("reached".to_owned(), Box::new(|of| of.reached.to_string())));
+    if of.over.path {
+        columns.push(("rewinds".to_owned(), Box::new(|of| of.rewinds.map_or("-".to_owned(), |n| n.to_string()))));
+    }
+    if of.from.is_some() {
+        columns.push(("95 %, um".to_owned(), Box::new(move |of| number(of.p95_um))));
+        columns.push(("max, um".to_owned(), Box::new(move |of| number(of.max_um))));
+    }
+    columns.push(("margin, mm".to_owned(), Box::new(move |of| number(of.margin_mm))));
+    let mut listed: Vec<&TriedPlace> = of.tried.iter().filter(|of| of.rank.is_some_and(|n| n <= LISTED)).collect();
+    listed.sort_by_key(|of| of.rank);
+    if !listed.iter().any(|of| of.own) {
+        listed.push(&of.own);
+    }
+    loop {
+        let mut rows = table(&columns.iter().map(|(head, _)| head.as_str()).collect::<Vec<_>>());
+        let _ = rows.add_rows(listed.iter().map(|of| columns.iter().map(|(_, cell)| cell(of)).collect::<Vec<_>>()));
+        if rows.lines().all(|line| line.chars().count() <= COLUMNS) || columns.len() <= of.ranges.len() + 2 {
+            return rows;
+        }
+        let _ = columns.pop();
+    }
+}
+
+/// The gain of the best place over that of the job, in words.
+fn gained(of: &PlacementResult, best: &TriedPlace, gain: &PlacementGain) -> String {
+    if best.own {
+        return "The file's own place is the best of them.".to_owned();
+    }
+    let counted = |n: i64, noun: &str, more: &str, less: &str| {
+        let plural = if n.abs() == 1 { "" } else { "s" };
+        (n != 0).then(|| format!("{} {noun}{plural} {}", n.abs(), if n > 0 { more } else { less }))
+    };
+    let mut words: Vec<String> = counted(gain.poses, "tool pose", "more", "fewer").into_iter().collect();
+    words.extend(gain.rewinds.and_then(|n| counted(n, "rewind", "fewer", "more")));
+    words.extend(gain.common.as_ref().map(|common| figures(common, of.over.poses)));
+    words.extend(best.margin_mm.zip(of.own.margin_mm).map(|(best, own)| {
+        format!("margin to the ends of travel {} mm instead of {}", significant(best, 4), significant(own, 4))
+    }));
+    if !of.own.reaches_reference {
+        words.push("the reference, which the file's own place does not reach".to_owned());
+    }
+    format!("Best place against the file's own: {}.", words.join("; "))
+}
+
+fn figures(of: &CommonFigures, all: usize) -> String {
+    let on = if of.poses == all { String::new() } else { format!(" (on the {} tool poses that both reach)", of.poses) };
+    let percent = if of.own_p95_um > 0.0 {
+        let side = if of.p95_um < 0.0 { "more" } else { "less" };
+        format!("{} % {side}, ", significant(100.0 * of.p95_um.abs() / of.own_p95_um, 3))
+    } else {
+        String::new()
+    };
+    format!(
+        "95 % value {percent}{} um instead of {}{on}, largest {} instead of {}",
+        significant(of.best_p95_um, 4),
+        significant(of.own_p95_um, 4),
+        significant(of.best_max_um, 4),
+        significant(of.own_max_um, 4)
+    )
+}
