@@ -8,11 +8,12 @@
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, SVector, SymmetricEigen, Vector3, Vector6};
 
-/// The largest deviation exceeds its lower bound by this part at most.
+/// The largest deviation may exceed its lower bound by this part; of 3000 random parts the worst did by 3e-9, where
+/// rounding lowers the bound.
 const GAP: f64 = 1e-9;
 
 /// The same for the fit on a set of places.
-const SET_GAP: f64 = 1e-11;
+const SET_GAP: f64 = 1e-10;
 
 /// Below this part of the deviations what remains of them is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -142,9 +143,12 @@ impl RigidZone {
         let values: Vec<Vector3<f64>> = set.iter().map(|place| left[*place] / scale).collect();
         let mut barrier = Barrier { rows: &rows, values: &values, at: Unknowns::zeros(), weight: set.len() as f64 };
         barrier.at[6] = 1.1;
+        let mut lower = 0.0_f64;
         for _ in 0..MAX_STEPS {
             let Some(decrement) = barrier.step() else { break };
             if decrement < CENTRED {
+                // Close to the end rounding of the slacks, and so of the multipliers, lowers the bound.
+                lower = lower.max(barrier.lower_bound());
                 if set.len() as f64 <= barrier.weight * SET_GAP * barrier.at[6] {
                     break;
                 }
@@ -152,7 +156,7 @@ impl RigidZone {
             }
         }
         let motion = barrier.motion();
-        SetFit { motion: motion * scale, lower: barrier.lower_bound() * scale }
+        SetFit { motion: motion * scale, lower: lower.max(barrier.lower_bound()) * scale }
     }
 }
 

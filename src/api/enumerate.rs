@@ -337,6 +337,31 @@ impl Arrangement {
     }
 }
 
+/// Withholds the verdicts against the best arrangement, the first, that missing errors could turn; `None` if there are
+/// none.
+fn withhold(
+    call: &Call<'_>,
+    of: &StudyCoverage<'_>,
+    (study, samples): (&Study<'_>, usize),
+    ranked: &mut [Arrangement],
+) -> Result<Option<TurnedVerdicts>, Refused> {
+    let decided = |of: &Arrangement| of.verdict().filter(|of| matches!(of, Verdict::Better | Verdict::Worse));
+    let Some((first, others)) = ranked.split_first_mut() else { return Ok(None) };
+    if of.coverage.missing.is_empty() || !others.iter().any(|row| decided(row).is_some()) {
+        return Ok(None);
+    }
+    let filled = of.fill(call, study, samples)?;
+    let mut count = 0;
+    for row in others {
+        if decided(row).is_some_and(|verdict| filled.turns(&row.chain, &first.chain, verdict)) {
+            row.withheld = Some(filled.reason.clone());
+            row.versus_first.iter_mut().for_each(|versus| versus.verdict = None);
+            count += 1;
+        }
+    }
+    Ok(filled.count(count))
+}
+
 /// An arrangement against the best.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
 pub struct AgainstFirst {
@@ -432,7 +457,7 @@ fn studied(
     let turned = match &coverage {
         Some(coverage) => {
             let of = StudyCoverage { machine, bounds: &bounds, coverage, class: class.as_deref() };
-            of.withhold(call, (&study, options.samples), &mut ranked)?
+            withhold(call, &of, (&study, options.samples), &mut ranked)?
         }
         None => None,
     };
