@@ -24,7 +24,8 @@ use std::path::PathBuf;
 #[command(mut_arg("tool_poses", |option| option.conflicts_with_all(["random", "low_discrepancy"])))]
 #[command(mut_arg("job", |option| option.conflicts_with_all(["random", "low_discrepancy", "tool_poses"])))]
 #[command(mut_arg("place", |option| {
-    option.conflicts_with_all(["random", "low_discrepancy", "target", "csv", "json", "parquet", "vtk", "plane", "at", "drawing"])
+    let poses = ["random", "low_discrepancy", "target", "csv", "json", "parquet", "vtk"];
+    option.conflicts_with_all(poses).conflicts_with_all(["plane", "at", "drawing"])
 }))]
 pub(crate) struct Args {
     /// The machine file; its `volume` is the grid.

@@ -38,8 +38,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     tool: ToolArg,
     #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
-        long_help = "Draw sections of the box, coloured by shares of directions, or with `--place` the places of the part, \
-                     as SVG unless the file ends in .png")]
+        long_help = "Draw sections of the box, coloured by shares of directions, or with `--place` the places of the \
+                     part, as SVG unless the file ends in .png")]
     svg: Option<PictureFile>,
     #[arg(long, value_name = "FILE", value_parser = png, help = help::PNG,
         long_help = "The same, as PNG unless the file ends in .svg")]

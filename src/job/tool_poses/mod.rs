@@ -230,7 +230,8 @@ impl ToolPoses {
         path_events(machine, &self.list(machine), poses)
     }
 
-    /// Returns the pose of a machine for each row, `None` where it is out of reach, and the number of rewinds of a path.
+    /// Returns the pose of a machine for each row, `None` where it is out of reach, and the number of rewinds of a
+    /// path.
     pub(crate) fn solved(&self, machine: &Machine) -> (Vec<Option<Pose>>, Option<usize>) {
         let found: Vec<Option<Pose>> = self.found(machine).into_iter().map(Result::ok).collect();
         let rewinds = self.is_path.then(|| {
