@@ -26,6 +26,7 @@ from ._results import (
     LocateResult,
     MapResult,
     MonomialResult,
+    PlacementResult,
     PlanResult,
     ReachResult,
     RecordResult,
@@ -69,6 +70,7 @@ DatumPoint = TypedDict(
 #: ``rotary``: Positions of the rotary axes while the zero is probed, deg, by name, in place of the direction; omitted
 #: axes are at 0.
 #: ``align``: Rotation that a second point of the zero gives.
+#: ``minimum_zone``: True for the best fit with the smallest largest position deviation in place of the least squares.
 #: ``datum``: The six points of a datum frame.
 Reference = TypedDict(
     "Reference",
@@ -78,10 +80,14 @@ Reference = TypedDict(
         "direction": Sequence[float],
         "rotary": Union[Mapping[str, float], None],
         "align": Union[Alignment, None],
+        "minimum_zone": bool,
         "datum": Sequence[DatumPoint],
     },
     total=False,
 )
+
+#: A reference in the schema of options: as text on the command line, or its points.
+ReferenceOption = Union[Text, Reference]
 
 #: The order to which errors are followed; as text ``exact`` or ``1`` to ``6``.
 Order = Union[int, str]
@@ -241,7 +247,7 @@ class Verbs:
         pose_file: Text | None = None,
         job: Text | None = None,
         path: bool | None = None,
-        reference: Reference | None = None,
+        reference: ReferenceOption | None = None,
         order: Order | None = None,
         approach: Approach = "mean",
         frame: Frame = "workpiece",
@@ -353,7 +359,7 @@ class Verbs:
         seed: int = 1,
         path: bool | None = None,
         order: Order | None = None,
-        reference: Reference | None = None,
+        reference: ReferenceOption | None = None,
         approach: Approach = "mean",
         frame: Frame = "workpiece",
         worst: int = 5,
@@ -450,6 +456,65 @@ class Verbs:
         found = call("reach", [self._native], options, threads=threads)
         return ReachResult(found)
 
+    def place(
+        self,
+        *,
+        ranges: Text = "",
+        figure: bool = False,
+        job: Text | None = None,
+        tool_poses: Text | None = None,
+        path: bool | None = None,
+        reference: Reference | None = None,
+        order: Order | None = None,
+        approach: Approach = "mean",
+        class_: Text | None = None,
+        distribution: Distribution = "uniform",
+        statistic: Statistic = "max",
+        samples: int = 1000,
+        seed: int = 1,
+        threads: int | None = None,
+    ) -> PlacementResult:
+        """Tries the part of a job at places of the table: reach and deviation at each.
+
+        Options, each with the default of the façade where it is ``None``:
+
+        * ``ranges``: Ranges of the place of the part, ``X=-200..200:9,C=0..90:4``: X, Y, Z of its origin (mm), A, B, C
+          of its rotation (deg), with the number of values; the other numbers are those of the job.
+        * ``figure``: True for the figure of the deviation at each place, false for the reach alone.
+        * ``job``: The job file.
+        * ``tool_poses``: A file of tool poses in place of a job file.
+        * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
+          says, or else of CL data alone.
+        * ``reference``: What the set-up of the part takes out of the deviations; by default what the job states, or
+          else the zero at the part's origin. It moves with the part.
+        * ``order``: Order of the errors; exact by default, unless the conventions of the machine name an order.
+        * ``approach``: Side of approach, where forward and reverse curves were given.
+        * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
+          class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
+          or ``desktop``.
+        * ``distribution``: Distribution of an error between its bounds.
+        * ``statistic``: Statistic of a machine over the poses.
+        * ``samples``: Number of machines that are drawn, at least 2.
+        * ``seed``: Seed of these machines.
+        """
+        options: dict[str, Any] = {
+            "ranges": ranges,
+            "figure": figure,
+            "job": job,
+            "tool_poses": tool_poses,
+            "path": path,
+            "reference": reference,
+            "order": order_of(order),
+            "approach": approach,
+            "class": class_,
+            "distribution": distribution,
+            "statistic": statistic,
+            "samples": samples,
+            "seed": seed,
+        }
+        found = call("place", [self._native], options, threads=threads)
+        return PlacementResult(found)
+
     def compare(
         self,
         *others: Verbs,
@@ -457,7 +522,7 @@ class Verbs:
         tool_poses: Text | None = None,
         job: Text | None = None,
         path: bool | None = None,
-        reference: Reference | None = None,
+        reference: ReferenceOption | None = None,
         seed: int = 1,
         class_: Text | None = None,
         distribution: Distribution = "uniform",
@@ -521,7 +586,7 @@ class Verbs:
         tool_poses: Text | None = None,
         job: Text | None = None,
         path: bool | None = None,
-        reference: Reference | None = None,
+        reference: ReferenceOption | None = None,
         samples: int = 1000,
         at: Text | None = None,
         goal_mm: float | None = None,
@@ -595,7 +660,7 @@ class Verbs:
         tool_poses: Text | None = None,
         job: Text | None = None,
         path: bool | None = None,
-        reference: Reference | None = None,
+        reference: ReferenceOption | None = None,
         size: bool = False,
         samples: int = 200,
         max_samples: int | None = None,
@@ -902,7 +967,7 @@ class Verbs:
         tool_poses: Text | None = None,
         job: Text | None = None,
         path: bool | None = None,
-        reference: Reference | None = None,
+        reference: ReferenceOption | None = None,
         max_correction: Limits | None = None,
         lattice: Sequence[Text] | None = None,
         max_nodes: int | None = None,
@@ -961,7 +1026,7 @@ class Verbs:
         tool_poses: Text | None = None,
         job: Text | None = None,
         path: bool | None = None,
-        reference: Reference | None = None,
+        reference: ReferenceOption | None = None,
         threads: int | None = None,
     ) -> CertificateResult:
         """Replays the files in a folder, and certifies the residual.
@@ -1028,7 +1093,7 @@ class Verbs:
         tool_poses: Text | None = None,
         job: Text | None = None,
         path: bool | None = None,
-        reference: Reference | None = None,
+        reference: ReferenceOption | None = None,
         seed: int = 1,
         order: Order | None = None,
         approach: Approach = "mean",
@@ -1071,7 +1136,7 @@ class Verbs:
         tool_poses: Text | None = None,
         job: Text | None = None,
         path: bool | None = None,
-        reference: Reference | None = None,
+        reference: ReferenceOption | None = None,
         seed: int = 1,
         order: Order | None = None,
         approach: Approach = "mean",

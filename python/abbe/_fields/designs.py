@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Union
 
 from .._record import Named, Record
-from .deviations import CharacteristicResult, DeviationBudget, LimitVerdict, Over, PairedDifference, PathResult, Percentile, ReachedToolPoses, UnreachableCount
+from .deviations import CharacteristicResult, DeviationBudget, DrawnMachineFigures, LimitVerdict, Over, PairedDifference, PathResult, Percentile, ReachedToolPoses, UnreachableCount
 from .machines import Coverage
 
 
@@ -42,6 +42,14 @@ class FittedBudget(Record):
     rotation_urad: Annotated[DeviationBudget, "The rotation of the tool, urad."]
     tighten_first: Annotated[str, "The error whose tolerance to tighten first."]
     agrees: Annotated[bool, "True if that is the same error in machine coordinates."]
+
+
+class ZoneBudget(Record):
+    """Machines drawn without the motion of the part that leaves the smallest largest deviation of each."""
+
+    over: Annotated[Over, "What it is over."]
+    position_um: Annotated[DrawnMachineFigures, "The position deviation, um."]
+    rotation_urad: Annotated[DrawnMachineFigures, "The rotation of the tool, urad."]
 
 
 class GoalCost(Record):
@@ -113,10 +121,18 @@ class BudgetFields(Record):
     limit: Annotated[Union[LimitVerdict, None], "The 95 % value of the position against the limit of the job, if it states one."]
     path: Annotated[Union[PathResult, None], "What the tool poses ask of the machine, if they are one path."]
     best_fit: Annotated[Union[FittedBudget, None], "The same without the rigid motion of the best fit, for a volume whose reference is not stated."]
+    minimum_zone: Annotated[Union[ZoneBudget, None], "The machines drawn without the minimum zone, where it is the reference: it has no worst case, RSS and effects of single errors, so the other figures are without the least squares."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches."]
     characteristics: Annotated[Union[list[CharacteristicResult], None], "The characteristics of features for which the job states tolerances, over the machines drawn."]
     goal: Annotated[Union[ToleranceGoal, None], "The cheapest tolerances, if a goal was given."]
     at: Annotated[Union[ContributionsAt, None], "Contributions at the pose that was named."]
+
+
+class TurnedVerdicts(Record):
+    """Ranked arrangements that have no verdict because errors without a value or a bound could turn it."""
+
+    arrangements: Annotated[int, "Number of these arrangements."]
+    reason: Annotated[str, "The reason in words."]
 
 
 class RoundCount(Record):
@@ -180,7 +196,7 @@ class Arrangement(Record):
     samples: Annotated[Union[int, None], "Number of machines drawn."]
     versus_first: Annotated[Union[AgainstFirst, None], "Its figure minus that of the best."]
     best_fit: Annotated[Union[FittedArrangement, None], "The same with the best fit of each arrangement taken out, where neither tool poses nor a reference are given."]
-    withheld: Annotated[Union[str, None], "The reason why there is no verdict against the best: what depends on the reference is none."]
+    withheld: Annotated[Union[str, None], "The reason why there is no verdict against the best: what depends on the reference is none, nor is what errors without a value or a bound could turn."]
     misses_reference: Annotated[Union[bool, None], "True if it does not reach the point at which the part is probed."]
     travel: Annotated[Union[Named[list[float]], None], "Travel that the work needs by axis, mm or deg: minimum and maximum."]
     rewinds: Annotated[Union[int, None], "Number of its rewinds, where the tool poses are one path."]
@@ -197,6 +213,8 @@ class EnumerateFields(Record):
     by: Annotated[Literal["budget", "errors"], "Criterion of the arrangements."]
     class_source: Annotated[Union[str, None], "Source of the class."]
     errors: Annotated[int, "Number of errors that count."]
+    coverage: Annotated[Union[Coverage, None], "Which of the errors that act in the machine of the file are known, where the ranking is by a budget."]
+    turned: Annotated[Union[TurnedVerdicts, None], "Verdicts that are withheld because errors without a value or a bound could turn them."]
     poses: Annotated[int, "Number of tool poses."]
     samples: Annotated[Union[int, None], "Number of machines drawn of every arrangement."]
     rounds: Annotated[Union[RankingRounds, None], "The rounds, where machines are drawn."]

@@ -12,6 +12,7 @@ class Over(Record):
 
     kind: Annotated[Literal["volume", "job"], "A volume or a job."]
     reference: Annotated[Literal["machine", "zero", "datum", "best-fit"], "What the set-up of the part takes out."]
+    minimum_zone: Annotated[Union[bool, None], "True if the best fit is the minimum zone."]
     path: Annotated[bool, "True if the poses are one continuous path."]
     poses: Annotated[int, "Number of poses asked for."]
     reached: Annotated[int, "Number of poses that are reached."]
@@ -94,6 +95,7 @@ class PoseResult(Record):
     nominal: Annotated[list[float], "Nominal position of the functional point from the workpiece origin, mm."]
     deviation: Annotated[list[float], "Actual minus nominal position of the functional point, mm."]
     rotation: Annotated[list[float], "Actual minus nominal orientation of the tool, rad."]
+    along_normal: Annotated[Union[float, None], "The part of the deviation along the normal of the surface, out of the material, mm; none where the tool poses have no columns NX, NY, NZ."]
     e_ve: Annotated[list[list[float]], "``T_tool^-1 T_work``, actual minus nominal, row by row; of the machine, whatever the reference."]
     uncertainty: Annotated[Union[PoseUncertainty, None], "Expanded uncertainty of the deviation, where the machine states that of its errors."]
     sensitivity: Annotated[Union[list[ErrorEffect], None], "Effect of each error, with ``EvalOptions::sensitivity``."]
@@ -440,6 +442,84 @@ class ReachFields(Record):
     unreachable: Annotated[UnreachableCount, "Number of the tool poses out of reach, by reason."]
     lacks: Annotated[list[Lack], "What they lack, the most frequent first."]
     job: Annotated[Union[ReachedToolPoses, None], "Tool poses of a job, row by row where they are out of reach."]
+
+
+class DrawSettings(Record):
+    """Settings of the machines drawn for a budget."""
+
+    class_source: Annotated[Union[str, None], "Source of the class."]
+    samples: Annotated[int, "Number of machines drawn."]
+    seed: Annotated[int, "Seed of poses and errors."]
+    distribution: Annotated[Literal["uniform", "triangular"], "Distribution of an error between its bounds."]
+    statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
+
+
+class PlaceRange(Record):
+    """Values of one number of a place."""
+
+    of: Annotated[str, "``X``, ``Y``, ``Z`` of ``origin``, or ``A``, ``B``, ``C`` of ``rotation``, which turn about X, Y, Z."]
+    unit: Annotated[str, "``mm`` or ``deg``."]
+    ends: Annotated[list[float], "The first and the last value."]
+    count: Annotated[int, "Number of values at equal distances."]
+
+
+class Placement(Record):
+    """The place of a part on the workpiece frame: a point p of the part lies at origin + Rz(c) Ry(b) Rx(a) p."""
+
+    origin: Annotated[list[float], "Origin of the part, mm."]
+    rotation: Annotated[list[float], "Rotations about X, then Y, then Z of the workpiece frame, deg."]
+
+
+class TriedPlace(Record):
+    """A part tried at a place."""
+
+    place: Annotated[Placement, "The place."]
+    own: Annotated[bool, "True for the place that the job states."]
+    reached: Annotated[int, "Number of tool poses that are reached."]
+    share: Annotated[float, "Their fraction."]
+    rewinds: Annotated[Union[int, None], "Number of rewinds of a path."]
+    margin_mm: Annotated[Union[float, None], "Least distance of a linear axis from an end of its travel, mm; none without such an axis or a tool pose."]
+    reaches_reference: Annotated[bool, "True if the machine reaches the points at which the part is probed."]
+    p95_um: Annotated[Union[float, None], "The 95 % value of the position deviation over the tool poses that are reached, um; none for reach alone."]
+    max_um: Annotated[Union[float, None], "The largest position deviation over them, um."]
+    rank: Annotated[Union[int, None], "Rank from 1; none of a place that cannot be compared with the best."]
+
+
+class CommonFigures(Record):
+    """Figures of two places on the tool poses that both reach."""
+
+    poses: Annotated[int, "Number of these tool poses."]
+    own_p95_um: Annotated[float, "95 % value at the place of the job, um."]
+    best_p95_um: Annotated[float, "The same at the best place."]
+    p95_um: Annotated[float, "The first less the second."]
+    own_max_um: Annotated[float, "Largest deviation at the place of the job, um."]
+    best_max_um: Annotated[float, "The same at the best place."]
+
+
+class PlacementGain(Record):
+    """What the best place gains over that of the job."""
+
+    poses: Annotated[int, "Number of tool poses that it reaches more."]
+    rewinds: Annotated[Union[int, None], "Number of rewinds that it has less."]
+    margin_mm: Annotated[Union[float, None], "Margin that it has more, mm."]
+    common: Annotated[Union[CommonFigures, None], "The figures of both on the tool poses that both reach."]
+
+
+class PlacementFields(Record):
+    """Places of a part on a machine."""
+
+    machine: Annotated[str, "Name of the machine."]
+    over: Annotated[Over, "What the result is over; ``reached`` counts at the place of the job."]
+    drawing: Annotated[Union[DrawSettings, None], "Settings of the machines drawn, from bounds."]
+    ranges: Annotated[list[PlaceRange], "The ranges, in the order named."]
+    places: Annotated[int, "Number of places that were tried; that of the job is one of them."]
+    reach_all: Annotated[int, "Number of places that reach all tool poses."]
+    ranked: Annotated[int, "Number of places that are ranked: those that reach the same tool poses, the most of all, and the reference."]
+    own: Annotated[TriedPlace, "The place of the job."]
+    best: Annotated[Union[TriedPlace, None], "The best place; none if no tool pose is reached anywhere."]
+    at_end_of: Annotated[Union[list[str], None], "Ranges at whose end the best place lies."]
+    gain: Annotated[Union[PlacementGain, None], "What the best place gains over that of the job."]
+    tried: Annotated[list[TriedPlace], "All places: those of the ranges, the first range running fastest, then that of the job if it is none of them."]
 
 
 class ErrorContribution(Record):

@@ -220,6 +220,8 @@ export interface BudgetResult {
   path?: PathResult | null;
   /** The same without the rigid motion of the best fit, for a volume whose reference is not stated. */
   best_fit?: FittedBudget | null;
+  /** The machines drawn without the minimum zone, where it is the reference: it has no worst case, RSS and effects of single errors, so the other figures are without the least squares. */
+  minimum_zone?: ZoneBudget | null;
   /** Tool poses of a file that the machine reaches. */
   tool_poses?: ReachedToolPoses | null;
   /** The characteristics of features for which the job states tolerances, over the machines drawn. */
@@ -1133,6 +1135,8 @@ export interface Over {
   kind: OverKind;
   /** What the set-up of the part takes out. */
   reference: ReferenceKind;
+  /** True if the best fit is the minimum zone. */
+  minimum_zone?: boolean;
   /** True if the poses are one continuous path. */
   path: boolean;
   /** Number of poses asked for. */
@@ -1241,6 +1245,8 @@ export interface PoseResult {
   deviation: [number, number, number];
   /** Actual minus nominal orientation of the tool, rad. */
   rotation: [number, number, number];
+  /** The part of the deviation along the normal of the surface, out of the material, mm; none where the tool poses have no columns NX, NY, NZ. */
+  along_normal?: number | null;
   /** `T_tool^-1 T_work`, actual minus nominal, row by row; of the machine, whatever the reference. */
   e_ve: [[number, number, number, number], [number, number, number, number], [number, number, number, number], [number, number, number, number]];
   /** Expanded uncertainty of the deviation, where the machine states that of its errors. */
@@ -1546,6 +1552,16 @@ export interface WorstPose {
   axes: Record<string, number>;
   /** Deviation of the functional point, um. */
   deviation_um: [number, number, number];
+}
+
+/** Machines drawn without the motion of the part that leaves the smallest largest deviation of each. */
+export interface ZoneBudget {
+  /** What it is over. */
+  over: Over;
+  /** The position deviation, um. */
+  position_um: DrawnMachineFigures;
+  /** The rotation of the tool, urad. */
+  rotation_urad: DrawnMachineFigures;
 }
 
 /** The fit by which a zone is judged. */
