@@ -5,7 +5,7 @@
 //!   one over an algebra ([`Inverse`]).
 //! - `volume`: maps ([`map()`]), surveys that keep no pose ([`survey()`]), planes, body diagonals, lever arms, the
 //!   tool poses on which machines are compared ([`Work`]), and those of a grid within reach ([`reach()`]).
-//! - `path`: tool poses as one continuous path ([`solve_path()`]), and its events ([`path_events()`]).
+//! - `path`: tool poses as one continuous path ([`solve()`]), and its events ([`path_events()`]).
 //! - `design`: machines side by side ([`compare()`]), tolerances to the volumetric error ([`mod@budget`]), arrangements
 //!   of the axes ([`enumerate`]), and the effect of each error alone ([`error_statistics()`], [`contributions()`]).
 //! - `closed_form`: equations over polynomials in symbols ([`equations()`]), interactions of errors
