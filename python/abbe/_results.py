@@ -250,6 +250,13 @@ class ReachResult(_fields.ReachFields, Result):
     _table = "lacks"
 
 
+class PlacementResult(_fields.PlacementFields, Result):
+    """The part of a job at places of the table. The table has a row for each place."""
+
+    __slots__ = ()
+    _table = "tried"
+
+
 class CompareResult(_fields.CompareFields, Result):
     """Machines side by side on the same tool poses. The table has a row for each machine."""
 
