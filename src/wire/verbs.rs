@@ -214,7 +214,7 @@ pub fn results() -> Value {
 /// Returns the JSON Schemas of the answers that the page of the workbench gets, by the names of their types.
 pub fn answers() -> Value {
     let mut generator = SchemaSettings::draft2020_12().for_serialize().into_generator();
-    let answers: [ResultSchema; 10] = [
+    let answers: [ResultSchema; 11] = [
         SchemaGenerator::subschema_for::<MachineSummary>,
         SchemaGenerator::subschema_for::<ChainResult>,
         SchemaGenerator::subschema_for::<MapResult>,
@@ -222,6 +222,7 @@ pub fn answers() -> Value {
         SchemaGenerator::subschema_for::<BudgetResult>,
         SchemaGenerator::subschema_for::<EvalResult>,
         SchemaGenerator::subschema_for::<ReachResult>,
+        SchemaGenerator::subschema_for::<PlacementResult>,
         SchemaGenerator::subschema_for::<CompareResult>,
         SchemaGenerator::subschema_for::<InstrumentResult>,
         SchemaGenerator::subschema_for::<TargetSummary>,

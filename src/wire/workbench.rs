@@ -7,20 +7,21 @@ use super::share::{MapPart, MapShare};
 use crate::api::map::map_of_parts;
 use crate::api::map_result::MapPoses;
 use crate::api::map_tables::MapTable;
-use crate::api::results::{MapResult, ReachResult};
+use crate::api::results::{MapResult, PlacementResult, ReachResult};
 use crate::api::sources::all_words;
 use crate::api::summary::error_numbers;
 use crate::api::{
-    BudgetOptions, CompareOptions, EvalOptions, InstrumentOptions, MapOptions, ReachOptions, SourcesOptions, budget,
-    compare, eval, instrument, map_tables, reach, schema, show, sources, summary, targets,
+    BudgetOptions, CompareOptions, EvalOptions, InstrumentOptions, MapOptions, PlacementOptions, ReachOptions,
+    SourcesOptions, budget, compare, eval, instrument, map_tables, place, reach, schema, show, sources, summary,
+    targets,
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
-use crate::job::job_file::NO_JOB;
+use crate::job::job_file::{JobPaths, NO_JOB};
 use crate::job::machine_file::{LoadOptions, MachineFile, Overlay, load};
 use crate::job::reference::Reference;
-use crate::job::tool_poses::{RowTip, tips};
+use crate::job::tool_poses::RowTip;
 use crate::report::RowFormat;
-use crate::run::{Answer, Call, Reply, Run};
+use crate::run::{Answer, Call, Refused, Reply, Run};
 use crate::syntax::MemoryFiles;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -72,6 +73,9 @@ pub enum Question {
     /// A map at the tool poses of a file with its table, as `map --json` writes it, and the tips of all rows:
     /// `{"map": {...}, "rows": {...}, "tips": [...]}`.
     Work(WorkOptions),
+    /// The part of a job at places of the table, as `map --place` tries them, with its picture:
+    /// `{"placement": {...}, "svg": "...", "over": "..."}`.
+    Place(PlacementOptions),
     /// This machine beside another, which is the first of the comparison.
     Compare(CompareWith),
     /// Readings of a measuring instrument.
@@ -101,8 +105,10 @@ pub struct CompareWith {
 #[serde(default, deny_unknown_fields)]
 pub struct WorkOptions {
     /// The file of tool poses.
-    pub tool_poses: PathBuf,
-    /// What the set-up of the part takes out of the deviations; by default nothing.
+    pub tool_poses: Option<PathBuf>,
+    /// A job file in its place.
+    pub job: Option<PathBuf>,
+    /// What the set-up of the part takes out of the deviations; by default what the job states, or else nothing.
     pub reference: Option<Reference>,
     /// True if the tool poses are one continuous path; by default CL data are.
     pub path: Option<bool>,
@@ -115,7 +121,7 @@ pub struct WorkOptions {
 impl Default for WorkOptions {
     fn default() -> Self {
         let samples = MapOptions::default().samples;
-        Self { tool_poses: PathBuf::new(), reference: None, path: None, samples, target: None }
+        Self { tool_poses: None, job: None, reference: None, path: None, samples, target: None }
     }
 }
 
@@ -206,6 +212,7 @@ impl Question {
                 document(reach(machine, &options, run).map(with_reasons))
             }
             Self::Work(options) => document(work(machine, options, run)),
+            Self::Place(options) => document(placed(machine, options, run)),
             Self::Compare(with) => match load(Path::new(&with.first), &request.load_options(), run) {
                 Ok(first) => {
                     let reference = page_reference(&with.options.reference);
@@ -280,15 +287,39 @@ fn page_job(asked: &Option<PathBuf>, tool_poses: &Option<PathBuf>) -> Option<Pat
 }
 
 fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRows> {
-    let path = &options.tool_poses;
-    let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, path))?.value;
-    let poses = MapPoses::ToolPoses(path.clone());
-    let WorkOptions { samples, target, reference, path, .. } = options.clone();
-    let reference = page_reference(&reference);
+    let WorkOptions { tool_poses, job, samples, target, reference, path } = options.clone();
+    let paths = JobPaths { job: job.as_deref(), tool_poses: tool_poses.as_deref(), path };
+    let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, paths))?.value;
+    let (poses, reference) = match job {
+        Some(job) => (MapPoses::Job(job), reference),
+        None => (MapPoses::ToolPoses(tool_poses.unwrap_or_default()), page_reference(&reference)),
+    };
     let options = MapOptions { poses, samples, target, reference, path, ..MapOptions::default() };
     let Answer { value: found, warnings } = rows(machine, &options, run)?;
     let over = found.map.over.line();
     Ok(Answer { value: WorkRows { found, tips, over }, warnings })
+}
+
+/// A part at places of the table, with the picture.
+#[derive(Serialize)]
+struct PlacedPart {
+    placement: PlacementResult,
+    svg: String,
+    /// What the figures are over, in words.
+    over: String,
+}
+
+fn placed(machine: &MachineFile, options: &PlacementOptions, run: Run) -> Reply<PlacedPart> {
+    let reference = if options.job.is_some() { options.reference.clone() } else { page_reference(&options.reference) };
+    let Answer { value: placement, warnings } =
+        place(machine, &PlacementOptions { reference, ..options.clone() }, run)?;
+    let (svg, over) = (placement.picture().svg(), placement.over.line());
+    Ok(Answer { value: PlacedPart { placement, svg, over }, warnings })
+}
+
+/// Returns the place of every row of a job, reached or not.
+fn tips(call: &mut Call<'_>, machine: &MachineFile, paths: JobPaths<'_>) -> Result<Vec<RowTip>, Refused> {
+    Ok(paths.read(call, machine)?.map(|job| job.poses.row_tips()).unwrap_or_default())
 }
 
 fn document<T: Serialize>(answer: Reply<T>) -> Value {

@@ -194,6 +194,36 @@ pub fn part() {
     picture(&bench, "part-path");
     fill(&bench, "path", "");
     wait(&bench.browser, "return document.getElementById('part-path') === null;");
+    // At other places of the table.
+    let ranges = "X=-60..60:3,Y=-60..60:3";
+    fill(&bench, "places", ranges);
+    bench.click("try-places");
+    wait(&bench.browser, "return document.querySelectorAll('#places-table tbody tr').length === 2;");
+    let given = ["--tool-poses", work.to_str().unwrap(), "--reference", "zero", "--place", ranges];
+    let places = bench.command("map", &given);
+    for (row, of) in ["best", "own"].iter().enumerate() {
+        let cell = format!("return Number(document.querySelectorAll('#places-table tbody tr')[{row}].dataset.p95);");
+        let shown = bench.browser.run(&cell).as_f64().unwrap();
+        assert!((shown - places[of]["p95_um"].as_f64().unwrap()).abs() < 1e-9, "{of}: {shown} {places}");
+    }
+    let drawn =
+        "const drawn = document.querySelector('#panel-part img'); return drawn.complete && drawn.naturalWidth > 100;";
+    wait(&bench.browser, drawn);
+    picture(&bench, "part-places");
+    // A job file has its own reference.
+    let job = bench.file.with_file_name("part.yaml");
+    std::fs::write(
+        &job,
+        "tool_poses: work.csv\nplace: { origin: [0, 0, 0], rotation: [0, 0, 0] }\nreference: best-fit\n",
+    )
+    .unwrap();
+    fill(&bench, "reference", "");
+    fill(&bench, "work", job.to_str().unwrap());
+    wait(&bench.browser, "return document.getElementById('part-over')?.textContent.includes('best fit');");
+    let fitted = bench.command("map", &["--job", job.to_str().unwrap()]);
+    assert!((bench.figure("part-max") - fitted["position_um"]["max"].as_f64().unwrap()).abs() < 1e-9);
+    fill(&bench, "work", work.to_str().unwrap());
+    wait(&bench.browser, "return document.getElementById('part-over')?.textContent.includes('machine coordinates');");
     fill(&bench, "reference", "machine");
     wait(&bench.browser, "return document.getElementById('part-over').textContent.includes('machine coordinates');");
     let reached = printed["tool_poses"]["reached"].as_u64().unwrap();

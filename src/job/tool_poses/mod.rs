@@ -129,12 +129,6 @@ pub(crate) struct RowTip {
     tip_mm: [f64; 3],
 }
 
-/// Returns the place of every row of a file, reached or not.
-pub(crate) fn tips(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<Vec<RowTip>, Refused> {
-    let tip = |row: &Row| RowTip { line: row.line, tip_mm: row.tip.into() };
-    Ok(read(call, machine, path)?.rows.iter().map(tip).collect())
-}
-
 /// Reads a file as single tool poses; rotary columns are those of `machine`.
 pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<ToolPoses, Refused> {
     let Some(sheet) = read_sheet(path, call.run.files, &mut call.diagnostics) else { return Err(Refused) };
@@ -173,6 +167,11 @@ impl ToolPoses {
             }
             row.normal = row.normal.map(|normal| place.direction(normal));
         }
+    }
+
+    /// Returns the place of every row, reached or not.
+    pub(crate) fn row_tips(&self) -> Vec<RowTip> {
+        self.rows.iter().map(|row| RowTip { line: row.line, tip_mm: row.tip.into() }).collect()
     }
 
     /// Returns the tips of all rows, mm, workpiece frame.

@@ -341,6 +341,22 @@ export interface CharacteristicResult {
   errors: CharacteristicPart[];
 }
 
+/** Figures of two places on the tool poses that both reach. */
+export interface CommonFigures {
+  /** Number of these tool poses. */
+  poses: number;
+  /** 95 % value at the place of the job, um. */
+  own_p95_um: number;
+  /** The same at the best place. */
+  best_p95_um: number;
+  /** The first less the second. */
+  p95_um: number;
+  /** Largest deviation at the place of the job, um. */
+  own_max_um: number;
+  /** The same at the best place. */
+  best_max_um: number;
+}
+
 /** Machines side by side, over the tool poses that all of them reach. */
 export interface CompareResult {
   /** What the comparison is over. */
@@ -619,6 +635,22 @@ export interface DominatingError {
   error: string;
   /** Its part along the deviation, first order, um. */
   um: number;
+}
+
+/** Settings of the machines drawn for a budget. */
+export interface DrawSettings {
+  /** The class that bounds what the machine file does not. */
+  class: string | null;
+  /** Source of the class. */
+  class_source: string | null;
+  /** Number of machines drawn. */
+  samples: number;
+  /** Seed of poses and errors. */
+  seed: number;
+  /** Distribution of an error between its bounds. */
+  distribution: Distribution;
+  /** Statistic of a machine over the poses. */
+  statistic: Statistic;
 }
 
 /** A characteristic over machines drawn between the bounds of errors. */
@@ -1232,6 +1264,68 @@ export interface PercentileInterval {
   high: number | null;
 }
 
+/** Values of one number of a place. */
+export interface PlaceRange {
+  /** `X`, `Y`, `Z` of `origin`, or `A`, `B`, `C` of `rotation`, which turn about X, Y, Z. */
+  of: string;
+  /** `mm` or `deg`. */
+  unit: string;
+  /** The first and the last value. */
+  ends: [number, number];
+  /** Number of values at equal distances. */
+  count: number;
+}
+
+/** The place of a part on the workpiece frame: a point p of the part lies at origin + Rz(c) Ry(b) Rx(a) p. */
+export interface Placement {
+  /** Origin of the part, mm. */
+  origin: [number, number, number];
+  /** Rotations about X, then Y, then Z of the workpiece frame, deg. */
+  rotation: [number, number, number];
+}
+
+/** What the best place gains over that of the job. */
+export interface PlacementGain {
+  /** Number of tool poses that it reaches more. */
+  poses: number;
+  /** Number of rewinds that it has less. */
+  rewinds?: number | null;
+  /** Margin that it has more, mm. */
+  margin_mm?: number | null;
+  /** The figures of both on the tool poses that both reach. */
+  common?: CommonFigures | null;
+}
+
+/** Places of a part on a machine. */
+export interface PlacementResult {
+  /** Name of the machine. */
+  machine: string;
+  /** What the result is over; `reached` counts at the place of the job. */
+  over: Over;
+  /** `values` or `bounds`, from which the figures are; none for reach alone. */
+  from?: string | null;
+  /** Settings of the machines drawn, from bounds. */
+  drawing?: DrawSettings | null;
+  /** The ranges, in the order named. */
+  ranges: PlaceRange[];
+  /** Number of places that were tried; that of the job is one of them. */
+  places: number;
+  /** Number of places that reach all tool poses. */
+  reach_all: number;
+  /** Number of places that are ranked: those that reach the same tool poses, the most of all, and the reference. */
+  ranked: number;
+  /** The place of the job. */
+  own: TriedPlace;
+  /** The best place; none if no tool pose is reached anywhere. */
+  best?: TriedPlace | null;
+  /** Ranges at whose end the best place lies. */
+  at_end_of?: string[];
+  /** What the best place gains over that of the job. */
+  gain?: PlacementGain | null;
+  /** All places: those of the ranges, the first range running fastest, then that of the job if it is none of them. */
+  tried: TriedPlace[];
+}
+
 /** A plane of the workpiece frame; the circle runs from its first to its second direction. */
 export type Plane = "XY" | "YZ" | "ZX";
 
@@ -1490,6 +1584,30 @@ export interface ToleranceGoal {
   cost: GoalCost;
   /** The tolerances, those of the largest part in the 95 % value first. */
   tolerances: GoalTolerance[];
+}
+
+/** A part tried at a place. */
+export interface TriedPlace {
+  /** The place. */
+  place: Placement;
+  /** True for the place that the job states. */
+  own: boolean;
+  /** Number of tool poses that are reached. */
+  reached: number;
+  /** Their fraction. */
+  share: number;
+  /** Number of rewinds of a path. */
+  rewinds?: number | null;
+  /** Least distance of a linear axis from an end of its travel, mm; none without such an axis or a tool pose. */
+  margin_mm?: number | null;
+  /** True if the machine reaches the points at which the part is probed. */
+  reaches_reference: boolean;
+  /** The 95 % value of the position deviation over the tool poses that are reached, um; none for reach alone. */
+  p95_um?: number | null;
+  /** The largest position deviation over them, um. */
+  max_um?: number | null;
+  /** Rank from 1; none of a place that cannot be compared with the best. */
+  rank?: number | null;
 }
 
 /** Statistics of a machine without compensation. */

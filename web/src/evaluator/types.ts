@@ -14,13 +14,17 @@ export type Question =
   | { budget: { poses?: number; samples?: number; goal_mm?: number } & Options }
   | { eval: { poses: number[][] } }
   | { reach: { step_mm?: number } }
-  | { work: { tool_poses: string; reference?: string; samples?: number; target?: string } }
+  | { work: Part & { samples?: number; target?: string } }
+  | { place: Part & { ranges: string; samples?: number } }
   | { compare: { first: string; options: { poses?: number; tool_poses?: string } } }
   | { instrument: { instrument: "ball_bar" | "r_test" | "diagonals" } }
   | "targets"
   | "numbers"
   | "words"
   | "schema";
+
+/** A part: a file of tool poses, or a job file. */
+export type Part = ({ tool_poses: string } | { job: string }) & { reference?: string; path?: boolean };
 
 export interface Place {
   file: string;
@@ -186,6 +190,14 @@ export interface Work {
   };
   rows: { poses: WorkRow[] };
   tips: { line: number; tip_mm: Vec3 }[];
+  /** What the figures are over, in words. */
+  over: string;
+}
+
+/** A part at places of the table, with the picture. */
+export interface PlacedPart {
+  placement: results.PlacementResult;
+  svg: string;
   /** What the figures are over, in words. */
   over: string;
 }

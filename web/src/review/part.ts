@@ -1,7 +1,15 @@
 /** The part: tool poses of a file on the machine, coloured by deviation; those out of reach by the axis that stops. */
 
 import { Newest } from "../evaluator/newest";
-import { accepted, type Pose, type Refusal, type Work, type WorkRow } from "../evaluator/types";
+import {
+  accepted,
+  type PlacedPart,
+  type Pose,
+  type Question,
+  type Refusal,
+  type Work,
+  type WorkRow,
+} from "../evaluator/types";
 import type { WorkPoint } from "../machine/marks";
 import type { Stage } from "../machine/stage";
 import { isSettled, type Session, type State } from "../session";
@@ -18,6 +26,7 @@ const STOPPED = ["#0077bb", "#33bbee", "#009988", "#666666", "#7755cc", "#aa7700
 
 /** What the set-up of the part takes out of the deviations, in words. */
 const REFERENCES = {
+  "": "As a job has it; machine coordinates of a table",
   machine: "Machine coordinates",
   zero: "Zero at the part's origin",
   "best-fit": "Best fit",
@@ -26,6 +35,8 @@ const REFERENCES = {
 
 /** Whether the tool poses are solved one by one or as a whole, in words. */
 const PATHS = { "": "As the file has them (APT: one path)", yes: "One continuous path", no: "Single poses" };
+
+type AskedPart = Extract<Question, { work: unknown }>["work"];
 
 type Path = NonNullable<Work["map"]["path"]>;
 
@@ -46,6 +57,14 @@ export class Part {
     { id: "path", "aria-label": "Tool poses: one continuous path, or single ones" },
     ...Object.entries(PATHS).map(([value, words]) => make("option", { value }, words)),
   );
+  private readonly ranges = make("input", {
+    type: "text",
+    id: "places",
+    value: "X=-100..100:5,Y=-100..100:5",
+    spellcheck: "false",
+    "aria-label": "Places of the part: ranges of X, Y, Z in mm and of A, B, C in degrees, with the number of values",
+  });
+  private readonly places = make("div", { "aria-live": "polite" });
   private readonly body = make("div", { "aria-live": "polite" });
   private readonly asking: Newest;
   /** A file that was dropped, or chosen: its name and text. */
@@ -67,12 +86,14 @@ export class Part {
     file.addEventListener("change", () => void this.take(file.files));
     const choose = button("Choose a file", () => file.click());
     const words =
-      "Tool poses in the workpiece frame: CSV with X, Y, Z and I, J, K or rotary axes, or APT. " +
+      "Tool poses in the workpiece frame: CSV with X, Y, Z and I, J, K or rotary axes, APT, or a job file. " +
       "Drop a file here, choose it, or name it:";
     const chooser = make("p", { class: "chooser" }, this.input, choose, file);
     const setUp = make("p", {}, make("label", { for: "reference" }, "Reference "), this.reference);
     const solved = make("p", {}, make("label", { for: "path" }, "Tool poses "), this.path);
-    parent.append(make("p", { class: "words" }, words), chooser, setUp, solved, this.body);
+    const trying = make("p", {}, make("label", { for: "places" }, "Other places "), this.ranges);
+    trying.append(button("Try", () => this.tryPlaces(), { id: "try-places" }));
+    parent.append(make("p", { class: "words" }, words), chooser, setUp, solved, this.body, trying, this.places);
     this.input.setAttribute("aria-label", "Path of a file of tool poses");
     parent.addEventListener("dragover", (event) => event.preventDefault());
     parent.addEventListener("drop", (event) => {
@@ -112,19 +133,34 @@ export class Part {
     const work = this.work;
     if (!work) return this.nothing([]);
     const { path, more } = work;
+    this.places.replaceChildren();
     void this.asking.do(async () => {
-      const [answer] = await this.session.ask([{ work: { tool_poses: path, ...this.setUp() } }], more);
+      const [answer] = await this.session.ask([{ work: this.asked(path) }], more);
       const work = accepted<Work>(answer);
       if (work) this.shown(work, path);
       else if (answer !== undefined) this.nothing((answer as Refusal).diagnostics.map(({ message }) => message));
     });
   }
 
-  /** The reference that is chosen; that of the page is machine coordinates. */
-  private setUp(): { reference?: string; path?: boolean } {
-    const { value } = this.reference;
-    const path = this.path.value ? { path: this.path.value === "yes" } : {};
-    return value === "machine" ? path : { reference: value, ...path };
+  /** The part with what is chosen for it. */
+  private asked(path: string): AskedPart {
+    const of = /\.ya?ml$/i.test(path) ? { job: path } : { tool_poses: path };
+    const along = this.path.value ? { path: this.path.value === "yes" } : {};
+    return { ...of, ...along, ...(this.reference.value ? { reference: this.reference.value } : {}) };
+  }
+
+  /** Tries the part at other places of the table. */
+  private tryPlaces(): void {
+    const work = this.work;
+    if (!work) return;
+    const { path, more } = work;
+    void this.asking.do(async () => {
+      const [answer] = await this.session.ask([{ place: { ...this.asked(path), ranges: this.ranges.value } }], more);
+      const tried = accepted<PlacedPart>(answer);
+      const refused = answer === undefined ? [] : (answer as Refusal).diagnostics;
+      const say = ({ message }: { message: string }) => make("p", { class: "refused" }, message);
+      this.places.replaceChildren(...(tried ? placed(tried) : refused.map(say)));
+    });
   }
 
   private nothing(reasons: string[]): void {
@@ -254,6 +290,31 @@ function events(path: Path): HTMLElement {
 /** The first of a list, and how many more there are. */
 function few(list: string[], of: string): string[] {
   return list.length > FEW ? [...list.slice(0, FEW), `... and ${list.length - FEW} more ${of}`] : list;
+}
+
+/** The best of the places that were tried, and the picture of all. */
+function placed({ placement, svg, over }: PlacedPart): HTMLElement[] {
+  const { best, own, places, reach_all } = placement;
+  const head = make("p", { class: "words", id: "places-over" }, `${over}.`);
+  const tried = `${places} places were tried, ${reach_all} reach all tool poses. `;
+  const rows = [placeRow("Best", best), placeRow("Own", own)].filter((row) => row !== null);
+  const columns = ["", "X, Y, Z mm", "A, B, C deg", "reached", "rewinds", "95 % µm", "max µm"];
+  const header = make("tr", {}, ...columns.map((of) => make("th", {}, of)));
+  const table = make("table", { id: "places-table" }, make("thead", {}, header), make("tbody", {}, ...rows));
+  const picture = make("img", { alt: "The places, coloured; best and own are marked", class: "picture" });
+  picture.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(svg)}`;
+  const save = button("SVG", () => download.svg("places", svg));
+  return [head, make("p", {}, best ? tried : `${tried}None reaches a tool pose.`), table, picture, make("p", {}, save)];
+}
+
+function placeRow(name: string, of: PlacedPart["placement"]["own"] | null | undefined): HTMLElement | null {
+  if (!of) return null;
+  const um = (value: number | null | undefined) => (value == null ? "–" : rounded(value));
+  const { origin, rotation } = of.place;
+  const numbers = [origin.map(rounded).join(", "), rotation.map(rounded).join(", "), `${of.reached}`];
+  const cells = [name, ...numbers, `${of.rewinds ?? "–"}`, um(of.p95_um), um(of.max_um)];
+  const values = { "data-p95": `${of.p95_um ?? ""}`, "data-reached": `${of.reached}` };
+  return make("tr", values, ...cells.map((cell) => make("td", {}, cell)));
 }
 
 function fits(rows: WorkRow[], stops: string[]): (Node | string)[] {
