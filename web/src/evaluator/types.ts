@@ -15,7 +15,7 @@ export type Question =
   | { eval: { poses: number[][] } }
   | { reach: { step_mm?: number } }
   | { work: Part & { samples?: number; target?: string } }
-  | { place: Part & { ranges: string; samples?: number } }
+  | { place: Part & { ranges: string; figure: boolean } }
   | { compare: { first: string; options: { poses?: number; tool_poses?: string } } }
   | { instrument: { instrument: "ball_bar" | "r_test" | "diagonals" } }
   | "targets"

@@ -155,7 +155,10 @@ export class Part {
     if (!work) return;
     const { path, more } = work;
     void this.asking.do(async () => {
-      const [answer] = await this.session.ask([{ place: { ...this.asked(path), ranges: this.ranges.value } }], more);
+      const [answer] = await this.session.ask(
+        [{ place: { ...this.asked(path), ranges: this.ranges.value, figure: true } }],
+        more,
+      );
       const tried = accepted<PlacedPart>(answer);
       const refused = answer === undefined ? [] : (answer as Refusal).diagnostics;
       const say = ({ message }: { message: string }) => make("p", { class: "refused" }, message);
