@@ -16,7 +16,7 @@ use crate::evaluate::{Bare, Difference, Field, Frame, Order, Statistics, Summary
 use crate::job::job_file::JobPaths;
 use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
-use crate::job::over::{Over, OverKind};
+use crate::job::over::Over;
 use crate::job::path::PathResult;
 use crate::job::poses::check;
 use crate::job::reference::{Reference, SetUp};
@@ -252,10 +252,8 @@ fn side_by_side(
     let alike =
         Alike { files, fields: &fields, sides: &sides, draws, order: options.order, conditions: approach.into() };
     let whole = alike.figures(call, comparison.clone(), &set_ups)?;
-    let (kind, counts) = (if asked.is_some() { OverKind::Job } else { OverKind::Volume }, &comparison);
-    let over = |reference: &Reference| {
-        Over::new(kind, first, reference, [counts.asked, counts.common.len()]).along(work.is_path())
-    };
+    let counts = [comparison.asked, comparison.common.len()];
+    let over = |reference: &Reference| Over::common(first, reference, asked, counts);
     let fitted = match (&options.reference, asked) {
         (None, None) => {
             let fits: Vec<SetUp> = sides.iter().map(|(machine, poses)| SetUp::best_fit(machine, poses)).collect();

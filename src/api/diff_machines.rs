@@ -7,7 +7,7 @@ use crate::analysis::{Comparison, MachineResult, Work, compare};
 use crate::evaluate::{Bare, Field, Order, quantile_95};
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
-use crate::job::over::{Over, OverKind};
+use crate::job::over::Over;
 use crate::job::reference::{Reference, ReferenceKind, SetUp, unzeroed};
 use crate::job::reference_text::ReferenceOption;
 use crate::machine::{Approach, Machine, MachineProperty, Pose};
@@ -84,7 +84,7 @@ fn difference(
     }
     // Mixtures that reach most of the common work are judged on what all of these reach; any other, on what it reaches
     // itself: it must not leave the machines without a difference.
-    let (asked, common) = (found.asked, work.of_some(found.common.clone()));
+    let (asked, common) = (found.asked, Work::listed(found.common.clone(), work.is_path()));
     let (mut wide, mut narrow) = (Vec::new(), Vec::new());
     for (property, machine) in &single {
         let reached = judge.compare(call, &[&both[..], &[machine]].concat(), &common)?.common.len();
@@ -112,11 +112,10 @@ fn difference(
         });
     }
     let described = properties.iter().zip(effects);
-    let kind = if job.is_some() { OverKind::Job } else { OverKind::Volume };
     Ok(MachineDifference {
         machines: [first, second].map(|file| file.name().to_owned()),
         files: [first, second].map(|file| file.path().to_owned()),
-        over: Over::new(kind, first, &judge.reference, [asked, found.common.len()]).along(work.is_path()),
+        over: Over::common(first, &judge.reference, job.as_ref().map(|job| &job.poses), [asked, found.common.len()]),
         asked,
         poses: found.common.len(),
         seed: options.seed,

@@ -1,7 +1,7 @@
 //! The statement of what a result is over: a volume or a job, its reference, its poses, its tool.
 
 use super::reference::{Reference, ReferenceKind};
-use super::tool_poses::ReachedToolPoses;
+use super::tool_poses::{ReachedToolPoses, ToolPoses};
 use crate::machine::Machine;
 
 /// What poses are of.
@@ -63,6 +63,13 @@ impl Over {
     /// Returns the same statement for poses of one path, or for single ones.
     pub(crate) fn along(self, path: bool) -> Self {
         Self { path, ..self }
+    }
+
+    /// Returns the statement for the tool poses that machines have in common: of a job, or else of the volume of the
+    /// first.
+    pub(crate) fn common(first: &Machine, reference: &Reference, job: Option<&ToolPoses>, counts: [usize; 2]) -> Self {
+        let kind = if job.is_some() { OverKind::Job } else { OverKind::Volume };
+        Self::new(kind, first, reference, counts).along(job.is_some_and(ToolPoses::is_path))
     }
 
     /// Returns the statement for the tool poses of a job, or else for a number of poses of the volume.

@@ -4,7 +4,7 @@ use super::mailed;
 use super::report_options::ReportOptions;
 use crate::analysis::figure_bands::field_bands;
 use crate::analysis::reference::ReferencedField;
-use crate::analysis::{MAX_POSES, MapFailure, View, Work, map};
+use crate::analysis::{MAX_POSES, MapFailure, View, map};
 use crate::api::bounded::{DrawnBounds, added};
 use crate::api::budget::{BudgetOptions, BudgetResult, budget_of};
 use crate::api::budgets::{DrawnMachines, budgets};
@@ -18,7 +18,7 @@ use crate::file_set::effect::named_effect;
 use crate::job::features::features;
 use crate::job::job_file::{Job, JobPaths, NO_JOB};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
-use crate::job::over::{Over, OverKind};
+use crate::job::over::Over;
 use crate::job::reference::{Reference, SetUp};
 use crate::job::round_features::{RoundFeature, round_features};
 use crate::job::tool_poses::ReachedToolPoses;
@@ -302,7 +302,6 @@ fn comparison(
     given: &[MachineInput<'_>],
 ) -> Result<Option<ComparisonData>, Refused> {
     let work = machines.first().and_then(|first| Some(job?.poses.work(first)));
-    let is_path = work.as_ref().is_some_and(Work::is_path);
     let Some((comparison, sides)) = ComparisonData::work(given, work) else { return Ok(None) };
     if comparison.common.is_empty() {
         let over = given[0].over;
@@ -319,13 +318,8 @@ fn comparison(
     let drawn = DrawnMachines { tolerances, files, samples, max_samples, seed, references: &references };
     let budgets = budgets(call, &sides, drawn)?;
     let json = budgets.map_or(Value::Null, |budgets| json!(budgets));
-    let kind = if job.is_some() { OverKind::Job } else { OverKind::Volume };
-    let over = Over::new(
-        kind,
-        machines.first().map_or(given[0].machine, |file| file),
-        &set_ups[0].reference,
-        [comparison.asked, comparison.common.len()],
-    )
-    .along(is_path);
+    let first = machines.first().map_or(given[0].machine, |file| file);
+    let counts = [comparison.asked, comparison.common.len()];
+    let over = Over::common(first, &set_ups[0].reference, job.map(|job| &job.poses), counts);
     Ok(Some(ComparisonData::new(given, &comparison, &sides, json, &over, &references)))
 }

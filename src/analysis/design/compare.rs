@@ -118,8 +118,7 @@ pub fn compare<F: Send>(
     let targets: Vec<ToolPose> = (0..work.len()).into_par_iter().map(|i| work.get(first.machine(), i)).collect();
     let found: Vec<_> = fields.iter().map(|field| solve(field.machine(), &targets, work.is_path())).collect();
     let events = |(field, found): (&&dyn Field, &Vec<Result<Pose, Miss>>)| {
-        let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
-        work.is_path().then(|| path_events(field.machine(), &targets, &poses))
+        work.is_path().then(|| path_events(field.machine(), &targets, found))
     };
     let paths: Vec<Option<PathEvents>> = fields.iter().zip(&found).map(events).collect();
     let row = |index: usize| {

@@ -82,9 +82,7 @@ impl RotaryDirections {
 
     /// Returns the candidates nearest to the reference for a direction of the tool (unit vector, unturned).
     pub fn nearest(&self, direction: &Vector3<f64>) -> Candidates {
-        let start: Vec<f64> = self.turns.iter().map(|turn| turn.reference).collect();
-        let mut search = DirectionSearch::new(self, direction);
-        search.around(&start);
+        let mut search = self.search(direction, [self.start()]);
         let sweeps = std::mem::take(&mut search.sweeps);
         if self.turns.len() > 2 {
             (1..SAMPLES).for_each(|sample| search.around(&self.sample(sample)));
@@ -103,14 +101,10 @@ impl RotaryDirections {
     /// Returns the candidates with all axes but two held: at the reference and, where more than two axes turn, at other
     /// positions spread over their travels, `held` in all. They do not depend on the direction.
     pub fn held(&self, direction: &Vector3<f64>, held: u64) -> Candidates {
-        let start: Vec<f64> = self.turns.iter().map(|turn| turn.reference).collect();
-        let mut search = DirectionSearch::new(self, direction);
-        search.around(&start);
-        if self.turns.len() > 2 {
-            (1..held).for_each(|sample| search.around(&self.sample(sample)));
-        }
-        let sweeps = std::mem::take(&mut search.sweeps);
-        Candidates { poses: self.poses(search.found), beyond_travel: None, sweeps, more: search.free }
+        let others = if self.turns.len() > 2 { held } else { 1 };
+        let starts = std::iter::once(self.start()).chain((1..others).map(|sample| self.sample(sample)));
+        let search = self.search(direction, starts);
+        Candidates { poses: self.poses(search.found), beyond_travel: None, sweeps: search.sweeps, more: search.free }
     }
 
     /// Returns the direction of the tool (unit vector, unturned) at a pose (mm, deg).
@@ -137,19 +131,32 @@ impl RotaryDirections {
     /// Returns candidates whose free axes are away from their reference; of two rotary axes or fewer with the sweeps
     /// through them.
     pub fn others(&self, direction: &Vector3<f64>) -> (Vec<Pose>, Vec<Sweep>) {
-        let mut search = DirectionSearch::new(self, direction);
         let samples = if self.turns.len() > 2 { MANY_SAMPLES } else { SAMPLES };
-        (1..samples).for_each(|sample| search.around(&self.sample(sample)));
+        let search = self.search(direction, (1..samples).map(|sample| self.sample(sample)));
         let sweeps = if self.turns.len() > 2 { Vec::new() } else { search.sweeps };
         (self.poses(search.found), sweeps)
     }
 
     /// Returns the candidates with all axes but two held as in these poses (mm, deg).
     pub fn around(&self, direction: &Vector3<f64>, poses: &[Pose]) -> Vec<Pose> {
-        let mut search = DirectionSearch::new(self, direction);
         let angles = |pose: &Pose| -> Vec<f64> { self.turns.iter().map(|turn| pose[turn.axis]).collect() };
-        poses.iter().for_each(|pose| search.around(&angles(pose)));
-        self.poses(search.found)
+        self.poses(self.search(direction, poses.iter().map(angles)).found)
+    }
+
+    /// Returns the reference, deg.
+    fn start(&self) -> Vec<f64> {
+        self.turns.iter().map(|turn| turn.reference).collect()
+    }
+
+    /// Searches with all axes but two held at each of these positions (deg).
+    fn search<'a>(
+        &'a self,
+        direction: &'a Vector3<f64>,
+        starts: impl IntoIterator<Item = Vec<f64>>,
+    ) -> DirectionSearch<'a> {
+        let mut search = DirectionSearch::new(self, direction);
+        starts.into_iter().for_each(|angles| search.around(&angles));
+        search
     }
 
     /// Returns positions (deg) spread over the travels: a Halton sequence.

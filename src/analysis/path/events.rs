@@ -1,7 +1,7 @@
-//! What a path asks of a machine: rewinds, pole crossings, and for each axis its motion and its reversals.
+//! Events of a path on a machine: rewinds, pole crossings, and for each axis its motion and its reversals.
 
 use super::steps::{PathPose, Steps};
-use crate::analysis::inverse::{CandidateSearch, ToolPose};
+use crate::analysis::inverse::{CandidateSearch, Miss, ToolPose};
 use crate::machine::{Machine, Pose};
 
 /// The tool is at a pole of a rotary axis where it is nearer to the axis's line than this, deg.
@@ -55,7 +55,7 @@ pub struct AxisMotion {
     pub reversals: Vec<usize>,
 }
 
-/// What a path asks for.
+/// Events of a path on a machine.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PathEvents {
     /// The rewinds in their order.
@@ -66,11 +66,11 @@ pub struct PathEvents {
     pub axes: Vec<AxisMotion>,
 }
 
-/// Returns the events of a path: tool poses with the poses (mm, deg) that take them, `None` where a row is missed.
-pub fn path_events(machine: &Machine, targets: &[ToolPose], poses: &[Option<&Pose>]) -> PathEvents {
+/// Returns the events of a path: tool poses with the poses (mm, deg) that take them; rows that are missed are left out.
+pub fn path_events(machine: &Machine, targets: &[ToolPose], found: &[Result<Pose, Miss>]) -> PathEvents {
     let steps = Steps::new(machine, &CandidateSearch::new(machine), false);
-    let reached = targets.iter().zip(poses).enumerate().filter_map(|(row, (target, pose))| {
-        let pose = (*pose)?;
+    let reached = targets.iter().zip(found).enumerate().filter_map(|(row, (target, pose))| {
+        let pose = pose.as_ref().ok()?;
         Some(PathRow { row, target: target.to_unturned(machine), pose, free: steps.free_axis(pose) })
     });
     let rows: Vec<PathRow<'_>> = reached.collect();
@@ -169,7 +169,8 @@ fn poles(steps: &Steps<'_>, rows: &[PathRow<'_>], is_rewind: &[bool]) -> Vec<Pol
             let to = from + (from..tilts.len()).take_while(|step| is_near(*step)).count();
             if to > from {
                 let nearest = (from..to).min_by(|a, b| tilts[*a][k].1.total_cmp(&tilts[*b][k].1)).unwrap_or(from);
-                let crossing = crossing(*axis, &rows[from..=to], (nearest - from, tilts[nearest][k].1));
+                let tilt_rad = tilts[nearest][k].1;
+                let crossing = crossing(*axis, &rows[from..=to], NearestStep { step: nearest - from, tilt_rad });
                 let is_passed = from > 0 && to < tilts.len();
                 let is_all = from == 0 && to == tilts.len();
                 if is_passed || (!is_all && crossing.turn_deg > END_TURN_DEG) {
@@ -182,8 +183,16 @@ fn poles(steps: &Steps<'_>, rows: &[PathRow<'_>], is_rewind: &[bool]) -> Vec<Pol
     list
 }
 
-/// Returns the crossing of the rows near a pole; `nearest` is the index of the nearest step with its angle (rad).
-fn crossing(axis: usize, rows: &[PathRow<'_>], nearest: (usize, f64)) -> PoleCrossing {
+/// The step that comes nearest to a pole.
+struct NearestStep {
+    /// Its index among those near the pole.
+    step: usize,
+    /// Angle between the tool and the axis, rad.
+    tilt_rad: f64,
+}
+
+/// Returns the crossing of the rows near a pole.
+fn crossing(axis: usize, rows: &[PathRow<'_>], nearest: NearestStep) -> PoleCrossing {
     let turn = |pair: &[PathRow<'_>]| (pair[1].pose[axis] - pair[0].pose[axis]).abs();
     let rate = |pair: &[PathRow<'_>]| {
         let far = (pair[1].target.tip - pair[0].target.tip).norm();
@@ -192,8 +201,8 @@ fn crossing(axis: usize, rows: &[PathRow<'_>], nearest: (usize, f64)) -> PoleCro
     PoleCrossing {
         axis,
         rows: [rows[0].row, rows[rows.len() - 1].row],
-        nearest_row: rows[nearest.0 + 1].row,
-        nearest_deg: nearest.1.to_degrees(),
+        nearest_row: rows[nearest.step + 1].row,
+        nearest_deg: nearest.tilt_rad.to_degrees(),
         turn_deg: rows.windows(2).map(turn).sum(),
         deg_per_mm: rows.windows(2).map(rate).try_fold(0.0, |most: f64, rate| Some(most.max(rate?))),
     }

@@ -21,9 +21,7 @@ pub fn settle(machine: &Machine, steps: &Steps<'_>, search: &CandidateSearch<'_>
         spread(search, path, run);
     }
     for axis in wound {
-        if let Travel::Range(min, max) = machine.axes()[axis].travel {
-            fit_turns(path, axis, (min, max));
-        }
+        fit_turns(path, axis, machine.axes()[axis].travel);
     }
 }
 
@@ -62,9 +60,10 @@ fn spread(search: &CandidateSearch<'_>, path: &mut [ChosenPose], run: Range<usiz
     }
 }
 
-/// Shifts an axis by whole turns into a travel (deg). Where the whole path does not fit, each part is as long as the
+/// Shifts an axis by whole turns into a travel (deg), if it has ends. Where the whole path does not fit, each part is as long as the
 /// travel allows; between two parts the axis rewinds.
-fn fit_turns(path: &mut [ChosenPose], axis: usize, (min, max): (f64, f64)) {
+fn fit_turns(path: &mut [ChosenPose], axis: usize, travel: Travel) {
+    let Travel::Range(min, max) = travel else { return };
     let shifts = |low: f64, high: f64| {
         let [first, last] = [((min - low) / 360.0 - ROUNDING).ceil(), ((max - high) / 360.0 + ROUNDING).floor()];
         (first <= last).then(|| 0.0_f64.clamp(first, last))

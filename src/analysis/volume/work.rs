@@ -21,6 +21,11 @@ impl Work {
         Self::OfPoses(Poses::Random(Random::of(machine, count, seed)))
     }
 
+    /// Returns a work of tool poses, one path or single ones.
+    pub fn listed(list: Vec<ToolPose>, is_path: bool) -> Self {
+        if is_path { Self::Path(list) } else { Self::Listed(list) }
+    }
+
     /// Returns the number of tool poses.
     pub fn len(&self) -> usize {
         match self {
@@ -40,11 +45,6 @@ impl Work {
             Self::OfPoses(poses) => tool_pose(machine, &poses.get(index)),
             Self::Listed(list) | Self::Path(list) => list[index],
         }
-    }
-
-    /// Returns a work of these tool poses, some of its own, which stay one path if it is one.
-    pub fn of_some(&self, list: Vec<ToolPose>) -> Self {
-        if self.is_path() { Self::Path(list) } else { Self::Listed(list) }
     }
 
     /// True if the tool poses are one continuous path.

@@ -149,8 +149,7 @@ impl ToolPoses {
     /// Returns the tool poses as a work, as the nominal `machine` holds them if the file gives positions of its rotary
     /// axes.
     pub(crate) fn work(&self, machine: &Machine) -> Work {
-        let list = self.list(machine);
-        if self.is_path { Work::Path(list) } else { Work::Listed(list) }
+        Work::listed(self.list(machine), self.is_path)
     }
 
     /// Returns the line of each row.
@@ -210,10 +209,7 @@ impl ToolPoses {
         let missed: Vec<_> =
             found.iter().enumerate().filter_map(|(i, pose)| Some((i, pose.as_ref().err()?.clone()))).collect();
         let rows = self.missed(machine, &missed);
-        let path = self.is_path.then(|| {
-            let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
-            PathResult::new(machine, &self.events(machine, &poses), &self.lines())
-        });
+        let path = self.events(machine, &found).map(|events| PathResult::new(machine, &events, &self.lines()));
         let name = |row: &Row| (row.line, row.feature.clone());
         let lines = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok()).map(|(row, _)| name(row)).collect();
         let held = self.rows.iter().zip(&found).filter(|(_, pose)| pose.is_ok());
@@ -224,20 +220,17 @@ impl ToolPoses {
         ReachedToolPoses { file, asked, reached, unreachable, rows, travel, path, poses, lines, surface }
     }
 
-    /// Returns what the rows ask of a machine that takes them by these poses.
-    fn events(&self, machine: &Machine, poses: &[Option<&Pose>]) -> PathEvents {
-        path_events(machine, &self.list(machine), poses)
+    /// Returns the events of the rows on a machine that takes them by these poses, if they are one path.
+    fn events(&self, machine: &Machine, found: &[Result<Pose, Miss>]) -> Option<PathEvents> {
+        self.is_path.then(|| path_events(machine, &self.list(machine), found))
     }
 
     /// Returns the pose of a machine for each row, `None` where it is out of reach, and the number of rewinds of a
     /// path.
     pub(crate) fn solved(&self, machine: &Machine) -> (Vec<Option<Pose>>, Option<usize>) {
-        let found: Vec<Option<Pose>> = self.found(machine).into_iter().map(Result::ok).collect();
-        let rewinds = self.is_path.then(|| {
-            let poses: Vec<Option<&Pose>> = found.iter().map(Option::as_ref).collect();
-            self.events(machine, &poses).rewinds.len()
-        });
-        (found, rewinds)
+        let found = self.found(machine);
+        let rewinds = self.events(machine, &found).map(|events| events.rewinds.len());
+        (found.into_iter().map(Result::ok).collect(), rewinds)
     }
 
     /// True if the rows give positions of rotary axes.

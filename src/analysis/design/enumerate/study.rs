@@ -208,10 +208,7 @@ impl StudyRound<'_> {
         let found: Vec<Result<Pose, Miss>> = solve(nominal, &study.work, study.is_path);
         let missed = UnreachableCount::count(found.iter().filter_map(|pose| pose.as_ref().err()));
         let travel = if study.sized { travel_needs(nominal, &found) } else { Vec::new() };
-        let rewinds = study.is_path.then(|| {
-            let poses: Vec<Option<&Pose>> = found.iter().map(|pose| pose.as_ref().ok()).collect();
-            path_events(nominal, &study.work, &poses).rewinds.len()
-        });
+        let rewinds = study.is_path.then(|| path_events(nominal, &study.work, &found).rewinds.len());
         let (reached, poses): (Vec<usize>, Vec<Pose>) =
             found.into_iter().enumerate().filter_map(|(i, pose)| Some((i, pose.ok()?))).unzip();
         if poses.is_empty() {
