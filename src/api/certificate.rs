@@ -37,18 +37,31 @@ pub struct CertifiedWork {
 }
 
 /// The poses of a job and its set-up.
-pub(crate) struct WorkOfCertificate {
+struct WorkOfCertificate {
     reached: ReachedToolPoses,
     set_up: SetUp,
 }
 
+/// The poses by which a certificate judges.
+pub(crate) struct CertificateScope {
+    /// Those over the volume.
+    pub depth: Depth,
+    /// Those of a job besides.
+    job: Option<WorkOfCertificate>,
+}
+
 impl CertifiedWork {
-    /// Reads the job; `None` without one.
-    pub(crate) fn read(
+    /// Returns the scope with the job, if there is one.
+    pub(crate) fn scope(
         &self,
         call: &mut Call<'_>,
         machine: &MachineFile,
-    ) -> Result<Option<WorkOfCertificate>, Refused> {
+        depth: Depth,
+    ) -> Result<CertificateScope, Refused> {
+        Ok(CertificateScope { depth, job: self.read(call, machine)? })
+    }
+
+    fn read(&self, call: &mut Call<'_>, machine: &MachineFile) -> Result<Option<WorkOfCertificate>, Refused> {
         let paths = JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path };
         let Some(job) = paths.read(call, machine)? else {
             if self.reference.is_some() {
@@ -183,15 +196,16 @@ pub struct CertificateStep {
 }
 
 impl CertificateReport {
+    /// Returns the report; `field` is the machine with the files.
     pub(crate) fn new(
         machine: &Machine,
         target: &ControllerTarget,
         certificate: Certificate,
         field: &dyn Field,
-        depth: Depth,
+        scope: &CertificateScope,
         files: Vec<String>,
     ) -> Self {
-        let uncertainty = CertificateBands::of(machine, &certificate, field, depth);
+        let uncertainty = CertificateBands::of(machine, &certificate, field, scope.depth);
         let [forward, reverse] = certificate.at_reference.map(|added| by_name(machine, &added));
         Self {
             reference_shift: certificate.shifted.map(|shift| ReferenceShift::new(machine, shift)),
@@ -210,18 +224,12 @@ impl CertificateReport {
             cannot: target.manifest.cannot.clone(),
             programming: certificate.programming,
             steps: Vec::new(),
-            job: None,
+            job: scope.job.as_ref().map(|work| JobCertificate::new(machine, field, work)),
             uncertainty,
             machine: machine.clone(),
             controller: target.clone(),
             strongest: certificate.strongest,
         }
-    }
-
-    /// Returns the certificate with the figures of a field, which is the machine with the files, over a job.
-    pub(crate) fn with_job(self, work: Option<&WorkOfCertificate>, field: &dyn Field) -> Self {
-        let job = work.map(|work| JobCertificate::new(&self.machine, field, work));
-        Self { job, ..self }
     }
 
     /// Returns in words which figures of the position deviation the files raise; `None` if they raise none.

@@ -1,6 +1,6 @@
 //! `compile`: the files of a controller, with their certificate.
 
-use super::certificate::{CertificateReport, CertifiedWork, WorkOfCertificate};
+use super::certificate::{CertificateReport, CertificateScope, CertifiedWork};
 use crate::controller::{
     Certificate, ControllerEffect, ControllerTarget, Depth, Limits, Lock, NAMES, RenderedFile, TablesUnderTest,
     certify, certify_kinematics,
@@ -84,11 +84,19 @@ pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Reply<
         call.extend(bounded_only(file));
         let target = options.compensation.target(call, &options.target)?;
         refuse_unverified(call, &target, options.accept_unverified)?;
+        let scope = options.scope(call, file)?;
         if target.manifest.kinematics().is_some() {
-            return module(call, file, &target, options);
+            return module(call, file, &target, options, &scope);
         }
-        tables(call, file, &target, options)
+        tables(call, file, &target, options, &scope)
     })
+}
+
+impl CompileOptions {
+    /// Returns the poses by which the certificate judges.
+    pub(crate) fn scope(&self, call: &mut Call<'_>, file: &MachineFile) -> Result<CertificateScope, Refused> {
+        self.work.scope(call, file, Depth { poses: self.poses, seed: self.seed })
+    }
 }
 
 fn tables(
@@ -96,6 +104,7 @@ fn tables(
     file: &MachineFile,
     target: &ControllerTarget,
     options: &CompileOptions,
+    scope: &CertificateScope,
 ) -> Result<CompiledSet, Refused> {
     let how = &options.compensation;
     let installed = table_set::load_installed(call, file, target, how, options.installed.as_deref())?;
@@ -114,9 +123,7 @@ fn tables(
     let certificate = certify(file, judged, how.scope(), options.poses, options.seed);
     call.extend(verdict::warnings(&certificate));
     call.check()?;
-    let depth = Depth { poses: options.poses, seed: options.seed };
-    let work = options.work.read(call, file)?;
-    Ok(assemble(file, target, how.words(), set.rendered, certificate, &judged.field(file), (depth, work)))
+    Ok(assemble(file, target, how.words(), set.rendered, certificate, &judged.field(file), scope))
 }
 
 fn module(
@@ -124,20 +131,20 @@ fn module(
     file: &MachineFile,
     target: &ControllerTarget,
     options: &CompileOptions,
+    scope: &CertificateScope,
 ) -> Result<CompiledSet, Refused> {
     let before = module_set::load_installed(call, file, target, &options.compensation, options.installed.as_deref())?;
     let orientation = options.compensation.orientation();
     let limits = options.max_correction;
     let set = module_set::render(call, file, target, ModuleRequest { orientation, limits, before })?;
-    let depth = Depth { poses: options.poses, seed: options.seed };
-    let certificate = certify_kinematics(file, target, &set.module, &set.beside, depth);
+    let certificate = certify_kinematics(file, target, &set.module, &set.beside, scope.depth);
     call.extend(limits.module_excesses(&certificate));
     call.extend(verdict::warnings(&certificate));
     call.check()?;
     let goal = if orientation { "correct pose" } else { "correct position" };
     let effect = ControllerEffect::Module(Box::new(set.module), set.beside);
-    let (words, work) = (vec![goal.to_owned()], options.work.read(call, file)?);
-    Ok(assemble(file, target, words, set.rendered, certificate, &*effect.field(file, target), (depth, work)))
+    let words = vec![goal.to_owned()];
+    Ok(assemble(file, target, words, set.rendered, certificate, &*effect.field(file, target), scope))
 }
 
 fn assemble(
@@ -147,13 +154,12 @@ fn assemble(
     files: Vec<RenderedFile>,
     certificate: Certificate,
     field: &dyn Field,
-    (depth, work): (Depth, Option<WorkOfCertificate>),
+    scope: &CertificateScope,
 ) -> CompiledSet {
     let hashes = files.iter().map(|file| Hashed::new(&file.name, &file.bytes)).collect();
     let lock = Lock::new(&target.manifest.target, file, words, file.inputs(), hashes);
     let names = files.iter().map(|file| file.name.clone()).collect();
-    let certificate = CertificateReport::new(file, target, certificate, field, depth, names);
-    CompiledSet { certificate: certificate.with_job(work.as_ref(), field), files, lock }
+    CompiledSet { certificate: CertificateReport::new(file, target, certificate, field, scope, names), files, lock }
 }
 
 /// A format that rests on memory alone is written only for those who accept it. A folder of one's own needs no such

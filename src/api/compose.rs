@@ -1,9 +1,9 @@
 //! Sets of two targets on one controller: kinematic parameters, and tables for what they leave. A subfolder for each
 //! target, one manifest over both.
 
-use super::certificate::{CertificateReport, CertificateStep, WorkOfCertificate};
+use super::certificate::{CertificateReport, CertificateScope, CertificateStep};
 use super::compile::{CompileOptions, refuse_unverified};
-use crate::controller::{ControllerTarget, Depth, KinematicsModule, Lock, RenderedFile};
+use crate::controller::{ControllerTarget, KinematicsModule, Lock, RenderedFile};
 use crate::file_set::composition::{self, ComposedRequest, Composition, beside, compose, find, split, targets};
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::{MachineFile, bounded_only};
@@ -52,6 +52,7 @@ pub fn compile_composed(
         let targets = split(call, targets, how)?;
         refuse_unverified(call, &targets.0, options.accept_unverified)?;
         refuse_unverified(call, &targets.1, options.accept_unverified)?;
+        let scope = options.scope(call, file)?;
         let request = ComposedRequest {
             compensation: how,
             installed: options.installed.as_deref(),
@@ -60,8 +61,7 @@ pub fn compile_composed(
             max_nodes: options.max_nodes,
         };
         let (composition, [of_first, of_second]) = compose(call, file, targets.0, targets.1, request)?;
-        let (depth, work) = (Depth { poses: options.poses, seed: options.seed }, options.work.read(call, file)?);
-        let certificate = certificate(call, &composition, file, how, (depth, work))?;
+        let certificate = certificate(call, &composition, file, how, &scope)?;
         let goal = if how.orientation() { "correct pose" } else { "correct position" };
         let first = part(file, &composition.target, vec![goal.to_owned()], of_first);
         let beside = [how.words(), vec![beside(&first.lock)]].concat();
@@ -86,14 +86,13 @@ fn certificate(
     composition: &Composition,
     file: &MachineFile,
     how: &CompensationOptions,
-    (depth, work): (Depth, Option<WorkOfCertificate>),
+    scope: &CertificateScope,
 ) -> Result<CertificateReport, Refused> {
-    let (certificate, first) = composition.certify(file, how, depth, call)?;
+    let (certificate, first) = composition.certify(file, how, scope.depth, call)?;
     let tables = composition.tables_under_test();
     let module = KinematicsModule::KinematicParameters(composition.parameters.clone());
     let (both, field) = (composition.both(), tables.beside(file, &module));
-    let report = CertificateReport::new(file, &both, certificate, &field, depth, composition.files.clone());
-    let mut report = report.with_job(work.as_ref(), &field);
+    let mut report = CertificateReport::new(file, &both, certificate, &field, scope, composition.files.clone());
     let step = |target: String, compensated| CertificateStep { target, compensated };
     report.steps =
         vec![step(composition.target.manifest.target.clone(), first), step(both.manifest.target, report.compensated)];
@@ -106,12 +105,12 @@ pub(super) fn verify_composed(
     folder: &Path,
     how: &CompensationOptions,
     installed: Option<&Path>,
-    (depth, work): (Depth, Option<WorkOfCertificate>),
+    scope: &CertificateScope,
 ) -> Result<CertificateReport, Refused> {
     let (target, tables_target) = targets(call, folder, how)?;
     let before = composition::load_installed(call, file, &target, &tables_target, how, installed)?;
     let (before, old_tables) = before.unzip();
     let composition = find(call, file, folder, how, before, old_tables)?;
     composition.warn(call, file, folder);
-    certificate(call, &composition, file, how, (depth, work))
+    certificate(call, &composition, file, how, scope)
 }

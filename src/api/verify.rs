@@ -1,6 +1,6 @@
 //! `verify`: files replayed as the controller would, and the residual.
 
-use super::certificate::{CertificateReport, CertifiedWork};
+use super::certificate::{CertificateReport, CertificateScope, CertifiedWork};
 use super::compose;
 use crate::controller::{ControllerEffect, Depth, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics};
 use crate::diagnostic::{Diagnostic, codes};
@@ -52,15 +52,14 @@ pub fn set_manifest(folder: &Path, run: Run) -> Option<Lock> {
 pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: Run) -> Reply<CertificateReport> {
     Call::answer(run, file.sources(), |call| {
         call.check_counts(&[Count::Poses(options.poses)])?;
+        let scope = options.work.scope(call, file, Depth { poses: options.poses, seed: options.seed })?;
         if composition::is_composed(folder, call) {
-            let depth = Depth { poses: options.poses, seed: options.seed };
             let installed = options.installed.as_deref();
-            let work = options.work.read(call, file)?;
-            return compose::verify_composed(call, file, folder, &options.compensation, installed, (depth, work));
+            return compose::verify_composed(call, file, folder, &options.compensation, installed, &scope);
         }
         let set = open(call, file, folder, options)?;
         if set.target.manifest.kinematics().is_some() {
-            return module(call, file, folder, &set, options);
+            return module(call, file, folder, &set, options, &scope);
         }
         let (found, installed) = tables(call, file, folder, set, options)?;
         let FoundTables { target, tables, files } = found;
@@ -68,10 +67,7 @@ pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: R
         let certificate = certify(file, judged, options.compensation.scope(), options.poses, options.seed);
         call.extend(verdict::warnings(&certificate));
         call.check()?;
-        let depth = Depth { poses: options.poses, seed: options.seed };
-        let (field, work) = (judged.field(file), options.work.read(call, file)?);
-        let report = CertificateReport::new(file, &target, certificate, &field, depth, files);
-        Ok(report.with_job(work.as_ref(), &field))
+        Ok(CertificateReport::new(file, &target, certificate, &judged.field(file), &scope, files))
     })
 }
 
@@ -120,18 +116,17 @@ fn module(
     folder: &Path,
     set: &FoundSet,
     options: &VerifyOptions,
+    scope: &CertificateScope,
 ) -> Result<CertificateReport, Refused> {
     let (target, texts) = (&set.target, &set.files);
     let how = &options.compensation;
     let before = module_set::load_installed(call, file, target, how, options.installed.as_deref())?;
     let request = ModuleRequest { before, ..ModuleRequest::plain(how.orientation()) };
     let (module, beside) = module_set::find(call, file, target, folder, request, texts)?;
-    let depth = Depth { poses: options.poses, seed: options.seed };
-    let certificate = certify_kinematics(file, target, &module, &beside, depth);
+    let certificate = certify_kinematics(file, target, &module, &beside, scope.depth);
     call.extend(verdict::warnings(&certificate));
     call.check()?;
     let names = texts.iter().map(|text: &ReadBack| text.found.clone()).collect();
     let effect = ControllerEffect::Module(Box::new(module), beside);
-    let (field, work) = (effect.field(file, target), options.work.read(call, file)?);
-    Ok(CertificateReport::new(file, target, certificate, &*field, depth, names).with_job(work.as_ref(), &*field))
+    Ok(CertificateReport::new(file, target, certificate, &*effect.field(file, target), scope, names))
 }
