@@ -6,7 +6,7 @@
 //! motion: it is the one whose removal leaves deviations of which the linear g is zero. Vectors are in the unturned
 //! workpiece frame, from the workpiece origin.
 //!
-//! Of a minimum zone g is not linear: it is that of all deviations together, and single errors have none
+//! For a minimum zone g is not linear: it is that of all deviations together, and single errors have none
 //! ([`PartReference::is_linear`]).
 
 use super::minimum_zone::RigidZone;

@@ -44,7 +44,7 @@ pub struct BudgetOptions {
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
     /// CL data alone.
     pub path: Option<bool>,
-    /// What the set-up of the part takes out of the effects; by default the zero at the part's origin for tool poses,
+    /// Motion that the part's set-up takes out of the effects; by default the zero at the part's origin for tool poses,
     /// nothing for a volume.
     #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
@@ -127,7 +127,7 @@ pub struct BudgetResult {
     /// The 95 % value of the position against the limit of the job, if it states one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<LimitVerdict>,
-    /// What the tool poses ask of the machine, if they are one path.
+    /// Events of the path, if the tool poses are one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathResult>,
     /// The same without the rigid motion of the best fit, for a volume whose reference is not stated.
@@ -154,7 +154,7 @@ pub struct BudgetResult {
 /// A budget without the rigid motion of the part that fits the deviations best.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct FittedBudget {
-    /// What it is over.
+    /// Poses and reference that it is over.
     pub over: Over,
     /// The position deviation, um.
     pub position_um: DeviationBudget,
@@ -169,7 +169,7 @@ pub struct FittedBudget {
 /// Machines drawn without the motion of the part that leaves the smallest largest deviation of each.
 #[derive(Debug, Clone, Serialize, JsonSchema)]
 pub struct ZoneBudget {
-    /// What it is over.
+    /// Poses and reference that it is over.
     pub over: Over,
     /// The position deviation, um.
     pub position_um: DrawnMachineFigures,

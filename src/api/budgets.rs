@@ -23,7 +23,7 @@ pub(crate) struct DrawnMachines<'a> {
     /// Limit of the rounds.
     pub max_samples: usize,
     pub seed: u64,
-    /// What the set-up of the part takes out on each machine.
+    /// Motion that the part's set-up takes out on each machine.
     pub references: &'a [Option<&'a PartReference>],
 }
 

@@ -31,7 +31,7 @@ pub struct CertifiedWork {
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
     /// CL data alone.
     pub path: Option<bool>,
-    /// What the set-up of the part takes out; by default the zero at the part's origin.
+    /// Motion that the part's set-up takes out; by default the zero at the part's origin.
     #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
 }
@@ -78,7 +78,7 @@ impl CertifiedWork {
 /// Figures of a certificate over a job, without what the set-up of the part takes out.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct JobCertificate {
-    /// What they are over.
+    /// Poses and reference that they are over.
     pub over: Over,
     /// The side of approach that is worse.
     pub direction: Approach,
@@ -121,7 +121,7 @@ pub struct CertificateReport {
     pub target: String,
     /// Names of the files.
     pub files: Vec<String>,
-    /// What the figures are over: the volume.
+    /// Poses and reference of the figures: the volume.
     pub over: Over,
     /// Number of poses.
     pub poses: usize,

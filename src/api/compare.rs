@@ -41,7 +41,7 @@ pub struct CompareOptions {
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
     /// CL data alone.
     pub path: Option<bool>,
-    /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
+    /// Motion that the part's set-up takes out of the deviations; by default the zero at the part's origin for tool
     /// poses. Without tool poses machine coordinates and best fit are both compared by default.
     #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
@@ -163,7 +163,7 @@ pub struct ComparedMachine {
     /// Its 95 % value against the limit of the job, if it states one: of its budget, or else of its measured errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub limit: Option<LimitVerdict>,
-    /// What the tool poses ask of it, if they are one path.
+    /// Events of the path, if the tool poses are one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathResult>,
     /// The kinematic chain.

@@ -19,7 +19,7 @@ use crate::run::{Call, Refused};
 /// Machines side by side without the rigid motion of the part that fits the deviations of each best.
 #[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct FittedComparison {
-    /// What it is over.
+    /// Poses and reference that it is over.
     pub over: Over,
     /// The machines in their order.
     pub machines: Vec<FittedMachine>,

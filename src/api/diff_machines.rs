@@ -29,7 +29,7 @@ pub struct DiffMachinesOptions {
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
     /// CL data alone.
     pub path: Option<bool>,
-    /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
+    /// Motion that the part's set-up takes out of the deviations; by default the zero at the part's origin for tool
     /// poses, nothing for a volume.
     #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
@@ -136,7 +136,7 @@ const SAMPLES: usize = 1000;
 struct Judge<'a> {
     options: &'a DiffMachinesOptions,
     bounded: bool,
-    /// What the set-up of the part takes out of each machine.
+    /// Motion that the part's set-up takes out of each machine.
     reference: Reference,
 }
 

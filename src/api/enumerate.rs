@@ -56,7 +56,7 @@ pub struct EnumerateOptions {
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
     /// CL data alone.
     pub path: Option<bool>,
-    /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
+    /// Motion that the part's set-up takes out of the deviations; by default the zero at the part's origin for tool
     /// poses. Without tool poses arrangements are ranked in machine coordinates by default, and their best fits beside.
     #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
@@ -148,7 +148,7 @@ pub struct RankedArrangements {
     pub machine: String,
     /// Its kinematic chain as the file has it.
     pub chain: String,
-    /// What the ranking is over; reached are the poses that the machine reaches as its file has it.
+    /// Poses and reference of the ranking; reached are the poses that the machine reaches as its file has it.
     pub over: Over,
     /// Criterion of the arrangements.
     pub by: JudgedBy,

@@ -33,7 +33,7 @@ pub struct EvalOptions {
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
     /// CL data alone.
     pub path: Option<bool>,
-    /// What the set-up of the part takes out of the deviations; by default what the job says, otherwise nothing.
+    /// Motion that the part's set-up takes out of the deviations; by default what the job says, otherwise nothing.
     #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
     /// Order of the errors; exact by default, unless the conventions of the machine name an order.
@@ -69,7 +69,7 @@ pub struct EvalResult {
     /// What the result is over, for a job or a reference.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over: Option<Over>,
-    /// What the tool poses ask of the machine, if they are one path.
+    /// Events of the path, if the tool poses are one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathResult>,
     /// Units of the numbers.

@@ -36,7 +36,7 @@ pub struct MapOptions {
     pub path: Option<bool>,
     /// Order of the errors; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,
-    /// What the set-up of the part takes out of the deviations; by default the zero at the part's origin for tool
+    /// Motion that the part's set-up takes out of the deviations; by default the zero at the part's origin for tool
     /// poses, nothing for a volume.
     #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,
@@ -178,7 +178,7 @@ pub struct MapResult {
     pub direction: Approach,
     /// What the map is over.
     pub over: Over,
-    /// What the tool poses ask of the machine, if they are one path.
+    /// Events of the path, if the tool poses are one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathResult>,
     /// The 95 % value of the position against the limit of the job, if it states one.

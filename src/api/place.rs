@@ -34,8 +34,8 @@ pub struct PlacementOptions {
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
     /// CL data alone.
     pub path: Option<bool>,
-    /// What the set-up of the part takes out of the deviations; by default what the job states, or else the zero at the
-    /// part's origin. It moves with the part.
+    /// Motion that the part's set-up takes out of the deviations; by default what the job states, or else the zero at
+    /// the part's origin. It moves with the part.
     pub reference: Option<Reference>,
     /// Order of the errors; exact by default, unless the conventions of the machine name an order.
     pub order: Option<Order>,
@@ -84,7 +84,7 @@ impl PlacementOptions {
 pub struct PlacementResult {
     /// Name of the machine.
     pub machine: String,
-    /// What the result is over; `reached` counts at the place of the job.
+    /// Poses and reference of the result; `reached` counts at the place of the job.
     pub over: Over,
     /// `values` or `bounds`, from which the figures are; none for reach alone.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -108,7 +108,7 @@ pub struct PlacementResult {
     /// Ranges at whose end the best place lies.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub at_end_of: Vec<&'static str>,
-    /// What the best place gains over that of the job.
+    /// Gain of the best place over that of the job.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gain: Option<PlacementGain>,
     /// All places: those of the ranges, the first range running fastest, then that of the job if it is none of them.

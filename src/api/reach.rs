@@ -64,7 +64,7 @@ pub struct ReachResult {
     pub machine: String,
     /// Name of the tool; empty for a tool without a name.
     pub tool: String,
-    /// What the reach is over.
+    /// Poses and reference of the reach.
     pub over: Over,
     /// Ends of the box along x, y, z of the workpiece frame, mm.
     pub box_mm: [[f64; 2]; 3],

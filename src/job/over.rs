@@ -19,7 +19,7 @@ pub enum OverKind {
 pub struct Over {
     /// A volume or a job.
     pub kind: OverKind,
-    /// What the set-up of the part takes out.
+    /// Motion that the part's set-up takes out.
     pub reference: ReferenceKind,
     /// True if the best fit is the minimum zone.
     #[serde(skip_serializing_if = "std::ops::Not::not")]

@@ -1,4 +1,4 @@
-//! What tool poses ask of a machine as one path, by the lines of their file.
+//! Events of tool poses as one path, by the lines of their file.
 
 use crate::analysis::{AxisMotion, PathEvents, PoleCrossing, Rewind};
 use crate::diagnostic::{Diagnostic, codes, shown};
@@ -7,7 +7,7 @@ use crate::units::significant;
 use indexmap::IndexMap;
 use std::collections::BTreeMap;
 
-/// What a path asks of a machine.
+/// Events of a path on a machine.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct PathResult {
     /// The steps in which the tool has to leave the path, in their order.

@@ -55,7 +55,7 @@ pub struct TriedPlace {
     pub rank: Option<usize>,
 }
 
-/// What the best place gains over that of the job.
+/// Gain of the best place over that of the job.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct PlacementGain {
     /// Number of tool poses that it reaches more.
@@ -103,7 +103,7 @@ pub(crate) enum PlaceFigure<'a> {
     Reach,
     /// The deviations of a machine with values.
     Values { field: &'a dyn Field, order: Order, conditions: OperatingConditions },
-    /// What bounds lead to: the length that 95 % of the machines drawn do not exceed at each pose.
+    /// From bounds: the length that 95 % of the machines drawn do not exceed at each pose.
     Bounds { bounds: &'a [Bound], draws: &'a Draws, samples: usize },
 }
 
@@ -118,7 +118,7 @@ pub(crate) struct PlaceStudy<'a> {
     pub figure: PlaceFigure<'a>,
 }
 
-/// What was found at the places.
+/// The places that were tried, and the best of them.
 pub(crate) struct StudiedPlaces {
     /// The places in their order.
     pub tried: Vec<TriedPlace>,
@@ -126,7 +126,7 @@ pub(crate) struct StudiedPlaces {
     pub own: usize,
     /// Index of the best place; none if no tool pose is reached anywhere.
     pub best: Option<usize>,
-    /// What it gains.
+    /// Its gain.
     pub gain: Option<PlacementGain>,
     /// The reference, part coordinates.
     pub reference: Reference,
@@ -136,7 +136,7 @@ pub(crate) struct StudiedPlaces {
 struct Attempt {
     tried: TriedPlace,
     missed: Vec<usize>,
-    /// Why the part cannot be set up, if it cannot.
+    /// The reason why the part cannot be set up, if it cannot.
     unset: Option<Diagnostic>,
 }
 

@@ -25,7 +25,7 @@ pub struct ReportOptions {
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
     /// CL data alone.
     pub path: Option<bool>,
-    /// What the set-up of the part takes out of statistics, single errors and comparison; by default the zero at the
+    /// Motion that the part's set-up takes out of statistics, single errors and comparison; by default the zero at the
     /// part's origin for tool poses, nothing for a volume.
     #[schemars(with = "Option<ReferenceOption>")]
     pub reference: Option<Reference>,

@@ -108,7 +108,7 @@ pub struct WorkOptions {
     pub tool_poses: Option<PathBuf>,
     /// A job file in its place.
     pub job: Option<PathBuf>,
-    /// What the set-up of the part takes out of the deviations; by default what the job states, or else nothing.
+    /// Motion that the part's set-up takes out of the deviations; by default what the job states, or else nothing.
     pub reference: Option<Reference>,
     /// True if the tool poses are one continuous path; by default CL data are.
     pub path: Option<bool>,
@@ -272,7 +272,7 @@ struct WorkRows {
     #[serde(flatten)]
     found: MapRows,
     tips: Vec<RowTip>,
-    /// What the figures are over, in words.
+    /// Poses and reference of the figures, in words.
     over: String,
 }
 
@@ -305,7 +305,7 @@ fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRow
 struct PlacedPart {
     placement: PlacementResult,
     svg: String,
-    /// What the figures are over, in words.
+    /// Poses and reference of the figures, in words.
     over: String,
 }
 

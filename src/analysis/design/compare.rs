@@ -31,7 +31,7 @@ pub struct MachineResult {
     pub missed: Vec<(usize, Miss)>,
     /// Positions of its axes over all tool poses.
     pub needs: Needs,
-    /// What the tool poses ask of it, if they are a path.
+    /// Events of the path, if the tool poses are one.
     pub path: Option<PathEvents>,
     /// Its pose (mm, deg) at each common tool pose, with the deviation there (workpiece frame).
     pub reached: Vec<(Pose, Deviation)>,

@@ -22,7 +22,7 @@ const TRIED_RAD: f64 = 0.1;
 /// Part by which bounds are widened for rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// What a bisection came to.
+/// Result of a bisection.
 pub struct Bisection {
     /// Poses (mm, deg) worth trying: their rotary axes are near to a solution, in the order of the boxes.
     pub near: Vec<Pose>,

@@ -60,8 +60,8 @@ fn spread(search: &CandidateSearch<'_>, path: &mut [ChosenPose], run: Range<usiz
     }
 }
 
-/// Shifts an axis by whole turns into a travel (deg), if it has ends. Where the whole path does not fit, each part is as long as the
-/// travel allows; between two parts the axis rewinds.
+/// Shifts an axis by whole turns into a travel (deg), if it has ends. Where the whole path does not fit, each part is
+/// as long as the travel allows; between two parts the axis rewinds.
 fn fit_turns(path: &mut [ChosenPose], axis: usize, travel: Travel) {
     let Travel::Range(min, max) = travel else { return };
     let shifts = |low: f64, high: f64| {

@@ -67,7 +67,7 @@ pub(crate) fn reach_text(missed: &[MissedToolPose], travel: &[NeededTravel]) -> 
     text
 }
 
-/// What a path asks of the machine: events, then the motion of each axis.
+/// The events of a path, then the motion of each axis.
 pub(crate) fn path_text(path: &PathResult) -> String {
     let PathResult { rewinds, pole_crossings, axes } = path;
     let count = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });

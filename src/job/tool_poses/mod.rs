@@ -106,7 +106,7 @@ pub struct ReachedToolPoses {
     pub rows: Vec<MissedToolPose>,
     /// The travel that the tool poses need, axis by axis.
     pub travel: Vec<NeededTravel>,
-    /// What they ask of the machine, if they are a path.
+    /// Events of the path, if they are one.
     #[serde(skip)]
     pub path: Option<PathResult>,
     /// The poses of the machine (mm, deg), in the order of the rows.

@@ -43,7 +43,7 @@ pub struct MachineData {
     workpiece_origin_mm: [f64; 3],
     workpiece_rotation_deg: [f64; 3],
     order: String,
-    /// What statistics, worst poses, features and single errors are over.
+    /// Poses and reference of statistics, worst poses, features and single errors.
     over: Over,
     /// The same in words.
     over_line: String,

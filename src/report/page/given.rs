@@ -29,9 +29,9 @@ pub struct MachineInput<'a> {
     pub work: Option<(&'a [Pose], &'a Value)>,
     /// The round features of the work.
     pub round: &'a [RoundFeature],
-    /// What the set-up of the part takes out of the figures.
+    /// Motion that the part's set-up takes out of the figures.
     pub removed: Option<&'a PartReference>,
-    /// What the figures are over.
+    /// Poses and reference of the figures.
     pub over: &'a Over,
     /// Results of the targets that were written for it.
     pub written: &'a [TargetResult],

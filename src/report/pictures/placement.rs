@@ -26,7 +26,7 @@ const APART: &str = "#cfd3d7";
 pub struct PlacementPicture<'a> {
     /// The title.
     pub title: &'a str,
-    /// What the places are over.
+    /// Poses and reference of the places.
     pub over: &'a str,
     /// The ranges.
     pub ranges: &'a [PlaceRange],

@@ -13,7 +13,7 @@ pub struct MachineDifference {
     pub machines: [String; 2],
     /// File of each machine.
     pub files: [String; 2],
-    /// What the difference is over.
+    /// Poses and reference of the difference.
     pub over: Over,
     /// Number of tool poses asked for.
     pub asked: usize,

@@ -190,7 +190,7 @@ export interface Work {
   };
   rows: { poses: WorkRow[] };
   tips: { line: number; tip_mm: Vec3 }[];
-  /** What the figures are over, in words. */
+  /** Poses and reference of the figures, in words. */
   over: string;
 }
 
@@ -198,7 +198,7 @@ export interface Work {
 export interface PlacedPart {
   placement: results.PlacementResult;
   svg: string;
-  /** What the figures are over, in words. */
+  /** Poses and reference of the figures, in words. */
   over: string;
 }
 

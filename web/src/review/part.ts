@@ -24,7 +24,7 @@ import { figure, rounded } from "./number";
 /** Colours of what stops a pose, told apart without red and green, and from the scale of deviations. */
 const STOPPED = ["#0077bb", "#33bbee", "#009988", "#666666", "#7755cc", "#aa7700"];
 
-/** What the set-up of the part takes out of the deviations, in words. */
+/** References of the part, in words. */
 const REFERENCES = {
   "": "As a job has it; machine coordinates of a table",
   machine: "Machine coordinates",
@@ -268,7 +268,7 @@ export class Part {
   }
 }
 
-/** What a path asks of the machine: rewinds, pole crossings, reversals, by the lines of the file. */
+/** Events of a path: rewinds, pole crossings, reversals, by the lines of the file. */
 function events(path: Path): HTMLElement {
   const turns = (of: Record<string, number>) => Object.entries(of).map(([axis, deg]) => `${axis} ${rounded(deg)}°`);
   const rewinds = path.rewinds.map(

@@ -56,7 +56,7 @@ pub struct WalkPoses<'a> {
     pub tables: &'a [usize],
     /// The poses (mm, deg).
     pub poses: &'a [Pose],
-    /// What set-ups of the part take out, each by itself; `None` is nothing.
+    /// Motions that set-ups of the part take out, each by itself; `None` is nothing.
     pub references: &'a [Option<PartReference>],
 }
 
