@@ -267,7 +267,7 @@ class Verbs:
         * ``job``: A job file instead of poses: the poses for its tool poses, without what its set-up takes out.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
-        * ``reference``: What the set-up of the part takes out of the deviations; by default what the job says,
+        * ``reference``: Motion that the part's set-up takes out of the deviations; by default what the job says,
           otherwise nothing.
         * ``order``: Order of the errors; exact by default, unless the conventions of the machine name an order.
         * ``approach``: Side of approach, where forward and reverse curves were given.
@@ -383,7 +383,7 @@ class Verbs:
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
         * ``order``: Order of the errors; exact by default, unless the conventions of the machine name an order.
-        * ``reference``: What the set-up of the part takes out of the deviations; by default the zero at the part's
+        * ``reference``: Motion that the part's set-up takes out of the deviations; by default the zero at the part's
           origin for tool poses, nothing for a volume.
         * ``approach``: Side of approach, where forward and reverse curves were given.
         * ``frame``: Frame of the vectors.
@@ -485,7 +485,7 @@ class Verbs:
         * ``tool_poses``: A file of tool poses in place of a job file.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
-        * ``reference``: What the set-up of the part takes out of the deviations; by default what the job states, or
+        * ``reference``: Motion that the part's set-up takes out of the deviations; by default what the job states, or
           else the zero at the part's origin. It moves with the part.
         * ``order``: Order of the errors; exact by default, unless the conventions of the machine name an order.
         * ``approach``: Side of approach, where forward and reverse curves were given.
@@ -543,7 +543,7 @@ class Verbs:
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
-        * ``reference``: What the set-up of the part takes out of the deviations; by default the zero at the part's
+        * ``reference``: Motion that the part's set-up takes out of the deviations; by default the zero at the part's
           origin for tool poses. Without tool poses machine coordinates and best fit are both compared by default.
         * ``seed``: Seed of the tool poses, and of the errors that are drawn.
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
@@ -612,8 +612,8 @@ class Verbs:
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
-        * ``reference``: What the set-up of the part takes out of the effects; by default the zero at the part's origin
-          for tool poses, nothing for a volume.
+        * ``reference``: Motion that the part's set-up takes out of the effects; by default the zero at the part's
+          origin for tool poses, nothing for a volume.
         * ``samples``: Number of machines that are drawn, at least 2.
         * ``at``: A pose at which contributions are listed too, ``X=100,C=90``: mm and deg; axes left out are at 0.
         * ``goal_mm``: Goal of the 95 % value of the position, mm: the cheapest tolerances for it are sought.
@@ -693,7 +693,7 @@ class Verbs:
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
-        * ``reference``: What the set-up of the part takes out of the deviations; by default the zero at the part's
+        * ``reference``: Motion that the part's set-up takes out of the deviations; by default the zero at the part's
           origin for tool poses. Without tool poses arrangements are ranked in machine coordinates by default, and their
           best fits beside.
         * ``size``: Gives linear axes the travel that the work needs, whatever the file says; every arrangement tells
@@ -990,7 +990,7 @@ class Verbs:
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
-        * ``reference``: What the set-up of the part takes out; by default the zero at the part's origin.
+        * ``reference``: Motion that the part's set-up takes out; by default the zero at the part's origin.
         * ``max_correction``: Limits on corrections.
         * ``lattice``: Names of the axes that span a lattice; all if empty. The others are at 0 in its nodes.
         * ``max_nodes``: Maximum number of lattice nodes.
@@ -1043,7 +1043,7 @@ class Verbs:
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
-        * ``reference``: What the set-up of the part takes out; by default the zero at the part's origin.
+        * ``reference``: Motion that the part's set-up takes out; by default the zero at the part's origin.
         """
         options: dict[str, Any] = {
             "target": target,
@@ -1108,7 +1108,7 @@ class Verbs:
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
-        * ``reference``: What the set-up of the part takes out of the deviations; by default the zero at the part's
+        * ``reference``: Motion that the part's set-up takes out of the deviations; by default the zero at the part's
           origin for tool poses, nothing for a volume.
         * ``seed``: Seed of the tool poses.
         * ``order``: Order of the errors; exact by default, unless the conventions of a machine name an order.
@@ -1155,7 +1155,7 @@ class Verbs:
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
-        * ``reference``: What the set-up of the part takes out of statistics, single errors and comparison; by default
+        * ``reference``: Motion that the part's set-up takes out of statistics, single errors and comparison; by default
           the zero at the part's origin for tool poses, nothing for a volume.
         * ``seed``: Seed of the poses, and of the errors that are drawn.
         * ``order``: Order of the errors; exact by default, unless the conventions of a machine name an order.

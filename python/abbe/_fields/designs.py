@@ -37,7 +37,7 @@ class Tightening(Record):
 class FittedBudget(Record):
     """A budget without the rigid motion of the part that fits the deviations best."""
 
-    over: Annotated[Over, "What it is over."]
+    over: Annotated[Over, "Poses and reference that it is over."]
     position_um: Annotated[DeviationBudget, "The position deviation, um."]
     rotation_urad: Annotated[DeviationBudget, "The rotation of the tool, urad."]
     tighten_first: Annotated[str, "The error whose tolerance to tighten first."]
@@ -47,7 +47,7 @@ class FittedBudget(Record):
 class ZoneBudget(Record):
     """Machines drawn without the motion of the part that leaves the smallest largest deviation of each."""
 
-    over: Annotated[Over, "What it is over."]
+    over: Annotated[Over, "Poses and reference that it is over."]
     position_um: Annotated[DrawnMachineFigures, "The position deviation, um."]
     rotation_urad: Annotated[DrawnMachineFigures, "The rotation of the tool, urad."]
 
@@ -119,7 +119,7 @@ class BudgetFields(Record):
     chain: Annotated[str, "The kinematic chain."]
     over: Annotated[Over, "What the budget is over."]
     limit: Annotated[Union[LimitVerdict, None], "The 95 % value of the position against the limit of the job, if it states one."]
-    path: Annotated[Union[PathResult, None], "What the tool poses ask of the machine, if they are one path."]
+    path: Annotated[Union[PathResult, None], "Events of the path, if the tool poses are one."]
     best_fit: Annotated[Union[FittedBudget, None], "The same without the rigid motion of the best fit, for a volume whose reference is not stated."]
     minimum_zone: Annotated[Union[ZoneBudget, None], "The machines drawn without the minimum zone, where it is the reference: it has no worst case, RSS and effects of single errors, so the other figures are without the least squares."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches."]
@@ -209,7 +209,7 @@ class EnumerateFields(Record):
 
     machine: Annotated[str, "Name of the machine."]
     chain: Annotated[str, "Its kinematic chain as the file has it."]
-    over: Annotated[Over, "What the ranking is over; reached are the poses that the machine reaches as its file has it."]
+    over: Annotated[Over, "Poses and reference of the ranking; reached are the poses that the machine reaches as its file has it."]
     by: Annotated[Literal["budget", "errors"], "Criterion of the arrangements."]
     class_source: Annotated[Union[str, None], "Source of the class."]
     errors: Annotated[int, "Number of errors that count."]

@@ -11,7 +11,7 @@ class Over(Record):
     """What a result is over."""
 
     kind: Annotated[Literal["volume", "job"], "A volume or a job."]
-    reference: Annotated[Literal["machine", "zero", "datum", "best-fit"], "What the set-up of the part takes out."]
+    reference: Annotated[Literal["machine", "zero", "datum", "best-fit"], "Motion that the part's set-up takes out."]
     minimum_zone: Annotated[Union[bool, None], "True if the best fit is the minimum zone."]
     path: Annotated[bool, "True if the poses are one continuous path."]
     poses: Annotated[int, "Number of poses asked for."]
@@ -49,7 +49,7 @@ class PathAxis(Record):
 
 
 class PathResult(Record):
-    """What a path asks of a machine."""
+    """Events of a path on a machine."""
 
     rewinds: Annotated[list[PathRewind], "The steps in which the tool has to leave the path, in their order."]
     pole_crossings: Annotated[list[PathPole], "The passages near the line of a rotary axis, axis by axis."]
@@ -113,7 +113,7 @@ class EvalFields(Record):
     direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
     tool: Annotated[str, "Name of the tool; empty for a tool without a name."]
     over: Annotated[Union[Over, None], "What the result is over, for a job or a reference."]
-    path: Annotated[Union[PathResult, None], "What the tool poses ask of the machine, if they are one path."]
+    path: Annotated[Union[PathResult, None], "Events of the path, if the tool poses are one."]
     units: Annotated[EvalUnits, "Units of the numbers."]
     poses: Annotated[list[PoseResult], "The poses in their order."]
 
@@ -386,7 +386,7 @@ class MapFields(Record):
     frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors."]
     direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
     over: Annotated[Over, "What the map is over."]
-    path: Annotated[Union[PathResult, None], "What the tool poses ask of the machine, if they are one path."]
+    path: Annotated[Union[PathResult, None], "Events of the path, if the tool poses are one."]
     limit: Annotated[Union[LimitVerdict, None], "The 95 % value of the position against the limit of the job, if it states one."]
     poses: Annotated[int, "Number of poses."]
     bounds: Annotated[Union[MapFromBounds, None], "What the bounds lead to, where nothing is measured."]
@@ -429,7 +429,7 @@ class ReachFields(Record):
 
     machine: Annotated[str, "Name of the machine."]
     tool: Annotated[str, "Name of the tool; empty for a tool without a name."]
-    over: Annotated[Over, "What the reach is over."]
+    over: Annotated[Over, "Poses and reference of the reach."]
     box_mm: Annotated[list[list[float]], "Ends of the box along x, y, z of the workpiece frame, mm."]
     counts: Annotated[list[int], "Number of tips along x, y, z; of a job all tips stand in one row."]
     tips: Annotated[int, "Number of tips."]
@@ -497,7 +497,7 @@ class CommonFigures(Record):
 
 
 class PlacementGain(Record):
-    """What the best place gains over that of the job."""
+    """Gain of the best place over that of the job."""
 
     poses: Annotated[int, "Number of tool poses that it reaches more."]
     rewinds: Annotated[Union[int, None], "Number of rewinds that it has less."]
@@ -509,7 +509,7 @@ class PlacementFields(Record):
     """Places of a part on a machine."""
 
     machine: Annotated[str, "Name of the machine."]
-    over: Annotated[Over, "What the result is over; ``reached`` counts at the place of the job."]
+    over: Annotated[Over, "Poses and reference of the result; ``reached`` counts at the place of the job."]
     drawing: Annotated[Union[DrawSettings, None], "Settings of the machines drawn, from bounds."]
     ranges: Annotated[list[PlaceRange], "The ranges, in the order named."]
     places: Annotated[int, "Number of places that were tried; that of the job is one of them."]
@@ -518,7 +518,7 @@ class PlacementFields(Record):
     own: Annotated[TriedPlace, "The place of the job."]
     best: Annotated[Union[TriedPlace, None], "The best place; none if no tool pose is reached anywhere."]
     at_end_of: Annotated[Union[list[str], None], "Ranges at whose end the best place lies."]
-    gain: Annotated[Union[PlacementGain, None], "What the best place gains over that of the job."]
+    gain: Annotated[Union[PlacementGain, None], "Gain of the best place over that of the job."]
     tried: Annotated[list[TriedPlace], "All places: those of the ranges, the first range running fastest, then that of the job if it is none of them."]
 
 
@@ -586,7 +586,7 @@ class ComparedMachine(Record):
     missed: Annotated[Union[list[MissedToolPose], None], "Rows of a file of tool poses that it does not reach."]
     travel: Annotated[Union[list[NeededTravel], None], "The travel that the tool poses of a file need, axis by axis."]
     limit: Annotated[Union[LimitVerdict, None], "Its 95 % value against the limit of the job, if it states one: of its budget, or else of its measured errors."]
-    path: Annotated[Union[PathResult, None], "What the tool poses ask of it, if they are one path."]
+    path: Annotated[Union[PathResult, None], "Events of the path, if the tool poses are one."]
 
 
 class DeviationBudget(Record):
@@ -698,7 +698,7 @@ class FittedMachine(Record):
 class FittedComparison(Record):
     """Machines side by side without the rigid motion of the part that fits the deviations of each best."""
 
-    over: Annotated[Over, "What it is over."]
+    over: Annotated[Over, "Poses and reference that it is over."]
     machines: Annotated[list[FittedMachine], "The machines in their order."]
     versus_first_p95_um: Annotated[Union[list[ComparedVerdict], None], "The 95 % value of the position of each machine but the first, minus that of the first, where budgets are compared."]
 

@@ -228,7 +228,7 @@ class DiffFields(Record):
 
     machines: Annotated[list[str], "Name of each machine."]
     files: Annotated[list[str], "File of each machine."]
-    over: Annotated[Over, "What the difference is over."]
+    over: Annotated[Over, "Poses and reference of the difference."]
     asked: Annotated[int, "Number of tool poses asked for."]
     poses: Annotated[int, "Number of tool poses that both machines reach, and most differences by themselves: one that reaches less than nine tenths of them is judged on what it reaches."]
     seed: Annotated[int, "Seed of the tool poses."]

@@ -72,7 +72,7 @@ class CertificateStep(Record):
 class JobCertificate(Record):
     """Figures of a certificate over a job, without what the set-up of the part takes out."""
 
-    over: Annotated[Over, "What they are over."]
+    over: Annotated[Over, "Poses and reference that they are over."]
     direction: Annotated[Literal["mean", "forward", "reverse"], "The side of approach that is worse."]
     uncompensated: Annotated[CertifiedFigures, "Without the files."]
     compensated: Annotated[CertifiedFigures, "With the files: the part is set up on the machine as it runs."]
@@ -93,7 +93,7 @@ class CertificateFields(Record):
     raised: Annotated[list[RaisedFigure], "Figures that the files raise."]
     target: Annotated[str, "Name of the target."]
     files: Annotated[list[str], "Names of the files."]
-    over: Annotated[Over, "What the figures are over: the volume."]
+    over: Annotated[Over, "Poses and reference of the figures: the volume."]
     poses: Annotated[int, "Number of poses."]
     direction: Annotated[Literal["mean", "forward", "reverse"], "The side of approach that is worse."]
     tool: Annotated[str, "Name of the tool; may be empty."]

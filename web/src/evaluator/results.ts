@@ -216,7 +216,7 @@ export interface BudgetResult {
   over: Over;
   /** The 95 % value of the position against the limit of the job, if it states one. */
   limit?: LimitVerdict | null;
-  /** What the tool poses ask of the machine, if they are one path. */
+  /** Events of the path, if the tool poses are one. */
   path?: PathResult | null;
   /** The same without the rigid motion of the best fit, for a volume whose reference is not stated. */
   best_fit?: FittedBudget | null;
@@ -515,7 +515,7 @@ export interface ComparedMachine {
   travel?: NeededTravel[] | null;
   /** Its 95 % value against the limit of the job, if it states one: of its budget, or else of its measured errors. */
   limit?: LimitVerdict | null;
-  /** What the tool poses ask of it, if they are one path. */
+  /** Events of the path, if the tool poses are one. */
   path?: PathResult | null;
 }
 
@@ -769,7 +769,7 @@ export interface EvalResult {
   tool: string;
   /** What the result is over, for a job or a reference. */
   over?: Over | null;
-  /** What the tool poses ask of the machine, if they are one path. */
+  /** Events of the path, if the tool poses are one. */
   path?: PathResult | null;
   /** Units of the numbers. */
   units: EvalUnits;
@@ -811,7 +811,7 @@ export interface FeatureResult {
 
 /** A budget without the rigid motion of the part that fits the deviations best. */
 export interface FittedBudget {
-  /** What it is over. */
+  /** Poses and reference that it is over. */
   over: Over;
   /** The position deviation, um. */
   position_um: DeviationBudget;
@@ -825,7 +825,7 @@ export interface FittedBudget {
 
 /** Machines side by side without the rigid motion of the part that fits the deviations of each best. */
 export interface FittedComparison {
-  /** What it is over. */
+  /** Poses and reference that it is over. */
   over: Over;
   /** The machines in their order. */
   machines: FittedMachine[];
@@ -1068,7 +1068,7 @@ export interface MapResult {
   direction: Approach;
   /** What the map is over. */
   over: Over;
-  /** What the tool poses ask of the machine, if they are one path. */
+  /** Events of the path, if the tool poses are one. */
   path?: PathResult | null;
   /** The 95 % value of the position against the limit of the job, if it states one. */
   limit?: LimitVerdict | null;
@@ -1165,7 +1165,7 @@ export interface OtherSide {
 export interface Over {
   /** A volume or a job. */
   kind: OverKind;
-  /** What the set-up of the part takes out. */
+  /** Motion that the part's set-up takes out. */
   reference: ReferenceKind;
   /** True if the best fit is the minimum zone. */
   minimum_zone?: boolean;
@@ -1224,7 +1224,7 @@ export interface PathPole {
   deg_per_mm: number | null;
 }
 
-/** What a path asks of a machine. */
+/** Events of a path on a machine. */
 export interface PathResult {
   /** The steps in which the tool has to leave the path, in their order. */
   rewinds: PathRewind[];
@@ -1284,7 +1284,7 @@ export interface Placement {
   rotation: [number, number, number];
 }
 
-/** What the best place gains over that of the job. */
+/** Gain of the best place over that of the job. */
 export interface PlacementGain {
   /** Number of tool poses that it reaches more. */
   poses: number;
@@ -1300,7 +1300,7 @@ export interface PlacementGain {
 export interface PlacementResult {
   /** Name of the machine. */
   machine: string;
-  /** What the result is over; `reached` counts at the place of the job. */
+  /** Poses and reference of the result; `reached` counts at the place of the job. */
   over: Over;
   /** `values` or `bounds`, from which the figures are; none for reach alone. */
   from?: string | null;
@@ -1320,7 +1320,7 @@ export interface PlacementResult {
   best?: TriedPlace | null;
   /** Ranges at whose end the best place lies. */
   at_end_of?: string[];
-  /** What the best place gains over that of the job. */
+  /** Gain of the best place over that of the job. */
   gain?: PlacementGain | null;
   /** All places: those of the ranges, the first range running fastest, then that of the job if it is none of them. */
   tried: TriedPlace[];
@@ -1413,7 +1413,7 @@ export interface ReachResult {
   machine: string;
   /** Name of the tool; empty for a tool without a name. */
   tool: string;
-  /** What the reach is over. */
+  /** Poses and reference of the reach. */
   over: Over;
   /** Ends of the box along x, y, z of the workpiece frame, mm. */
   box_mm: [[number, number], [number, number], [number, number]];
@@ -1674,7 +1674,7 @@ export interface WorstPose {
 
 /** Machines drawn without the motion of the part that leaves the smallest largest deviation of each. */
 export interface ZoneBudget {
-  /** What it is over. */
+  /** Poses and reference that it is over. */
   over: Over;
   /** The position deviation, um. */
   position_um: DrawnMachineFigures;
