@@ -27,8 +27,8 @@ FAST, QUICK = 2000.0, 20000.0
 CALM = {"LINEAR": 300.0, "ANGULAR": 100.0}
 RANGE = 1e5
 START = ["G21 G90 G94 G54 G49", "G43 H1"]
-# Two looks at the motors that far apart, s, must be the same.
-LOOK = 0.03
+# The motors must be the same over so many servo cycles.
+QUIET = 120
 
 
 def ini(module, coordinates, tables):
@@ -56,13 +56,13 @@ def read(controller, pin):
 
 def settled(controller):
     """Motor commands, once the corrections stand still."""
-    seen = {"now": read(controller, "motor-pos-cmd"), "since": session.time.monotonic()}
+    seen = {"now": None, "since": 0}
 
     def still():
-        now = read(controller, "motor-pos-cmd")
+        cycle, now = controller.pin("cycles.out"), read(controller, "motor-pos-cmd")
         if now != seen["now"]:
-            seen.update(now=now, since=session.time.monotonic())
-        return session.time.monotonic() - seen["since"] > LOOK
+            seen.update(now=now, since=cycle)
+        return cycle - seen["since"] > QUIET
 
     controller.wait("standstill", still)
     return seen["now"]
@@ -106,7 +106,7 @@ def run(directory, text, keep):
     tables = {joint.letter: joint for joint in Fragment(os.path.join(directory, "linuxcnc")).joints}
     tool = program["tool"]
     files = {"run.ini": ini(program["module"], program["coordinates"], tables), "program.json": text,
-             "run.hal": session.bare_hal(len(program["coordinates"])) + f"source {hal}\n",
+             "run.hal": session.bare_hal(len(program["coordinates"])) + session.CYCLES + f"source {hal}\n",
              "tool.tbl": f"T1 P1 {tool['letter']}{tool['length']}\n"}
     copies = [os.path.join(directory, other, hal)] + [joint.path for joint in tables.values()]
     with session.RunDir(files, copies, keep) as rundir:

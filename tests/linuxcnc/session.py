@@ -216,6 +216,14 @@ def bare_hal(joints):
     return "\n".join(lines) + "\n"
 
 
+# HAL lines that count servo cycles on the pin cycles.out: a busy machine may hold the thread for longer than any look.
+CYCLES = """loadrt sum2 names=cycles
+addf cycles servo-thread
+net cycles cycles.out => cycles.in0
+setp cycles.in1 1
+"""
+
+
 def motor(joint):
     """The signal of a joint's motor command."""
     return f"joint{joint}-{SAMPLED_PINS[-1]}"
