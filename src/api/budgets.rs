@@ -2,8 +2,8 @@
 
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
-    Bound, BoundedError, Budget, BudgetPart, Class, Coverage, PairedDifference, PairedTest, Request, STAND_IN_CLASS,
-    Totals, Verdict, VersusFirst, budget, classes, round_sizes, side_by_side,
+    ActingErrors, Bound, BoundedError, Budget, BudgetPart, Class, Coverage, PairedDifference, PairedTest, Request,
+    STAND_IN_CLASS, Totals, Verdict, VersusFirst, budget, classes, round_sizes, side_by_side,
 };
 use crate::analysis::reference::PartReference;
 use crate::diagnostic::{Diagnostic, codes, shown};
@@ -256,9 +256,19 @@ fn budgeted(
         let list: Vec<Budget> = call.stage(2 * samples * sides.len(), |advance| {
             let one = |(i, (machine, poses)): (usize, &(&Machine, Vec<Pose>))| {
                 let (bounds, reference, draws) = (&bounds[i], drawn.references[i], &draws);
-                let searched = false;
-                let request =
-                    Request { machine, bounds, poses, reference, searched, at: None, draws, samples, statistic };
+                let (searched, acting) = (false, ActingErrors::OfMachine);
+                let request = Request {
+                    machine,
+                    acting,
+                    bounds,
+                    poses,
+                    reference,
+                    searched,
+                    at: None,
+                    draws,
+                    samples,
+                    statistic,
+                };
                 budget(request, advance)
             };
             sides.iter().enumerate().map(one).collect()
@@ -358,8 +368,9 @@ impl Compared<'_> {
         let DrawnMachines { tolerances, seed, references, .. } = self.drawn;
         let (machine, poses) = &self.sides[side];
         let (draws, statistic, samples) = (&tolerances.draws(seed), tolerances.statistic, self.samples);
-        let (reference, searched) = (references[side], false);
-        let request = Request { machine, bounds, poses, reference, searched, at: None, draws, samples, statistic };
+        let (reference, searched, acting) = (references[side], false, ActingErrors::OfMachine);
+        let request =
+            Request { machine, acting, bounds, poses, reference, searched, at: None, draws, samples, statistic };
         Ok(call.stage(2 * samples, |advance| budget(request, advance))?.position.drawn)
     }
 }
