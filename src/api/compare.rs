@@ -286,7 +286,9 @@ fn side_by_side(
         Some(match (&budgets, &machine.bounds) {
             (Some(of), _) => of.machines[i].position_um.monte_carlo.against(&limit),
             (None, Some(of)) => of.figures.position_um.monte_carlo.against(&limit),
-            (None, None) => limit.on_values(&machine.position_um),
+            (None, None) => {
+                limit.on_values(&machine.position_um, machine.uncertainty.as_ref().map(|of| &of.own.position_um))
+            }
         })
     };
     let of = |(i, ((((machine, missed), travel), bounds_add), path))| {
