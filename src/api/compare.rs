@@ -21,7 +21,7 @@ use crate::job::path::PathResult;
 use crate::job::poses::check;
 use crate::job::reference::{Reference, SetUp};
 use crate::job::reference_text::ReferenceOption;
-use crate::job::tool_poses::{MissedToolPose, NeededTravel, needed_travel};
+use crate::job::tool_poses::{MissedToolPose, NeededTravel, ToolPoses, needed_travel};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};
 use crate::run::{Call, Count, Refused, Reply, Run};
@@ -199,6 +199,8 @@ pub struct ComparedPose {
     pub deviations: Vec<PoseDeviation>,
     /// What the bounds of each machine lead to, where nothing is measured.
     pub bounded: Vec<Option<BoundedDeviation>>,
+    /// Events of the path of each machine in words, empty without; none of single poses.
+    pub events: Vec<String>,
 }
 
 /// Compares machines on the same tool poses; the first is the reference.
@@ -273,6 +275,8 @@ fn side_by_side(
     }
     call.check()?;
     let Figures { comparison, bounded, budgets, uncertainty, .. } = whole;
+    let mut rows: Vec<ComparedPose> = (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect();
+    put_events(&mut rows, asked, &comparison, &paths);
     let machines = (0..files.len()).map(|i| compared_machine(files, &comparison, order(&files[i]), (i, &bounded)));
     let travel = |(i, missed): (usize, &Option<Vec<_>>)| {
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
@@ -305,7 +309,7 @@ fn side_by_side(
         budgets,
         best_fit,
         verdicts,
-        rows: (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect(),
+        rows,
     })
 }
 
@@ -362,7 +366,25 @@ fn row(comparison: &Comparison, bounded: &[Option<Bounded>], index: usize) -> Co
     };
     let deviations = comparison.machines.iter().map(deviation).collect();
     let bounded = bounded.iter().map(|of| of.as_ref().map(|of| of.found.poses[index])).collect();
-    ComparedPose { tip_mm: target.tip.into(), direction: target.direction.into(), deviations, bounded }
+    let (tip_mm, direction, events) = (target.tip.into(), target.direction.into(), Vec::new());
+    ComparedPose { tip_mm, direction, deviations, bounded, events }
+}
+
+/// Puts the events of the path of each machine to the tool poses that all machines reach.
+fn put_events(
+    rows: &mut [ComparedPose],
+    asked: Option<&ToolPoses>,
+    comparison: &Comparison,
+    paths: &[Option<PathResult>],
+) {
+    let is_missed = |side: &MachineResult, index: usize| side.missed.binary_search_by_key(&index, |of| of.0).is_ok();
+    let is_common = |index: &usize| !comparison.machines.iter().any(|side| is_missed(side, *index));
+    let lines = asked.map_or_else(Vec::new, ToolPoses::lines);
+    let common: Vec<usize> = (0..lines.len()).filter(is_common).map(|index| lines[index]).collect();
+    for path in paths.iter().flatten() {
+        let words = path.words_at(common.iter().copied());
+        rows.iter_mut().zip(words).for_each(|(row, words)| row.events.push(words));
+    }
 }
 
 pub(crate) fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {

@@ -164,7 +164,7 @@ pub struct RankedArrangements {
     /// Verdicts that are withheld because errors without a value or a bound could turn them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turned: Option<TurnedVerdicts>,
-    /// Number of tool poses.
+    /// Number of tool poses: all of a job, whether or not the machine of the file reaches them.
     pub poses: usize,
     /// Number of machines drawn of every arrangement.
     pub samples: Option<usize>,
@@ -183,7 +183,8 @@ pub struct RankedArrangements {
     pub not_buildable: Vec<ExcludedArrangements>,
     /// The arrangements that do the whole work, best first.
     pub ranked: Vec<Arrangement>,
-    /// Arrangements that miss some tool poses: figures over their own tool poses, `minus_file` on these.
+    /// Arrangements that miss some tool poses: figures over their own tool poses, `minus_file` on those of them that the
+    /// arrangement of the file reaches.
     pub reach_less: Vec<Arrangement>,
     /// Arrangements whose geometry the file does not state.
     pub geometry_not_stated: Vec<Arrangement>,
@@ -241,7 +242,7 @@ pub struct Arrangement {
     pub high: Option<f64>,
     /// Mean of the machines drawn, um.
     pub mean: Option<f64>,
-    /// Its figure minus that of the arrangement of the file, um.
+    /// Its figure minus that of the arrangement of the file, um, on the tool poses that both reach; none without such.
     pub minus_file: Option<f64>,
     /// Number of machines drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -295,7 +296,7 @@ impl Arrangement {
             low: result.and_then(|result| result.low),
             high: result.and_then(|result| result.high),
             mean: result.and_then(|result| result.mean),
-            minus_file: result.map(|result| result.minus_file),
+            minus_file: result.and_then(|result| result.minus_file),
             samples: result.and_then(|result| result.samples),
             versus_first: result.and_then(|result| result.versus_first).map(against),
             best_fit: result.and_then(|result| result.best_fit),
@@ -463,7 +464,9 @@ fn studied(
     };
     let unranked = |rows: Vec<ArrangementRow>| rows.into_iter().map(|row| Arrangement::new(row, None)).collect();
     let mut over = Over::work(machine, &set_ups.reference, tool_poses.as_ref(), options.poses);
-    over.reached = end.reach.work;
+    if tool_poses.is_none() {
+        over.reached = end.reach.work;
+    }
     Ok(EnumerateResult::Ranked(Box::new(RankedArrangements {
         over,
         machine: machine.name().to_owned(),
@@ -659,7 +662,7 @@ fn fingerprint(
         }
         Judge::Errors => "errors".to_owned(),
     };
-    let listed = listed.map_or_else(String::new, |work| format!(" {work:?}"));
+    let listed = listed.map_or_else(String::new, |work| format!(" whole {work:?}"));
     let drawn = (options.buildable, options.rotary, options.poses, options.seed, options.tolerances.statistic);
     let text = format!(
         "{} {} {rules:?} {bounds} {drawn:?}{listed} {set_ups:?}",

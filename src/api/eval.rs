@@ -12,6 +12,7 @@ use crate::job::path::PathResult;
 use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::job::reference::{Reference, SetUp};
 use crate::job::reference_text::ReferenceOption;
+use crate::job::tool_poses::ReachedToolPoses;
 use crate::lower::WeilLift;
 use crate::machine::{Approach, Machine, OperatingConditions, Pose};
 use crate::run::{Call, Refused, Reply, Run};
@@ -72,6 +73,9 @@ pub struct EvalResult {
     /// Events of the path, if the tool poses are one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathResult>,
+    /// Events of the path at each pose in words, empty at a pose without; none of single poses.
+    #[serde(skip)]
+    pub events: Vec<String>,
     /// Units of the numbers.
     pub units: EvalUnits,
     /// The poses in their order.
@@ -190,6 +194,7 @@ fn evaluate_poses(call: &mut Call, machine: &MachineFile, options: &EvalOptions)
         direction: options.approach,
         tool: machine.tool().name.clone(),
         over,
+        events: reached.as_ref().map_or_else(Vec::new, ReachedToolPoses::events),
         path: reached.and_then(|reached| reached.path),
         units: UNITS,
         poses: results,

@@ -150,7 +150,11 @@ fn volume(
     let (tolerances, samples, seed) = settings;
     let adding = AddingBounds { machine, tolerances, samples, seed, work: reached, reference: set_up.removed() };
     let bounds_add = adding.added(call)?;
-    let diagonals = body_diagonals(field, &view.conditions.at_pose(&rest(machine)), DIAGONAL_STEPS);
+    // They are of the volume, not of a part.
+    let diagonals = match &tool_poses {
+        Some(_) => Vec::new(),
+        None => body_diagonals(field, &view.conditions.at_pose(&rest(machine)), DIAGONAL_STEPS),
+    };
     let over = Over::work(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
     let result = result(&rows, over, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
