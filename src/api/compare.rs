@@ -61,6 +61,13 @@ pub struct CompareOptions {
     pub approach: Approach,
 }
 
+impl CompareOptions {
+    /// Returns the files of the job.
+    pub(crate) fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
+}
+
 impl Default for CompareOptions {
     fn default() -> Self {
         let (tolerances, approach) = (ToleranceOptions::default(), Approach::default());
@@ -207,7 +214,9 @@ pub struct ComparedPose {
 ///
 /// Fails if no tool pose is reached by all machines. Warns of tool poses of a file that a machine does not reach.
 pub fn compare(files: &[MachineFile], options: &CompareOptions, run: Run<'_>) -> Reply<CompareResult> {
-    Call::answer(run, &sources_of(files), |call| side_by_side(call, files, options))
+    Call::answer(run, &sources_of(files), |call| {
+        options.job_paths().with_tools(call, files, |call, files| side_by_side(call, files, options))
+    })
 }
 
 fn side_by_side(
@@ -221,7 +230,7 @@ fn side_by_side(
     let order = |machine: &Machine| order_of(machine, options.order);
     let bare: Vec<Bare<'_>> = files.iter().map(|file| Bare { machine: file, order: order(file) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-    let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
+    let paths = options.job_paths();
     let job = paths.read(call, first)?;
     let asked = job.as_ref().map(|job| &job.poses);
     let work = match asked {

@@ -41,6 +41,13 @@ pub struct DiffMachinesOptions {
     pub approach: Approach,
 }
 
+impl DiffMachinesOptions {
+    /// Returns the files of the job.
+    pub(crate) fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
+}
+
 impl Default for DiffMachinesOptions {
     fn default() -> Self {
         let (tool_poses, job, path, reference) = (None, None, None, None);
@@ -53,7 +60,9 @@ impl Default for DiffMachinesOptions {
 ///
 /// Fails if the files are not two, and if no tool pose is reached by both machines.
 pub fn diff_machines(files: &[MachineFile], options: &DiffMachinesOptions, run: Run<'_>) -> Reply<MachineDifference> {
-    Call::answer(run, &sources_of(files), |call| difference(call, files, options))
+    Call::answer(run, &sources_of(files), |call| {
+        options.job_paths().with_tools(call, files, |call, files| difference(call, files, options))
+    })
 }
 
 fn difference(
@@ -64,7 +73,7 @@ fn difference(
     let [first, second] = files else { return call.usage("`diff` takes two machines") };
     call.check_counts(&[Count::Poses(options.poses)])?;
     let properties = first.differences(second);
-    let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
+    let paths = options.job_paths();
     let job = paths.read(call, first)?;
     let judge = Judge::of(call, [first, second], options, job.as_ref())?;
     let mixtures = |hangs: &dyn Fn(&MachineProperty) -> bool| -> Vec<(&MachineProperty, Machine)> {

@@ -394,7 +394,9 @@ pub fn enumerate(
     file: Option<&dyn StudyFile>,
     run: Run<'_>,
 ) -> Reply<EnumerateResult> {
-    Call::answer(run, machine.sources(), |call| studied(call, machine, options, file))
+    Call::answer(run, machine.sources(), |call| {
+        options.job_paths().with_tool(call, machine, |call, machine| studied(call, machine, options, file))
+    })
 }
 
 fn studied(
@@ -420,7 +422,7 @@ fn studied(
     }
     let long = options.size.then(|| sized(machine));
     let machine = long.as_ref().unwrap_or(machine);
-    let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
+    let paths = options.job_paths();
     let job = paths.read(call, machine_file)?;
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let work = match &job {
@@ -500,6 +502,11 @@ fn exclusions(counts: [usize; 3]) -> Vec<ExcludedArrangements> {
 }
 
 impl EnumerateOptions {
+    /// Returns the files of the job.
+    pub(crate) fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
+
     /// The largest number of machines that is asked for.
     fn largest(&self) -> usize {
         self.samples.max(self.max_samples.unwrap_or(0))

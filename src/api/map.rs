@@ -41,7 +41,9 @@ pub fn map_tables(
     tables: Vec<MapTable<'_>>,
     run: Run<'_>,
 ) -> Reply<MapResult> {
-    Call::answer(run, file.sources(), |call| volume(call, file, options, tables, &WholeMap))
+    Call::answer(run, file.sources(), |call| {
+        options.job().with_tool(call, file, |call, file| volume(call, file, options, tables, &WholeMap))
+    })
 }
 
 /// Maps as [`map`] does, with deviations of several engines.
@@ -51,7 +53,9 @@ pub(crate) fn map_of_parts(
     parts: &dyn MapParts,
     run: Run<'_>,
 ) -> Reply<MapResult> {
-    Call::answer(run, file.sources(), |call| volume(call, file, options, Vec::new(), parts))
+    Call::answer(run, file.sources(), |call| {
+        options.job().with_tool(call, file, |call, file| volume(call, file, options, Vec::new(), parts))
+    })
 }
 
 /// Gives the deviations of a map that is held as a whole.

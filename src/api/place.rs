@@ -70,6 +70,11 @@ impl Default for PlacementOptions {
 }
 
 impl PlacementOptions {
+    /// Returns the files of the job.
+    pub(crate) fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
+
     /// Largest number of places.
     pub const MAX_PLACES: usize = 10_000;
     /// Largest number of tool poses, places times those of the job.
@@ -152,13 +157,15 @@ impl PlacementResult {
 /// Fails without a job, for ranges that make no sense, for more places or tool poses than the limits of
 /// [`PlacementOptions`], and for figures where the reference or no tool pose is reached from any place.
 pub fn place(file: &MachineFile, options: &PlacementOptions, run: Run<'_>) -> Reply<PlacementResult> {
-    Call::answer(run, file.sources(), |call| try_places(call, file, options))
+    Call::answer(run, file.sources(), |call| {
+        options.job_paths().with_tool(call, file, |call, file| try_places(call, file, options))
+    })
 }
 
 fn try_places(call: &mut Call<'_>, file: &MachineFile, options: &PlacementOptions) -> Result<PlacementResult, Refused> {
     call.check_counts(&[Count::Machines(options.samples)])?;
     let machine: &Machine = file;
-    let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
+    let paths = options.job_paths();
     let Some(job) = paths.read_unplaced(call, file)? else {
         return call.usage("`--place` moves the part of a job: give `--job` or `--tool-poses`");
     };

@@ -44,6 +44,16 @@ impl ReachOptions {
     pub const MAX: usize = 1_000_000;
     /// Largest number of tool poses of a robot, which takes long to find each.
     pub const MAX_ROBOT: usize = 10_000;
+
+    fn is_box(&self) -> bool {
+        self.region.is_some() || self.step_mm.is_some() || self.directions.is_some()
+    }
+
+    /// Returns the files of the job. A box that is asked for comes before the job of the machine file.
+    fn job_paths(&self) -> JobPaths<'_> {
+        let boxed = (self.is_box() && self.tool_poses.is_none()).then(|| Path::new(NO_JOB));
+        JobPaths { job: self.job.as_deref().or(boxed), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
 }
 
 /// Directions of the tool at every tip.
@@ -172,17 +182,14 @@ impl ReachResult {
 /// Fails for a box, a step or a number of directions that makes no sense, and for more tool poses than
 /// [`ReachOptions::MAX`].
 pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run) -> Reply<ReachResult> {
-    Call::answer(run, file.sources(), |call| find(call, file, options))
+    Call::answer(run, file.sources(), |call| {
+        options.job_paths().with_tool(call, file, |call, file| find(call, file, options))
+    })
 }
 
 fn find(call: &mut Call, machine: &MachineFile, options: &ReachOptions) -> Result<ReachResult, Refused> {
-    let is_box = options.region.is_some() || options.step_mm.is_some() || options.directions.is_some();
-    // A box that is asked for comes before the job of the machine file.
-    let boxed = (is_box && options.tool_poses.is_none()).then(|| Path::new(NO_JOB));
-    let job = options.job.as_deref().or(boxed);
-    let paths = JobPaths { job, tool_poses: options.tool_poses.as_deref(), path: options.path };
-    if let Some(job) = paths.read(call, machine)? {
-        if is_box {
+    if let Some(job) = options.job_paths().read(call, machine)? {
+        if options.is_box() {
             return call.usage("a job has its own tool poses: omit `--box`, `--step` and `--directions`");
         }
         return of_job(call, machine, &job);
