@@ -97,8 +97,9 @@ pub struct PlacementResult {
     /// `values` or `bounds`, from which the figures are; none for reach alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<&'static str>,
-    /// The statistic of a machine over the tool poses, by which places are ranked.
-    pub statistic: Statistic,
+    /// The statistic of a machine over the tool poses, by which places are ranked; none for reach alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub statistic: Option<Statistic>,
     /// Settings of the machines drawn, where errors are bounded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drawing: Option<DrawSettings>,
@@ -141,8 +142,7 @@ impl PlacementResult {
     /// Returns the figure by which places are ranked in words, such as `largest position deviation over the tool poses`;
     /// none for reach alone.
     pub fn figure_words(&self) -> Option<&'static str> {
-        let is_drawn = self.not_told_apart.is_some();
-        Some(match (self.from.map(|_| is_drawn)?, self.statistic) {
+        Some(match (self.not_told_apart.is_some(), self.statistic?) {
             (false, Statistic::Max) => "largest position deviation over the tool poses",
             (false, Statistic::P95) => "95 % of the tool poses within",
             (true, Statistic::Max) => "95 % of machines within, at all tool poses",
@@ -221,7 +221,7 @@ fn try_places(call: &mut Call<'_>, file: &MachineFile, options: &PlacementOption
         machine: machine.name().to_owned(),
         over,
         from,
-        statistic,
+        statistic: from.map(|_| statistic),
         drawing: match drawn {
             Some(drawn) => Some(drawn.drawing),
             None => (!added.is_empty()).then(|| options.tolerances.drawing(class, options.samples, options.seed)),

@@ -64,7 +64,8 @@ pub struct TriedPlace {
     /// The interval that holds it with 95 % confidence, um; none where no machines are drawn, or too few.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_um: Option<[f64; 2]>,
-    /// A ranked place against the first, on the same machines; none where no machines are drawn.
+    /// A ranked place against the first, on the same machines; none where no machines are drawn, and where the path has
+    /// more rewinds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub versus_first: Option<VersusFirst>,
     /// The figure against the limit of the job, if it states one.
@@ -117,7 +118,8 @@ pub struct CommonFigures {
     pub own_um: f64,
     /// The same at the best place.
     pub best_um: f64,
-    /// The best place against that of the job, on the same machines; none where no machines are drawn.
+    /// The best place against that of the job, on the same machines; none where no machines are drawn, and where the path
+    /// has other rewinds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub versus_own: Option<VersusFirst>,
 }
@@ -326,10 +328,12 @@ impl PlaceStudy<'_> {
     fn compare_with_first(&self, attempts: &mut [Attempt], ranked: &[usize], own: usize) -> Option<PairedTest> {
         let drawn = |attempt: &Attempt| attempt.figures.as_ref().map(|of| of.drawn.clone()).unwrap_or_default();
         let first = ranked.first().map(|best| drawn(&attempts[*best])).filter(|drawn| !drawn.is_empty());
+        let fewest = ranked.first().and_then(|best| attempts[*best].tried.rewinds);
         let rivals = ranked.len() + usize::from(!ranked.contains(&own));
         let test = first.as_ref().map(|first| PairedTest::of_round(first.len(), rivals, 1));
         let versus = |index: &usize| {
-            let (figures, first) = (attempts[*index].figures.as_ref()?, first.as_ref()?);
+            let attempt = Some(&attempts[*index]).filter(|of| of.tried.rewinds == fewest)?;
+            let (figures, first) = (attempt.figures.as_ref()?, first.as_ref()?);
             let versus = test.as_ref()?.versus(&figures.drawn, first);
             let is_first = Some(index) == ranked.first();
             Some(VersusFirst { verdict: if is_first { Verdict::First } else { versus.verdict }, ..versus })
@@ -423,6 +427,7 @@ impl PlaceStudy<'_> {
         test: Option<&PairedTest>,
     ) -> Result<PlacementGain, Refused> {
         let [at_own, at_best] = [own, best].map(|index| &attempts[index].tried);
+        let test = test.filter(|_| at_own.rewinds == at_best.rewinds);
         let minus = |a: usize, b: usize| a as i64 - b as i64;
         let common = match (&attempts[own].figures, &attempts[best].figures) {
             (Some(a), Some(b)) if attempts[own].missed == attempts[best].missed => {

@@ -6,7 +6,7 @@ use crate::cli::Outcome;
 use crate::cli::arguments::PictureFile;
 use abbe::options::Placement;
 use abbe::results::{
-    CommonFigures, LimitVerdict, PairedDifference, PlaceRange, PlacementGain, PlacementResult, TriedPlace,
+    CommonFigures, LimitVerdict, PairedDifference, PlaceRange, PlacementGain, PlacementResult, TriedPlace, VersusFirst,
 };
 use abbe::text::{fold, significant};
 
@@ -119,8 +119,8 @@ fn text(of: &PlacementResult) -> String {
 /// What the machines drawn tell of the ranked places, and the limit of the job at the best place and at its own.
 fn standing(of: &PlacementResult) -> String {
     let mut text = String::new();
-    if let (Some(open), true) = (of.not_told_apart, of.ranked > 1) {
-        let others = of.ranked - 1;
+    let others = of.tried.iter().filter(|of| of.versus_first.is_some()).count().saturating_sub(1);
+    if let Some(open) = of.not_told_apart.filter(|_| others > 0) {
         let rest = if open == others { "" } else { "; the others are worse, with 95 % confidence for all together" };
         text += &fold(&format!("Not told apart from the first by the machines drawn: {open} of {others}{rest}"));
     }
@@ -201,7 +201,7 @@ fn gained(of: &PlacementResult, best: &TriedPlace, gain: &PlacementGain) -> Stri
     };
     let mut words: Vec<String> = counted(gain.poses, "tool pose", "more", "fewer").into_iter().collect();
     words.extend(gain.rewinds.and_then(|n| counted(n, "rewind", "fewer", "more")));
-    words.extend(gain.common.as_ref().map(|common| figures(common, of.over.poses)));
+    words.extend(gain.common.as_ref().map(|common| figures(common, of)));
     words.extend(best.margin_mm.zip(of.own.margin_mm).map(|(best, own)| {
         format!("margin to the ends of travel {} mm instead of {}", significant(best, 4), significant(own, 4))
     }));
@@ -217,12 +217,13 @@ fn paired(of: PairedDifference) -> String {
     format!("{} ({}..{})", significant(of.value, 3), end(of.low), end(of.high))
 }
 
-fn figures(of: &CommonFigures, all: usize) -> String {
-    let on = if of.poses == all { String::new() } else { format!(" (on the {} tool poses that both reach)", of.poses) };
-    if let Some(versus) = of.versus_own {
+fn figures(of: &CommonFigures, places: &PlacementResult) -> String {
+    let is_all = of.poses == places.over.poses;
+    let on = if is_all { String::new() } else { format!(" (on the {} tool poses that both reach)", of.poses) };
+    if places.not_told_apart.is_some() {
         let [best, own] = [of.best_um, of.own_um].map(|um| significant(um, 4));
-        let (minus, verdict) = (paired(versus.minus_first), versus.verdict.words());
-        return format!("figure {best} um instead of {own}{on}, difference {minus} um: {verdict}");
+        let versus = |of: VersusFirst| format!(", difference {} um: {}", paired(of.minus_first), of.verdict.words());
+        return format!("figure {best} um instead of {own}{on}{}", of.versus_own.map_or_else(String::new, versus));
     }
 
     let percent = if of.own_p95_um > 0.0 {
