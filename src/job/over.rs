@@ -117,3 +117,16 @@ impl Over {
         format!("Over {of}; reference: {}; tool: {tool}", self.words)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_is_not_broken() {
+        let words = "Over a job of 361 tool poses, 361 reached, one path; reference: zero at (0, 0, 0) along (0, 0, 1)";
+        let lines: Vec<String> = fold(words).lines().map(str::to_owned).collect();
+        assert_eq!(lines[0], "Over a job of 361 tool poses, 361 reached, one path; reference: zero at");
+        assert_eq!(lines[1], "  (0, 0, 0) along (0, 0, 1)");
+    }
+}

@@ -16,12 +16,13 @@ use crate::controller::Depth;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::{Bare, Field, Frame, Order, Poses, Random, worst};
 use crate::file_set::effect::named_effect;
+use crate::job::characteristics::DrawnRequest;
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::Over;
 use crate::job::reference::{Reference, SetUp};
-use crate::job::round_features::{RoundFeature, round_features};
+use crate::job::round_features::{RoundFeature, drawn_round_features, round_features};
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, Pose};
 use crate::report::page::{
@@ -182,8 +183,8 @@ impl<'a> Subject<'a> {
         let budget = own_budget(call, file, options, job.is_some())?;
         let map = job.as_ref().map(|_| map_of_job(call, file, options, bounded.is_some())).transpose()?;
         let round = match job.as_ref().zip(reached.as_ref()) {
-            Some(job) if bounded.is_none() => round(file, job, options, &set_up),
-            _ => Vec::new(),
+            Some((job, reached)) => round(call, file, (job, reached), options, (bounded.as_ref(), &set_up))?,
+            None => Vec::new(),
         };
         let work = reached.as_ref().zip(map.as_ref()).map(|(reached, map)| {
             let budget = budget.as_ref().filter(|_| bounded.is_none());
@@ -239,10 +240,10 @@ impl JobWork<'_> {
     /// Returns what the page says of it.
     fn json(&self) -> Value {
         let Self { reached, map, round, budget } = self;
-        let profile = |RoundFeature { feature, profile, .. }: &RoundFeature| {
+        let profile = |RoundFeature { feature, profile, drawn, .. }: &RoundFeature| {
             json!({"feature": feature, "radius_mm": profile.radius, "height_mm": profile.height,
                 "points": profile.points.len(), "minimum_zone_um": profile.minimum_zone * 1e3,
-                "least_squares_um": profile.least_squares * 1e3})
+                "least_squares_um": profile.least_squares * 1e3, "drawn": drawn})
         };
         json!({"file": reached.file, "asked": reached.asked, "reached": reached.reached, "travel": reached.travel,
             "features": map.features, "characteristics": map.characteristics,
@@ -308,18 +309,26 @@ fn compensate(
     Ok(steps)
 }
 
-/// Returns the profiles of the round features of a job by the errors with values.
+/// Returns the profiles of the round features of a job: by the errors with values, or where none has one, in machines
+/// drawn between bounds.
 fn round(
+    call: &Call,
     machine: &Machine,
     (job, reached): (&Job, &ReachedToolPoses),
     options: &ReportOptions,
-    set_up: &SetUp,
-) -> Vec<RoundFeature> {
+    (bounded, set_up): (Option<&DrawnBounds>, &SetUp),
+) -> Result<Vec<RoundFeature>, Refused> {
+    if let Some(drawn) = bounded {
+        let (bounds, removed, draws) = (drawn.bounds.as_slice(), set_up.removed(), &drawn.draws());
+        let samples = options.samples;
+        let of = DrawnRequest { machine, bounds, removed, draws, samples, values: None };
+        return drawn_round_features(call, of, reached, &job.features);
+    }
     let bare = Bare { machine, order: order_of(machine, options.order) };
     let conditions = options.approach.into();
     let referenced = set_up.field(&bare, bare.order, conditions);
     let field: &dyn Field = referenced.as_ref().map_or(&bare, |field| field);
-    round_features(field, conditions, reached, &job.features)
+    Ok(round_features(field, conditions, reached, &job.features))
 }
 
 /// Returns the budget that [`budget`](crate::api::budget()) would give over the same poses and reference as the other

@@ -369,6 +369,23 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
     }
 
     #[test]
+    fn the_job_of_the_machine_file_is_the_part_that_nobody_names() {
+        assert_eq!(ask(MACHINE, json!([{"work": {}}]))["answers"], json!([null]));
+        let text = format!("{MACHINE}job: {{ tool_poses: w.csv, limit: 1 um }}\n");
+        let texts = json!({"m.yaml": text, "w.csv": "X,Y,Z\n0,0,0\n0,100,0\n"});
+        let questions =
+            json!([{"work": {}}, {"compare": {"first": "m.yaml", "own_job": true}}, {"map": {"poses": {"random": 9}}}]);
+        let request = json!({"machine": "m.yaml", "texts": texts, "questions": questions});
+        let answers = &workbench(&request.to_string(), Run::default())["answers"];
+        // The zero at the origin leaves 20 urad over 100 mm.
+        let um = answers[0]["map"]["position_um"]["max"].as_f64().unwrap();
+        assert!((um - 2.0).abs() < 1e-6, "{answers}");
+        assert_eq!(answers[0]["limit"], json!("limit 1 um: exceeded; largest deviation 2 um"));
+        assert_eq!(answers[1]["over"], answers[0]["map"]["over"]);
+        assert_eq!(answers[2]["over"]["kind"], json!("volume"));
+    }
+
+    #[test]
     fn questions_are_answered_in_their_order() {
         let found = ask(MACHINE, json!(["show", {"map": {"poses": {"random": 50}}}, {"budget": {}}]));
         let answers = found["answers"].as_array().unwrap();

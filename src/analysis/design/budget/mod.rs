@@ -48,7 +48,7 @@ pub use cost::{CostModel, Price};
 pub use coverage::{Coverage, STAND_IN_CLASS};
 pub(in crate::analysis) use draw::Normals;
 pub use draw::{Distribution, Draws, NODES};
-pub use drawn_figures::{DrawnFigure, FiguresAt, FiguresRequest, WeightsAt, draw_figures};
+pub use drawn_figures::{DrawnFigure, FiguresAt, FiguresRequest, WeightsAt, draw_figures, drawn_positions};
 pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};
 pub(crate) use kernel::{
     CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, SourceEffects, add, by_joint,
