@@ -3,11 +3,11 @@
 use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
-    ActingErrors, Bound, Budget, Coverage, Draws, Request, adding, budget_from_samples, budget_poses, draw_with_zone,
-    is_measured,
+    ActingErrors, Bound, Budget, Coverage, Draws, Request, StayingErrors, budget_from_samples, budget_poses,
+    draw_with_zone,
 };
 use crate::analysis::reference::PartReference;
-use crate::evaluate::{CompiledField, Field, Order};
+use crate::evaluate::Field;
 use crate::job::characteristics::{CharacteristicResult, DrawnRequest, JobCharacteristics};
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::limit::{JobLimit, LimitVerdict};
@@ -18,7 +18,7 @@ use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
 use crate::job::reference::{Reference, SetUp};
 use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
-use crate::machine::{Machine, OperatingConditions, Pose};
+use crate::machine::{Machine, Pose};
 use crate::report::{BoundedContribution, BudgetFigures, DeviationBudget, DrawnMachineFigures, Picture, contributions};
 use crate::run::{Call, Count, Refused, Reply, Run};
 use crate::shards::budget_parts::{self, BudgetShard, Division};
@@ -320,16 +320,9 @@ impl BudgetWork {
         request: Request<'_>,
     ) -> Result<Vec<CharacteristicResult>, Refused> {
         let Some(of) = &self.toleranced else { return Ok(Vec::new()) };
-        let Request { draws, samples, reference: removed, .. } = request;
-        if !is_measured(machine) {
-            let bounds = request.bounds;
-            return of.drawn(call, DrawnRequest { machine, bounds, removed, draws, samples, values: None });
-        }
-        let bounds = &adding(machine, request.bounds);
-        let order = Order::Degree(1);
-        let compiled = CompiledField::new(machine, order);
-        let set_up = self.set_up.field(&compiled, order, OperatingConditions::default());
-        let values = Some(set_up.as_ref().map_or(&compiled as &dyn Field, |field| field));
+        let Request { bounds, draws, samples, reference: removed, .. } = request;
+        let staying = StayingErrors::new(machine, bounds, removed);
+        let values = staying.as_ref().map(|staying| staying as &dyn Field);
         of.drawn(call, DrawnRequest { machine, bounds, removed, draws, samples, values })
     }
 

@@ -25,6 +25,7 @@ use crate::job::tool_poses::{MissedToolPose, NeededTravel, needed_travel};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};
 use crate::run::{Call, Count, Refused, Reply, Run};
+use crate::units::counted;
 use std::path::PathBuf;
 
 /// Options of [`compare`].
@@ -262,7 +263,11 @@ fn side_by_side(
         _ => None,
     };
     let best_fit = fitted.as_ref().map(|of| of.compared(over(&Reference::best_fit())));
-    let verdicts = (1..files.len()).map(|i| whole.verdict(fitted.as_ref(), i, unzeroed.as_deref())).collect();
+    let unlike = |i: usize| {
+        let unzeroed = unzeroed.as_ref().map(|why| format!("no reference point that all machines reach: {why}"));
+        unzeroed.or_else(|| unlike_paths(&paths, i))
+    };
+    let verdicts = (1..files.len()).map(|i| whole.verdict(fitted.as_ref(), i, unlike(i))).collect();
     let references = removed(&set_ups);
     let contributions = contributions_of(&sides, options.approach.into(), &references);
     let mut adds = Vec::new();
@@ -307,6 +312,13 @@ fn side_by_side(
         verdicts,
         rows: (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect(),
     })
+}
+
+/// Returns the difference in words if a machine has to leave the path at other places than the first, or more often.
+fn unlike_paths(paths: &[Option<PathResult>], index: usize) -> Option<String> {
+    let rewinds = |i: usize| paths[i].as_ref().map_or(0, |path| path.rewinds.len());
+    let leaves = |i: usize| format!("machine {} leaves the path for {}", i + 1, counted(rewinds(i), "rewind"));
+    (rewinds(0) != rewinds(index)).then(|| format!("{}, {}", leaves(0), leaves(index)))
 }
 
 fn poses(side: &MachineResult) -> Vec<Pose> {

@@ -80,8 +80,8 @@ impl LimitVerdict {
         let verdict = match self.held {
             Some(true) => "held".to_owned(),
             Some(false) => "exceeded".to_owned(),
-            None if missed > 0 => format!("not told, {} out of reach", counted(missed, "tool pose")),
-            None => "not told".to_owned(),
+            None if missed > 0 => format!("not decided, {} out of reach", counted(missed, "tool pose")),
+            None => "not decided".to_owned(),
         };
         let end = |um: f64| significant(um, 4);
         let interval =

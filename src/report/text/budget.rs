@@ -70,6 +70,14 @@ pub struct ActingValues {
     pub um_of_p95: f64,
 }
 
+impl ActingValues {
+    /// Returns those of a budget; `None` without any.
+    pub(crate) fn of(machine: &Machine, bounds: &[Bound], budget: &Budget) -> Option<Self> {
+        let errors = count_staying(machine, bounds);
+        (errors > 0).then_some(Self { errors, um_of_p95: budget.position.staying })
+    }
+}
+
 /// A deviation, as bounds lead to it.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct DeviationBudget {
@@ -236,14 +244,13 @@ fn tightenings(bounds: &[Bound], budget: &Budget) -> Vec<Tightening> {
 impl BudgetFigures {
     /// Returns the figures of a budget at so many poses.
     pub fn new(machine: &Machine, bounds: Vec<Bound>, budget: &Budget, poses: usize, drawing: DrawSettings) -> Self {
-        let errors = count_staying(machine, &bounds);
-        let um_of_p95 = budget.position.staying;
+        let with_values = ActingValues::of(machine, &bounds, budget);
         Self {
             drawing,
             frame: Frame::Workpiece,
             order: Order::Degree(1),
-            left_out: known(machine) - errors,
-            with_values: (errors > 0).then_some(ActingValues { errors, um_of_p95 }),
+            left_out: known(machine) - with_values.map_or(0, |of| of.errors),
+            with_values,
             poses,
             position_um: DeviationBudget::new(machine, &budget.position),
             rotation_urad: DeviationBudget::new(machine, &budget.rotation),
