@@ -65,7 +65,7 @@ fn difference(
     call.check_counts(&[Count::Poses(options.poses)])?;
     let properties = first.differences(second);
     let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
-    let job = paths.read(call, first)?;
+    let job = paths.read_common(call, files)?;
     let judge = Judge::of(call, [first, second], options, job.as_ref())?;
     let single: Vec<(&MachineProperty, Machine)> = properties
         .iter()
@@ -157,7 +157,10 @@ impl<'a> Judge<'a> {
         for file in files.into_iter().filter(|_| judge.reference.kind != ReferenceKind::BestFit) {
             match SetUp::new(file, &judge.reference, &[]) {
                 Ok(_) => {}
-                Err(refusal) if is_stated => return call.about(file.path(), |call| call.refuse(refusal)),
+                Err(refusal) if is_stated => {
+                    let refusal = Job::located(job, options.reference.as_ref(), refusal);
+                    return call.about(file.path(), |call| call.refuse(refusal));
+                }
                 Err(reason) => {
                     call.about(file.path(), |call| call.warn(unzeroed(&reason)));
                     call.check()?;

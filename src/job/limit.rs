@@ -1,6 +1,6 @@
 //! The limit of a job: the largest 95 % value of the position deviation that the part allows.
 
-use crate::diagnostic::Reason;
+use crate::diagnostic::{Reason, shown};
 use crate::units::{quantity, significant};
 
 /// A figure against the limit of a job.
@@ -17,11 +17,19 @@ pub struct LimitVerdict {
     pub held: Option<bool>,
 }
 
-/// Reads a limit such as `30 um`, in mm.
-pub(crate) fn parse_limit(text: &str) -> Result<f64, Reason> {
+/// Largest limit of a part, mm: none is as wide, and `30 mm` is `30 um` with a wrong unit.
+const MAX_MM: f64 = 10.0;
+
+/// Reads the limit or the tolerance of a part, such as `30 um`, in mm.
+pub(crate) fn part_length(text: &str) -> Result<f64, Reason> {
     let mm = quantity(text).ok().and_then(|quantity| quantity.as_length());
-    mm.filter(|mm| *mm > 0.0 && mm.is_finite())
-        .ok_or_else(|| Reason::new(format!("the limit `{text}` is no length above 0, such as `30 um`")))
+    let mm = mm.filter(|mm| *mm > 0.0 && mm.is_finite());
+    let mm =
+        mm.ok_or_else(|| Reason::new(format!("`{}` is no tolerance: a length above 0, such as `30 um`", shown(text))))?;
+    if mm > MAX_MM {
+        return Err(Reason::new(format!("`{}` is above {MAX_MM} mm, the largest tolerance of a part", shown(text))));
+    }
+    Ok(mm)
 }
 
 impl LimitVerdict {
