@@ -1298,8 +1298,8 @@ def testpiece(
     * ``height_mm``: Height of the contour, or of the centre of a cone's base, above the part's origin, 0.1 to 100000
       mm; by default 20, of a cone 120, of an S the height of its surface, 40.
     * ``half_apex_deg``: Cone: half of its apex angle, above 0 and below 80 deg; by default 15.
-    * ``tilt_deg``: Cone: tilt of its axis about Y, 0 to 80 deg; S: the largest lean of its surface; diamond, also of NAS
-      979: its turn against the square. By default 10 of a cone or by its motion, 20 of an S, 30 of a diamond.
+    * ``tilt_deg``: Cone: tilt of its axis about Y, 0 to 80 deg; S: the largest lean of its surface; diamond, also of
+      NAS 979: its turn against the square. By default 10 of a cone or by its motion, 20 of an S, 30 of a diamond.
     * ``c_motion``: Cone: the motion of a rotary axis about Z, which chooses the tilt in place of an angle.
     * ``steps``: Number of intervals of a circle, or of each side, 8 to 100000.
     """

@@ -5,18 +5,19 @@ use super::limit::part_length;
 use super::machine_file::MachineFile;
 use super::placement::Placement;
 use super::reference::{Reference, SetUp};
+use super::reference_text::WrittenReference;
 use super::tool_poses::{self, ReachedToolPoses, ToolPoses};
 use crate::diagnostic::{Diagnostic, Place, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::run::{Call, Refused};
-use crate::syntax::{JobText, Scalar, TOOL_POSES};
+use crate::syntax::{JobText, Scalar, TOOL_POSES, read_job};
 use std::path::Path;
 
 /// The word in place of a file that leaves the job of a machine file out.
 pub(crate) const NO_JOB: &str = "none";
 
 /// A job file, or the job of a machine file.
-#[derive(Debug, Clone, serde::Deserialize)]
+#[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct JobFile {
     /// The file of the tool poses, from the folder of the job file.
@@ -25,7 +26,7 @@ struct JobFile {
     #[serde(default)]
     place: Placement,
     /// The reference: what the set-up takes out.
-    reference: Option<Reference>,
+    reference: Option<WrittenReference>,
     /// True if the tool poses are one continuous path.
     path: Option<bool>,
     /// Name of the tool.
@@ -213,7 +214,7 @@ impl Job {
 
 /// Reads a job file; `asked` says whether its tool poses are one path, whatever it says itself.
 fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path, asked: Option<bool>) -> Result<UnplacedJob, Refused> {
-    let text = JobText::of_file(path, call.run.files, &mut call.diagnostics);
+    let text = read_job(path, call.run.files, &mut call.diagnostics);
     call.check()?;
     read(call, machine, &text.ok_or(Refused)?, asked)
 }
@@ -234,6 +235,7 @@ fn read(call: &mut Call<'_>, machine: &Machine, text: &JobText, asked: Option<bo
     let job = text.read::<JobFile>(&mut call.diagnostics);
     call.check()?;
     let JobFile { tool_poses, place, reference, path, tool, limit, features } = job.ok_or(Refused)?;
+    let reference = reference.map(|WrittenReference(reference)| reference);
     let keys = text.keys_of("reference");
     if let Some(idle) = reference.as_ref().and_then(|reference| reference.idle_key(&keys)) {
         call.extend([refused(&idle.to_string(), text.key(&["reference", idle.key]), idle.help())]);

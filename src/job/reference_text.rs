@@ -115,7 +115,10 @@ fn position(text: &str) -> Option<(String, f64)> {
     Some((axis.trim().to_owned(), bounded(number(value).ok()?)?))
 }
 
-impl<'de> Deserialize<'de> for Reference {
+/// A reference as a job states it: keys that have no effect are there still, for whoever knows their places.
+pub(crate) struct WrittenReference(pub Reference);
+
+impl<'de> Deserialize<'de> for WrittenReference {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Entry;
         impl<'de> Visitor<'de> for Entry {
@@ -130,15 +133,21 @@ impl<'de> Deserialize<'de> for Reference {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Reference, A::Error> {
-                let reference = Reference::deserialize(MapAccessDeserializer::new(map))?;
-                // A mapping may state defaults: results do.
-                match reference.idle_key(&reference.stated_keys()) {
-                    Some(idle) => Err(de::Error::custom(format!("{idle}: {}", idle.help()))),
-                    None => Ok(reference),
-                }
+                Reference::deserialize(MapAccessDeserializer::new(map))
             }
         }
-        deserializer.deserialize_any(Entry)
+        deserializer.deserialize_any(Entry).map(Self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Reference {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let WrittenReference(reference) = WrittenReference::deserialize(deserializer)?;
+        // A mapping may state defaults: results do.
+        match reference.idle_key(&reference.stated_keys()) {
+            Some(idle) => Err(de::Error::custom(format!("{idle}: {}", idle.help()))),
+            None => Ok(reference),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! One entry of the tree to a typed struct. serde stops at the first thing that does not fit; here
 //! that part is reported, cut out, and the rest is tried again, so that all of it is found.
 
-use super::places::{Keys, Places};
+use super::places::{Keys, Places, below};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use serde::de::DeserializeOwned;
 use serde_path_to_error::Segment;
@@ -28,7 +28,11 @@ pub fn entry<T: DeserializeOwned>(
             path.push(key.to_owned());
         }
         let keys: Keys = at.iter().chain(&path).cloned().collect();
-        diagnostics.push(explain(&message, &keys, places));
+        // A key that was cut out is not missing.
+        let is_cut = quotation_after(&message, "missing field ").is_some_and(|key| places.is_lost(&below(&keys, key)));
+        if !is_cut {
+            diagnostics.push(explain(&message, &keys, places));
+        }
         places.mar(&keys);
         if !cut(&mut value, &path) {
             return None;

@@ -1,18 +1,16 @@
 //! A job as it is written, before its form is judged: a section of a machine file, or a file of its own.
 
 use super::entry::entry;
-use super::files::{Files, lexical};
-use super::mapping::{FileForm, read_mapping};
+use super::files::lexical;
 use super::nulls::without_null;
 use super::places::{Keys, Places, keys};
-use super::schema::schema;
-use crate::diagnostic::{Diagnostic, Diagnostics, Place, Sources, codes};
+use crate::diagnostic::{Diagnostics, Place, Sources};
 use serde::de::DeserializeOwned;
-use serde_yaml::Value;
-use std::path::{Path, PathBuf};
+use serde_yaml::{Mapping, Value};
+use std::path::PathBuf;
 
 /// The key of a machine file under which its job stands.
-const SECTION: &str = "job";
+pub(super) const SECTION: &str = "job";
 
 /// The key of the file of tool poses.
 pub(crate) const TOOL_POSES: &str = "tool_poses";
@@ -32,16 +30,9 @@ impl JobText {
         Self { value, places, at: keys([SECTION]) }
     }
 
-    /// Reads a job file; what is not YAML, or holds no job, is reported.
-    pub fn of_file(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Self> {
-        let help =
-            "a job names the file of its tool poses: `tool_poses: part.csv`; docs/formats/jobs.md has an example";
-        let empty = Diagnostic::new(codes::E0851, "the file holds no job").help(help);
-        let root = schema();
-        let form = FileForm { schemas: [&root["properties"][SECTION], &root], empty };
-        let written = read_mapping(path, None, form, files, diagnostics)?;
-        let value = without_null(Value::Mapping(written.map));
-        Some(Self { value, places: written.places, at: Keys::new() })
+    /// Takes the mapping of a job file.
+    pub(super) fn of_file(map: Mapping, places: Places) -> Self {
+        Self { value: without_null(Value::Mapping(map)), places, at: Keys::new() }
     }
 
     /// Reads the job; what does not fit is reported.

@@ -12,6 +12,7 @@ mod files;
 mod forms;
 mod geometry;
 mod index;
+mod job_document;
 mod job_text;
 mod layer;
 mod mapping;
@@ -38,6 +39,7 @@ pub use document::{
 pub(crate) use error_words::{component_words, location_words};
 pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};
 pub use geometry::{PositionEntry, RelativeEntry, SideEntry, TravelEntry, WrittenChain, WrittenChains};
+pub use job_document::read_job;
 pub use job_text::JobText;
 pub(crate) use job_text::TOOL_POSES;
 pub use places::{Keys, below, keys};

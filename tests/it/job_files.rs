@@ -56,7 +56,7 @@ fn faults_of_form_stand_at_their_place() {
     let folder = Folder::new("job-files-form");
     tools(&folder);
     for (job, code, at, words) in [
-        ("tool_poses: t.csv\nplace: { origin: [0, 0] }", "E0202", [2, 18], "three numbers"),
+        ("tool_poses: t.csv\nplace: { rotation: [0, 0] }", "E0202", [2, 20], "three numbers"),
         ("tool_poses: t.csv\nplace: { origin: [0, 0, 0, 0] }", "E0202", [2, 18], "this has the length 4"),
         ("tool_poses: t.csv\nplace: { rotation: [0, 0, 90 deg] }", "E0202", [2, 27], "a number without a unit"),
         ("tool_poses: t.csv\nplace: 5", "E0202", [2, 8], "write it as `place: { origin:"),

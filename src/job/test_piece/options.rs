@@ -150,5 +150,9 @@ const SIZES: std::ops::RangeInclusive<f64> = 0.1..=1e5;
 
 fn length(given: Option<f64>, default_mm: f64, what: &str) -> Result<f64, Reason> {
     let mm = given.unwrap_or(default_mm);
-    if SIZES.contains(&mm) { Ok(mm) } else { Err(Reason::new(format!("{what} of {mm:e} mm"))) }
+    if SIZES.contains(&mm) {
+        Ok(mm)
+    } else {
+        Err(Reason::new(format!("{what} of {mm:?} mm: 0.1 to 100000 mm are taken")))
+    }
 }
