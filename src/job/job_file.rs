@@ -1,8 +1,8 @@
 //! A job: the tool poses of a part, where the part lies, and what its set-up takes out.
 
 use super::characteristics::{FeatureEntries, FeatureTolerances, JobCharacteristics};
-use super::limit::part_length;
 use super::machine_file::MachineFile;
+use super::numbers::part_length;
 use super::placement::Placement;
 use super::reference::{Reference, SetUp};
 use super::reference_text::WrittenReference;

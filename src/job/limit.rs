@@ -1,7 +1,6 @@
 //! The limit of a job: the largest 95 % value of the position deviation that the part allows.
 
-use crate::diagnostic::{Reason, shown};
-use crate::units::{quantity, significant};
+use crate::units::significant;
 
 /// A figure against the limit of a job.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -15,21 +14,6 @@ pub struct LimitVerdict {
     pub interval_um: Option<[f64; 2]>,
     /// True if it holds the limit; none where the interval is on both sides of it.
     pub held: Option<bool>,
-}
-
-/// Largest limit of a part, mm: none is as wide, and `30 mm` is `30 um` with a wrong unit.
-const MAX_MM: f64 = 10.0;
-
-/// Reads the limit or the tolerance of a part, such as `30 um`, in mm.
-pub(crate) fn part_length(text: &str) -> Result<f64, Reason> {
-    let mm = quantity(text).ok().and_then(|quantity| quantity.as_length());
-    let mm = mm.filter(|mm| *mm > 0.0 && mm.is_finite());
-    let mm =
-        mm.ok_or_else(|| Reason::new(format!("`{}` is no tolerance: a length above 0, such as `30 um`", shown(text))))?;
-    if mm > MAX_MM {
-        return Err(Reason::new(format!("`{}` is above {MAX_MM} mm, the largest tolerance of a part", shown(text))));
-    }
-    Ok(mm)
 }
 
 impl LimitVerdict {

@@ -1,14 +1,30 @@
-//! The numbers of a job: finite, without units, and up to the bound that tables have.
-
-use crate::units::FARTHEST;
-use serde::de::{self, Deserialize, Deserializer, SeqAccess, Unexpected, Visitor};
-use std::fmt;
+//! The numbers of a job: finite, without units, and up to the bound that tables have; limits and tolerances are lengths
+//! with their units.
 
 use super::poses::AxisPositions;
+use crate::diagnostic::{Reason, shown};
+use crate::units::{FARTHEST, quantity};
+use serde::de::{self, Deserialize, Deserializer, SeqAccess, Unexpected, Visitor};
+use std::fmt;
 
 /// Returns a number that a job may have: a place in mm, an angle in deg, a part of a direction.
 pub(crate) fn bounded(number: f64) -> Option<f64> {
     (number.abs() <= FARTHEST).then_some(number)
+}
+
+/// Largest limit of a part, mm: none is as wide, and `30 mm` is `30 um` with a wrong unit.
+const MAX_MM: f64 = 10.0;
+
+/// Reads the limit or the tolerance of a part, such as `30 um`, in mm.
+pub(crate) fn part_length(text: &str) -> Result<f64, Reason> {
+    let mm = quantity(text).ok().and_then(|quantity| quantity.as_length());
+    let mm = mm.filter(|mm| *mm > 0.0 && mm.is_finite());
+    let mm =
+        mm.ok_or_else(|| Reason::new(format!("`{}` is no tolerance: a length above 0, such as `30 um`", shown(text))))?;
+    if mm > MAX_MM {
+        return Err(Reason::new(format!("`{}` is above {MAX_MM} mm, the largest tolerance of a part", shown(text))));
+    }
+    Ok(mm)
 }
 
 /// A number of a job.

@@ -2,8 +2,7 @@
 
 use crate::analysis::zone::{CharacteristicKind, ZoneFit};
 use crate::diagnostic::{Diagnostic, Place, codes, shown};
-use crate::job::limit::part_length;
-use crate::job::numbers::three_if_any;
+use crate::job::numbers::{part_length, three_if_any};
 use crate::job::placement::Placement;
 use crate::job::tool_poses::columns::unit_vector;
 use crate::syntax::{JobText, Scalar};
