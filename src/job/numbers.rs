@@ -19,8 +19,8 @@ const MAX_MM: f64 = 10.0;
 pub(crate) fn part_length(text: &str) -> Result<f64, Reason> {
     let mm = quantity(text).ok().and_then(|quantity| quantity.as_length());
     let mm = mm.filter(|mm| *mm > 0.0 && mm.is_finite());
-    let mm =
-        mm.ok_or_else(|| Reason::new(format!("`{}` is no tolerance: a length above 0, such as `30 um`", shown(text))))?;
+    let mm = mm
+        .ok_or_else(|| Reason::new(format!("`{}` is no tolerance: no length above 0, such as `30 um`", shown(text))))?;
     if mm > MAX_MM {
         return Err(Reason::new(format!("`{}` is above {MAX_MM} mm, the largest tolerance of a part", shown(text))));
     }

@@ -2,7 +2,7 @@
 
 use super::journal::{parse, to_text};
 use crate::analysis::enumerate::{Journal, RoundRecord, RoundStep};
-use crate::diagnostic::{Diagnostic, Reason, codes, shown};
+use crate::diagnostic::{Diagnostic, Reason, codes};
 use crate::run::{Call, Refused};
 use crate::syntax::ReadFailure;
 use std::path::{Path, PathBuf};
@@ -102,7 +102,7 @@ fn of_study(call: &Call<'_>, path: &Path, empty: &Journal, check: CheckRecords<'
         .done
         .iter()
         .try_for_each(|(at, records)| check(*at, records))
-        .map_err(|why| foreign(format!("`{name}` is not of this study: {}", shown(&why.to_string()))))?;
+        .map_err(|why| foreign(format!("`{name}` is not of this study: {why}")))?;
     Ok(journal)
 }
 

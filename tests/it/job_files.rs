@@ -70,7 +70,7 @@ fn faults_of_form_stand_at_their_place() {
         ("tool_poses: t.csv\nreference: { kind: zeero }", "E0210", [2, 20], "did you mean `zero`"),
         ("tool_poses: t.csv\nreference: 5", "E0202", [2, 12], "or a mapping with `kind`"),
         ("tool_poses: t.csv\nfeatures: { a: { kind: flatnes } }", "E0210", [2, 24], "did you mean `flatness`"),
-        ("tool_poses: t.csv\nfeatures: { a: { tolerance: 1 um } }", "E0202", [2, 16], "`features.a` has no `kind`"),
+        ("tool_poses: t.csv\nfeatures: { a: { tolerance: 1 um } }", "E0202", [2, 16], "has no `kind`"),
         ("tool_poses: t.csv\nfeatures:\n  a:\n    - { kind: flatness, tol: 1 um }", "E0201", [4, 25], "`tol`"),
         ("tool_poses: t.csv\nfeatures: { a: 1 }", "E0202", [2, 16], "a tolerance with `kind`"),
         ("tool_poses: t.csv\nreference: { kind: datum, datum: [{ point: [0, 0, 0] }] }", "E0202", [2, 34], "`normal`"),
@@ -153,12 +153,12 @@ fn keys_that_cannot_act_are_refused_by_name() {
     }
     for (line, column, words) in [
         ("limit: 30 mm", 8, "above 10 mm"),
-        ("limit: 0 um", 8, "a length above 0"),
-        ("limit: 30", 8, "a length above 0"),
+        ("limit: 0 um", 8, "no length above 0"),
+        ("limit: 30", 8, "no length above 0"),
         ("tool: ball", 7, "which the machine does not have"),
         ("features: { a: { kind: flatness, tolerance: 10 mm, fit: least-squares } }", 45, "10 mm"),
         ("features: { a: { kind: flatness, tolerance: 11 mm } }", 45, "above 10 mm"),
-        ("features: { a: { kind: flatness, tolerance: -1 um } }", 45, "a length above 0"),
+        ("features: { a: { kind: flatness, tolerance: -1 um } }", 45, "no length above 0"),
         ("features: { a: { kind: roundness, axis: [0, 0, 0] } }", 41, "has no direction"),
     ] {
         if line.contains("10 mm") {

@@ -4,7 +4,7 @@ use super::journal::{RoundRecord, RoundStep};
 use super::ranking::{ArrangementRow, Standing};
 use super::rounds::Rounds;
 use super::study::Study;
-use crate::diagnostic::Reason;
+use crate::diagnostic::{Reason, shown};
 use crate::machine::Machine;
 
 impl Study<'_> {
@@ -24,7 +24,7 @@ impl Study<'_> {
         records.iter().try_for_each(|record| {
             let machine = arrangements.iter().find(|(table, _)| *table == record.row.table).map(|(_, machine)| machine);
             let machine = machine.filter(|machine| machine.chain().to_string() == record.row.chain);
-            let machine = machine.ok_or_else(|| of(format!("it has no arrangement `{}`", record.row.chain)))?;
+            let machine = machine.ok_or_else(|| of(format!("it has no arrangement `{}`", shown(&record.row.chain))))?;
             let wrong = || self.wrong_counts(&record.row).or_else(|| self.wrong_values(record, machine, samples));
             wrong().map_or(Ok(()), |what| Err(of(format!("`{}` {what}", record.row.chain))))
         })
