@@ -2,16 +2,17 @@
 
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
-    Bound, Draws, PoseByPose, PosesRequest, Request, adding, budget, budget_poses, effects_at, is_measured,
-    pose_by_pose,
+    ActingErrors, Bound, Budget, Draws, PoseByPose, PosesRequest, Request, adding, budget, budget_poses, effects_at,
+    is_measured, pose_by_pose,
 };
 use crate::analysis::reference::PartReference;
-use crate::evaluate::{Frame, Poses};
+use crate::evaluate::{Field, Frame, Poses, Summary};
 use crate::job::characteristics::{CharacteristicResult, DrawnRequest, JobCharacteristics};
 use crate::job::features::{FeatureResult, bounded_features};
+use crate::job::limit::{JobLimit, LimitVerdict};
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, Pose};
-use crate::report::{BoundedFigures, DrawSettings};
+use crate::report::{BoundedFigures, DrawSettings, DrawnMachineFigures};
 use crate::run::{Call, Refused};
 use serde::Serialize;
 
@@ -126,31 +127,70 @@ pub struct AddedDeviation {
 /// Number of random poses, as a budget has them.
 const POSES: usize = 500;
 
-/// Returns what the bounds of a machine with measured errors add, as a budget would have it, at the poses of a work
-/// or over the volume, without what the set-up of the part takes out; `None` where no error without a value is
-/// bounded, and with a minimum zone.
-pub(crate) fn added(
-    call: &mut Call<'_>,
-    machine: &Machine,
-    (tolerances, samples, seed): (&ToleranceOptions, usize, u64),
-    work: Option<&[Pose]>,
-    reference: Option<&PartReference>,
-) -> Result<Option<AddedByBounds>, Refused> {
-    if !is_measured(machine) || reference.is_some_and(|of| !of.is_linear()) {
-        return Ok(None);
+/// The bounds of a machine with measured errors, of those errors that have no value.
+pub(crate) struct AddingBounds<'a> {
+    pub machine: &'a Machine,
+    pub tolerances: &'a ToleranceOptions,
+    pub samples: usize,
+    pub seed: u64,
+    /// The poses of a work; `None` is the volume.
+    pub work: Option<&'a [Pose]>,
+    pub reference: Option<&'a PartReference>,
+}
+
+impl AddingBounds<'_> {
+    /// Returns what they add, as a budget would have it; `None` where no error without a value is bounded, and with a
+    /// minimum zone.
+    pub(crate) fn added(&self, call: &mut Call<'_>) -> Result<Option<AddedByBounds>, Refused> {
+        let Some((errors, poses, found)) = self.budget(call, ActingErrors::None)? else { return Ok(None) };
+        let [position_um, rotation_urad] = [&found.position, &found.rotation]
+            .map(|totals| AddedDeviation { rss: totals.rss, p95: totals.percentile(95).value });
+        let Self { samples, seed, .. } = *self;
+        Ok(Some(AddedByBounds { errors, poses, samples, seed, position_um, rotation_urad }))
     }
-    let (all, _) = tolerances.bounds_if_any(call, machine)?;
-    let bounds = adding(machine, &all);
-    if bounds.is_empty() {
-        return Ok(None);
+
+    /// Returns the verdict of a limit on the machine, whose measured errors act as a field has them, less what the
+    /// set-up of the part takes out; `values_um` are these alone.
+    pub(crate) fn limit(
+        &self,
+        call: &mut Call<'_>,
+        limit: JobLimit,
+        field: &dyn Field,
+        values_um: &Summary,
+    ) -> Result<LimitVerdict, Refused> {
+        let found = self.budget(call, ActingErrors::OfField(field))?;
+        Ok(found.map_or_else(
+            || limit.on_values(values_um),
+            |(_, _, found)| DrawnMachineFigures::of(&found.position.sorted).against(&limit),
+        ))
     }
-    let of_budget = || budget_poses(machine, POSES, seed);
-    let (poses, searched) = work.map_or_else(|| (of_budget(), true), |work| (work.to_vec(), false));
-    let (draws, statistic) = (tolerances.draws(seed), tolerances.statistic);
-    let (bounds, poses) = (&bounds, &poses);
-    let request = Request { machine, bounds, poses, reference, searched, at: None, draws: &draws, samples, statistic };
-    let found = call.stage(2 * samples, |advance| budget(request, advance))?;
-    let [position_um, rotation_urad] = [&found.position, &found.rotation]
-        .map(|totals| AddedDeviation { rss: totals.rss, p95: totals.percentile(95).value });
-    Ok(Some(AddedByBounds { errors: bounds.len(), poses: poses.len(), samples, seed, position_um, rotation_urad }))
+
+    fn budget(&self, call: &mut Call<'_>, acting: ActingErrors<'_>) -> Result<Option<(usize, usize, Budget)>, Refused> {
+        let Self { machine, tolerances, samples, seed, work, reference } = *self;
+        if !is_measured(machine) || reference.is_some_and(|of| !of.is_linear()) {
+            return Ok(None);
+        }
+        let (all, _) = tolerances.bounds_if_any(call, machine)?;
+        let bounds = adding(machine, &all);
+        if bounds.is_empty() {
+            return Ok(None);
+        }
+        let of_budget = || budget_poses(machine, POSES, seed);
+        let (poses, searched) = work.map_or_else(|| (of_budget(), true), |work| (work.to_vec(), false));
+        let (draws, statistic, count) = (tolerances.draws(seed), tolerances.statistic, poses.len());
+        let request = Request {
+            machine,
+            acting,
+            bounds: &bounds,
+            poses: &poses,
+            reference,
+            searched,
+            at: None,
+            draws: &draws,
+            samples,
+            statistic,
+        };
+        let found = call.stage(2 * samples, |advance| budget(request, advance))?;
+        Ok(Some((bounds.len(), count, found)))
+    }
 }

@@ -3,13 +3,14 @@
 use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
-    Bound, Budget, Coverage, Draws, Request, adding, budget_from_samples, budget_poses, draw_with_zone, is_measured,
+    ActingErrors, Bound, Budget, Coverage, Draws, Request, StayingErrors, budget_from_samples, budget_poses,
+    draw_with_zone,
 };
 use crate::analysis::reference::PartReference;
-use crate::evaluate::{CompiledField, Field, Order};
+use crate::evaluate::Field;
 use crate::job::characteristics::{CharacteristicResult, DrawnRequest, JobCharacteristics};
 use crate::job::job_file::{Job, JobPaths};
-use crate::job::limit::LimitVerdict;
+use crate::job::limit::{JobLimit, LimitVerdict};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::Over;
 use crate::job::path::PathResult;
@@ -17,7 +18,7 @@ use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
 use crate::job::reference::{Reference, SetUp};
 use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
-use crate::machine::{Machine, OperatingConditions, Pose};
+use crate::machine::{Machine, Pose};
 use crate::report::{BoundedContribution, BudgetFigures, DeviationBudget, DrawnMachineFigures, Picture, contributions};
 use crate::run::{Call, Count, Refused, Reply, Run};
 use crate::shards::budget_parts::{self, BudgetShard, Division};
@@ -259,7 +260,7 @@ struct BudgetWork {
     set_up: SetUp,
     /// The set-up that is asked for, if it is a minimum zone.
     zone: Option<SetUp>,
-    limit_mm: Option<f64>,
+    limit: Option<JobLimit>,
     draws: Draws,
 }
 
@@ -282,8 +283,9 @@ impl BudgetWork {
             true => (SetUp::best_fit(machine, &poses), Some(asked)),
             false => (asked, None),
         };
-        let (limit_mm, draws) = (job.and_then(|job| job.limit_mm), options.tolerances.draws(options.seed));
-        Ok(Self { poses, tool_poses, toleranced, set_up, zone, limit_mm, draws })
+        let limit = Job::limit(job.as_ref(), options.tolerances.statistic, tool_poses.as_ref());
+        let draws = options.tolerances.draws(options.seed);
+        Ok(Self { poses, tool_poses, toleranced, set_up, zone, limit, draws })
     }
 
     fn request<'a>(
@@ -294,7 +296,19 @@ impl BudgetWork {
     ) -> Request<'a> {
         let (samples, statistic) = (options.samples, options.tolerances.statistic);
         let (searched, reference) = (self.tool_poses.is_none(), self.set_up.removed());
-        Request { machine, bounds, poses: &self.poses, reference, searched, at, draws: &self.draws, samples, statistic }
+        let acting = ActingErrors::OfMachine;
+        Request {
+            machine,
+            acting,
+            bounds,
+            poses: &self.poses,
+            reference,
+            searched,
+            at,
+            draws: &self.draws,
+            samples,
+            statistic,
+        }
     }
 
     /// Returns the characteristics of toleranced features over the machines drawn, which have the errors with values
@@ -306,16 +320,9 @@ impl BudgetWork {
         request: Request<'_>,
     ) -> Result<Vec<CharacteristicResult>, Refused> {
         let Some(of) = &self.toleranced else { return Ok(Vec::new()) };
-        let Request { draws, samples, reference: removed, .. } = request;
-        if !is_measured(machine) {
-            let bounds = request.bounds;
-            return of.drawn(call, DrawnRequest { machine, bounds, removed, draws, samples, values: None });
-        }
-        let bounds = &adding(machine, request.bounds);
-        let order = Order::Degree(1);
-        let compiled = CompiledField::new(machine, order);
-        let set_up = self.set_up.field(&compiled, order, OperatingConditions::default());
-        let values = Some(set_up.as_ref().map_or(&compiled as &dyn Field, |field| field));
+        let Request { bounds, draws, samples, reference: removed, .. } = request;
+        let staying = StayingErrors::new(machine, bounds, removed);
+        let values = staying.as_ref().map(|staying| staying as &dyn Field);
         of.drawn(call, DrawnRequest { machine, bounds, removed, draws, samples, values })
     }
 
@@ -376,12 +383,12 @@ pub(crate) fn budget_of(
         contributions: contributions(&bounds, list),
     });
     let over = work.over(machine, &work.set_up.reference);
-    let BudgetWork { poses, tool_poses, limit_mm, .. } = work;
+    let BudgetWork { poses, tool_poses, limit, .. } = work;
     let coverage = Coverage::of(machine, &bounds);
     let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
     let budget = BudgetFigures::new(machine, bounds, &budget, poses.len(), drawing);
     let drawn = minimum_zone.as_ref().map_or(&budget.position_um.monte_carlo, |of| &of.position_um);
-    let limit = limit_mm.map(|limit_mm| drawn.against(limit_mm));
+    let limit = limit.map(|limit| drawn.against(&limit));
     let (machine, chain) = (machine.name().to_owned(), machine.chain().to_string());
     Ok(BudgetResult {
         budget,

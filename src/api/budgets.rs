@@ -2,13 +2,13 @@
 
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
-    Bound, BoundedError, Budget, BudgetPart, Class, Coverage, PairedDifference, PairedTest, Request, STAND_IN_CLASS,
-    Totals, Verdict, VersusFirst, budget, classes, round_sizes, side_by_side,
+    ActingErrors, Bound, BoundedError, Budget, BudgetPart, Class, Coverage, PairedDifference, PairedTest, Request,
+    STAND_IN_CLASS, Totals, Verdict, VersusFirst, budget, classes, is_measured, round_sizes, side_by_side,
 };
 use crate::analysis::reference::PartReference;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::machine::{Machine, Pose};
-use crate::report::{DeviationBudget, DrawSettings};
+use crate::report::{ActingValues, DeviationBudget, DrawSettings};
 use crate::run::{Call, Refused};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -91,6 +91,9 @@ pub struct ComparedBudget {
     pub class: Option<String>,
     /// Source of the class.
     pub class_source: Option<String>,
+    /// The errors with values that act in every machine drawn, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with_values: Option<ActingValues>,
 }
 
 /// Figures of a budget minus those of another.
@@ -156,6 +159,7 @@ impl ComparedBudget {
             },
             class,
             class_source,
+            with_values: ActingValues::of(machine, bounds, own),
         }
     }
 }
@@ -213,7 +217,9 @@ pub(crate) fn budgets(
         call.check()?;
         return Ok(None);
     }
-    let without = drawn.files.iter().zip(&all).filter(|(_, bounds)| bounds.is_empty());
+    // A measured machine without bounds is the same in every draw, beside others that are measured, too.
+    let measured = sides.iter().all(|(machine, _)| is_measured(machine));
+    let without = drawn.files.iter().zip(&all).filter(|(_, bounds)| bounds.is_empty() && !measured);
     let without: Vec<String> = without.map(|(file, _)| format!("`{}`", shown(file))).collect();
     if !without.is_empty() {
         let message = format!("budgets are not compared: {} bounds no error", without.join(" and "));
@@ -256,9 +262,19 @@ fn budgeted(
         let list: Vec<Budget> = call.stage(2 * samples * sides.len(), |advance| {
             let one = |(i, (machine, poses)): (usize, &(&Machine, Vec<Pose>))| {
                 let (bounds, reference, draws) = (&bounds[i], drawn.references[i], &draws);
-                let searched = false;
-                let request =
-                    Request { machine, bounds, poses, reference, searched, at: None, draws, samples, statistic };
+                let (searched, acting) = (false, ActingErrors::OfMachine);
+                let request = Request {
+                    machine,
+                    acting,
+                    bounds,
+                    poses,
+                    reference,
+                    searched,
+                    at: None,
+                    draws,
+                    samples,
+                    statistic,
+                };
                 budget(request, advance)
             };
             sides.iter().enumerate().map(one).collect()
@@ -358,8 +374,9 @@ impl Compared<'_> {
         let DrawnMachines { tolerances, seed, references, .. } = self.drawn;
         let (machine, poses) = &self.sides[side];
         let (draws, statistic, samples) = (&tolerances.draws(seed), tolerances.statistic, self.samples);
-        let (reference, searched) = (references[side], false);
-        let request = Request { machine, bounds, poses, reference, searched, at: None, draws, samples, statistic };
+        let (reference, searched, acting) = (references[side], false, ActingErrors::OfMachine);
+        let request =
+            Request { machine, acting, bounds, poses, reference, searched, at: None, draws, samples, statistic };
         Ok(call.stage(2 * samples, |advance| budget(request, advance))?.position.drawn)
     }
 }

@@ -1,6 +1,6 @@
 //! Machines side by side on the same tool poses.
 
-use super::bounded::{AddedByBounds, added};
+use super::bounded::{AddedByBounds, AddingBounds};
 use super::budgets::ComparedBudgets;
 use super::compare_figures::{Alike, AlikeDraws, Bounded, Figures, FittedComparison, MachineVerdict, removed, set_ups};
 use super::compiled_model::PoseDeviation;
@@ -14,7 +14,7 @@ use crate::analysis::{
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Difference, Field, Frame, Order, Statistics, Summary};
 use crate::job::job_file::JobPaths;
-use crate::job::limit::LimitVerdict;
+use crate::job::limit::{JobLimit, LimitVerdict};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::Over;
 use crate::job::path::PathResult;
@@ -25,6 +25,7 @@ use crate::job::tool_poses::{MissedToolPose, NeededTravel, needed_travel};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};
 use crate::run::{Call, Count, Refused, Reply, Run};
+use crate::units::counted;
 use std::path::PathBuf;
 
 /// Options of [`compare`].
@@ -262,13 +263,18 @@ fn side_by_side(
         _ => None,
     };
     let best_fit = fitted.as_ref().map(|of| of.compared(over(&Reference::best_fit())));
-    let verdicts = (1..files.len()).map(|i| whole.verdict(fitted.as_ref(), i, unzeroed.as_deref())).collect();
+    let unlike = |i: usize| {
+        let unzeroed = unzeroed.as_ref().map(|why| format!("no reference point that all machines reach: {why}"));
+        unzeroed.or_else(|| unlike_paths(&paths, i))
+    };
+    let verdicts = (1..files.len()).map(|i| whole.verdict(fitted.as_ref(), i, unlike(i))).collect();
     let references = removed(&set_ups);
     let contributions = contributions_of(&sides, options.approach.into(), &references);
     let mut adds = Vec::new();
     for (((machine, poses), file), reference) in sides.iter().zip(files).zip(&references) {
-        let settings = (&options.tolerances, whole.samples, options.seed);
-        adds.push(call.about(file.path(), |call| added(call, machine, settings, Some(poses), *reference))?);
+        let (tolerances, samples, seed) = (&options.tolerances, whole.samples, options.seed);
+        let of = AddingBounds { machine, tolerances, samples, seed, work: Some(poses), reference: *reference };
+        adds.push(call.about(file.path(), |call| of.added(call))?);
     }
     call.check()?;
     let Figures { comparison, bounded, budgets, uncertainty, .. } = whole;
@@ -277,18 +283,19 @@ fn side_by_side(
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
     };
     let travels: Vec<_> = missed.iter().enumerate().map(travel).collect();
-    let limit_mm = job.as_ref().and_then(|job| job.limit_mm);
     let limit = |i: usize, machine: &ComparedMachine| {
-        limit_mm.map(|limit_mm| match (&budgets, &machine.bounds) {
-            (Some(of), _) => of.machines[i].position_um.monte_carlo.against(limit_mm),
-            (None, Some(of)) => of.figures.position_um.monte_carlo.against(limit_mm),
-            (None, None) => LimitVerdict::new(limit_mm, machine.position_um.p95, None),
+        let (mm, statistic) = (job.as_ref()?.limit_mm?, options.tolerances.statistic);
+        let limit = JobLimit { mm, statistic, missed: machine.missed.as_ref().map_or(0, Vec::len) };
+        Some(match (&budgets, &machine.bounds) {
+            (Some(of), _) => of.machines[i].position_um.monte_carlo.against(&limit),
+            (None, Some(of)) => of.figures.position_um.monte_carlo.against(&limit),
+            (None, None) => limit.on_values(&machine.position_um),
         })
     };
     let of = |(i, ((((machine, missed), travel), bounds_add), path))| {
         let uncertainty = uncertainty.as_ref().map(|of: &Vec<ComparedBands>| of[i]);
-        let limit = limit(i, &machine);
-        ComparedMachine { missed, travel, path, bounds_add, uncertainty, limit, ..machine }
+        let machine = ComparedMachine { missed, travel, path, bounds_add, uncertainty, ..machine };
+        ComparedMachine { limit: limit(i, &machine), ..machine }
     };
     let machines = machines.zip(missed).zip(travels).zip(adds).zip(paths).enumerate().map(of);
     Ok(CompareResult {
@@ -305,6 +312,13 @@ fn side_by_side(
         verdicts,
         rows: (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect(),
     })
+}
+
+/// Returns the difference in words if a machine has to leave the path at other places than the first, or more often.
+fn unlike_paths(paths: &[Option<PathResult>], index: usize) -> Option<String> {
+    let rewinds = |i: usize| paths[i].as_ref().map_or(0, |path| path.rewinds.len());
+    let leaves = |i: usize| format!("machine {} leaves the path for {}", i + 1, counted(rewinds(i), "rewind"));
+    (rewinds(0) != rewinds(index)).then(|| format!("{}, {}", leaves(0), leaves(index)))
 }
 
 fn poses(side: &MachineResult) -> Vec<Pose> {

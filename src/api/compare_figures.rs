@@ -4,7 +4,7 @@ use super::bounded::DrawnBounds;
 use super::budgets::{ComparedBudgets, ComparedVerdict, DrawnMachines, budgets};
 use super::tolerances::ToleranceOptions;
 use crate::analysis::Comparison;
-use crate::analysis::budget::{PoseByPose, Verdict};
+use crate::analysis::budget::{PairedDifference, PoseByPose, Statistic, Verdict};
 use crate::analysis::figure_bands::{ComparedBands, compared_bands};
 use crate::analysis::reference::PartReference;
 use crate::evaluate::{Difference, Field, Frame, Order, Poses, Statistics, Summary};
@@ -15,6 +15,7 @@ use crate::job::reference::{Reference, SetUp, unzeroed};
 use crate::machine::{Machine, OperatingConditions, Pose};
 use crate::report::BoundedFigures;
 use crate::run::{Call, Refused};
+use crate::units::significant;
 
 /// Machines side by side without the rigid motion of the part that fits the deviations of each best.
 #[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
@@ -50,9 +51,45 @@ pub struct MachineVerdict {
     pub machine: usize,
     /// Its 95 % value against that of the first; none where that depends on the reference, or is not known.
     pub verdict: Option<Verdict>,
+    /// The difference by which it is judged; none without a verdict.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by: Option<JudgedDifference>,
     /// The reason why there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+}
+
+/// The figure of the position deviation by which a machine is judged, minus that of the first machine.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct JudgedDifference {
+    /// True if it is the value that 95 % of machines drawn do not exceed.
+    pub drawn: bool,
+    /// The figure of a machine over the poses.
+    pub statistic: Statistic,
+    /// The difference, um: negative is better than the first.
+    pub um: f64,
+    /// Lower end of its interval, um, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub low: Option<f64>,
+    /// Upper end of its interval, um, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub high: Option<f64>,
+}
+
+impl JudgedDifference {
+    /// Returns the figure in words, such as `largest deviation, 95 % of machines: -4.4 um (-5.1..-3.6)`.
+    pub fn words(&self) -> String {
+        let of = match (self.drawn, self.statistic) {
+            (true, Statistic::Max) => "largest deviation, 95 % of machines",
+            (true, Statistic::P95) => "95 % of the poses, 95 % of machines",
+            (false, Statistic::Max) => "largest deviation",
+            (false, Statistic::P95) => "95 % of the poses",
+        };
+        let um = |value: f64| format!("{}{}", if value > 0.0 { "+" } else { "" }, significant(value, 3));
+        let interval = self.low.zip(self.high);
+        let interval = interval.map_or_else(String::new, |(low, high)| format!(" ({}..{})", um(low), um(high)));
+        format!("{of}: {} um{interval}", um(self.um))
+    }
 }
 
 /// Machines on the same work, whatever the reference.
@@ -215,13 +252,24 @@ impl Figures {
         versus.withheld.as_ref().map(|withheld| withheld.reason.clone())
     }
 
-    /// Returns the verdict on a machine, on which a best fit must agree if there is one. `unzeroed` is the reason why
-    /// the machines have no common zero.
-    pub(crate) fn verdict(&self, fitted: Option<&Self>, index: usize, unzeroed: Option<&str>) -> MachineVerdict {
+    /// Returns the difference (um) of the figures by which a machine is judged, with its interval.
+    fn judged(&self, index: usize) -> Option<JudgedDifference> {
+        if let Some(of) = &self.budgets {
+            let PairedDifference { value, low, high, .. } = of.versus_first_p95_um.get(index - 1)?.minus_first;
+            return Some(JudgedDifference { drawn: true, statistic: of.drawing.statistic, um: value, low, high });
+        }
+        let um = self.minus_first(index)?.position_um.p95;
+        let drawn = self.bounded[index].is_some();
+        Some(JudgedDifference { drawn, statistic: Statistic::P95, um, low: None, high: None })
+    }
+
+    /// Returns the verdict on a machine, on which a best fit must agree if there is one. `unlike` is the reason why the
+    /// machines are not judged alike.
+    pub(crate) fn verdict(&self, fitted: Option<&Self>, index: usize, unlike: Option<String>) -> MachineVerdict {
         let (own, best_fit) = (self.own_verdict(index), fitted.map(|of| of.own_verdict(index)));
         let withheld = || self.withheld(index).or_else(|| fitted?.withheld(index));
-        let reason = match (unzeroed, own, best_fit.flatten()) {
-            (Some(unzeroed), ..) => Some(format!("no reference point that all machines reach: {unzeroed}")),
+        let reason = match (unlike, own, best_fit.flatten()) {
+            (Some(unlike), ..) => Some(unlike),
             (None, ..) if withheld().is_some() => withheld(),
             (None, None, _) => Some("only one of the two has measured errors".to_owned()),
             (None, Some(own), Some(fit)) if own != fit => {
@@ -229,6 +277,7 @@ impl Figures {
             }
             _ => None,
         };
-        MachineVerdict { machine: index + 1, verdict: own.filter(|_| reason.is_none()), reason }
+        let verdict = own.filter(|_| reason.is_none());
+        MachineVerdict { machine: index + 1, verdict, by: self.judged(index).filter(|_| reason.is_none()), reason }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::compare::nothing_in_common;
 use super::tolerances::ToleranceOptions;
-use crate::analysis::budget::{Bound, Request, bounds, budget, is_measured};
+use crate::analysis::budget::{ActingErrors, Bound, Request, bounds, budget, is_measured};
 use crate::analysis::{Comparison, MachineResult, Work, compare};
 use crate::evaluate::{Bare, Field, Order, quantile_95};
 use crate::job::job_file::{Job, JobPaths};
@@ -214,6 +214,7 @@ impl<'a> Judge<'a> {
         let (draws, statistic) = (tolerances.draws(self.options.seed), tolerances.statistic);
         let request = Request {
             machine,
+            acting: ActingErrors::OfMachine,
             bounds: &bounds,
             poses: &poses,
             reference: set_up.removed(),

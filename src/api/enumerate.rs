@@ -2,7 +2,9 @@
 
 use super::tolerances::{ClassSource, ToleranceOptions};
 use super::withheld::{StudyCoverage, TurnedVerdicts};
-use crate::analysis::budget::{Bound, Coverage, PairedDifference, Statistic, Verdict, VersusFirst, known};
+use crate::analysis::budget::{
+    Bound, Coverage, PairedDifference, Statistic, Verdict, VersusFirst, count_staying, known,
+};
 use crate::analysis::enumerate::{
     ArrangementRow, BUILDABLE_RULES, FittedArrangement, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, PartSetUps,
     Ranking, RoundCount, RoundRecord, RoundStep, Rounds, Rule, RuleFailure, Standing, Standings, Study, StudyEnd,
@@ -20,7 +22,7 @@ use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{AxisKind, AxisName, ErrorId, ErrorTerm, Machine, Pose};
 use crate::run::{Call, Count, Refused, Reply, Run, sha256};
 use crate::shards::study::{self, StudyFile};
-use crate::units::significant;
+use crate::units::{counted, significant};
 use indexmap::IndexMap;
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -337,6 +339,24 @@ impl Arrangement {
     }
 }
 
+/// Withholds the verdicts against the best arrangement, the first, for which it does not do the same work.
+fn withhold_unlike(of: &StudyCoverage<'_>, ranked: &mut [Arrangement]) {
+    let Some((first, others)) = ranked.split_first_mut() else { return };
+    let values = count_staying(of.machine, of.bounds);
+    let rewinds = |row: &Arrangement| counted(row.rewinds.unwrap_or(0), "rewind");
+    for row in others.iter_mut().filter(|row| row.withheld.is_none()) {
+        let reason = if values > 0 {
+            format!("{} with a value left out of all arrangements", counted(values, "error"))
+        } else if row.rewinds != first.rewinds {
+            format!("leaves the path for {}, the best for {}", rewinds(row), rewinds(first))
+        } else {
+            continue;
+        };
+        row.withheld = Some(reason);
+        row.versus_first.iter_mut().for_each(|versus| versus.verdict = None);
+    }
+}
+
 /// Withholds the verdicts against the best arrangement, the first, that missing errors could turn; `None` if there are
 /// none.
 fn withhold(
@@ -458,6 +478,7 @@ fn studied(
     let turned = match &coverage {
         Some(coverage) => {
             let of = StudyCoverage { machine, bounds: &bounds, coverage, class: class.as_deref() };
+            withhold_unlike(&of, &mut ranked);
             withhold(call, &of, (&study, options.samples), &mut ranked)?
         }
         None => None,

@@ -1,6 +1,6 @@
 //! The error over a volume.
 
-use super::bounded::{DrawnBounds, added};
+use super::bounded::{AddingBounds, DrawnBounds};
 use super::map_bounds;
 use super::map_result::{BodyDiagonal, MapOptions, MapPoses, MapResult, Uncompensated, WorstPose};
 use super::map_tables::{MapTable, Tables};
@@ -15,7 +15,6 @@ use crate::file_set::effect::named_effect;
 use crate::job::characteristics::ValuedField;
 use crate::job::features::features;
 use crate::job::job_file::Job;
-use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
 use crate::job::poses::axis_positions;
@@ -148,7 +147,9 @@ fn volume(
     let valued = ValuedField { field, conditions, removed, bare, seed: options.seed };
     let characteristics = toleranced.map_or_else(Vec::new, |of| of.values(valued));
     let reached = tool_poses.as_ref().map(|reached| reached.poses.as_slice());
-    let bounds_add = added(call, machine, settings, reached, set_up.removed())?;
+    let (tolerances, samples, seed) = settings;
+    let adding = AddingBounds { machine, tolerances, samples, seed, work: reached, reference: set_up.removed() };
+    let bounds_add = adding.added(call)?;
     let diagonals = body_diagonals(field, &view.conditions.at_pose(&rest(machine)), DIAGONAL_STEPS);
     let over = Over::work(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
     let result = result(&rows, over, &survey, &diagonals);
@@ -157,7 +158,8 @@ fn volume(
     let uncertainty =
         field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed, set_up.removed());
     let target = options.target.clone();
-    let limit = job.and_then(|job| job.limit_mm).map(|mm| LimitVerdict::new(mm, result.position_um.p95, None));
+    let limit = Job::limit(job.as_ref(), tolerances.statistic, tool_poses.as_ref());
+    let limit = limit.map(|limit| adding.limit(call, limit, field, &result.position_um)).transpose()?;
     let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
     Ok(MapResult {
         limit,

@@ -53,7 +53,9 @@ pub(crate) fn volume(
     let features = tool_poses.as_ref().map(|reached| drawn.features(machine, reached, &found));
     let characteristics = toleranced.map(|of| drawn.characteristics(call, machine, &of)).transpose()?;
     let figures = drawn.figures(&found);
-    let limit = job.and_then(|job| job.limit_mm).map(|mm| figures.position_um.monte_carlo.against(mm));
+    let statistic = options.tolerances.statistic;
+    let limit = Job::limit(job.as_ref(), statistic, tool_poses.as_ref());
+    let limit = limit.map(|limit| figures.position_um.monte_carlo.against(&limit));
     let over = Over::work(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
     let result = MapResult::empty(&rows, over, figures.statistics(poses.len()));
     let worst = worst(machine, &poses, &found, options.worst);

@@ -88,7 +88,7 @@ pub use crate::report::standard_tests::{
     TemperatureRange, TestFigures, TurningTest, UncertainValue,
 };
 pub use crate::report::{
-    BoundedContribution, BoundedFigures, BoundedLengths, BudgetFigures, DeviationBudget, DrawSettings,
+    ActingValues, BoundedContribution, BoundedFigures, BoundedLengths, BudgetFigures, DeviationBudget, DrawSettings,
     DrawnMachineFigures, LengthStatistics, MachineDifference, PercentileInterval, Picture, PictureFailure,
     PropertyDifference, RssDifference, Tightening,
 };

@@ -31,6 +31,10 @@ pub const MAX_NULL_SPACE_SHARE: f64 = 1e-3;
 pub const MIN_COLUMN_SHARE: f64 = 1e-2;
 /// Least coefficient of a monomial that is a column (mm, parameters in units of displacement): less is rounding.
 pub const MIN_MONOMIAL_MM: f64 = 1e-12;
+/// Part of the travel that the readings must span for a datum to be formed over the travel, else over what they span.
+/// Below: conditions are put on curves where they only extrapolate; above: a grid that stops short of the ends is named
+/// as a part of the travel.
+pub const MIN_WHOLE_RANGE_SHARE: f64 = 0.9;
 /// Length that a datum leaves of a free direction of unit length, below which it fixes the direction.
 pub const MIN_FREE_LENGTH: f64 = 1e-2;
 /// Part of a rigid motion of the machine beyond the free directions above which it is a free direction of its own.

@@ -1,12 +1,14 @@
 //! A job: the tool poses of a part, where the part lies, and what its set-up takes out.
 
 use super::characteristics::{FeatureEntries, FeatureTolerances, JobCharacteristics};
+use super::limit::JobLimit;
 use super::machine_file::MachineFile;
 use super::numbers::part_length;
 use super::placement::Placement;
 use super::reference::{Reference, SetUp};
 use super::reference_text::WrittenReference;
 use super::tool_poses::{self, ReachedToolPoses, ToolPoses};
+use crate::analysis::budget::Statistic;
 use crate::diagnostic::{Diagnostic, Place, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::run::{Call, Refused};
@@ -164,6 +166,16 @@ impl UnplacedJob {
 }
 
 impl Job {
+    /// Returns the limit of a job on a machine that reaches these tool poses.
+    pub(crate) fn limit(
+        job: Option<&Self>,
+        statistic: Statistic,
+        reached: Option<&ReachedToolPoses>,
+    ) -> Option<JobLimit> {
+        let missed = reached.map_or(0, |reached| reached.asked - reached.reached);
+        job?.limit_mm.map(|mm| JobLimit { mm, statistic, missed })
+    }
+
     /// Returns the set-up of the part on a machine, which takes out what the options state, or else the job file, or
     /// else the zero at the part's origin, and without a job nothing; a best fit is over the poses (mm, deg).
     pub(crate) fn set_up(

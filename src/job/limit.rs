@@ -1,43 +1,89 @@
-//! The limit of a job: the largest 95 % value of the position deviation that the part allows.
+//! The limit of a job: the largest position deviation that the part allows.
 
-use crate::units::significant;
+use crate::analysis::budget::Statistic;
+use crate::evaluate::Summary;
+use crate::units::{counted, significant};
+
+/// A limit with what it is judged by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct JobLimit {
+    /// The limit, mm.
+    pub mm: f64,
+    /// The figure of a machine over the poses.
+    pub statistic: Statistic,
+    /// Number of tool poses of the job that the machine does not reach.
+    pub missed: usize,
+}
 
 /// A figure against the limit of a job.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct LimitVerdict {
     /// The limit, um.
     pub limit_um: f64,
-    /// The 95 % value of the position deviation, um.
+    /// The position deviation that is judged, um: the statistic over the poses; of machines drawn the value that 95 % of
+    /// them do not exceed.
     pub um: f64,
     /// The interval in which it lies, um; none where it is not drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_um: Option<[f64; 2]>,
-    /// True if it holds the limit; none where the interval is on both sides of it.
+    /// The figure of a machine over the poses.
+    pub statistic: Statistic,
+    /// True if machines are drawn between bounds; errors with values act in each.
+    pub drawn: bool,
+    /// Number of tool poses of the job that are out of reach.
+    pub missed: usize,
+    /// True if the limit is held; none where the interval is on both sides of it, and where it is not exceeded but tool
+    /// poses are out of reach, so that the job is not done.
     pub held: Option<bool>,
 }
 
-impl LimitVerdict {
-    /// Returns the verdict on a figure (um) with its interval, for a limit in mm.
-    pub(crate) fn new(limit_mm: f64, um: f64, interval_um: Option<[f64; 2]>) -> Self {
-        let limit_um = limit_mm * 1e3;
+impl JobLimit {
+    /// Returns the verdict on the deviations of one machine over the poses, um.
+    pub(crate) fn on_values(&self, position_um: &Summary) -> LimitVerdict {
+        let um = match self.statistic {
+            Statistic::Max => position_um.max,
+            Statistic::P95 => position_um.p95,
+        };
+        self.judge(um, None, false)
+    }
+
+    /// Returns the verdict on the 95 % value (um) of machines drawn, with its interval.
+    pub(crate) fn on_machines(&self, um: f64, interval_um: Option<[f64; 2]>) -> LimitVerdict {
+        self.judge(um, interval_um, true)
+    }
+
+    fn judge(&self, um: f64, interval_um: Option<[f64; 2]>, drawn: bool) -> LimitVerdict {
+        let Self { mm, statistic, missed } = *self;
+        let limit_um = mm * 1e3;
         let held = match interval_um {
             Some([low, high]) if low <= limit_um && limit_um < high => None,
             Some([_, high]) => Some(high <= limit_um),
             None => Some(um <= limit_um),
         };
-        Self { limit_um, um, interval_um, held }
+        let held = held.filter(|held| !held || missed == 0);
+        LimitVerdict { limit_um, um, interval_um, statistic, drawn, missed, held }
     }
+}
 
-    /// Returns the verdict in words, such as `limit 30 um: held, 25.31 um (24.8..26.0)`.
+impl LimitVerdict {
+    /// Returns the verdict in words, such as `limit 30 um: held, 95 % of machines within 25.31 um (24.8..26.0)`.
     pub fn words(&self) -> String {
+        let missed = self.missed;
         let verdict = match self.held {
-            Some(true) => "held",
-            Some(false) => "exceeded",
-            None => "not told",
+            Some(true) => "held".to_owned(),
+            Some(false) => "exceeded".to_owned(),
+            None if missed > 0 => format!("not decided, {} out of reach", counted(missed, "tool pose")),
+            None => "not decided".to_owned(),
         };
         let end = |um: f64| significant(um, 4);
         let interval =
             self.interval_um.map_or_else(String::new, |[low, high]| format!(" ({}..{})", end(low), end(high)));
-        format!("limit {} um: {verdict}, 95 % value {} um{interval}", significant(self.limit_um, 6), end(self.um))
+        let figure = match (self.drawn, self.statistic) {
+            (false, Statistic::Max) => "largest deviation",
+            (false, Statistic::P95) => "95 % of the poses within",
+            (true, Statistic::Max) => "95 % of machines within",
+            (true, Statistic::P95) => "95 % of machines at 95 % of the poses within",
+        };
+        format!("limit {} um: {verdict}; {figure} {} um{interval}", significant(self.limit_um, 6), end(self.um))
     }
 }

@@ -32,7 +32,7 @@ pub use rows::{
     RowBlock, RowFormat, RowValues, Rows, Sink, Stream, UnreachedRow, WorkRow, WorkRows, cell, structured_grid,
 };
 pub use text::{
-    BoundedContribution, BoundedFigures, BoundedLengths, BudgetFigures, DeviationBudget, DrawSettings,
+    ActingValues, BoundedContribution, BoundedFigures, BoundedLengths, BudgetFigures, DeviationBudget, DrawSettings,
     DrawnMachineFigures, LengthStatistics, MachineDifference, PercentileInterval, PropertyDifference, RssDifference,
     Tightening, contributions, equations, tolerance, tolerance_unit,
 };

@@ -5,7 +5,7 @@ use super::report_options::ReportOptions;
 use crate::analysis::figure_bands::field_bands;
 use crate::analysis::reference::ReferencedField;
 use crate::analysis::{MAX_POSES, MapFailure, View, map};
-use crate::api::bounded::{DrawnBounds, added};
+use crate::api::bounded::{AddingBounds, DrawnBounds};
 use crate::api::budget::{BudgetOptions, BudgetResult, budget_of};
 use crate::api::budgets::{DrawnMachines, budgets};
 use crate::api::compare_figures::{removed, set_ups};
@@ -186,8 +186,10 @@ impl<'a> Subject<'a> {
             written.extend(compensate(call, file, name, options)?);
         }
         let reached = work.as_ref().map(|(poses, _)| poses.as_slice());
-        let bounds_add =
-            added(call, file, settings, reached, set_up.removed())?.map_or(Value::Null, |added| json!(added));
+        let (tolerances, samples, seed) = settings;
+        let adding =
+            AddingBounds { machine: file, tolerances, samples, seed, work: reached, reference: set_up.removed() };
+        let bounds_add = adding.added(call)?.map_or(Value::Null, |added| json!(added));
         let found = file.warnings().iter().chain(call.diagnostics.iter().skip(seen));
         let warnings = found.map(Diagnostic::to_string).collect();
         let instruments = if bounded.is_some() { Instruments::none(file) } else { Instruments::new(file) };

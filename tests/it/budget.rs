@@ -4,7 +4,7 @@ use crate::configs::all;
 use crate::interactions::unit_response;
 use crate::oracle::random::Random;
 use crate::program::{Folder, abbe, abbe_on, json, refused, text, well_formed};
-use abbe::analysis::budget::{Distribution, Draws, Request, Statistic, bounds, budget, longest, mean};
+use abbe::analysis::budget::{ActingErrors, Distribution, Draws, Request, Statistic, bounds, budget, longest, mean};
 use abbe::evaluate::random_poses;
 use abbe::lower::{Quantity, SideWeights, sensitivities_to, twists};
 use abbe::machine::{Direction, ErrorFamily, ErrorId, Machine};
@@ -130,6 +130,7 @@ fn three_equal_errors_at_one_place_have_the_moments_of_their_sum() {
         let poses = [vec![100.0, 200.0, 300.0]];
         let draws = Draws::new(5, distribution);
         let request = Request {
+            acting: ActingErrors::None,
             machine: &machine,
             bounds: &bounds,
             poses: &poses,
@@ -300,6 +301,7 @@ fn extremes_of(machine: &Machine) -> [(f64, Vec<f64>); 2] {
     let poses = abbe::analysis::budget::budget_poses(machine, 20, 1);
     let (statistic, samples) = (Statistic::Max, 2);
     let request = Request {
+        acting: ActingErrors::None,
         machine,
         bounds: &bounds,
         poses: &poses,

@@ -67,6 +67,15 @@ fn a_verdict_that_missing_errors_could_turn_is_withheld() {
     assert!(withheld["reason"].as_str().unwrap().contains("--class production"));
     let lacks = |key: &str| withheld[key].as_array().unwrap().contains(&"EYY".into());
     assert!(lacks("missing") && !lacks("missing_first"));
+    // A value beside does not make known what neither value nor bound is stated of.
+    let value = "errors: { EZZ: { polynomial: [0 um, 3 um/m] } }\n";
+    let found = compare(
+        &format!("tolerances: {{ EXX: 5 um, EYY: 5 um }}\n{value}"),
+        &format!("tolerances: {{ EXX: 5 um }}\n{value}"),
+    );
+    let versus = &found["budgets"]["versus_first_p95_um"][0];
+    assert_eq!((&versus["verdict"], &versus["withheld"]["as_bounded"]), (&Value::Null, &"better".into()));
+    assert!(!versus["withheld"]["missing"].as_array().unwrap().contains(&"EZZ".into()));
     // Like bounds, or a difference that nothing missing makes up for, have their verdict.
     for (first, second) in [
         ("tolerances: { EXX: 5 um }\nclass: production\n", "tolerances: { EXX: 90 um }\nclass: production\n"),

@@ -6,7 +6,7 @@ use crate::language::read;
 use crate::oracle::random::Random;
 use abbe::analysis::LocationSet;
 use abbe::analysis::budget::{
-    Bound, Budget, Distribution, Draws, NODES, Request, Statistic, bounds, budget, budget_poses, classes,
+    ActingErrors, Bound, Budget, Distribution, Draws, NODES, Request, Statistic, bounds, budget, budget_poses, classes,
 };
 use abbe::evaluate::random_poses;
 use abbe::lower::sensitivities_to;
@@ -61,6 +61,7 @@ fn budgeted(machine: &Machine, bounds: &[Bound], searched: bool) -> Budget {
     let (statistic, samples) = (Statistic::Max, 40);
     budget(
         Request {
+            acting: ActingErrors::None,
             machine,
             bounds,
             poses: &poses,
@@ -232,6 +233,7 @@ fn the_tilt_of_a_45_degree_axis_is_bounded_across_it() {
         let draws = Draws::new(1, Distribution::Uniform);
         let (statistic, samples) = (Statistic::Max, 2);
         let request = Request {
+            acting: ActingErrors::None,
             machine: &machine,
             bounds: &limits,
             poses: &poses,
@@ -281,6 +283,7 @@ fn drawn_machines_are_those_of_the_model_with_tied_letters() {
         let poses = random_poses(&machine, 12, 5);
         let (statistic, samples) = (Statistic::Max, 5);
         let request = Request {
+            acting: ActingErrors::None,
             machine: &machine,
             bounds: &limits,
             poses: &poses,

@@ -350,7 +350,8 @@ fn robust_weights_resist_bumped_points_and_held_out_data_are_predicted() {
     let model = FitModel::new(&blank, &parameters);
     let robust = weigh(&model, &data, true);
     assert!((robust.theta[0] - 12e-6).abs() < 2e-6 && (robust.theta[1] - 6e-3).abs() < 6e-4, "{:?}", robust.theta);
-    let report = abbe::identify::Residuals::of(&model, &data, &robust.theta);
+    let seen = abbe::identify::FitInData { theta: robust.theta.clone(), stand: None };
+    let report = abbe::identify::Residuals::of(&model, &data, &robust, &robust.theta, &seen);
     assert_eq!(report.outliers.first().map(|o| o.row), Some(10));
     data.remove(10);
     let left = held_out(&model, &data, 5, false).unwrap();

@@ -119,6 +119,7 @@ mod tidy;
 mod tool_poses;
 mod tracker;
 mod uncertainty;
+mod values_and_bounds;
 mod vectors;
 mod weighing;
 mod weil;

@@ -451,6 +451,14 @@ fn too_short_a_travel_is_a_rewind_and_no_silence() {
     assert!(csv.starts_with("line,event,X [mm]"), "{csv}");
     let event = csv.lines().find(|row| row.starts_with(&format!("{line},"))).unwrap();
     assert!(event.starts_with(&format!("{line},rewind")), "{event}");
+    // A machine that leaves the path does not do the same work as one that does not.
+    let whole = config("hh-ca-gantry.yaml");
+    let poses = ["--tool-poses", text(&rows), "--path", "yes", "--format", "json"];
+    let found = json(&[&["compare", text(&whole), text(&machine)], &poses[..]].concat());
+    let verdict = &found["verdicts"][0];
+    assert_eq!((&verdict["verdict"], verdict.get("by")), (&Value::Null, None));
+    let reason = verdict["reason"].as_str().unwrap();
+    assert_eq!(reason, "machine 1 leaves the path for 0 rewinds, machine 2 leaves the path for 1 rewind");
 }
 
 /// A head with C about Z and A about X, both through the gauge point, and a tool of 100 mm.

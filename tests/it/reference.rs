@@ -268,7 +268,7 @@ fn a_bounded_curve_counts_by_its_values_at_the_pose_and_at_the_zero() {
 
 #[test]
 fn drawn_machines_worst_case_and_rss_agree_without_the_motion() {
-    use abbe::analysis::budget::{Distribution, Draws, Request, Statistic, bounds, budget, classes};
+    use abbe::analysis::budget::{ActingErrors, Distribution, Draws, Request, Statistic, bounds, budget, classes};
     use abbe::analysis::reference::PartReference;
     use abbe::evaluate::random_poses;
     let machine = crate::configs::machine("trunnion.yaml");
@@ -284,6 +284,7 @@ fn drawn_machines_worst_case_and_rss_agree_without_the_motion() {
                 let poses = std::slice::from_ref(pose);
                 let (samples, statistic) = (4000, Statistic::Max);
                 let request = Request {
+                    acting: ActingErrors::None,
                     machine: &machine,
                     bounds: &bounds,
                     poses,

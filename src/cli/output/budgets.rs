@@ -3,8 +3,10 @@
 use super::budget_text::{TOTALS, TOTALS_NOTE, totals_row};
 use super::ranking::difference;
 use super::view::{errors_more, table, table_of_machines};
-use abbe::results::{ComparedBudget, ComparedBudgets, ComparedVerdict, MachineVerdict, Verdict, WithheldVerdict};
-use abbe::text::significant;
+use abbe::results::{
+    ActingValues, ComparedBudget, ComparedBudgets, ComparedVerdict, MachineVerdict, Verdict, WithheldVerdict,
+};
+use abbe::text::{counted, significant};
 
 /// Two tables: totals, and the part of each tolerance in the 95 % value.
 pub(crate) fn text(of: &ComparedBudgets, verdicts: &[MachineVerdict], top: usize) -> String {
@@ -19,10 +21,16 @@ pub(crate) fn text(of: &ComparedBudgets, verdicts: &[MachineVerdict], top: usize
         _ if of.machines.iter().all(|budget| budget.class.is_none()) => String::new(),
         _ => format!(", classes {}", of.machines.iter().map(named).collect::<Vec<_>>().join(" and ")),
     };
+    let values = |(i, budget): (usize, &ComparedBudget)| {
+        let ActingValues { errors, um_of_p95 } = budget.with_values?;
+        let (errors, um) = (counted(errors, "error"), significant(um_of_p95, 4));
+        Some(format!("{i}: {errors} with a value in every machine drawn, {um} um of the 95 % value\n"))
+    };
+    let values: String = (1..).zip(&of.machines).filter_map(values).collect();
     let counts: Vec<String> = of.machines.iter().map(|budget| budget.errors.to_string()).collect();
     format!(
         "\nBudgets on the same tool poses: {} errors bounded{class}; {} machines drawn, {} \
-         distribution\n{rows}\n{TOTALS_NOTE}\n{}{}",
+         distribution\n{values}{rows}\n{TOTALS_NOTE}\n{}{}",
         counts.join(" and "),
         of.drawing.samples,
         of.drawing.distribution.name(),

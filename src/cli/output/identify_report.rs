@@ -188,6 +188,13 @@ fn datum(r: &IdentifyResult) -> String {
         let (translation, rotation) = (list(&datum.translation_um), list(&datum.rotation_urad));
         text += &format!("; taken out of the errors: the whole moved by {translation} um, turned by {rotation} urad");
     }
+    if !datum.measured.is_empty() {
+        let range = |(axis, [from, to]): (&String, &[f64; 2])| {
+            format!("{axis} from {} to {}", significant(*from, 4), significant(*to, 4))
+        };
+        let ranges: Vec<String> = datum.measured.iter().map(range).collect();
+        text += &format!("\n           formed over what was measured, less than the travel: {}", ranges.join(", "));
+    }
     let mut rows = table(&["error", "smallest", "largest", "1 sigma", "unit"]);
     for e in &r.errors {
         let sigma = e.sigma.map_or_else(|| "free".to_owned(), |s| significant(s, 2));

@@ -3,10 +3,9 @@
 use super::budget_text::coverage_line;
 use super::view::{table, tool_poses_text};
 use abbe::options::{JudgedBy, Statistic};
-use abbe::results::{
-    Arrangement, ExcludedArrangements, PairedDifference, RankedArrangements, RankingRounds, TurnedVerdicts, Verdict,
-};
-use abbe::text::{cell, significant};
+use abbe::results::{Arrangement, ExcludedArrangements, PairedDifference, RankedArrangements, RankingRounds, Verdict};
+use abbe::text::{cell, fold, significant};
+use indexmap::IndexMap;
 
 pub(crate) fn csv(of: &RankedArrangements) -> String {
     let mut csv =
@@ -120,16 +119,15 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
 /// Confidence of the ranks, and the machines drawn for it.
 fn standing(of: &RankedArrangements) -> String {
     let (equal, open, worse) = (of.count(Verdict::Equal), of.count(Verdict::NotToldApart), of.count(Verdict::Worse));
-    let turned = of.turned.as_ref().map_or(0, |turned| turned.arrangements);
-    let withheld = of.ranked.iter().filter(|row| row.withheld.is_some()).count() - turned;
-    let mut text = format!("Against rank 1: {equal} equal to it, {open} not told apart from it, {worse} worse");
-    text += &match withheld {
-        0 => "\n".to_owned(),
-        _ => format!(", {withheld} without a verdict:\nmachine coordinates and best fit do not agree on them\n"),
-    };
-    if let Some(TurnedVerdicts { arrangements, reason, .. }) = &of.turned {
-        text += &format!("{arrangements} more without a verdict: {reason}\n");
+    let mut text = format!("Against rank 1: {equal} equal to it, {open} not told apart from it, {worse} worse\n");
+    let mut reasons: IndexMap<&str, usize> = IndexMap::new();
+    for reason in of.ranked.iter().filter_map(|row| row.withheld.as_deref()) {
+        let fit = reason.ends_with("with the best fit");
+        let reason = if fit { "machine coordinates and best fit do not agree on them" } else { reason };
+        *reasons.entry(reason).or_default() += 1;
     }
+    let line = |(reason, count): (&str, usize)| fold(&format!("{count} without a verdict: {reason}"));
+    text.extend(reasons.into_iter().map(line));
     let Some(RankingRounds { max_samples, first, told_apart, done, drawn, drawn_without_elimination }) =
         of.rounds.as_ref().filter(|_| !of.ranked.is_empty())
     else {

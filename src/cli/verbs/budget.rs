@@ -13,8 +13,10 @@ use crate::cli::output::view::{axes_text, limit_text, path_text, reach_text, tab
 use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use abbe::options::Statistic;
-use abbe::results::{BoundedContribution, BudgetResult, DrawnMachineFigures, FittedBudget, Tightening, ZoneBudget};
-use abbe::text::{Reason, significant};
+use abbe::results::{
+    ActingValues, BoundedContribution, BudgetResult, DrawnMachineFigures, FittedBudget, Tightening, ZoneBudget,
+};
+use abbe::text::{Reason, counted, significant};
 use abbe::{BudgetOptions, MachineFile, budget, budget_part};
 use serde_json::json;
 use std::path::PathBuf;
@@ -168,10 +170,15 @@ impl BudgetText<'_> {
         if let (Some(class), Some(source)) = (&budget.drawing.class, &budget.drawing.class_source) {
             text += &format!(", {} by class {class} ({source})", budget.tighten.len() - own);
         }
-        text += &match budget.left_out {
-            0 => "\n".to_owned(),
-            n => format!("; {n} errors with values are left out\n"),
-        };
+        text += "\n";
+        if budget.left_out > 0 {
+            let errors = counted(budget.left_out, "error");
+            text += &format!("{errors} with a value left out: bounds stand for them\n");
+        }
+        if let Some(ActingValues { errors, um_of_p95 }) = budget.with_values {
+            let (errors, um) = (counted(errors, "error"), significant(um_of_p95, 4));
+            text += &format!("{errors} with a value in every machine drawn: {um} um of the 95 % value\n");
+        }
         text += &coverage_line(&self.result.coverage).map_or_else(String::new, |line| line + "\n");
         text += &format!(
             "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",

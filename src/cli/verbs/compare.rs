@@ -13,7 +13,7 @@ use crate::cli::tolerances::ToleranceArgs;
 use abbe::results::{
     BoundedDeviation, CompareResult, ComparedMachine, Difference, MachineVerdict, OverKind, Statistics,
 };
-use abbe::text::{cell, significant};
+use abbe::text::{cell, fold, significant};
 use abbe::{CompareOptions, compare};
 use std::path::PathBuf;
 
@@ -205,13 +205,20 @@ fn best_fit(result: &CompareResult) -> String {
 
 /// The verdict on each machine, or the reason why there is none.
 fn verdicts(result: &CompareResult) -> String {
-    let of = |verdict: &MachineVerdict| match (&verdict.verdict, &verdict.reason) {
-        (Some(known), _) => format!("Machine {} against 1: {}.\n", verdict.machine, known.words()),
-        (None, reason) => {
-            format!("Machine {} against 1: no verdict: {}.\n", verdict.machine, reason.as_deref().unwrap_or_default())
-        }
+    let some = result.poses < result.asked;
+    let over = if some { format!(", over {} of {} tool poses", result.poses, result.asked) } else { String::new() };
+    let of = |verdict: &MachineVerdict| {
+        let (machine, by) = (verdict.machine, verdict.by.as_ref().map_or_else(String::new, |by| by.words()));
+        fold(&match (&verdict.verdict, &verdict.reason) {
+            (Some(known), _) => format!("Machine {machine} against 1: {}; {by}{over}.", known.words()),
+            (None, reason) => {
+                format!("Machine {machine} against 1: no verdict: {}.", reason.as_deref().unwrap_or_default())
+            }
+        })
     };
-    result.verdicts.iter().map(of).collect()
+    let limit = |(i, side): (usize, &ComparedMachine)| Some(format!("Machine {i}: {}\n", side.limit.as_ref()?.words()));
+    let limits: String = (1..).zip(&result.machines).filter_map(limit).collect();
+    limits + &result.verdicts.iter().map(of).collect::<String>()
 }
 
 /// Intervals of the figures and of their differences, and whether these are more than that.

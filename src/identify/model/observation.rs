@@ -135,7 +135,8 @@ fn subtract<S: Algebra>(x: &Vector3<S>, point: &Vector3<f64>) -> Vector3<S> {
     x.zip_map(point, |x, p| x - S::from_real(p))
 }
 
-fn rotate<S: Algebra>(rotation: &Matrix3<f64>, x: &Vector3<S>) -> Vector3<S> {
+/// Turns a vector over an algebra.
+pub(super) fn rotate<S: Algebra>(rotation: &Matrix3<f64>, x: &Vector3<S>) -> Vector3<S> {
     Vector3::from_fn(|i, _| (0..3).map(|j| x[j].scaled(rotation[(i, j)])).fold(S::zero(), |a, b| a + b))
 }
 

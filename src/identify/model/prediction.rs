@@ -2,7 +2,7 @@
 //! of the dual numbers, and the derivatives by the unknowns. Rows are streamed; the Jacobian as a whole never exists.
 
 use super::known::PriorValue;
-use super::observation::{Observation, ReadingSubject, observe, single};
+use super::observation::{Observation, ReadingSubject, observe, rotate, single};
 use super::parameter::{BasisFunction, Parameter, ParameterTerm, SlopeBound, approach_weight};
 use crate::algebra::linear::{ReducedSystem, Triangle};
 use crate::algebra::{Algebra, Dual};
@@ -14,7 +14,7 @@ use crate::lower::{
 };
 use crate::machine::{Approach, LocationOrder, Machine};
 use crate::run::Advance;
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 use rayon::prelude::*;
 
 /// Number of triangles that are there at a time.
@@ -40,8 +40,19 @@ pub struct FitModel<'a> {
     known: Vec<PriorValue>,
     /// True if location errors count in the real part.
     real_locations: bool,
+    /// Where the workpiece stands beside its place in the machine; `None`: there.
+    stand: Option<RigidMotion>,
     /// Receives the number of measurements evaluated.
     progress: Advance<'a>,
+}
+
+/// A rigid motion of points in the workpiece frame: rotation about its origin, then translation (mm).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigidMotion {
+    /// Rotation about the origin.
+    pub rotation: Rotation3<f64>,
+    /// Translation, mm.
+    pub translation: Vector3<f64>,
 }
 
 /// Effect of a parameter on a source: factor times function. Indices are those of the model's lists.
@@ -113,7 +124,21 @@ impl<'a> FitModel<'a> {
         let real_locations = machine.conventions().location_order == LocationOrder::Real;
         let (order, known) = (Order::Exact, Vec::new());
         let progress = &|_| Ok(());
-        Self { machines, parameters, own, sources, functions, links, order, slopes, known, real_locations, progress }
+        let stand = None;
+        Self {
+            machines,
+            parameters,
+            own,
+            sources,
+            functions,
+            links,
+            order,
+            slopes,
+            known,
+            real_locations,
+            stand,
+            progress,
+        }
     }
 
     /// Returns the model of the same machine with other unknowns.
@@ -126,6 +151,12 @@ impl<'a> FitModel<'a> {
     /// Returns the same to an order of the dual numbers (1 or 2; others count as exact).
     pub fn to_order(mut self, order: Order) -> Self {
         self.order = order;
+        self
+    }
+
+    /// Returns the same with all points of the machine moved in the workpiece frame.
+    pub(crate) fn moved(mut self, stand: RigidMotion) -> Self {
+        self.stand = Some(stand);
         self
     }
 
@@ -224,11 +255,23 @@ impl<'a> FitModel<'a> {
         observe(self.machine(m), m, &theta[self.own..], at)
     }
 
+    /// Returns a point of the machine where the workpiece stands.
+    fn placed<S: Scheme>(&self, point: Vector3<S>) -> Vector3<S> {
+        let Some(stand) = &self.stand else { return point };
+        self.turned(point).zip_map(&stand.translation, |x, t| x + S::from_real(t))
+    }
+
+    /// Returns a displacement of such a point.
+    fn turned<S: Scheme>(&self, displacement: Vector3<S>) -> Vector3<S> {
+        let Some(stand) = &self.stand else { return displacement };
+        rotate(stand.rotation.matrix(), &displacement)
+    }
+
     /// Returns the predicted reading over an algebra.
     fn reading<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Vector3<S> {
         let errors = |pose: &[f64]| self.errors(m, pose, theta, &self.shares(pose, m.approach));
         let at = |subject: ReadingSubject<'_>| match subject {
-            ReadingSubject::Point(pose) => point(self.machine(m), pose, &errors(pose), &S::LIFT),
+            ReadingSubject::Point(pose) => self.placed(point(self.machine(m), pose, &errors(pose), &S::LIFT)),
             ReadingSubject::Error(source) => single(S::LIFT.lift(source, errors(&m.pose).of(source))),
         };
         self.observe(m, theta, at).value
@@ -356,7 +399,8 @@ impl<'a> FitModel<'a> {
             let (point, by_source) = match subject {
                 ReadingSubject::Point(pose) => {
                     let jacobian = position_jacobian(self.machine(m), pose, &errors, &S::LIFT, &self.sources);
-                    (jacobian.point, jacobian.derivatives)
+                    let turned = jacobian.derivatives.into_iter().map(|d| self.turned(d)).collect();
+                    (self.placed(jacobian.point), turned)
                 }
                 ReadingSubject::Error(source) => {
                     let by = |s: &Source| single(if *s == source { S::one() } else { S::zero() });

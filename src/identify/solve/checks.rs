@@ -1,5 +1,7 @@
 //! Checks after the fit: residuals, outliers, orders apart, and the prediction of data not used.
 
+use super::fit::ParameterFit;
+use super::in_data::FitInData;
 use super::weighing::{median, solve, standardise};
 use crate::identify::data::{Measurement, ReadingKind};
 use crate::identify::model::{FitModel, zero_unread};
@@ -21,9 +23,9 @@ pub struct Outlier {
 /// Residuals before and after the fit. Every RMS is that of vector lengths (mm).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Residuals {
-    /// RMS with the machine as the file has it.
+    /// RMS with the machine as the file has it, in the frame of the fit; instruments and set-ups fitted.
     pub before: f64,
-    /// RMS with the fitted machine.
+    /// RMS with the fitted machine, in the frame of the readings.
     pub after: f64,
     /// Median length with the machine of the file, over readings that need no instrument unknowns.
     pub typical: f64,
@@ -42,19 +44,19 @@ fn rms(vectors: &[Vector3<f64>]) -> f64 {
 }
 
 impl Residuals {
-    /// Compares the measurements with the machine before and after a fit.
-    pub fn of(model: &FitModel<'_>, data: &[Measurement], theta: &[f64]) -> Self {
+    /// Compares the measurements with the machine before a fit and after it, where `theta` are the stated unknowns.
+    pub fn of(model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit, theta: &[f64], seen: &FitInData) -> Self {
         let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
-        let (before, after) = (model.residuals(data, &start), model.residuals(data, theta));
-        let orders: Vec<[Vector3<f64>; 3]> =
-            data.par_iter().zip(&after).map(|(m, residual)| orders(model, m, theta, residual)).collect();
+        let before = seen.residuals_before(model, data, &fit.weights);
+        let after = seen.residuals(model, data);
+        let orders: Vec<[Vector3<f64>; 3]> = data.par_iter().map(|m| orders(model, m, theta)).collect();
         let part = |k: usize| rms(&orders.iter().map(|o| o[k]).collect::<Vec<_>>());
         let sum = |k: usize| -> Vec<Vector3<f64>> {
             after.iter().zip(&orders).map(|(r, o)| r + o[k..].iter().sum::<Vector3<f64>>()).collect()
         };
         Self {
             before: rms(&before),
-            typical: typical(data, &before),
+            typical: typical(data, &model.residuals(data, &start)),
             after: rms(&after),
             kinds: kinds(data, &after),
             outliers: outliers(data, &after),
@@ -72,8 +74,8 @@ fn typical(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
 }
 
 /// Returns the first-order, second-order and higher part of a fitted deviation, in the components read.
-fn orders(model: &FitModel<'_>, m: &Measurement, theta: &[f64], residual: &Vector3<f64>) -> [Vector3<f64>; 3] {
-    model.orders(m, theta, &(m.values() - residual)).map(|v| zero_unread(m, v))
+fn orders(model: &FitModel<'_>, m: &Measurement, theta: &[f64]) -> [Vector3<f64>; 3] {
+    model.orders(m, theta, &model.prediction(m, theta)).map(|v| zero_unread(m, v))
 }
 
 fn kinds(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<(ReadingKind, usize, f64)> {

@@ -4,15 +4,16 @@
 //! covariance are those of the S-transformation (Baarda 1973) to these conditions, carried on to the exact model.
 
 use super::fit::ParameterFit;
+use super::in_data::{FitInData, follow};
 use super::solution::{DatumTransform, Solution};
 use crate::algebra::linear::{ReducedSystem, Svd, Triangle, beside, over_columns};
 use crate::identify::data::{LEVER_MM, Measurement, lever};
 use crate::identify::model::{
-    BasisFunction, FitModel, Parameter, ParameterTerm, Volume, approach_weight, middle, sizes,
+    BasisFunction, FitModel, Parameter, ParameterTerm, RigidMotion, Volume, approach_weight, middle, sizes,
 };
 use crate::identify::thresholds::*;
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, Axis, AxisKind, Direction};
+use crate::machine::{Approach, Axis, AxisKind, Direction, Travel};
 use crate::syntax::{DatumEntry, DatumLine, DatumZero, SquarenessSite};
 use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
 
@@ -39,6 +40,17 @@ pub struct RigidMotionRemoved {
     pub removes_weak: bool,
 }
 
+/// A fit in its datum.
+#[derive(Debug, Clone)]
+pub struct DatumChange {
+    /// The fit with its diagnosis, in the datum.
+    pub solution: Solution,
+    /// The motion that was removed.
+    pub removed: RigidMotionRemoved,
+    /// The fit in the datum as the readings see it.
+    pub in_data: FitInData,
+}
+
 /// Transforms a fit with error curves to a datum; `None` if no curve is fitted, or the datum is free.
 pub fn in_datum(
     model: &FitModel<'_>,
@@ -46,7 +58,7 @@ pub fn in_datum(
     fit: &ParameterFit,
     solution: &Solution,
     conditions: &DatumConditions,
-) -> Option<(Solution, RigidMotionRemoved)> {
+) -> Option<DatumChange> {
     let parameters = model.parameters();
     let DatumEntry { line, zero, .. } = conditions.entry;
     let curved = |p: &Parameter| p.terms.iter().any(|t| matches!(t.source.place, ErrorSite::Component(_)));
@@ -54,7 +66,7 @@ pub fn in_datum(
         return None;
     }
     let gauge = Gauge::of(model, data)?;
-    let mut rows = conditions_of(model, conditions);
+    let mut rows = conditions_of(model, data, conditions);
     for row in &mut rows {
         row.iter_mut().zip(&gauge.errors).filter(|(_, error)| !**error).for_each(|(x, _)| *x = 0.0);
     }
@@ -64,9 +76,11 @@ pub fn in_datum(
     }
     let shift = gauge.shift(&chosen);
     let map = gauge.map(&fit.reduced.r, &chosen, &shift);
-    let (theta, removed) = gauge.exact_values(model, data, fit, &solution.theta(), &chosen, &map);
+    let fitted = solution.theta();
+    let (theta, removed) = gauge.exact_values(model, data, fit, &fitted, &chosen, &map);
     let transform = DatumTransform { map: &map, theta: &theta, fixes_weak: gauge.has_weak };
-    Some((solution.clone().in_datum(&transform, fit, parameters), removed))
+    let in_data = gauge.in_data(model, data, &fitted, &theta);
+    Some(DatumChange { solution: solution.clone().in_datum(&transform, fit, parameters), removed, in_data })
 }
 
 /// Combinations of the machine's errors that only move the workpiece frame.
@@ -199,7 +213,7 @@ impl Gauge {
             let own = (0..theta.len()).filter(|j| self.errors[*j]);
             own.enumerate().for_each(|(k, j)| theta[j] += step[k] / self.sizes[j]);
         }
-        self.follow(model, data, fit, &mut theta);
+        follow(model, data, &fit.weights, &mut theta, &self.followers);
         let (rotation, translation) = rigid;
         let removed = RigidMotionRemoved {
             conditions: conditions.nrows(),
@@ -216,17 +230,17 @@ impl Gauge {
         rows.select_columns(&own)
     }
 
-    /// Fits set-ups and instruments to the readings again, the errors held.
-    fn follow(&self, model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit, theta: &mut [f64]) {
-        let others = &self.followers;
-        if others.is_empty() {
-            return;
-        }
-        for _ in 0..DATUM_ITERATIONS {
-            let reduced = model.triangle(data, &fit.weights, theta);
-            let svd = self.follower_columns(&reduced.r);
-            let step = svd.solve(&reduced.right, svd.rank(RANK_TOLERANCE));
-            others.iter().enumerate().for_each(|(k, j)| theta[*j] += step[k] / self.sizes[*j]);
+    /// Returns the errors in the datum, set-ups and instruments as they were fitted, and the workpiece where the errors
+    /// that a datum took out had put it.
+    fn in_data(&self, model: &FitModel<'_>, data: &[Measurement], fitted: &[f64], theta: &[f64]) -> FitInData {
+        let own = |j: usize| if self.errors[j] { theta[j] } else { fitted[j] };
+        let seen: Vec<f64> = (0..theta.len()).map(own).collect();
+        let (then, now) = (Volume::of(model, data, fitted).points, Volume::of(model, data, &seen).points);
+        let (_, (rotation, translation)) = best_alignment(&then, &now);
+        let centre = middle(&now);
+        FitInData {
+            theta: seen,
+            stand: Some(RigidMotion { rotation, translation: translation + centre - rotation * centre }),
         }
     }
 }
@@ -270,7 +284,7 @@ impl TurningErrors<'_> {
     fn curves(&self) -> Vec<DVector<f64>> {
         let axes = self.model.machines()[0].axes().iter().enumerate().filter(|(_, axis)| axis.kind == AxisKind::Rotary);
         let of_axis = |(index, axis)| {
-            let conditions = AxisConditions { model: self.model, index, axis };
+            let conditions = AxisConditions { model: self.model, index, axis, range: axis.travel.interval() };
             [false, true].into_iter().flat_map(|turns| conditions.turning_curves(turns)).collect::<Vec<_>>()
         };
         let own = |all: DVector<f64>| DVector::from_fn(self.own.len(), |k, _| all[self.own[k]]);
@@ -306,11 +320,14 @@ fn best_alignment(to: &[Vector3<f64>], from: &[Vector3<f64>]) -> (DVector<f64>, 
 }
 
 /// Returns the conditions of a datum (rows, by displacements of the unknowns) in the order in which they count.
-fn conditions_of(model: &FitModel<'_>, conditions: &DatumConditions) -> Vec<DVector<f64>> {
+fn conditions_of(model: &FitModel<'_>, data: &[Measurement], conditions: &DatumConditions) -> Vec<DVector<f64>> {
     let machine = &model.machines()[0];
-    let axes = machine.axes().iter().enumerate();
-    let mut rows: Vec<DVector<f64>> =
-        axes.flat_map(|(i, axis)| AxisConditions { model, index: i, axis }.rows(conditions.entry)).collect();
+    let measured = measured_ranges(model, data);
+    let of_axis = |(index, axis): (usize, &Axis)| {
+        let range = measured[index].unwrap_or_else(|| axis.travel.interval());
+        AxisConditions { model, index, axis, range }.rows(conditions.entry)
+    };
+    let mut rows: Vec<DVector<f64>> = machine.axes().iter().enumerate().flat_map(of_axis).collect();
     let parameters = model.parameters();
     let location = |p: &Parameter| matches!(p.terms.first().map(|t| t.source.place), Some(ErrorSite::Location(_)));
     let straight = conditions.entry.squareness == SquarenessSite::Straightness;
@@ -325,10 +342,31 @@ fn conditions_of(model: &FitModel<'_>, conditions: &DatumConditions) -> Vec<DVec
     rows
 }
 
+/// Returns for each axis with fitted curves the range (mm, deg) in which it was measured, if that is shorter than the
+/// travel. An axis that stood still, or that turns without end, has none.
+pub fn measured_ranges(model: &FitModel<'_>, data: &[Measurement]) -> Vec<Option<(f64, f64)>> {
+    let machine = &model.machines()[0];
+    let terms = || model.parameters().iter().flat_map(|p| &p.terms);
+    let curved = |index: usize| terms().any(|t| t.source.place == ErrorSite::Component(index));
+    let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); machine.axes().len()];
+    for pose in data.iter().flat_map(Measurement::poses) {
+        ranges.iter_mut().zip(pose).for_each(|(range, q)| *range = (range.0.min(*q), range.1.max(*q)));
+    }
+    let shorter = |(index, (axis, range)): (usize, (&Axis, (f64, f64)))| {
+        let (min, max) = axis.travel.interval();
+        let width = range.1 - range.0;
+        let endless = axis.travel == Travel::Continuous;
+        (curved(index) && !endless && 0.0 < width && width < MIN_WHOLE_RANGE_SHARE * (max - min)).then_some(range)
+    };
+    machine.axes().iter().zip(ranges).enumerate().map(shorter).collect()
+}
+
 struct AxisConditions<'a> {
     model: &'a FitModel<'a>,
     index: usize,
     axis: &'a Axis,
+    /// Positions over which curves are judged: the travel, or the measured part of it.
+    range: (f64, f64),
 }
 
 impl AxisConditions<'_> {
@@ -382,8 +420,8 @@ impl AxisConditions<'_> {
     }
 
     fn zero(&self, zero: DatumZero) -> Option<f64> {
-        let (min, max) = self.axis.travel.interval();
-        let turns = self.axis.kind == AxisKind::Rotary && self.axis.travel == crate::machine::Travel::Continuous;
+        let (min, max) = self.range;
+        let turns = self.axis.kind == AxisKind::Rotary && self.axis.travel == Travel::Continuous;
         match zero {
             DatumZero::Free => None,
             _ if turns => Some(0.0),
@@ -395,7 +433,7 @@ impl AxisConditions<'_> {
 
     /// Returns the straight line of a straightness: where it is, and its slope.
     fn line(&self, direction: &Vector3<f64>, entry: DatumEntry) -> Vec<DVector<f64>> {
-        let (min, max) = self.axis.travel.interval();
+        let (min, max) = self.range;
         let sites = self.sites();
         let relative = |q: f64| (2.0 * q - min - max) / (max - min).max(f64::MIN_POSITIVE);
         let places = match entry.line {
@@ -424,7 +462,7 @@ impl AxisConditions<'_> {
     }
 
     fn sites(&self) -> Vec<f64> {
-        let (min, max) = self.axis.travel.interval();
+        let (min, max) = self.range;
         (0..DATUM_SITES).map(|i| min + (max - min) * (i as f64 + 0.5) / DATUM_SITES as f64).collect()
     }
 

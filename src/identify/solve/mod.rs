@@ -4,7 +4,7 @@
 //!    readings.
 //! 2. [`Solution`]: rank, null space and uncertainty of a fit.
 //!    [`form_uncertainty()`]: the uncertainty by the form of the axes beside the curves.
-//! 3. [`Residuals`], [`held_out`], [`randomness()`]: checks of the fit against the data.
+//! 3. [`FitInData`], [`Residuals`], [`held_out`], [`randomness()`]: checks of the fit against the data.
 //! 4. [`plan()`]: poses worth measuring, before there are data.
 
 mod checks;
@@ -12,6 +12,7 @@ mod common;
 mod datum;
 mod fit;
 mod form;
+mod in_data;
 mod lack_of_fit;
 mod plan;
 mod randomness;
@@ -22,8 +23,9 @@ mod weighing;
 
 pub use checks::{Outlier, Residuals, held_out};
 pub use common::common;
-pub use datum::{DatumConditions, RigidMotionRemoved, in_datum};
+pub use datum::{DatumChange, DatumConditions, RigidMotionRemoved, in_datum, measured_ranges};
 pub use fit::{ParameterFit, Scatter, fit};
+pub use in_data::FitInData;
 pub use lack_of_fit::{FormUncertainty, form_uncertainty};
 pub use plan::plan;
 pub use randomness::{ResidualTest, randomness};

@@ -4,9 +4,10 @@ use crate::identify::{
     FormUncertainty, Measurement, Parameter, ParameterFit, Prediction, PriorValue, Repeats, ResidualTest, Residuals,
     RigidMotionRemoved, Solution, TypeB,
 };
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine};
 use crate::syntax::DatumEntry;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The datum of the fitted errors.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
@@ -20,13 +21,23 @@ pub struct FittedDatum {
     pub translation_um: [f64; 3],
     /// Rotation of the whole that was taken out, about the middle of the volume, urad.
     pub rotation_urad: [f64; 3],
+    /// Measured range of each axis (mm, deg) that was measured over less than its travel: the datum is formed there.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub measured: BTreeMap<String, [f64; 2]>,
 }
 
 impl FittedDatum {
-    pub(crate) fn of(entry: DatumEntry, removed: &RigidMotionRemoved) -> Self {
+    pub(crate) fn of(
+        machine: &Machine,
+        entry: DatumEntry,
+        removed: &RigidMotionRemoved,
+        measured: &[Option<(f64, f64)>],
+    ) -> Self {
+        let of_axis = |(axis, range): (&Axis, &Option<(f64, f64)>)| Some((axis.name.to_string(), (*range)?.into()));
+        let measured = machine.axes().iter().zip(measured).filter_map(of_axis).collect();
         let RigidMotionRemoved { conditions, translation, rotation, .. } = *removed;
         let (translation_um, rotation_urad) = (translation.map(|x| x * 1e3), rotation.map(|x| x * 1e6));
-        Self { entry, conditions, translation_um, rotation_urad }
+        Self { entry, conditions, translation_um, rotation_urad, measured }
     }
 }
 

@@ -9,10 +9,10 @@ use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Order;
 use crate::identify::thresholds::MAX_UNKNOWNS;
 use crate::identify::{
-    FileNotes, FitModel, Measurement, MeasurementSet, Parameter, ParameterFit, Prediction, PriorValue, ReadingContext,
-    Residuals, SlopeBound, Solution, TypeB, common, fitted_file, form_uncertainty, held_out, in_datum, invariances,
-    parameters, parse_prior, randomness, read_measurements, repeats, slope_bounds, solve, type_b, unused_entries,
-    with_command_line,
+    DatumChange, FileNotes, FitInData, FitModel, Measurement, MeasurementSet, Parameter, ParameterFit, Prediction,
+    PriorValue, ReadingContext, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, form_uncertainty,
+    held_out, in_datum, invariances, measured_ranges, parameters, parse_prior, randomness, read_measurements, repeats,
+    slope_bounds, solve, type_b, unused_entries, with_command_line,
 };
 use crate::job::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
 use crate::job::poses;
@@ -214,12 +214,18 @@ pub(crate) fn solve_problem(
         let form = form_uncertainty(&model, data, fit, &solution);
         let common = common(&model, data, fit, &solution, &problem.type_b);
         let solution = solution.add_covariances(form.as_ref().map(|form| &form.covariance), common);
-        let in_datum = in_datum(&model, data, fit, &solution, &conditions);
-        let (solution, removed) = in_datum.map_or((solution, None), |(solution, removed)| (solution, Some(removed)));
-        (solution, form, removed)
+        let change = in_datum(&model, data, fit, &solution, &conditions);
+        let (solution, change) = match change {
+            Some(DatumChange { solution, removed, in_data }) => (solution, Some((removed, in_data))),
+            None => (solution, None),
+        };
+        (solution, form, change)
     };
-    let (solution, form, removed) = examine(&fit);
-    let datum = removed.map(|removed| FittedDatum::of(conditions.entry, &removed));
+    let (solution, form, change) = examine(&fit);
+    let as_fitted = || FitInData { theta: solution.theta(), stand: None };
+    let (removed, in_data) = change.map_or_else(|| (None, as_fitted()), |(removed, seen)| (Some(removed), seen));
+    let measured = measured_ranges(&model, data);
+    let datum = removed.map(|removed| FittedDatum::of(file, conditions.entry, &removed, &measured));
     // Uncertainties by the linear problem at the values that are stated.
     let (fit, solution, form) = if removed.is_some_and(|removed| removed.removes_weak) {
         let there = fit.at(&model, data, solution.theta());
@@ -237,8 +243,8 @@ pub(crate) fn solve_problem(
         unknowns: &problem.unknowns,
         own: model.own(),
         data,
-        residuals: Residuals::of(&model, data, &theta),
-        residual_tests: randomness(data, &model.residuals(data, &theta), &fit.weights),
+        residuals: Residuals::of(&model, data, &fit, &theta, &in_data),
+        residual_tests: randomness(data, &in_data.residuals(&model, data), &fit.weights),
         prediction,
         datum,
         motions: found.motions,
@@ -260,7 +266,7 @@ pub(crate) fn solve_problem(
         call.extend([remarks::implausible(&why)]);
     }
     if let Some(draw) = outputs.draw {
-        let drawn = draw(&model, data, &theta).or_else(|refusal| call.refuse(refusal));
+        let drawn = draw(&in_data.model(&model), data, &in_data.theta).or_else(|refusal| call.refuse(refusal));
         result.pictures = drawn?;
     }
     Ok(result)

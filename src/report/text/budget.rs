@@ -1,10 +1,10 @@
 //! A budget as it stands in JSON, and its pictures: the same in `budget`, in a comparison and on the page.
 
 use crate::analysis::budget::{
-    Bound, Budget, Contribution, Distribution, PERCENTS, Percentile, Statistic, Totals, known, mean,
+    Bound, Budget, Contribution, Distribution, PERCENTS, Percentile, Statistic, Totals, count_staying, known, mean,
 };
 use crate::evaluate::{Frame, Order};
-use crate::job::limit::LimitVerdict;
+use crate::job::limit::{JobLimit, LimitVerdict};
 use crate::machine::{AxisPositions, ErrorId, Machine, axis_positions};
 use crate::report::pictures::{Bar, ParetoPicture, Picture, WaterfallPicture};
 use crate::units::significant;
@@ -39,8 +39,11 @@ pub struct BudgetFigures {
     pub frame: Frame,
     /// Order of the errors: 1.
     pub order: Order,
-    /// Number of errors that have values and are left out.
+    /// Number of errors that have values and are left out, for bounds stand for them.
     pub left_out: usize,
+    /// The errors with values that no bound stands for, if there are any: they act in every machine drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub with_values: Option<ActingValues>,
     /// Number of poses.
     pub poses: usize,
     /// The position deviation, um.
@@ -56,6 +59,23 @@ pub struct BudgetFigures {
     /// The bounds, mm and rad, in the order of the machine.
     #[serde(skip)]
     pub bounds: Vec<Bound>,
+}
+
+/// Errors with values in a budget.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+pub struct ActingValues {
+    /// Number of these errors.
+    pub errors: usize,
+    /// Their part of the 95 % value of the position, um.
+    pub um_of_p95: f64,
+}
+
+impl ActingValues {
+    /// Returns those of a budget; `None` without any.
+    pub(crate) fn of(machine: &Machine, bounds: &[Bound], budget: &Budget) -> Option<Self> {
+        let errors = count_staying(machine, bounds);
+        (errors > 0).then_some(Self { errors, um_of_p95: budget.position.staying })
+    }
 }
 
 /// A deviation, as bounds lead to it.
@@ -89,10 +109,10 @@ pub struct DrawnMachineFigures {
 }
 
 impl DrawnMachineFigures {
-    /// Returns the 95 % value (um) against a limit in mm.
-    pub(crate) fn against(&self, limit_mm: f64) -> LimitVerdict {
+    /// Returns the 95 % value (um) against the limit of a job.
+    pub(crate) fn against(&self, limit: &JobLimit) -> LimitVerdict {
         let interval = self.percentiles.get("p95").and_then(|of| Some([of.low?, of.high?]));
-        LimitVerdict::new(limit_mm, self.p95, interval)
+        limit.on_machines(self.p95, interval)
     }
 }
 
@@ -224,11 +244,13 @@ fn tightenings(bounds: &[Bound], budget: &Budget) -> Vec<Tightening> {
 impl BudgetFigures {
     /// Returns the figures of a budget at so many poses.
     pub fn new(machine: &Machine, bounds: Vec<Bound>, budget: &Budget, poses: usize, drawing: DrawSettings) -> Self {
+        let with_values = ActingValues::of(machine, &bounds, budget);
         Self {
             drawing,
             frame: Frame::Workpiece,
             order: Order::Degree(1),
-            left_out: known(machine),
+            left_out: known(machine) - with_values.map_or(0, |of| of.errors),
+            with_values,
             poses,
             position_um: DeviationBudget::new(machine, &budget.position),
             rotation_urad: DeviationBudget::new(machine, &budget.rotation),
@@ -261,6 +283,7 @@ impl BudgetFigures {
             let label = format!("{} others", others.len());
             bars.push(Bar { label, value: others.iter().map(|t| t.um_of_p95).sum() });
         }
+        bars.extend(self.with_values.map(|of| Bar { label: "values".to_owned(), value: of.um_of_p95 }));
         let p = &self.position_um;
         WaterfallPicture {
             title: machine.to_owned(),

@@ -8,8 +8,8 @@ mod properties;
 
 pub use bounded::{BoundedFigures, BoundedLengths, LengthStatistics, RssDifference};
 pub use budget::{
-    BoundedContribution, BudgetFigures, DeviationBudget, DrawSettings, DrawnMachineFigures, PercentileInterval,
-    Tightening, contributions, tolerance, tolerance_unit,
+    ActingValues, BoundedContribution, BudgetFigures, DeviationBudget, DrawSettings, DrawnMachineFigures,
+    PercentileInterval, Tightening, contributions, tolerance, tolerance_unit,
 };
 pub(super) use positions::pose_words;
 pub use properties::{MachineDifference, PropertyDifference};

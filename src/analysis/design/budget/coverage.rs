@@ -1,6 +1,6 @@
 //! Which of the errors that act in a machine have a value, a bound, or neither; and bounds that stand in for the last.
 
-use super::bounds::{Bound, bounds, is_measured, known};
+use super::bounds::{Bound, adding, bounds, is_measured, known};
 use crate::machine::{Class, Machine, classes};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -16,7 +16,8 @@ pub struct Coverage {
     pub valued: usize,
     /// Number of errors that are bounded, by the file or by a class.
     pub bounded: usize,
-    /// Names of the errors that have neither. None on a machine with measured values: what it does not state is zero.
+    /// Names of the errors that have neither. None on a machine with measured values and no bounds: what it does not
+    /// state is zero.
     pub missing: Vec<String>,
     /// The missing errors, with the bounds of [`STAND_IN_CLASS`].
     #[serde(skip)]
@@ -27,7 +28,8 @@ impl Coverage {
     /// Returns the coverage of a machine by its values and by the bounds in force.
     pub fn of(machine: &Machine, in_force: &[Bound]) -> Self {
         let class = classes().remove(STAND_IN_CLASS);
-        let open = if is_measured(machine) { Vec::new() } else { open(machine, in_force, class.as_ref()) };
+        let is_whole = in_force.is_empty() && is_measured(machine);
+        let open = if is_whole { Vec::new() } else { open(machine, in_force, class.as_ref()) };
         let missing = open.iter().map(Bound::to_string).collect();
         Self { valued: known(machine), bounded: in_force.len(), missing, open }
     }
@@ -51,7 +53,7 @@ impl Coverage {
 
 /// The errors that a class would bound and the bounds in force do not.
 fn open(machine: &Machine, in_force: &[Bound], class: Option<&Class>) -> Vec<Bound> {
-    let all = bounds(machine, class).into_iter().filter(|bound| bound.of_class);
+    let all = adding(machine, &bounds(machine, class)).into_iter().filter(|bound| bound.of_class);
     all.filter(|bound| !in_force.iter().any(|own| is_alike(own, bound))).collect()
 }
 

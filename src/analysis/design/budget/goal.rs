@@ -21,12 +21,12 @@ use super::draw::Draws;
 use super::kernel::{BudgetPose, JointBounds, by_joint_without};
 use super::monte_carlo::{self, DrawnMachine, Statistic};
 use super::quantile::{Percentile, TAIL, rank, ranks};
-use crate::analysis::reference::{PartReference, tip_at};
-use crate::evaluate::{Deviation, error_by_error};
+use super::staying::StayingErrors;
+use crate::analysis::reference::PartReference;
+use crate::evaluate::Field;
 use crate::lower::Quantity;
-use crate::machine::{Approach, ErrorId, Machine, Pose};
+use crate::machine::{Machine, Pose};
 use crate::run::unheard;
-use nalgebra::Vector3;
 use rayon::prelude::*;
 
 /// Maximum number of steps for one goal.
@@ -223,15 +223,9 @@ impl<'a> GoalSearch<'a> {
     fn new(request: GoalRequest<'a>) -> Self {
         let GoalRequest { machine, bounds, reference, .. } = request;
         let joints = by_joint_without(machine, bounds, reference);
-        let staying = |pose: &[f64]| staying(machine, bounds, pose);
-        let motion =
-            reference.map(|of| of.motion(of.points().par_iter().map(|at| staying(&at.pose)).collect::<Vec<_>>()));
-        let at = |pose: &Pose| {
-            let maps = BudgetPose::new(machine, &joints, pose, Quantity::Position);
-            let whole = Deviation { position: staying(pose), rotation: Vector3::zeros() };
-            let left = motion.map_or(whole, |motion| motion.removed_from(&whole, &tip_at(machine, pose)));
-            maps.with_constant(left.position.into())
-        };
+        let staying = StayingErrors::new(machine, bounds, reference);
+        let field = staying.as_ref().map(|staying| staying as &dyn Field);
+        let at = |pose: &Pose| BudgetPose::new(machine, &joints, pose, Quantity::Position).beside(field, pose);
         let poses = request.poses.par_iter().map(at).collect();
         Self { request, joints, poses }
     }
@@ -351,17 +345,4 @@ impl<'a> GoalSearch<'a> {
             steps,
         }
     }
-}
-
-/// Returns the deviation (mm) at a pose by the errors with a value that are not bounded, to first order.
-fn staying(machine: &Machine, bounds: &[Bound], pose: &[f64]) -> Vector3<f64> {
-    // An error by letter is bounded where a bounded direction of its joint has a part along the letter.
-    let bounded = |bound: &Bound, error: &ErrorId| {
-        let part = bound.letters()[error.direction.index()].abs();
-        bound.error.axis == error.axis && bound.error.family == error.family && part > 1e-9
-    };
-    let stays = |error: &ErrorId| !bounds.iter().any(|bound| bounded(bound, error));
-    let deviations =
-        error_by_error(machine, &Approach::Mean.at_pose(pose)).into_iter().filter(|(error, _)| stays(error));
-    deviations.map(|(_, deviation)| deviation.position).sum()
 }

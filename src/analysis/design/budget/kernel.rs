@@ -4,8 +4,9 @@
 use super::bounds::Bound;
 use super::draw::{Draws, NODES};
 use crate::analysis::reference::{PartReference, tip_at};
+use crate::evaluate::{Deviation, Field};
 use crate::lower::{Quantity, SideWeights, Twist, TwistMap, twists};
-use crate::machine::{Axis, Machine, Travel};
+use crate::machine::{Approach, Axis, Machine, Travel};
 use nalgebra::{Vector3, Vector6};
 
 /// Number of samples computed side by side.
@@ -296,9 +297,15 @@ impl BudgetPose {
         Self { columns, points, fixed: [0.0; 3], effect }
     }
 
-    /// Returns the pose with a deviation (mm or rad) that every sample has besides the drawn one.
-    pub fn with_constant(self, fixed: [f64; 3]) -> Self {
-        Self { fixed, ..self }
+    /// Returns the pose (mm, deg) with the deviation of a field, which every sample has besides the drawn one.
+    pub fn beside(self, field: Option<&dyn Field>, pose: &[f64]) -> Self {
+        let Some(field) = field else { return self };
+        let Deviation { position, rotation } = field.deviation(&Approach::Mean.at_pose(pose));
+        let fixed = match self.effect {
+            MotionEffect::Position(_) => position,
+            MotionEffect::Rotation => rotation,
+        };
+        Self { fixed: fixed.into(), ..self }
     }
 
     /// The deviation that every sample has.
@@ -345,7 +352,14 @@ impl BudgetPose {
 
     /// Returns the effects of the sources at their bounds.
     pub fn extremes(&self, joints: &[JointBounds], bounds: &[Bound], draws: &Draws) -> BoundEffects {
-        let mut effects = BoundEffects { lengths: vec![0.0; bounds.len()], vectors: vec![[0.0; 3]; bounds.len()] };
+        let mut effects = BoundEffects {
+            lengths: vec![0.0; bounds.len()],
+            vectors: vec![[0.0; 3]; bounds.len()],
+            staying: length(&self.fixed),
+        };
+        if effects.staying > 0.0 {
+            effects.vectors.push(self.fixed);
+        }
         for ((columns, point), joint) in self.columns.iter().zip(&self.points).zip(joints) {
             for (kind, (columns, sources)) in columns.iter().zip([&joint.location, &joint.component]).enumerate() {
                 for (k, (column, source)) in columns.iter().zip(sources).enumerate() {
@@ -394,14 +408,18 @@ pub struct BoundEffects {
     /// scaled as the bound is to its own.
     pub lengths: Vec<f64>,
     /// Vectors that with any signs make all deviations within the bounds: of each source in the order of the bounds;
-    /// then, of curves with a reference, of each value that counts.
+    /// then of the errors that stay, whose sign is as good as free, for those of all others are; then, of curves with a
+    /// reference, of each value that counts.
     pub vectors: Vec<[f64; 3]>,
+    /// The deviation by the errors that stay.
+    pub staying: f64,
 }
 
 impl BoundEffects {
     /// Returns the root of the sum of squares.
     pub fn rss(&self) -> f64 {
-        self.lengths.iter().map(|x| x * x).sum::<f64>().sqrt()
+        let bounds: f64 = self.lengths.iter().map(|x| x * x).sum();
+        (bounds + self.staying * self.staying).sqrt()
     }
 }
 

@@ -17,6 +17,7 @@
 //! 8. [`draw_figures()`]: figures of drawn machines by their deviations at poses, such as those of features.
 //! 9. [`draw_with_zone()`]: drawn machines on which the part is set up by a minimum zone.
 //! 10. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
+//! 11. [`StayingErrors`]: errors with values that no bound stands for; they act in every machine drawn.
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
@@ -33,6 +34,7 @@ mod pose_by_pose;
 mod quantile;
 mod search;
 mod side_by_side;
+mod staying;
 mod totals;
 mod worst;
 mod zone_draws;
@@ -55,6 +57,7 @@ pub use paired::{PairedDifference, PairedTest, Verdict, VersusFirst, are_equal, 
 pub use pose_by_pose::{BoundedDeviation, BoundedLength, PoseByPose, PosesRequest, effects_at, pose_by_pose};
 pub use quantile::{Percentile, Proportion, mean, rank};
 pub use side_by_side::{BoundedError, BudgetPart, side_by_side};
+pub use staying::{ActingErrors, StayingErrors, count_staying};
 pub use totals::{
     Budget, Contribution, DrawnSamples, PERCENTS, Request, Totals, budget, budget_from_samples, budget_poses,
     draw_samples,

@@ -6,9 +6,10 @@ use super::kernel::{BoundEffects, BudgetPose, JointBounds, by_joint_without, len
 use super::monte_carlo::{self, DrawnMachine, Statistic};
 use super::quantile::{Percentile, mean};
 use super::search::{Objective, VolumeSearch, exceeds, is_closed};
+use super::staying::{ActingErrors, StayingErrors};
 use super::worst::{longest, longest_by_ascent};
 use crate::analysis::reference::PartReference;
-use crate::evaluate::{Poses, Random};
+use crate::evaluate::{Field, Poses, Random};
 use crate::lower::Quantity;
 use crate::machine::{Machine, Pose};
 use crate::run::{Advance, Cancelled};
@@ -18,8 +19,10 @@ use std::ops::Range;
 /// The request for a budget.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
-    /// The machine; errors with a value do not count.
+    /// The machine.
     pub machine: &'a Machine,
+    /// The errors that act in every machine drawn beside the bounded ones.
+    pub acting: ActingErrors<'a>,
     /// The bounded errors.
     pub bounds: &'a [Bound],
     /// The poses (mm, deg).
@@ -72,6 +75,8 @@ pub struct Totals {
     pub mean: (f64, f64),
     /// Effect of each tolerance on the 95 % value, in the order of the bounds.
     pub tighten: Vec<ToleranceEffect>,
+    /// The part of the 95 % value by errors with values: with those effects it sums up to it.
+    pub staying: f64,
 }
 
 /// One error at its bound.
@@ -144,8 +149,7 @@ pub fn draw_samples(
     progress: Advance<'_>,
 ) -> Result<DrawnSamples, Cancelled> {
     let joints = by_joint_without(request.machine, request.bounds, request.reference);
-    let of =
-        |quantity| samples_at(&request, &joints, &poses_of(&request, &joints, quantity), samples.clone(), progress);
+    let of = |quantity| samples_at(&request, &joints, &effects(&request, &joints, quantity), samples.clone(), progress);
     Ok(DrawnSamples { position: of(Quantity::Position)?, rotation: of(Quantity::Rotation)? })
 }
 
@@ -181,8 +185,24 @@ pub fn budget_from_samples(
 /// Effects of every error at its bound, at every pose.
 type Extremes = Vec<BoundEffects>;
 
-fn poses_of(request: &Request<'_>, joints: &[JointBounds], quantity: Quantity) -> Vec<BudgetPose> {
-    request.poses.par_iter().map(|pose| BudgetPose::new(request.machine, joints, pose, quantity)).collect()
+/// Calls a function with the field of the errors that act in every machine drawn.
+fn with_acting<T>(request: &Request<'_>, of: impl FnOnce(Option<&dyn Field>) -> T) -> T {
+    match request.acting {
+        ActingErrors::None => of(None),
+        ActingErrors::OfField(field) => of(Some(field)),
+        ActingErrors::OfMachine => {
+            let staying = StayingErrors::new(request.machine, request.bounds, request.reference);
+            of(staying.as_ref().map(|staying| staying as &dyn Field))
+        }
+    }
+}
+
+/// Returns the effects of all errors at the poses.
+pub(super) fn effects(request: &Request<'_>, joints: &[JointBounds], quantity: Quantity) -> Vec<BudgetPose> {
+    with_acting(request, |field| {
+        let at = |pose: &Pose| BudgetPose::new(request.machine, joints, pose, quantity).beside(field, pose);
+        request.poses.par_iter().map(at).collect()
+    })
 }
 
 fn samples_at(
@@ -204,7 +224,7 @@ fn totals(
 ) -> Result<(Totals, Extremes, BoundEffects), Cancelled> {
     let Request { machine, bounds, poses, samples, draws, reference, .. } = *request;
     let scale = if quantity == Quantity::Position { 1e3 } else { 1e6 };
-    let budget_poses = poses_of(request, joints, quantity);
+    let budget_poses = effects(request, joints, quantity);
     let extremes: Extremes = budget_poses.par_iter().map(|pose| pose.extremes(joints, bounds, draws)).collect();
     let (worst, mut worst_case) = worst_of(&extremes, if reference.is_some() { longest_by_ascent } else { longest });
     let sums: Vec<f64> = extremes.iter().map(BoundEffects::rss).collect();
@@ -212,14 +232,23 @@ fn totals(
     let (mut worst_pose, mut rss_pose) = (poses[worst].clone(), poses[largest_rss].clone());
     let (mut at_rss, mut largest_sum) = (extremes[largest_rss].clone(), sums[largest_rss]);
     if request.searched && reference.is_none() {
-        let at =
-            |pose: &[f64]| BudgetPose::new(machine, joints, pose, quantity).extremes(joints, bounds, draws).vectors;
         let sum = |list: &[[f64; 3]]| lengths(list).iter().sum::<f64>();
-        let search = |objective: Objective<'_>, known: &Pose| VolumeSearch::new(machine, &at, objective).worst(known);
-        (worst_pose, _, worst_case) = search(Objective { value: &longest, bound: &sum }, &worst_pose);
-        let (pose, vectors, sum_there) = search(Objective { value: &rss, bound: &rss }, &rss_pose);
+        let (worst, (pose, vectors, sum_there)) = with_acting(request, |field| {
+            let at = |pose: &[f64]| {
+                let here = BudgetPose::new(machine, joints, pose, quantity).beside(field, pose);
+                here.extremes(joints, bounds, draws).vectors
+            };
+            let search =
+                |objective: Objective<'_>, known: &Pose| VolumeSearch::new(machine, &at, objective).worst(known);
+            let worst = search(Objective { value: &longest, bound: &sum }, &worst_pose);
+            (worst, search(Objective { value: &rss, bound: &rss }, &rss_pose))
+        });
+        (worst_pose, _, worst_case) = worst;
         (rss_pose, largest_sum) = (pose, sum_there);
-        at_rss = BoundEffects { lengths: lengths(&vectors), vectors };
+        let mut lengths = lengths(&vectors);
+        let staying = lengths.get(bounds.len()).copied().unwrap_or(0.0);
+        lengths.truncate(bounds.len());
+        at_rss = BoundEffects { lengths, vectors, staying };
     }
     let mut drawn = match drawn {
         Some(drawn) => drawn,
@@ -235,7 +264,8 @@ fn totals(
         rss: largest_sum * scale,
         rss_pose,
         mean: mean(&sorted),
-        tighten: tighten(&drawn, bounds.len(), scale),
+        staying: around(&drawn, |sample| (sample.value - sample.parts.iter().sum::<f64>()) * scale).effect,
+        tighten: (0..bounds.len()).map(|bound| around(&drawn, |sample| sample.parts[bound] * scale)).collect(),
         drawn: in_order,
         sorted,
     };
@@ -319,13 +349,9 @@ pub(super) fn around_95(count: usize) -> Range<usize> {
     first..(libm::ceil(WINDOW.1 * n) as usize).clamp(first + 1, count)
 }
 
-/// Returns the means of the parts over the samples around the 95 % value.
-fn tighten(drawn: &[DrawnMachine], count: usize, scale: f64) -> Vec<ToleranceEffect> {
-    let around = &drawn[around_95(drawn.len())];
-    let one = |bound: usize| {
-        let parts: Vec<f64> = around.iter().map(|sample| sample.parts[bound] * scale).collect();
-        let (effect, sigma) = mean(&parts);
-        ToleranceEffect { effect, sigma }
-    };
-    (0..count).map(one).collect()
+/// Returns the mean of parts over the samples around the 95 % value.
+fn around(drawn: &[DrawnMachine], part: impl Fn(&DrawnMachine) -> f64) -> ToleranceEffect {
+    let parts: Vec<f64> = drawn[around_95(drawn.len())].iter().map(part).collect();
+    let (effect, sigma) = mean(&parts);
+    ToleranceEffect { effect, sigma }
 }

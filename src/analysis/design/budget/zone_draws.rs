@@ -1,7 +1,7 @@
 //! Drawn machines on which the part is set up by a minimum zone, which is not linear in their errors.
 
 use super::kernel::{BudgetPose, SAMPLE_LANES, SampleChunk, SampleLanes, by_joint};
-use super::totals::Request;
+use super::totals::{Request, effects};
 use crate::analysis::reference::{PartReference, tip_at};
 use crate::evaluate::Deviation;
 use crate::lower::Quantity;
@@ -20,10 +20,9 @@ pub fn draw_with_zone(
 ) -> Result<[Vec<f64>; 2], Cancelled> {
     let Request { machine, bounds, poses, draws, samples, statistic, .. } = request;
     let joints = by_joint(machine, bounds);
-    let places = |quantity| -> Vec<BudgetPose> {
-        poses.par_iter().map(|pose| BudgetPose::new(machine, &joints, pose, quantity)).collect()
-    };
-    let [positions, rotations] = [Quantity::Position, Quantity::Rotation].map(places);
+    let whole = Request { reference: None, ..request };
+    let [positions, rotations] =
+        [Quantity::Position, Quantity::Rotation].map(|quantity| effects(&whole, &joints, quantity));
     let tips: Vec<Vector3<f64>> = poses.iter().map(|pose| tip_at(machine, pose)).collect();
     let chunk = |index: usize| {
         let first = index * SAMPLE_LANES;

@@ -1,0 +1,123 @@
+//! Machines of which some errors have values and others bounds: both act in every figure that is judged. Closed forms
+//! of a value along X and a bound along Y, which meet at a right angle.
+
+use crate::program::{Folder, json, refused, text};
+use serde_json::Value;
+use std::path::PathBuf;
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn near(found: f64, truth: f64) {
+    assert!((found - truth).abs() < 1e-9 * truth.abs().max(1.0), "{found} {truth}");
+}
+
+/// A machine with a constant value of EXX (um) and a bound of EYY (um).
+fn machine(folder: &Folder, name: &str, value: f64, bound: f64) -> PathBuf {
+    let axis = |name: &str| format!("  {name}: {{ travel: [-300, 300], origin: [0, 0, 0] }}\n");
+    let axes: String = ["X", "Y", "Z"].map(axis).concat();
+    let value = match value {
+        0.0 => String::new(),
+        _ => format!("  EXX: {{ points: [[-300 mm, {value} um], [300 mm, {value} um]] }}\n"),
+    };
+    let errors = format!("errors:\n{value}  EYY: {{ tolerance: {bound} um }}\n");
+    folder.with(name, &format!("abbe: 1\nmachine: M\nchain: \"w b X Y Z t\"\naxes:\n{axes}{errors}"))
+}
+
+/// A job of one tool pose with a limit (um).
+fn job(folder: &Folder, limit: f64) -> PathBuf {
+    let _ = folder.with("one.csv", "X,Y,Z\n0,0,0\n");
+    folder.with(&format!("job{limit}.yaml"), &format!("tool_poses: one.csv\nreference: machine\nlimit: {limit} um\n"))
+}
+
+fn of(verb: &str, machine: &[&PathBuf], job: &PathBuf) -> Value {
+    let machines: Vec<&str> = machine.iter().map(|path| text(path)).collect();
+    json(&[&[verb], &machines[..], &["--job", text(job), "--format", "json"]].concat())
+}
+
+#[test]
+fn values_act_in_every_machine_drawn() {
+    let folder = Folder::new("values-and-bounds");
+    let (both, bound) = (machine(&folder, "both.yaml", 30.0, 40.0), machine(&folder, "bound.yaml", 0.0, 40.0));
+    let job = job(&folder, 35.0);
+    let [both, bound] = [&both, &bound].map(|machine| of("budget", &[machine], &job));
+    let p95 = |of: &Value| number(&of["position_um"]["monte_carlo"]["p95"]);
+    near(p95(&both), p95(&bound).hypot(30.0));
+    for figure in ["worst_case", "rss"] {
+        near(number(&both["position_um"][figure]), number(&bound["position_um"][figure]).hypot(30.0));
+    }
+    near(number(&bound["position_um"]["worst_case"]), 40.0);
+    assert_eq!((&both["with_values"]["errors"], &both["left_out"]), (&1.into(), &0.into()));
+    assert_eq!(bound.get("with_values"), None);
+    // Euler: parts of the bounds and of the values add up to the mean of the machines about the 95 % value.
+    let parts: f64 = both["tighten"].as_array().unwrap().iter().map(|bound| number(&bound["um_of_p95"])).sum();
+    let sum = parts + number(&both["with_values"]["um_of_p95"]);
+    assert!((sum / p95(&both) - 1.0).abs() < 0.01, "{sum}");
+    // Bounds of a class stand for values.
+    let path = machine(&folder, "both.yaml", 30.0, 40.0);
+    let by_class = json(&["budget", text(&path), "--class", "production", "--samples", "20", "--format", "json"]);
+    assert_eq!((&by_class["left_out"], by_class.get("with_values")), (&1.into(), None));
+}
+
+#[test]
+fn a_limit_is_judged_by_values_and_bounds_and_by_the_whole_job() {
+    let folder = Folder::new("limit-of-both");
+    let both = machine(&folder, "both.yaml", 30.0, 40.0);
+    let strict = job(&folder, 35.0);
+    let [budget, map] = ["budget", "map"].map(|verb| of(verb, &[&both], &strict)["limit"].clone());
+    // Values alone are 30 um, and the bound alone is within 35 um in most machines.
+    assert_eq!((&budget["held"], &budget["drawn"], &budget["statistic"]), (&false.into(), &true.into(), &"max".into()));
+    assert_eq!(map, budget);
+    let compared = of("compare", &[&both, &both], &strict);
+    assert_eq!(compared["machines"][1]["limit"]["held"], false);
+    // The largest deviation is judged, of values too: 30 um at 20 of 21 poses, 30.1 um at one.
+    let points = "EXX: { points: [[-300 mm, 30 um], [0 mm, 30 um], [300 mm, 32 um]] }";
+    let head = "abbe: 1\nmachine: M\nchain: \"w b X t\"\naxes: { X: { travel: [-300, 300] } }\nerrors:\n  ";
+    let measured = folder.with("measured.yaml", &format!("{head}{points}\n"));
+    let rows: String = (0..20).map(|i| format!("{},0,0\n", -10 * i)).collect();
+    let _ = folder.with("rows.csv", &format!("X,Y,Z\n{rows}300,0,0\n"));
+    let whole = folder.with("whole.yaml", "tool_poses: rows.csv\nreference: machine\nlimit: 31 um\n");
+    let limit = |more: &[&str]| {
+        json(&[&["map", text(&measured), "--job", text(&whole), "--format", "json"], more].concat())["limit"].clone()
+    };
+    assert_eq!((&limit(&[])["held"], &limit(&[])["um"]), (&false.into(), &32.0.into()));
+    assert_eq!((&limit(&["--statistic", "p95"])["held"], &limit(&[])["missed"]), (&true.into(), &0.into()));
+    // A job that is not done holds no limit.
+    let _ = folder.with("far.csv", "X,Y,Z\n0,0,0\n900,0,0\n");
+    let far = folder.with("far.yaml", "tool_poses: far.csv\nreference: machine\nlimit: 31 um\n");
+    let found = of("map", &[&measured], &far);
+    assert_eq!((&found["limit"]["held"], &found["limit"]["missed"]), (&Value::Null, &1.into()));
+    let (_, said) = refused(&["map", text(&measured), "--job", text(&far)]);
+    assert!(said.contains("W0608"), "{said}");
+}
+
+#[test]
+fn machines_are_compared_by_values_and_bounds_together() {
+    let folder = Folder::new("compare-both");
+    let job = job(&folder, 60.0);
+    let of_machine = |name: &str, value: f64, bound: f64| {
+        let path = machine(&folder, name, value, bound);
+        let p95 = number(&of("budget", &[&path], &job)["position_um"]["monte_carlo"]["p95"]);
+        (path, p95)
+    };
+    // The bounds alone say worse.
+    let (first, second) = (of_machine("a.yaml", 50.0, 10.0), of_machine("b.yaml", 5.0, 20.0));
+    let found = of("compare", &[&first.0, &second.0], &job);
+    let verdict = &found["verdicts"][0];
+    assert_eq!(verdict["verdict"], "better");
+    near(number(&verdict["by"]["um"]), second.1 - first.1);
+    assert!(number(&verdict["by"]["high"]) < 0.0 && verdict["by"]["drawn"] == true);
+    // A measured machine without bounds is the same in every draw.
+    let head = std::fs::read_to_string(&first.0).unwrap();
+    let whole =
+        folder.with("whole.yaml", &head.lines().filter(|line| !line.contains("EYY")).collect::<Vec<_>>().join("\n"));
+    let found = of("compare", &[&first.0, &whole], &job);
+    near(number(&found["verdicts"][0]["by"]["um"]), 50.0 - first.1);
+    // Arrangements are ranked by bounds: values act in none, so that there is no verdict.
+    let ranked =
+        json(&["enumerate", text(&first.0), "--tool-poses", text(&folder.file("one.csv")), "--format", "json"]);
+    let rows = ranked["ranked"].as_array().unwrap();
+    let withheld = |row: &Value| row["withheld"].as_str().is_some_and(|why| why.contains("1 error with a value"));
+    assert!(rows.len() > 1 && rows[1..].iter().all(withheld), "{rows:?}");
+}
