@@ -73,8 +73,8 @@ impl<'a> JobPaths<'a> {
         Ok(self.read_unplaced(call, file)?.map(UnplacedJob::placed))
     }
 
-    /// Reads the job for several machines, of which the first gives the rotary columns their axes, and its own job if no
-    /// other is asked for. Says which jobs of the others give way.
+    /// Reads the job for several machines. The first gives the rotary columns their axes, and its own job if no other
+    /// is asked for. Says which jobs of the others give way.
     pub(crate) fn read_common(self, call: &mut Call<'_>, files: &'a [MachineFile]) -> Result<Option<Job>, Refused> {
         let [first, others @ ..] = files else { return Ok(None) };
         let job = self.read(call, first)?;

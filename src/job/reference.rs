@@ -90,12 +90,17 @@ pub struct Reference {
 
 /// A key of a reference that has no effect.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{key}` has no effect on a reference of kind `{}`{}", .kind.name(), if *is_displaced { " with `rotary`" } else { "" })]
+#[error("`{key}` has no effect on a reference of kind `{}`{}", .kind.name(), beside(*.is_displaced))]
 pub(crate) struct IdleKey {
     /// The key.
     pub key: &'static str,
     kind: ReferenceKind,
     is_displaced: bool,
+}
+
+/// Returns the words for what stands in place of a key.
+fn beside(is_displaced: bool) -> &'static str {
+    if is_displaced { " with `rotary`" } else { "" }
 }
 
 impl IdleKey {

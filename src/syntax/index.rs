@@ -1,5 +1,5 @@
-//! The first pass over the YAML text of a machine file or a job file: duplicate keys, which serde_yaml swallows, what is not part of
-//! the language, and where every entry stands.
+//! The first pass over the YAML text of a machine file or a job file: duplicate keys, which serde_yaml swallows, what
+//! is not part of the language, and where every entry stands.
 
 use super::places::{Keys, Places, Spot};
 use super::yaml::{YamlFailure, guard};
