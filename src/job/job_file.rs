@@ -252,7 +252,7 @@ fn read(call: &mut Call<'_>, machine: &Machine, text: &JobText, asked: Option<bo
     if let Some(idle) = reference.as_ref().and_then(|reference| reference.idle_key(&keys)) {
         call.extend([refused(&idle.to_string(), text.key(&["reference", idle.key]), idle.help())]);
     }
-    call.extend(tool.and_then(|tool| of_other_tool(machine, &tool, text)));
+    call.extend(tool.and_then(|tool| of_unknown_tool(machine, &tool, text)));
     let limit_mm = limit.map(|limit| part_length(&limit.to_string())).transpose().unwrap_or_else(|why| {
         let help = "write a length with its unit, `limit: 30 um`";
         call.extend([refused(&why.to_string(), text.value(&["limit"]), help)]);
@@ -269,19 +269,11 @@ fn read(call: &mut Call<'_>, machine: &Machine, text: &JobText, asked: Option<bo
     Ok(UnplacedJob(Job { poses, limit_mm, features, place, reference, reference_written }))
 }
 
-/// Returns the refusal of a job for another tool than that of the machine.
-fn of_other_tool(machine: &Machine, tool: &str, text: &JobText) -> Option<Diagnostic> {
-    if tool == machine.tool().name {
-        return None;
-    }
-    let known = machine.with_tool(tool).is_some();
-    let tool = shown(tool);
-    let (why, help) = if known {
-        ("", format!("choose it: `--tool {tool}`"))
-    } else {
-        (", which the machine does not have", "name one of the `tools` of the machine file".to_owned())
-    };
-    Some(refused(&format!("the job is for the tool `{tool}`{why}"), text.value(&["tool"]), help))
+/// Returns the refusal of a job for a tool that the machine does not have.
+fn of_unknown_tool(machine: &Machine, tool: &str, text: &JobText) -> Option<Diagnostic> {
+    let unknown = machine.with_tool(tool).is_none();
+    let message = format!("the job is for the tool `{}`, which the machine does not have", shown(tool));
+    unknown.then(|| refused(&message, text.value(&["tool"]), "name one of the `tools` of the machine file"))
 }
 
 fn refused(why: &str, place: Option<Place>, help: impl Into<String>) -> Diagnostic {

@@ -16,7 +16,7 @@ use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::{Bare, Field, Frame, Order, Poses, Random, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::features::features;
-use crate::job::job_file::{Job, JobPaths, NO_JOB};
+use crate::job::job_file::{Job, NO_JOB};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::Over;
 use crate::job::reference::{Reference, SetUp};
@@ -70,7 +70,7 @@ impl Report {
 /// Fails for targets and classes that are not there, and where [`compile`](crate::api::compile()) fails for a target.
 pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run) -> Reply<Report> {
     Call::answer_of(run, &sources_of(files), |call| {
-        let report = build(call, files, options)?;
+        let report = options.job_paths().with_tools(call, files, |call, files| build(call, files, options))?;
         call.extend(finite::refusal(&report.data));
         Ok(report)
     })
@@ -84,7 +84,7 @@ fn build(call: &mut Call, files: &[MachineFile], options: &ReportOptions) -> Res
     let mut report = Report::default();
     let job = subjects.first().and_then(|first| first.job.as_ref());
     if let ([first, others @ ..], None, None) = (files, &options.job, &options.tool_poses) {
-        call.extend(JobPaths { job: None, tool_poses: None, path: None }.displaced_jobs(first, others));
+        call.extend(options.job_paths().displaced_jobs(first, others));
     }
     report.data.comparison = comparison(call, (files, job), options, &given)?;
     let drawn = call.stage(given.iter().map(|given| given.poses.0).sum(), |advance| {
@@ -162,9 +162,7 @@ impl<'a> Subject<'a> {
             call.warn(nothing_to_compensate(file));
         }
         call.check()?;
-        let paths =
-            JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
-        let job = paths.read(call, file)?;
+        let job = options.job_paths().read(call, file)?;
         let reached = job.as_ref().map(|job| job.poses.reached(call, file)).transpose()?;
         let poses: Vec<Pose> = match &reached {
             Some(reached) => reached.poses.clone(),
