@@ -315,7 +315,7 @@ impl PlaceStudy<'_> {
             interval_um: figure.as_ref().and_then(|of| of.interval_um),
             versus_first: None,
             limit: job.limit_mm.map(limit).zip(figure.as_ref()).map(|(limit, of)| match of.drawn.is_empty() {
-                true => limit.on_values(&of.over_poses),
+                true => limit.on_values(&of.over_poses, None),
                 false => limit.on_machines(of.um, of.interval_um),
             }),
             rank: None,

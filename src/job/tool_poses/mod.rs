@@ -8,7 +8,7 @@ mod apt;
 pub(crate) mod columns;
 mod missed;
 
-use super::path::PathResult;
+use super::path::{DeviationStep, LargestStep, PathResult};
 use super::placement::Placement;
 use super::poses::check;
 use crate::analysis::zone::SurfacePoint;
@@ -21,6 +21,7 @@ use crate::run::{Call, Refused};
 use crate::syntax::sheet::read_named_sheet;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use missed::DirectionGaps;
@@ -155,6 +156,37 @@ pub(crate) fn read_named(
     match rows {
         Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows, is_cl, is_path: false }),
         Err(refusal) => call.refuse(refusal),
+    }
+}
+
+impl ReachedToolPoses {
+    /// Returns the steps of a path: the index of each pose whose next one is that of the next row, rewinds apart.
+    pub(crate) fn path_steps(&self, path: &PathResult) -> Vec<usize> {
+        let missed: BTreeSet<usize> = self.rows.iter().map(|row| row.line).collect();
+        let rewound: BTreeSet<usize> = path.rewinds.iter().map(|of| of.lines[1]).collect();
+        let is_step = |i: &usize| {
+            let [from, to] = [self.lines[*i].0, self.lines[*i + 1].0];
+            !rewound.contains(&to) && missed.range(from..to).next().is_none()
+        };
+        (0..self.lines.len().saturating_sub(1)).filter(is_step).collect()
+    }
+
+    /// Returns the events of the path with the largest step of the deviation; `None` without a path. `largest` returns
+    /// it among steps from poses by index, `None` without steps.
+    pub(crate) fn path_with_step(
+        &self,
+        largest: impl FnOnce(&[usize]) -> Result<Option<LargestStep>, Refused>,
+    ) -> Result<Option<PathResult>, Refused> {
+        let Some(path) = &self.path else { return Ok(None) };
+        let steps = self.path_steps(path);
+        let found = if steps.is_empty() { None } else { largest(&steps)? };
+        let of = |step: LargestStep| DeviationStep {
+            um: step.mm * 1e3,
+            interval_um: step.interval_mm.map(|ends| ends.map(|mm| mm * 1e3)),
+            drawn: step.drawn,
+            lines: [step.pose, step.pose + 1].map(|pose| self.lines[pose].0),
+        };
+        Ok(Some(PathResult { deviation_step: found.map(of), ..path.clone() }))
     }
 }
 

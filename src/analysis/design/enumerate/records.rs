@@ -47,14 +47,15 @@ impl Study<'_> {
 
     /// Returns what the values of an arrangement contradict; `samples` is the number of machines of the round.
     fn wrong_values(&self, record: &RoundRecord, machine: &Machine, samples: usize) -> Option<String> {
-        let RoundRecord { row, values, best_fit, file } = record;
+        let RoundRecord { row, values, best_fit, file, common } = record;
         let judged = row.standing == Standing::Judged;
         let count = if judged { samples } else { 0 };
         let fits = best_fit.len() == count || best_fit.is_empty();
-        if values.len() != count || !fits || file.is_some() != judged {
+        let idle = !judged && (file.is_some() || common.is_some());
+        if values.len() != count || !fits || idle {
             return Some(format!("has {} values of {count} machines", values.len()));
         }
-        if best_fit.iter().chain(file).any(|um| !um.is_finite() || *um < 0.0) {
+        if best_fit.iter().chain(file).chain(common).any(|um| !um.is_finite() || *um < 0.0) {
             return Some("has an error below zero".to_owned());
         }
         let is_path = judged && self.is_path();
