@@ -88,6 +88,9 @@ fn build(call: &mut Call, files: &[MachineFile], options: &ReportOptions) -> Res
     let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.input(options)).collect();
     let mut report = Report::default();
     let job = subjects.first().and_then(|first| first.job.as_ref());
+    if let ([first, others @ ..], None, None) = (files, &options.job, &options.tool_poses) {
+        call.extend(options.job_paths().displaced_jobs(first, others));
+    }
     report.data.comparison = comparison(call, (files, job), options, &given)?;
     let drawn = call.stage(given.iter().map(|given| given.poses.0).sum(), |advance| {
         let all = given.iter().enumerate().map(|(i, given)| draw(i + 1, given, advance)).collect::<Result<Vec<_>, _>>();

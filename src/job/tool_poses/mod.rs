@@ -18,7 +18,7 @@ use crate::analysis::{
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::run::{Call, Refused};
-use crate::syntax::sheet::read_sheet;
+use crate::syntax::sheet::read_named_sheet;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -140,7 +140,17 @@ pub(crate) struct RowTip {
 
 /// Reads a file as single tool poses; rotary columns are those of `machine`.
 pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<ToolPoses, Refused> {
-    let Some(sheet) = read_sheet(path, call.run.files, &mut call.diagnostics) else { return Err(Refused) };
+    read_named(call, machine, path, None)
+}
+
+/// Reads the same; `named` is where a job names the file.
+pub(crate) fn read_named(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    path: &Path,
+    named: Option<Place>,
+) -> Result<ToolPoses, Refused> {
+    let sheet = read_named_sheet(path, named, call.run.files, &mut call.diagnostics).ok_or(Refused)?;
     let is_cl = apt::is_cl_data(&sheet);
     let rows = if is_cl { apt::rows(&sheet) } else { columns::rows(machine, &sheet) };
     match rows {
