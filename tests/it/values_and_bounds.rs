@@ -3,7 +3,7 @@
 
 use crate::program::{Folder, json, refused, text};
 use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
@@ -31,7 +31,7 @@ fn job(folder: &Folder, limit: f64) -> PathBuf {
     folder.with(&format!("job{limit}.yaml"), &format!("tool_poses: one.csv\nreference: machine\nlimit: {limit} um\n"))
 }
 
-fn of(verb: &str, machine: &[&PathBuf], job: &PathBuf) -> Value {
+fn of(verb: &str, machine: &[&PathBuf], job: &Path) -> Value {
     let machines: Vec<&str> = machine.iter().map(|path| text(path)).collect();
     json(&[&[verb], &machines[..], &["--job", text(job), "--format", "json", "--quiet"]].concat())
 }

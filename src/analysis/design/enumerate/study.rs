@@ -267,7 +267,7 @@ impl StudyRound<'_> {
         let is_common = |index: &usize| self.study.of_file[*index].is_some();
         let poses: Vec<Pose> =
             reached.iter().zip(poses).filter(|(index, _)| is_common(index)).map(|(_, pose)| pose.clone()).collect();
-        let references = (0 < poses.len() && poses.len() < reached.len())
+        let references = (!poses.is_empty() && poses.len() < reached.len())
             .then(|| self.study.set_ups.references(&machines[0], &poses))
             .flatten();
         let Some(references) = references else { return vec![None; machines.len()] };
