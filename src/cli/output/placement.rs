@@ -78,7 +78,7 @@ fn held(limit: &LimitVerdict) -> &'static str {
     match limit.held {
         Some(true) => "held",
         Some(false) => "exceeded",
-        None => "not told",
+        None => "not decided",
     }
 }
 
