@@ -257,7 +257,7 @@ fn side_by_side(
     if comparison.common.is_empty() {
         return call.refuse(nothing_in_common(files, &comparison));
     }
-    let (set_ups, unzeroed) = set_ups(call, files, &sides, options.reference.as_ref(), job.as_ref())?;
+    let (set_ups, unlike) = set_ups(call, files, &sides, options.reference.as_ref(), job.as_ref())?;
     let (samples, approach) = (options.samples, options.approach);
     let max_samples = options.max_samples.unwrap_or_else(|| samples.saturating_mul(8));
     let draws = AlikeDraws { tolerances: &options.tolerances, samples, max_samples, seed: options.seed };
@@ -274,11 +274,8 @@ fn side_by_side(
         _ => None,
     };
     let best_fit = fitted.as_ref().map(|of| of.compared(over(&Reference::best_fit())));
-    let unlike = |i: usize| {
-        let unzeroed = unzeroed.as_ref().map(|why| format!("no reference point that all machines reach: {why}"));
-        unzeroed.or_else(|| unlike_paths(&paths, i))
-    };
-    let verdicts = (1..files.len()).map(|i| whole.verdict(fitted.as_ref(), i, unlike(i))).collect();
+    let why = |i: usize| unlike.clone().or_else(|| unlike_paths(&paths, i));
+    let verdicts = (1..files.len()).map(|i| whole.verdict(fitted.as_ref(), i, why(i))).collect();
     let references = removed(&set_ups);
     let contributions = contributions_of(&sides, options.approach.into(), &references);
     let mut adds = Vec::new();
@@ -302,7 +299,9 @@ fn side_by_side(
         Some(match (&budgets, &machine.bounds) {
             (Some(of), _) => of.machines[i].position_um.monte_carlo.against(&limit),
             (None, Some(of)) => of.figures.position_um.monte_carlo.against(&limit),
-            (None, None) => limit.on_values(&machine.position_um),
+            (None, None) => {
+                limit.on_values(&machine.position_um, machine.uncertainty.as_ref().map(|of| &of.own.position_um))
+            }
         })
     };
     let of = |(i, ((((machine, missed), travel), bounds_add), path))| {

@@ -167,7 +167,8 @@ fn volume(
         field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed, set_up.removed());
     let target = options.target.clone();
     let limit = Job::limit(job.as_ref(), tolerances.statistic, tool_poses.as_ref());
-    let limit = limit.map(|limit| adding.limit(call, limit, field, &result.position_um)).transpose()?;
+    let band = uncertainty.as_ref().map(|of| &of.position_um);
+    let limit = limit.map(|limit| adding.limit(call, limit, field, &result.position_um, band)).transpose()?;
     let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
     Ok(MapResult {
         limit,

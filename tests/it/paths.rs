@@ -453,7 +453,7 @@ fn too_short_a_travel_is_a_rewind_and_no_silence() {
     assert!(event.starts_with(&format!("{line},rewind")), "{event}");
     // A machine that leaves the path does not do the same work as one that does not.
     let whole = config("hh-ca-gantry.yaml");
-    let poses = ["--tool-poses", text(&rows), "--path", "yes", "--format", "json"];
+    let poses = ["--tool-poses", text(&rows), "--path", "yes", "--format", "json", "--quiet"];
     let found = json(&[&["compare", text(&whole), text(&machine)], &poses[..]].concat());
     let verdict = &found["verdicts"][0];
     assert_eq!((&verdict["verdict"], verdict.get("by")), (&Value::Null, None));
