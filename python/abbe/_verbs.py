@@ -1282,7 +1282,7 @@ def testpiece(
     *,
     size_mm: float | None = None,
     height_mm: float | None = None,
-    half_apex_deg: float = 15.0,
+    half_apex_deg: float | None = None,
     tilt_deg: float | None = None,
     c_motion: ConeMotion | None = None,
     steps: int = 360,
@@ -1294,12 +1294,12 @@ def testpiece(
 
     * ``kind``: The kind.
     * ``size_mm``: Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length
-      of an S, mm; by default 160, of a cone 80.
-    * ``height_mm``: Height of the contour, or of the centre of a cone's base, above the part's origin, mm; by default
-      20, of a cone 120, of an S the height of its surface, 40.
-    * ``half_apex_deg``: Cone: half of its apex angle, above 0 and below 80 deg.
-    * ``tilt_deg``: Cone: tilt of its axis about Y, 0 to 80 deg; S: the largest lean of its surface; diamond: its turn
-      against the square. By default 10 of a cone or by its motion, 20 of an S, 30 of a diamond.
+      of an S, 0.1 to 100000 mm; by default 160, of a cone 80.
+    * ``height_mm``: Height of the contour, or of the centre of a cone's base, above the part's origin, 0.1 to 100000
+      mm; by default 20, of a cone 120, of an S the height of its surface, 40.
+    * ``half_apex_deg``: Cone: half of its apex angle, above 0 and below 80 deg; by default 15.
+    * ``tilt_deg``: Cone: tilt of its axis about Y, 0 to 80 deg; S: the largest lean of its surface; diamond, also of
+      NAS 979: its turn against the square. By default 10 of a cone or by its motion, 20 of an S, 30 of a diamond.
     * ``c_motion``: Cone: the motion of a rotary axis about Z, which chooses the tilt in place of an angle.
     * ``steps``: Number of intervals of a circle, or of each side, 8 to 100000.
     """

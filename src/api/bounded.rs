@@ -3,14 +3,15 @@
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::SummaryBand;
 use crate::analysis::budget::{
-    ActingErrors, Bound, Budget, Draws, PoseByPose, PosesRequest, Request, adding, budget, budget_poses, effects_at,
-    is_measured, pose_by_pose,
+    ActingErrors, Bound, Budget, Draws, PoseByPose, PosesRequest, Request, adding, budget, budget_poses,
+    draw_largest_steps, effects_at, is_measured, pose_by_pose,
 };
 use crate::analysis::reference::PartReference;
 use crate::evaluate::{Field, Frame, Poses, Summary};
 use crate::job::characteristics::{CharacteristicResult, DrawnRequest, JobCharacteristics};
 use crate::job::features::{FeatureResult, bounded_features};
 use crate::job::limit::{JobLimit, LimitVerdict};
+use crate::job::path::LargestStep;
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, Pose};
 use crate::report::{BoundedFigures, DrawSettings, DrawnMachineFigures};
@@ -92,6 +93,21 @@ impl DrawnBounds {
         let (draws, samples, reference) = (self.draws(), self.drawing.samples, self.removed.as_ref());
         let request = PosesRequest { machine, bounds: &self.bounds, poses, reference, frame, draws: &draws, samples };
         call.stage(request.steps(), |advance| pose_by_pose(request, advance))
+    }
+
+    /// Returns the largest step of the deviation to which they lead, from poses with these indices to the next.
+    pub(crate) fn largest_step(
+        &self,
+        call: &Call<'_>,
+        machine: &Machine,
+        poses: &Poses,
+        steps: &[usize],
+    ) -> Result<Option<LargestStep>, Refused> {
+        let (draws, samples, reference) = (self.draws(), self.drawing.samples, self.removed.as_ref());
+        let frame = Frame::Workpiece;
+        let request = PosesRequest { machine, bounds: &self.bounds, poses, reference, frame, draws: &draws, samples };
+        let drawn = call.stage(request.steps(), |advance| draw_largest_steps(request, steps, advance))?;
+        Ok(LargestStep::of_machines(drawn))
     }
 
     pub(crate) fn figures(&self, found: &PoseByPose) -> BoundedFigures {

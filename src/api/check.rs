@@ -82,7 +82,8 @@ fn with_job(file: String, answer: Answer<MachineFile>, run: Run) -> CheckedFile 
         paths.with_tool(call, &machine, |call, machine| {
             let Some(job) = paths.read(call, machine)? else { return Ok(()) };
             let reached = job.poses.reached(call, machine)?;
-            Job::set_up(Some(&job), call, machine, None, &reached.poses).map(|_| ())
+            let _ = Job::set_up(Some(&job), call, machine, None, &reached.poses)?;
+            Job::characteristics(Some(&job), call, machine, Some(&reached)).map(|_| ())
         })
     });
     let (machine, of_job) = match found {

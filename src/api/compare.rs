@@ -232,7 +232,7 @@ fn side_by_side(
     let bare: Vec<Bare<'_>> = files.iter().map(|file| Bare { machine: file, order: order(file) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
     let paths = options.job_paths();
-    let job = paths.read(call, first)?;
+    let job = paths.read_common(call, files)?;
     let asked = job.as_ref().map(|job| &job.poses);
     let work = match asked {
         Some(asked) => asked.work(first),

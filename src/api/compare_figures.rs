@@ -160,7 +160,7 @@ pub(crate) fn set_ups(
         match SetUp::new(machine, &reference, poses) {
             Ok(set_up) => list.push(set_up),
             Err(refusal) if is_stated => {
-                return call.about(file.path(), |call| call.refuse(refusal));
+                return call.about(file.path(), |call| call.refuse(Job::located(job, asked, refusal)));
             }
             Err(reason) => {
                 call.about(file.path(), |call| call.warn(unzeroed(&reason)));

@@ -74,7 +74,7 @@ fn difference(
     call.check_counts(&[Count::Poses(options.poses)])?;
     let properties = first.differences(second);
     let paths = options.job_paths();
-    let job = paths.read(call, first)?;
+    let job = paths.read_common(call, files)?;
     let judge = Judge::of(call, [first, second], options, job.as_ref())?;
     let mixtures = |hangs: &dyn Fn(&MachineProperty) -> bool| -> Vec<(&MachineProperty, Machine)> {
         let some = properties.iter().filter(|property| hangs(property));
@@ -171,7 +171,10 @@ impl<'a> Judge<'a> {
         for file in files.into_iter().filter(|_| judge.reference.kind != ReferenceKind::BestFit) {
             match SetUp::new(file, &judge.reference, &[]) {
                 Ok(_) => {}
-                Err(refusal) if is_stated => return call.about(file.path(), |call| call.refuse(refusal)),
+                Err(refusal) if is_stated => {
+                    let refusal = Job::located(job, options.reference.as_ref(), refusal);
+                    return call.about(file.path(), |call| call.refuse(refusal));
+                }
                 Err(reason) => {
                     call.about(file.path(), |call| call.warn(unzeroed(&reason)));
                     call.check()?;

@@ -7,8 +7,8 @@ use crate::analysis::budget::{
 };
 use crate::analysis::enumerate::{
     ArrangementRow, BUILDABLE_RULES, FittedArrangement, Journal, Judge, MAX_ARRANGEMENTS, MissingSteps, PartSetUps,
-    Ranking, RoundCount, RoundStep, Rounds, Rule, RuleFailure, Standing, Standings, Study, StudyEnd, TooMany, Walk,
-    buildable, rank, standings, walks,
+    Ranking, RoundCount, RoundRecord, RoundStep, Rounds, Rule, RuleFailure, Standing, Standings, Study, StudyEnd,
+    TooMany, Walk, buildable, rank, standings, walks,
 };
 use crate::analysis::reference::PartReference;
 use crate::analysis::{UnreachableCount, Work};
@@ -461,10 +461,11 @@ fn studied(
         Judge::Budget { bounds, .. } => (JudgedBy::Budget, bounds.len(), bounds.clone()),
     };
     let coverage = (by == JudgedBy::Budget).then(|| Coverage::of(machine, &bounds));
-    let begun = study::begin(call, options.state.as_deref(), empty)?;
-    let begun = study::merge(call, &options.merge, begun)?;
     let study = Study::new(machine, walks, judge, options.tolerances.statistic, &work);
     let study = study.with_travel(options.size).with_set_ups(&set_ups);
+    let check = |at: RoundStep, records: &[RoundRecord]| study.check_records(&rounds, at, records);
+    let begun = study::begin(call, options.state.as_deref(), empty, &check)?;
+    let begun = study::merge(call, &options.merge, begun, &check)?;
     let end = match computed(call, options, (&study, &rounds), (begun, file))? {
         Computed::End(end) => end,
         Computed::Part(progress) => return Ok(EnumerateResult::Part(progress)),

@@ -10,14 +10,16 @@ use crate::analysis::{
 };
 use crate::controller::{ControllerEffect, ControllerTarget, Depth};
 use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::{CompiledField, Deviation, Field, Order, Poses, Tally, worst};
+use crate::evaluate::{CompiledField, Deviation, Field, Frame, Order, Poses, Tally, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::characteristics::ValuedField;
 use crate::job::features::features;
 use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
+use crate::job::path::{LargestStep, PathResult};
 use crate::job::poses::axis_positions;
+use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::Machine;
 use crate::report::plane_picture::Subject;
 use crate::report::{Rows, WorkRows};
@@ -169,7 +171,7 @@ fn volume(
     let limit = Job::limit(job.as_ref(), tolerances.statistic, tool_poses.as_ref());
     let band = uncertainty.as_ref().map(|of| &of.position_um);
     let limit = limit.map(|limit| adding.limit(call, limit, field, &result.position_um, band)).transpose()?;
-    let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
+    let path = tool_poses.as_ref().map(|reached| path(call, field, reached, view)).transpose()?.flatten();
     Ok(MapResult {
         limit,
         picture,
@@ -182,6 +184,20 @@ fn volume(
         uncompensated,
         uncertainty,
         ..result
+    })
+}
+
+/// Returns the events of a path with the largest step of the deviation of a field.
+fn path(
+    call: &Call<'_>,
+    field: &dyn Field,
+    reached: &ReachedToolPoses,
+    view: View,
+) -> Result<Option<PathResult>, Refused> {
+    reached.path_with_step(|steps| {
+        let (poses, view) = (Poses::Listed(reached.poses.clone()), View { frame: Frame::Workpiece, ..view });
+        let found = computed(call, field, &poses, 0..poses.len(), view)?;
+        Ok(LargestStep::of_values(&found, steps))
     })
 }
 

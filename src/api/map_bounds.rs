@@ -57,6 +57,10 @@ pub(crate) fn volume(
     let limit = Job::limit(job.as_ref(), statistic, tool_poses.as_ref());
     let limit = limit.map(|limit| figures.position_um.monte_carlo.against(&limit));
     let over = Over::work(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
+    let path = tool_poses
+        .as_ref()
+        .map(|reached| reached.path_with_step(|steps| drawn.largest_step(call, machine, &poses, steps)));
+    let path = path.transpose()?.flatten();
     let result = MapResult::empty(&rows, over, figures.statistics(poses.len()));
     let worst = worst(machine, &poses, &found, options.worst);
     Ok(MapResult {
@@ -64,7 +68,7 @@ pub(crate) fn volume(
         from: Some("bounds"),
         bounds: Some(MapFromBounds { figures, worst }),
         features: features.unwrap_or_default(),
-        path: tool_poses.as_ref().and_then(|reached| reached.path.clone()),
+        path,
         characteristics: characteristics.unwrap_or_default(),
         tool_poses,
         picture,

@@ -286,7 +286,7 @@ fn of_job(call: &mut Call, machine: &Machine, job: &Job) -> Result<ReachResult, 
         Ok(set_up) => set_up,
         Err(reason) => {
             let help = "state a reference that the machine reaches in the job";
-            call.warn(Diagnostic::new(codes::W0850, reason.message).help(help));
+            call.warn(Job::located(Some(job), None, Diagnostic::new(codes::W0850, reason.message)).help(help));
             call.check()?;
             SetUp::machine()
         }

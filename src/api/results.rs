@@ -63,7 +63,7 @@ pub use crate::job::features::{DominatingError, FeatureResult};
 pub use crate::job::limit::LimitVerdict;
 pub use crate::job::machine_file::InputFile;
 pub use crate::job::over::{Over, OverKind};
-pub use crate::job::path::{PathAxis, PathPole, PathResult, PathRewind};
+pub use crate::job::path::{DeviationStep, PathAxis, PathPole, PathResult, PathRewind};
 pub use crate::job::place_grid::PlaceRange;
 pub use crate::job::place_study::{CommonFigures, PlacementGain, TriedPlace};
 pub use crate::job::poses::AxisPositions;

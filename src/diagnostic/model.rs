@@ -107,6 +107,11 @@ impl Sources {
         }))
     }
 
+    /// Keeps other files unless they are there, and returns their numbers here, in their order.
+    pub(crate) fn keep_all(&mut self, others: &Self) -> Vec<SourceId> {
+        others.0.iter().map(|(name, text)| self.keep(name.clone(), Arc::clone(text))).collect()
+    }
+
     /// Name of a file.
     pub fn name(&self, id: SourceId) -> &str {
         self.0.get(id.0).map_or("", |s| &s.0)
@@ -154,8 +159,7 @@ impl Diagnostics {
 
     /// Takes over those of another run, with their files.
     pub fn absorb(&mut self, other: Diagnostics) {
-        let moved: Vec<SourceId> =
-            other.sources.0.into_iter().map(|source| self.sources.keep(source.0, source.1)).collect();
+        let moved = self.sources.keep_all(&other.sources);
         for mut diagnostic in other.list {
             for label in &mut diagnostic.labels {
                 label.place.source = moved.get(label.place.source.0).copied().unwrap_or(label.place.source);

@@ -1,23 +1,25 @@
 //! A job: the tool poses of a part, where the part lies, and what its set-up takes out.
 
 use super::characteristics::{FeatureEntries, FeatureTolerances, JobCharacteristics};
-use super::limit::{JobLimit, parse_limit};
+use super::limit::JobLimit;
 use super::machine_file::MachineFile;
+use super::numbers::part_length;
 use super::placement::Placement;
 use super::reference::{Reference, SetUp};
+use super::reference_text::WrittenReference;
 use super::tool_poses::{self, ReachedToolPoses, ToolPoses};
 use crate::analysis::budget::Statistic;
-use crate::diagnostic::{Diagnostic, Reason, codes, shown};
+use crate::diagnostic::{Diagnostic, Place, codes, shown};
 use crate::machine::{Machine, Pose};
 use crate::run::{Call, Refused};
-use crate::syntax::{from_yaml, read_text};
+use crate::syntax::{JobText, Scalar, TOOL_POSES, read_job};
 use std::path::Path;
 
 /// The word in place of a file that leaves the job of a machine file out.
 pub(crate) const NO_JOB: &str = "none";
 
 /// A job file, or the job of a machine file.
-#[derive(Debug, Clone, serde::Deserialize)]
+#[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct JobFile {
     /// The file of the tool poses, from the folder of the job file.
@@ -26,13 +28,13 @@ struct JobFile {
     #[serde(default)]
     place: Placement,
     /// The reference: what the set-up takes out.
-    reference: Option<Reference>,
+    reference: Option<WrittenReference>,
     /// True if the tool poses are one continuous path.
     path: Option<bool>,
     /// Name of the tool.
     tool: Option<String>,
     /// Limit of the 95 % value of the position deviation.
-    limit: Option<String>,
+    limit: Option<Scalar>,
     /// Tolerances of features.
     #[serde(default)]
     features: FeatureEntries,
@@ -49,6 +51,8 @@ pub(crate) struct Job {
     pub features: FeatureTolerances,
     place: Placement,
     reference: Option<Reference>,
+    /// Where the reference is stated.
+    reference_written: Option<Place>,
 }
 
 /// The files that make a job: at most one of them is there. Without both the job of the machine file counts.
@@ -62,11 +66,39 @@ pub(crate) struct JobPaths<'a> {
     pub path: Option<bool>,
 }
 
-impl JobPaths<'_> {
+impl<'a> JobPaths<'a> {
     /// Reads the job for a machine, which gives the rotary columns their axes; `None` without one. Says if the job of
     /// the machine file gives way.
     pub(crate) fn read(self, call: &mut Call<'_>, file: &MachineFile) -> Result<Option<Job>, Refused> {
         Ok(self.read_unplaced(call, file)?.map(UnplacedJob::placed))
+    }
+
+    /// Reads the job for several machines. The first gives the rotary columns their axes, and its own job if no other
+    /// is asked for. Says which jobs of the others give way.
+    pub(crate) fn read_common(self, call: &mut Call<'_>, files: &'a [MachineFile]) -> Result<Option<Job>, Refused> {
+        let [first, others @ ..] = files else { return Ok(None) };
+        let job = self.read(call, first)?;
+        call.extend(self.displaced_jobs(first, others));
+        Ok(job)
+    }
+
+    /// Returns the warnings of machine files whose jobs give way where machines are compared on one work: that asked
+    /// for, or else that of the first.
+    pub(crate) fn displaced_jobs(
+        self,
+        first: &'a MachineFile,
+        others: &'a [MachineFile],
+    ) -> impl Iterator<Item = Diagnostic> + 'a {
+        let asked = self.job.or(self.tool_poses);
+        let by = match (asked, &first.job) {
+            (Some(path), _) => format!("`{}`", path.display()),
+            (None, Some(_)) => format!("that of `{}`", first.path()),
+            (None, None) => format!("the volume of `{}`", first.path()),
+        };
+        let same = first.job.as_ref().filter(|_| asked.is_none());
+        let differs = move |own: &JobText| same.is_none_or(|same| !same.equals(own));
+        let others = others.iter().filter(move |_| asked != Some(Path::new(NO_JOB)));
+        others.filter(move |file| file.job.as_ref().is_some_and(&differs)).map(move |file| displaced(file, &by))
     }
 
     /// Reads the same with the part not yet on the workpiece frame.
@@ -76,14 +108,15 @@ impl JobPaths<'_> {
         match (job, self.tool_poses) {
             (Some(_), Some(_)) => call.usage("a job file names its tool poses: omit one of the two"),
             (Some(path), None) => {
-                call.extend(own.then(|| displaced(file, path)));
+                call.extend(own.then(|| displaced(file, &format!("`{}`", path.display()))));
                 from_file(call, file, path, self.path).map(Some)
             }
             (None, Some(path)) => {
-                call.extend(own.then(|| displaced(file, path)));
+                call.extend(own.then(|| displaced(file, &format!("`{}`", path.display()))));
                 let poses = tool_poses::read(call, file, path)?.along(self.path);
                 let (features, place) = (FeatureTolerances::default(), Placement::default());
-                Ok(Some(UnplacedJob(Job { poses, limit_mm: None, features, place, reference: None })))
+                let (limit_mm, reference, reference_written) = (None, None, None);
+                Ok(Some(UnplacedJob(Job { poses, limit_mm, features, place, reference, reference_written })))
             }
             (None, None) if own => from_machine_file(call, file, self.path),
             (None, None) if self.path.is_some() => {
@@ -94,11 +127,15 @@ impl JobPaths<'_> {
     }
 }
 
-/// The warning of a machine file whose job gives way to another.
-fn displaced(file: &MachineFile, by: &Path) -> Diagnostic {
-    let [file, by] = [file.path().to_owned(), by.display().to_string()].map(|name| shown(&name));
-    Diagnostic::new(codes::W0852, format!("the job of `{file}` gives way to `{by}`"))
-        .help("omit `--job` and `--tool-poses` for the job of the machine file")
+/// The warning of a machine file whose job gives way to another: `by`, such as `` `part.yaml` ``.
+fn displaced(file: &MachineFile, by: &str) -> Diagnostic {
+    let help = if by.starts_with('`') {
+        "omit `--job` and `--tool-poses` for the job of the machine file"
+    } else {
+        "machines are compared on one work: that of the first, or what `--job` and `--tool-poses` name"
+    };
+    let message = format!("the job of `{}` gives way to {}", shown(file.path()), shown(by));
+    Diagnostic::new(codes::W0852, message).help(help)
 }
 
 /// A job whose tool poses are in part coordinates.
@@ -148,8 +185,19 @@ impl Job {
         asked: Option<&Reference>,
         poses: &[Pose],
     ) -> Result<SetUp, Refused> {
-        let (stated, default) = (Self::stated(job, asked), job.map(Self::zero));
-        SetUp::of(call, machine, stated.as_ref(), default.as_ref(), poses)
+        match (Self::stated(job, asked), job) {
+            (Some(stated), _) => {
+                SetUp::new(machine, &stated, poses).or_else(|refusal| call.refuse(Self::located(job, asked, refusal)))
+            }
+            (None, Some(job)) => SetUp::by_default(call, machine, &job.zero(), poses),
+            (None, None) => Ok(SetUp::machine()),
+        }
+    }
+
+    /// Returns the refusal of a reference with the place where the job states it, unless the options state another.
+    pub(crate) fn located(job: Option<&Self>, asked: Option<&Reference>, refusal: Diagnostic) -> Diagnostic {
+        let job = job.filter(|_| asked.is_none());
+        refusal.at(job.and_then(|job| job.reference_written.clone()), "")
     }
 
     /// Returns the characteristics of toleranced features on the tool poses that a machine reaches; `None` without.
@@ -178,16 +226,9 @@ impl Job {
 
 /// Reads a job file; `asked` says whether its tool poses are one path, whatever it says itself.
 fn from_file(call: &mut Call<'_>, machine: &Machine, path: &Path, asked: Option<bool>) -> Result<UnplacedJob, Refused> {
-    let files = call.run.files;
-    let Some((_, text)) = read_text(path, None, files, &mut call.diagnostics) else { return Err(Refused) };
-    let name = path.display().to_string();
-    match from_yaml::<JobFile>(&text) {
-        Ok(job) => {
-            let tool_poses = path.parent().unwrap_or(Path::new("")).join(&job.tool_poses);
-            job.on(call, machine, &name, &tool_poses, asked)
-        }
-        Err(failure) => call.refuse(refused(&name, &Reason::new(failure))),
-    }
+    let text = read_job(path, call.run.files, &mut call.diagnostics);
+    call.check()?;
+    read(call, machine, &text.ok_or(Refused)?, asked)
 }
 
 /// Reads the job of a machine file.
@@ -197,40 +238,44 @@ fn from_machine_file(
     asked: Option<bool>,
 ) -> Result<Option<UnplacedJob>, Refused> {
     let Some(text) = &file.job else { return Ok(None) };
+    let text = text.among(&file.sources, &mut call.diagnostics.sources);
+    read(call, file, &text, asked).map(Some)
+}
+
+/// Reads a job on a machine. All that is wrong with its form is found in one run.
+fn read(call: &mut Call<'_>, machine: &Machine, text: &JobText, asked: Option<bool>) -> Result<UnplacedJob, Refused> {
     let job = text.read::<JobFile>(&mut call.diagnostics);
     call.check()?;
-    let job = job.ok_or(Refused)?;
-    let tool_poses = text.path("tool_poses", &job.tool_poses);
-    job.on(call, file, file.path(), &tool_poses, asked).map(Some)
-}
-
-impl JobFile {
-    /// Returns the job on a machine; `name` is that of the file in which it stands.
-    fn on(
-        self,
-        call: &mut Call<'_>,
-        machine: &Machine,
-        name: &str,
-        tool_poses: &Path,
-        asked: Option<bool>,
-    ) -> Result<UnplacedJob, Refused> {
-        let Self { tool_poses: _, place, reference, path, tool, limit, features } = self;
-        if let Some(tool) = tool.filter(|tool| machine.with_tool(tool).is_none()) {
-            let message = format!("the job is for the tool `{}`, which the machine does not have", shown(&tool));
-            return call
-                .refuse(refused(name, &Reason::new(message)).help("name one of the `tools` of the machine file"));
-        }
-        let limit = limit.map(|text| parse_limit(&text)).transpose();
-        let limit_mm = limit.or_else(|reason| call.refuse(refused(name, &reason)))?;
-        let poses = tool_poses::read(call, machine, tool_poses)?.along(asked.or(path));
-        let features = features.placed(place).or_else(|reason| call.refuse(refused(name, &reason)))?;
-        Ok(UnplacedJob(Job { poses, limit_mm, features, place, reference }))
+    let JobFile { tool_poses, place, reference, path, tool, limit, features } = job.ok_or(Refused)?;
+    let reference = reference.map(|WrittenReference(reference)| reference);
+    let keys = text.keys_of("reference");
+    if let Some(idle) = reference.as_ref().and_then(|reference| reference.idle_key(&keys)) {
+        call.extend([refused(&idle.to_string(), text.key(&["reference", idle.key]), idle.help())]);
     }
+    call.extend(tool.and_then(|tool| of_unknown_tool(machine, &tool, text)));
+    let limit_mm = limit.map(|limit| part_length(&limit.to_string())).transpose().unwrap_or_else(|why| {
+        let help = "write a length with its unit, `limit: 30 um`";
+        call.extend([refused(&why.to_string(), text.value(&["limit"]), help)]);
+        None
+    });
+    let features = features.placed(place, text).unwrap_or_else(|refusals| {
+        call.extend(refusals);
+        FeatureTolerances::default()
+    });
+    call.check()?;
+    let named = text.value(&[TOOL_POSES]);
+    let poses = tool_poses::read_named(call, machine, &text.tool_poses(&tool_poses), named)?.along(asked.or(path));
+    let reference_written = reference.as_ref().and_then(|_| text.value(&["reference"]));
+    Ok(UnplacedJob(Job { poses, limit_mm, features, place, reference, reference_written }))
 }
 
-fn refused(name: &str, failure: &Reason) -> Diagnostic {
-    let message = format!("`{}`: {}", shown(name), shown(&failure.to_string()));
-    let help = "a job has `tool_poses`, and may have `place`, `reference`, `path`, `tool`, `limit` and `features`; \
-                docs/formats/jobs.md has an example";
-    Diagnostic::new(codes::E0851, message).help(help)
+/// Returns the refusal of a job for a tool that the machine does not have.
+fn of_unknown_tool(machine: &Machine, tool: &str, text: &JobText) -> Option<Diagnostic> {
+    let unknown = machine.with_tool(tool).is_none();
+    let message = format!("the job is for the tool `{}`, which the machine does not have", shown(tool));
+    unknown.then(|| refused(&message, text.value(&["tool"]), "name one of the `tools` of the machine file"))
+}
+
+fn refused(why: &str, place: Option<Place>, help: impl Into<String>) -> Diagnostic {
+    Diagnostic::new(codes::E0851, why).at(place, "").help(help)
 }

@@ -2,9 +2,8 @@
 
 use crate::analysis::SummaryBand;
 use crate::analysis::budget::Statistic;
-use crate::diagnostic::Reason;
 use crate::evaluate::Summary;
-use crate::units::{counted, quantity, significant};
+use crate::units::{counted, significant};
 
 /// A limit with what it is judged by.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,13 +37,6 @@ pub struct LimitVerdict {
     /// True if the limit is held; none where the interval is on both sides of it, and where it is not exceeded but tool
     /// poses are out of reach, so that the job is not done.
     pub held: Option<bool>,
-}
-
-/// Reads a limit such as `30 um`, in mm.
-pub(crate) fn parse_limit(text: &str) -> Result<f64, Reason> {
-    let mm = quantity(text).ok().and_then(|quantity| quantity.as_length());
-    mm.filter(|mm| *mm > 0.0 && mm.is_finite())
-        .ok_or_else(|| Reason::new(format!("the limit `{text}` is no length above 0, such as `30 um`")))
 }
 
 impl JobLimit {

@@ -9,6 +9,7 @@
 //! - [`limit`]: the largest deviation that a job allows;
 //! - [`mod@reference`]: what the set-up of a part takes out of its deviations;
 //! - [`reference_text`]: the same as a text;
+//! - [`numbers`]: the numbers of a job, which are bounded;
 //! - [`over`]: the statement of what a result is over;
 //! - [`characteristics`]: tolerances of features, and the values that deviations and bounds lead to;
 //! - [`test_piece`]: test pieces of standards as jobs;
@@ -21,6 +22,7 @@ pub mod features;
 pub mod job_file;
 pub mod limit;
 pub mod machine_file;
+pub mod numbers;
 pub mod over;
 pub mod path;
 pub mod place_grid;

@@ -43,7 +43,17 @@ const COLUMNS: usize = 80;
 /// Returns a sentence in lines for a terminal of 80 columns, all but the first indented.
 pub fn fold(sentence: &str) -> String {
     let mut lines = vec![String::new()];
-    for word in sentence.split(' ') {
+    let mut depth = 0_usize;
+    // What stands in brackets, such as a point, stays in one line.
+    let ends_word = |c: char| {
+        match c {
+            '(' => depth += 1,
+            ')' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        c == ' ' && depth == 0
+    };
+    for word in sentence.split(ends_word) {
         if lines.last().is_some_and(|line| line.chars().count() + 1 + word.chars().count() > COLUMNS) {
             lines.push("  ".to_owned());
         }
@@ -105,5 +115,18 @@ impl Over {
         };
         let tool = if self.tool.is_empty() { "that of the file" } else { &self.tool };
         format!("Over {of}; reference: {}; tool: {tool}", self.words)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_is_not_broken() {
+        let words = "Over a job of 361 tool poses, 361 reached, one path; reference: zero at (0, 0, 0) along (0, 0, 1)";
+        let lines: Vec<String> = fold(words).lines().map(str::to_owned).collect();
+        assert_eq!(lines[0], "Over a job of 361 tool poses, 361 reached, one path; reference: zero at");
+        assert_eq!(lines[1], "  (0, 0, 0) along (0, 0, 1)");
     }
 }

@@ -1,7 +1,9 @@
 //! Events of tool poses as one path, by the lines of their file.
 
+use crate::analysis::budget::{DrawnStep, Percentile, rank};
 use crate::analysis::{AxisMotion, PathEvents, PoleCrossing, Rewind};
 use crate::diagnostic::{Diagnostic, codes, shown};
+use crate::evaluate::Deviation;
 use crate::machine::Machine;
 use crate::units::significant;
 use indexmap::IndexMap;
@@ -16,6 +18,55 @@ pub struct PathResult {
     pub pole_crossings: Vec<PathPole>,
     /// The motion of each axis.
     pub axes: Vec<PathAxis>,
+    /// The largest change of the position deviation from one row to the next, in a map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deviation_step: Option<DeviationStep>,
+}
+
+/// The largest change of the position deviation from one row to the next that is in reach, rewinds apart: the step that
+/// it leaves in the part.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct DeviationStep {
+    /// Length of the change, um, workpiece frame; of machines drawn between bounds the one that 95 % do not exceed.
+    pub um: f64,
+    /// The interval in which it lies, um; none where it is not drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval_um: Option<[f64; 2]>,
+    /// True if machines are drawn between bounds.
+    pub drawn: bool,
+    /// Lines of the file before and after it; of machines drawn in the one whose step that is.
+    pub lines: [usize; 2],
+}
+
+/// The largest step of the deviation by index of the pose before it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LargestStep {
+    /// Length of the change, mm.
+    pub mm: f64,
+    /// The interval in which it lies, mm; none where it is not drawn.
+    pub interval_mm: Option<[f64; 2]>,
+    /// True if machines are drawn between bounds.
+    pub drawn: bool,
+    /// Index of the pose before it among those that are reached.
+    pub pose: usize,
+}
+
+impl LargestStep {
+    /// Returns the largest step between deviations (mm) at poses, from those with these indices to the next.
+    pub(crate) fn of_values(deviations: &[Deviation], steps: &[usize]) -> Option<Self> {
+        let length = |i: usize| (deviations[i + 1].position - deviations[i].position).norm();
+        let all = steps.iter().map(|i| Self { mm: length(*i), interval_mm: None, drawn: false, pose: *i });
+        all.reduce(|largest, step| if step.mm > largest.mm { step } else { largest })
+    }
+
+    /// Returns the 95 % value of the largest steps of machines drawn, with the step of the machine that has it.
+    pub(crate) fn of_machines(mut drawn: Vec<DrawnStep>) -> Option<Self> {
+        drawn.sort_by(|a, b| a.length.total_cmp(&b.length));
+        let lengths: Vec<f64> = drawn.iter().map(|step| step.length).collect();
+        let DrawnStep { length: mm, pose } = *drawn.get(rank(lengths.len(), 95).checked_sub(1)?)?;
+        let Percentile { low, high, .. } = Percentile::of(&lengths, 95);
+        Some(Self { mm, interval_mm: low.zip(high).map(|(low, high)| [low, high]), drawn: true, pose })
+    }
 }
 
 /// A step in which the tool has to leave the path.
@@ -90,6 +141,7 @@ impl PathResult {
             rewinds: events.rewinds.iter().map(rewind).collect(),
             pole_crossings: events.poles.iter().map(pole).collect(),
             axes: events.axes.iter().enumerate().map(axis).collect(),
+            deviation_step: None,
         }
     }
 
@@ -133,6 +185,20 @@ impl PathResult {
             words.entry(line).or_default().push(format!("reversal of {}", axes.join(" ")));
         }
         words.into_iter().map(|(line, words)| (line, words.join("; "))).collect()
+    }
+}
+
+impl DeviationStep {
+    /// Returns it in words, such as `Largest step between rows: 2.01 um, lines 17 to 18`.
+    pub fn words(&self) -> String {
+        let um = significant(self.um, 4);
+        let [from, to] = self.lines;
+        if !self.drawn {
+            return format!("Largest step between rows: {um} um, lines {from} to {to}");
+        }
+        let end = |um: f64| significant(um, 3);
+        let ends = self.interval_um.map_or_else(String::new, |[low, high]| format!(" ({}..{})", end(low), end(high)));
+        format!("Largest step between rows: 95 % of the machines within {um}{ends} um, there in lines {from} to {to}")
     }
 }
 

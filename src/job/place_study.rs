@@ -250,7 +250,7 @@ impl PlaceStudy<'_> {
         }
         if let Some(reason) = first.flatten().filter(|_| !is_set_up) {
             match (figure, stated) {
-                (true, Some(_)) => return call.refuse(reason),
+                (true, Some(_)) => return call.refuse(Job::located(Some(&job), self.asked, reason)),
                 (true, None) => call.warn(unzeroed(&reason)),
                 (false, _) => call.warn(Diagnostic::new(codes::W0850, reason.message)),
             }

@@ -1,5 +1,6 @@
 //! The place of a part on the workpiece frame.
 
+use super::numbers::three;
 use crate::algebra::rotation_about;
 use crate::machine::sin_cos_degrees;
 use nalgebra::{Matrix3, Vector3};
@@ -9,8 +10,10 @@ use nalgebra::{Matrix3, Vector3};
 #[serde(default, deny_unknown_fields)]
 pub struct Placement {
     /// Origin of the part, mm.
+    #[serde(deserialize_with = "three")]
     pub origin: [f64; 3],
     /// Rotations about X, then Y, then Z of the workpiece frame, deg.
+    #[serde(deserialize_with = "three")]
     pub rotation: [f64; 3],
 }
 

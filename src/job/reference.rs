@@ -1,5 +1,6 @@
 //! The reference of a job: what the set-up of its part takes out of the deviations, and how a machine probes it.
 
+use super::numbers::{positions, three};
 use super::placement::Placement;
 use super::tool_poses::MissedToolPose;
 use super::tool_poses::columns::unit_vector;
@@ -39,6 +40,18 @@ pub enum ReferenceKind {
 }
 
 impl ReferenceKind {
+    const ALL: [Self; 4] = [Self::Machine, Self::Zero, Self::Datum, Self::BestFit];
+
+    /// Returns the keys of a reference that have an effect.
+    fn keys(self) -> &'static [&'static str] {
+        match self {
+            Self::Machine => &[],
+            Self::Zero => &["point", "direction", "rotary", "align"],
+            Self::Datum => &["direction", "rotary", "datum"],
+            Self::BestFit => &["minimum_zone"],
+        }
+    }
+
     /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
@@ -58,12 +71,14 @@ pub struct Reference {
     /// What is taken out.
     pub kind: ReferenceKind,
     /// Point at which the zero is probed, mm.
+    #[serde(deserialize_with = "three")]
     pub point: [f64; 3],
     /// Direction of the tool while the part is probed, from the tip to the holder; of any length but 0.
+    #[serde(deserialize_with = "three")]
     pub direction: [f64; 3],
     /// Positions of the rotary axes while the zero is probed, deg, by name, in place of the direction; omitted axes are
     /// at 0.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "positions")]
     pub rotary: Option<super::poses::AxisPositions>,
     /// Rotation that a second point of the zero gives.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -79,13 +94,42 @@ pub struct Reference {
     pub place: Placement,
 }
 
+/// A key of a reference that has no effect.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{key}` has no effect on a reference of kind `{}`{}", .kind.name(), beside(*.is_displaced))]
+pub(crate) struct IdleKey {
+    /// The key.
+    pub key: &'static str,
+    kind: ReferenceKind,
+    is_displaced: bool,
+}
+
+/// Returns the words for what stands in place of a key.
+fn beside(is_displaced: bool) -> &'static str {
+    if is_displaced { " with `rotary`" } else { "" }
+}
+
+impl IdleKey {
+    /// Returns the remedy.
+    pub fn help(&self) -> String {
+        let kinds = ReferenceKind::ALL.into_iter().filter(|kind| kind.keys().contains(&self.key));
+        let kinds: Vec<String> = kinds.map(|kind| format!("`kind: {}`", kind.name())).collect();
+        match self.is_displaced {
+            true => "state positions of the rotary axes or a direction of the tool".to_owned(),
+            false => format!("omit it, or state {}", kinds.join(" or ")),
+        }
+    }
+}
+
 /// An alignment: a second point gives the rotation about an axis through the first.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Alignment {
     /// Direction of the axis, part coordinates.
+    #[serde(deserialize_with = "three")]
     pub about: [f64; 3],
     /// The second point, mm, part coordinates.
+    #[serde(deserialize_with = "three")]
     pub point: [f64; 3],
 }
 
@@ -94,8 +138,10 @@ pub struct Alignment {
 #[serde(deny_unknown_fields)]
 pub struct DatumPoint {
     /// The place, mm.
+    #[serde(deserialize_with = "three")]
     pub point: [f64; 3],
     /// The normal, of any length but 0.
+    #[serde(deserialize_with = "three")]
     pub normal: [f64; 3],
 }
 
@@ -133,6 +179,30 @@ impl Reference {
     /// Returns the best fit with the smallest largest deviation.
     pub fn minimum_zone() -> Self {
         Self { minimum_zone: true, ..Self::best_fit() }
+    }
+
+    /// Returns the first of keys with which it is stated that has no effect.
+    pub(crate) fn idle_key(&self, keys: &[&str]) -> Option<IdleKey> {
+        const KEYS: [&str; 6] = ["point", "direction", "rotary", "align", "minimum_zone", "datum"];
+        let acts = self.kind.keys();
+        KEYS.into_iter().filter(|key| keys.contains(key)).find_map(|key| {
+            let is_displaced = acts.contains(&key) && key == "direction" && self.rotary.is_some();
+            (is_displaced || !acts.contains(&key)).then_some(IdleKey { key, kind: self.kind, is_displaced })
+        })
+    }
+
+    /// Returns the keys whose values are not the default.
+    pub(crate) fn stated_keys(&self) -> Vec<&'static str> {
+        let default = Self::default();
+        let stated = [
+            ("point", self.point != default.point),
+            ("direction", self.direction != default.direction),
+            ("rotary", self.rotary.is_some()),
+            ("align", self.align.is_some()),
+            ("minimum_zone", self.minimum_zone),
+            ("datum", !self.datum.is_empty()),
+        ];
+        stated.into_iter().filter(|(_, is)| *is).map(|(key, _)| key).collect()
     }
 
     /// True if its motion is not linear in the errors.
@@ -223,24 +293,19 @@ impl SetUp {
         Ok(Self { reference: reference.clone(), removed })
     }
 
-    /// Returns the set-up of a part by the reference asked for, or else by the default, or else none. Where the machine
-    /// does not reach the default it says so and takes machine coordinates.
-    pub fn of(
+    /// Returns the set-up of a part by the default. Where the machine does not reach it, this says so and takes machine
+    /// coordinates.
+    pub fn by_default(
         call: &mut Call<'_>,
         machine: &Machine,
-        asked: Option<&Reference>,
-        default: Option<&Reference>,
+        default: &Reference,
         poses: &[Pose],
     ) -> Result<Self, Refused> {
-        match (asked, default) {
-            (Some(asked), _) => Self::new(machine, asked, poses).or_else(|refusal| call.refuse(refusal)),
-            (None, None) => Ok(Self::machine()),
-            (None, Some(default)) => Self::new(machine, default, poses).or_else(|reason| {
-                call.warn(unzeroed(&reason));
-                call.check()?;
-                Ok(Self::machine())
-            }),
-        }
+        Self::new(machine, default, poses).or_else(|reason| {
+            call.warn(unzeroed(&reason));
+            call.check()?;
+            Ok(Self::machine())
+        })
     }
 
     /// Returns what is taken out.

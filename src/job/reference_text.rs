@@ -1,5 +1,6 @@
 //! References as text, and as files and options state them: a text or a mapping.
 
+use super::numbers::bounded;
 use super::poses::AxisPositions;
 use super::reference::{Alignment, DatumPoint, Reference, ReferenceKind};
 use crate::units::number;
@@ -51,15 +52,15 @@ impl FromStr for Reference {
 
 fn zero(mut parts: &[&str]) -> Option<Reference> {
     let mut of = Reference::zero();
+    let mut direction_stated = None;
     if let Some((place, others)) = parts.split_first().filter(|(first, _)| !["about", "rotary"].contains(*first)) {
-        let direction;
-        (of.point, direction) = point_and_direction(place)?;
-        of.direction = direction.unwrap_or(of.direction);
+        (of.point, direction_stated) = point_and_direction(place)?;
+        of.direction = direction_stated.unwrap_or(of.direction);
         parts = others;
     }
     while let Some((word, others)) = parts.split_first() {
         parts = match (*word, others) {
-            ("rotary", [positions, others @ ..]) if of.rotary.is_none() => {
+            ("rotary", [positions, others @ ..]) if of.rotary.is_none() && direction_stated.is_none() => {
                 of.rotary = Some(positions.split(',').map(position).collect::<Option<AxisPositions>>()?);
                 others
             }
@@ -104,17 +105,20 @@ fn direction(text: &str) -> Option<[f64; 3]> {
 
 /// Reads three numbers.
 fn numbers(text: &str) -> Option<[f64; 3]> {
-    let list: Vec<f64> = text.split(',').map(|x| number(x).ok()).collect::<Option<_>>()?;
+    let list: Vec<f64> = text.split(',').map(|x| bounded(number(x).ok()?)).collect::<Option<_>>()?;
     list.try_into().ok()
 }
 
 /// Reads `C=90`.
 fn position(text: &str) -> Option<(String, f64)> {
     let (axis, value) = text.split_once('=')?;
-    Some((axis.trim().to_owned(), number(value).ok()?))
+    Some((axis.trim().to_owned(), bounded(number(value).ok()?)?))
 }
 
-impl<'de> Deserialize<'de> for Reference {
+/// A reference as a job states it: keys that have no effect are there still, for whoever knows their places.
+pub(crate) struct WrittenReference(pub Reference);
+
+impl<'de> Deserialize<'de> for WrittenReference {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Entry;
         impl<'de> Visitor<'de> for Entry {
@@ -132,7 +136,18 @@ impl<'de> Deserialize<'de> for Reference {
                 Reference::deserialize(MapAccessDeserializer::new(map))
             }
         }
-        deserializer.deserialize_any(Entry)
+        deserializer.deserialize_any(Entry).map(Self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Reference {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let WrittenReference(reference) = WrittenReference::deserialize(deserializer)?;
+        // A mapping may state defaults: results do.
+        match reference.idle_key(&reference.stated_keys()) {
+            Some(idle) => Err(de::Error::custom(format!("{idle}: {}", idle.help()))),
+            None => Ok(reference),
+        }
     }
 }
 
@@ -188,6 +203,18 @@ mod tests {
             assert_eq!(of(&serde_json::to_string(&text).unwrap()), Some(text), "{mapping}");
         }
         assert_eq!(of(r#""zero:1,2,3""#), "zero:1,2,3".parse().ok());
+        for mapping in [
+            r#"{"kind": "zero", "minimum_zone": true}"#,
+            r#"{"kind": "best-fit", "point": [0, 0, 1]}"#,
+            r#"{"point": [0, 0, 1]}"#,
+            r#"{"kind": "datum", "align": {"about": [0, 0, 1], "point": [1, 0, 0]}}"#,
+            r#"{"kind": "zero", "rotary": {"A": 0}, "direction": [1, 0, 0]}"#,
+            r#"{"kind": "zero", "point": [1e7, 0, 0]}"#,
+            r#"{"kind": "zero", "point": [0, 0]}"#,
+            r#"{"kind": "zero", "rotary": {"A": 1e7}}"#,
+        ] {
+            assert_eq!(of(mapping), None, "{mapping}");
+        }
         for text in [
             "",
             "part",
@@ -198,6 +225,9 @@ mod tests {
             "zero:about:W:1,2,3",
             "zero:rotary:A",
             "zero:rotary:A=1:rotary:A=1",
+            "zero:1,2,3,Z:rotary:A=1",
+            "zero:1e7,2,3",
+            "zero:rotary:A=-1e300",
             "best-fit:zone",
             "best-fit:minimum-zone:1",
             "datum",

@@ -4,7 +4,7 @@ use super::job_file::{JobPaths, NO_JOB};
 use super::machine_file::MachineFile;
 use crate::diagnostic::Diagnostics;
 use crate::run::{Call, Refused};
-use crate::syntax::{from_yaml, read_text};
+use crate::syntax::read_job;
 use std::path::Path;
 
 /// The only entry of a job that is read here; what is wrong with a job is reported where all of it is read.
@@ -53,10 +53,7 @@ impl JobPaths<'_> {
         }
         let mut apart = Diagnostics::default();
         let named: Option<NamedTool> = match self.job {
-            Some(path) => {
-                let (_, text) = read_text(path, None, call.run.files, &mut apart)?;
-                from_yaml(&text).ok()
-            }
+            Some(path) => read_job(path, call.run.files, &mut apart)?.read(&mut apart),
             None => file.job.as_ref()?.read(&mut apart),
         };
         named?.tool

@@ -79,7 +79,8 @@ pub(crate) fn draw_part(
     let range = range(samples, part, parts);
     let first = range.start;
     let fingerprint = fingerprint(division, request);
-    match load_kept(call, division, &fingerprint, request.bounds.len(), &range) {
+    let expected = ExpectedPart { fingerprint: &fingerprint, samples, bounds: request.bounds.len() };
+    match load_kept(call, division, expected, &range) {
         Ok(Some(part)) => return Ok(part),
         Ok(None) => {}
         Err(refusal) => return call.refuse(refusal),
@@ -92,15 +93,14 @@ pub(crate) fn draw_part(
 fn load_kept(
     call: &Call<'_>,
     division: Division<'_>,
-    fingerprint: &str,
-    bounds: usize,
+    expected: ExpectedPart<'_>,
     range: &Range<usize>,
 ) -> Result<Option<BudgetShard>, Diagnostic> {
     for path in division.merge {
         if matches!(call.run.files.read_at_most(path, MAX_BYTES), Err(ReadFailure::NotFound)) {
             continue;
         }
-        let part = read(call, path, fingerprint, bounds)?;
+        let part = read(call, path, expected)?;
         if (part.first, part.count()) == (range.start, range.len()) {
             return Ok(Some(part));
         }
@@ -144,10 +144,11 @@ pub(crate) fn merge(
 }
 
 fn together(call: &Call<'_>, division: Division<'_>, request: Request<'_>) -> Result<DrawnSamples, Diagnostic> {
-    let expected = fingerprint(division, request);
+    let fingerprint = fingerprint(division, request);
+    let expected = ExpectedPart { fingerprint: &fingerprint, samples: request.samples, bounds: request.bounds.len() };
     let mut parts = BTreeMap::new();
     for path in division.merge {
-        let part = read(call, path, &expected, request.bounds.len())?;
+        let part = read(call, path, expected)?;
         if part.count() > 0 && parts.get(&part.first).is_some_and(|known| *known != part.drawn) {
             let message = format!("`{}` has other machines than a part before it", path.display());
             let help = "one of them was changed or made by another build: compute the parts again";
@@ -177,8 +178,19 @@ fn incomplete(count: usize, samples: usize) -> Diagnostic {
     Diagnostic::new(codes::E0611, message).help("name all parts of one division, each `I/N` of the same N")
 }
 
+/// What the parts of a budget have in common.
+#[derive(Clone, Copy)]
+struct ExpectedPart<'a> {
+    fingerprint: &'a str,
+    /// Number of machines of the whole.
+    samples: usize,
+    /// Number of bounds.
+    bounds: usize,
+}
+
 /// Returns the part in a file, if it is of this budget.
-fn read(call: &Call<'_>, path: &Path, fingerprint: &str, bounds: usize) -> Result<BudgetShard, Diagnostic> {
+fn read(call: &Call<'_>, path: &Path, expected: ExpectedPart<'_>) -> Result<BudgetShard, Diagnostic> {
+    let ExpectedPart { fingerprint, samples, bounds } = expected;
     let name = path.display();
     let foreign = |message: String| {
         Diagnostic::new(codes::E0610, message).help("name another file, or remove this one; it is unchanged")
@@ -198,8 +210,10 @@ fn read(call: &Call<'_>, path: &Path, fingerprint: &str, bounds: usize) -> Resul
     if part.sha256 != part.checksum() {
         return Err(foreign(format!("`{name}` was altered: its checksum is of other machines")));
     }
-    if part.first.checked_add(part.count()).is_none_or(|end| end > part.samples) {
-        return Err(foreign(format!("`{name}` is not a state file: it has more machines than the budget")));
+    if part.samples != samples || part.first.checked_add(part.count()).is_none_or(|end| end > samples) {
+        return Err(foreign(format!(
+            "`{name}` is not a state file: it has other machines than the {samples} of the budget"
+        )));
     }
     let values = part.drawn.position.iter().chain(&part.drawn.rotation).map(|sample| sample.value);
     if values.into_iter().any(|value| !value.is_finite() || value < 0.0) {

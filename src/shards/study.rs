@@ -2,7 +2,7 @@
 
 use super::journal::{parse, to_text};
 use crate::analysis::enumerate::{Journal, RoundRecord, RoundStep};
-use crate::diagnostic::{Diagnostic, codes};
+use crate::diagnostic::{Diagnostic, Reason, codes};
 use crate::run::{Call, Refused};
 use crate::syntax::ReadFailure;
 use std::path::{Path, PathBuf};
@@ -63,17 +63,25 @@ impl<'a> Keeper<'a> {
     }
 }
 
+/// Fails with the reason for which these are no records of a walk of the study.
+pub(crate) type CheckRecords<'a> = &'a dyn Fn(RoundStep, &[RoundRecord]) -> Result<(), Reason>;
+
 /// Returns the part of the study that a file holds; nothing without the file.
-pub(crate) fn begin(call: &mut Call<'_>, path: Option<&Path>, empty: Journal) -> Result<Journal, Refused> {
+pub(crate) fn begin(
+    call: &mut Call<'_>,
+    path: Option<&Path>,
+    empty: Journal,
+    check: CheckRecords<'_>,
+) -> Result<Journal, Refused> {
     match path {
         Some(path) if call.run.files.read(path) != Err(ReadFailure::NotFound) => {
-            of_study(call, path, &empty).or_else(|refusal| call.refuse(refusal))
+            of_study(call, path, &empty, check).or_else(|refusal| call.refuse(refusal))
         }
         _ => Ok(empty),
     }
 }
 
-fn of_study(call: &Call<'_>, path: &Path, empty: &Journal) -> Result<Journal, Diagnostic> {
+fn of_study(call: &Call<'_>, path: &Path, empty: &Journal, check: CheckRecords<'_>) -> Result<Journal, Diagnostic> {
     let name = path.display();
     let foreign = |message: String| {
         Diagnostic::new(codes::E0610, message).help("name another file, or remove this one; it is unchanged")
@@ -90,6 +98,11 @@ fn of_study(call: &Call<'_>, path: &Path, empty: &Journal) -> Result<Journal, Di
             format!("`{name}` belongs to another study: the machine file, an option or the program has changed");
         return Err(foreign(message));
     }
+    journal
+        .done
+        .iter()
+        .try_for_each(|(at, records)| check(*at, records))
+        .map_err(|why| foreign(format!("`{name}` is not of this study: {why}")))?;
     Ok(journal)
 }
 
@@ -108,13 +121,23 @@ pub(crate) fn why(failure: &ReadFailure) -> String {
 }
 
 /// Returns the results with those of other files.
-pub(crate) fn merge(call: &mut Call<'_>, paths: &[PathBuf], whole: Journal) -> Result<Journal, Refused> {
-    together(call, paths, whole).or_else(|refusal| call.refuse(refusal))
+pub(crate) fn merge(
+    call: &mut Call<'_>,
+    paths: &[PathBuf],
+    whole: Journal,
+    check: CheckRecords<'_>,
+) -> Result<Journal, Refused> {
+    together(call, paths, whole, check).or_else(|refusal| call.refuse(refusal))
 }
 
-fn together(call: &Call<'_>, paths: &[PathBuf], mut whole: Journal) -> Result<Journal, Diagnostic> {
+fn together(
+    call: &Call<'_>,
+    paths: &[PathBuf],
+    mut whole: Journal,
+    check: CheckRecords<'_>,
+) -> Result<Journal, Diagnostic> {
     for path in paths {
-        let part = of_study(call, path, &whole)?;
+        let part = of_study(call, path, &whole, check)?;
         for (at, records) in part.done {
             if whole.done.get(&at).is_some_and(|there| *there != records) {
                 let message =

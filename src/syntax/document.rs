@@ -3,6 +3,7 @@
 use super::entry::entry;
 use super::forms::{Forms, deserialize_by_forms};
 use super::geometry::{Branches, PositionEntry, SideEntry, TravelEntry, WrittenChains};
+use super::job_text::JobText;
 use super::layer::Layer;
 use super::places::{Keys, Places, below, keys};
 use super::scalar::Scalar;
@@ -14,7 +15,6 @@ use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, MapAccess};
 use serde_yaml::{Mapping, Value};
-use std::path::PathBuf;
 
 /// Named entries in the order of the file; `None` where the entry as a whole was refused.
 pub type Entries<T> = IndexMap<String, Option<T>>;
@@ -66,25 +66,6 @@ pub struct Document {
     pub places: Places,
     /// The chains under which the geometry of axes was written.
     pub chains: WrittenChains,
-}
-
-/// The job of a machine file as it is written. What a job is stands in a later stage, which reads it.
-#[derive(Debug, Clone)]
-pub struct JobText {
-    value: Value,
-    places: Places,
-}
-
-impl JobText {
-    /// Reads the job; what does not fit is reported.
-    pub fn read<T: DeserializeOwned>(&self, diagnostics: &mut Diagnostics) -> Option<T> {
-        entry(self.value.clone(), &keys(["job"]), &mut self.places.clone(), diagnostics)
-    }
-
-    /// Returns a path that an entry of the job names, from the file in which it stands.
-    pub fn path(&self, key: &str, written: &str) -> PathBuf {
-        self.places.resolve_path(&keys(["job", key]), written)
-    }
 }
 
 /// An axis.
@@ -466,7 +447,7 @@ impl Document {
             setup: reader.section("setup"),
             algebra: reader.section("algebra"),
             identify: reader.section("identify"),
-            job: reader.map.remove("job").map(|value| JobText { value, places: reader.places.clone() }),
+            job: reader.map.remove("job").map(|value| JobText::of_machine(value, reader.places.clone())),
             places: Places::default(),
             chains: layer.chains,
         };

@@ -1,8 +1,8 @@
 //! One entry of the tree to a typed struct. serde stops at the first thing that does not fit; here
 //! that part is reported, cut out, and the rest is tried again, so that all of it is found.
 
-use super::places::{Keys, Places};
-use crate::diagnostic::{Diagnostic, Diagnostics, codes, did_you_mean, shown};
+use super::places::{Keys, Places, below};
+use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use serde::de::DeserializeOwned;
 use serde_path_to_error::Segment;
 use serde_yaml::Value;
@@ -28,7 +28,11 @@ pub fn entry<T: DeserializeOwned>(
             path.push(key.to_owned());
         }
         let keys: Keys = at.iter().chain(&path).cloned().collect();
-        diagnostics.push(explain(&message, &keys, places));
+        // A key that was cut out is not missing.
+        let is_cut = quotation_after(&message, "missing field ").is_some_and(|key| places.is_lost(&below(&keys, key)));
+        if !is_cut {
+            diagnostics.push(explain(&message, &keys, places));
+        }
         places.mar(&keys);
         if !cut(&mut value, &path) {
             return None;
@@ -74,33 +78,59 @@ fn explain(message: &str, keys: &Keys, places: &Places) -> Diagnostic {
             .at(places.value(keys), "")
             .help(help);
     }
-    Diagnostic::new(codes::E0202, format!("`{}` does not have the right form", shown(&keys.join("."))))
-        .at(places.value(keys), found_value(message))
-        .help(sample(name).map_or_else(|| expected_form(message), |sample| format!("write it as `{name}: {sample}`")))
+    if let Some(key) = quotation_after(message, "missing field ") {
+        let whole = if keys.is_empty() { "the file".to_owned() } else { format!("`{}`", shown(&keys.join("."))) };
+        let start = places.value(keys).map(|place| Place { range: place.range.start..place.range.start, ..place });
+        let sample = sample(key).map_or_else(String::new, |sample| format!(": {sample}"));
+        return Diagnostic::new(codes::E0202, format!("{whole} has no `{key}`"))
+            .at(start, "")
+            .help(format!("add `{key}{sample}`"));
+    }
+    let wrong = Diagnostic::new(codes::E0202, format!("`{}` does not have the right form", shown(&keys.join("."))));
+    match (found_value(message), sample(name)) {
+        // A reason in words of its own.
+        (None, _) => wrong.at(places.value(keys), "").help(message),
+        (Some(found), Some(sample)) => {
+            wrong.at(places.value(keys), found).help(format!("write it as `{name}: {sample}`"))
+        }
+        (Some(found), None) => wrong.at(places.value(keys), found).help(expected_form(message)),
+    }
 }
 
-/// Returns the value that serde found, in plain words.
-fn found_value(message: &str) -> String {
-    let found = message.split_once(", expected ").map_or(message, |(found, _)| found);
+/// Returns the value that serde found, in plain words; `None` of a reason that a type of ours gives.
+fn found_value(message: &str) -> Option<String> {
+    let (found, _) = message.split_once(", expected ")?;
     let found = found.trim_start_matches("invalid type: ").trim_start_matches("invalid value: ");
+    if let Some(length) = found.strip_prefix("invalid length ") {
+        return Some(format!("this has the length {length}"));
+    }
     let words = [("sequence", "a list"), ("map", "a mapping"), ("unit value", "nothing"), ("string ", "the text ")];
     let word = words.iter().find_map(|(from, to)| found.strip_prefix(from).map(|rest| format!("{to}{rest}")));
     let number =
         ["integer ", "floating point "].iter().find_map(|p| found.strip_prefix(p)).map(|n| format!("the number {n}"));
-    format!("this is {}", shown(&word.or(number).unwrap_or_else(|| found.to_owned())))
+    Some(format!("this is {}", shown(&word.or(number).unwrap_or_else(|| found.to_owned()))))
 }
 
 /// Returns the form that serde expected.
 fn expected_form(message: &str) -> String {
     let expected = message.split_once(", expected ").map_or("something else", |(_, expected)| expected);
-    format!(
-        "write {}",
-        expected
-            .replace("a sequence", "a list")
-            .replace("a mapping", "a map")
-            .replace("a map", "a mapping")
-            .replace("a string", "text")
-    )
+    // Names of types are serde's.
+    let whole =
+        |name: &str| name.starts_with(['u', 'i']) && (name.ends_with("size") || name[1..].parse::<u8>().is_ok());
+    match expected {
+        "f64" => "write a number".to_owned(),
+        "a boolean" => "write `true` or `false`".to_owned(),
+        name if name.starts_with("struct ") => "write a mapping of keys to values".to_owned(),
+        name if whole(name) => "write a whole number".to_owned(),
+        _ => format!(
+            "write {}",
+            expected
+                .replace("a sequence", "a list")
+                .replace("a mapping", "a map")
+                .replace("a map", "a mapping")
+                .replace("a string", "text")
+        ),
+    }
 }
 
 /// The form of an entry by its key.
@@ -129,6 +159,13 @@ fn sample(key: &str) -> Option<&'static str> {
         "fit" => "[location, EXX:poly3]",
         "fixed" => "[EC0Y]",
         "basis" => "{ EYX: poly3 }",
+        "job" => "{ tool_poses: part.csv }",
+        "tool_poses" => "part.csv",
+        "place" => "{ origin: [120, 80, 40], rotation: [0, 0, 90] }",
+        "limit" => "30 um",
+        "features" => "{ base: { kind: flatness, tolerance: 10 um } }",
+        "normal" => "[0, 0, 1]",
+        "point" => "[100, 0, 20]",
         _ => return None,
     })
 }

@@ -6,12 +6,11 @@
 
 use super::files::{Files, lexical};
 use super::geometry::{self, WrittenChains};
-use super::index::index;
 use super::layer::Layer;
-use super::nulls::refuse_unknown;
+use super::mapping::{FileForm, WrittenMapping, read_mapping};
+use super::nulls::{strip, without_null};
 use super::places::{Keys, Places, below, keys};
-use super::read::read_text;
-use super::tree;
+use super::schema::schema;
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, shown};
 use serde_yaml::{Mapping, Value};
 use std::path::{Path, PathBuf};
@@ -67,31 +66,12 @@ fn endless(path: &Path, trail: &[PathBuf], tidy: &PathBuf) -> Diagnostic {
 
 /// One file's tree and places.
 fn read_layer(path: &Path, named: Option<Place>, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Layer> {
-    let (source, text) = read_text(path, named, files, diagnostics)?;
-    let mut places = Places::default();
-    places.add_file(source, path);
-    index(&text, source, &mut places, diagnostics)?;
-    let start = || Some(Place { source, range: 0..0 });
-    match tree::parse(&text) {
-        Ok(Value::Mapping(map)) => {
-            refuse_unknown(&map, &mut places, diagnostics);
-            Some(Layer { map, places, chains: WrittenChains::default() })
-        }
-        Ok(_) => {
-            let help = "start with `abbe: 1`, then `machine:`, `chain:`, `axes:`; `abbe init` writes an example";
-            diagnostics.push(Diagnostic::new(codes::E0109, "the file holds no machine").at(start(), "").help(help));
-            None
-        }
-        Err(failure) => {
-            let at = failure
-                .location()
-                .map(|l| Place { source, range: l.index().min(text.len())..l.index().min(text.len()) });
-            let help = "the text is not YAML here; look for a missing quote, bracket or space after `:`";
-            let message = format!("not YAML: {}", shown(&failure.to_string()));
-            diagnostics.push(Diagnostic::new(codes::E0105, message).at(at.or_else(start), "").help(help));
-            None
-        }
-    }
+    let help = "start with `abbe: 1`, then `machine:`, `chain:`, `axes:`; `abbe init` writes an example";
+    let empty = Diagnostic::new(codes::E0109, "the file holds no machine").help(help);
+    let root = schema();
+    let form = FileForm { schemas: [&root, &root], empty };
+    let WrittenMapping { map, places } = read_mapping(path, named, form, files, diagnostics)?;
+    Some(Layer { map, places, chains: WrittenChains::default() })
 }
 
 /// Entries that take each other's place, by where they stand.
@@ -190,15 +170,4 @@ fn without_nulls(mut layer: Layer) -> Layer {
     layer.map = strip(layer.map);
     layer.chains.note(&[], &layer.map);
     layer
-}
-
-fn strip(map: Mapping) -> Mapping {
-    map.into_iter().filter(|(_, v)| !v.is_null()).map(|(k, v)| (k, without_null(v))).collect()
-}
-
-fn without_null(value: Value) -> Value {
-    match value {
-        Value::Mapping(map) => Value::Mapping(strip(map)),
-        other => other,
-    }
 }

@@ -1,5 +1,5 @@
-//! The first pass over the YAML text of a machine file: duplicate keys, which serde_yaml swallows, what is not part of
-//! the language, and where every entry stands.
+//! The first pass over the YAML text of a machine file or a job file: duplicate keys, which serde_yaml swallows, what
+//! is not part of the language, and where every entry stands.
 
 use super::places::{Keys, Places, Spot};
 use super::yaml::{YamlFailure, guard};
@@ -80,7 +80,7 @@ impl Indexer<'_> {
             Event::DocumentStart(_) => {
                 self.documents += 1;
                 if self.documents > 1 {
-                    return Err(refusal("a second document", place, "keep one machine in a file"));
+                    return Err(refusal("a second document", place, "keep one machine or one job in a file"));
                 }
             }
             Event::Scalar(text, _, _, tag) => {

@@ -12,7 +12,10 @@ mod files;
 mod forms;
 mod geometry;
 mod index;
+mod job_document;
+mod job_text;
 mod layer;
+mod mapping;
 mod nulls;
 mod places;
 mod read;
@@ -30,12 +33,15 @@ mod yaml;
 pub use disk::Disk;
 pub use document::{
     AlgebraEntry, AxisEntry, ControllerEntry, ConventionsEntry, CovarianceEntry, DatumEntry, DatumLine, DatumZero,
-    Document, FormEntry, GeneratorsEntry, IdentifyEntry, JobText, PlausibleEntry, SetUpEntry, SquarenessSite,
-    ToolEntry, VolumeAxis,
+    Document, FormEntry, GeneratorsEntry, IdentifyEntry, PlausibleEntry, SetUpEntry, SquarenessSite, ToolEntry,
+    VolumeAxis,
 };
 pub(crate) use error_words::{component_words, location_words};
 pub use files::{EntryKind, Files, FolderEntry, MemoryFiles, ReadFailure};
 pub use geometry::{PositionEntry, RelativeEntry, SideEntry, TravelEntry, WrittenChain, WrittenChains};
+pub use job_document::read_job;
+pub use job_text::JobText;
+pub(crate) use job_text::TOOL_POSES;
 pub use places::{Keys, below, keys};
 pub use read::read_text;
 pub(crate) use read::unreadable;

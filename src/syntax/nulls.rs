@@ -3,7 +3,6 @@
 //! `{ step: 100,5 mm }` has the key `5 mm`.
 
 use super::places::{Keys, Places, below};
-use super::schema::schema;
 use super::schema_forms::AXIS;
 use crate::diagnostic::{Diagnostic, Diagnostics, Sources, codes, did_you_mean, shown};
 use serde_json::Value as Schema;
@@ -15,15 +14,19 @@ const DEPTH: usize = 32;
 /// Maximum number of letters and digits of an axis name, as in [`AXIS`].
 const AXIS_LENGTH: usize = 8;
 
-/// Refuses keys with the value `null` that the language does not have (E0201), and keys without any value (E0202).
-pub fn refuse_unknown(map: &Mapping, places: &mut Places, diagnostics: &mut Diagnostics) {
+/// Refuses keys with the value `null` that the language does not have (E0201), and keys without any value (E0202);
+/// `schema` is that of the mapping, references are followed in `root`.
+pub(super) fn refuse_unknown(
+    map: &Mapping,
+    [schema, root]: [&Schema; 2],
+    places: &mut Places,
+    diagnostics: &mut Diagnostics,
+) {
     if !has_null(map) {
         return;
     }
-    let root = schema();
-    let mut walk =
-        NullWalk { root: &root, written: (places, &diagnostics.sources), unknown: Vec::new(), bare: Vec::new() };
-    walk.mapping(map, &[&root], &Keys::new());
+    let mut walk = NullWalk { root, written: (places, &diagnostics.sources), unknown: Vec::new(), bare: Vec::new() };
+    walk.mapping(map, &[schema], &Keys::new());
     let NullWalk { unknown, bare, .. } = walk;
     for keys in bare {
         let name = keys.last().map_or("", String::as_str);
@@ -38,6 +41,19 @@ pub fn refuse_unknown(map: &Mapping, places: &mut Places, diagnostics: &mut Diag
         let refusal = Diagnostic::new(codes::E0201, format!("unknown key `{}`", shown(name)));
         diagnostics.push(refusal.at(places.key(&keys), "").help(did_you_mean(name, &known)));
         places.mar(&keys);
+    }
+}
+
+/// Returns a mapping without the keys whose value is `null`.
+pub(super) fn strip(map: Mapping) -> Mapping {
+    map.into_iter().filter(|(_, v)| !v.is_null()).map(|(k, v)| (k, without_null(v))).collect()
+}
+
+/// Returns a value without the keys of mappings whose value is `null`.
+pub(super) fn without_null(value: Value) -> Value {
+    match value {
+        Value::Mapping(map) => Value::Mapping(strip(map)),
+        other => other,
     }
 }
 

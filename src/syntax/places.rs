@@ -96,6 +96,18 @@ impl Places {
         self.spots.extend(below.map(|(k, s)| (k.clone(), s.clone())));
     }
 
+    /// Returns the same places where files have other numbers: the first is now `ids[0]`, and so on.
+    pub(super) fn renumber(&self, ids: &[SourceId]) -> Self {
+        let id = |source: &SourceId| ids.get(source.0).copied().unwrap_or(*source);
+        let place = |place: &Place| Place { source: id(&place.source), range: place.range.clone() };
+        let spot = |spot: &Spot| Spot { key: spot.key.as_ref().map(place), value: place(&spot.value) };
+        Self {
+            spots: self.spots.iter().map(|(keys, of)| (keys.clone(), spot(of))).collect(),
+            files: self.files.iter().map(|(source, path)| (id(source), path.clone())).collect(),
+            marred: self.marred.clone(),
+        }
+    }
+
     /// Takes over the other document's files.
     pub(super) fn adopt_files(&mut self, other: &Self) {
         self.files.extend(other.files.iter().map(|(k, v)| (*k, v.clone())));

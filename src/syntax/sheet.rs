@@ -35,17 +35,27 @@ pub struct SheetLine {
 
 /// Reads a file that may be UTF-16 or Windows-1252; anything else that is not text is refused.
 pub fn read_sheet(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostics) -> Option<Sheet> {
+    read_named_sheet(path, None, files, diagnostics)
+}
+
+/// Reads the same; `named` is where another file names it.
+pub fn read_named_sheet(
+    path: &Path,
+    named: Option<Place>,
+    files: &dyn Files,
+    diagnostics: &mut Diagnostics,
+) -> Option<Sheet> {
     let bytes = match files.read_at_most(path, MAX_BYTES) {
         Ok(bytes) => bytes,
         Err(failure) => {
-            diagnostics.push(unreadable(path, &failure));
+            diagnostics.push(unreadable(path, &failure).at(named, ""));
             return None;
         }
     };
     let Some(text) = decode(bytes) else {
         let message = format!("`{}` is not text in UTF-8, UTF-16 or Windows-1252", shown(&path.display().to_string()));
         let help = "export it as text; for example: iconv -f IBM850 -t UTF-8 old > new";
-        diagnostics.push(Diagnostic::new(codes::E0104, message).help(help));
+        diagnostics.push(Diagnostic::new(codes::E0104, message).at(named, "").help(help));
         return None;
     };
     let (source, text) = keep(path, &text, diagnostics);

@@ -6,11 +6,14 @@ use super::report_options::ReportOptions;
 use super::workbench::workbench;
 use crate::api::sources::SourcesOptions;
 use crate::api::{MachineFile, MapOptions};
+use crate::job::job_file::NO_JOB;
 use crate::job::machine_file::{Overlay, bounded_only, sources_of};
 use crate::machine::Travel;
 use crate::run::{Call, Run};
 use crate::syntax::{Files, MemoryFiles};
 use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 /// Maximum number of poses whose deviations the page knows by itself.
 const MAX_POSES: usize = 200;
@@ -19,13 +22,20 @@ const MAX_POSES: usize = 200;
 const POSE_SAMPLES: usize = 300;
 
 /// Returns the content of the element `start` of a page with these machines.
-pub(crate) fn start(call: &Call<'_>, files: &[MachineFile], options: &ReportOptions) -> Value {
+///
+/// `job_files` are the names of the files that make the job.
+pub(crate) fn start(
+    call: &Call<'_>,
+    files: &[MachineFile],
+    options: &ReportOptions,
+    job_files: &BTreeSet<String>,
+) -> Value {
     let mut texts: Map<String, Value> =
         sources_of(files).iter().map(|(name, text)| (name.to_owned(), json!(text))).collect();
-    if let Some(path) = &options.tool_poses
-        && let Ok(bytes) = call.run.files.read(path)
-    {
-        let _ = texts.insert(path.display().to_string(), json!(String::from_utf8_lossy(&bytes)));
+    for name in job_files {
+        if let Ok(bytes) = call.run.files.read(Path::new(name)) {
+            let _ = texts.insert(name.clone(), json!(String::from_utf8_lossy(&bytes)));
+        }
     }
     let memory = texts
         .iter()
@@ -34,7 +44,8 @@ pub(crate) fn start(call: &Call<'_>, files: &[MachineFile], options: &ReportOpti
     let settings = settings(options);
     let asked: Vec<Value> = files.iter().map(|file| asked(file, options, &settings, &files_of)).collect();
     json!({"abbe": env!("CARGO_PKG_VERSION"), "settings": settings, "files": texts,
-        "machines": asked, "place": {"work": options.tool_poses, "target": options.targets.first()}})
+        "machines": asked, "place": {"work": job_file(options).or(options.tool_poses.as_ref()), "target": options.targets.first(),
+            "asked": asked_part(options)}})
 }
 
 /// Options of the figures that the page shows first, in the words of the questions.
@@ -77,6 +88,31 @@ fn asked(file: &MachineFile, options: &ReportOptions, settings: &Value, files: &
         "eval": {"poses": poses, "answer": deviations, "samples": POSE_SAMPLES, "rows": rows}})
 }
 
+/// Returns the job file of a report.
+fn job_file(options: &ReportOptions) -> Option<&PathBuf> {
+    options.job.as_ref().filter(|path| *path != Path::new(NO_JOB))
+}
+
+/// Returns what the report states of the part besides its file.
+fn asked_part(options: &ReportOptions) -> Value {
+    let reference = options.reference.as_ref().map(|reference| ("reference".to_owned(), json!(reference)));
+    let path = options.path.map(|path| ("path".to_owned(), json!(path)));
+    Value::Object(reference.into_iter().chain(path).collect())
+}
+
+/// Returns the question about the part, as its panel asks it.
+fn part(options: &ReportOptions, settings: &Value) -> Value {
+    let mut part = asked_part(options);
+    match (job_file(options), &options.tool_poses) {
+        (Some(job), _) => part["job"] = json!(job),
+        (None, Some(tool_poses)) => part["tool_poses"] = json!(tool_poses),
+        (None, None) => (),
+    }
+    part["samples"] = json!(options.samples);
+    part["map"] = settings["map"].clone();
+    json!({"work": part})
+}
+
 /// Returns the questions of the page when it is opened, and those of its panels.
 fn questions(options: &ReportOptions, settings: &Value) -> Vec<Value> {
     let of = |key: &str, own: Value| {
@@ -104,7 +140,7 @@ fn questions(options: &ReportOptions, settings: &Value) -> Vec<Value> {
     questions.extend(options.targets.iter().map(|name| json!({"map": {"poses": {"random": few}, "target": name}})));
     let instruments = ["ball_bar", "r_test", "diagonals"];
     questions.extend(instruments.map(|instrument| json!({"instrument": {"instrument": instrument}})));
-    questions.extend(options.tool_poses.iter().map(|path| json!({"work": {"tool_poses": path}})));
+    questions.push(part(options, settings));
     questions
 }
 
@@ -139,7 +175,7 @@ mod tests {
         let start = report.value.start();
         let known = start["machines"][0]["known"].as_array().unwrap();
         assert!(
-            known.len() == 12
+            known.len() == 13
                 && known.iter().all(|of| of["answer"]["refused"].is_null() || of["question"]["budget"].is_object())
         );
         let map = &known.iter().find(|of| of["question"]["map"].is_object()).unwrap();

@@ -5,22 +5,24 @@ use super::report_options::ReportOptions;
 use crate::analysis::figure_bands::field_bands;
 use crate::analysis::reference::ReferencedField;
 use crate::analysis::{MAX_POSES, MapFailure, View, map};
+use crate::api;
 use crate::api::bounded::{AddingBounds, DrawnBounds};
 use crate::api::budget::{BudgetOptions, BudgetResult, budget_of};
 use crate::api::budgets::{DrawnMachines, budgets};
 use crate::api::compare_figures::{removed, set_ups};
-use crate::api::map_result::MapOptions;
+use crate::api::map_result::{MapOptions, MapPoses, MapResult};
 use crate::api::sources::all_words;
 use crate::controller::Depth;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::{Bare, Field, Frame, Order, Poses, Random, worst};
 use crate::file_set::effect::named_effect;
-use crate::job::features::features;
-use crate::job::job_file::{Job, NO_JOB};
+use crate::job::characteristics::DrawnRequest;
+use crate::job::job_file::Job;
+use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::Over;
 use crate::job::reference::{Reference, SetUp};
-use crate::job::round_features::{RoundFeature, round_features};
+use crate::job::round_features::{RoundFeature, drawn_round_features, round_features};
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Machine, Pose};
 use crate::report::page::{
@@ -29,7 +31,7 @@ use crate::report::page::{
 };
 use crate::run::{Advance, Call, Cancelled, Count, Refused, Reply, Run, finite};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::collections::BTreeSet;
 
 /// Content of a page: what its workbench starts with, and numbers and pictures of its appendices. The default shows no
 /// machine.
@@ -80,9 +82,15 @@ fn build(call: &mut Call, files: &[MachineFile], options: &ReportOptions) -> Res
     call.check_counts(&[Count::Machines(options.samples), Count::Poses(options.poses)])?;
     let subjects: Vec<Subject<'_>> =
         files.iter().map(|file| Subject::one_of(call, files, file, options)).collect::<Result<_, _>>()?;
+    let read = subjects.iter().filter_map(|subject| Some(subject.work.as_ref()?.1["file"].as_str()?.to_owned()));
+    let stated = options.job.iter().map(|path| path.display().to_string());
+    let job_files: BTreeSet<String> = stated.chain(read).collect();
     let given: Vec<MachineInput<'_>> = subjects.iter().map(|subject| subject.input(options)).collect();
     let mut report = Report::default();
     let job = subjects.first().and_then(|first| first.job.as_ref());
+    if let ([first, others @ ..], None, None) = (files, &options.job, &options.tool_poses) {
+        call.extend(options.job_paths().displaced_jobs(first, others));
+    }
     report.data.comparison = comparison(call, (files, job), options, &given)?;
     let drawn = call.stage(given.iter().map(|given| given.poses.0).sum(), |advance| {
         let all = given.iter().enumerate().map(|(i, given)| draw(i + 1, given, advance)).collect::<Result<Vec<_>, _>>();
@@ -90,7 +98,7 @@ fn build(call: &mut Call, files: &[MachineFile], options: &ReportOptions) -> Res
     })?;
     let Ok(drawn) = drawn else { return call.usage(format!("a report takes {MAX_POSES} poses at most")) };
     (report.data.machines, report.pictures) = drawn.into_iter().unzip();
-    report.start = mailed::start(call, files, options);
+    report.start = mailed::start(call, files, options, &job_files);
     Ok(report)
 }
 
@@ -169,26 +177,30 @@ impl<'a> Subject<'a> {
         let set_up = Job::set_up(job.as_ref(), call, file, options.reference.as_ref(), &poses)?;
         set_up.refuse_minimum_zone(call, "a report")?;
         let over = Over::work(file, &set_up.reference, reached.as_ref(), options.poses);
-        let (work, round) = match job.as_ref().zip(reached.as_ref()) {
-            Some((job, reached)) => {
-                let (poses, said, round) = work(call, file, (job, reached), options, (bounded.as_ref(), &set_up))?;
-                (Some((poses, said)), round)
-            }
-            None => (None, Vec::new()),
-        };
         let mut written = Vec::new();
         for name in targets {
             written.extend(compensate(call, file, name, options)?);
         }
-        let reached = work.as_ref().map(|(poses, _)| poses.as_slice());
+        let budget = own_budget(call, file, options, job.is_some())?;
+        let map = job.as_ref().map(|_| map_of_job(call, file, options, bounded.is_some())).transpose()?;
+        let round = match job.as_ref().zip(reached.as_ref()) {
+            Some((job, reached)) => round(call, file, (job, reached), options, (bounded.as_ref(), &set_up))?,
+            None => Vec::new(),
+        };
+        let work = reached.as_ref().zip(map.as_ref()).map(|(reached, map)| {
+            let budget = budget.as_ref().filter(|_| bounded.is_none());
+            (reached.poses.clone(), JobWork { reached, map, round: &round, budget }.json())
+        });
         let (tolerances, samples, seed) = settings;
-        let adding =
-            AddingBounds { machine: file, tolerances, samples, seed, work: reached, reference: set_up.removed() };
-        let bounds_add = adding.added(call)?.map_or(Value::Null, |added| json!(added));
+        let bounds_add = match map {
+            Some(map) => map.bounds_add,
+            None => AddingBounds { machine: file, tolerances, samples, seed, work: None, reference: set_up.removed() }
+                .added(call)?,
+        };
+        let bounds_add = json!(bounds_add);
         let found = file.warnings().iter().chain(call.diagnostics.iter().skip(seen));
         let warnings = found.map(Diagnostic::to_string).collect();
         let instruments = if bounded.is_some() { Instruments::none(file) } else { Instruments::new(file) };
-        let budget = own_budget(call, file, options)?;
         let words = json!(all_words(file));
         Ok(Self { file, written, warnings, words, instruments, budget, bounds_add, work, round, job, set_up, over })
     }
@@ -216,39 +228,61 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Returns the poses of a machine for the tool poses of a job, what the page says of them, and the features among them
-/// that are round.
-fn work(
+/// The job of a machine, as `map` finds it.
+struct JobWork<'a> {
+    reached: &'a ReachedToolPoses,
+    map: &'a MapResult,
+    round: &'a [RoundFeature],
+    /// The budget of the errors with values and of the bounds beside them, where both act.
+    budget: Option<&'a BudgetResult>,
+}
+
+impl JobWork<'_> {
+    /// Returns what the page says of it.
+    fn json(&self) -> Value {
+        let Self { reached, map, round, budget } = self;
+        let profile = |RoundFeature { feature, profile, drawn, .. }: &RoundFeature| {
+            json!({"feature": feature, "radius_mm": profile.radius, "height_mm": profile.height,
+                "points": profile.points.len(), "minimum_zone_um": profile.minimum_zone * 1e3,
+                "least_squares_um": profile.least_squares * 1e3, "drawn": drawn})
+        };
+        json!({"file": reached.file, "asked": reached.asked, "reached": reached.reached, "travel": reached.travel,
+            "features": map.features, "characteristics": map.characteristics,
+            "drawn": budget.map(|of| &of.characteristics), "path": map.path,
+            "limit": map.limit, "limit_words": map.limit.as_ref().map(LimitVerdict::words),
+            "round": round.iter().map(profile).collect::<Vec<_>>()})
+    }
+}
+
+/// Returns the map of the job of a machine that [`map`](crate::api::map()) would give.
+fn map_of_job(
     call: &mut Call,
-    machine: &Machine,
-    (job, reached): (&Job, &ReachedToolPoses),
+    machine: &MachineFile,
     options: &ReportOptions,
-    (bounded, set_up): (Option<&DrawnBounds>, &SetUp),
-) -> Result<(Vec<Pose>, Value, Vec<RoundFeature>), Refused> {
-    let bare = Bare { machine, order: order_of(machine, options.order) };
-    let view = View { conditions: options.approach.into(), frame: Frame::Workpiece };
-    let referenced = set_up.field(&bare, bare.order, view.conditions);
-    let field: &dyn Field = referenced.as_ref().map_or(&bare, |field| field);
-    let features = match bounded {
-        Some(drawn) => {
-            let drawn = drawn.clone().without(set_up.removed());
-            let found = drawn.at(call, machine, &Poses::Listed(reached.poses.clone()), view.frame)?;
-            drawn.features(machine, reached, &found)
+    is_bounded: bool,
+) -> Result<MapResult, Refused> {
+    let ReportOptions { path, order, seed, approach, samples, .. } = *options;
+    let poses = match (&options.job, &options.tool_poses) {
+        (Some(job), _) => MapPoses::Job(job.clone()),
+        (None, Some(tool_poses)) => MapPoses::ToolPoses(tool_poses.clone()),
+        (None, None) => MapPoses::Grid,
+    };
+    let (reference, tolerances) = (options.reference.clone(), options.tolerances.clone());
+    let order = order.filter(|_| !is_bounded);
+    let options =
+        MapOptions { poses, path, order, seed, approach, samples, reference, tolerances, ..MapOptions::default() };
+    answer_within(call, |run| api::map(machine, &options, run))
+}
+
+/// Returns the answer of a call about files that this one has read: its warnings are among those of this one.
+fn answer_within<T>(call: &mut Call, ask: impl FnOnce(Run<'_>) -> Reply<T>) -> Result<T, Refused> {
+    match ask(Run { deny_warnings: false, ..call.run }) {
+        Ok(answer) => Ok(answer.value),
+        Err(refusal) => {
+            call.go_on()?;
+            call.take(Err(refusal))
         }
-        None => features(field, reached, view, true, set_up.removed()),
-    };
-    let round = match bounded {
-        Some(_) => Vec::new(),
-        None => round_features(field, view.conditions, reached, &job.features),
-    };
-    let profile = |RoundFeature { feature, profile, .. }: &RoundFeature| {
-        json!({"feature": feature, "radius_mm": profile.radius, "height_mm": profile.height,
-            "points": profile.points.len(), "minimum_zone_um": profile.minimum_zone * 1e3,
-            "least_squares_um": profile.least_squares * 1e3})
-    };
-    let work = json!({"file": reached.file, "asked": reached.asked, "reached": reached.reached,
-        "travel": reached.travel, "features": features, "round": round.iter().map(profile).collect::<Vec<_>>()});
-    Ok((reached.poses.clone(), work, round))
+    }
 }
 
 /// The warning for a machine of which nothing is measured, and a target.
@@ -276,22 +310,49 @@ fn compensate(
     Ok(steps)
 }
 
-/// Returns the budget that [`budget`](crate::api::budget()) would give; `None` if no error is bounded.
+/// Returns the profiles of the round features of a job: by the errors with values, or where none has one, in machines
+/// drawn between bounds.
+fn round(
+    call: &Call,
+    machine: &Machine,
+    (job, reached): (&Job, &ReachedToolPoses),
+    options: &ReportOptions,
+    (bounded, set_up): (Option<&DrawnBounds>, &SetUp),
+) -> Result<Vec<RoundFeature>, Refused> {
+    if let Some(drawn) = bounded {
+        let (bounds, removed, draws) = (drawn.bounds.as_slice(), set_up.removed(), &drawn.draws());
+        let samples = options.samples;
+        let of = DrawnRequest { machine, bounds, removed, draws, samples, values: None };
+        return drawn_round_features(call, of, reached, &job.features);
+    }
+    let bare = Bare { machine, order: order_of(machine, options.order) };
+    let conditions = options.approach.into();
+    let referenced = set_up.field(&bare, bare.order, conditions);
+    let field: &dyn Field = referenced.as_ref().map_or(&bare, |field| field);
+    Ok(round_features(field, conditions, reached, &job.features))
+}
+
+/// Returns the budget that [`budget`](crate::api::budget()) would give over the same poses and reference as the other
+/// figures; `None` if no error is bounded.
 fn own_budget(
     call: &mut Call,
     machine: &MachineFile,
     options: &ReportOptions,
+    has_job: bool,
 ) -> Result<Option<BudgetResult>, Refused> {
-    let ReportOptions { tolerances, samples, seed, poses, .. } = options;
-    let bounded = tolerances.bounds_if_any(call, machine)?;
+    let ReportOptions { samples, seed, poses, path, .. } = *options;
+    let bounded = options.tolerances.bounds_if_any(call, machine)?;
     if bounded.0.is_empty() {
         return Ok(None);
     }
-    let (tolerances, samples, seed, poses) = (tolerances.clone(), *samples, *seed, *poses);
-    // The page has no other reference.
-    let (job, reference) = (Some(PathBuf::from(NO_JOB)), Some(Reference::default()));
-    let options = BudgetOptions { tolerances, samples, seed, poses, job, reference, ..BudgetOptions::default() };
-    budget_of(call, machine, &options, None, bounded).map(Some)
+    let (tolerances, tool_poses) = (options.tolerances.clone(), options.tool_poses.clone());
+    // Of a volume the page shows one reference.
+    let reference = options.reference.clone().or_else(|| (!has_job).then(Reference::default));
+    let of =
+        BudgetOptions { tolerances, samples, seed, poses, path, tool_poses, reference, ..BudgetOptions::default() };
+    let of = BudgetOptions { job: options.job.clone(), ..of };
+    answer_within(call, |run| Call::answer(run, machine.sources(), |call| budget_of(call, machine, &of, None, bounded)))
+        .map(Some)
 }
 
 /// Several machines on the same work, with their budgets where all have one.

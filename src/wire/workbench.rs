@@ -17,6 +17,7 @@ use crate::api::{
 };
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::job::job_file::{JobPaths, NO_JOB};
+use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::{LoadOptions, MachineFile, Overlay, load};
 use crate::job::reference::Reference;
 use crate::job::tool_poses::RowTip;
@@ -72,12 +73,12 @@ pub enum Question {
     Reach(ReachOptions),
     /// A map at the tool poses of a file with its table, as `map --json` writes it, and the tips of all rows:
     /// `{"map": {...}, "rows": {...}, "tips": [...]}`.
-    Work(WorkOptions),
+    Work(Box<WorkOptions>),
     /// The part of a job at places of the table, as `map --place` tries them, with its picture:
     /// `{"placement": {...}, "svg": "...", "over": "..."}`.
     Place(PlacementOptions),
     /// This machine beside another, which is the first of the comparison.
-    Compare(CompareWith),
+    Compare(Box<CompareWith>),
     /// Readings of a measuring instrument.
     Instrument(InstrumentOptions),
     /// The controllers, in short.
@@ -98,13 +99,15 @@ pub struct CompareWith {
     pub first: String,
     /// Options of the comparison.
     pub options: CompareOptions,
+    /// Compares on the job of the first machine file, unless the options name a part.
+    pub own_job: bool,
 }
 
 /// Options of [`Question::Work`].
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WorkOptions {
-    /// The file of tool poses.
+    /// The file of tool poses; without it and a job file the job of the machine file, whose lack is answered by null.
     pub tool_poses: Option<PathBuf>,
     /// A job file in its place.
     pub job: Option<PathBuf>,
@@ -116,12 +119,21 @@ pub struct WorkOptions {
     pub samples: usize,
     /// Maps what the compensation of this target leaves, where errors are measured.
     pub target: Option<String>,
+    /// Further options of the map.
+    pub map: MapOptions,
 }
 
 impl Default for WorkOptions {
     fn default() -> Self {
-        let samples = MapOptions::default().samples;
-        Self { tool_poses: None, job: None, reference: None, path: None, samples, target: None }
+        let map = MapOptions::default();
+        Self { tool_poses: None, job: None, reference: None, path: None, samples: map.samples, target: None, map }
+    }
+}
+
+impl WorkOptions {
+    /// True if they name no part, and the machine file has none.
+    fn is_absent(&self, machine: &MachineFile) -> bool {
+        self.tool_poses.is_none() && self.job.is_none() && machine.job.is_none()
     }
 }
 
@@ -211,12 +223,16 @@ impl Question {
                 let options = ReachOptions { job: page_job(&options.job, &options.tool_poses), ..options.clone() };
                 document(reach(machine, &options, run).map(with_reasons))
             }
+            Self::Work(options) if options.is_absent(machine) => Value::Null,
             Self::Work(options) => document(work(machine, options, run)),
             Self::Place(options) => document(placed(machine, options, run)),
             Self::Compare(with) => match load(Path::new(&with.first), &request.load_options(), run) {
                 Ok(first) => {
-                    let reference = page_reference(&with.options.reference);
-                    let job = page_job(&with.options.job, &with.options.tool_poses);
+                    let CompareOptions { job, tool_poses, reference, .. } = &with.options;
+                    let is_own = with.own_job && job.is_none() && tool_poses.is_none();
+                    let is_job = is_own || job.is_some();
+                    let reference = if is_job { reference.clone() } else { page_reference(reference) };
+                    let job = if is_own { None } else { page_job(job, tool_poses) };
                     let options = CompareOptions { job, reference, ..with.options.clone() };
                     document(compare(&[first.value, machine.clone()], &options, run))
                 }
@@ -274,6 +290,8 @@ struct WorkRows {
     tips: Vec<RowTip>,
     /// Poses and reference of the figures, in words.
     over: String,
+    /// The verdict of the limit of the job, in words.
+    limit: Option<String>,
 }
 
 /// Returns the reference of a question: machine coordinates unless it states one, for the page does not.
@@ -287,17 +305,18 @@ fn page_job(asked: &Option<PathBuf>, tool_poses: &Option<PathBuf>) -> Option<Pat
 }
 
 fn work(machine: &MachineFile, options: &WorkOptions, run: Run) -> Reply<WorkRows> {
-    let WorkOptions { tool_poses, job, samples, target, reference, path } = options.clone();
+    let WorkOptions { tool_poses, job, samples, target, reference, path, map } = options.clone();
     let paths = JobPaths { job: job.as_deref(), tool_poses: tool_poses.as_deref(), path };
     let tips = Call::answer(run, machine.sources(), |call| tips(call, machine, paths))?.value;
-    let (poses, reference) = match job {
-        Some(job) => (MapPoses::Job(job), reference),
-        None => (MapPoses::ToolPoses(tool_poses.unwrap_or_default()), page_reference(&reference)),
+    let (poses, reference) = match (job, tool_poses) {
+        (Some(job), _) => (MapPoses::Job(job), reference),
+        (None, Some(tool_poses)) => (MapPoses::ToolPoses(tool_poses), page_reference(&reference)),
+        (None, None) => (MapPoses::Grid, reference),
     };
-    let options = MapOptions { poses, samples, target, reference, path, ..MapOptions::default() };
+    let options = MapOptions { poses, samples, target, reference, path, ..map };
     let Answer { value: found, warnings } = rows(machine, &options, run)?;
-    let over = found.map.over.line();
-    Ok(Answer { value: WorkRows { found, tips, over }, warnings })
+    let (over, limit) = (found.map.over.line(), found.map.limit.as_ref().map(LimitVerdict::words));
+    Ok(Answer { value: WorkRows { found, tips, over, limit }, warnings })
 }
 
 /// A part at places of the table, with the picture.
@@ -310,7 +329,8 @@ struct PlacedPart {
 }
 
 fn placed(machine: &MachineFile, options: &PlacementOptions, run: Run) -> Reply<PlacedPart> {
-    let reference = if options.job.is_some() { options.reference.clone() } else { page_reference(&options.reference) };
+    let bare = options.tool_poses.is_some();
+    let reference = if bare { page_reference(&options.reference) } else { options.reference.clone() };
     let Answer { value: placement, warnings } =
         place(machine, &PlacementOptions { reference, ..options.clone() }, run)?;
     let (svg, over) = (placement.picture().svg(), placement.over.line());
@@ -346,6 +366,23 @@ errors: { EC0Y: 20 urad, EB0Z: 5 urad }
     fn ask(text: &str, questions: Value) -> Value {
         let request = json!({"machine": "m.yaml", "texts": {"m.yaml": text}, "questions": questions});
         workbench(&request.to_string(), Run::default())
+    }
+
+    #[test]
+    fn the_job_of_the_machine_file_is_the_part_that_nobody_names() {
+        assert_eq!(ask(MACHINE, json!([{"work": {}}]))["answers"], json!([null]));
+        let text = format!("{MACHINE}job: {{ tool_poses: w.csv, limit: 1 um }}\n");
+        let texts = json!({"m.yaml": text, "w.csv": "X,Y,Z\n0,0,0\n0,100,0\n"});
+        let questions =
+            json!([{"work": {}}, {"compare": {"first": "m.yaml", "own_job": true}}, {"map": {"poses": {"random": 9}}}]);
+        let request = json!({"machine": "m.yaml", "texts": texts, "questions": questions});
+        let answers = &workbench(&request.to_string(), Run::default())["answers"];
+        // The zero at the origin leaves 20 urad over 100 mm.
+        let um = answers[0]["map"]["position_um"]["max"].as_f64().unwrap();
+        assert!((um - 2.0).abs() < 1e-6, "{answers}");
+        assert_eq!(answers[0]["limit"], json!("limit 1 um: exceeded; largest deviation 2 um"));
+        assert_eq!(answers[1]["over"], answers[0]["map"]["over"]);
+        assert_eq!(answers[2]["over"]["kind"], json!("volume"));
     }
 
     #[test]

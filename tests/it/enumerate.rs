@@ -8,6 +8,7 @@ use crate::oracle::random::Random;
 use crate::oracle::rigid::Frame;
 use crate::oracle::{program::Folder as Workshop, yaml};
 use crate::program::{Folder, abbe, abbe_on, json, refused, text};
+use crate::support::sha256::sha256;
 use abbe::analysis::Work;
 use abbe::analysis::budget::{Distribution, Draws, NODES, Statistic, bounds, classes};
 use abbe::analysis::enumerate::{Judge, Rule, Standing, Study, TooMany, buildable, walks};
@@ -289,6 +290,17 @@ fn an_interrupted_run_leaves_a_whole_file_and_goes_on() {
     assert_eq!(whole, abbe(&[&arguments[..], &["--state", text(&state)]].concat()));
 }
 
+/// The first record of a line of a state file that has values.
+fn judged(line: &mut serde_json::Value) -> &mut serde_json::Value {
+    let mut records = line["records"].as_array_mut().unwrap().iter_mut();
+    records.find(|record| record["row"]["standing"] == "judged").unwrap()
+}
+
+/// The records of a state file.
+fn state_of(text: &str) -> Vec<serde_json::Value> {
+    text.lines().skip(1).map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
 #[test]
 fn foreign_and_damaged_state_is_refused_and_left_alone() {
     let folder = Folder::new("enumerate-state");
@@ -317,6 +329,39 @@ fn foreign_and_damaged_state_is_refused_and_left_alone() {
     says(&format!("{}9{}", &kept[..digit], &kept[digit..]), &[], "checksum");
     says(&format!("{}-{}", &kept[..digit], &kept[digit..]), &[], "below zero");
     says(&kept.replacen(&format!("{second}\n"), "", 1), &[], "checksum");
+    // Impossible records with the checksum of themselves.
+    let forged = |change: &dyn Fn(&mut serde_json::Value)| {
+        let (head, lines) = kept.split_once('\n').unwrap();
+        let (line, others) = lines.split_once('\n').unwrap();
+        let mut record: serde_json::Value = serde_json::from_str(line).unwrap();
+        change(&mut record);
+        let lines = format!("{record}\n{others}");
+        let mut head: serde_json::Value = serde_json::from_str(head).unwrap();
+        head["sha256"] = sha256(lines.as_bytes()).into();
+        format!("{head}\n{lines}")
+    };
+    assert_eq!(state_of(&forged(&|_| {})), state_of(&kept), "an honest record is one");
+    let row = |name: &'static str, value: serde_json::Value| forged(&|of| judged(of)["row"][name] = value.clone());
+    says(&row("reached", 9999.into()), &[], "tool poses");
+    says(&row("chain", "w b C X Y Q t".into()), &[], "it has no arrangement `w b C X Y Q t`");
+    says(&row("table", 77.into()), &[], "its arrangements are not those of the walk");
+    says(&row("standing", "reaches_nothing".into()), &[], "reaches another number");
+    says(&row("rewinds", 3.into()), &[], "has rewinds that no path has");
+    says(&row("not_stated", serde_json::json!(["X"])), &[], "only the end of a study");
+    says(&row("travel", serde_json::json!([{"axis": "X", "min": 0, "max": 1}])), &[], "travels that it does not need");
+    let first =
+        |change: fn(&mut Vec<serde_json::Value>)| forged(&|of| change(judged(of)["values"].as_array_mut().unwrap()));
+    says(&first(|values| drop(values.pop())), &[], "has 49 values of 50 machines");
+    says(&first(|values| values.push(1.into())), &[], "has 51 values of 50 machines");
+    says(&first(Vec::clear), &[], "has 0 values of 50 machines");
+    says(&forged(&|of| drop(of["records"].as_array_mut().unwrap().pop())), &[], "not those of the walk");
+    says(&forged(&|of| of["records"].as_array_mut().unwrap().reverse()), &[], "not those of the walk");
+    says(&forged(&|of| of["round"] = 77.into()), &[], "walk 0 of round 77");
+    let merged = row("reached", 9999.into());
+    let part = folder.with("part.json", &merged);
+    let fresh = folder.file("fresh.json");
+    let (code, message) = refused(&[&STUDY[..], &["json", "--state", text(&fresh), "--merge", text(&part)]].concat());
+    assert!(code == 1 && message.contains("E0610"), "{message}");
     std::fs::remove_file(&state).unwrap();
     let none = [&STUDY[..], &["json", "--state", "none/state.json"]].concat();
     let (code, message) = refused(&none);

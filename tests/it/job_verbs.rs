@@ -412,3 +412,83 @@ fn body_diagonals_are_of_a_volume() {
     assert!(!abbe(&["map", text(&machine), "--job", text(&job)]).contains("Body diagonals"));
     assert!(abbe(&["map", text(&machine), "--random", "20"]).contains("Body diagonals"));
 }
+
+/// A path along Y with a row out of reach, lines 2 to 7, and a job of it.
+fn along_y(folder: &Folder, more: &str) -> PathBuf {
+    let _ = folder.with("y.csv", "X,Y,Z\n0,0,0\n0,50,0\n0,70,0\n0,150,0\n0,900,0\n0,-100,0\n");
+    folder.with("y.yaml", &format!("tool_poses: y.csv\npath: true\n{more}"))
+}
+
+#[test]
+fn a_path_has_its_largest_step_between_neighbours_in_reach() {
+    let folder = Folder::new("job-steps");
+    let job = along_y(&folder, "limit: 5 um\n");
+    let step = |name: &str, lines: &str| {
+        let machine = three(&folder, name, lines);
+        let found = json(&["map", text(&machine), "--job", text(&job), "--format", "json"]);
+        assert_eq!(found["path"]["deviation_step"]["lines"], serde_json::json!([4, 5]), "{found}");
+        (found, abbe(&["map", text(&machine), "--job", text(&job)]))
+    };
+    // Out of square by 40 urad: from y = 70 to 150 mm the deviation changes by 3.2 um; from 150 to -100, by 10 um,
+    // the path does not lead: the row between is out of reach.
+    let (found, said) = step("values.yaml", "errors: { EC0Y: 40 urad }");
+    near(&found["path"]["deviation_step"]["um"], 3.2);
+    assert!(said.contains("Largest step between rows: 3.2 um, lines 4 to 5\n"), "{said}");
+    // Bounded by it: every machine drawn has a step that is 80 of 150 parts of its largest deviation.
+    let (found, said) = step("bounds.yaml", "tolerances: { EC0Y: 40 urad }");
+    let um = number(&found["path"]["deviation_step"]["um"]);
+    near(&found["bounds"]["position_um"]["monte_carlo"]["p95"], um * 150.0 / 80.0);
+    assert!((0.9 * 3.2..3.2).contains(&um), "{um}");
+    assert!(said.contains("Largest step between rows: 95 % of the machines within "), "{said}");
+}
+
+#[test]
+fn the_report_budgets_the_job_and_judges_its_limit() {
+    let folder = Folder::new("job-report-bounds");
+    let job = along_y(&folder, "limit: 5 um\n");
+    // In the plane of the part only the squareness of Y counts; over the volume that of Z makes most.
+    let machine = three(&folder, "m.yaml", "tolerances: { EC0Y: 40 urad, EB0Z: 100 urad }");
+    let out = folder.file("page.html");
+    let _ = abbe(&["report", text(&machine), "--job", text(&job), "--out", text(&out), "--quiet"]);
+    let html = std::fs::read_to_string(&out).unwrap();
+    let of = &data(&html)["machines"][0];
+    assert_eq!(of["budget"]["tighten"][0]["error"], "EC0Y");
+    near(&of["budget"]["position_um"]["worst_case"], 6.0);
+    assert_eq!(of["work"]["limit"]["held"], false);
+    assert!(html.contains("limit 5 µm: exceeded") && html.contains("Largest step of the deviation between rows"));
+    assert!(html.contains("over the tool poses of the job"), "the scope of the tolerances");
+    let volume = abbe(&["budget", text(&machine), "--reference", "machine", "--format", "json"]);
+    let volume: Value = serde_json::from_str(&volume).unwrap();
+    assert_eq!(volume["tighten"][0]["error"], "EB0Z");
+}
+
+#[test]
+fn a_feature_with_points_out_of_reach_is_not_said_to_hold() {
+    let folder = Folder::new("job-unreached");
+    let _ = folder.with(
+        "top.csv",
+        "X,Y,Z,feature\n0,0,0,top\n100,0,0,top\n0,100,0,top\n100,100,0,top\n100,900,0,top\n0,0,10,up\n90,0,10,up\n\
+         0,90,10,up\n90,90,10,up\n",
+    );
+    let features =
+        "features:\n  top: { kind: flatness, tolerance: 10 um }\n  up: { kind: flatness, tolerance: 10 um }\n";
+    let job = folder.with("top.yaml", &format!("tool_poses: top.csv\n{features}"));
+    let machine = three(&folder, "m.yaml", "errors: { EC0Y: 40 urad }");
+    let found = json(&["map", text(&machine), "--job", text(&job), "--format", "json"]);
+    let of = &found["characteristics"];
+    assert_eq!((&of[0]["unreached"], &of[0]["holds"], &of[1]["holds"]), (&1.into(), &Value::Null, &true.into()));
+    let said = abbe(&["map", text(&machine), "--job", text(&job)]);
+    assert!(said.contains("| top *") && said.contains("| not decided |"), "{said}");
+    assert!(said.contains("top flatness: * 1 of its points are out of reach"), "{said}");
+    let out = folder.file("page.html");
+    let _ = abbe(&["report", text(&machine), "--job", text(&job), "--out", text(&out), "--quiet"]);
+    let html = std::fs::read_to_string(&out).unwrap();
+    assert!(html.contains("top *") && html.contains("not decided"));
+    let bounded = three(&folder, "b.yaml", "tolerances: { EA0Z: 40 urad }");
+    let said = abbe(&["map", text(&bounded), "--job", text(&job)]);
+    assert!(said.contains("at most 100"), "{said}");
+    let _ = abbe(&["report", text(&bounded), "--job", text(&job), "--out", text(&out), "--quiet"]);
+    let html = std::fs::read_to_string(&out).unwrap();
+    let drawn = &data(&html)["machines"][0]["work"]["characteristics"][1]["drawn"];
+    assert!(number(&drawn["holds"]["low"]) > 0.9 && html.contains("how many of 100 machines"), "{drawn}");
+}

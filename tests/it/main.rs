@@ -54,6 +54,7 @@ mod import_layouts;
 mod inputs_kept;
 mod instrument;
 mod interactions;
+mod job_files;
 mod job_verbs;
 #[cfg(target_os = "linux")]
 mod killed;

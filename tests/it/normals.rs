@@ -197,3 +197,29 @@ fn a_bore_points_inwards_and_flat_features_have_no_picture() {
     let _ = folder.with("part.csv", &format!("X,Y,Z,NX,NY,NZ,feature\n{flat}"));
     assert!(!report(&folder, &machine, &job).contains("<title>Roundness"));
 }
+
+#[test]
+fn a_circle_between_bounds_is_drawn_as_the_machine_at_the_95_percent_value() {
+    let folder = Folder::new("normal-drawn");
+    let machine = five(&folder, "tolerances: { EC0Y: 200 urad }");
+    let row = |i: i32| {
+        let (sine, cosine) = f64::from(i * 5).to_radians().sin_cos();
+        format!("{},{},0,{cosine},{sine},0,bore\n", 50.0 * cosine, 50.0 * sine)
+    };
+    let rows: String = (0..72).map(row).collect();
+    let _ = folder.with("circle.csv", &format!("X,Y,Z,NX,NY,NZ,feature\n{rows}"));
+    let features = "features: { bore: { kind: roundness, tolerance: 8 um } }\n";
+    let job = folder.with("job.yaml", &format!("tool_poses: circle.csv\nreference: machine\n{features}"));
+    let html = report(&folder, &machine, &job);
+    let svg = picture(&html);
+    well_formed(svg).unwrap();
+    // Out of square by an angle the circle is an ellipse, 50 mm times the angle out of round: at most 10 um.
+    let work = &data(&html)["machines"][0]["work"];
+    let (round, of) = (&work["round"][0], &work["characteristics"][0]["drawn"]);
+    let um = number(&round["minimum_zone_um"]);
+    assert!((9.0..10.0).contains(&um) && svg.contains(", 95 % value"), "{um}");
+    assert!((um - number(&of["p95_um"]["value"])).abs() < 1e-6, "{um} {of}");
+    // A uniform angle holds 8 of 10 um in 80 of 100 machines.
+    let holds = ["low", "high"].map(|end| number(&of["holds"][end]));
+    assert!(holds[0] < 0.8 && holds[1] > 0.8 && html.contains("bore</th><td class=\"word\">roundness"), "{holds:?}");
+}

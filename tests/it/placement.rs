@@ -555,8 +555,32 @@ fn pictures_are_of_places_or_of_a_box() {
     let grey = found["tried"].as_array().unwrap()[..24].iter().filter(|of| of["rank"].is_null()).count();
     assert!(grey > 3, "{found}");
     assert_eq!(svg.matches("fill=\"#cfd3d7\"").count(), grey);
-    let (_, svg) = drawn("reach");
+    let (found, svg) = drawn("reach");
     assert!(!svg.contains("#cfd3d7") && svg.contains("share of the tool poses in reach"));
+    // Cells that reach all have an outline where a neighbour does not: 6 by 4 cells, the first range running fastest.
+    let whole: Vec<bool> = found["tried"].as_array().unwrap()[..24].iter().map(|of| of["share"] == 1.0).collect();
+    let at = |i: i64, j: i64| (0..6).contains(&i) && (0..4).contains(&j) && whole[usize::try_from(j * 6 + i).unwrap()];
+    let cells = (0..24).map(|k| (k % 6, k / 6)).filter(|(i, j)| at(*i, *j));
+    let sides = cells.flat_map(|(i, j)| [at(i - 1, j), at(i + 1, j), at(i, j - 1), at(i, j + 1)]);
+    let edges = sides.filter(|inside| !inside).count();
+    assert!(edges > 4 && whole.contains(&false), "{whole:?}");
+    assert_eq!(svg.matches("stroke-linecap=\"square\"").count(), 2 * edges, "a line with its halo");
+    assert!(svg.contains("outlined: all tool poses are reached") && svg.contains("all tool poses reached"));
+    let none = json(&[
+        "reach",
+        text(&machine),
+        "--tool-poses",
+        text(&tools),
+        "--place",
+        "X=250..299:3",
+        "--format",
+        "json",
+        "--svg",
+        text(&picture),
+    ]);
+    let svg = std::fs::read_to_string(&picture).unwrap();
+    assert!(none["tried"].as_array().unwrap()[..3].iter().all(|of| of["share"] != 1.0), "{none}");
+    assert_eq!(svg.contains("no place reaches all tool poses"), none["reach_all"] == 0, "{none}");
     let (code, said) = refused(&["reach", text(&machine), "--tool-poses", text(&tools), "--svg", text(&picture)]);
     assert!(code == 2 && said.contains("add `--place`"), "{said}");
     let one =

@@ -527,16 +527,15 @@ fn a_job_is_its_tool_poses_where_the_part_lies() {
     let _ = job(align);
     let left = json(&["map", text(&turned), "--job", job_path, "--format", "json"]);
     assert!(number(&left["position_um"]["max"]) < 1e-6, "{left}");
-    for (said, content) in [
-        ("tool_pose", "tool_pose: x.csv\n"),
-        ("hold", "tool_poses: part.csv\nreference: { kind: datum, datum: [] }\n"),
-        ("a reference is", "tool_poses: part.csv\nreference: table\n"),
-        ("no rotary axis", "tool_poses: part.csv\nreference: { kind: zero, rotary: { X: 1 } }\n"),
-        ("for the tool `long`", "tool_poses: part.csv\ntool: long\n"),
+    for (fault, said, content) in [
+        ("E0201", "tool_pose", "tool_pose: x.csv\n"),
+        ("E0850", "there are 0", "tool_poses: part.csv\nreference: { kind: datum, datum: [] }\n"),
+        ("E0202", "a reference is", "tool_poses: part.csv\nreference: table\n"),
+        ("E0850", "no rotary axis", "tool_poses: part.csv\nreference: { kind: zero, rotary: { X: 1 } }\n"),
+        ("E0851", "for the tool `long`", "tool_poses: part.csv\ntool: long\n"),
     ] {
         let path = folder.with("parts/bad.yaml", content);
         let (code, message) = refused(&["map", text(&machine), "--job", text(&path)]);
-        let said = if said == "hold" { "there are 0" } else { said };
-        assert!(code == 1 && message.contains("E085") && message.contains(said), "{content}: {message}");
+        assert!(code == 1 && message.contains(fault) && message.contains(said), "{content}: {message}");
     }
 }

@@ -143,6 +143,52 @@ fn ruled_and_flat_pieces_have_their_geometry() {
     assert!(code == 2 && complaint.contains("below 80 deg"), "{complaint}");
 }
 
+#[test]
+fn options_of_another_kind_and_sizes_of_no_piece_are_refused() {
+    let folder = Folder::new("pieces-options");
+    // Which of half apex, tilt and motion of C a kind has.
+    let kinds = [
+        ("square", [false; 3]),
+        ("diamond", [false, true, false]),
+        ("circle", [false; 3]),
+        ("cone", [true; 3]),
+        ("s-shape", [false, true, false]),
+        ("nas-979", [false, true, false]),
+    ];
+    for (kind, has) in kinds {
+        for (i, option) in [["--half-apex", "15"], ["--tilt", "20"], ["--c-motion", "turn"]].iter().enumerate() {
+            let out = folder.file(&format!("{kind}-{i}"));
+            let (code, said) = refused(&[&["testpiece", kind, "--out", text(&out)], &option[..]].concat());
+            let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert_eq!((code, out.exists()), if has[i] { (0, true) } else { (2, false) }, "{kind} {option:?}: {said}");
+            let others = kinds.iter().filter(|(_, has)| has[i]).map(|(kind, _)| *kind).collect::<Vec<_>>().join(", ");
+            let named = words.contains(&format!("is no option of `{kind}`: it is one of {others}"));
+            assert!(has[i] || named, "{said}");
+        }
+        for option in [["--piece-size", "1e-300"], ["--height", "0.09"], ["--piece-size", "100001"]] {
+            let out = folder.file("no-piece");
+            let (code, said) = refused(&[&["testpiece", kind, "--out", text(&out)], &option[..]].concat());
+            assert!(code == 2 && said.contains("0.1 to 100000") && !out.exists(), "{said}");
+        }
+        // The least piece with the most steps has no two rows alike.
+        let rows = table(&piece(&folder, kind, &["--piece-size", "0.1", "--height", "0.1", "--steps", "1000"]));
+        assert!(rows.windows(2).all(|two| two[0].tip != two[1].tip), "{kind}");
+    }
+    // What the user states is not from memory.
+    let note = |more: &[&str]| {
+        let job = std::fs::read_to_string(piece(&folder, "cone", more)).unwrap();
+        job.lines().filter_map(|line| line.strip_prefix("# ")).collect::<Vec<_>>().join(" ")
+    };
+    let all = note(&[]);
+    assert!(
+        ["base of 80 mm", "half apex of 15 deg", "tilt of 10 deg"].iter().all(|words| all.contains(words)),
+        "{all}"
+    );
+    let own = note(&["--half-apex", "60", "--tilt", "60", "--piece-size", "90"]);
+    assert!(!own.contains(" of 15 deg") && !own.contains(" of 10 deg") && !own.contains("80 mm"), "{own}");
+    assert!(own.contains("roundness of 80 um") && own.contains("half apex 60 deg"), "{own}");
+}
+
 /// A table of three axes whose X and Y are out of square.
 fn plane(folder: &Folder, error: &str) -> PathBuf {
     let machine = format!(
@@ -324,9 +370,9 @@ fn tolerances_that_do_not_fit_are_refused_in_words() {
         ("E0860", "no feature `base`", "bare.csv", "line: { kind: parallelism, datum: base }"),
         ("E0860", "1 of its tool poses are reached, and 2 are needed", "bare.csv", "other: { kind: profile }"),
         ("E0851", "no tolerance", "bare.csv", "line: { kind: straightness, tolerance: 1 urad }"),
-        ("E0851", "unknown variant", "bare.csv", "line: { kind: flat }"),
-        ("E0851", "has no datum", "bare.csv", "line: { kind: flatness, datum: other }"),
-        ("E0851", "`free` is of a profile", "bare.csv", "line: [{ kind: flatness, free: true }]"),
+        ("E0210", "`flat` is not a choice for `kind`", "bare.csv", "line: { kind: flat }"),
+        ("E0851", "`datum` has no effect on flatness", "bare.csv", "line: { kind: flatness, datum: other }"),
+        ("E0851", "`free` has no effect on flatness", "bare.csv", "line: [{ kind: flatness, free: true }]"),
         ("E0817", "NX, NY and NZ all are needed", "half.csv", "line: { kind: straightness }"),
         ("E0817", "the normal NX, NY, NZ has no direction", "zero.csv", "line: { kind: straightness }"),
     ] {

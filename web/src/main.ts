@@ -20,6 +20,7 @@ import {
   type Evaluator,
   type Pose,
   type Store,
+  type Work,
 } from "./evaluator/types";
 import { Cards } from "./explain/card";
 import { AxisSliders } from "./machine/axes";
@@ -133,7 +134,8 @@ class Workbench {
     this.tighten = new Tighten(panels.tighten, session, editor, tell, failed);
     const kept = (first: string) => this.beside.take(first);
     this.variants = new Variants(panels.variants, session, editor, () => this.part.work, kept, tell, failed);
-    this.part = new Part(panels.part, session, this.stage, (pose) => this.sliders.go(pose), tell, failed);
+    const onPart = (work: Work | null) => this.verdict.over(work);
+    this.part = new Part(panels.part, session, this.stage, (pose) => this.sliders.go(pose), onPart, tell, failed);
     this.control = new Control(panels.control, session, () => this.beside.take(null), tell, failed);
     this.acceptance = new Acceptance(panels.acceptance, session, tell, failed);
     this.tabs = new Tabs(byId("review"), "Review", [
@@ -170,6 +172,7 @@ class Workbench {
   /** A report begins with the options that it was written with. */
   private report(report: Report): void {
     this.session.settings = report.settings;
+    this.part.stated = report.part;
     if (!this.tools.chosen) this.tools.chosen = report.tool;
     byId("note").textContent = report.note;
     const below = button("Report ↓", () => byId("report").scrollIntoView(), {

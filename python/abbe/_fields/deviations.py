@@ -48,12 +48,22 @@ class PathAxis(Record):
     reversals: Annotated[list[int], "Lines of the file at which it reverses."]
 
 
+class DeviationStep(Record):
+    """The largest change of the position deviation from one row to the next that is in reach, rewinds apart: the step that it leaves in the part."""
+
+    um: Annotated[float, "Length of the change, um, workpiece frame; of machines drawn between bounds the one that 95 % do not exceed."]
+    interval_um: Annotated[Union[list[float], None], "The interval in which it lies, um; none where it is not drawn."]
+    drawn: Annotated[bool, "True if machines are drawn between bounds."]
+    lines: Annotated[list[int], "Lines of the file before and after it; of machines drawn in the one whose step that is."]
+
+
 class PathResult(Record):
     """Events of a path on a machine."""
 
     rewinds: Annotated[list[PathRewind], "The steps in which the tool has to leave the path, in their order."]
     pole_crossings: Annotated[list[PathPole], "The passages near the line of a rotary axis, axis by axis."]
     axes: Annotated[list[PathAxis], "The motion of each axis."]
+    deviation_step: Annotated[Union[DeviationStep, None], "The largest change of the position deviation from one row to the next, in a map."]
 
 
 class EvalUnits(Record):
@@ -340,7 +350,7 @@ class DrawnCharacteristic(Record):
     samples: Annotated[int, "Number of machines drawn."]
     median_um: Annotated[float, "Median, um."]
     p95_um: Annotated[Percentile, "The value that 95 % of the machines do not exceed, um, with its 95 % confidence interval."]
-    holds: Annotated[Union[Proportion, None], "The fraction of the machines that hold the tolerance, with its 95 % interval (Wilson)."]
+    holds: Annotated[Union[Proportion, None], "The fraction of the machines that hold the tolerance at the points in reach, with its 95 % interval (Wilson): while points are out of reach, an upper limit."]
 
 
 class CharacteristicPart(Record):
@@ -366,7 +376,7 @@ class CharacteristicResult(Record):
     minimum_zone_um: Annotated[Union[float, None], "Width of the narrowest zone, um; none where nothing is fitted."]
     least_squares_um: Annotated[Union[float, None], "Width of the zone about the least-squares feature, um; none where nothing is fitted."]
     interval_um: Annotated[Union[list[float], None], "Interval of the value by the uncertainty of the errors, 95 %, um."]
-    holds: Annotated[Union[bool, None], "True if the value is within the tolerance."]
+    holds: Annotated[Union[bool, None], "True if the value is within the tolerance; none where it is, but points are out of reach."]
     drawn: Annotated[Union[DrawnCharacteristic, None], "The values of machines drawn between the bounds of errors."]
     errors: Annotated[list[CharacteristicPart], "The parts of errors in the value, or in the 95 % value of the machines drawn, largest first."]
 

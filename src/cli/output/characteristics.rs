@@ -18,9 +18,10 @@ pub(crate) fn text(list: &[CharacteristicResult]) -> String {
     let mut rows = table(&["feature", "characteristic", "tol.", columns[0], columns[1], columns[2]]);
     for of in list {
         let tolerance = of.tolerance_um.map_or("-".to_owned(), short);
-        let values = of.drawn.as_ref().map_or_else(|| valued(of), drawn_cells);
+        let values = of.drawn.as_ref().map_or_else(|| valued(of), |drawn| drawn_cells(drawn, of.unreached > 0));
         let [a, b, c] = values;
-        let _ = rows.add_row([shown(&of.feature), kind(of), tolerance, a, b, c]);
+        let name = format!("{}{}", shown(&of.feature), if of.unreached > 0 { " *" } else { "" });
+        let _ = rows.add_row([name, kind(of), tolerance, a, b, c]);
     }
     let errors: String = list.iter().map(errors).collect();
     let lacks: String = list.iter().map(lacks).collect();
@@ -47,17 +48,23 @@ fn kind(of: &CharacteristicResult) -> String {
 
 fn valued(of: &CharacteristicResult) -> [String; 3] {
     let cell = |um: Option<f64>| um.map_or("-".to_owned(), short);
-    let holds = of.holds.map_or("-", |holds| if holds { "yes" } else { "no" });
+    let holds = match (of.holds, of.value_um.and(of.tolerance_um)) {
+        (Some(true), _) => "yes",
+        (Some(false), _) => "no",
+        (None, Some(_)) => "not decided",
+        (None, None) => "-",
+    };
     [cell(of.value_um), cell(of.least_squares_um), holds.to_owned()]
 }
 
-fn drawn_cells(of: &DrawnCharacteristic) -> [String; 3] {
+fn drawn_cells(of: &DrawnCharacteristic, at_most: bool) -> [String; 3] {
     let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
     let p95 = format!("{} ({}..{})", short(of.p95_um.value), end(of.p95_um.low), end(of.p95_um.high));
     let percent = |x: f64| significant(100.0 * x, 3);
-    let holds = of
-        .holds
-        .map_or("-".to_owned(), |of| format!("{} ({}..{})", percent(of.value), percent(of.low), percent(of.high)));
+    let least = if at_most { "at most " } else { "" };
+    let holds = of.holds.map_or("-".to_owned(), |of| {
+        format!("{least}{} ({}..{})", percent(of.value), percent(of.low), percent(of.high))
+    });
     [short(of.median_um), p95, holds]
 }
 
@@ -73,7 +80,7 @@ fn errors(of: &CharacteristicResult) -> String {
 
 fn lacks(of: &CharacteristicResult) -> String {
     let reach =
-        if of.unreached > 0 { format!("{} of its points are out of reach; ", of.unreached) } else { String::new() };
+        if of.unreached > 0 { format!("* {} of its points are out of reach; ", of.unreached) } else { String::new() };
     let lacks = of.lacks.clone().unwrap_or_default();
     match reach.is_empty() && lacks.is_empty() {
         true => String::new(),

@@ -69,7 +69,7 @@ pub(crate) fn reach_text(missed: &[MissedToolPose], travel: &[NeededTravel]) -> 
 
 /// The events of a path, then the motion of each axis.
 pub(crate) fn path_text(path: &PathResult) -> String {
-    let PathResult { rewinds, pole_crossings, axes } = path;
+    let PathResult { rewinds, pole_crossings, axes, deviation_step } = path;
     let count = |n: usize, noun: &str| format!("{n} {noun}{}", if n == 1 { "" } else { "s" });
     let head = [count(rewinds.len(), "rewind"), count(pole_crossings.len(), "pole crossing")].join(", ");
     let mut text = format!("One path: {head}\n");
@@ -98,7 +98,8 @@ pub(crate) fn path_text(path: &PathResult) -> String {
         let (axis, count) = (format!("{}, {}", of.axis, of.unit), of.reversals.len().to_string());
         let _ = rows.add_row([axis, motion, step, line, count, first.join(" ") + dots]);
     }
-    format!("{text}{rows}\n")
+    let step = deviation_step.as_ref().map_or_else(String::new, |of| format!("{}\n", of.words()));
+    format!("{text}{step}{rows}\n")
 }
 
 fn travel_table(travel: &[NeededTravel]) -> comfy_table::Table {

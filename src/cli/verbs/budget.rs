@@ -276,7 +276,7 @@ fn best_fit_text(of: &FittedBudget) -> String {
     } else {
         format!("what to tighten first depends on the reference: here {}, so state one", of.tighten_first)
     };
-    format!("Without the best fit of the part: 95 % of the machines within {p95} um; {first}\n")
+    format!("With the best fit of the part taken out: 95 % of the machines within {p95} um; {first}\n")
 }
 
 /// The machines drawn without the minimum zone, and what the other figures are without.
@@ -288,8 +288,9 @@ fn zone_text(of: &ZoneBudget) -> String {
         format!("{}{ends} {unit}", significant(of.p95, 4))
     };
     format!(
-        "Without the minimum zone of each machine: 95 % of them within {} and {}\n\
-         It has no worst case, RSS, shares or first to tighten: all other figures are without the least squares.\n",
+        "With the minimum zone of each machine taken out: 95 % of them within {} and {}\n\
+         It has no worst case, RSS, shares or first to tighten: in all other figures the least squares are taken \
+         out.\n",
         text(&of.position_um, "um"),
         text(&of.rotation_urad, "urad")
     )

@@ -10,7 +10,9 @@ use crate::cli::output::view::{
 };
 use crate::cli::output::{bands, bounded, budgets};
 use crate::cli::tolerances::ToleranceArgs;
-use abbe::results::{BoundedDeviation, CompareResult, ComparedMachine, Difference, MachineVerdict, Statistics};
+use abbe::results::{
+    BoundedDeviation, CompareResult, ComparedMachine, Difference, MachineVerdict, OverKind, Statistics,
+};
 use abbe::text::{cell, fold, significant};
 use abbe::{CompareOptions, compare};
 use std::path::PathBuf;
@@ -158,9 +160,10 @@ fn text(args: &Args, result: &CompareResult) -> String {
         "{}{} tool poses in the workpiece frame, {}; {} reached by all\n",
         result.over.text(),
         result.asked,
-        match args.tool_poses.tool_poses.as_ref().or(args.job.job.as_ref()) {
-            Some(path) => format!("of {}", path.display()),
-            None => format!("drawn from the volume of {}", result.machines[0].machine),
+        match (result.over.kind, args.tool_poses.tool_poses.as_ref().or(args.job.job.as_ref())) {
+            (OverKind::Volume, _) => format!("drawn from the volume of {}", result.machines[0].machine),
+            (OverKind::Job, Some(path)) => format!("of {}", path.display()),
+            (OverKind::Job, None) => format!("of the job of {}", result.machines[0].file),
         },
         result.poses
     );

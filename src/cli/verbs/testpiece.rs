@@ -17,16 +17,16 @@ pub(crate) struct Args {
     #[arg(value_enum)]
     kind: TestPieceKind,
     /// Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length of an S,
-    /// mm (above 0) [default: 160, of a cone 80].
+    /// mm (0.1 to 100000) [default: 160, of a cone 80].
     #[arg(long, value_name = "MM")]
     piece_size: Option<f64>,
-    /// Height of a contour or of the base of a cone above the part's origin, or of the surface of an S, mm (above 0)
-    /// [default: 20, of a cone 120, of an S 40].
+    /// Height of a contour or of the base of a cone above the part's origin, or of the surface of an S, mm (0.1 to
+    /// 100000) [default: 20, of a cone 120, of an S 40].
     #[arg(long, value_name = "MM")]
     height: Option<f64>,
-    /// Half of the apex angle of a cone, deg (above 0).
-    #[arg(long, value_name = "DEG", default_value_t = 15.0)]
-    half_apex: f64,
+    /// Half of the apex angle of a cone, deg (above 0) [default: 15].
+    #[arg(long, value_name = "DEG")]
+    half_apex: Option<f64>,
     /// Tilt of the axis of a cone, largest lean of an S, turn of a diamond, deg (0 to 80) [default: 10 of a cone, 20 of
     /// an S, 30 of a diamond].
     #[arg(long, value_name = "DEG", value_parser = tilt)]

@@ -1,9 +1,11 @@
 //! Tolerances of features as a job file states them.
 
 use crate::analysis::zone::{CharacteristicKind, ZoneFit};
-use crate::diagnostic::{Reason, shown};
+use crate::diagnostic::{Diagnostic, Place, codes, shown};
+use crate::job::numbers::{part_length, three_if_any};
 use crate::job::placement::Placement;
-use crate::units;
+use crate::job::tool_poses::columns::unit_vector;
+use crate::syntax::{JobText, Scalar};
 use indexmap::IndexMap;
 use nalgebra::Vector3;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
@@ -17,22 +19,46 @@ struct ToleranceEntry {
     /// The characteristic.
     kind: CharacteristicKind,
     /// Largest value, a length such as `10 um`.
-    tolerance: Option<String>,
+    tolerance: Option<Scalar>,
     /// Name of the feature that is its datum.
     datum: Option<String>,
     /// Axis of a surface of revolution, part coordinates.
+    #[serde(default, deserialize_with = "three_if_any")]
     axis: Option<[f64; 3]>,
     /// Fits a profile onto its nominal form first.
-    #[serde(default)]
-    free: bool,
+    free: Option<bool>,
     /// The fit by which it is judged.
-    #[serde(default)]
-    fit: ZoneFit,
+    fit: Option<ZoneFit>,
+}
+
+impl ToleranceEntry {
+    /// Returns the keys that it states, but for the kind and the tolerance.
+    fn keys(&self) -> impl Iterator<Item = &'static str> {
+        let Self { datum, axis, free, fit, .. } = self;
+        let stated =
+            [("datum", datum.is_some()), ("axis", axis.is_some()), ("free", free.is_some()), ("fit", fit.is_some())];
+        stated.into_iter().filter(|(_, is)| *is).map(|(key, _)| key)
+    }
+
+    /// True if a key has an effect on its kind.
+    fn acts(&self, key: &str) -> bool {
+        use CharacteristicKind as Kind;
+        match (key, self.kind) {
+            ("fit", Kind::Profile) => self.free == Some(true),
+            ("fit", kind) => kind != Kind::Position,
+            ("free", kind) => kind == Kind::Profile,
+            ("axis", kind) => !matches!(kind, Kind::Straightness | Kind::Flatness | Kind::Profile),
+            (_, kind) => kind.is_angle() || kind == Kind::Position,
+        }
+    }
 }
 
 /// The tolerances of one feature: one mapping, or a list.
 #[derive(Debug, Clone)]
-struct Entries(Vec<ToleranceEntry>);
+enum Entries {
+    One(Box<ToleranceEntry>),
+    List(Vec<ToleranceEntry>),
+}
 
 impl<'de> Deserialize<'de> for Entries {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -45,11 +71,11 @@ impl<'de> Deserialize<'de> for Entries {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Entries, A::Error> {
-                ToleranceEntry::deserialize(MapAccessDeserializer::new(map)).map(|one| Entries(vec![one]))
+                ToleranceEntry::deserialize(MapAccessDeserializer::new(map)).map(|one| Entries::One(Box::new(one)))
             }
 
             fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Entries, A::Error> {
-                Vec::deserialize(SeqAccessDeserializer::new(list)).map(Entries)
+                Vec::deserialize(SeqAccessDeserializer::new(list)).map(Entries::List)
             }
         }
         deserializer.deserialize_any(Either)
@@ -78,6 +104,8 @@ pub(crate) struct FeatureTolerance {
     pub free: bool,
     /// The fit by which it is judged.
     pub fit: ZoneFit,
+    /// Where the job states it.
+    pub written: Option<Place>,
 }
 
 /// The tolerances of a job on the part where it lies.
@@ -92,35 +120,65 @@ impl FeatureTolerances {
 }
 
 impl FeatureEntries {
-    /// Returns the tolerances of a part at a place.
-    pub(crate) fn placed(self, place: Placement) -> Result<FeatureTolerances, Reason> {
-        let all = self.0.into_iter().flat_map(|(feature, Entries(list))| {
-            list.into_iter().map(move |entry| (feature.clone(), entry)).collect::<Vec<_>>()
-        });
-        let one = |(feature, entry): (String, ToleranceEntry)| {
-            let reason = |why: Reason| Reason::new(format!("feature `{}`: {why}", shown(&feature)));
-            let tolerance_mm = entry.tolerance.as_deref().map(length).transpose().map_err(reason)?;
-            let axis = entry.axis.map(|axis| Vector3::from(axis).try_normalize(0.0));
-            if axis.is_some_and(|axis| axis.is_none_or(|axis| !axis.norm().is_finite())) {
-                return Err(reason(Reason::new("its axis has no direction")));
+    /// Returns the tolerances of a part at a place, or all that is wrong with them; `text` is the job.
+    pub(crate) fn placed(self, place: Placement, text: &JobText) -> Result<FeatureTolerances, Vec<Diagnostic>> {
+        let (mut tolerances, mut refusals) = (Vec::new(), Vec::new());
+        for (feature, entries) in self.0 {
+            let list: Vec<(Vec<String>, ToleranceEntry)> = match entries {
+                Entries::One(one) => vec![(Vec::new(), *one)],
+                Entries::List(list) => list.into_iter().enumerate().map(|(k, e)| (vec![k.to_string()], e)).collect(),
+            };
+            for (index, entry) in list {
+                let at: Vec<&str> =
+                    ["features", &feature].into_iter().chain(index.iter().map(String::as_str)).collect();
+                let stated = Stated { feature: &feature, text, at };
+                match stated.tolerance(entry, place) {
+                    Ok(tolerance) => tolerances.push(tolerance),
+                    Err(refusal) => refusals.push(refusal),
+                }
             }
-            let ToleranceEntry { kind, datum, free, fit, .. } = entry;
-            if datum.is_some() && !kind.is_angle() && kind != CharacteristicKind::Position {
-                return Err(reason(Reason::new(format!("{} has no datum", kind.name()))));
-            }
-            if free && kind != CharacteristicKind::Profile {
-                return Err(reason(Reason::new(format!("`free` is of a profile, not of {}", kind.name()))));
-            }
-            let axis = axis.flatten().map(|axis| place.direction(axis));
-            Ok(FeatureTolerance { feature, kind, tolerance_mm, datum, axis, free, fit })
-        };
-        all.map(one).collect::<Result<_, _>>().map(FeatureTolerances)
+        }
+        if refusals.is_empty() { Ok(FeatureTolerances(tolerances)) } else { Err(refusals) }
     }
 }
 
-/// Returns a length above 0, mm.
-fn length(text: &str) -> Result<f64, Reason> {
-    let quantity = units::quantity(text).map_err(Reason::new)?;
-    let mm = quantity.as_length().filter(|mm| *mm > 0.0);
-    mm.ok_or_else(|| Reason::new(format!("`{}` is no tolerance: a length above 0, such as `10 um`", shown(text))))
+/// A tolerance where a job states it.
+struct Stated<'a> {
+    feature: &'a str,
+    text: &'a JobText,
+    at: Vec<&'a str>,
+}
+
+impl Stated<'_> {
+    fn tolerance(&self, entry: ToleranceEntry, place: Placement) -> Result<FeatureTolerance, Diagnostic> {
+        if let Some(idle) = entry.keys().find(|key| !entry.acts(key)) {
+            let kind = entry.kind.name();
+            let why = match (idle, entry.kind) {
+                ("fit", CharacteristicKind::Profile) => {
+                    "`fit` has no effect on a profile without `free: true`".to_owned()
+                }
+                _ => format!("`{idle}` has no effect on {kind}"),
+            };
+            return Err(self.refused(self.text.key(&self.below(idle)), &why, "omit it, or state another kind"));
+        }
+        let ToleranceEntry { kind, tolerance, datum, axis, free, fit } = entry;
+        let tolerance_mm = tolerance.map(|text| part_length(&text.to_string())).transpose().map_err(|why| {
+            let place = self.text.value(&self.below("tolerance"));
+            self.refused(place, &why.to_string(), "write a length with its unit, `10 um`")
+        })?;
+        let unit = axis.map(|axis| unit_vector(&Vector3::from(axis), "its axis")).transpose().map_err(|_| {
+            self.refused(self.text.value(&self.below("axis")), "its axis has no direction", "write `axis: [0, 0, 1]`")
+        })?;
+        let (feature, axis) = (self.feature.to_owned(), unit.map(|axis| place.direction(axis)));
+        let (free, fit, written) = (free.unwrap_or_default(), fit.unwrap_or_default(), self.text.value(&self.at));
+        Ok(FeatureTolerance { feature, kind, tolerance_mm, datum, axis, free, fit, written })
+    }
+
+    fn below<'k>(&'k self, key: &'k str) -> Vec<&'k str> {
+        self.at.iter().copied().chain([key]).collect()
+    }
+
+    fn refused(&self, place: Option<Place>, why: &str, help: &str) -> Diagnostic {
+        Diagnostic::new(codes::E0851, format!("feature `{}`: {why}", shown(self.feature))).at(place, "").help(help)
+    }
 }

@@ -57,7 +57,7 @@ impl JobCharacteristics {
         for tolerance in &stated.0 {
             let names = std::iter::once(&tolerance.feature).chain(&tolerance.datum);
             let known: Result<Vec<_>, _> = names.map(|name| Points::of(reached, name)).collect();
-            let known = known.or_else(|refusal| call.refuse(refusal))?;
+            let known = known.or_else(|refusal| call.refuse(refusal.at(tolerance.written.clone(), "")))?;
             let of = characteristic(machine, tolerance, reached, &known);
             let unreached = known.iter().map(|points| points.unreached).sum();
             if let (Err(unfit), 0) = (&of, unreached) {
@@ -132,5 +132,6 @@ fn characteristic(
 
 fn refused(tolerance: &FeatureTolerance, unfit: &Unfit) -> Diagnostic {
     let message = format!("{} of feature `{}`: {unfit}", tolerance.kind.name(), shown(&tolerance.feature));
-    Diagnostic::new(codes::E0860, message).help("`abbe explain E0860` lists what each kind needs")
+    let help = "`abbe explain E0860` lists what each kind needs";
+    Diagnostic::new(codes::E0860, message).at(tolerance.written.clone(), "").help(help)
 }

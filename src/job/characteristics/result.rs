@@ -35,7 +35,7 @@ pub struct CharacteristicResult {
     /// Interval of the value by the uncertainty of the errors, 95 %, um.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_um: Option<[f64; 2]>,
-    /// True if the value is within the tolerance.
+    /// True if the value is within the tolerance; none where it is, but points are out of reach.
     pub holds: Option<bool>,
     /// The values of machines drawn between the bounds of errors.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -53,7 +53,8 @@ pub struct DrawnCharacteristic {
     pub median_um: f64,
     /// The value that 95 % of the machines do not exceed, um, with its 95 % confidence interval.
     pub p95_um: Percentile,
-    /// The fraction of the machines that hold the tolerance, with its 95 % interval (Wilson).
+    /// The fraction of the machines that hold the tolerance at the points in reach, with its 95 % interval (Wilson):
+    /// while points are out of reach, an upper limit.
     pub holds: Option<Proportion>,
 }
 

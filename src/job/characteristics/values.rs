@@ -65,7 +65,9 @@ impl JobCharacteristics {
             result.value_um = Some(um(widths.value));
             result.minimum_zone_um = widths.minimum_zone.map(um);
             result.least_squares_um = widths.least_squares.map(um);
-            result.holds = job.stated.tolerance_mm.map(|tolerance| widths.value <= tolerance);
+            let holds = job.stated.tolerance_mm.map(|tolerance| widths.value <= tolerance);
+            // The points out of reach may exceed it.
+            result.holds = holds.filter(|holds| !holds || job.unreached == 0);
             result.interval_um = intervals.as_ref().and_then(|list| list[i]);
             if let Some(effects) = &effects {
                 let weights = characteristic.weights(&feature, &datum);

@@ -15,7 +15,7 @@ const SAME: f64 = 1e-6;
 
 pub(super) fn cone(options: &TestPieceOptions) -> Result<Piece, Reason> {
     let (diameter, height, steps) = (options.size(80.0)?, options.height(120.0)?, options.intervals()?);
-    let half = options.half_apex_deg;
+    let half = options.half_apex_deg.unwrap_or(15.0);
     if !(half > 0.0 && half < 80.0) {
         return Err(Reason::new(format!("half an apex is above 0 and below 80 deg, not {half}")));
     }
@@ -53,10 +53,17 @@ pub(super) fn cone(options: &TestPieceOptions) -> Result<Piece, Reason> {
         piece.point(tip, axis * lean - outward * rise, outward * lean + axis * rise);
     }
     piece.tolerance("cone", Kind::Roundness, ROUND, None);
+    let defaults = [
+        (options.size_mm.is_none(), "base of 80 mm, "),
+        (options.half_apex_deg.is_none(), "half apex of 15 deg, "),
+        (options.tilt_deg.is_none() && options.c_motion.is_none(), "tilt of 10 deg, "),
+    ];
+    let defaults: String = defaults.into_iter().filter(|(is, _)| *is).map(|(_, words)| words).collect();
     piece.notes = vec![
-        "base of 80 mm, half apex of 15 deg, tilt of 10 deg and roundness of 80 um are from memory of NAS 979 and \
-         ISO 10791-7 (cone frustum); check against the standard"
-            .to_owned(),
+        format!(
+            "from memory of NAS 979 and ISO 10791-7 (cone frustum): {defaults}roundness of 80 um; check against the \
+             standard"
+        ),
         "the deviation is that of the tip along the normal, at the base of the cone".to_owned(),
     ];
     Ok(piece)

@@ -14,8 +14,14 @@ const SMALL: f64 = 160.0;
 
 const FROM_MEMORY: &str =
     "tolerances are from memory of ISO 10791-7 (contouring test piece); check against the standard";
-const OWN_SIZES: &str = "sizes are proportions of our own; check against the standard";
+const OWN_PROPORTIONS: &str = "sizes are proportions of our own; check against the standard";
 const NO_BORE: &str = "the central bore, and the position of the circle to it, are left out: boring is no contour";
+
+/// Returns the note on sizes that the options do not state.
+fn own_sizes(options: &TestPieceOptions) -> Option<String> {
+    let stated = options.size_mm.is_some() && options.height_mm.is_some();
+    (!stated).then(|| OWN_PROPORTIONS.to_owned())
+}
 
 type Result<T> = std::result::Result<T, Reason>;
 
@@ -90,7 +96,7 @@ pub(super) fn square(options: &TestPieceOptions) -> Result<Piece> {
     let mut piece = Piece { title: format!("Square of {side} mm, three axes"), ..Piece::default() };
     Sides { name: "square", side, turn_deg: 0.0, height, steps }.add(&mut piece);
     state_sides(&mut piece, "square", side, None);
-    piece.notes = vec![FROM_MEMORY.to_owned(), OWN_SIZES.to_owned()];
+    piece.notes = std::iter::once(FROM_MEMORY.to_owned()).chain(own_sizes(options)).collect();
     Ok(piece)
 }
 
@@ -104,7 +110,7 @@ pub(super) fn diamond(options: &TestPieceOptions) -> Result<Piece> {
     state_sides(&mut piece, "diamond", size, None);
     piece.notes = vec![
         FROM_MEMORY.to_owned(),
-        OWN_SIZES.to_owned(),
+        OWN_PROPORTIONS.to_owned(),
         "without the square the angles are to the first side of the diamond, not to a side of the square".to_owned(),
     ];
     Ok(piece)
@@ -115,7 +121,7 @@ pub(super) fn circle(options: &TestPieceOptions) -> Result<Piece> {
     let mut piece = Piece { title: format!("Circle of {diameter} mm, three axes"), ..Piece::default() };
     add_circle(&mut piece, diameter, height, steps);
     piece.tolerance("circle", Kind::Roundness, limits(diameter)[1], None);
-    piece.notes = vec![FROM_MEMORY.to_owned(), OWN_SIZES.to_owned()];
+    piece.notes = std::iter::once(FROM_MEMORY.to_owned()).chain(own_sizes(options)).collect();
     Ok(piece)
 }
 
@@ -134,6 +140,6 @@ pub(super) fn nas_979(options: &TestPieceOptions) -> Result<Piece> {
     piece.tolerance("circle", Kind::Roundness, limits(size)[1], None);
     let memory =
         "order of the layers and tolerances are from memory of NAS 979 and ISO 10791-7; check against the standards";
-    piece.notes = vec![memory.to_owned(), OWN_SIZES.to_owned(), NO_BORE.to_owned()];
+    piece.notes = vec![memory.to_owned(), OWN_PROPORTIONS.to_owned(), NO_BORE.to_owned()];
     Ok(piece)
 }

@@ -46,16 +46,16 @@ pub struct TestPiece {
 
 /// Returns a test piece as a job; the diagnostic names a size that no such piece has.
 pub(crate) fn test_piece(options: &TestPieceOptions) -> Result<TestPiece, Diagnostic> {
-    let piece = match options.kind {
+    let piece = options.check().and_then(|()| match options.kind {
         TestPieceKind::Square => contour::square(options),
         TestPieceKind::Diamond => contour::diamond(options),
         TestPieceKind::Circle => contour::circle(options),
         TestPieceKind::Nas979 => contour::nas_979(options),
         TestPieceKind::Cone => cone::cone(options),
         TestPieceKind::SShape => s_shape::s_shape(options),
-    };
+    });
     let piece = piece.map_err(|wrong| {
-        let help = "sizes are above 0 and up to 100000 mm; `abbe testpiece --help` has their meaning";
+        let help = "sizes are 0.1 to 100000 mm; `abbe testpiece --help` has the meaning of all options";
         Diagnostic::new(codes::E0818, wrong.to_string()).help(help)
     })?;
     let Piece { features, c_motion, notes, .. } = &piece;

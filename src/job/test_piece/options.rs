@@ -25,6 +25,17 @@ pub enum TestPieceKind {
 }
 
 impl TestPieceKind {
+    const ALL: [Self; 6] = [Self::Square, Self::Diamond, Self::Circle, Self::Cone, Self::SShape, Self::Nas979];
+
+    /// True for each of half an apex, a tilt and a motion of C that a piece of the kind has.
+    fn angles(self) -> [bool; 3] {
+        match self {
+            Self::Cone => [true; 3],
+            Self::Diamond | Self::SShape | Self::Nas979 => [false, true, false],
+            Self::Square | Self::Circle => [false; 3],
+        }
+    }
+
     /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
@@ -58,15 +69,15 @@ pub struct TestPieceOptions {
     /// The kind.
     pub kind: TestPieceKind,
     /// Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length of an S,
-    /// mm; by default 160, of a cone 80.
+    /// 0.1 to 100000 mm; by default 160, of a cone 80.
     pub size_mm: Option<f64>,
-    /// Height of the contour, or of the centre of a cone's base, above the part's origin, mm; by default 20, of a cone
-    /// 120, of an S the height of its surface, 40.
+    /// Height of the contour, or of the centre of a cone's base, above the part's origin, 0.1 to 100000 mm; by default
+    /// 20, of a cone 120, of an S the height of its surface, 40.
     pub height_mm: Option<f64>,
-    /// Cone: half of its apex angle, above 0 and below 80 deg.
-    pub half_apex_deg: f64,
-    /// Cone: tilt of its axis about Y, 0 to 80 deg; S: the largest lean of its surface; diamond: its turn against the
-    /// square. By default 10 of a cone or by its motion, 20 of an S, 30 of a diamond.
+    /// Cone: half of its apex angle, above 0 and below 80 deg; by default 15.
+    pub half_apex_deg: Option<f64>,
+    /// Cone: tilt of its axis about Y, 0 to 80 deg; S: the largest lean of its surface; diamond, also of NAS 979: its
+    /// turn against the square. By default 10 of a cone or by its motion, 20 of an S, 30 of a diamond.
     pub tilt_deg: Option<f64>,
     /// Cone: the motion of a rotary axis about Z, which chooses the tilt in place of an angle.
     pub c_motion: Option<ConeMotion>,
@@ -80,7 +91,7 @@ impl Default for TestPieceOptions {
             kind: TestPieceKind::default(),
             size_mm: None,
             height_mm: None,
-            half_apex_deg: 15.0,
+            half_apex_deg: None,
             tilt_deg: None,
             c_motion: None,
             steps: 360,
@@ -89,6 +100,21 @@ impl Default for TestPieceOptions {
 }
 
 impl TestPieceOptions {
+    /// Refuses options that the kind does not have.
+    pub(super) fn check(&self) -> Result<(), Reason> {
+        let (kind, angles) =
+            (self.kind, [self.half_apex_deg.is_some(), self.tilt_deg.is_some(), self.c_motion.is_some()]);
+        for (index, name) in ["the half apex", "the tilt", "the motion of C"].into_iter().enumerate() {
+            let kinds: Vec<&str> =
+                TestPieceKind::ALL.into_iter().filter(|of| of.angles()[index]).map(|of| of.name()).collect();
+            if angles[index] && !kind.angles()[index] {
+                let kinds = kinds.join(", ");
+                return Err(Reason::new(format!("{name} is no option of `{}`: it is one of {kinds}", kind.name())));
+            }
+        }
+        Ok(())
+    }
+
     /// Returns a size or its default, mm.
     pub(super) fn size(&self, default_mm: f64) -> Result<f64, Reason> {
         length(self.size_mm, default_mm, "a size")
@@ -119,7 +145,14 @@ impl TestPieceOptions {
     }
 }
 
+/// Sizes of pieces, mm: the least is 100000 of the last digits of the table, as many as the most steps of a contour.
+const SIZES: std::ops::RangeInclusive<f64> = 0.1..=1e5;
+
 fn length(given: Option<f64>, default_mm: f64, what: &str) -> Result<f64, Reason> {
     let mm = given.unwrap_or(default_mm);
-    if mm > 0.0 && mm <= 1e5 { Ok(mm) } else { Err(Reason::new(format!("{what} of {mm} mm"))) }
+    if SIZES.contains(&mm) {
+        Ok(mm)
+    } else {
+        Err(Reason::new(format!("{what} of {mm:?} mm: 0.1 to 100000 mm are taken")))
+    }
 }

@@ -8,7 +8,7 @@ mod apt;
 pub(crate) mod columns;
 mod missed;
 
-use super::path::PathResult;
+use super::path::{DeviationStep, LargestStep, PathResult};
 use super::placement::Placement;
 use super::poses::check;
 use crate::analysis::zone::SurfacePoint;
@@ -18,9 +18,10 @@ use crate::analysis::{
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::{AxisKind, Machine, Pose};
 use crate::run::{Call, Refused};
-use crate::syntax::sheet::read_sheet;
+use crate::syntax::sheet::read_named_sheet;
 use nalgebra::Vector3;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use missed::DirectionGaps;
@@ -139,12 +140,53 @@ pub(crate) struct RowTip {
 
 /// Reads a file as single tool poses; rotary columns are those of `machine`.
 pub(crate) fn read(call: &mut Call<'_>, machine: &Machine, path: &Path) -> Result<ToolPoses, Refused> {
-    let Some(sheet) = read_sheet(path, call.run.files, &mut call.diagnostics) else { return Err(Refused) };
+    read_named(call, machine, path, None)
+}
+
+/// Reads the same; `named` is where a job names the file.
+pub(crate) fn read_named(
+    call: &mut Call<'_>,
+    machine: &Machine,
+    path: &Path,
+    named: Option<Place>,
+) -> Result<ToolPoses, Refused> {
+    let sheet = read_named_sheet(path, named, call.run.files, &mut call.diagnostics).ok_or(Refused)?;
     let is_cl = apt::is_cl_data(&sheet);
     let rows = if is_cl { apt::rows(&sheet) } else { columns::rows(machine, &sheet) };
     match rows {
         Ok(rows) => Ok(ToolPoses { file: path.display().to_string(), rows, is_cl, is_path: false }),
         Err(refusal) => call.refuse(refusal),
+    }
+}
+
+impl ReachedToolPoses {
+    /// Returns the steps of a path: the index of each pose whose next one is that of the next row, rewinds apart.
+    pub(crate) fn path_steps(&self, path: &PathResult) -> Vec<usize> {
+        let missed: BTreeSet<usize> = self.rows.iter().map(|row| row.line).collect();
+        let rewound: BTreeSet<usize> = path.rewinds.iter().map(|of| of.lines[1]).collect();
+        let is_step = |i: &usize| {
+            let [from, to] = [self.lines[*i].0, self.lines[*i + 1].0];
+            !rewound.contains(&to) && missed.range(from..to).next().is_none()
+        };
+        (0..self.lines.len().saturating_sub(1)).filter(is_step).collect()
+    }
+
+    /// Returns the events of the path with the largest step of the deviation; `None` without a path. `largest` returns
+    /// it among steps from poses by index, `None` without steps.
+    pub(crate) fn path_with_step(
+        &self,
+        largest: impl FnOnce(&[usize]) -> Result<Option<LargestStep>, Refused>,
+    ) -> Result<Option<PathResult>, Refused> {
+        let Some(path) = &self.path else { return Ok(None) };
+        let steps = self.path_steps(path);
+        let found = if steps.is_empty() { None } else { largest(&steps)? };
+        let of = |step: LargestStep| DeviationStep {
+            um: step.mm * 1e3,
+            interval_um: step.interval_mm.map(|ends| ends.map(|mm| mm * 1e3)),
+            drawn: step.drawn,
+            lines: [step.pose, step.pose + 1].map(|pose| self.lines[pose].0),
+        };
+        Ok(Some(PathResult { deviation_step: found.map(of), ..path.clone() }))
     }
 }
 

@@ -59,7 +59,9 @@ fn round(given: &MachineInput<'_>) -> Option<String> {
         let [width, radius] = around;
         panel.line = format!("least squares {width} \u{b5}m; {}\u{d7} at R {radius} mm", significant(times, 2));
     }
-    let subtitle = format!("{}, deviation along the normal", given.machine.name());
+    let drawn = given.round.iter().any(|of| of.drawn);
+    let which = if drawn { ", the machine drawn whose roundness is the 95 % value" } else { "" };
+    let subtitle = format!("{}, deviation along the normal{which}", given.machine.name());
     (!panels.is_empty()).then(|| PolarPicture::profiles("Roundness", &subtitle, &panels).picture().svg())
 }
 
@@ -78,7 +80,7 @@ fn dial(of: &RoundFeature) -> DialPanel {
         curves: vec![curve(|p| p.deviation), curve(|p| p.circle)],
         marks: Vec::new(),
         closed: gap(widest) <= 3.0 * 360.0 / count as f64,
-        title: format!("{name}: roundness {width} \u{b5}m"),
+        title: format!("{name}: roundness {width} \u{b5}m{}", if of.drawn { ", 95 % value" } else { "" }),
         line: String::new(),
     }
 }

@@ -19,6 +19,8 @@ const HIGHEST: f64 = 420.0;
 const STRIP: f64 = 70.0;
 /// Characters of a note.
 const NOTE: usize = 98;
+/// Line about places that reach all tool poses, px.
+const WHOLE: f64 = 2.5;
 /// Radius of the dot of a place that is not told apart from the best, px.
 const OPEN: f64 = 2.2;
 /// Colour of a place that is not ranked.
@@ -107,7 +109,7 @@ impl PlacementPicture<'_> {
             }
         }
         let (width, height) = (frame.width / counts[0] as f64, frame.height / counts[1] as f64);
-        for (index, place) in best.into_iter().enumerate().filter_map(|(index, place)| Some((index, place?))) {
+        for (index, place) in best.iter().enumerate().filter_map(|(index, place)| Some((index, (*place)?))) {
             let (i, j) = (index % counts[0], index / counts[0]);
             let corner = (frame.left + width * i as f64, frame.top + frame.height - height * (j + 1) as f64);
             if let Some(colour) = self.colour(place) {
@@ -123,6 +125,10 @@ impl PlacementPicture<'_> {
                 let at = (corner.0 + width - 3.0, corner.1 + 12.0);
                 svg.text(at, &rewinds.to_string(), Font::plain(10.0), TextAnchor::End, 0.0);
             }
+        }
+        if self.figures.is_none() {
+            let whole: Vec<bool> = best.iter().map(|place| place.is_some_and(is_whole)).collect();
+            outline(svg, frame, counts, &whole);
         }
     }
 
@@ -169,7 +175,9 @@ impl PlacementPicture<'_> {
         notes.push(if self.figures.is_some() {
             format!("Grey: other or fewer tool poses than the ranked places, or no reference; {colours}.")
         } else {
-            format!("Colour: share; {colours}.")
+            let whole = self.tried.iter().any(is_whole);
+            let whole = if whole { "outlined: all tool poses are reached" } else { "no place reaches all tool poses" };
+            format!("Colour: share; {whole}; {colours}.")
         });
         let marks = match self.best {
             Some(best) => format!("Ring: the best place, {}. Square: the place of the job.", words(self.ranges, best)),
@@ -206,8 +214,39 @@ impl PlacementPicture<'_> {
         } else {
             ["0".to_owned(), "all".to_owned()]
         };
+        if self.figures.is_none() && self.tried.iter().any(is_whole) {
+            let style = format!(r#"fill="{}" stroke="{INK}" stroke-width="{WHOLE}""#, rising(1.0));
+            svg.rect((LEFT, 66.0), (20.0, 12.0), &style);
+            svg.text((LEFT + 28.0, 76.5), "all tool poses reached", Font::plain(12.0), TextAnchor::Start, 0.0);
+        }
         svg.text((left - 8.0, 76.5), &least, Font::plain(12.0), TextAnchor::End, 0.0);
         svg.text((left + 128.0, 76.5), &most, Font::plain(12.0), TextAnchor::Start, 0.0);
+    }
+}
+
+/// True if all tool poses are reached at a place.
+fn is_whole(place: &TriedPlace) -> bool {
+    place.reached > 0 && place.share >= 1.0
+}
+
+/// Outlines the cells of a grid that are marked: a line where a cell has no such neighbour.
+fn outline(svg: &mut Svg, frame: &PlotFrame, [across, up]: [usize; 2], marked: &[bool]) {
+    let [width, height] = [frame.width / across as f64, frame.height / up as f64];
+    let is_marked = |i: usize, j: usize| i < across && j < up && marked[j * across + i];
+    let corner = |i: usize, j: usize| (frame.left + width * i as f64, frame.top + frame.height - height * j as f64);
+    for (stroke, wide) in [("white", WHOLE + 3.0), (INK, WHOLE)] {
+        let style = format!(r#"stroke="{stroke}" stroke-width="{wide}" stroke-linecap="square""#);
+        for (i, j) in (0..up).flat_map(|j| (0..across).map(move |i| (i, j))).filter(|(i, j)| is_marked(*i, *j)) {
+            let sides = [
+                (is_marked(i.wrapping_sub(1), j), (i, j), (i, j + 1)),
+                (is_marked(i + 1, j), (i + 1, j), (i + 1, j + 1)),
+                (is_marked(i, j.wrapping_sub(1)), (i, j), (i + 1, j)),
+                (is_marked(i, j + 1), (i, j + 1), (i + 1, j + 1)),
+            ];
+            for (_, from, to) in sides.into_iter().filter(|(inside, ..)| !inside) {
+                svg.line(corner(from.0, from.1), corner(to.0, to.1), &style);
+            }
+        }
     }
 }
 

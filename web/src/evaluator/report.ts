@@ -5,7 +5,18 @@
 
 import { Hosted } from "./hosted";
 import { unpacked } from "./packed";
-import type { Evaluated, Evaluator, OpenFile, Question, Reply, Request, Rows, Settings, Store } from "./types";
+import type {
+  Evaluated,
+  Evaluator,
+  OpenFile,
+  Question,
+  Reply,
+  Request,
+  Rows,
+  Settings,
+  StatedPart,
+  Store,
+} from "./types";
 import { type Variant, variants } from "./variants";
 import { save as download } from "../ui/download";
 
@@ -25,7 +36,7 @@ export interface ReportStart {
   settings: Settings;
   files: Record<string, string>;
   machines: ReportMachine[];
-  place: { work: string | null; target: string | null };
+  place: { work: string | null; target: string | null; asked: StatedPart };
 }
 
 /** Why a question has no answer. */
@@ -54,6 +65,11 @@ export class Report implements Evaluator, Store {
 
   get settings(): Settings {
     return this.start.settings;
+  }
+
+  /** What the report states of the part besides its file. */
+  get part(): StatedPart {
+    return this.start.place.asked;
   }
 
   /** Name of the tool that the report is about; empty for the first. */

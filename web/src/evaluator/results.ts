@@ -333,7 +333,7 @@ export interface CharacteristicResult {
   least_squares_um: number | null;
   /** Interval of the value by the uncertainty of the errors, 95 %, um. */
   interval_um?: [number, number] | null;
-  /** True if the value is within the tolerance. */
+  /** True if the value is within the tolerance; none where it is, but points are out of reach. */
   holds: boolean | null;
   /** The values of machines drawn between the bounds of errors. */
   drawn?: DrawnCharacteristic | null;
@@ -595,6 +595,18 @@ export interface DeviationBudgetDifference {
   monte_carlo: DrawnDifference;
 }
 
+/** The largest change of the position deviation from one row to the next that is in reach, rewinds apart: the step that it leaves in the part. */
+export interface DeviationStep {
+  /** Length of the change, um, workpiece frame; of machines drawn between bounds the one that 95 % do not exceed. */
+  um: number;
+  /** The interval in which it lies, um; none where it is not drawn. */
+  interval_um?: [number, number] | null;
+  /** True if machines are drawn between bounds. */
+  drawn: boolean;
+  /** Lines of the file before and after it; of machines drawn in the one whose step that is. */
+  lines: [number, number];
+}
+
 /** A laser along a diagonal. */
 export interface Diagonal {
   /** Sense of each axis along it: p or n, in the order of `axes`. */
@@ -661,7 +673,7 @@ export interface DrawnCharacteristic {
   median_um: number;
   /** The value that 95 % of the machines do not exceed, um, with its 95 % confidence interval. */
   p95_um: Percentile;
-  /** The fraction of the machines that hold the tolerance, with its 95 % interval (Wilson). */
+  /** The fraction of the machines that hold the tolerance at the points in reach, with its 95 % interval (Wilson): while points are out of reach, an upper limit. */
   holds: Proportion | null;
 }
 
@@ -1232,6 +1244,8 @@ export interface PathResult {
   pole_crossings: PathPole[];
   /** The motion of each axis. */
   axes: PathAxis[];
+  /** The largest change of the position deviation from one row to the next, in a map. */
+  deviation_step?: DeviationStep | null;
 }
 
 /** A step in which the tool has to leave the path. */

@@ -14,9 +14,9 @@ export type Question =
   | { budget: { poses?: number; samples?: number; goal_mm?: number } & Options }
   | { eval: { poses: number[][] } }
   | { reach: { step_mm?: number } }
-  | { work: Part & { samples?: number; target?: string } }
-  | { place: Part & { ranges: string; figure: boolean } }
-  | { compare: { first: string; options: { poses?: number; tool_poses?: string } } }
+  | { work: (Part | StatedPart) & { samples?: number; target?: string; map?: Options } }
+  | { place: (Part | StatedPart) & { ranges: string; figure: boolean } }
+  | { compare: { first: string; own_job?: boolean; options: { poses?: number } | Part | StatedPart } }
   | { instrument: { instrument: "ball_bar" | "r_test" | "diagonals" } }
   | "targets"
   | "numbers"
@@ -24,7 +24,13 @@ export type Question =
   | "schema";
 
 /** A part: a file of tool poses, or a job file. */
-export type Part = ({ tool_poses: string } | { job: string }) & { reference?: string; path?: boolean };
+export type Part = ({ tool_poses: string } | { job: string }) & StatedPart;
+
+/** What is stated of a part besides its file; by itself the part is the job of the machine file. */
+export interface StatedPart {
+  reference?: unknown;
+  path?: boolean;
+}
 
 export interface Place {
   file: string;
@@ -178,6 +184,8 @@ export interface Work {
   map: {
     path?: results.PathResult | null;
     position_um: Summary;
+    limit?: { held: boolean | null };
+    bounds?: { position_um: { monte_carlo: { p95: number } } };
     features?: {
       feature: string;
       poses: number;
@@ -192,6 +200,8 @@ export interface Work {
   tips: { line: number; tip_mm: Vec3 }[];
   /** Poses and reference of the figures, in words. */
   over: string;
+  /** The verdict of the limit of the job, in words. */
+  limit: string | null;
 }
 
 /** A part at places of the table, with the picture. */

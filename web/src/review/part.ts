@@ -3,10 +3,12 @@
 import { Newest } from "../evaluator/newest";
 import {
   accepted,
+  refusals,
   type PlacedPart,
+  type Part as AskedPart,
   type Pose,
-  type Question,
   type Refusal,
+  type StatedPart,
   type Work,
   type WorkRow,
 } from "../evaluator/types";
@@ -36,7 +38,16 @@ const REFERENCES = {
 /** Whether the tool poses are solved one by one or as a whole, in words. */
 const PATHS = { "": "As the file has them (APT: one path)", yes: "One continuous path", no: "Single poses" };
 
-type AskedPart = Extract<Question, { work: unknown }>["work"];
+/** A part as it is asked for: its file with what is stated of it, or the job of the machine file. */
+export interface NamedPart {
+  asked: AskedPart | StatedPart;
+  /** Texts of files that are not on the disk. */
+  more: Record<string, string>;
+  /** True for the job of the machine file. */
+  isOwn: boolean;
+  /** Its name. */
+  name: string;
+}
 
 type Path = NonNullable<Work["map"]["path"]>;
 
@@ -67,6 +78,10 @@ export class Part {
   private readonly places = make("div", { "aria-live": "polite" });
   private readonly body = make("div", { "aria-live": "polite" });
   private readonly asking: Newest;
+  /** What a report states of the part besides its file. */
+  stated: StatedPart = {};
+  /** True if the part that is shown is the job of the machine file. */
+  private isOwn = false;
   /** A file that was dropped, or chosen: its name and text. */
   private given: { name: string; text: string } | null = null;
 
@@ -75,6 +90,8 @@ export class Part {
     private readonly session: Session,
     private readonly stage: Stage | null,
     private readonly go: (pose: Pose) => void,
+    /** Hears of the figures over the part; null without one. */
+    private readonly heard: (work: Work | null) => void,
     private readonly tell: Tell,
     failed: (failure: unknown) => void,
   ) {
@@ -122,43 +139,44 @@ export class Part {
     this.update();
   }
 
-  /** The file of tool poses, and its text where it is not on the disk. */
-  get work(): { path: string; more: Record<string, string> } | null {
-    if (this.given) return { path: this.given.name, more: { [this.given.name]: this.given.text } };
-    const path = place().work;
-    return path ? { path, more: {} } : null;
+  /** The part that is shown: the one that is named, or else the job of the machine file if there is one. */
+  get work(): NamedPart | null {
+    const named = this.named();
+    return named.isOwn && !this.isOwn ? null : named;
+  }
+
+  private named(): NamedPart {
+    const along = this.path.value ? { path: this.path.value === "yes" } : {};
+    const stated = { ...this.stated, ...along, ...(this.reference.value ? { reference: this.reference.value } : {}) };
+    const path = this.given?.name ?? place().work;
+    const more = this.given ? { [this.given.name]: this.given.text } : {};
+    if (!path) return { asked: stated, more, isOwn: true, name: "the job of the machine file" };
+    const of = /\.ya?ml$/i.test(path) ? { job: path } : { tool_poses: path };
+    return { asked: { ...of, ...stated }, more, isOwn: false, name: path.replace(/^.*[/\\]/, "") };
   }
 
   private update(): void {
-    const work = this.work;
-    if (!work) return this.nothing([]);
-    const { path, more } = work;
+    const { asked, more, isOwn, name } = this.named();
     this.places.replaceChildren();
     void this.asking.do(async () => {
-      const [answer] = await this.session.ask([{ work: this.asked(path) }], more);
+      const { samples, map } = this.session.settings;
+      const [answer] = await this.session.ask([{ work: { ...asked, samples, map } }], more);
+      if (answer === undefined) return;
       const work = accepted<Work>(answer);
-      if (work) this.shown(work, path);
-      else if (answer !== undefined) this.nothing((answer as Refusal).diagnostics.map(({ message }) => message));
+      this.isOwn = isOwn && work !== null;
+      this.heard(work);
+      if (work) this.shown(work, name);
+      else this.nothing(refusals(answer));
     });
-  }
-
-  /** The part with what is chosen for it. */
-  private asked(path: string): AskedPart {
-    const of = /\.ya?ml$/i.test(path) ? { job: path } : { tool_poses: path };
-    const along = this.path.value ? { path: this.path.value === "yes" } : {};
-    return { ...of, ...along, ...(this.reference.value ? { reference: this.reference.value } : {}) };
   }
 
   /** Tries the part at other places of the table. */
   private tryPlaces(): void {
-    const work = this.work;
+    const { work } = this;
     if (!work) return;
-    const { path, more } = work;
     void this.asking.do(async () => {
-      const [answer] = await this.session.ask(
-        [{ place: { ...this.asked(path), ranges: this.ranges.value, figure: true } }],
-        more,
-      );
+      const question = { place: { ...work.asked, ranges: this.ranges.value, figure: true } };
+      const [answer] = await this.session.ask([question], work.more);
       const tried = accepted<PlacedPart>(answer);
       const refused = answer === undefined ? [] : (answer as Refusal).diagnostics;
       const say = ({ message }: { message: string }) => make("p", { class: "refused" }, message);
@@ -172,7 +190,7 @@ export class Part {
     this.body.replaceChildren(...reasons.map((reason) => make("p", { class: "refused" }, reason)));
   }
 
-  private shown(work: Work, path: string): void {
+  private shown(work: Work, name: string): void {
     const rows = work.rows.poses;
     const reached = rows.filter((row) => row.axes).sort((a, b) => deviation(b) - deviation(a));
     const stops = [...new Set(rows.filter((row) => !row.axes).map(stop))];
@@ -181,7 +199,6 @@ export class Part {
     this.stage?.path(points(work, colours, this.go), most);
     this.tell("fits", ...fits(rows, stops));
     const csv = () => download.csv("part", [["line", "feature", "um", "stopped_by"], ...rows.map(line)]);
-    const name = path.replace(/^.*[/\\]/, "");
     this.body.replaceChildren(
       make(
         "p",
@@ -191,6 +208,7 @@ export class Part {
         ...this.largest(reached),
       ),
       make("p", { class: "words", id: "part-over" }, `${work.over}.`),
+      ...(work.limit ? [make("p", { class: "words", id: "part-limit" }, `Job: ${work.limit}.`)] : []),
       this.legend(colours, rows),
       ...(work.map.path ? [events(work.map.path)] : []),
       ...this.features(work),

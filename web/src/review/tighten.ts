@@ -35,7 +35,7 @@ export class Tighten {
       this.offer();
     });
     this.input.addEventListener("keydown", ({ key }) => key === "Enter" && this.ask());
-    const label = make("label", { for: "goal" }, "Goal of the 95 % value ");
+    const label = make("label", { for: "goal" }, "Goal of the 95 % value over the volume ");
     const row = make("p", {}, label, this.input, " µm ", this.find);
     const words = "The cheapest tolerances for a goal: halving one costs 1, and none becomes coarser (budget --goal).";
     parent.append(make("p", { class: "words" }, words), row, this.problem, this.answer);
@@ -65,7 +65,7 @@ export class Tighten {
     else
       this.tell(
         "tighten",
-        button(`Find tolerances for ${rounded(goal)} µm`, () => this.ask(), { class: "link" }),
+        button(`Find tolerances for ${rounded(goal)} µm over the volume`, () => this.ask(), { class: "link" }),
       );
   }
 

@@ -9,6 +9,7 @@ import { button, make } from "../ui/dom";
 import { download } from "../ui/download";
 import { row, table } from "../ui/table";
 import { figure, rounded } from "./number";
+import type { NamedPart } from "./part";
 
 /** Name of the text of A, in the folder of the machine so that what it names is found. */
 const NAME = "variant-A.abbe.yaml";
@@ -30,7 +31,7 @@ export class Variants {
     private readonly session: Session,
     private readonly editor: Editor,
     /** The tool poses of the part, if one is named. */
-    private readonly work: () => { path: string; more: Record<string, string> } | null,
+    private readonly work: () => NamedPart | null,
     /** Hears of the text of A. */
     private readonly kept: (first: string) => void,
     private readonly tell: Tell,
@@ -73,9 +74,10 @@ export class Variants {
     void this.asking.do(async () => {
       const name = this.session.beside(NAME);
       const work = this.work();
-      const options = work ? { tool_poses: work.path } : { poses: 1000 };
+      const options = work?.asked ?? { poses: 1000 };
+      const own = work?.isOwn ? { own_job: true } : {};
       const texts = { ...work?.more, [name]: this.first ?? "" };
-      const [answer] = await this.session.ask([{ compare: { first: name, options } }], texts);
+      const [answer] = await this.session.ask([{ compare: { first: name, ...own, options } }], texts);
       const found = accepted<Comparison>(answer);
       if (answer === undefined) return;
       this.body.replaceChildren(...(found ? shown(found) : refused(answer as Refusal)));

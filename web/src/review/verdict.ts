@@ -1,5 +1,6 @@
 /** The first thing a review looks at: the 95 % value, its band, and whether it is within the limit. */
 
+import type { Work } from "../evaluator/types";
 import type { Findings, State } from "../session";
 import { make } from "../ui/dom";
 import { move, place } from "../ui/address";
@@ -29,8 +30,8 @@ export function deciding(of: Findings): Deciding | null {
 }
 
 const STATISTICS: Record<string, string> = {
-  max: "at their worst pose",
-  p95: "at 95 % of their poses",
+  max: "at their worst pose in the volume",
+  p95: "at 95 % of their poses in the volume",
   rms: "in the root mean square over the volume",
   mean: "on average over the volume",
 };
@@ -49,18 +50,28 @@ function measured(map: NonNullable<Findings["map"]>): Deciding {
 }
 
 export class Verdict {
+  /** The figures over the part, above those over the volume. */
+  private readonly job = make("div", { id: "job" });
+
   constructor(private readonly parent: HTMLElement) {}
+
+  /** The part is another one; null without one. */
+  over(work: Work | null): void {
+    this.job.replaceChildren(...(work ? overJob(work) : []));
+  }
 
   show(state: State): void {
     const now = state.now && deciding(state.now);
-    if (!now) return this.parent.replaceChildren(...this.nothing(state));
+    if (!now) return this.parent.replaceChildren(this.job, ...this.nothing(state));
     const kept = state.kept && deciding(state.kept);
     const band = now.band
       ? make("p", { class: "band" }, `${rounded(now.band[0])} to ${rounded(now.band[1])} µm: ${now.source}`)
       : make("p", { class: "band" }, now.source);
     this.parent.classList.toggle("stale", state.stale);
+    const title = "Error of the machine over its volume";
     this.parent.replaceChildren(
-      make("h2", {}, state.stale ? "Error of the machine, before the last edit" : "Error of the machine"),
+      this.job,
+      make("h2", {}, state.stale ? `${title}, before the last edit` : title),
       make(
         "p",
         { class: "headline" },
@@ -114,8 +125,45 @@ export class Verdict {
       judge();
     });
     judge();
-    return make("p", { class: "limit" }, make("label", { for: "limit" }, "Limit"), input, " µm ", answer);
+    return make(
+      "p",
+      { class: "limit" },
+      make("label", { for: "limit" }, "Limit over the volume"),
+      input,
+      " µm ",
+      answer,
+    );
   }
+}
+
+/** The figures over the part, with the verdict of the limit that its job states. */
+function overJob({ map, over, limit }: Work): HTMLElement[] {
+  const drawn = map.bounds?.position_um.monte_carlo.p95;
+  const words =
+    drawn === undefined
+      ? `Largest deviation at the tool poses; at 95 % of them less than ${rounded(map.position_um.p95)} µm.`
+      : "95 of 100 machines built to these tolerances deviate less than this at all tool poses.";
+  const held = map.limit?.held;
+  const verdict = held ? "passes" : held === false ? "fails" : "open";
+  return [
+    make("h2", {}, "Error of the machine over the job"),
+    make("p", { class: "headline" }, figure("job", drawn ?? map.position_um.max, "µm")),
+    make("p", { class: "words", id: "job-over" }, `${words} ${over}.`),
+    ...(limit
+      ? [
+          make(
+            "p",
+            { class: "limit", id: "job-limit" },
+            make("strong", { class: `verdict-${verdict}` }, inMicrometres(limit)),
+          ),
+        ]
+      : []),
+  ];
+}
+
+/** A sentence of the program with the unit as the page writes it, and a capital letter. */
+function inMicrometres(words: string): string {
+  return words.charAt(0).toUpperCase() + words.slice(1).replaceAll(" um", " µm");
 }
 
 /** What is only a draft says so. */

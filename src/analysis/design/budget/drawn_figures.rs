@@ -105,6 +105,14 @@ pub fn draw_figures(request: FiguresRequest<'_>, progress: Advance<'_>) -> Resul
     Ok(all)
 }
 
+/// Returns the deviations (mm) of one drawn machine at the poses of a request.
+pub fn drawn_positions(request: &FiguresRequest<'_>, sample: usize) -> Vec<Vector3<f64>> {
+    let joints = by_joint_without(request.machine, request.bounds, request.reference);
+    let place = |pose: &Pose| BudgetPose::new(request.machine, &joints, pose, Quantity::Position);
+    let places: Vec<BudgetPose> = request.poses.par_iter().map(place).collect();
+    DrawnPositions::new(request, &places, &joints, sample / SAMPLE_LANES).at(request, sample % SAMPLE_LANES)
+}
+
 /// Returns the samples whose values are about the 95 % value of a figure, in rising order of their indices.
 fn about_95(values: &[Vec<f64>], figure: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();

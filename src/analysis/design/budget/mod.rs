@@ -16,8 +16,9 @@
 //! 7. [`Coverage`]: which acting errors have a value, a bound, or neither.
 //! 8. [`draw_figures()`]: figures of drawn machines by their deviations at poses, such as those of features.
 //! 9. [`draw_with_zone()`]: drawn machines on which the part is set up by a minimum zone.
-//! 10. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
-//! 11. [`StayingErrors`]: errors with values that no bound stands for; they act in every machine drawn.
+//! 10. [`draw_largest_steps()`]: the largest step of the deviation between poses of a path, in drawn machines.
+//! 11. [`cheapest()`]: the cheapest tolerances with which the 95 % value is a goal, by a [`CostModel`].
+//! 12. [`StayingErrors`]: errors with values that no bound stands for; they act in every machine drawn.
 //!
 //! To first order in the errors: second orders are of the size of error times error, nanometres here.
 
@@ -35,6 +36,7 @@ mod quantile;
 mod search;
 mod side_by_side;
 mod staying;
+mod step_draws;
 mod totals;
 mod worst;
 mod zone_draws;
@@ -46,7 +48,7 @@ pub use cost::{CostModel, Price};
 pub use coverage::{Coverage, STAND_IN_CLASS};
 pub(in crate::analysis) use draw::Normals;
 pub use draw::{Distribution, Draws, NODES};
-pub use drawn_figures::{DrawnFigure, FiguresAt, FiguresRequest, WeightsAt, draw_figures};
+pub use drawn_figures::{DrawnFigure, FiguresAt, FiguresRequest, WeightsAt, draw_figures, drawn_positions};
 pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};
 pub(crate) use kernel::{
     CurvePoint, DrawnSource, JointBounds, SAMPLE_LANES, SampleChunk, SampleLanes, SourceEffects, add, by_joint,
@@ -58,6 +60,7 @@ pub use pose_by_pose::{BoundedDeviation, BoundedLength, PoseByPose, PosesRequest
 pub use quantile::{Percentile, Proportion, mean, rank};
 pub use side_by_side::{BoundedError, BudgetPart, side_by_side};
 pub use staying::{ActingErrors, StayingErrors, count_staying};
+pub use step_draws::{DrawnStep, draw_largest_steps};
 pub use totals::{
     Budget, Contribution, DrawnSamples, PERCENTS, Request, Totals, budget, budget_from_samples, budget_poses,
     draw_samples,

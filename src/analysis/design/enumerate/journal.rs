@@ -49,6 +49,13 @@ impl Journal {
         Self { fingerprint, steps, done: BTreeMap::new() }
     }
 
+    /// True if a walk of a round is done for the arrangements with so many axes on the table.
+    pub fn holds(&self, at: RoundStep, tables: &[usize]) -> bool {
+        let has =
+            |records: &Vec<RoundRecord>| tables.iter().all(|table| records.iter().any(|of| of.row.table == *table));
+        self.done.get(&at).is_some_and(has)
+    }
+
     /// Returns the records of a round with their walks, walk by walk.
     pub fn round(&self, round: usize) -> impl Iterator<Item = (usize, &RoundRecord)> {
         let range = RoundStep { round, step: 0 }..RoundStep { round: round + 1, step: 0 };

@@ -16,6 +16,7 @@ mod arrangement;
 mod buildable;
 mod journal;
 mod ranking;
+mod records;
 mod rounds;
 mod rule;
 mod side_draws;

@@ -179,7 +179,7 @@ fn missing_of(journal: &Journal, round: usize, entrants: &[Entrant<'_>], inside:
     let walks = steps.len();
     let todo: BTreeMap<usize, Option<Vec<usize>>> = steps
         .into_iter()
-        .filter(|(step, _)| !journal.done.contains_key(&RoundStep { round, step: *step }))
+        .filter(|(step, tables)| !journal.holds(RoundStep { round, step: *step }, tables))
         .map(|(step, tables)| (step, Some(tables)))
         .collect();
     (!todo.is_empty()).then_some(MissingSteps { round, walks, todo })

@@ -120,6 +120,24 @@ impl<'a> Study<'a> {
         self.walks.len()
     }
 
+    /// True if the travel that the work needs is told.
+    pub(super) fn is_sized(&self) -> bool {
+        self.sized
+    }
+
+    /// True if the work is one path.
+    pub(super) fn is_path(&self) -> bool {
+        self.is_path
+    }
+
+    /// Returns the arrangements of a walk that have so many axes on the table, `None` for all, with these numbers.
+    pub(super) fn arrangements(&self, walk: usize, tables: Option<&[usize]>) -> Vec<(usize, Machine)> {
+        let (walk, machine) = (&self.walks[walk], self.machine);
+        let wanted = |table: &&usize| tables.is_none_or(|tables| tables.contains(table));
+        let arranged = |table: &usize| Some((*table, machine.rearranged(&walk.sides(machine, *table))?));
+        walk.tables.iter().filter(wanted).filter_map(arranged).collect()
+    }
+
     /// Returns the criterion.
     pub(super) fn judge_mut(&mut self) -> &mut Judge {
         &mut self.judge
@@ -160,7 +178,7 @@ impl<'a> Study<'a> {
     }
 
     /// Returns the names of what has no geometry stated for its side.
-    fn not_stated(&self, machine: &Machine) -> Vec<String> {
+    pub(super) fn not_stated(&self, machine: &Machine) -> Vec<String> {
         let bounded = |axis: &AxisName| match &self.judge {
             Judge::Budget { bounds, .. } => bounds.iter().any(|bound| turns(&bound.error, axis)),
             Judge::Errors => false,
@@ -173,14 +191,8 @@ impl<'a> Study<'a> {
 impl StudyRound<'_> {
     /// Returns the records of the arrangements of one walk that have so many axes on the table: `None` for all.
     pub fn step(&self, index: usize, tables: Option<&[usize]>) -> Vec<RoundRecord> {
-        let (walk, machine) = (&self.study.walks[index], self.study.machine);
-        let wanted = |table: &usize| tables.is_none_or(|tables| tables.contains(table));
-        let (tables, machines): (Vec<usize>, Vec<Machine>) = walk
-            .tables
-            .iter()
-            .filter(|table| wanted(table))
-            .filter_map(|table| Some((*table, machine.rearranged(&walk.sides(machine, *table))?)))
-            .unzip();
+        let walk = &self.study.walks[index];
+        let (tables, machines): (Vec<usize>, Vec<Machine>) = self.study.arrangements(index, tables).into_iter().unzip();
         let mut records = Vec::new();
         let mut from = 0;
         while from < machines.len() {
