@@ -139,8 +139,8 @@ impl PlacementResult {
         PlacementPicture { title, over, ranges, tried, own, best, figures }.picture()
     }
 
-    /// Returns the figure by which places are ranked in words, such as `largest position deviation over the tool poses`;
-    /// none for reach alone.
+    /// Returns the figure by which places are ranked in words, such as `largest position deviation over the tool
+    /// poses`; none for reach alone.
     pub fn figure_words(&self) -> Option<&'static str> {
         Some(match (self.not_told_apart.is_some(), self.statistic?) {
             (false, Statistic::Max) => "largest position deviation over the tool poses",

@@ -2,8 +2,8 @@
 //!
 //! Like is compared with like. Ranked are the places that reach the point of the reference and the most tool poses; if
 //! these are not the same ones everywhere, those that most places share. First come the fewest rewinds of a path, then
-//! the least figure, by which the limit of the job is judged, then the largest margin to the ends of the linear travels,
-//! then the place of the job. All others have no rank. Of machines drawn a place has a verdict against the first on the
+//! the least figure, by which the limit of the job is judged, then the largest margin to the ends of the linear
+//! travels, then the place of the job. All others have no rank. Of machines drawn a place has a verdict against the first on the
 //! same machines.
 
 use super::job_file::{Job, UnplacedJob};
@@ -62,7 +62,7 @@ pub struct TriedPlace {
     /// deviation over the tool poses that are reached; of machines drawn the value that 95 % of them do not exceed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub um: Option<f64>,
-    /// The interval that holds it with 95 % confidence, um: of machines drawn, or of values whose uncertainty is stated.
+    /// The interval that holds it with 95 % confidence, um: of machines drawn, or of values with a stated uncertainty.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_um: Option<[f64; 2]>,
     /// A ranked place against the first, on the same machines; none where no machines are drawn, and where the path has
@@ -119,8 +119,8 @@ pub struct CommonFigures {
     pub own_um: f64,
     /// The same at the best place.
     pub best_um: f64,
-    /// The best place against that of the job, on the same machines; none where no machines are drawn, and where the path
-    /// has other rewinds.
+    /// The best place against that of the job, on the same machines; none where no machines are drawn, and where the
+    /// path has other rewinds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub versus_own: Option<VersusFirst>,
 }
@@ -384,7 +384,7 @@ impl PlaceStudy<'_> {
                 let linear = set_up.removed().is_none_or(PartReference::is_linear);
                 Some(match adding.filter(|_| linear) {
                     Some(of) => {
-                        let drawn = self.drawn(of, ActingErrors::OfField(field), (set_up, &poses), go_on)?;
+                        let drawn = self.machine_values(of, ActingErrors::OfField(field), (set_up, &poses), go_on)?;
                         PlaceFigures::of_machines(over_poses, drawn)
                     }
                     None => {
@@ -405,7 +405,7 @@ impl PlaceStudy<'_> {
                 Some(match self.statistic {
                     Statistic::Max => PlaceFigures::of_machines(over_poses, largest),
                     Statistic::P95 => {
-                        let drawn = self.drawn(of, ActingErrors::None, (set_up, &poses), go_on)?;
+                        let drawn = self.machine_values(of, ActingErrors::None, (set_up, &poses), go_on)?;
                         PlaceFigures::of_machines(over_poses, drawn)
                     }
                 })
@@ -414,7 +414,7 @@ impl PlaceStudy<'_> {
     }
 
     /// Returns the statistic of machines drawn over poses, mm, without what a set-up takes out.
-    fn drawn(
+    fn machine_values(
         &self,
         of: PlaceDraws<'_>,
         acting: ActingErrors<'_>,
