@@ -33,7 +33,7 @@ fn job(folder: &Folder, limit: f64) -> PathBuf {
 
 fn of(verb: &str, machine: &[&PathBuf], job: &PathBuf) -> Value {
     let machines: Vec<&str> = machine.iter().map(|path| text(path)).collect();
-    json(&[&[verb], &machines[..], &["--job", text(job), "--format", "json"]].concat())
+    json(&[&[verb], &machines[..], &["--job", text(job), "--format", "json", "--quiet"]].concat())
 }
 
 #[test]
