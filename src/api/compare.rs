@@ -7,6 +7,7 @@ use super::compiled_model::PoseDeviation;
 use super::tolerances::ToleranceOptions;
 use crate::analysis::budget::BoundedDeviation;
 use crate::analysis::figure_bands::ComparedBands;
+use crate::analysis::reference::PartReference;
 use crate::analysis::{
     Comparison, ErrorContribution as AnalysedContribution, MachineResult, UnreachableCount, Work, compare as compared,
     contributions as contributions_of,
@@ -278,13 +279,7 @@ fn side_by_side(
     let verdicts = (1..files.len()).map(|i| whole.verdict(fitted.as_ref(), i, why(i))).collect();
     let references = removed(&set_ups);
     let contributions = contributions_of(&sides, options.approach.into(), &references);
-    let mut adds = Vec::new();
-    for (((machine, poses), file), reference) in sides.iter().zip(files).zip(&references) {
-        let (tolerances, samples, seed) = (&options.tolerances, whole.samples, options.seed);
-        let of = AddingBounds { machine, tolerances, samples, seed, work: Some(poses), reference: *reference };
-        adds.push(call.about(file.path(), |call| of.added(call))?);
-    }
-    call.check()?;
+    let adds = additions(call, files, (options, whole.samples), &sides, &references)?;
     let Figures { comparison, bounded, budgets, uncertainty, .. } = whole;
     let mut rows: Vec<ComparedPose> = (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect();
     put_events(&mut rows, asked, &comparison, &paths);
@@ -388,6 +383,24 @@ fn row(comparison: &Comparison, bounded: &[Option<Bounded>], index: usize) -> Co
     let bounded = bounded.iter().map(|of| of.as_ref().map(|of| of.found.poses[index])).collect();
     let (tip_mm, direction, events) = (target.tip.into(), target.direction.into(), Vec::new());
     ComparedPose { tip_mm, direction, deviations, bounded, events }
+}
+
+/// Returns what the bounds of each machine add to its measured errors.
+fn additions(
+    call: &mut Call<'_>,
+    files: &[MachineFile],
+    (options, samples): (&CompareOptions, usize),
+    sides: &[(&Machine, Vec<Pose>)],
+    references: &[Option<&PartReference>],
+) -> Result<Vec<Option<AddedByBounds>>, Refused> {
+    let mut adds = Vec::new();
+    for (((machine, poses), file), reference) in sides.iter().zip(files).zip(references) {
+        let (tolerances, seed) = (&options.tolerances, options.seed);
+        let of = AddingBounds { machine, tolerances, samples, seed, work: Some(poses), reference: *reference };
+        adds.push(call.about(file.path(), |call| of.added(call))?);
+    }
+    call.check()?;
+    Ok(adds)
 }
 
 /// Puts the events of the path of each machine to the tool poses that all machines reach.

@@ -190,8 +190,8 @@ impl<'a> Judge<'a> {
         self.reference.kind == ReferenceKind::BestFit || SetUp::new(machine, &self.reference, &[]).is_ok()
     }
 
-    /// True if a figure depends on a property. A travel counts by itself, where other poses are taken within it: it must
-    /// not change the work of the others.
+    /// True if a figure depends on a property. A travel counts by itself, where other poses are taken within it: it
+    /// must not change the work of the others.
     fn hangs_on(&self, property: &MachineProperty) -> bool {
         match property {
             MachineProperty::Travel(_) | MachineProperty::Controller(_) => false,

@@ -185,8 +185,8 @@ pub struct RankedArrangements {
     pub not_buildable: Vec<ExcludedArrangements>,
     /// The arrangements that do the whole work, best first.
     pub ranked: Vec<Arrangement>,
-    /// Arrangements that miss some tool poses: figures over their own tool poses, `minus_file` on those of them that the
-    /// arrangement of the file reaches.
+    /// Arrangements that miss some tool poses: figures over their own tool poses, `minus_file` on those of them that
+    /// the arrangement of the file reaches.
     pub reach_less: Vec<Arrangement>,
     /// Arrangements whose geometry the file does not state.
     pub geometry_not_stated: Vec<Arrangement>,

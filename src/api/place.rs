@@ -139,8 +139,8 @@ impl PlacementResult {
         PlacementPicture { title, over, ranges, tried, own, best, figures }.picture()
     }
 
-    /// Returns the figure by which places are ranked in words, such as `largest position deviation over the tool poses`;
-    /// none for reach alone.
+    /// Returns the figure by which places are ranked in words, such as `largest position deviation over the tool
+    /// poses`; none for reach alone.
     pub fn figure_words(&self) -> Option<&'static str> {
         Some(match (self.not_told_apart.is_some(), self.statistic?) {
             (false, Statistic::Max) => "largest position deviation over the tool poses",
@@ -213,7 +213,9 @@ fn try_places(call: &mut Call<'_>, file: &MachineFile, options: &PlacementOption
         None => (None, PlaceFigure::Reach),
     };
     let (asked, statistic) = (options.reference.as_ref(), options.tolerances.statistic);
-    let found = PlaceStudy { machine, job: &job, places: &places, asked, figure, statistic }.run(call)?;
+    let seed = options.seed;
+    let study = PlaceStudy { machine, job: &job, places: &places, asked, figure, statistic, seed };
+    let found = study.run(call)?;
     let own = found.tried[found.own].clone();
     let best = found.best.map(|best| found.tried[best].clone());
     let over = Over::new(OverKind::Job, machine, &found.reference, [rows, own.reached]).along(job.poses().is_path());

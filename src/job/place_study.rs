@@ -2,8 +2,8 @@
 //!
 //! Like is compared with like. Ranked are the places that reach the point of the reference and the most tool poses; if
 //! these are not the same ones everywhere, those that most places share. First come the fewest rewinds of a path, then
-//! the least figure, by which the limit of the job is judged, then the largest margin to the ends of the linear travels,
-//! then the place of the job. All others have no rank. Of machines drawn a place has a verdict against the first on the
+//! the least figure, by which the limit of the job is judged, then the largest margin to the ends of the linear
+//! travels, then the place of the job. All others have no rank. Of machines drawn a place has a verdict against the first on the
 //! same machines.
 
 use super::job_file::{Job, UnplacedJob};
@@ -15,8 +15,9 @@ use crate::analysis::budget::{
     ActingErrors, Bound, Draws, PairedTest, Percentile, PosesRequest, Request, Statistic, Verdict, VersusFirst,
     draw_samples, pose_by_pose,
 };
+use crate::analysis::figure_bands::field_bands;
 use crate::analysis::reference::PartReference;
-use crate::analysis::{View, deviations};
+use crate::analysis::{SummaryBand, View, deviations};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Field, Frame, Order, Poses, Statistics, Summary};
 use crate::machine::{AxisKind, Machine, OperatingConditions, Pose, Travel};
@@ -61,7 +62,7 @@ pub struct TriedPlace {
     /// deviation over the tool poses that are reached; of machines drawn the value that 95 % of them do not exceed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub um: Option<f64>,
-    /// The interval that holds it with 95 % confidence, um; none where no machines are drawn, or too few.
+    /// The interval that holds it with 95 % confidence, um: of machines drawn, or of values with a stated uncertainty.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_um: Option<[f64; 2]>,
     /// A ranked place against the first, on the same machines; none where no machines are drawn, and where the path has
@@ -118,8 +119,8 @@ pub struct CommonFigures {
     pub own_um: f64,
     /// The same at the best place.
     pub best_um: f64,
-    /// The best place against that of the job, on the same machines; none where no machines are drawn, and where the path
-    /// has other rewinds.
+    /// The best place against that of the job, on the same machines; none where no machines are drawn, and where the
+    /// path has other rewinds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub versus_own: Option<VersusFirst>,
 }
@@ -167,17 +168,19 @@ struct PlaceFigures {
     /// The figure of the ranking, um.
     um: f64,
     interval_um: Option<[f64; 2]>,
+    /// Intervals of values whose uncertainty is stated.
+    band: Option<SummaryBand>,
     /// The statistic over the poses of each machine drawn, um; empty where none is.
     drawn: Vec<f64>,
 }
 
 impl PlaceFigures {
-    fn of_values(over_poses: Summary, statistic: Statistic) -> Self {
-        let um = match statistic {
-            Statistic::Max => over_poses.max,
-            Statistic::P95 => over_poses.p95,
+    fn of_values(over_poses: Summary, band: Option<SummaryBand>, statistic: Statistic) -> Self {
+        let (um, interval_um) = match statistic {
+            Statistic::Max => (over_poses.max, band.map(|band| band.max)),
+            Statistic::P95 => (over_poses.p95, band.map(|band| band.p95)),
         };
-        Self { over_poses, um, interval_um: None, drawn: Vec::new() }
+        Self { over_poses, um, interval_um, band, drawn: Vec::new() }
     }
 
     /// Returns those of machines drawn, by their values (mm).
@@ -186,7 +189,7 @@ impl PlaceFigures {
         let mut sorted = drawn.clone();
         sorted.sort_by(f64::total_cmp);
         let Percentile { value: um, low, high, .. } = Percentile::of(&sorted, 95);
-        Self { over_poses, um, interval_um: low.zip(high).map(|(low, high)| [low, high]), drawn }
+        Self { over_poses, um, interval_um: low.zip(high).map(|(low, high)| [low, high]), band: None, drawn }
     }
 }
 
@@ -201,6 +204,8 @@ pub(crate) struct PlaceStudy<'a> {
     pub figure: PlaceFigure<'a>,
     /// The statistic of a machine over the tool poses.
     pub statistic: Statistic,
+    /// The seed of random numbers.
+    pub seed: u64,
 }
 
 /// The places that were tried, and the best of them.
@@ -315,7 +320,7 @@ impl PlaceStudy<'_> {
             interval_um: figure.as_ref().and_then(|of| of.interval_um),
             versus_first: None,
             limit: job.limit_mm.map(limit).zip(figure.as_ref()).map(|(limit, of)| match of.drawn.is_empty() {
-                true => limit.on_values(&of.over_poses, None),
+                true => limit.on_values(&of.over_poses, of.band.as_ref()),
                 false => limit.on_machines(of.um, of.interval_um),
             }),
             rank: None,
@@ -374,14 +379,19 @@ impl PlaceStudy<'_> {
                 let field = referenced.as_ref().map_or(field, |field| field as &dyn Field);
                 let view = View { conditions, frame: Frame::default() };
                 let (count, listed) = (poses.len(), Poses::Listed(poses.clone()));
-                let over_poses = Statistics::of(&deviations(field, &listed, 0..count, view, go_on)?).position_um;
+                let statistics = Statistics::of(&deviations(field, &listed, 0..count, view, go_on)?);
+                let over_poses = statistics.position_um;
                 let linear = set_up.removed().is_none_or(PartReference::is_linear);
                 Some(match adding.filter(|_| linear) {
                     Some(of) => {
-                        let drawn = self.drawn(of, ActingErrors::OfField(field), (set_up, &poses), go_on)?;
+                        let drawn = self.machine_values(of, ActingErrors::OfField(field), (set_up, &poses), go_on)?;
                         PlaceFigures::of_machines(over_poses, drawn)
                     }
-                    None => PlaceFigures::of_values(over_poses, self.statistic),
+                    None => {
+                        let (seed, removed) = (self.seed, set_up.removed());
+                        let bands = field_bands(field, &listed, statistics, &[], conditions, seed, removed);
+                        PlaceFigures::of_values(over_poses, bands.map(|bands| bands.position_um), self.statistic)
+                    }
                 })
             }
             PlaceFigure::Bounds(of) => {
@@ -395,7 +405,7 @@ impl PlaceStudy<'_> {
                 Some(match self.statistic {
                     Statistic::Max => PlaceFigures::of_machines(over_poses, largest),
                     Statistic::P95 => {
-                        let drawn = self.drawn(of, ActingErrors::None, (set_up, &poses), go_on)?;
+                        let drawn = self.machine_values(of, ActingErrors::None, (set_up, &poses), go_on)?;
                         PlaceFigures::of_machines(over_poses, drawn)
                     }
                 })
@@ -404,7 +414,7 @@ impl PlaceStudy<'_> {
     }
 
     /// Returns the statistic of machines drawn over poses, mm, without what a set-up takes out.
-    fn drawn(
+    fn machine_values(
         &self,
         of: PlaceDraws<'_>,
         acting: ActingErrors<'_>,

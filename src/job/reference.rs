@@ -277,8 +277,8 @@ impl SetUp {
                 let message = format!("a best fit is over 1 to {MAX_FITTED} poses, not {}", poses.len());
                 return Err(refuse(message, "take fewer poses, `--random 10000`, or another `--reference`"));
             }
-            ReferenceKind::BestFit if different(poses) < MIN_FITTED => {
-                let (poses, rest) = match different(poses) {
+            ReferenceKind::BestFit if count_different(poses) < MIN_FITTED => {
+                let (poses, rest) = match count_different(poses) {
                     1 => ("one pose", "nothing of its deviation"),
                     _ => ("two poses", "one of the six numbers of their deviations"),
                 };
@@ -332,7 +332,7 @@ pub(crate) fn unzeroed(reason: &Diagnostic) -> Diagnostic {
 }
 
 /// Returns the number of different poses (mm, deg) in a list, counted up to the minimum of a best fit.
-fn different(poses: &[Pose]) -> usize {
+fn count_different(poses: &[Pose]) -> usize {
     let same = |a: &Pose, b: &Pose| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME);
     let mut known: Vec<&Pose> = Vec::new();
     for pose in poses {

@@ -39,7 +39,7 @@ impl JobPaths<'_> {
         for (index, file) in files.iter().enumerate() {
             equipped.push(match file.with_tool(&tool) {
                 Ok(file) => file,
-                Err(_) if index == 0 => file.clone(),
+                Err(_) if index == 0 => return of(call, files),
                 Err(refusal) => return call.about(file.path(), |call| call.refuse(refusal)),
             });
         }

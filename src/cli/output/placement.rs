@@ -66,7 +66,7 @@ fn csv(of: &PlacementResult) -> String {
             ];
             cells.extend(numbers.map(number));
             cells.push(versus.map_or_else(String::new, |versus| versus.verdict.words().to_owned()));
-            cells.push(tried.limit.as_ref().map_or_else(String::new, |limit| held(limit).to_owned()));
+            cells.push(tried.limit.as_ref().map_or_else(String::new, |limit| limit_word(limit).to_owned()));
         }
         text += &(cells.join(",") + "\n");
     }
@@ -74,11 +74,11 @@ fn csv(of: &PlacementResult) -> String {
 }
 
 /// The verdict on the limit of the job in a word.
-fn held(limit: &LimitVerdict) -> &'static str {
+fn limit_word(limit: &LimitVerdict) -> &'static str {
     match limit.held {
         Some(true) => "held",
         Some(false) => "exceeded",
-        None => "not told",
+        None => "not decided",
     }
 }
 
@@ -166,7 +166,8 @@ fn rows(of: &PlacementResult) -> comfy_table::Table {
     }
     if of.not_told_apart.is_some() {
         columns.push(("figure, um".to_owned(), Box::new(move |of| number(of.um))));
-        let minus = |of: &TriedPlace| of.versus_first.map_or("-".to_owned(), |versus| paired(versus.minus_first));
+        let minus =
+            |of: &TriedPlace| of.versus_first.map_or("-".to_owned(), |versus| difference_words(versus.minus_first));
         columns.push(("minus first".to_owned(), Box::new(minus)));
         let verdict = |of: &TriedPlace| of.versus_first.map_or("-", |versus| versus.verdict.words()).to_owned();
         columns.push(("against first".to_owned(), Box::new(verdict)));
@@ -212,7 +213,7 @@ fn gained(of: &PlacementResult, best: &TriedPlace, gain: &PlacementGain) -> Stri
 }
 
 /// A difference with its interval.
-fn paired(of: PairedDifference) -> String {
+fn difference_words(of: PairedDifference) -> String {
     let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
     format!("{} ({}..{})", significant(of.value, 3), end(of.low), end(of.high))
 }
@@ -222,7 +223,8 @@ fn figures(of: &CommonFigures, places: &PlacementResult) -> String {
     let on = if is_all { String::new() } else { format!(" (on the {} tool poses that both reach)", of.poses) };
     if places.not_told_apart.is_some() {
         let [best, own] = [of.best_um, of.own_um].map(|um| significant(um, 4));
-        let versus = |of: VersusFirst| format!(", difference {} um: {}", paired(of.minus_first), of.verdict.words());
+        let versus =
+            |of: VersusFirst| format!(", difference {} um: {}", difference_words(of.minus_first), of.verdict.words());
         return format!("figure {best} um instead of {own}{on}{}", of.versus_own.map_or_else(String::new, versus));
     }
 

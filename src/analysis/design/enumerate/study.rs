@@ -255,8 +255,8 @@ impl StudyRound<'_> {
         judged.collect()
     }
 
-    /// Returns the ranked values of arrangements, um, on those of their tool poses that also the machine as its file has
-    /// it reaches; none where these are all, or none.
+    /// Returns the ranked values of arrangements, um, on those of their tool poses that the machine as its file has it
+    /// reaches too; none where these are all, or none.
     fn common_values(
         &self,
         walk: &Walk,
@@ -293,7 +293,7 @@ impl StudyRound<'_> {
         walk.references.iter().map(of).collect()
     }
 
-    /// Returns the ranked value of the machine as its file has it on those of the tool poses that it reaches, um; `None`
+    /// Returns the ranked value of the machine as its file has it on those of the tool poses that it reaches, um; none
     /// if it reaches none of them.
     fn file_value(&self, reached: &[usize]) -> Option<f64> {
         let (study, statistic) = (self.study, self.study.statistic);
