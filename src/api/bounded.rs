@@ -1,6 +1,7 @@
 //! The effect of the bounds of a machine where nothing is measured.
 
 use super::tolerances::{ClassSource, ToleranceOptions};
+use crate::analysis::SummaryBand;
 use crate::analysis::budget::{
     ActingErrors, Bound, Budget, Draws, PoseByPose, PosesRequest, Request, adding, budget, budget_poses,
     draw_largest_steps, effects_at, is_measured, pose_by_pose,
@@ -166,17 +167,19 @@ impl AddingBounds<'_> {
     }
 
     /// Returns the verdict of a limit on the machine, whose measured errors act as a field has them, less what the
-    /// set-up of the part takes out; `values_um` are these alone.
+    /// set-up of the part takes out; `values_um` are these alone, with their
+    /// intervals.
     pub(crate) fn limit(
         &self,
         call: &mut Call<'_>,
         limit: JobLimit,
         field: &dyn Field,
         values_um: &Summary,
+        band: Option<&SummaryBand>,
     ) -> Result<LimitVerdict, Refused> {
         let found = self.budget(call, ActingErrors::OfField(field))?;
         Ok(found.map_or_else(
-            || limit.on_values(values_um),
+            || limit.on_values(values_um, band),
             |(_, _, found)| DrawnMachineFigures::of(&found.position.sorted).against(&limit),
         ))
     }

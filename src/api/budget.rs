@@ -88,6 +88,11 @@ impl Default for BudgetOptions {
 }
 
 impl BudgetOptions {
+    /// Returns the files of the job.
+    pub(crate) fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
+
     /// Returns what drawn machines depend on.
     fn drawn_by(&self) -> impl std::fmt::Debug {
         (self.seed, self.samples, &self.tolerances)
@@ -208,7 +213,7 @@ pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Repl
         if options.shard.is_some() {
             return call.usage("a part of the machines has no budget: put all parts together with `merge`");
         }
-        budgeted(call, file, options)
+        options.job_paths().with_tool(call, file, |call, file| budgeted(call, file, options))
     })
 }
 
@@ -217,13 +222,14 @@ pub fn budget(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Repl
 ///
 /// Fails where [`budget`] does, and for a part that is not 1 to N.
 pub fn budget_part(file: &MachineFile, options: &BudgetOptions, run: Run<'_>) -> Reply<BudgetShard> {
-    Call::answer(run, file.sources(), |call| {
+    let part_of = |call: &mut Call<'_>, file: &MachineFile| {
         let at = fitting(call, file, options)?;
         let (bounds, _) = options.tolerances.bounds(call, file)?;
         let work = BudgetWork::of(call, file, options)?;
         let request = work.request(file, options, (&bounds, at.as_deref()));
         budget_parts::draw_part(call, options.division(&options.drawn_by()), request)
-    })
+    };
+    Call::answer(run, file.sources(), |call| options.job_paths().with_tool(call, file, part_of))
 }
 
 /// Maximum number of random poses.
@@ -266,8 +272,7 @@ struct BudgetWork {
 
 impl BudgetWork {
     fn of(call: &mut Call<'_>, machine: &MachineFile, options: &BudgetOptions) -> Result<Self, Refused> {
-        let paths =
-            JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
+        let paths = options.job_paths();
         let job = paths.read(call, machine)?;
         let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
         let toleranced = Job::characteristics(job.as_ref(), call, machine, tool_poses.as_ref())?;

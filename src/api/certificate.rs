@@ -51,6 +51,11 @@ pub(crate) struct CertificateScope {
 }
 
 impl CertifiedWork {
+    /// Returns the files of the job.
+    pub(crate) fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
+
     /// Returns the scope with the job, if there is one.
     pub(crate) fn scope(
         &self,
@@ -62,7 +67,7 @@ impl CertifiedWork {
     }
 
     fn read(&self, call: &mut Call<'_>, machine: &MachineFile) -> Result<Option<WorkOfCertificate>, Refused> {
-        let paths = JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path };
+        let paths = self.job_paths();
         let Some(job) = paths.read(call, machine)? else {
             if self.reference.is_some() {
                 return call.usage("the certificate over the volume is in machine coordinates: give a job too");

@@ -78,11 +78,12 @@ fn one(path: &Path, run: Run) -> CheckedFile {
 fn with_job(file: String, answer: Answer<MachineFile>, run: Run) -> CheckedFile {
     let Answer { value: machine, warnings: mut diagnostics } = answer;
     let found = Call::answer(run, machine.sources(), |call| {
-        let Some(job) = (JobPaths { job: None, tool_poses: None, path: None }).read(call, &machine)? else {
-            return Ok(());
-        };
-        let reached = job.poses.reached(call, &machine)?;
-        Job::set_up(Some(&job), call, &machine, None, &reached.poses).map(|_| ())
+        let paths = JobPaths { job: None, tool_poses: None, path: None };
+        paths.with_tool(call, &machine, |call, machine| {
+            let Some(job) = paths.read(call, machine)? else { return Ok(()) };
+            let reached = job.poses.reached(call, machine)?;
+            Job::set_up(Some(&job), call, machine, None, &reached.poses).map(|_| ())
+        })
     });
     let (machine, of_job) = match found {
         Ok(answer) => (Some(machine), answer.warnings),

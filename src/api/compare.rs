@@ -21,7 +21,7 @@ use crate::job::path::PathResult;
 use crate::job::poses::check;
 use crate::job::reference::{Reference, SetUp};
 use crate::job::reference_text::ReferenceOption;
-use crate::job::tool_poses::{MissedToolPose, NeededTravel, needed_travel};
+use crate::job::tool_poses::{MissedToolPose, NeededTravel, ToolPoses, needed_travel};
 use crate::machine::{Approach, Machine, Pose};
 use crate::report::{BoundedFigures, RssDifference};
 use crate::run::{Call, Count, Refused, Reply, Run};
@@ -60,6 +60,13 @@ pub struct CompareOptions {
     pub order: Option<Order>,
     /// Side of approach, where forward and reverse curves were given.
     pub approach: Approach,
+}
+
+impl CompareOptions {
+    /// Returns the files of the job.
+    pub(crate) fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
 }
 
 impl Default for CompareOptions {
@@ -200,13 +207,17 @@ pub struct ComparedPose {
     pub deviations: Vec<PoseDeviation>,
     /// What the bounds of each machine lead to, where nothing is measured.
     pub bounded: Vec<Option<BoundedDeviation>>,
+    /// Events of the path of each machine in words, empty without; none of single poses.
+    pub events: Vec<String>,
 }
 
 /// Compares machines on the same tool poses; the first is the reference.
 ///
 /// Fails if no tool pose is reached by all machines. Warns of tool poses of a file that a machine does not reach.
 pub fn compare(files: &[MachineFile], options: &CompareOptions, run: Run<'_>) -> Reply<CompareResult> {
-    Call::answer(run, &sources_of(files), |call| side_by_side(call, files, options))
+    Call::answer(run, &sources_of(files), |call| {
+        options.job_paths().with_tools(call, files, |call, files| side_by_side(call, files, options))
+    })
 }
 
 fn side_by_side(
@@ -220,7 +231,7 @@ fn side_by_side(
     let order = |machine: &Machine| order_of(machine, options.order);
     let bare: Vec<Bare<'_>> = files.iter().map(|file| Bare { machine: file, order: order(file) }).collect();
     let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-    let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
+    let paths = options.job_paths();
     let job = paths.read(call, first)?;
     let asked = job.as_ref().map(|job| &job.poses);
     let work = match asked {
@@ -246,7 +257,7 @@ fn side_by_side(
     if comparison.common.is_empty() {
         return call.refuse(nothing_in_common(files, &comparison));
     }
-    let (set_ups, unzeroed) = set_ups(call, files, &sides, options.reference.as_ref(), job.as_ref())?;
+    let (set_ups, unlike) = set_ups(call, files, &sides, options.reference.as_ref(), job.as_ref())?;
     let (samples, approach) = (options.samples, options.approach);
     let max_samples = options.max_samples.unwrap_or_else(|| samples.saturating_mul(8));
     let draws = AlikeDraws { tolerances: &options.tolerances, samples, max_samples, seed: options.seed };
@@ -263,11 +274,8 @@ fn side_by_side(
         _ => None,
     };
     let best_fit = fitted.as_ref().map(|of| of.compared(over(&Reference::best_fit())));
-    let unlike = |i: usize| {
-        let unzeroed = unzeroed.as_ref().map(|why| format!("no reference point that all machines reach: {why}"));
-        unzeroed.or_else(|| unlike_paths(&paths, i))
-    };
-    let verdicts = (1..files.len()).map(|i| whole.verdict(fitted.as_ref(), i, unlike(i))).collect();
+    let why = |i: usize| unlike.clone().or_else(|| unlike_paths(&paths, i));
+    let verdicts = (1..files.len()).map(|i| whole.verdict(fitted.as_ref(), i, why(i))).collect();
     let references = removed(&set_ups);
     let contributions = contributions_of(&sides, options.approach.into(), &references);
     let mut adds = Vec::new();
@@ -278,6 +286,8 @@ fn side_by_side(
     }
     call.check()?;
     let Figures { comparison, bounded, budgets, uncertainty, .. } = whole;
+    let mut rows: Vec<ComparedPose> = (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect();
+    put_events(&mut rows, asked, &comparison, &paths);
     let machines = (0..files.len()).map(|i| compared_machine(files, &comparison, order(&files[i]), (i, &bounded)));
     let travel = |(i, missed): (usize, &Option<Vec<_>>)| {
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
@@ -289,7 +299,9 @@ fn side_by_side(
         Some(match (&budgets, &machine.bounds) {
             (Some(of), _) => of.machines[i].position_um.monte_carlo.against(&limit),
             (None, Some(of)) => of.figures.position_um.monte_carlo.against(&limit),
-            (None, None) => limit.on_values(&machine.position_um),
+            (None, None) => {
+                limit.on_values(&machine.position_um, machine.uncertainty.as_ref().map(|of| &of.own.position_um))
+            }
         })
     };
     let of = |(i, ((((machine, missed), travel), bounds_add), path))| {
@@ -310,7 +322,7 @@ fn side_by_side(
         budgets,
         best_fit,
         verdicts,
-        rows: (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect(),
+        rows,
     })
 }
 
@@ -374,7 +386,25 @@ fn row(comparison: &Comparison, bounded: &[Option<Bounded>], index: usize) -> Co
     };
     let deviations = comparison.machines.iter().map(deviation).collect();
     let bounded = bounded.iter().map(|of| of.as_ref().map(|of| of.found.poses[index])).collect();
-    ComparedPose { tip_mm: target.tip.into(), direction: target.direction.into(), deviations, bounded }
+    let (tip_mm, direction, events) = (target.tip.into(), target.direction.into(), Vec::new());
+    ComparedPose { tip_mm, direction, deviations, bounded, events }
+}
+
+/// Puts the events of the path of each machine to the tool poses that all machines reach.
+fn put_events(
+    rows: &mut [ComparedPose],
+    asked: Option<&ToolPoses>,
+    comparison: &Comparison,
+    paths: &[Option<PathResult>],
+) {
+    let is_missed = |side: &MachineResult, index: usize| side.missed.binary_search_by_key(&index, |of| of.0).is_ok();
+    let is_common = |index: &usize| !comparison.machines.iter().any(|side| is_missed(side, *index));
+    let lines = asked.map_or_else(Vec::new, ToolPoses::lines);
+    let common: Vec<usize> = (0..lines.len()).filter(is_common).map(|index| lines[index]).collect();
+    for path in paths.iter().flatten() {
+        let words = path.words_at(common.iter().copied());
+        rows.iter_mut().zip(words).for_each(|(row, words)| row.events.push(words));
+    }
 }
 
 pub(crate) fn nothing_in_common(files: &[MachineFile], comparison: &Comparison) -> Diagnostic {

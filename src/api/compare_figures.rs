@@ -12,10 +12,12 @@ use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
 use crate::job::reference::{Reference, SetUp, unzeroed};
+use crate::lower::NominalPose;
 use crate::machine::{Machine, OperatingConditions, Pose};
 use crate::report::BoundedFigures;
 use crate::run::{Call, Refused};
 use crate::units::significant;
+use nalgebra::Vector3;
 
 /// Machines side by side without the rigid motion of the part that fits the deviations of each best.
 #[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
@@ -139,7 +141,8 @@ impl Bounded {
 }
 
 /// Returns the set-ups of the part on all machines, each at its poses for the work. A job without a reference is zeroed
-/// at its origin; where a machine does not reach that, all are in machine coordinates, and the reason is returned.
+/// at its origin; where a machine does not reach that, all are in machine coordinates. Returns the reason, too, if the
+/// set-ups are not alike.
 pub(crate) fn set_ups(
     call: &mut Call<'_>,
     files: &[MachineFile],
@@ -162,12 +165,30 @@ pub(crate) fn set_ups(
             Err(reason) => {
                 call.about(file.path(), |call| call.warn(unzeroed(&reason)));
                 call.check()?;
-                return Ok((vec![SetUp::machine(); files.len()], Some(reason.message)));
+                let why = format!("no reference point that all machines reach: {}", reason.message);
+                return Ok((vec![SetUp::machine(); files.len()], Some(why)));
             }
         }
     }
-    Ok((list, None))
+    let why = "the zero is probed in other directions of the tool: state `I,J,K` in place of rotary axes";
+    let unlike = reference.rotary.is_some() && !is_probed_alike(sides, &list);
+    Ok((list, unlike.then(|| why.to_owned())))
 }
+
+/// True if the tool has the same direction on the part at the reference points of all machines.
+fn is_probed_alike(sides: &[(&Machine, Vec<Pose>)], set_ups: &[SetUp]) -> bool {
+    let directions = |((machine, _), set_up): (&(&Machine, Vec<Pose>), &SetUp)| -> Vec<Vector3<f64>> {
+        let tool = Vector3::from(machine.tool().direction);
+        let points = set_up.removed().map_or(&[][..], |of| of.points());
+        points.iter().map(|point| NominalPose::in_part(machine, &point.pose).pose.linear * tool).collect()
+    };
+    let all: Vec<Vec<Vector3<f64>>> = sides.iter().zip(set_ups).map(directions).collect();
+    all.iter()
+        .all(|of| of.len() == all[0].len() && of.iter().zip(&all[0]).all(|(a, b)| (a - b).norm() < SAME_DIRECTION))
+}
+
+/// Difference of unit vectors up to which they are one direction.
+const SAME_DIRECTION: f64 = 1e-9;
 
 /// Returns what is taken out on each machine.
 pub(crate) fn removed(set_ups: &[SetUp]) -> Vec<Option<&PartReference>> {

@@ -79,7 +79,7 @@ pub struct CompiledSet {
 /// Fails if the target is unknown or has nothing for this machine, if a correction exceeds the limits, if the files do
 /// not read back as the intended set, and if an option does not fit.
 pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Reply<CompiledSet> {
-    Call::answer(run, file.sources(), |call| {
+    let set_of = |call: &mut Call<'_>, file: &MachineFile| {
         call.check_counts(&[Count::Poses(options.poses)])?;
         call.extend(bounded_only(file));
         let target = options.compensation.target(call, &options.target)?;
@@ -89,7 +89,8 @@ pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Reply<
             return module(call, file, &target, options, &scope);
         }
         tables(call, file, &target, options, &scope)
-    })
+    };
+    Call::answer(run, file.sources(), |call| options.work.job_paths().with_tool(call, file, set_of))
 }
 
 impl CompileOptions {

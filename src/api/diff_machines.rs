@@ -41,6 +41,13 @@ pub struct DiffMachinesOptions {
     pub approach: Approach,
 }
 
+impl DiffMachinesOptions {
+    /// Returns the files of the job.
+    pub(crate) fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
+}
+
 impl Default for DiffMachinesOptions {
     fn default() -> Self {
         let (tool_poses, job, path, reference) = (None, None, None, None);
@@ -53,7 +60,9 @@ impl Default for DiffMachinesOptions {
 ///
 /// Fails if the files are not two, and if no tool pose is reached by both machines.
 pub fn diff_machines(files: &[MachineFile], options: &DiffMachinesOptions, run: Run<'_>) -> Reply<MachineDifference> {
-    Call::answer(run, &sources_of(files), |call| difference(call, files, options))
+    Call::answer(run, &sources_of(files), |call| {
+        options.job_paths().with_tools(call, files, |call, files| difference(call, files, options))
+    })
 }
 
 fn difference(
@@ -64,15 +73,16 @@ fn difference(
     let [first, second] = files else { return call.usage("`diff` takes two machines") };
     call.check_counts(&[Count::Poses(options.poses)])?;
     let properties = first.differences(second);
-    let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
+    let paths = options.job_paths();
     let job = paths.read(call, first)?;
     let judge = Judge::of(call, [first, second], options, job.as_ref())?;
-    let single: Vec<(&MachineProperty, Machine)> = properties
-        .iter()
-        .filter(|property| judge.hangs_on(property))
-        .filter_map(|property| Some((property, first.with_property_of(second, property)?)))
-        .filter(|(_, machine)| judge.is_set_up(machine))
-        .collect();
+    let mixtures = |hangs: &dyn Fn(&MachineProperty) -> bool| -> Vec<(&MachineProperty, Machine)> {
+        let some = properties.iter().filter(|property| hangs(property));
+        let mixed = some.filter_map(|property| Some((property, first.with_property_of(second, property)?)));
+        mixed.filter(|(_, machine)| judge.is_set_up(machine)).collect()
+    };
+    let single = mixtures(&|property| judge.hangs_on(property));
+    let travels = mixtures(&|property| matches!(property, MachineProperty::Travel(_)));
     let both = [&**first, &**second];
     let work = match &job {
         Some(job) => job.poses.work(first),
@@ -105,10 +115,14 @@ fn difference(
     for property in &properties {
         let from = if *property == MachineProperty::Chain { 0 } else { base };
         let alone = narrow.iter().find(|(known, _)| *known == property);
-        effects.push(match (place(property).filter(covered), alone) {
-            (Some(i), _) => Some(p95s[i] - p95s[from]),
-            (None, Some((_, machine))) => judge.difference_um(call, machines[from], machine, &common)?,
-            (None, None) => None,
+        let travel = travels.iter().find(|(known, _)| *known == property);
+        effects.push(match (place(property).filter(covered), alone, travel) {
+            (Some(i), ..) => Some(p95s[i] - p95s[from]),
+            (None, Some((_, machine)), _) => judge.difference_um(call, machines[from], machine, &common, false)?,
+            (None, None, Some((_, machine))) if base > 0 || !properties.contains(&MachineProperty::Chain) => {
+                judge.difference_um(call, machines[base], machine, &common, true)?
+            }
+            _ => None,
         });
     }
     let described = properties.iter().zip(effects);
@@ -173,7 +187,8 @@ impl<'a> Judge<'a> {
         self.reference.kind == ReferenceKind::BestFit || SetUp::new(machine, &self.reference, &[]).is_ok()
     }
 
-    /// True if a figure depends on a property. A travel taken alone would change the work.
+    /// True if a figure depends on a property. A travel counts by itself, where other poses are taken within it: it must
+    /// not change the work of the others.
     fn hangs_on(&self, property: &MachineProperty) -> bool {
         match property {
             MachineProperty::Travel(_) | MachineProperty::Controller(_) => false,
@@ -226,16 +241,20 @@ impl<'a> Judge<'a> {
     }
 
     /// Returns the figure of a mixture minus that of the machine it is made from, on the tool poses that both reach;
-    /// none without such.
+    /// none without such, nor of a travel within which both take them by the same poses.
     fn difference_um(
         &self,
         call: &mut Call<'_>,
         from: &Machine,
         mixture: &Machine,
         work: &Work,
+        of_travel: bool,
     ) -> Result<Option<f64>, Refused> {
         let found = self.compare(call, &[from, mixture], work)?;
         if found.common.is_empty() || !covers(mixture, &found.machines[1]) {
+            return Ok(None);
+        }
+        if of_travel && is_same(&found.machines[0], &found.machines[1]) {
             return Ok(None);
         }
         let [from, mixture] = [(from, &found.machines[0]), (mixture, &found.machines[1])];
@@ -245,6 +264,15 @@ impl<'a> Judge<'a> {
 
 fn bounds_of(machine: &Machine) -> Vec<Bound> {
     bounds(machine, machine.class().map(|named| &named.class))
+}
+
+/// Axes of one pose are less than this apart, mm or deg.
+const SAME: f64 = 1e-6;
+
+/// True if both take their tool poses by the same poses of their axes.
+fn is_same(a: &MachineResult, b: &MachineResult) -> bool {
+    let alike = |(a, b): (&f64, &f64)| (a - b).abs() < SAME;
+    a.reached.iter().zip(&b.reached).all(|((a, _), (b, _))| a.iter().zip(b).all(alike))
 }
 
 /// True if every error curve is defined at the poses.

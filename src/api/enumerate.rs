@@ -166,7 +166,7 @@ pub struct RankedArrangements {
     /// Verdicts that are withheld because errors without a value or a bound could turn them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turned: Option<TurnedVerdicts>,
-    /// Number of tool poses.
+    /// Number of tool poses: all of a job, whether or not the machine of the file reaches them.
     pub poses: usize,
     /// Number of machines drawn of every arrangement.
     pub samples: Option<usize>,
@@ -185,7 +185,8 @@ pub struct RankedArrangements {
     pub not_buildable: Vec<ExcludedArrangements>,
     /// The arrangements that do the whole work, best first.
     pub ranked: Vec<Arrangement>,
-    /// Arrangements that miss some tool poses: figures over their own tool poses, `minus_file` on these.
+    /// Arrangements that miss some tool poses: figures over their own tool poses, `minus_file` on those of them that the
+    /// arrangement of the file reaches.
     pub reach_less: Vec<Arrangement>,
     /// Arrangements whose geometry the file does not state.
     pub geometry_not_stated: Vec<Arrangement>,
@@ -243,7 +244,7 @@ pub struct Arrangement {
     pub high: Option<f64>,
     /// Mean of the machines drawn, um.
     pub mean: Option<f64>,
-    /// Its figure minus that of the arrangement of the file, um.
+    /// Its figure minus that of the arrangement of the file, um, on the tool poses that both reach; none without such.
     pub minus_file: Option<f64>,
     /// Number of machines drawn.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -297,7 +298,7 @@ impl Arrangement {
             low: result.and_then(|result| result.low),
             high: result.and_then(|result| result.high),
             mean: result.and_then(|result| result.mean),
-            minus_file: result.map(|result| result.minus_file),
+            minus_file: result.and_then(|result| result.minus_file),
             samples: result.and_then(|result| result.samples),
             versus_first: result.and_then(|result| result.versus_first).map(against),
             best_fit: result.and_then(|result| result.best_fit),
@@ -413,7 +414,9 @@ pub fn enumerate(
     file: Option<&dyn StudyFile>,
     run: Run<'_>,
 ) -> Reply<EnumerateResult> {
-    Call::answer(run, machine.sources(), |call| studied(call, machine, options, file))
+    Call::answer(run, machine.sources(), |call| {
+        options.job_paths().with_tool(call, machine, |call, machine| studied(call, machine, options, file))
+    })
 }
 
 fn studied(
@@ -439,7 +442,7 @@ fn studied(
     }
     let long = options.size.then(|| sized(machine));
     let machine = long.as_ref().unwrap_or(machine);
-    let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
+    let paths = options.job_paths();
     let job = paths.read(call, machine_file)?;
     let tool_poses = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let work = match &job {
@@ -484,7 +487,9 @@ fn studied(
     };
     let unranked = |rows: Vec<ArrangementRow>| rows.into_iter().map(|row| Arrangement::new(row, None)).collect();
     let mut over = Over::work(machine, &set_ups.reference, tool_poses.as_ref(), options.poses);
-    over.reached = end.reach.work;
+    if tool_poses.is_none() {
+        over.reached = end.reach.work;
+    }
     Ok(EnumerateResult::Ranked(Box::new(RankedArrangements {
         over,
         machine: machine.name().to_owned(),
@@ -518,6 +523,11 @@ fn exclusions(counts: [usize; 3]) -> Vec<ExcludedArrangements> {
 }
 
 impl EnumerateOptions {
+    /// Returns the files of the job.
+    pub(crate) fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
+
     /// The largest number of machines that is asked for.
     fn largest(&self) -> usize {
         self.samples.max(self.max_samples.unwrap_or(0))
@@ -680,7 +690,7 @@ fn fingerprint(
         }
         Judge::Errors => "errors".to_owned(),
     };
-    let listed = listed.map_or_else(String::new, |work| format!(" {work:?}"));
+    let listed = listed.map_or_else(String::new, |work| format!(" whole {work:?}"));
     let drawn = (options.buildable, options.rotary, options.poses, options.seed, options.tolerances.statistic);
     let text = format!(
         "{} {} {rules:?} {bounds} {drawn:?}{listed} {set_ups:?}",

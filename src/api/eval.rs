@@ -12,6 +12,7 @@ use crate::job::path::PathResult;
 use crate::job::poses::{AxisPositions, axis_positions, poses};
 use crate::job::reference::{Reference, SetUp};
 use crate::job::reference_text::ReferenceOption;
+use crate::job::tool_poses::ReachedToolPoses;
 use crate::lower::WeilLift;
 use crate::machine::{Approach, Machine, OperatingConditions, Pose};
 use crate::run::{Call, Refused, Reply, Run};
@@ -53,6 +54,15 @@ pub struct EvalOptions {
     pub interactions: bool,
 }
 
+impl EvalOptions {
+    /// Returns the files of the job. Poses that are asked for come before the job of the machine file.
+    fn job_paths(&self) -> JobPaths<'_> {
+        let is_posed = !self.at.is_empty() || !self.poses.is_empty() || self.pose_file.is_some();
+        let posed = is_posed.then(|| Path::new(NO_JOB));
+        JobPaths { job: self.job.as_deref().or(posed), tool_poses: None, path: self.path }
+    }
+}
+
 /// Deviations at poses.
 #[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
 pub struct EvalResult {
@@ -72,6 +82,9 @@ pub struct EvalResult {
     /// Events of the path, if the tool poses are one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<PathResult>,
+    /// Events of the path at each pose in words, empty at a pose without; none of single poses.
+    #[serde(skip)]
+    pub events: Vec<String>,
     /// Units of the numbers.
     pub units: EvalUnits,
     /// The poses in their order.
@@ -140,17 +153,15 @@ pub struct PoseResult {
 /// Fails for a pose that does not fit the machine, and where an error curve is not known. Warns of poses beyond the
 /// travel.
 pub fn eval(file: &MachineFile, options: &EvalOptions, run: Run) -> Reply<EvalResult> {
-    Call::answer(run, file.sources(), |call| evaluate_poses(call, file, options))
+    Call::answer(run, file.sources(), |call| {
+        options.job_paths().with_tool(call, file, |call, file| evaluate_poses(call, file, options))
+    })
 }
 
 fn evaluate_poses(call: &mut Call, machine: &MachineFile, options: &EvalOptions) -> Result<EvalResult, Refused> {
     call.extend(bounded_only(machine));
     let asked = (options.at.as_slice(), options.poses.as_slice(), options.pose_file.as_ref());
-    // Poses that are asked for come before the job of the machine file.
-    let is_posed = !options.at.is_empty() || !options.poses.is_empty() || options.pose_file.is_some();
-    let posed = is_posed.then(|| Path::new(NO_JOB));
-    let job =
-        JobPaths { job: options.job.as_deref().or(posed), tool_poses: None, path: options.path }.read(call, machine)?;
+    let job = options.job_paths().read(call, machine)?;
     let reached = job.as_ref().map(|job| job.poses.reached(call, machine)).transpose()?;
     let poses = match &reached {
         Some(reached) => reached.poses.clone(),
@@ -190,6 +201,7 @@ fn evaluate_poses(call: &mut Call, machine: &MachineFile, options: &EvalOptions)
         direction: options.approach,
         tool: machine.tool().name.clone(),
         over,
+        events: reached.as_ref().map_or_else(Vec::new, ReachedToolPoses::events),
         path: reached.and_then(|reached| reached.path),
         units: UNITS,
         poses: results,

@@ -43,7 +43,9 @@ pub fn map_tables(
     tables: Vec<MapTable<'_>>,
     run: Run<'_>,
 ) -> Reply<MapResult> {
-    Call::answer(run, file.sources(), |call| volume(call, file, options, tables, &WholeMap))
+    Call::answer(run, file.sources(), |call| {
+        options.job().with_tool(call, file, |call, file| volume(call, file, options, tables, &WholeMap))
+    })
 }
 
 /// Maps as [`map`] does, with deviations of several engines.
@@ -53,7 +55,9 @@ pub(crate) fn map_of_parts(
     parts: &dyn MapParts,
     run: Run<'_>,
 ) -> Reply<MapResult> {
-    Call::answer(run, file.sources(), |call| volume(call, file, options, Vec::new(), parts))
+    Call::answer(run, file.sources(), |call| {
+        options.job().with_tool(call, file, |call, file| volume(call, file, options, Vec::new(), parts))
+    })
 }
 
 /// Gives the deviations of a map that is held as a whole.
@@ -152,7 +156,11 @@ fn volume(
     let (tolerances, samples, seed) = settings;
     let adding = AddingBounds { machine, tolerances, samples, seed, work: reached, reference: set_up.removed() };
     let bounds_add = adding.added(call)?;
-    let diagonals = body_diagonals(field, &view.conditions.at_pose(&rest(machine)), DIAGONAL_STEPS);
+    // They are of the volume, not of a part.
+    let diagonals = match &tool_poses {
+        Some(_) => Vec::new(),
+        None => body_diagonals(field, &view.conditions.at_pose(&rest(machine)), DIAGONAL_STEPS),
+    };
     let over = Over::work(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
     let result = result(&rows, over, &survey, &diagonals);
     let uncompensated = before.map(|s| Uncompensated { position_um: s.position_um, rotation_urad: s.rotation_urad });
@@ -161,7 +169,8 @@ fn volume(
         field_bands(field, &poses, survey.statistics, &besides, view.conditions, options.seed, set_up.removed());
     let target = options.target.clone();
     let limit = Job::limit(job.as_ref(), tolerances.statistic, tool_poses.as_ref());
-    let limit = limit.map(|limit| adding.limit(call, limit, field, &result.position_um)).transpose()?;
+    let band = uncertainty.as_ref().map(|of| &of.position_um);
+    let limit = limit.map(|limit| adding.limit(call, limit, field, &result.position_um, band)).transpose()?;
     let path = tool_poses.as_ref().map(|reached| path(call, field, reached, view)).transpose()?.flatten();
     Ok(MapResult {
         limit,

@@ -204,7 +204,7 @@ pub struct MapResult {
     pub uncertainty: Option<Bands>,
     /// The worst poses, largest deviation of the functional point first.
     pub worst: Vec<WorstPose>,
-    /// The body diagonals of the volume.
+    /// The body diagonals of the volume; none of a job.
     pub diagonals: Vec<BodyDiagonal>,
     /// Relative error of the 95 % values, for a map of more than [`MapPoses::MAX_HELD`] poses.
     #[serde(skip_serializing_if = "Option::is_none")]

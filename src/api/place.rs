@@ -3,6 +3,7 @@
 use super::bounded::DrawnBounds;
 use super::map_bounds::refuse_order;
 use super::tolerances::ToleranceOptions;
+use crate::analysis::budget::{Statistic, adding};
 use crate::analysis::rotary_axes_place_tip;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Order};
@@ -10,7 +11,7 @@ use crate::job::job_file::JobPaths;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::{Over, OverKind};
 use crate::job::place_grid::{PlaceGrid, PlaceRange};
-use crate::job::place_study::{PlaceFigure, PlaceStudy, PlacementGain, TriedPlace};
+use crate::job::place_study::{PlaceDraws, PlaceFigure, PlaceStudy, PlacementGain, TriedPlace};
 use crate::job::placement::Placement;
 use crate::job::reference::Reference;
 use crate::machine::{Approach, Machine};
@@ -69,6 +70,11 @@ impl Default for PlacementOptions {
 }
 
 impl PlacementOptions {
+    /// Returns the files of the job.
+    pub(crate) fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
+
     /// Largest number of places.
     pub const MAX_PLACES: usize = 10_000;
     /// Largest number of tool poses, places times those of the job.
@@ -77,6 +83,8 @@ impl PlacementOptions {
     pub const MAX_ROBOT: usize = 20_000;
     /// Largest number of drawn deviations, tool poses times machines.
     pub const MAX_DRAWN: usize = 2_000_000_000;
+    /// Largest number of drawn machines that are kept, places times machines.
+    pub const MAX_KEPT: usize = 20_000_000;
 }
 
 /// Places of a part on a machine.
@@ -89,7 +97,10 @@ pub struct PlacementResult {
     /// `values` or `bounds`, from which the figures are; none for reach alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<&'static str>,
-    /// Settings of the machines drawn, from bounds.
+    /// The statistic of a machine over the tool poses, by which places are ranked; none for reach alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub statistic: Option<Statistic>,
+    /// Settings of the machines drawn, where errors are bounded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drawing: Option<DrawSettings>,
     /// The ranges, in the order named.
@@ -100,6 +111,10 @@ pub struct PlacementResult {
     pub reach_all: usize,
     /// Number of places that are ranked: those that reach the same tool poses, the most of all, and the reference.
     pub ranked: usize,
+    /// Number of ranked places that the machines drawn do not tell apart from the best, or that are equal to it; none
+    /// where no machines are drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_told_apart: Option<usize>,
     /// The place of the job.
     pub own: TriedPlace,
     /// The best place; none if no tool pose is reached anywhere.
@@ -120,7 +135,19 @@ impl PlacementResult {
     pub fn picture(&self) -> Picture {
         let (ranges, tried, best) = (&self.ranges, &self.tried, self.best.as_ref());
         let (title, over) = (&self.machine, &self.over.line());
-        PlacementPicture { title, over, ranges, tried, own: &self.own, best, figures: self.from.is_some() }.picture()
+        let (own, figures) = (&self.own, self.figure_words());
+        PlacementPicture { title, over, ranges, tried, own, best, figures }.picture()
+    }
+
+    /// Returns the figure by which places are ranked in words, such as `largest position deviation over the tool poses`;
+    /// none for reach alone.
+    pub fn figure_words(&self) -> Option<&'static str> {
+        Some(match (self.not_told_apart.is_some(), self.statistic?) {
+            (false, Statistic::Max) => "largest position deviation over the tool poses",
+            (false, Statistic::P95) => "95 % of the tool poses within",
+            (true, Statistic::Max) => "95 % of machines within, at all tool poses",
+            (true, Statistic::P95) => "95 % of machines within, at 95 % of the tool poses",
+        })
     }
 }
 
@@ -130,13 +157,15 @@ impl PlacementResult {
 /// Fails without a job, for ranges that make no sense, for more places or tool poses than the limits of
 /// [`PlacementOptions`], and for figures where the reference or no tool pose is reached from any place.
 pub fn place(file: &MachineFile, options: &PlacementOptions, run: Run<'_>) -> Reply<PlacementResult> {
-    Call::answer(run, file.sources(), |call| try_places(call, file, options))
+    Call::answer(run, file.sources(), |call| {
+        options.job_paths().with_tool(call, file, |call, file| try_places(call, file, options))
+    })
 }
 
 fn try_places(call: &mut Call<'_>, file: &MachineFile, options: &PlacementOptions) -> Result<PlacementResult, Refused> {
     call.check_counts(&[Count::Machines(options.samples)])?;
     let machine: &Machine = file;
-    let paths = JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
+    let paths = options.job_paths();
     let Some(job) = paths.read_unplaced(call, file)? else {
         return call.usage("`--place` moves the part of a job: give `--job` or `--tool-poses`");
     };
@@ -152,8 +181,15 @@ fn try_places(call: &mut Call<'_>, file: &MachineFile, options: &PlacementOption
     } else {
         None
     };
+    // Bounds of errors without a value count beside the values of others.
+    let (added, class) = match options.figure && drawn.is_none() {
+        true => options.tolerances.bounds_if_any(call, machine)?,
+        false => (Vec::new(), None),
+    };
+    let added = adding(machine, &added);
     let rows = job.poses().lines().len();
-    if let Some(refusal) = too_many(machine, grid.len(), rows, drawn.as_ref().map(|_| options.samples)) {
+    let is_drawn = drawn.is_some() || !added.is_empty();
+    if let Some(refusal) = too_many(machine, grid.len(), rows, is_drawn.then_some(options.samples)) {
         return call.refuse(refusal);
     }
     let mut places: Vec<Placement> = grid.places().collect();
@@ -162,20 +198,22 @@ fn try_places(call: &mut Call<'_>, file: &MachineFile, options: &PlacementOption
     }
     let order = order_of(machine, options.order);
     let compiled = CompiledField::new(machine, order);
-    let draws = drawn.as_ref().map(DrawnBounds::draws);
-    let (from, figure) = match (&drawn, &draws) {
-        (Some(drawn), Some(draws)) => {
+    let draws = options.tolerances.draws(options.seed);
+    let place_draws = |bounds| PlaceDraws { bounds, draws: &draws, samples: options.samples };
+    let (from, figure) = match &drawn {
+        Some(drawn) => {
             refuse_order(call, options.order)?;
-            (Some("bounds"), PlaceFigure::Bounds { bounds: &drawn.bounds, draws, samples: options.samples })
+            (Some("bounds"), PlaceFigure::Bounds(place_draws(drawn.bounds.as_slice())))
         }
-        _ if options.figure => {
+        None if options.figure => {
+            let adding = Some(added.as_slice()).filter(|bounds| !bounds.is_empty()).map(place_draws);
             let conditions = options.approach.into();
-            (Some("values"), PlaceFigure::Values { field: &compiled, order, conditions })
+            (Some("values"), PlaceFigure::Values { field: &compiled, order, conditions, adding })
         }
-        _ => (None, PlaceFigure::Reach),
+        None => (None, PlaceFigure::Reach),
     };
-    let asked = options.reference.as_ref();
-    let found = PlaceStudy { machine, job: &job, places: &places, asked, figure }.run(call)?;
+    let (asked, statistic) = (options.reference.as_ref(), options.tolerances.statistic);
+    let found = PlaceStudy { machine, job: &job, places: &places, asked, figure, statistic }.run(call)?;
     let own = found.tried[found.own].clone();
     let best = found.best.map(|best| found.tried[best].clone());
     let over = Over::new(OverKind::Job, machine, &found.reference, [rows, own.reached]).along(job.poses().is_path());
@@ -183,10 +221,18 @@ fn try_places(call: &mut Call<'_>, file: &MachineFile, options: &PlacementOption
         machine: machine.name().to_owned(),
         over,
         from,
-        drawing: drawn.map(|drawn| drawn.drawing),
+        statistic: from.map(|_| statistic),
+        drawing: match drawn {
+            Some(drawn) => Some(drawn.drawing),
+            None => (!added.is_empty()).then(|| options.tolerances.drawing(class, options.samples, options.seed)),
+        },
         places: found.tried.len(),
         reach_all: found.tried.iter().filter(|of| of.reached == rows).count(),
         ranked: found.tried.iter().filter(|of| of.rank.is_some()).count(),
+        not_told_apart: best
+            .as_ref()
+            .and_then(|best| best.versus_first)
+            .map(|_| found.tried.iter().filter(|of| of.is_open()).count()),
         at_end_of: best.as_ref().map_or_else(Vec::new, |best| grid.edges(&best.place)),
         ranges: grid.ranges,
         own,
@@ -213,6 +259,10 @@ fn too_many(machine: &Machine, places: usize, rows: usize, samples: Option<usize
             what + &format!("; {} deviations are drawn at most", PlacementOptions::MAX_DRAWN),
             "take fewer `--samples`, or fewer values in `--place`",
         )
+    } else if places.saturating_mul(samples.unwrap_or_default()) > PlacementOptions::MAX_KEPT {
+        let what =
+            format!(" on {} machines; {} are kept at most", samples.unwrap_or_default(), PlacementOptions::MAX_KEPT);
+        (what, "take fewer `--samples`, or fewer values in `--place`")
     } else {
         return None;
     };

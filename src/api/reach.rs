@@ -8,6 +8,7 @@ use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::job_file::{Job, JobPaths, NO_JOB};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
+use crate::job::path::PathResult;
 use crate::job::reference::{Reference, SetUp};
 use crate::job::tool_poses::{Lack, Lacks, MissedToolPose, ReachedToolPoses};
 use crate::machine::{Machine, Pose};
@@ -43,6 +44,16 @@ impl ReachOptions {
     pub const MAX: usize = 1_000_000;
     /// Largest number of tool poses of a robot, which takes long to find each.
     pub const MAX_ROBOT: usize = 10_000;
+
+    fn is_box(&self) -> bool {
+        self.region.is_some() || self.step_mm.is_some() || self.directions.is_some()
+    }
+
+    /// Returns the files of the job. A box that is asked for comes before the job of the machine file.
+    fn job_paths(&self) -> JobPaths<'_> {
+        let boxed = (self.is_box() && self.tool_poses.is_none()).then(|| Path::new(NO_JOB));
+        JobPaths { job: self.job.as_deref().or(boxed), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
 }
 
 /// Directions of the tool at every tip.
@@ -66,6 +77,9 @@ pub struct ReachResult {
     pub tool: String,
     /// Poses and reference of the reach.
     pub over: Over,
+    /// Events of the path, if the tool poses are one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<PathResult>,
     /// Ends of the box along x, y, z of the workpiece frame, mm.
     pub box_mm: [[f64; 2]; 3],
     /// Number of tips along x, y, z; of a job all tips stand in one row.
@@ -96,6 +110,9 @@ pub struct ReachResult {
     /// The tips of a job, mm.
     #[serde(skip)]
     job_tips: Vec<[f64; 3]>,
+    /// Events of the path at each tip in words, empty at a tip without; none of single poses.
+    #[serde(skip)]
+    pub events: Vec<String>,
     /// Directions reached at each tip.
     #[serde(skip)]
     by_tip: Vec<usize>,
@@ -165,17 +182,14 @@ impl ReachResult {
 /// Fails for a box, a step or a number of directions that makes no sense, and for more tool poses than
 /// [`ReachOptions::MAX`].
 pub fn reach(file: &MachineFile, options: &ReachOptions, run: Run) -> Reply<ReachResult> {
-    Call::answer(run, file.sources(), |call| find(call, file, options))
+    Call::answer(run, file.sources(), |call| {
+        options.job_paths().with_tool(call, file, |call, file| find(call, file, options))
+    })
 }
 
 fn find(call: &mut Call, machine: &MachineFile, options: &ReachOptions) -> Result<ReachResult, Refused> {
-    let is_box = options.region.is_some() || options.step_mm.is_some() || options.directions.is_some();
-    // A box that is asked for comes before the job of the machine file.
-    let boxed = (is_box && options.tool_poses.is_none()).then(|| Path::new(NO_JOB));
-    let job = options.job.as_deref().or(boxed);
-    let paths = JobPaths { job, tool_poses: options.tool_poses.as_deref(), path: options.path };
-    if let Some(job) = paths.read(call, machine)? {
-        if is_box {
+    if let Some(job) = options.job_paths().read(call, machine)? {
+        if options.is_box() {
             return call.usage("a job has its own tool poses: omit `--box`, `--step` and `--directions`");
         }
         return of_job(call, machine, &job);
@@ -257,9 +271,10 @@ fn at_tip(machine: &Machine, results: Vec<Result<Pose, Miss>>) -> AtTip {
     at
 }
 
-/// Returns the reach of the tool poses of a job. Warns if the part cannot be set up.
+/// Returns the reach of the tool poses of a job. Warns of rewinds, and if the part cannot be set up.
 fn of_job(call: &mut Call, machine: &Machine, job: &Job) -> Result<ReachResult, Refused> {
     let reached = job.poses.examine(machine);
+    call.extend(reached.path.as_ref().and_then(|path| path.warning(machine)));
     let tips = job.poses.tips();
     let side = |k: usize| {
         let ends = |[min, max]: [f64; 2], tip: &[f64; 3]| [min.min(tip[k]), max.max(tip[k])];
@@ -278,13 +293,16 @@ fn of_job(call: &mut Call, machine: &Machine, job: &Job) -> Result<ReachResult, 
     };
     let mut lacks = Lacks::default();
     reached.rows.iter().for_each(|row| lacks.take(machine, row));
+    let lines = job.poses.lines();
+    let path = reached.path.clone();
+    let events = path.as_ref().map_or_else(Vec::new, |path| path.words_at(lines.iter().copied()));
     let is_reached = |line: usize| reached.lines.binary_search_by(|of| of.0.cmp(&line)).is_ok();
-    let by_tip = job.poses.lines().into_iter().map(|line| usize::from(is_reached(line))).collect();
+    let by_tip = lines.into_iter().map(|line| usize::from(is_reached(line))).collect();
     let about = ToolDirections::of(machine, 1).about;
     let directions = ToolDirections { kind: DirectionKind::Listed, about, list: vec![about] };
     let over = Over::work(machine, &set_up.reference, Some(&reached), 0);
     let whole = sum_up(machine, over, &grid, &directions, by_tip, (reached.unreachable, lacks));
-    Ok(ReachResult { job: Some(reached), job_tips: tips, ..whole })
+    Ok(ReachResult { job: Some(reached), job_tips: tips, path, events, ..whole })
 }
 
 fn sum_up(
@@ -301,6 +319,7 @@ fn sum_up(
         machine: machine.name().to_owned(),
         tool: machine.tool().name.clone(),
         over,
+        path: None,
         box_mm: grid.region,
         counts: grid.counts,
         tips: by_tip.len(),
@@ -315,6 +334,7 @@ fn sum_up(
         job: None,
         grid: *grid,
         job_tips: Vec::new(),
+        events: Vec::new(),
         by_tip,
     }
 }

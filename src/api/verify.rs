@@ -50,7 +50,7 @@ pub fn set_manifest(folder: &Path, run: Run) -> Option<Lock> {
 ///
 /// Fails if the folder holds no set of a known target, or one that the controller would misread.
 pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: Run) -> Reply<CertificateReport> {
-    Call::answer(run, file.sources(), |call| {
+    let report_of = |call: &mut Call<'_>, file: &MachineFile| {
         call.check_counts(&[Count::Poses(options.poses)])?;
         let scope = options.work.scope(call, file, Depth { poses: options.poses, seed: options.seed })?;
         if composition::is_composed(folder, call) {
@@ -68,7 +68,8 @@ pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: R
         call.extend(verdict::warnings(&certificate));
         call.check()?;
         Ok(CertificateReport::new(file, &target, certificate, &judged.field(file), &scope, files))
-    })
+    };
+    Call::answer(run, file.sources(), |call| options.work.job_paths().with_tool(call, file, report_of))
 }
 
 /// Finds the set in the folder, and warns of differences from its manifest.

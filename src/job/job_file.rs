@@ -215,16 +215,10 @@ impl JobFile {
         asked: Option<bool>,
     ) -> Result<UnplacedJob, Refused> {
         let Self { tool_poses: _, place, reference, path, tool, limit, features } = self;
-        if let Some(tool) = tool.filter(|tool| *tool != machine.tool().name) {
-            let known = machine.with_tool(&tool).is_some();
-            let tool = shown(&tool);
-            let (why, help) = if known {
-                ("", format!("choose it: `--tool {tool}`"))
-            } else {
-                (", which the machine does not have", "name one of the `tools` of the machine file".to_owned())
-            };
-            let message = format!("the job is for the tool `{tool}`{why}");
-            return call.refuse(refused(name, &Reason::new(message)).help(help));
+        if let Some(tool) = tool.filter(|tool| machine.with_tool(tool).is_none()) {
+            let message = format!("the job is for the tool `{}`, which the machine does not have", shown(&tool));
+            return call
+                .refuse(refused(name, &Reason::new(message)).help("name one of the `tools` of the machine file"));
         }
         let limit = limit.map(|text| parse_limit(&text)).transpose();
         let limit_mm = limit.or_else(|reason| call.refuse(refused(name, &reason)))?;

@@ -1,5 +1,6 @@
 //! The limit of a job: the largest position deviation that the part allows.
 
+use crate::analysis::SummaryBand;
 use crate::analysis::budget::Statistic;
 use crate::diagnostic::Reason;
 use crate::evaluate::Summary;
@@ -24,7 +25,8 @@ pub struct LimitVerdict {
     /// The position deviation that is judged, um: the statistic over the poses; of machines drawn the value that 95 % of
     /// them do not exceed.
     pub um: f64,
-    /// The interval in which it lies, um; none where it is not drawn.
+    /// The interval in which it lies, um: of machines drawn by their number, else by the uncertainties of errors that the
+    /// file states; none without such.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_um: Option<[f64; 2]>,
     /// The figure of a machine over the poses.
@@ -46,13 +48,14 @@ pub(crate) fn parse_limit(text: &str) -> Result<f64, Reason> {
 }
 
 impl JobLimit {
-    /// Returns the verdict on the deviations of one machine over the poses, um.
-    pub(crate) fn on_values(&self, position_um: &Summary) -> LimitVerdict {
-        let um = match self.statistic {
-            Statistic::Max => position_um.max,
-            Statistic::P95 => position_um.p95,
+    /// Returns the verdict on the deviations of one machine over the poses, um, with their intervals if uncertainties of
+    /// its errors are stated.
+    pub(crate) fn on_values(&self, position_um: &Summary, band: Option<&SummaryBand>) -> LimitVerdict {
+        let (um, interval) = match self.statistic {
+            Statistic::Max => (position_um.max, band.map(|band| band.max)),
+            Statistic::P95 => (position_um.p95, band.map(|band| band.p95)),
         };
-        self.judge(um, None, false)
+        self.judge(um, interval, false)
     }
 
     /// Returns the verdict on the 95 % value (um) of machines drawn, with its interval.

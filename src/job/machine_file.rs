@@ -17,6 +17,8 @@ pub struct MachineFile {
     pub(crate) job: Option<JobText>,
     pub(crate) sources: Sources,
     pub(crate) path: PathBuf,
+    /// True if its tool was asked for by name.
+    pub(crate) is_tool_asked: bool,
     warnings: Vec<Diagnostic>,
     input_files: Vec<InputFile>,
 }
@@ -79,7 +81,7 @@ impl MachineFile {
     /// Returns the machine with another of its tools, by name.
     pub fn with_tool(&self, name: &str) -> Result<Self, Diagnostic> {
         match self.machine.with_tool(name) {
-            Some(machine) => Ok(Self { machine, ..self.clone() }),
+            Some(machine) => Ok(Self { machine, is_tool_asked: true, ..self.clone() }),
             None => Err(unknown_tool(&self.machine, name)),
         }
     }
@@ -168,7 +170,8 @@ fn read(call: &mut Call, path: &Path, options: &LoadOptions, files: &dyn Files) 
     let (identify, job) = document.map_or((None, None), |document| (document.identify, document.job));
     let (sources, warnings) = (call.diagnostics.sources.clone(), call.diagnostics.iter().cloned().collect());
     let input_files = input_files(path, &sources, files);
-    let file = MachineFile { machine, identify, job, sources, path: path.to_owned(), warnings, input_files };
+    let (path, is_tool_asked) = (path.to_owned(), false);
+    let file = MachineFile { machine, identify, job, sources, path, is_tool_asked, warnings, input_files };
     match &options.tool {
         None => Ok(file),
         Some(name) => file.with_tool(name).or_else(|refusal| call.refuse(refusal)),

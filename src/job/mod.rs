@@ -5,6 +5,7 @@
 //! - [`tool_poses`]: tool poses of a file, with those that the machine does not reach and the travel that they need;
 //! - [`placement`]: where the part lies; [`place_grid`]: ranges of places; [`place_study`]: the part tried at each;
 //! - [`job_file`]: a job as a file states it;
+//! - `tool`: the tool that a job names, which the machine takes;
 //! - [`limit`]: the largest deviation that a job allows;
 //! - [`mod@reference`]: what the set-up of a part takes out of its deviations;
 //! - [`reference_text`]: the same as a text;
@@ -30,4 +31,5 @@ pub mod reference;
 pub mod reference_text;
 pub mod round_features;
 pub mod test_piece;
+mod tool;
 pub mod tool_poses;

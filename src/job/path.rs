@@ -162,6 +162,12 @@ impl PathResult {
         Some(Diagnostic::new(codes::W0851, message).help(help))
     }
 
+    /// Returns the events at lines of the file in words; empty at a line without.
+    pub(crate) fn words_at(&self, lines: impl IntoIterator<Item = usize>) -> Vec<String> {
+        let words = self.words_by_line();
+        lines.into_iter().map(|line| words.get(&line).cloned().unwrap_or_default()).collect()
+    }
+
     /// Returns the events at each line of the file in words, such as `rewind` or `pole of C; reversal of X Y`.
     pub(crate) fn words_by_line(&self) -> BTreeMap<usize, String> {
         let mut words: BTreeMap<usize, Vec<String>> = BTreeMap::new();

@@ -2,14 +2,20 @@
 //!
 //! Like is compared with like. Ranked are the places that reach the point of the reference and the most tool poses; if
 //! these are not the same ones everywhere, those that most places share. First come the fewest rewinds of a path, then
-//! the least 95 % value of the position deviation, then the largest margin to the ends of the linear travels, then the
-//! place of the job. All others have no rank.
+//! the least figure, by which the limit of the job is judged, then the largest margin to the ends of the linear travels,
+//! then the place of the job. All others have no rank. Of machines drawn a place has a verdict against the first on the
+//! same machines.
 
 use super::job_file::{Job, UnplacedJob};
+use super::limit::{JobLimit, LimitVerdict};
 use super::placement::Placement;
 use super::poses::known;
 use super::reference::{Reference, SetUp, unzeroed};
-use crate::analysis::budget::{Bound, Draws, PosesRequest, pose_by_pose};
+use crate::analysis::budget::{
+    ActingErrors, Bound, Draws, PairedTest, Percentile, PosesRequest, Request, Statistic, Verdict, VersusFirst,
+    draw_samples, pose_by_pose,
+};
+use crate::analysis::reference::PartReference;
 use crate::analysis::{View, deviations};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Field, Frame, Order, Poses, Statistics, Summary};
@@ -44,15 +50,37 @@ pub struct TriedPlace {
     pub margin_mm: Option<f64>,
     /// True if the machine reaches the points at which the part is probed.
     pub reaches_reference: bool,
-    /// The 95 % value of the position deviation over the tool poses that are reached, um; none for reach alone.
+    /// The 95 % value of the position deviation over the tool poses that are reached, um; from bounds of what 95 % of
+    /// the machines do not exceed at each. None for reach alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub p95_um: Option<f64>,
-    /// The largest position deviation over them, um.
+    /// The largest of these, um.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_um: Option<f64>,
+    /// The figure by which places are ranked and the limit of the job is judged, um: the statistic of the position
+    /// deviation over the tool poses that are reached; of machines drawn the value that 95 % of them do not exceed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub um: Option<f64>,
+    /// The interval that holds it with 95 % confidence, um; none where no machines are drawn, or too few.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval_um: Option<[f64; 2]>,
+    /// A ranked place against the first, on the same machines; none where no machines are drawn, and where the path has
+    /// more rewinds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub versus_first: Option<VersusFirst>,
+    /// The figure against the limit of the job, if it states one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<LimitVerdict>,
     /// Rank from 1; none of a place that cannot be compared with the best.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rank: Option<usize>,
+}
+
+impl TriedPlace {
+    /// True if the machines drawn do not tell it apart from the best place, which it is not itself.
+    pub fn is_open(&self) -> bool {
+        self.versus_first.is_some_and(|of| matches!(of.verdict, Verdict::Equal | Verdict::NotToldApart))
+    }
 }
 
 /// Gain of the best place over that of the job.
@@ -86,14 +114,30 @@ pub struct CommonFigures {
     pub own_max_um: f64,
     /// The same at the best place.
     pub best_max_um: f64,
+    /// Figure of the ranking at the place of the job, um.
+    pub own_um: f64,
+    /// The same at the best place.
+    pub best_um: f64,
+    /// The best place against that of the job, on the same machines; none where no machines are drawn, and where the path
+    /// has other rewinds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub versus_own: Option<VersusFirst>,
 }
 
 impl CommonFigures {
-    /// Returns those on a number of tool poses; 95 % value and largest deviation (um) of the place of the job, then of
-    /// the best.
-    fn new(poses: usize, [[own_p95_um, own_max_um], [best_p95_um, best_max_um]]: [[f64; 2]; 2]) -> Self {
-        let p95_um = own_p95_um - best_p95_um;
-        Self { poses, own_p95_um, best_p95_um, p95_um, own_max_um, best_max_um }
+    /// Returns those on a number of tool poses: of the place of the job, then of the best.
+    fn new(poses: usize, [own, best]: [&PlaceFigures; 2], test: Option<&PairedTest>) -> Self {
+        Self {
+            poses,
+            own_p95_um: own.over_poses.p95,
+            best_p95_um: best.over_poses.p95,
+            p95_um: own.over_poses.p95 - best.over_poses.p95,
+            own_max_um: own.over_poses.max,
+            best_max_um: best.over_poses.max,
+            own_um: own.um,
+            best_um: best.um,
+            versus_own: test.map(|test| test.versus(&best.drawn, &own.drawn)),
+        }
     }
 }
 
@@ -101,10 +145,49 @@ impl CommonFigures {
 pub(crate) enum PlaceFigure<'a> {
     /// None: reach alone.
     Reach,
-    /// The deviations of a machine with values.
-    Values { field: &'a dyn Field, order: Order, conditions: OperatingConditions },
-    /// From bounds: the length that 95 % of the machines drawn do not exceed at each pose.
-    Bounds { bounds: &'a [Bound], draws: &'a Draws, samples: usize },
+    /// The deviations of a machine with values, alone or with what bounds of errors without a value add.
+    Values { field: &'a dyn Field, order: Order, conditions: OperatingConditions, adding: Option<PlaceDraws<'a>> },
+    /// From bounds alone.
+    Bounds(PlaceDraws<'a>),
+}
+
+/// The machines that are drawn at every place.
+#[derive(Clone, Copy)]
+pub(crate) struct PlaceDraws<'a> {
+    pub bounds: &'a [Bound],
+    pub draws: &'a Draws,
+    pub samples: usize,
+}
+
+/// The figures of a place.
+#[derive(Debug, Clone)]
+struct PlaceFigures {
+    /// Of the position deviation over the tool poses, um; from bounds of the 95 % value at each.
+    over_poses: Summary,
+    /// The figure of the ranking, um.
+    um: f64,
+    interval_um: Option<[f64; 2]>,
+    /// The statistic over the poses of each machine drawn, um; empty where none is.
+    drawn: Vec<f64>,
+}
+
+impl PlaceFigures {
+    fn of_values(over_poses: Summary, statistic: Statistic) -> Self {
+        let um = match statistic {
+            Statistic::Max => over_poses.max,
+            Statistic::P95 => over_poses.p95,
+        };
+        Self { over_poses, um, interval_um: None, drawn: Vec::new() }
+    }
+
+    /// Returns those of machines drawn, by their values (mm).
+    fn of_machines(over_poses: Summary, drawn_mm: impl IntoIterator<Item = f64>) -> Self {
+        let drawn: Vec<f64> = drawn_mm.into_iter().map(|mm| mm * 1e3).collect();
+        let mut sorted = drawn.clone();
+        sorted.sort_by(f64::total_cmp);
+        let Percentile { value: um, low, high, .. } = Percentile::of(&sorted, 95);
+        Self { over_poses, um, interval_um: low.zip(high).map(|(low, high)| [low, high]), drawn }
+    }
 }
 
 /// The request to try a part at places.
@@ -116,6 +199,8 @@ pub(crate) struct PlaceStudy<'a> {
     /// The reference that the options state.
     pub asked: Option<&'a Reference>,
     pub figure: PlaceFigure<'a>,
+    /// The statistic of a machine over the tool poses.
+    pub statistic: Statistic,
 }
 
 /// The places that were tried, and the best of them.
@@ -136,6 +221,7 @@ pub(crate) struct StudiedPlaces {
 struct Attempt {
     tried: TriedPlace,
     missed: Vec<usize>,
+    figures: Option<PlaceFigures>,
     /// The reason why the part cannot be set up, if it cannot.
     unset: Option<Diagnostic>,
 }
@@ -168,10 +254,10 @@ impl PlaceStudy<'_> {
             attempts = self.attempts(call, Some(&reference))?;
         }
         let ranked = ranking(&attempts, own);
-        ranked.iter().enumerate().for_each(|(k, index)| attempts[*index].tried.rank = Some(k + 1));
+        let test = self.compare_with_first(&mut attempts, &ranked, own);
         let best = ranked.first().copied();
         let asked = if reference == Reference::default() { Some(&reference) } else { self.asked };
-        let gain = best.map(|best| self.gain(call, asked, &attempts, own, best)).transpose()?;
+        let gain = best.map(|best| self.gain(call, asked, &attempts, [own, best], test.as_ref())).transpose()?;
         let mut tried: Vec<TriedPlace> = attempts.into_iter().map(|of| of.tried).collect();
         tried[own].own = true;
         Ok(StudiedPlaces { tried, own, best, gain, reference })
@@ -213,11 +299,51 @@ impl PlaceStudy<'_> {
             },
             Err(reason) => (None, Some(reason)),
         };
-        let [p95_um, max_um] = [figure.map(|of| of.p95), figure.map(|of| of.max)];
-        let (place, own, rank) = (*place, false, None);
-        let tried =
-            TriedPlace { place, own, reached, share, rewinds, margin_mm, reaches_reference, p95_um, max_um, rank };
-        Ok(Ok(Attempt { tried, missed, unset }))
+        let of = |value: fn(&PlaceFigures) -> f64| figure.as_ref().map(value);
+        let limit = |mm: f64| JobLimit { mm, statistic: self.statistic, missed: missed.len() };
+        let tried = TriedPlace {
+            place: *place,
+            own: false,
+            reached,
+            share,
+            rewinds,
+            margin_mm,
+            reaches_reference,
+            p95_um: of(|of| of.over_poses.p95),
+            max_um: of(|of| of.over_poses.max),
+            um: of(|of| of.um),
+            interval_um: figure.as_ref().and_then(|of| of.interval_um),
+            versus_first: None,
+            limit: job.limit_mm.map(limit).zip(figure.as_ref()).map(|(limit, of)| match of.drawn.is_empty() {
+                true => limit.on_values(&of.over_poses, None),
+                false => limit.on_machines(of.um, of.interval_um),
+            }),
+            rank: None,
+        };
+        Ok(Ok(Attempt { tried, missed, figures: figure, unset }))
+    }
+
+    /// Gives ranked places their ranks and verdicts against the first; returns the test of a pair, if machines are
+    /// drawn.
+    fn compare_with_first(&self, attempts: &mut [Attempt], ranked: &[usize], own: usize) -> Option<PairedTest> {
+        let drawn = |attempt: &Attempt| attempt.figures.as_ref().map(|of| of.drawn.clone()).unwrap_or_default();
+        let first = ranked.first().map(|best| drawn(&attempts[*best])).filter(|drawn| !drawn.is_empty());
+        let fewest = ranked.first().and_then(|best| attempts[*best].tried.rewinds);
+        let rivals = ranked.len() + usize::from(!ranked.contains(&own));
+        let test = first.as_ref().map(|first| PairedTest::of_round(first.len(), rivals, 1));
+        let versus = |index: &usize| {
+            let attempt = Some(&attempts[*index]).filter(|of| of.tried.rewinds == fewest)?;
+            let (figures, first) = (attempt.figures.as_ref()?, first.as_ref()?);
+            let versus = test.as_ref()?.versus(&figures.drawn, first);
+            let is_first = Some(index) == ranked.first();
+            Some(VersusFirst { verdict: if is_first { Verdict::First } else { versus.verdict }, ..versus })
+        };
+        let verdicts: Vec<Option<VersusFirst>> = ranked.par_iter().map(versus).collect();
+        for (k, (index, versus)) in ranked.iter().zip(verdicts).enumerate() {
+            let tried = &mut attempts[*index].tried;
+            (tried.rank, tried.versus_first) = (Some(k + 1), versus);
+        }
+        test
     }
 
     fn set_up(&self, job: &Job, asked: Option<&Reference>, poses: &[Pose]) -> Result<SetUp, Diagnostic> {
@@ -225,13 +351,13 @@ impl PlaceStudy<'_> {
         SetUp::new(self.machine, &reference, poses)
     }
 
-    /// Returns the statistics of the position deviation at poses (um); `None` for reach alone and without a pose.
+    /// Returns the figures at poses; `None` for reach alone and without a pose.
     fn figure(
         &self,
         set_up: &SetUp,
         poses: Vec<Pose>,
         progress: Advance<'_>,
-    ) -> Result<Result<Option<Summary>, Diagnostic>, Cancelled> {
+    ) -> Result<Result<Option<PlaceFigures>, Diagnostic>, Cancelled> {
         let machine = self.machine;
         if poses.is_empty() || matches!(self.figure, PlaceFigure::Reach) {
             return Ok(Ok(None));
@@ -239,25 +365,57 @@ impl PlaceStudy<'_> {
         if let Some(refusal) = poses.iter().find_map(|pose| known(machine, pose).err()) {
             return Ok(Err(refusal));
         }
-        let (count, poses) = (poses.len(), Poses::Listed(poses));
         // A place is one step.
         let go_on: Advance<'_> = &|_| progress(0);
-        Ok(Ok(Some(match self.figure {
-            PlaceFigure::Reach => return Ok(Ok(None)),
-            PlaceFigure::Values { field, order, conditions } => {
+        Ok(Ok(match self.figure {
+            PlaceFigure::Reach => None,
+            PlaceFigure::Values { field, order, conditions, adding } => {
                 let referenced = set_up.field(field, order, conditions);
                 let field = referenced.as_ref().map_or(field, |field| field as &dyn Field);
                 let view = View { conditions, frame: Frame::default() };
-                Statistics::of(&deviations(field, &poses, 0..count, view, go_on)?).position_um
+                let (count, listed) = (poses.len(), Poses::Listed(poses.clone()));
+                let over_poses = Statistics::of(&deviations(field, &listed, 0..count, view, go_on)?).position_um;
+                let linear = set_up.removed().is_none_or(PartReference::is_linear);
+                Some(match adding.filter(|_| linear) {
+                    Some(of) => {
+                        let drawn = self.drawn(of, ActingErrors::OfField(field), (set_up, &poses), go_on)?;
+                        PlaceFigures::of_machines(over_poses, drawn)
+                    }
+                    None => PlaceFigures::of_values(over_poses, self.statistic),
+                })
             }
-            PlaceFigure::Bounds { bounds, draws, samples } => {
-                let (reference, frame) = (set_up.removed(), Frame::default());
-                let poses = &poses;
-                let request = PosesRequest { machine, bounds, poses, reference, frame, draws, samples };
+            PlaceFigure::Bounds(of) => {
+                let PlaceDraws { bounds, draws, samples } = of;
+                let (reference, frame, listed) = (set_up.removed(), Frame::default(), Poses::Listed(poses.clone()));
+                let request = PosesRequest { machine, bounds, poses: &listed, reference, frame, draws, samples };
                 let found = pose_by_pose(request, go_on)?;
-                Summary::of_lengths(&mut found.poses.iter().map(|of| of.position.p95 * 1e3).collect::<Vec<_>>())
+                let p95 = found.poses.iter().map(|of| of.position.p95 * 1e3);
+                let over_poses = Summary::of_lengths(&mut p95.collect::<Vec<_>>());
+                let [largest, _] = found.largest;
+                Some(match self.statistic {
+                    Statistic::Max => PlaceFigures::of_machines(over_poses, largest),
+                    Statistic::P95 => {
+                        let drawn = self.drawn(of, ActingErrors::None, (set_up, &poses), go_on)?;
+                        PlaceFigures::of_machines(over_poses, drawn)
+                    }
+                })
             }
-        })))
+        }))
+    }
+
+    /// Returns the statistic of machines drawn over poses, mm, without what a set-up takes out.
+    fn drawn(
+        &self,
+        of: PlaceDraws<'_>,
+        acting: ActingErrors<'_>,
+        (set_up, poses): (&SetUp, &[Pose]),
+        progress: Advance<'_>,
+    ) -> Result<impl Iterator<Item = f64> + use<>, Cancelled> {
+        let PlaceDraws { bounds, draws, samples } = of;
+        let (machine, statistic, reference) = (self.machine, self.statistic, set_up.removed());
+        let (searched, at) = (false, None);
+        let request = Request { machine, acting, bounds, poses, reference, searched, at, draws, samples, statistic };
+        Ok(draw_samples(request, 0..samples, progress)?.position.into_iter().map(|machine| machine.value))
     }
 
     fn gain(
@@ -265,17 +423,17 @@ impl PlaceStudy<'_> {
         call: &mut Call<'_>,
         asked: Option<&Reference>,
         attempts: &[Attempt],
-        own: usize,
-        best: usize,
+        [own, best]: [usize; 2],
+        test: Option<&PairedTest>,
     ) -> Result<PlacementGain, Refused> {
         let [at_own, at_best] = [own, best].map(|index| &attempts[index].tried);
+        let test = test.filter(|_| at_own.rewinds == at_best.rewinds);
         let minus = |a: usize, b: usize| a as i64 - b as i64;
-        let figures = |of: &TriedPlace| Some([of.p95_um?, of.max_um?]);
-        let common = match (figures(at_own), figures(at_best)) {
+        let common = match (&attempts[own].figures, &attempts[best].figures) {
             (Some(a), Some(b)) if attempts[own].missed == attempts[best].missed => {
-                Some(CommonFigures::new(at_own.reached, [a, b]))
+                Some(CommonFigures::new(at_own.reached, [a, b], test))
             }
-            (Some(_), Some(_)) => self.on_common(call, asked, [&at_own.place, &at_best.place])?,
+            (Some(_), Some(_)) => self.on_common(call, asked, [&at_own.place, &at_best.place], test)?,
             _ => None,
         };
         Ok(PlacementGain {
@@ -292,6 +450,7 @@ impl PlaceStudy<'_> {
         call: &mut Call<'_>,
         asked: Option<&Reference>,
         places: [&Placement; 2],
+        test: Option<&PairedTest>,
     ) -> Result<Option<CommonFigures>, Refused> {
         let jobs = places.map(|place| self.job.at(*place));
         let [a, b] = [&jobs[0], &jobs[1]].map(|job| job.poses.solved(self.machine).0);
@@ -301,9 +460,12 @@ impl PlaceStudy<'_> {
         for (job, poses) in jobs.iter().zip([a, b]) {
             let Ok(set_up) = self.set_up(job, asked, &poses) else { return Ok(None) };
             let figure = call.stage(1, |progress| self.figure(&set_up, poses, progress))?;
-            figures.extend(figure.or_else(|refusal| call.refuse(refusal))?.map(|of| [of.p95, of.max]));
+            figures.extend(figure.or_else(|refusal| call.refuse(refusal))?);
         }
-        Ok(<[_; 2]>::try_from(figures).ok().map(|figures| CommonFigures::new(count, figures)))
+        Ok(match figures.as_slice() {
+            [own, best] => Some(CommonFigures::new(count, [own, best], test)),
+            _ => None,
+        })
     }
 }
 
@@ -334,7 +496,7 @@ fn ranking(attempts: &[Attempt], own: usize) -> Vec<usize> {
     let whole = |value: f64, unit: f64| (value / unit).round() as i64;
     ranked.sort_by_key(|index| {
         let of = &attempts[*index].tried;
-        let figure = of.p95_um.map_or(0, |um| whole(um, FIGURE_UM));
+        let figure = of.um.map_or(0, |um| whole(um, FIGURE_UM));
         let margin = of.margin_mm.map(|mm| whole(mm, MARGIN_MM));
         (of.rewinds, figure, Reverse(margin), *index != own, *index)
     });

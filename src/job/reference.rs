@@ -16,6 +16,12 @@ use std::fmt;
 /// Maximum number of poses over which a best fit is made.
 const MAX_FITTED: usize = 1_000_000;
 
+/// Minimum number of different poses of a best fit.
+const MIN_FITTED: usize = 3;
+
+/// Axes of one pose are less than this apart, mm or deg.
+const SAME: f64 = 1e-6;
+
 /// What is taken out of the deviations of a part.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -201,6 +207,14 @@ impl SetUp {
                 let message = format!("a best fit is over 1 to {MAX_FITTED} poses, not {}", poses.len());
                 return Err(refuse(message, "take fewer poses, `--random 10000`, or another `--reference`"));
             }
+            ReferenceKind::BestFit if different(poses) < MIN_FITTED => {
+                let (poses, rest) = match different(poses) {
+                    1 => ("one pose", "nothing of its deviation"),
+                    _ => ("two poses", "one of the six numbers of their deviations"),
+                };
+                let message = format!("a best fit of {poses} leaves {rest}: it takes {MIN_FITTED} different poses");
+                return Err(refuse(message, "take more poses, or another `--reference`"));
+            }
             ReferenceKind::BestFit if reference.minimum_zone => Some(PartReference::minimum_zone(machine, poses)),
             ReferenceKind::BestFit => return Ok(Self::best_fit(machine, poses)),
             ReferenceKind::Zero => Some(zero(machine, reference)?),
@@ -250,6 +264,18 @@ pub(crate) fn unzeroed(reason: &Diagnostic) -> Diagnostic {
     let message = format!("the deviations are in machine coordinates: {}", reason.message);
     Diagnostic::new(codes::W0850, message)
         .help("state a point that the machine reaches, `--reference zero:X,Y,Z`, or `--reference machine`")
+}
+
+/// Returns the number of different poses (mm, deg) in a list, counted up to the minimum of a best fit.
+fn different(poses: &[Pose]) -> usize {
+    let same = |a: &Pose, b: &Pose| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME);
+    let mut known: Vec<&Pose> = Vec::new();
+    for pose in poses {
+        if known.len() < MIN_FITTED && !known.iter().any(|other| same(other, pose)) {
+            known.push(pose);
+        }
+    }
+    known.len()
 }
 
 fn refuse(message: String, help: &str) -> Diagnostic {

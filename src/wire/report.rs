@@ -17,7 +17,7 @@ use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::{Bare, Field, Frame, Order, Poses, Random, worst};
 use crate::file_set::effect::named_effect;
 use crate::job::characteristics::DrawnRequest;
-use crate::job::job_file::{Job, JobPaths};
+use crate::job::job_file::Job;
 use crate::job::limit::LimitVerdict;
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::Over;
@@ -72,7 +72,7 @@ impl Report {
 /// Fails for targets and classes that are not there, and where [`compile`](crate::api::compile()) fails for a target.
 pub fn report(files: &[MachineFile], options: &ReportOptions, run: Run) -> Reply<Report> {
     Call::answer_of(run, &sources_of(files), |call| {
-        let report = build(call, files, options)?;
+        let report = options.job_paths().with_tools(call, files, |call, files| build(call, files, options))?;
         call.extend(finite::refusal(&report.data));
         Ok(report)
     })
@@ -164,9 +164,7 @@ impl<'a> Subject<'a> {
             call.warn(nothing_to_compensate(file));
         }
         call.check()?;
-        let paths =
-            JobPaths { job: options.job.as_deref(), tool_poses: options.tool_poses.as_deref(), path: options.path };
-        let job = paths.read(call, file)?;
+        let job = options.job_paths().read(call, file)?;
         let reached = job.as_ref().map(|job| job.poses.reached(call, file)).transpose()?;
         let poses: Vec<Pose> = match &reached {
             Some(reached) => reached.poses.clone(),

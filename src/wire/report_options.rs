@@ -3,6 +3,7 @@
 use crate::api::tolerances::ToleranceOptions;
 use crate::evaluate::Order;
 use crate::file_set::options::CompensationOptions;
+use crate::job::job_file::JobPaths;
 use crate::job::reference::Reference;
 use crate::job::reference_text::ReferenceOption;
 use crate::machine::Approach;
@@ -39,6 +40,13 @@ pub struct ReportOptions {
     pub tolerances: ToleranceOptions,
     /// Number of machines that are drawn for a budget, at least 2.
     pub samples: usize,
+}
+
+impl ReportOptions {
+    /// Returns the files of the job.
+    pub(super) fn job_paths(&self) -> JobPaths<'_> {
+        JobPaths { job: self.job.as_deref(), tool_poses: self.tool_poses.as_deref(), path: self.path }
+    }
 }
 
 impl Default for ReportOptions {

@@ -379,3 +379,70 @@ fn fine_splines_are_as_uncertain_as_least_squares_say() {
         assert!(ratios.iter().all(|ratio| (0.85..1.4).contains(ratio)), "{form}: {ratios:?}");
     }
 }
+
+/// Residuals of the polynomial of a degree that fits best, by a dense least squares on a scaled axis.
+fn left_by_polynomial(rows: &[(f64, f64)], degree: usize) -> (DVector<f64>, impl Fn(f64) -> f64) {
+    let (centre, half) = (0.5 * (rows[0].0 + rows[rows.len() - 1].0), 0.5 * (rows[rows.len() - 1].0 - rows[0].0));
+    let power = move |q: f64, k: usize| ((q - centre) / half).powi(k as i32);
+    let matrix = DMatrix::from_fn(rows.len(), degree + 1, |i, k| power(rows[i].0, k));
+    let right = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.1));
+    let solved = matrix.clone().svd(true, true).solve(&right, 1e-12).unwrap();
+    (right - matrix * &solved, move |q| (0..=degree).map(|k| solved[k] * power(q, k)).sum())
+}
+
+/// What a datum takes out of the errors is no residual: neither of the fit, nor of the machine before, nor when the
+/// fitted file meets the same readings.
+#[test]
+fn what_is_left_is_left_in_the_frame_of_the_readings() {
+    let folder = Folder::new();
+    let head = "abbe: 1\nmachine: One\nchain: \"w b X t\"\n";
+    let rms = |rest: &mut dyn Iterator<Item = f64>| {
+        let squares: Vec<f64> = rest.map(|x| x * x).collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    let of = |machine: &std::path::Path, data: &std::path::Path, more: &[&str]| {
+        json(&identify(machine, data, &[&["--format", "json"], more].concat()))
+    };
+    let near = |found: &Value, truth: f64| {
+        let found = found.as_f64().unwrap();
+        assert!((found - truth).abs() < 1e-4 * truth.abs().max(1.0), "{found} {truth}");
+    };
+    // An offset of 100 um that the zero of the axis takes out.
+    let rows = [(0.0, 100.2), (50.0, 104.9), (100.0, 110.3), (150.0, 114.8), (200.0, 120.1)];
+    let (left, fitted) = left_by_polynomial(&rows, 1);
+    let after = rms(&mut left.iter().copied());
+    let before = rms(&mut rows.iter().map(|(_, y)| y - fitted(0.0)));
+    let text: String = rows.iter().map(|(q, y)| format!("{q},{y}\n")).collect();
+    let data = folder.write("line.csv", &format!("X,dx [um]\n{text}"));
+    let machine = folder.write("one.yaml", &format!("{head}axes: {{ X: {{ travel: [0 mm, 200 mm] }} }}\n"));
+    let out = folder.path("fitted.yaml");
+    let first = of(&machine, &data, &["--fit", "EXX:poly1", "--out", out.to_str().unwrap()]);
+    near(&first["rms_um"]["after"], after);
+    near(&first["rms_um"]["before"], before);
+    near(&first["kinds"][0]["rms_um"], after);
+    near(&first["orders_um"]["left_by_first"], after);
+    near(&first["datum"]["translation_um"][0], fitted(0.0));
+    assert!(first["outliers"].as_array().unwrap().is_empty() && first["datum"].get("measured").is_none());
+    let again = of(&out, &data, &["--fit", "EXX:poly1"]);
+    near(&again["rms_um"]["before"], after);
+    near(&again["rms_um"]["after"], after);
+    // A block of the travel: the cubic is judged where it was measured, not where it extrapolates.
+    let noise = [0.6, -0.9, 0.4, 0.8, -0.7, -0.5, 0.9, -0.2, -0.8, 0.5, 0.3, -0.4];
+    let block = |i: usize, e: &f64| {
+        let q = 300.0 + 150.0 * i as f64 / 11.0;
+        (q, 6.0 * ((q - 375.0) / 75.0).powi(3) - 4.0 * ((q - 375.0) / 75.0).powi(2) + 5.0 + e)
+    };
+    let rows: Vec<(f64, f64)> = noise.iter().enumerate().map(|(i, e)| block(i, e)).collect();
+    let (left, fitted) = left_by_polynomial(&rows, 3);
+    let text: String = rows.iter().map(|(q, y)| format!("{q},{y}\n")).collect();
+    let data = folder.write("block.csv", &format!("X,dx [um]\n{text}"));
+    let machine = folder.write("long.yaml", &format!("{head}axes: {{ X: {{ travel: [0 mm, 754 mm] }} }}\n"));
+    let found = of(&machine, &data, &["--fit", "EXX:poly3"]);
+    near(&found["rms_um"]["after"], rms(&mut left.iter().copied()));
+    // The zero of the axis is beyond the block: the curve is zero at the end that is nearest to it.
+    near(&found["rms_um"]["before"], rms(&mut rows.iter().map(|(_, y)| y - fitted(300.0))));
+    assert_eq!(found["datum"]["measured"], serde_json::json!({"X": [300.0, 450.0]}));
+    let text = identify(&machine, &data, &["--fit", "EXX:poly3"]);
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.contains("formed over what was measured, less than the travel: X from 300 to 450"), "{text}");
+}

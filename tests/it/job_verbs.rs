@@ -286,6 +286,133 @@ fn the_job_of_a_machine_file_counts_where_no_other_is_named() {
     assert!(code == 0 && said.is_empty(), "{said}");
 }
 
+/// The machine with a bounded squareness whose X reaches 80 mm to either side on the tool side, and 300 mm below the
+/// part.
+fn short_on_the_tool(folder: &Folder) -> PathBuf {
+    let axes = "  X: { travel: [-80, 80], origin: [0, 0, 0], on_workpiece: { travel: [-300, 300] } }\n  \
+                Y: { travel: [-300, 300], origin: [0, 0, 0] }\n  Z: { travel: [-300, 300], origin: [0, 0, 0] }\n";
+    let errors = "errors: { EC0Y: { tolerance: 100 urad } }";
+    folder.with("m.yaml", &format!("abbe: 1\nmachine: M\nchain: \"w b X Y Z t\"\naxes:\n{axes}{errors}\n"))
+}
+
+#[test]
+fn what_the_file_alone_misses_stays_in_the_work_of_a_ranking() {
+    let folder = Folder::new("job-enumerate-whole");
+    let machine = short_on_the_tool(&folder);
+    let work = folder.with("w.csv", "X,Y,Z\n0,20,0\n50,-40,0\n150,100,0\n");
+    let arguments = ["enumerate", text(&machine), "--tool-poses", text(&work), "--samples", "50", "--quiet"];
+    let found = json(&[&arguments[..], &["--format", "json"]].concat());
+    assert_eq!((&found["poses"], &found["over"]["reached"]), (&3.into(), &2.into()));
+    let (ranked, less) = (found["ranked"].as_array().unwrap(), found["reach_less"].as_array().unwrap());
+    assert!(!ranked.is_empty() && !less.is_empty());
+    // A drawn squareness s moves a tip by s y: over all |y| is 100 at most, where both reach it is 40.
+    let file = number(&less[0]["um"]);
+    for row in ranked {
+        assert!(row["on_table"].as_u64().unwrap() > 0 && row["reached"] == 3, "{row}");
+        near(&row["um"], 2.5 * file);
+        assert!(number(&row["minus_file"]).abs() < 1e-6, "{row}");
+    }
+    for row in less {
+        assert_eq!((&row["reached"], &row["unreachable"]["total"]), (&2.into(), &1.into()));
+        near(&row["um"], file);
+        assert!(number(&row["minus_file"]).abs() < 1e-6, "{row}");
+    }
+    assert!(less.iter().any(|row| row["chain"] == found["chain"]));
+    let said = abbe(&arguments);
+    assert!(said.contains("3 tool poses of") && said.contains("of which the file's arrangement misses 1"), "{said}");
+    // What none reaches is no reason to rank fewer tool poses.
+    let far = folder.with("far.csv", "X,Y,Z\n0,20,0\n50,-40,0\n150,100,0\n0,400,0\n");
+    let arguments = ["enumerate", text(&machine), "--tool-poses", text(&far), "--samples", "50", "--quiet"];
+    let found = json(&[&arguments[..], &["--format", "json"]].concat());
+    assert_eq!((&found["poses"], &found["ranked"]), (&4.into(), &Value::Array(Vec::new())));
+    let reached = |row: &Value| row["reached"].as_u64().unwrap();
+    let counts: Vec<u64> = found["reach_less"].as_array().unwrap().iter().map(reached).collect();
+    assert!(counts.contains(&3) && counts.contains(&2) && counts.iter().all(|n| *n == 3 || *n == 2), "{counts:?}");
+    let said = abbe(&arguments);
+    assert!(said.contains("No arrangement reaches all 4 tool poses; the most is 3, by w "), "{said}");
+}
+
+#[test]
+fn a_job_takes_the_tool_that_it_names() {
+    let folder = Folder::new("job-tool");
+    let tools = "tools:\n  short: { gauge: [0, 0, 0], length: 80 mm }\n  long: { gauge: [0, 0, 0], length: 200 mm }\n";
+    let errors = "errors: { EBX: { points: [[-300 mm, 0 urad], [300 mm, 60 urad]] }, EC0Y: { tolerance: 10 urad } }";
+    let machine = three(&folder, "m.yaml", &format!("{tools}{errors}"));
+    let _ = along_x(&folder);
+    let job = |name: &str, tool: &str| folder.with(name, &format!("tool_poses: x.csv\n{tool}reference: machine\n"));
+    let (long, plain) = (job("long.yaml", "tool: long\n"), job("plain.yaml", ""));
+    let with = |verb: &[&str], job: &Path, more: &[&str]| {
+        json(&[verb, &["--job", text(job), "--format", "json", "--quiet"], more].concat())
+    };
+    let file = text(&machine);
+    let verbs = [
+        vec!["map", file],
+        vec!["eval", file],
+        vec!["reach", file],
+        vec!["budget", file],
+        vec!["enumerate", file],
+        vec!["compare", file, file],
+        vec!["diff", file, file],
+        vec!["map", file, "--place", "X=0..10:2"],
+    ];
+    for verb in &verbs {
+        let named = with(verb, &long, &[]);
+        assert_eq!(named["over"]["tool"], "long", "{verb:?}");
+        assert_eq!(with(verb, &plain, &[])["over"]["tool"], "short", "{verb:?}");
+        if verb[0] != "diff" && verb[0] != "enumerate" {
+            assert_eq!(named, with(verb, &plain, &["--tool", "long"]), "{verb:?}");
+            // A tool that is asked for comes before that of the job.
+            assert_eq!(with(verb, &long, &["--tool", "short"]), with(verb, &plain, &[]), "{verb:?}");
+        }
+        let missing = job("missing.yaml", "tool: longer\n");
+        let (code, said) = refused(&[&verb[..], &["--job", text(&missing)]].concat());
+        assert!(code == 1 && said.contains("E0851") && said.contains("`longer`"), "{verb:?}: {said}");
+    }
+    // Rotation of the carriage by 0.1 urad per mm: along the tool it moves the tip by as much as the tool is long.
+    let most = |job: &Path| number(&with(&["map", file], job, &[])["position_um"]["max"]);
+    let [long_um, short_um] = [most(&long), most(&plain)];
+    assert!((long_um / short_um - 200.0 / 80.0).abs() < 1e-6, "{long_um} {short_um}");
+    // The job of a machine file too, and a machine that is compared has to have the tool.
+    let own = three(&folder, "own.yaml", &format!("{tools}{errors}\njob: {{ tool_poses: x.csv, tool: long }}"));
+    let of = |more: &[&str]| json(&[&["map", text(&own), "--format", "json", "--quiet"], more].concat());
+    assert_eq!((&of(&[])["over"]["tool"], &of(&["--random", "5"])["over"]["tool"]), (&"long".into(), &"short".into()));
+    assert_eq!(refused(&["check", text(&own)]).0, 0);
+    let other = three(&folder, "other.yaml", errors);
+    let (code, said) = refused(&["compare", file, text(&other), "--job", text(&long)]);
+    assert!(code == 1 && said.contains("E0801") && said.contains("other.yaml"), "{said}");
+}
+
+#[test]
+fn a_best_fit_of_fewer_than_three_poses_is_refused() {
+    let folder = Folder::new("job-few");
+    let machine = three(&folder, "m.yaml", SCALE);
+    let of = |name: &str, rows: &str| {
+        let work = folder.with(name, &format!("X,Y,Z\n{rows}"));
+        refused(&["map", text(&machine), "--tool-poses", text(&work), "--reference", "best-fit"])
+    };
+    for (name, rows, words) in [
+        ("one.csv", "10,20,30\n", "one pose leaves nothing"),
+        ("same.csv", "10,20,30\n10,20,30\n10,20,30\n10,20,30\n", "one pose leaves nothing"),
+        ("two.csv", "10,20,30\n40,20,30\n10,20,30\n", "two poses leaves one of the six numbers"),
+    ] {
+        let (code, said) = of(name, rows);
+        assert!(code == 1 && said.contains("E0850") && said.contains(words), "{said}");
+    }
+    assert_eq!(of("three.csv", "10,20,30\n40,20,30\n10,70,30\n").0, 0);
+}
+
+#[test]
+fn body_diagonals_are_of_a_volume() {
+    let folder = Folder::new("job-diagonals");
+    let machine = three(&folder, "m.yaml", SCALE);
+    let job = job(&folder);
+    let of = |more: &[&str]| json(&[&["map", text(&machine), "--format", "json"], more].concat());
+    assert_eq!(of(&["--job", text(&job)])["diagonals"], Value::Array(Vec::new()));
+    assert_eq!(of(&["--random", "20"])["diagonals"].as_array().unwrap().len(), 4);
+    assert!(!abbe(&["map", text(&machine), "--job", text(&job)]).contains("Body diagonals"));
+    assert!(abbe(&["map", text(&machine), "--random", "20"]).contains("Body diagonals"));
+}
+
 /// A path along Y with a row out of reach, lines 2 to 7, and a job of it.
 fn along_y(folder: &Folder, more: &str) -> PathBuf {
     let _ = folder.with("y.csv", "X,Y,Z\n0,0,0\n0,50,0\n0,70,0\n0,150,0\n0,900,0\n0,-100,0\n");

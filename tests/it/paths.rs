@@ -453,12 +453,100 @@ fn too_short_a_travel_is_a_rewind_and_no_silence() {
     assert!(event.starts_with(&format!("{line},rewind")), "{event}");
     // A machine that leaves the path does not do the same work as one that does not.
     let whole = config("hh-ca-gantry.yaml");
-    let poses = ["--tool-poses", text(&rows), "--path", "yes", "--format", "json"];
+    let poses = ["--tool-poses", text(&rows), "--path", "yes", "--format", "json", "--quiet"];
     let found = json(&[&["compare", text(&whole), text(&machine)], &poses[..]].concat());
     let verdict = &found["verdicts"][0];
     assert_eq!((&verdict["verdict"], verdict.get("by")), (&Value::Null, None));
     let reason = verdict["reason"].as_str().unwrap();
     assert_eq!(reason, "machine 1 leaves the path for 0 rewinds, machine 2 leaves the path for 1 rewind");
+}
+
+/// The cells of a column of a CSV table by its name.
+fn column(csv: &str, name: &str) -> Vec<String> {
+    let index = csv.lines().next().unwrap().split(',').position(|head| head == name).unwrap();
+    csv.lines().skip(1).map(|line| line.split(',').nth(index).unwrap().to_owned()).collect()
+}
+
+#[test]
+fn events_of_a_path_stand_in_all_outputs() {
+    let folder = Folder::new("paths-events");
+    let rows = cone(361, 1.0);
+    let _ = folder.with("rows.csv", &table(&rows));
+    let job = folder.with("job.yaml", "tool_poses: rows.csv\npath: true\nreference: machine\n");
+    let machine = gantry(&folder, "[-95 deg, 95 deg]");
+    let base = config("hh-ca-gantry.yaml");
+    let arguments = ["reach", text(&machine), "--job", text(&job)];
+    let output = abbe_on(1, &arguments);
+    let (said, shown) = (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
+    assert!(said.contains("W0851") && said.contains("1 rewind"), "{said}");
+    assert!(shown.contains("One path: 1 rewind, 0 pole crossings") && shown.contains("rewind, C by"), "{shown}");
+    let reach = json(&[&arguments[..], &["--format", "json", "--quiet"]].concat());
+    let map = json(&["map", text(&machine), "--job", text(&job), "--format", "json", "--quiet"]);
+    assert_eq!((&reach["path"], &reach["reached"]), (&map["path"], &361.into()));
+    // Own positions of C: the direction of the tool turns once, and a branch of C ends after 190 deg.
+    let poses = along(&folder, &machine, &rows).0;
+    let jumps: Vec<usize> = (1..poses.len()).filter(|k| (poses[*k][3] - poses[*k - 1][3]).abs() > 3.0).collect();
+    let is_positive = |k: usize| (fork(rows[k].1, 1.0, poses[k][3])[0] - poses[k][3]).abs() < 1e-6;
+    assert!(jumps.len() == 1 && is_positive(jumps[0] - 1) != is_positive(jumps[0]), "{jumps:?}");
+    let csv = |arguments: &[&str]| abbe(&[arguments, &["--job", text(&job), "--format", "csv", "--quiet"]].concat());
+    let rewinds = |cells: &[String]| -> Vec<usize> {
+        (0..cells.len()).filter(|k| cells[*k].split("; ").any(|word| word == "rewind")).collect()
+    };
+    for verb in ["reach", "eval", "map"] {
+        let found = csv(&[verb, text(&machine)]);
+        assert_eq!(rewinds(&column(&found, "event")), jumps, "{verb}");
+        let reversals = column(&found, "event").iter().filter(|cell| cell.contains("reversal of")).count();
+        let lines: std::collections::BTreeSet<u64> = reach["path"]["axes"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .flat_map(|axis| axis["reversals"].as_array().unwrap().iter().map(|line| line.as_u64().unwrap()))
+            .collect();
+        assert_eq!(reversals, lines.len(), "{verb}");
+    }
+    assert!(csv(&["reach", text(&machine)]).starts_with("X [mm],Y [mm],Z [mm],share,event\n"));
+    // Side by side: the first machine has none, the second that one.
+    let cells = column(&csv(&["compare", text(&base), text(&machine)]), "event");
+    let of = |machine: usize| cells.iter().skip(machine).step_by(2).cloned().collect::<Vec<_>>();
+    assert_eq!((cells.len(), rewinds(&of(0)), rewinds(&of(1))), (2 * 361, Vec::new(), jumps));
+    // Single tool poses have no events and no column.
+    for verb in ["reach", "eval", "map"] {
+        let single = csv(&[verb, text(&machine), "--path", "no"]);
+        assert!(!single.lines().next().unwrap().contains("event"), "{verb}");
+    }
+}
+
+#[test]
+fn a_travel_that_changes_the_branches_has_its_effect() {
+    let folder = Folder::new("paths-diff");
+    let rows = cone(361, 1.0);
+    let _ = folder.with("rows.csv", &table(&rows));
+    let job = folder.with("job.yaml", "tool_poses: rows.csv\npath: true\nreference: machine\n");
+    let (short, base) = (gantry(&folder, "[-95 deg, 95 deg]"), config("hh-ca-gantry.yaml"));
+    let diff = |more: &[&str]| {
+        let arguments = ["diff", text(&short), text(&base), "--job", text(&job), "--format", "json", "--quiet"];
+        json(&[&arguments[..], more].concat())
+    };
+    let found = diff(&[]);
+    // The ceil(0.95 n)-th smallest deviation, um, of an independent model at the poses of each machine.
+    let sample = crate::support::config::sample(&base);
+    let p95 = |machine: &Path| {
+        let um = |pose: &Vec<f64>| norm(sample.evaluate(pose, Travel::Mean, Frame::Workpiece).deviation) * 1e3;
+        let mut list: Vec<f64> = along(&folder, machine, &rows).0.iter().map(um).collect();
+        list.sort_by(f64::total_cmp);
+        list[(list.len() * 95).div_ceil(100) - 1]
+    };
+    let truth = p95(&base) - p95(&short);
+    let travel = found["differences"].as_array().unwrap().iter().find(|of| of["kind"] == "travel").unwrap();
+    assert!(truth.abs() > 5.0 && travel["name"] == "C", "{truth} {travel}");
+    assert!((number(&travel["minus_first_um"]) - truth).abs() < 1e-6, "{travel} {truth}");
+    assert!((number(&found["minus_first_um"]) - truth).abs() < 1e-6, "{found}");
+    // On the first rows both take the same poses, and the travel has no effect to state.
+    let _ = folder.with("few.csv", &table(&rows[..20]));
+    let few = folder.with("few.yaml", "tool_poses: few.csv\npath: true\nreference: machine\n");
+    let found = json(&["diff", text(&short), text(&base), "--job", text(&few), "--format", "json", "--quiet"]);
+    let travel = found["differences"].as_array().unwrap().iter().find(|of| of["kind"] == "travel").unwrap();
+    assert!(travel["minus_first_um"].is_null() && number(&found["minus_first_um"]) == 0.0, "{found}");
 }
 
 /// A head with C about Z and A about X, both through the gauge point, and a tool of 100 mm.

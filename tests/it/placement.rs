@@ -66,8 +66,8 @@ fn close(found: &Value, truth: f64, within: f64, what: &str) {
     assert!((number(found) - truth).abs() < within, "{what}: {found} {truth}");
 }
 
-/// Checks that ranks run from 1 over the places that reach the same and the most, by rewinds and then by the 95 %
-/// value, and that the best place is the first of them.
+/// Checks that ranks run from 1 over the places that reach the same and the most, by rewinds and then by the figure, and
+/// that the best place is the first of them.
 fn check_ranks(found: &Value, missed: &[Vec<usize>]) {
     let tried = found["tried"].as_array().unwrap();
     let mut ranked: Vec<(usize, usize)> = Vec::new();
@@ -84,7 +84,7 @@ fn check_ranks(found: &Value, missed: &[Vec<usize>]) {
         let is_ranked = ranked.iter().any(|(_, of)| *of == index);
         assert_eq!(is_ranked, missed_here.len() == fewest && *missed_here == missed[best], "{index}");
     }
-    let key = |index: usize| (tried[index]["rewinds"].as_u64().unwrap_or(0), tried[index]["p95_um"].as_f64());
+    let key = |index: usize| (tried[index]["rewinds"].as_u64().unwrap_or(0), tried[index]["um"].as_f64());
     for pair in ranked.windows(2) {
         let [(a, p), (b, q)] = [key(pair[0].1), key(pair[1].1)];
         assert!(a < b || a == b && p.unwrap_or(0.0) <= q.unwrap_or(0.0) + 2e-4, "{pair:?}");
@@ -147,6 +147,8 @@ fn a_plate_is_tried_on_three_linear_axes() {
         let [p95, max] = p95_and_max(lengths);
         close(&of["p95_um"], p95, 1e-9, "95 %");
         close(&of["max_um"], max, 1e-9, "largest");
+        close(&of["um"], max, 1e-9, "figure");
+        assert!(of.get("versus_first").is_none() && of.get("limit").is_none());
         let margin = held().flatten().map(|x| 300.0 - x.abs()).fold(f64::INFINITY, f64::min);
         close(&of["margin_mm"], margin, 1e-9, "margin");
         let of_reach = &reach["tried"][k];
@@ -354,10 +356,99 @@ fn bounds_scale_with_the_extent_of_the_part() {
         let [p95, max] = across(of);
         close(&of["p95_um"], quantile * p95, 1e-9, "95 %");
         close(&of["max_um"], quantile * max, 1e-9, "largest");
+        // The same machines at every place: a difference is one of extents, and as certain.
+        close(&of["um"], quantile * max, 1e-9, "figure");
+        let (versus, first) = (&of["versus_first"], across(&found["best"])[1]);
+        close(&versus["minus_first"]["value"], quantile * (max - first), 1e-9, "against the first");
+        let verdict = match max - first {
+            _ if of["rank"] == 1 => "first",
+            apart if apart < 1e-9 => "equal",
+            _ => "worse",
+        };
+        assert_eq!(versus["verdict"], verdict, "{of}");
     }
+    let is_equal = |of: &&Value| of["versus_first"]["verdict"] == "equal";
+    assert_eq!(found["not_told_apart"], tried.iter().filter(is_equal).count());
     check_ranks(&found, &vec![Vec::new(); tried.len()]);
     let (code, said) = refused(&[&arguments[..], &["--order", "2"]].concat());
     assert!(code == 2 && said.contains("first order"), "{said}");
+}
+
+/// A rod of 100 mm along Y; turned about X by 90 deg it stands along Z.
+fn rod(folder: &Folder) {
+    let points: Vec<V3> = (0..11).map(|i| [0.0, 10.0 * f64::from(i), 0.0]).collect();
+    let _ = table(folder, "rod.csv", &points);
+}
+
+#[test]
+fn places_that_differ_by_chance_are_not_told_apart() {
+    let folder = Folder::new("placement-chance");
+    rod(&folder);
+    let job = folder.with("job.yaml", "tool_poses: rod.csv\nlimit: 9 um\n");
+    let picture = folder.file("p.svg");
+    // Along Y the squareness of Y moves the end by 100 mm of it, along Z that of Z: alike in law, and independent.
+    let of = |upright: &str, seed: &str| {
+        let errors = format!("errors: {{ EC0Y: {{ tolerance: 100 urad }}, EB0Z: {{ tolerance: {upright} }} }}");
+        let machine = three(&folder, &errors);
+        let arguments = ["map", text(&machine), "--job", text(&job), "--place", "A=0..90:2", "--seed", seed];
+        let found = json(&[&arguments[..], &["--format", "json", "--svg", text(&picture)]].concat());
+        let map = json(&["map", text(&machine), "--job", text(&job), "--seed", seed, "--format", "json"]);
+        // At the place of the job figure and verdict on the limit are those of the map.
+        assert_eq!((&found["own"]["limit"], &found["own"]["um"]), (&map["limit"], &map["limit"]["um"]));
+        (found, abbe(&arguments), abbe(&[&arguments[..], &["--format", "csv"]].concat()))
+    };
+    let mut firsts = std::collections::BTreeSet::new();
+    for seed in ["1", "2", "3", "4", "5", "6"] {
+        let (found, said, csv) = of("100 urad", seed);
+        let tried = found["tried"].as_array().unwrap();
+        let second = tried.iter().find(|of| of["rank"] == 2).unwrap();
+        let versus = &second["versus_first"];
+        assert_eq!((&versus["verdict"], &found["not_told_apart"]), (&"not_told_apart".into(), &1.into()), "{found}");
+        let minus = &versus["minus_first"];
+        // The truth is 0.
+        assert!(number(&minus["low"]) <= 0.0 && number(&minus["high"]) >= 0.0 && number(&minus["value"]) >= 0.0);
+        let _ = firsts.insert(numbers(&found["best"]["place"]["rotation"])[0] as i64);
+        assert!(said.contains("Not told apart from the first by the machines drawn: 1 of 1"), "{said}");
+        assert!(said.contains("Job, file's own: limit 9 um: exceeded"), "{said}");
+        assert!(csv.lines().any(|line| line.contains(",not told apart,")), "{csv}");
+        let svg = std::fs::read_to_string(&picture).unwrap();
+        assert!(svg.contains("Dots: places that the machines drawn do not tell apart from the best."));
+    }
+    assert_eq!(firsts.len(), 2, "chance decides which is the first");
+    // Three times the bound: 95 % of uniform squarenesses are within 95 urad and 285 urad, times 100 mm.
+    let (found, said, _) = of("300 urad", "1");
+    let upright = found["tried"].as_array().unwrap().iter().find(|of| of["rank"] == 2).unwrap();
+    let minus = &upright["versus_first"]["minus_first"];
+    assert_eq!((&upright["versus_first"]["verdict"], &found["not_told_apart"]), (&"worse".into(), &0.into()));
+    assert!(number(&minus["low"]) <= 19.0 && number(&minus["high"]) >= 19.0 && number(&minus["low"]) > 10.0, "{minus}");
+    let [low, high] = [0, 1].map(|k| number(&upright["interval_um"][k]));
+    assert!(low <= 28.5 && high >= 28.5, "{low} {high}");
+    assert!(said.contains("0 of 1; the others are worse"), "{said}");
+    assert!(!std::fs::read_to_string(&picture).unwrap().contains("Dots:"));
+}
+
+#[test]
+fn values_and_bounds_act_together_at_every_place() {
+    let folder = Folder::new("placement-both");
+    rod(&folder);
+    let job = folder.with("job.yaml", "tool_poses: rod.csv\nplace: { origin: [0, 50, 0] }\nlimit: 14 um\n");
+    let machine = three(&folder, &BENT.replace("errors:\n", "errors:\n  EC0Y: { tolerance: 100 urad }\n"));
+    let arguments = ["map", text(&machine), "--job", text(&job)];
+    let found = json(&[&arguments[..], &["--place", "Y=-150..50:3", "--format", "json"]].concat());
+    for of in found["tried"].as_array().unwrap() {
+        let y = Place::of(of).origin[1];
+        // Of 2001 squarenesses in equal steps: 0.1 um/mm along Y above 0, and s times the length across.
+        let largest = |k: i32| {
+            let s = 0.1 * (f64::from(k) + 0.5) / 2001.0;
+            let at = |l: f64| norm([s * l, 0.1 * ((y + l).max(0.0) - y.max(0.0)), 0.0]);
+            (0..11).map(|i| at(10.0 * f64::from(i))).fold(0.0, f64::max)
+        };
+        let [truth, _] = p95_and_max((0..2001).map(largest).collect());
+        let [low, high] = [0, 1].map(|k| number(&of["interval_um"][k]));
+        assert!(low <= truth && truth <= high && (number(&of["um"]) - truth).abs() < 0.5, "{of} {truth}");
+    }
+    let map = json(&[&arguments[..], &["--format", "json"]].concat());
+    assert_eq!((&found["own"]["limit"], &found["from"]), (&map["limit"], &"values".into()));
 }
 
 #[test]
@@ -434,9 +525,12 @@ fn threads_do_not_change_a_byte_and_lines_fit_a_terminal() {
         let found: Value = serde_json::from_slice(&first[1]).unwrap();
         let csv = String::from_utf8(first[2].clone()).unwrap();
         let head = "X [mm],Y [mm],Z [mm],A [deg],B [deg],C [deg],own,reached,share,rewinds,margin [mm],reference,p95 [um],max [um],rank";
-        assert_eq!(csv.lines().next(), Some(head));
+        let figure =
+            ",um,low [um],high [um],minus first [um],minus first low [um],minus first high [um],versus first,limit";
+        let (head, columns) = if verb == "map" { (head.to_owned() + figure, 23) } else { (head.to_owned(), 15) };
+        assert_eq!(csv.lines().next(), Some(head.as_str()));
         assert_eq!(csv.lines().count() - 1, found["tried"].as_array().unwrap().len());
-        assert!(csv.lines().all(|line| line.split(',').count() == 15));
+        assert!(csv.lines().all(|line| line.split(',').count() == columns));
         let svg = String::from_utf8(first[3].clone()).unwrap();
         assert_eq!(well_formed(&svg), Ok(()));
         assert!(svg.contains("Ring: the best place") && svg.contains("<circle"), "{verb}");

@@ -78,11 +78,13 @@ fn a_limit_is_judged_by_values_and_bounds_and_by_the_whole_job() {
     let rows: String = (0..20).map(|i| format!("{},0,0\n", -10 * i)).collect();
     let _ = folder.with("rows.csv", &format!("X,Y,Z\n{rows}300,0,0\n"));
     let whole = folder.with("whole.yaml", "tool_poses: rows.csv\nreference: machine\nlimit: 31 um\n");
-    let limit = |more: &[&str]| {
-        json(&[&["map", text(&measured), "--job", text(&whole), "--format", "json"], more].concat())["limit"].clone()
+    let limit = of("map", &[&measured], &whole)["limit"].clone();
+    assert_eq!((&limit["held"], &limit["um"], &limit["missed"]), (&false.into(), &32.0.into(), &0.into()));
+    let by = |statistic: &str| {
+        let machines = ["compare", text(&measured), text(&measured), "--job", text(&whole), "--format", "json"];
+        json(&[&machines[..], &["--statistic", statistic]].concat())["machines"][1]["limit"]["held"].clone()
     };
-    assert_eq!((&limit(&[])["held"], &limit(&[])["um"]), (&false.into(), &32.0.into()));
-    assert_eq!((&limit(&["--statistic", "p95"])["held"], &limit(&[])["missed"]), (&true.into(), &0.into()));
+    assert_eq!([by("max"), by("p95")], [Value::from(false), true.into()]);
     // A job that is not done holds no limit.
     let _ = folder.with("far.csv", "X,Y,Z\n0,0,0\n900,0,0\n");
     let far = folder.with("far.yaml", "tool_poses: far.csv\nreference: machine\nlimit: 31 um\n");

@@ -424,20 +424,28 @@ fn position(
     };
     let ends: &[f64] = if inverse.nrows() > 3 { &[-1.0, 1.0] } else { &[0.0] };
     let measure = Measure::Centres(ends.iter().map(|part| end(*part)).collect());
-    let datum = datum.map(|datum| centre_of(datum, &of)).transpose()?;
+    let datum = datum.map(|datum| axis_of(datum, points, &of)).transpose()?;
     Ok(Characteristic { directions: round_directions(&of), datum, measure, fit })
 }
 
-/// Returns the motion of the centre of a round datum with its effect on a surface about the same axis.
-fn centre_of(datum: &[SurfacePoint], of: &Revolution) -> Result<DatumMotion, Unfit> {
+/// Returns the motion of the axis of a round datum, or of the centre of a circle, with its effect on a surface about a
+/// parallel axis.
+fn axis_of(datum: &[SurfacePoint], points: &[SurfacePoint], of: &Revolution) -> Result<DatumMotion, Unfit> {
     enough(datum, 3)?;
     let round = Revolution::of(datum, Some(&of.axis));
     let round =
         round.map_err(|_| Unfit::Datum("the position of an axis is to a circle or cylinder about a parallel one"))?;
     let inverse = inverse_of(&round_columns(&round));
-    // The directions across the axis follow from the axis: those of both are the same.
-    let effect = DMatrix::from_fn(of.points.len(), 2, |i, k| of.points[i].across[k]);
-    Ok(DatumMotion { directions: round_directions(&round), motion: inverse.rows(1, 2).into_owned(), effect })
+    let middle = datum[0].place.dot(&of.axis) - round.points[0].height;
+    // The directions across the axis follow from the axis: those of both are the same. The tilts are those of the
+    // ends of the datum.
+    let effect = |i: usize, k: usize| {
+        let lever = if k < 2 { 1.0 } else { (points[i].place.dot(&of.axis) - middle) / round.half_height };
+        lever * of.points[i].across[k % 2]
+    };
+    let count = inverse.nrows() - 1;
+    let effect = DMatrix::from_fn(points.len(), count, effect);
+    Ok(DatumMotion { directions: round_directions(&round), motion: inverse.rows(1, count).into_owned(), effect })
 }
 
 /// Returns the matrix that leads from deviations to the least-squares coefficients of columns.

@@ -179,6 +179,21 @@ fn profiles_and_places_are_about_the_nominal_form() {
     assert!(value(&Characteristic::new(free).unwrap(), &ramp) < 1e-12);
 }
 
+/// A bore and a hole above it that lean together have their places to each other; to a circle the lean counts.
+#[test]
+fn a_hole_leans_with_the_axis_of_its_datum() {
+    let of = |heights: &[f64]| -> Vec<SurfacePoint> { cone(heights, 0.0).into_iter().map(|(.., p)| p).collect() };
+    let (bore, circle, hole) = (of(&[-10.0, 10.0]), of(&[0.0]), of(&[40.0, 60.0]));
+    let (shift, lean) = (turn() * V::new(0.002, -0.003, 0.001), turn() * V::new(1e-4, 0.0, 0.0));
+    let to = |datum: &[SurfacePoint]| {
+        let request = CharacteristicRequest { datum: Some(datum), ..request(Kind::Position, &hole) };
+        Characteristic::new(request).unwrap().widths(&rigid(&hole, shift, lean), &rigid(datum, shift, lean)).value
+    };
+    assert!(to(&bore) < 1e-12, "{}", to(&bore));
+    // 100 urad over 60 mm, on either side.
+    close(to(&circle), 2.0 * 6e-3);
+}
+
 /// The value is the sum of the parts, and the weights are its derivatives.
 #[test]
 fn weights_are_the_derivatives() {

@@ -5,7 +5,9 @@ use super::view::table;
 use crate::cli::Outcome;
 use crate::cli::arguments::PictureFile;
 use abbe::options::Placement;
-use abbe::results::{CommonFigures, PlaceRange, PlacementGain, PlacementResult, TriedPlace};
+use abbe::results::{
+    CommonFigures, LimitVerdict, PairedDifference, PlaceRange, PlacementGain, PlacementResult, TriedPlace, VersusFirst,
+};
 use abbe::text::{fold, significant};
 
 /// Number of the best places that are listed.
@@ -28,14 +30,18 @@ pub(crate) fn show<'a>(
 
 fn csv(of: &PlacementResult) -> String {
     let mut text = "X [mm],Y [mm],Z [mm],A [deg],B [deg],C [deg],own,reached,share,rewinds,margin [mm],reference,\
-                    p95 [um],max [um],rank\n"
+                    p95 [um],max [um],rank"
         .to_owned();
+    if of.from.is_some() {
+        text += ",um,low [um],high [um],minus first [um],minus first low [um],minus first high [um],versus first,limit";
+    }
+    text += "\n";
     for tried in &of.tried {
         let Placement { origin: [x, y, z], rotation: [a, b, c] } = tried.place;
         let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
         let count = |value: Option<usize>| value.map_or_else(String::new, |value| value.to_string());
         let flag = |value: bool| u8::from(value).to_string();
-        let cells = [
+        let mut cells = vec![
             [x, y, z, a, b, c].map(|x| x.to_string()).join(","),
             flag(tried.own),
             tried.reached.to_string(),
@@ -47,9 +53,33 @@ fn csv(of: &PlacementResult) -> String {
             number(tried.max_um),
             count(tried.rank),
         ];
+        if of.from.is_some() {
+            let versus = tried.versus_first;
+            let minus = versus.map(|versus| versus.minus_first);
+            let numbers = [
+                tried.um,
+                tried.interval_um.map(|[low, _]| low),
+                tried.interval_um.map(|[_, high]| high),
+                minus.map(|of| of.value),
+                minus.and_then(|of| of.low),
+                minus.and_then(|of| of.high),
+            ];
+            cells.extend(numbers.map(number));
+            cells.push(versus.map_or_else(String::new, |versus| versus.verdict.words().to_owned()));
+            cells.push(tried.limit.as_ref().map_or_else(String::new, |limit| held(limit).to_owned()));
+        }
         text += &(cells.join(",") + "\n");
     }
     text
+}
+
+/// The verdict on the limit of the job in a word.
+fn held(limit: &LimitVerdict) -> &'static str {
+    match limit.held {
+        Some(true) => "held",
+        Some(false) => "exceeded",
+        None => "not told",
+    }
 }
 
 fn text(of: &PlacementResult) -> String {
@@ -59,6 +89,7 @@ fn text(of: &PlacementResult) -> String {
         None => "reach of the nominal machine",
     };
     let mut text = format!("{}: places of the part, {what}\n{}", of.machine, of.over.text());
+    text += &of.figure_words().map_or_else(String::new, |words| fold(&format!("Figure: {words}")));
     text += &of.drawing.as_ref().map_or_else(String::new, |of| format!("{}{}\n", of.words(), of.class_words()));
     let count: usize = of.ranges.iter().map(|range| range.count).product();
     let own = if of.places > count { " and the file's own" } else { "" };
@@ -73,6 +104,7 @@ fn text(of: &PlacementResult) -> String {
         )),
     };
     text += &format!("\n{}\n", rows(of));
+    text += &standing(of);
     if let (Some(best), Some(gain)) = (&of.best, &of.gain) {
         text += &fold(&gained(of, best, gain));
         if !of.at_end_of.is_empty() {
@@ -80,6 +112,21 @@ fn text(of: &PlacementResult) -> String {
             text += &fold(&format!("It is at an end of {ends}: a wider range may have a better one."));
         }
         text += &format!("In the job file:\n  {}\n", line(&best.place));
+    }
+    text
+}
+
+/// What the machines drawn tell of the ranked places, and the limit of the job at the best place and at its own.
+fn standing(of: &PlacementResult) -> String {
+    let mut text = String::new();
+    let others = of.tried.iter().filter(|of| of.versus_first.is_some()).count().saturating_sub(1);
+    if let Some(open) = of.not_told_apart.filter(|_| others > 0) {
+        let rest = if open == others { "" } else { "; the others are worse, with 95 % confidence for all together" };
+        text += &fold(&format!("Not told apart from the first by the machines drawn: {open} of {others}{rest}"));
+    }
+    let best = of.best.as_ref().filter(|best| !best.own).map(|best| ("best place", best));
+    for (name, tried) in best.into_iter().chain([("file's own", &of.own)]) {
+        text += &tried.limit.as_ref().map_or_else(String::new, |of| fold(&format!("Job, {name}: {}", of.words())));
     }
     text
 }
@@ -117,7 +164,13 @@ fn rows(of: &PlacementResult) -> comfy_table::Table {
     if of.over.path {
         columns.push(("rewinds".to_owned(), Box::new(|of| of.rewinds.map_or("-".to_owned(), |n| n.to_string()))));
     }
-    if of.from.is_some() {
+    if of.not_told_apart.is_some() {
+        columns.push(("figure, um".to_owned(), Box::new(move |of| number(of.um))));
+        let minus = |of: &TriedPlace| of.versus_first.map_or("-".to_owned(), |versus| paired(versus.minus_first));
+        columns.push(("minus first".to_owned(), Box::new(minus)));
+        let verdict = |of: &TriedPlace| of.versus_first.map_or("-", |versus| versus.verdict.words()).to_owned();
+        columns.push(("against first".to_owned(), Box::new(verdict)));
+    } else if of.from.is_some() {
         columns.push(("95 %, um".to_owned(), Box::new(move |of| number(of.p95_um))));
         columns.push(("max, um".to_owned(), Box::new(move |of| number(of.max_um))));
     }
@@ -148,7 +201,7 @@ fn gained(of: &PlacementResult, best: &TriedPlace, gain: &PlacementGain) -> Stri
     };
     let mut words: Vec<String> = counted(gain.poses, "tool pose", "more", "fewer").into_iter().collect();
     words.extend(gain.rewinds.and_then(|n| counted(n, "rewind", "fewer", "more")));
-    words.extend(gain.common.as_ref().map(|common| figures(common, of.over.poses)));
+    words.extend(gain.common.as_ref().map(|common| figures(common, of)));
     words.extend(best.margin_mm.zip(of.own.margin_mm).map(|(best, own)| {
         format!("margin to the ends of travel {} mm instead of {}", significant(best, 4), significant(own, 4))
     }));
@@ -158,8 +211,21 @@ fn gained(of: &PlacementResult, best: &TriedPlace, gain: &PlacementGain) -> Stri
     format!("Best place against the file's own: {}.", words.join("; "))
 }
 
-fn figures(of: &CommonFigures, all: usize) -> String {
-    let on = if of.poses == all { String::new() } else { format!(" (on the {} tool poses that both reach)", of.poses) };
+/// A difference with its interval.
+fn paired(of: PairedDifference) -> String {
+    let end = |x: Option<f64>| x.map_or("-".to_owned(), |x| significant(x, 3));
+    format!("{} ({}..{})", significant(of.value, 3), end(of.low), end(of.high))
+}
+
+fn figures(of: &CommonFigures, places: &PlacementResult) -> String {
+    let is_all = of.poses == places.over.poses;
+    let on = if is_all { String::new() } else { format!(" (on the {} tool poses that both reach)", of.poses) };
+    if places.not_told_apart.is_some() {
+        let [best, own] = [of.best_um, of.own_um].map(|um| significant(um, 4));
+        let versus = |of: VersusFirst| format!(", difference {} um: {}", paired(of.minus_first), of.verdict.words());
+        return format!("figure {best} um instead of {own}{on}{}", of.versus_own.map_or_else(String::new, versus));
+    }
+
     let percent = if of.own_p95_um > 0.0 {
         let side = if of.p95_um < 0.0 { "more" } else { "less" };
         format!("{} % {side}, ", significant(100.0 * of.p95_um.abs() / of.own_p95_um, 3))

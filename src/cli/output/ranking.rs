@@ -1,10 +1,12 @@
 //! The result of `enumerate` as text and CSV.
 
 use super::budget_text::coverage_line;
-use super::view::{table, tool_poses_text};
+use super::view::table;
 use abbe::options::{JudgedBy, Statistic};
-use abbe::results::{Arrangement, ExcludedArrangements, PairedDifference, RankedArrangements, RankingRounds, Verdict};
-use abbe::text::{cell, fold, significant};
+use abbe::results::{
+    Arrangement, ExcludedArrangements, PairedDifference, RankedArrangements, RankingRounds, ReachedToolPoses, Verdict,
+};
+use abbe::text::{cell, fold, shown, significant};
 use indexmap::IndexMap;
 
 pub(crate) fn csv(of: &RankedArrangements) -> String {
@@ -58,9 +60,7 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
         of.machine,
         of.arrangements,
         of.poses,
-        of.tool_poses
-            .as_ref()
-            .map_or_else(|| format!("tool poses, drawn from the volume of {}", of.chain), tool_poses_text)
+        of.tool_poses.as_ref().map_or_else(|| format!("tool poses, drawn from the volume of {}", of.chain), work_text)
     );
     let samples = of.samples.unwrap_or(0);
     text += &match of.by {
@@ -81,15 +81,17 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
     let missing = of.coverage.as_ref().filter(|coverage| !coverage.missing.is_empty());
     text += &missing.and_then(coverage_line).map_or_else(String::new, |line| line + "\n");
     text += &of.over.text();
-    text += &arrangements(of, &of.ranked, true, top);
-    text += &standing(of);
+    text += &match of.ranked.is_empty() {
+        true => format!("{}\n", most(of)),
+        false => arrangements(of, &of.ranked, true, top) + &standing(of),
+    };
     if of.ranked.len() > top {
         text += &format!("... and {} more (`--top {}`, or `--format csv`)\n", of.ranked.len() - top, of.ranked.len());
     }
     if !of.reach_less.is_empty() {
         text += &format!(
             "\n{} miss some of the tool poses and have no rank; those that reach {} % come first, by their difference \
-             to the file's arrangement on the poses that they reach:\n",
+             to the file's arrangement on the poses that both reach:\n",
             of.reach_less.len(),
             significant(of.reach * 100.0, 4)
         );
@@ -114,6 +116,22 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
         text += &format!("\nLeft out as hardly built: {} (`--buildable no` lists them)\n", rules.join(", "));
     }
     text + "Negative differences: less error than the arrangement of the file, on the same tool poses.\n"
+}
+
+/// The tool poses of a file, all of which count.
+fn work_text(reached: &ReachedToolPoses) -> String {
+    let missed = match reached.rows.len() {
+        0 => String::new(),
+        n => format!(", of which the file's arrangement misses {n}"),
+    };
+    format!("tool poses of {}{missed}", shown(&reached.file))
+}
+
+/// The arrangement that reaches the most, where none reaches all.
+fn most(of: &RankedArrangements) -> String {
+    let most = of.reach_less.iter().rev().max_by_key(|row| row.reached);
+    let words = |row: &Arrangement| format!("; the most is {}, by {}", row.reached, row.chain);
+    format!("No arrangement reaches all {} tool poses{}", of.poses, most.map_or_else(String::new, words))
 }
 
 /// Confidence of the ranks, and the machines drawn for it.

@@ -87,6 +87,7 @@ fn csv(result: &CompareResult) -> String {
         drawn.map(|_| BOUNDED),
         drawn.map(|_| MINUS_FIRST),
         drawn.map(|_| "from,samples,seed"),
+        result.over.path.then_some("event"),
     ];
     let mut csv = head.into_iter().flatten().collect::<Vec<_>>().join(",") + "\n";
     for (pose, row) in result.rows.iter().enumerate() {
@@ -109,6 +110,7 @@ fn csv(result: &CompareResult) -> String {
                 let source = format!("bounds,{},{}", drawn.samples, drawn.seed);
                 cells.push(bounded.map_or_else(|| "errors,,".to_owned(), |_| source));
             }
+            cells.extend(row.events.get(i).cloned());
             csv.push_str(&(cells.join(",") + "\n"));
         }
     }

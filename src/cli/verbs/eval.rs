@@ -76,8 +76,10 @@ fn csv(file: &MachineFile, result: &EvalResult) -> String {
     let expanded = names[3..].iter().map(|name| format!("U {name}")).take(if stated { 6 } else { 0 });
     let effects = effect_names(result);
     let asked = extra_columns(file, result, &effects);
-    let header: Vec<String> = axes.chain(names.map(str::to_owned)).chain(normal).chain(expanded).chain(asked).collect();
-    let line = |pose: &PoseResult| {
+    let event = (!result.events.is_empty()).then(|| "event".to_owned());
+    let stated_columns = axes.chain(names.map(str::to_owned)).chain(normal).chain(expanded);
+    let header: Vec<String> = stated_columns.chain(asked).chain(event).collect();
+    let line = |(i, pose): (usize, &PoseResult)| {
         let vectors = [pose.nominal, pose.deviation, pose.rotation];
         let expanded = pose.uncertainty.iter().flat_map(|u| [u.deviation, u.rotation]);
         let undone = pose.inverse.iter().flat_map(AxisPositions::values).copied();
@@ -86,9 +88,12 @@ fn csv(file: &MachineFile, result: &EvalResult) -> String {
         // Pairs without an effect at a pose are not listed there.
         let six = |name: &&str| own.get(name).map_or([[0.0; 3]; 2], |effect| [effect.deviation, effect.rotation]);
         let stated = vectors.into_iter().flatten().chain(pose.along_normal).chain(expanded.flatten());
-        numbers(pose.axes.values().copied().chain(stated).chain(undone).chain(effects.iter().flat_map(six).flatten()))
+        let all = pose.axes.values().copied().chain(stated).chain(undone).chain(effects.iter().flat_map(six).flatten());
+        let event = result.events.get(i).map_or_else(String::new, |event| format!(",{event}"));
+        numbers(all) + &event
     };
-    let lines: Vec<String> = std::iter::once(header.join(",")).chain(result.poses.iter().map(line)).collect();
+    let lines: Vec<String> =
+        std::iter::once(header.join(",")).chain(result.poses.iter().enumerate().map(line)).collect();
     lines.join("\n")
 }
 

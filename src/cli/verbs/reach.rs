@@ -4,7 +4,7 @@ use crate::cli::Outcome;
 use crate::cli::arguments::{JobArg, PictureFile, PlaceArg, ToolArg, ToolPosesArg, counts, help, length, png, svg};
 use crate::cli::output::placement;
 use crate::cli::output::session::Session;
-use crate::cli::output::view::reach_text;
+use crate::cli::output::view::{path_text, reach_text};
 use crate::cli::store::write::{refuse_outputs, write_whole};
 use abbe::results::ReachResult;
 use abbe::text::{Reason, significant};
@@ -92,8 +92,10 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 }
 
 fn csv(of: &ReachResult) -> String {
-    let row = |([x, y, z], share): ([f64; 3], f64)| format!("{x},{y},{z},{share}\n");
-    format!("X [mm],Y [mm],Z [mm],share\n{}", of.tips().map(row).collect::<String>())
+    let event = |i: usize| of.events.get(i).map_or_else(String::new, |event| format!(",{event}"));
+    let row = |(i, ([x, y, z], share)): (usize, ([f64; 3], f64))| format!("{x},{y},{z},{share}{}\n", event(i));
+    let head = if of.events.is_empty() { "" } else { ",event" };
+    format!("X [mm],Y [mm],Z [mm],share{head}\n{}", of.tips().enumerate().map(row).collect::<String>())
 }
 
 fn percent(part: usize, whole: usize) -> String {
@@ -136,5 +138,5 @@ fn text(of: &ReachResult) -> String {
         text += &lacks.concat();
     }
     text += &of.job.as_ref().map_or_else(String::new, |job| reach_text(&job.rows, &job.travel));
-    text
+    text + &of.path.as_ref().map_or_else(String::new, path_text)
 }

@@ -121,6 +121,14 @@ pub struct ReachedToolPoses {
     pub(crate) surface: Vec<SurfacePoint>,
 }
 
+impl ReachedToolPoses {
+    /// Returns the events of the path at each pose in words, empty at a pose without; none of single poses.
+    pub(crate) fn events(&self) -> Vec<String> {
+        let lines = || self.lines.iter().map(|(line, _)| *line);
+        self.path.as_ref().map_or_else(Vec::new, |path| path.words_at(lines()))
+    }
+}
+
 /// The place of a row of a file.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub(crate) struct RowTip {

@@ -1,4 +1,4 @@
-//! Places of a part over two ranges: the share in reach, or the 95 % value of the deviation.
+//! Places of a part over two ranges: the share in reach, or the figure of the deviation.
 
 use super::frame::{PlotAxis, PlotFrame};
 use super::scale::rising;
@@ -19,6 +19,8 @@ const HIGHEST: f64 = 420.0;
 const STRIP: f64 = 70.0;
 /// Characters of a note.
 const NOTE: usize = 98;
+/// Radius of the dot of a place that is not told apart from the best, px.
+const OPEN: f64 = 2.2;
 /// Colour of a place that is not ranked.
 const APART: &str = "#cfd3d7";
 
@@ -36,8 +38,8 @@ pub struct PlacementPicture<'a> {
     pub own: &'a TriedPlace,
     /// The best place.
     pub best: Option<&'a TriedPlace>,
-    /// True for the 95 % value, false for the share in reach.
-    pub figures: bool,
+    /// The figure of the deviation in words; none for the share in reach.
+    pub figures: Option<&'a str>,
 }
 
 /// The ranges of the two sides: index, and the number of values.
@@ -55,8 +57,7 @@ impl PlacementPicture<'_> {
         let (width, height) = size(across, up);
         let below = TOP + height + 66.0;
         let mut svg = Svg::new(WIDTH, below + 18.5 * notes.len() as f64 + 4.0);
-        let what =
-            if self.figures { "95 % value of the position deviation" } else { "share of the tool poses in reach" };
+        let what = self.figures.unwrap_or("share of the tool poses in reach");
         let subtitle = format!("Places of the part: {what}");
         svg.heading(28.0, self.title, 60, &subtitle, 60);
         let frame = PlotFrame { left: LEFT, top: TOP, width, height };
@@ -84,9 +85,9 @@ impl PlacementPicture<'_> {
         [varied.next().or_else(|| all().next()), varied.next()]
     }
 
-    /// Returns the least and the largest 95 % value of ranked places, um.
+    /// Returns the least and the largest figure of ranked places, um.
     fn extremes(&self) -> [f64; 2] {
-        let ranked = self.tried.iter().filter(|of| of.rank.is_some()).filter_map(|of| of.p95_um);
+        let ranked = self.tried.iter().filter(|of| of.rank.is_some()).filter_map(|of| of.um);
         let [least, most] =
             ranked.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], um| [least.min(um), most.max(um)]);
         if least <= most { [least, most] } else { [0.0; 2] }
@@ -114,6 +115,10 @@ impl PlacementPicture<'_> {
                 let style = format!(r#"fill="{colour}" stroke="{colour}" stroke-width="0.3""#);
                 svg.rect(corner, (width, height), &style);
             }
+            if place.is_open() {
+                let at = Point { x: corner.0 + 0.5 * width, y: corner.1 + 0.5 * height };
+                svg.circle(at, OPEN.min(0.2 * width.min(height)), &format!(r#"fill="{INK}""#));
+            }
             if let Some(rewinds) = place.rewinds.filter(|rewinds| *rewinds > 0 && width > 16.0 && height > 14.0) {
                 let at = (corner.0 + width - 3.0, corner.1 + 12.0);
                 svg.text(at, &rewinds.to_string(), Font::plain(10.0), TextAnchor::End, 0.0);
@@ -131,9 +136,9 @@ impl PlacementPicture<'_> {
     fn colour(&self, place: &TriedPlace) -> Option<String> {
         let [least, most] = self.extremes();
         let fraction = |um: f64| if most > least { (um - least) / (most - least) } else { 0.0 };
-        match (place.p95_um, place.rank) {
+        match (place.um, place.rank) {
             _ if place.reached == 0 => None,
-            _ if !self.figures => Some(rising(place.share)),
+            _ if self.figures.is_none() => Some(rising(place.share)),
             (Some(um), Some(_)) => Some(rising(fraction(um))),
             _ => Some(APART.to_owned()),
         }
@@ -161,7 +166,7 @@ impl PlacementPicture<'_> {
     fn notes(&self, up: Option<Side<'_>>) -> Vec<String> {
         let mut notes = vec![format!("{}.", self.over)];
         let colours = "white: nothing is reached";
-        notes.push(if self.figures {
+        notes.push(if self.figures.is_some() {
             format!("Grey: other or fewer tool poses than the ranked places, or no reference; {colours}.")
         } else {
             format!("Colour: share; {colours}.")
@@ -178,6 +183,9 @@ impl PlacementPicture<'_> {
         if !others.is_empty() {
             notes.push(format!("Each cell is the best place over {}.", others.join(", ")));
         }
+        if self.tried.iter().any(TriedPlace::is_open) {
+            notes.push("Dots: places that the machines drawn do not tell apart from the best.".to_owned());
+        }
         if self.tried.iter().any(|of| of.rewinds.is_some_and(|rewinds| rewinds > 0)) {
             notes.push("Numbers: rewinds of the path, which rank before the figure.".to_owned());
         }
@@ -192,7 +200,7 @@ impl PlacementPicture<'_> {
             svg.rect((left + width * k as f64, 66.0), (width, 12.0), &format!(r#"fill="{colour}""#));
         }
         svg.rect((left, 66.0), (120.0, 12.0), &format!(r#"fill="none" stroke="{FAINT}""#));
-        let [least, most] = if self.figures {
+        let [least, most] = if self.figures.is_some() {
             let [least, most] = self.extremes();
             [significant(least, 4), format!("{} µm", significant(most, 4))]
         } else {
@@ -203,11 +211,11 @@ impl PlacementPicture<'_> {
     }
 }
 
-/// Returns a place in words, such as `X -50 mm, C 90 deg, 95 % value 24.2 µm`.
+/// Returns a place in words, such as `X -50 mm, C 90 deg, 24.2 µm`.
 fn words(ranges: &[PlaceRange], of: &TriedPlace) -> String {
     let numbers = ranges.iter().map(|r| format!("{} {} {}", r.of, significant(r.of_place(&of.place), 6), r.unit));
     let share = (of.share < 1.0).then(|| format!("{} % in reach", significant(100.0 * of.share, 4)));
-    let figure = of.p95_um.map(|um| format!("95 % value {} µm", significant(um, 4)));
+    let figure = of.um.map(|um| format!("{} µm", significant(um, 4)));
     numbers.chain(share).chain(figure).collect::<Vec<_>>().join(", ")
 }
 

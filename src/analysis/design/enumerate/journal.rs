@@ -15,9 +15,12 @@ pub struct RoundRecord {
     /// The same with the best fit of each machine taken out, where it is asked for besides.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub best_fit: Vec<f64>,
-    /// The ranked value of the machine as its file has it, on the same tool poses and all machines drawn so far, um;
-    /// `None` without values.
+    /// The ranked value of the machine as its file has it, on those of the tool poses that it reaches and all machines
+    /// drawn so far, um; `None` without such, and without values.
     pub file: Option<f64>,
+    /// The value of the arrangement on these tool poses, where they are not all of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub common: Option<f64>,
 }
 
 /// A walk in a round, both from 0: the rounds in their order, and in each the walks.

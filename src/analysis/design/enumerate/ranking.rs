@@ -65,8 +65,9 @@ pub struct ArrangementErrors {
     pub high: Option<f64>,
     /// Mean of the drawn machines.
     pub mean: Option<f64>,
-    /// Value of the ranking minus that of the machine as its file has it, on the same tool poses.
-    pub minus_file: f64,
+    /// Value of the ranking minus that of the machine as its file has it, on the tool poses that both reach; `None`
+    /// without such.
+    pub minus_file: Option<f64>,
     /// Number of machines drawn of the arrangement; `None` by the errors given.
     pub samples: Option<usize>,
     /// Standing against rank 1; `None` for those that are not ranked.
@@ -145,7 +146,7 @@ fn in_order(rows: Vec<ArrangementRow>, reach: Reach) -> (Vec<ArrangementRow>, Ve
     };
     ranked.sort_by(|a, b| key(a).total_cmp(&key(b)));
     // Values over different tool poses are no ranks: each counts against the file's machine on its own ones.
-    let versus_file = |row: &ArrangementRow| row.result.map_or(f64::INFINITY, |result| result.minus_file);
+    let versus_file = |row: &ArrangementRow| row.result.and_then(|result| result.minus_file).unwrap_or(f64::INFINITY);
     short.sort_by(|a, b| {
         let by_reach = b.reached.cmp(&a.reached).then(versus_file(a).total_cmp(&versus_file(b)));
         match (reach.is_enough(a), reach.is_enough(b)) {

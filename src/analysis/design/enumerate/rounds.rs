@@ -102,9 +102,24 @@ struct Entrant<'a> {
     values: Vec<f64>,
     /// The same with the best fit.
     best_fit: Vec<f64>,
-    file: Option<f64>,
+    file: FileValues,
     /// Number of different arrangements in its last round.
     rivals: usize,
+}
+
+/// The ranked values on the tool poses that an arrangement and the machine as its file has it both reach, um.
+#[derive(Debug, Clone, Copy)]
+struct FileValues {
+    /// That of the machine; `None` without such tool poses.
+    file: Option<f64>,
+    /// That of the arrangement, where they are not all of its own.
+    own: Option<f64>,
+}
+
+impl FileValues {
+    fn of(record: &RoundRecord) -> Self {
+        Self { file: record.file, own: record.common }
+    }
 }
 
 struct Decision {
@@ -129,7 +144,7 @@ pub fn standings(journal: &Journal, rounds: &Rounds, fraction: f64) -> Standings
         .filter(|(_, record)| reach.is_whole(&record.row) && record.row.not_stated.is_empty())
         .map(|(step, record)| {
             let (values, best_fit) = (record.values.clone(), record.best_fit.clone());
-            Entrant { step, record, values, best_fit, file: record.file, rivals: 1 }
+            Entrant { step, record, values, best_fit, file: FileValues::of(record), rivals: 1 }
         })
         .collect();
     let mut inside: Vec<usize> = (0..entrants.len()).collect();
@@ -176,7 +191,7 @@ fn take(journal: &Journal, round: usize, entrant: &mut Entrant<'_>) {
     if let Some(record) = records.into_iter().flatten().find(|record| record.row.table == table) {
         entrant.values.extend(&record.values);
         entrant.best_fit.extend(&record.best_fit);
-        entrant.file = record.file;
+        entrant.file = FileValues::of(record);
     }
 }
 
@@ -252,7 +267,7 @@ fn study_end(
         let ranked = results.get(&(step, record.row.table)).copied();
         let result = ranked.unwrap_or_else(|| {
             let best_fit = fitted(&record.best_fit, || None);
-            let result = outcome(&record.values, record.file, None, rounds.drawn);
+            let result = outcome(&record.values, FileValues::of(record), None, rounds.drawn);
             result.map(|result| ArrangementErrors { best_fit, ..result })
         });
         ArrangementRow { result, ..record.row.clone() }
@@ -281,15 +296,17 @@ fn fitted(values: &[f64], versus_first: impl FnOnce() -> Option<VersusFirst>) ->
 /// Returns the result of values (um), if there are any.
 fn outcome(
     values: &[f64],
-    file: Option<f64>,
+    of_file: FileValues,
     versus_first: Option<VersusFirst>,
     drawn: bool,
 ) -> Option<ArrangementErrors> {
-    let file = file.filter(|_| !values.is_empty())?;
+    if values.is_empty() {
+        return None;
+    }
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     let Percentile { value: um, low, high, .. } = Percentile::of(&sorted, 95);
-    let minus_file = um - file;
+    let minus_file = of_file.file.map(|file| of_file.own.unwrap_or(um) - file);
     Some(if drawn {
         let mean = Some(mean(values).0);
         let samples = Some(values.len());
@@ -325,6 +342,10 @@ mod tests {
         100.0 + 20.0 * unit(sample as u64) + 4.0 * unit((k as u64 + 7) << 32 | sample as u64) + worse
     }
 
+    fn record(row: ArrangementRow, values: Vec<f64>) -> RoundRecord {
+        RoundRecord { row, values, best_fit: Vec::new(), file: Some(100.0), common: None }
+    }
+
     /// Runs a study of walks with one arrangement each: (identity of the noise, how much worse).
     fn run(arrangements: &[(usize, f64)], rounds: &Rounds) -> StudyEnd {
         let mut journal = Journal::new("x".to_owned(), arrangements.len());
@@ -348,8 +369,7 @@ mod tests {
                 };
                 let values = rounds.samples(missing.round).map(|sample| value(k, sample, worse)).collect();
                 let at = RoundStep { round: missing.round, step: *step };
-                let _ =
-                    journal.done.insert(at, vec![RoundRecord { row, values, best_fit: Vec::new(), file: Some(100.0) }]);
+                let _ = journal.done.insert(at, vec![record(row, values)]);
             }
         }
     }

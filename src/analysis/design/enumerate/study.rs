@@ -61,7 +61,10 @@ pub struct Study<'a> {
     statistic: Statistic,
     judge: Judge,
     work: Vec<ToolPose>,
+    /// The poses (mm, deg) of the machine as its file has it.
     poses: Vec<Pose>,
+    /// Of each tool pose the index of that pose; `None` where the machine does not reach it.
+    of_file: Vec<Option<usize>>,
     freedom: usize,
     sized: bool,
     set_ups: &'a dyn PartSetUps,
@@ -77,7 +80,7 @@ pub struct StudyRound<'a> {
     reference: ReferenceMachine,
 }
 
-/// The machine as its file has it: squared lengths of the deviations (mm^2) at every tool pose.
+/// The machine as its file has it: squared lengths of the deviations (mm^2) at every tool pose that it reaches.
 #[derive(Debug)]
 enum ReferenceMachine {
     /// Chunk by chunk.
@@ -86,15 +89,20 @@ enum ReferenceMachine {
 }
 
 impl<'a> Study<'a> {
-    /// Returns a study with its work. Tool poses that the machine itself cannot reach are left out.
+    /// Returns a study with its work. Listed tool poses all count; of those drawn from the volume, which the machine
+    /// reaches but for rounding, the others are left out.
     pub fn new(machine: &'a Machine, walks: Vec<Walk>, judge: Judge, statistic: Statistic, work: &Work) -> Self {
         let targets: Vec<ToolPose> = (0..work.len()).into_par_iter().map(|i| work.get(machine, i)).collect();
         let found = solve(machine, &targets, work.is_path()).into_iter().zip(targets);
-        let is_path = work.is_path();
-        let (work, poses): (Vec<ToolPose>, Vec<Pose>) =
-            found.filter_map(|(pose, target)| Some((target, pose.ok()?))).unzip();
+        let (is_path, is_drawn) = (work.is_path(), matches!(work, Work::OfPoses(_)));
+        let (mut work, mut poses, mut of_file) = (Vec::new(), Vec::new(), Vec::new());
+        for (pose, target) in found.filter(|(pose, _)| pose.is_ok() || !is_drawn) {
+            work.push(target);
+            of_file.push(pose.is_ok().then_some(poses.len()));
+            poses.extend(pose);
+        }
         let (freedom, set_ups) = (freedom(machine), &MachineCoordinates);
-        Self { machine, walks, statistic, judge, work, poses, freedom, sized: false, set_ups, is_path }
+        Self { machine, walks, statistic, judge, work, poses, of_file, freedom, sized: false, set_ups, is_path }
     }
 
     /// The same study without what the set-up of the part takes out.
@@ -199,7 +207,8 @@ impl StudyRound<'_> {
             rewinds: None,
         };
         let each = || machines.iter().zip(tables);
-        let apart = |row: ArrangementRow| RoundRecord { row, values: Vec::new(), best_fit: Vec::new(), file: None };
+        let (empty, none) = (Vec::new, None::<f64>);
+        let apart = |row| RoundRecord { row, values: empty(), best_fit: empty(), file: none, common: none };
         if freedom(nominal) < study.freedom {
             let all = study.work.len();
             let missed = UnreachableCount { total: all, direction: all, ..UnreachableCount::default() };
@@ -218,24 +227,49 @@ impl StudyRound<'_> {
             return each().map(|of| apart(row(of, Standing::MissesReference, missed))).collect();
         };
         let file = self.file_value(&reached);
+        let common = self.common_values(walk, machines, tables, (&reached, &poses));
         let walk = WalkPoses { machine: nominal, axes: &walk.axes, tables, poses: &poses, references: &references };
-        let mut values = self.values(walk, machines).into_iter();
+        let mut values = self.values(walk, machines, self.samples.clone()).into_iter();
         let (values, best_fit) = (values.next().unwrap_or_default(), values.next());
         let best_fit = best_fit.unwrap_or_else(|| vec![Vec::new(); machines.len()]);
-        let judged = each().zip(values).zip(best_fit).map(|((of, values), best_fit)| RoundRecord {
-            row: ArrangementRow { travel: travel.clone(), rewinds, ..row(of, Standing::Judged, missed) },
-            values,
-            best_fit,
-            file: Some(file),
-        });
+        let judged =
+            each().zip(values).zip(best_fit).zip(common).map(|(((of, values), best_fit), common)| RoundRecord {
+                row: ArrangementRow { travel: travel.clone(), rewinds, ..row(of, Standing::Judged, missed) },
+                values,
+                best_fit,
+                file,
+                common,
+            });
         judged.collect()
     }
 
-    /// Returns the values of the round, um, for every reference and arrangement.
-    fn values(&self, walk: WalkPoses<'_>, machines: &[Machine]) -> Vec<Vec<Vec<f64>>> {
+    /// Returns the ranked values of arrangements, um, on those of their tool poses that also the machine as its file has
+    /// it reaches; none where these are all, or none.
+    fn common_values(
+        &self,
+        walk: &Walk,
+        machines: &[Machine],
+        tables: &[usize],
+        (reached, poses): (&[usize], &[Pose]),
+    ) -> Vec<Option<f64>> {
+        let is_common = |index: &usize| self.study.of_file[*index].is_some();
+        let poses: Vec<Pose> =
+            reached.iter().zip(poses).filter(|(index, _)| is_common(index)).map(|(_, pose)| pose.clone()).collect();
+        let references = (0 < poses.len() && poses.len() < reached.len())
+            .then(|| self.study.set_ups.references(&machines[0], &poses))
+            .flatten();
+        let Some(references) = references else { return vec![None; machines.len()] };
+        let (machine, axes, references) = (&machines[0], walk.axes.as_slice(), &references[..1]);
+        let walk = WalkPoses { machine, axes, tables, poses: &poses, references };
+        let values = self.values(walk, machines, 0..self.samples.end).into_iter().next().unwrap_or_default();
+        values.iter().map(|values| Some(percentile_95(values))).collect()
+    }
+
+    /// Returns the values in samples, um, for every reference and arrangement.
+    fn values(&self, walk: WalkPoses<'_>, machines: &[Machine], samples: Range<usize>) -> Vec<Vec<Vec<f64>>> {
         let statistic = self.study.statistic;
         if let ReferenceMachine::Drawn(_) = &self.reference {
-            let round = walk_budget::Round { drawn: &self.drawn, samples: self.samples.clone() };
+            let round = walk_budget::Round { drawn: &self.drawn, samples };
             let mut values = walk_budget::statistics(walk, &round, statistic);
             values.iter_mut().flatten().flatten().for_each(|mm| *mm *= 1e3);
             return values;
@@ -247,19 +281,24 @@ impl StudyRound<'_> {
         walk.references.iter().map(of).collect()
     }
 
-    /// Returns the ranked value of the machine as its file has it on the tool poses that are reached, um.
-    fn file_value(&self, reached: &[usize]) -> f64 {
+    /// Returns the ranked value of the machine as its file has it on those of the tool poses that it reaches, um; `None`
+    /// if it reaches none of them.
+    fn file_value(&self, reached: &[usize]) -> Option<f64> {
         let (study, statistic) = (self.study, self.study.statistic);
-        let all: Vec<usize> = (0..reached.len()).collect();
-        let fitted = (study.set_ups.is_fitted() && reached.len() < study.work.len()).then(|| {
-            let poses: Vec<Pose> = reached.iter().map(|i| study.poses[*i].clone()).collect();
+        let own: Vec<usize> = reached.iter().filter_map(|index| study.of_file[*index]).collect();
+        if own.is_empty() {
+            return None;
+        }
+        let all: Vec<usize> = (0..own.len()).collect();
+        let fitted = (study.set_ups.is_fitted() && own.len() < study.poses.len()).then(|| {
+            let poses: Vec<Pose> = own.iter().map(|i| study.poses[*i].clone()).collect();
             study.file_lengths(&poses, &self.drawn)
         });
         let (own, places) = match &fitted {
-            Some(of) => (of, &*all),
-            None => (&self.reference, reached),
+            Some(of) => (of, all),
+            None => (&self.reference, own),
         };
-        match own {
+        Some(match own {
             ReferenceMachine::Drawn(own) => {
                 let file = own.iter().flat_map(|lanes| {
                     let same: Vec<SampleLanes> = places.iter().map(|i| lanes[*i]).collect();
@@ -270,7 +309,7 @@ impl StudyRound<'_> {
             ReferenceMachine::Values(own) => {
                 statistic.of(&mut places.iter().map(|i| own[*i]).collect::<Vec<_>>()).sqrt() * 1e3
             }
-        }
+        })
     }
 }
 
