@@ -211,7 +211,7 @@ fn a_certificate_has_figures_over_the_job_beside_those_over_the_volume() {
     let whole = certificate(&machine, &out, "verify", &[]);
     assert!(whole.get("job").is_none() && whole["compensated"] == found["compensated"]);
     let said = abbe(&["verify", text(&machine), text(&out), "--poses", "40", "--job", text(&job)]);
-    let head = "Over a job of 4 tool poses, 4 reached, single poses; reference: zero at (0, 0,";
+    let head = "Over a job of 4 tool poses, 4 reached, single poses; reference: zero at\n  (0, 0, 0) along";
     assert!(said.contains(head) && said.contains("machine coordinates"), "{said}");
     let (code, said) = refused(&["verify", text(&machine), text(&out), "--reference", "zero"]);
     assert!(code == 2 && said.contains("give a job too"), "{said}");
@@ -425,9 +425,9 @@ fn a_path_has_its_largest_step_between_neighbours_in_reach() {
     let job = along_y(&folder, "limit: 5 um\n");
     let step = |name: &str, lines: &str| {
         let machine = three(&folder, name, lines);
-        let found = json(&["map", text(&machine), "--job", text(&job), "--format", "json"]);
+        let found = json(&["map", text(&machine), "--job", text(&job), "--format", "json", "--quiet"]);
         assert_eq!(found["path"]["deviation_step"]["lines"], serde_json::json!([4, 5]), "{found}");
-        (found, abbe(&["map", text(&machine), "--job", text(&job)]))
+        (found, abbe(&["map", text(&machine), "--job", text(&job), "--quiet"]))
     };
     // Out of square by 40 urad: from y = 70 to 150 mm the deviation changes by 3.2 um; from 150 to -100, by 10 um,
     // the path does not lead: the row between is out of reach.
@@ -457,7 +457,7 @@ fn the_report_budgets_the_job_and_judges_its_limit() {
     assert_eq!(of["work"]["limit"]["held"], false);
     assert!(html.contains("limit 5 µm: exceeded") && html.contains("Largest step of the deviation between rows"));
     assert!(html.contains("over the tool poses of the job"), "the scope of the tolerances");
-    let volume = abbe(&["budget", text(&machine), "--reference", "machine", "--format", "json"]);
+    let volume = abbe(&["budget", text(&machine), "--reference", "machine", "--format", "json", "--quiet"]);
     let volume: Value = serde_json::from_str(&volume).unwrap();
     assert_eq!(volume["tighten"][0]["error"], "EB0Z");
 }
@@ -474,10 +474,10 @@ fn a_feature_with_points_out_of_reach_is_not_said_to_hold() {
         "features:\n  top: { kind: flatness, tolerance: 10 um }\n  up: { kind: flatness, tolerance: 10 um }\n";
     let job = folder.with("top.yaml", &format!("tool_poses: top.csv\n{features}"));
     let machine = three(&folder, "m.yaml", "errors: { EC0Y: 40 urad }");
-    let found = json(&["map", text(&machine), "--job", text(&job), "--format", "json"]);
+    let found = json(&["map", text(&machine), "--job", text(&job), "--format", "json", "--quiet"]);
     let of = &found["characteristics"];
     assert_eq!((&of[0]["unreached"], &of[0]["holds"], &of[1]["holds"]), (&1.into(), &Value::Null, &true.into()));
-    let said = abbe(&["map", text(&machine), "--job", text(&job)]);
+    let said = abbe(&["map", text(&machine), "--job", text(&job), "--quiet"]);
     assert!(said.contains("| top *") && said.contains("| not decided |"), "{said}");
     assert!(said.contains("top flatness: * 1 of its points are out of reach"), "{said}");
     let out = folder.file("page.html");
@@ -485,7 +485,7 @@ fn a_feature_with_points_out_of_reach_is_not_said_to_hold() {
     let html = std::fs::read_to_string(&out).unwrap();
     assert!(html.contains("top *") && html.contains("not decided"));
     let bounded = three(&folder, "b.yaml", "tolerances: { EA0Z: 40 urad }");
-    let said = abbe(&["map", text(&bounded), "--job", text(&job)]);
+    let said = abbe(&["map", text(&bounded), "--job", text(&job), "--quiet"]);
     assert!(said.contains("at most 100"), "{said}");
     let _ = abbe(&["report", text(&bounded), "--job", text(&job), "--out", text(&out), "--quiet"]);
     let html = std::fs::read_to_string(&out).unwrap();
