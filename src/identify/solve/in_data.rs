@@ -1,4 +1,5 @@
-//! A fitted machine as the readings see it. A datum moves the workpiece frame of the machine that is stated; readings were
+//! A fitted machine as the readings see it. A datum moves the workpiece frame of the machine that is stated; readings
+//! were
 //! taken in the frame before, and what is left of them is left there. No motion is fitted for it: six freedoms would
 //! swallow part of what is left.
 
