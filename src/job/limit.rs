@@ -22,12 +22,10 @@ pub struct LimitVerdict {
     /// The limit, um.
     pub limit_um: f64,
     /// The position deviation that is judged, um: the statistic over the poses; of machines drawn the value that 95 %
-    /// of
-    /// them do not exceed.
+    /// of them do not exceed.
     pub um: f64,
     /// The interval in which it lies, um: of machines drawn by their number, else by the uncertainties of errors that
-    /// the
-    /// file states; none without such.
+    /// the file states; none without such.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_um: Option<[f64; 2]>,
     /// The figure of a machine over the poses.
@@ -43,8 +41,7 @@ pub struct LimitVerdict {
 
 impl JobLimit {
     /// Returns the verdict on the deviations of one machine over the poses, um, with their intervals if uncertainties
-    /// of
-    /// its errors are stated.
+    /// of its errors are stated.
     pub(crate) fn on_values(&self, position_um: &Summary, band: Option<&SummaryBand>) -> LimitVerdict {
         let (um, interval) = match self.statistic {
             Statistic::Max => (position_um.max, band.map(|band| band.max)),

@@ -4,8 +4,7 @@
 //! these are not the same ones everywhere, those that most places share. First come the fewest rewinds of a path, then
 //! the least figure, by which the limit of the job is judged, then the largest margin to the ends of the linear
 //! travels, then the place of the job. All others have no rank. Of machines drawn a place has a verdict against the
-//! first on the
-//! same machines.
+//! first on the same machines.
 
 use super::job_file::{Job, UnplacedJob};
 use super::limit::{JobLimit, LimitVerdict};

@@ -1,7 +1,6 @@
 //! A fitted machine as the readings see it. A datum moves the workpiece frame of the machine that is stated; readings
-//! were
-//! taken in the frame before, and what is left of them is left there. No motion is fitted for it: six freedoms would
-//! swallow part of what is left.
+//! were taken in the frame before, and what is left of them is left there. No motion is fitted for it: six freedoms
+//! would swallow part of what is left.
 
 use crate::algebra::linear::{Svd, over_columns};
 use crate::identify::data::Measurement;
