@@ -213,6 +213,8 @@ pub const MAX_LOST_SHARE: f64 = 0.25;
 pub const MAX_RUN_NUMBER: f64 = 50.0;
 /// Rows in which readings go one way from which on they are positions: of scattering readings 2 in 720 files of six do.
 pub const MIN_EXCHANGED_ROWS: usize = 6;
+/// Share of those rows at which the positions turn back: a row out of place makes two, scattering readings two of three.
+pub const MIN_TURNED_SHARE: f64 = 0.25;
 /// Equal readings in a row and the row before it from which on the row is there twice; two in turn at a turning point
 /// differ by the reversal.
 pub const MIN_EQUAL_NEIGHBOURS: usize = 2;
@@ -228,15 +230,17 @@ pub const MAX_JUDGED_PASSES: usize = 100;
 /// outlier. Below 8: one good test in a hundred has one, its scatter growing along the axis and of heavier tails than
 /// normal; above: bumps and interrupted beams, which are hundreds, stay as they are.
 pub const MAX_OUTLIER_SIGMA: f64 = 9.0;
-/// Least such deviation (mm or rad): less harms no table.
-pub const MIN_OUTLIER: f64 = 1e-4;
+/// Lever (mm) by which a limit of lengths is one of angles: the reach of a tool.
+pub const JUDGING_LEVER_MM: f64 = 200.0;
+/// Least such deviation (mm): less harms no table.
+pub const MIN_HARM_MM: f64 = 1e-4;
 /// Share of outliers above which they are none: the test does not repeat.
 pub const MAX_OUTLIER_SHARE: f64 = 0.1;
 /// Drift over all runs, in standard deviations of a reading within them. Below 4: one good test in a hundred drifts, its
 /// runs scattering by 0.7 of that.
 pub const MIN_DRIFT_SIGMA: f64 = 5.0;
-/// Least drift (mm or rad): a controlled room makes as much.
-pub const MIN_DRIFT: f64 = 1e-3;
+/// Least drift (mm): a controlled room makes as much.
+pub const MIN_DRIFT_MM: f64 = 1e-3;
 /// Coefficient of determination of the line through the means of the runs above which they drift, if they do not go one
 /// way: a warm-up that has come to its end has 0.8.
 pub const MIN_DRIFT_DETERMINATION: f64 = 0.8;
@@ -245,11 +249,15 @@ pub const MIN_DRIFT_DETERMINATION: f64 = 0.8;
 pub const MIN_UNIT_RATIO: f64 = 4.0;
 /// Size of the curve over that misfit: of readings that only scatter any factor below 1 fits.
 pub const MIN_UNIT_PROFILE: f64 = 4.0;
-/// Misfit of a run over that with its directions exchanged.
-pub const MIN_EXCHANGE_RATIO: f64 = 3.0;
-/// Reversal (mm or rad) of readings larger from below from which on directions are exchanged: less is backlash that is
+/// Reversal of the others, in standard deviations of its mean, from which on the exchanged directions of a run are seen:
+/// a run of the right directions is then six of them from half way to the other sign.
+pub const MIN_EXCHANGE_SIGMA: f64 = 5.0;
+/// Reversal of a run over that of the others, with the other sign, from which on its directions are exchanged: half way
+/// between none and all of it.
+pub const MIN_EXCHANGE_SHARE: f64 = 0.5;
+/// Reversal (mm) of readings larger from below from which on directions are exchanged: less is backlash that is
 /// compensated a little too much, or a scale's.
-pub const MIN_EXCHANGED_REVERSAL: f64 = 1e-3;
+pub const MIN_EXCHANGED_REVERSAL_MM: f64 = 1e-3;
 /// Share of the targets that must show it.
 pub const MIN_EXCHANGED_SHARE: f64 = 0.9;
 /// Slope (mm per mm) that no screw has: the loosest grade of ISO 3408-3 is 210 um over 300 mm, 60 K are 700 um/m, and

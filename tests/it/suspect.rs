@@ -185,7 +185,7 @@ fn exchanged_directions_are_named() {
         campaign.readings.iter_mut().for_each(|ways| ways.swap(0, 1));
         campaign.text()
     });
-    named(5, "with its directions exchanged, run", 95, 2, |campaign, random| {
+    named(5, "with its directions exchanged, the reversal of run", 95, 2, |campaign, random| {
         while !steady(campaign) || campaign.readings.len() < 2 {
             *campaign = Campaign::draw(random);
         }
@@ -346,9 +346,9 @@ fn what_cannot_be_right_is_refused_until_it_is_accepted() {
     for (text, words, line) in [
         (one_in_mm, "run 3 forward of `EXX` times 1000 agrees with the other runs", 2),
         (all_in_mm, "no instrument is that exact", 2),
-        (exchanged, "the two columns are exchanged", 2),
+        (exchanged, "the column of positions and this one are exchanged", 2),
         (unreadable, "rows cannot be read, the first one", 4),
-        (HEADER.to_owned() + &swapped, "with its directions exchanged, run 2 of `EXX` agrees", 2),
+        (HEADER.to_owned() + &swapped, "with its directions exchanged, the reversal of run 2 of `EXX` agrees", 2),
         (HEADER.replace("[um]", "[mm]") + "0;0;0;0;0;0;0\n300;1;1;1;1;1;1\n600;2;2;2;2;2;2\n", "no screw has more", 2),
     ] {
         let found = program(&text, &["--error", "EXX"]);
@@ -434,7 +434,8 @@ fn reports_of_means_are_refused_with_what_to_do() {
     }
     // As it says.
     let folder = Folder::new();
-    let map = "position: position\ncolumns:\n  Mean +: { error: EXX, unit: um, direction: forward }\n  Mean -: { error: EXX, unit: um, direction: reverse }\n";
+    let map = "position: position\ncolumns:\n  Mean +: { error: EXX, unit: um, direction: forward }\n  \
+               Mean -: { error: EXX, unit: um, direction: reverse }\n";
     let map = folder.write("map.yaml", map);
     let found = program(text, &["--columns", map.to_str().unwrap()]);
     assert_eq!(
@@ -471,7 +472,8 @@ fn titles_in_two_rows_and_lone_carriage_returns_are_read() {
         }
     }
     // Directions above, numbers of the runs below.
-    let text = "Position [mm];Forward [um];;Reverse [um];\n;1;2;1;2\n0;0.5;-0.5;1.5;0.5\n100;2.5;1.5;3.5;2.5\n200;4.5;3.5;5.5;4.5\n";
+    let text = "Position [mm];Forward [um];;Reverse [um];\n;1;2;1;2\n\
+                0;0.5;-0.5;1.5;0.5\n100;2.5;1.5;3.5;2.5\n200;4.5;3.5;5.5;4.5\n";
     let found = program(text, &["--error", "EXX"]);
     assert_eq!(found.table.as_deref(), Some(table), "{}", found.stderr);
     // The line of a fault is the one that a spreadsheet counts.

@@ -32,7 +32,7 @@ pub(super) enum ExportFailure {
     NoReadings(Option<String>),
     /// The title of a column of means, without any of runs.
     #[error(
-        "the table has means over the runs (`{}`) and no runs, and means hide outliers, drift and repeatability: export \
+        "the table has means over the runs (`{}`) and no runs, which show outliers, drift and repeatability: export \
          the runs, or take each mean as a run with `--columns FILE`, an entry `{{ error: EXX, unit: um, direction: \
          forward }}` for each",
         shown(.0)

@@ -108,7 +108,7 @@ fn differ(titles: &[Title], layout: &ExportLayout) -> bool {
     names.len() == count
 }
 
-/// Joins titles that are the same in several columns with those of the row above: `Run 1; ; Run 2; ` above `+; -; +; -`.
+/// Joins titles that are the same in several columns with those of the row above: `Run 1; ; Run 2; ` and `+; -; +; -`.
 fn join_above(titles: &[Title], above: &[String], layout: &ExportLayout) -> Option<Vec<Title>> {
     let fits = above.len() > 2 && above.len() <= titles.len() && !differ(titles, layout);
     if !fits {

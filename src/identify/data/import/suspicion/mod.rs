@@ -1,8 +1,8 @@
 //! What the readings of a file say against themselves.
 //!
 //! `rows`: numbers that other programs group or write as degrees, minutes and seconds, rows there twice, rows lost,
-//! columns exchanged. `repeats`: the passes of an error, and what a reading is off its repeats; `runs`: single readings,
-//! trends, and runs of another unit, sign or direction. `plausible`: what no axis has. `finding`: the results.
+//! columns exchanged. `repeats`: the passes of an error, and what a reading is off its repeats; `runs`: single
+//! readings, trends, and runs of another unit, sign or direction. `plausible`: what no axis has. `finding`: results.
 //!
 //! Limits stand in [`thresholds`](crate::identify::thresholds), with their reasons.
 
@@ -63,7 +63,7 @@ pub(super) fn judge_axes(import: &mut Import) {
             continue;
         }
         let repeats = Repeats::of(&import.samples, error);
-        let sigma = repeats.deviations(&vec![true; repeats.readings.len()]).sigma;
+        let sigma = repeats.deviations(&vec![true; repeats.readings.len()]).measured;
         findings.extend(plausible::judge(import, error, &repeats, sigma));
     }
     import.findings.extend(findings);

@@ -1,19 +1,19 @@
 //! What no axis has: a slope, a range or a scatter of another unit, and more reading from below than from above.
 
 use super::finding::{ACCEPT, Finding, FindingEffect, FindingKind};
-use super::repeats::Repeats;
+use super::repeats::{Repeats, least};
 use crate::identify::data::import::sample::Import;
 use crate::identify::data::import::unit::own_error;
 use crate::identify::thresholds::{
     MAX_AXIS_ANGLE, MAX_AXIS_SLOPE, MIN_AXIS_LENGTH_MM, MIN_AXIS_RANGE, MIN_AXIS_RISE, MIN_AXIS_SIGMA,
-    MIN_EXCHANGED_REVERSAL, MIN_EXCHANGED_SHARE, MIN_JUDGED_TARGETS, MIN_WRITTEN_SIGMA, UNLIKELY_AXIS_ANGLE,
+    MIN_EXCHANGED_REVERSAL_MM, MIN_EXCHANGED_SHARE, MIN_JUDGED_TARGETS, MIN_WRITTEN_SIGMA, UNLIKELY_AXIS_ANGLE,
     UNLIKELY_AXIS_SLOPE,
 };
 use crate::standards::{AccuracyFigures, TargetReadings};
 use crate::units::significant;
 
-/// Judges the readings of an error as a whole; `sigma` is the scatter of one reading.
-pub(super) fn judge(import: &Import, error: usize, repeats: &Repeats, sigma: f64) -> Vec<Finding> {
+/// Judges the readings of an error as a whole; `sigma` is the scatter of one reading, where there are repeats.
+pub(super) fn judge(import: &Import, error: usize, repeats: &Repeats, sigma: Option<f64>) -> Vec<Finding> {
     let Some(figures) = import.figures(error).filter(|_| repeats.targets.len() > 1) else { return Vec::new() };
     let unit = unit(import, error, &figures, sigma).map(|(message, effect)| {
         let help = format!(
@@ -40,7 +40,12 @@ fn finding(
 }
 
 /// Says why the readings cannot be in their unit, or are not likely to be.
-fn unit(import: &Import, error: usize, figures: &AccuracyFigures, sigma: f64) -> Option<(String, FindingEffect)> {
+fn unit(
+    import: &Import,
+    error: usize,
+    figures: &AccuracyFigures,
+    sigma: Option<f64>,
+) -> Option<(String, FindingEffect)> {
     let (name, rotation) = (&import.errors[error], import.errors[error].direction.is_rotation());
     let (factor, micro) = name.direction.micro();
     let points = figures.middle();
@@ -80,8 +85,8 @@ fn unit(import: &Import, error: usize, figures: &AccuracyFigures, sigma: f64) ->
             format!("all readings of `{name}` are within {} {over}: no instrument is that exact", shown(high - low));
         return Some((message, FindingEffect::Refused));
     }
-    let fine = (MIN_WRITTEN_SIGMA..MIN_AXIS_SIGMA).contains(&sigma);
-    (long && fine).then(|| {
+    let fine = sigma.filter(|sigma| long && (MIN_WRITTEN_SIGMA..MIN_AXIS_SIGMA).contains(sigma));
+    fine.map(|sigma| {
         let message = format!("readings of `{name}` repeat to {}: no instrument in air does", shown(sigma));
         (message, FindingEffect::Refused)
     })
@@ -93,12 +98,12 @@ fn reversal(import: &Import, error: usize, repeats: &Repeats, figures: &Accuracy
     let mean = figures.mean_reversal.filter(|_| own && figures.targets.len() >= MIN_JUDGED_TARGETS)?;
     let reversals = || figures.targets.iter().filter_map(TargetReadings::reversal);
     let share = reversals().filter(|b| *b > 0.0).count() as f64 / reversals().count().max(1) as f64;
-    if mean <= MIN_EXCHANGED_REVERSAL || share < MIN_EXCHANGED_SHARE {
+    if mean <= least(&import.errors[error], MIN_EXCHANGED_REVERSAL_MM) || share < MIN_EXCHANGED_SHARE {
         return None;
     }
     let (factor, micro) = import.errors[error].direction.micro();
     let message = format!(
-        "`{}` reads {} {micro} more from below than from above; lost motion reads less: forward and reverse are exchanged, \
+        "`{}` reads {} {micro} more from below than from above; lost motion reads less: the directions are exchanged, \
          or the values are corrections",
         import.errors[error],
         significant(mean * factor, 3)

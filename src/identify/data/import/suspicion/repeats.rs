@@ -1,6 +1,8 @@
 //! Readings that repeat each other: the passes of one error, and what each reading is off its repeats.
 
 use crate::identify::data::import::sample::AxisSample;
+use crate::identify::thresholds::{JUDGING_LEVER_MM, MIN_REPEATED_READINGS};
+use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
 use indexmap::{IndexMap, IndexSet};
 
@@ -64,8 +66,15 @@ pub(super) struct Deviations {
     pub scatter: f64,
     /// The same of a single reading.
     pub sigma: f64,
+    /// The same where there are repeats, down to the arithmetic: finer than the steps of the readings.
+    pub measured: Option<f64>,
     /// The level of each pass.
     pub levels: Vec<f64>,
+}
+
+/// Returns a limit of lengths (mm) as one of an error, mm or rad.
+pub(super) fn least(error: &ErrorId, limit_mm: f64) -> f64 {
+    if error.direction.is_rotation() { limit_mm / JUDGING_LEVER_MM } else { limit_mm }
 }
 
 /// Returns the median; zero of nothing.
@@ -141,13 +150,15 @@ impl Repeats {
             (*used && group.len() > 1).then(|| value - median_of_others(group, value))
         };
         let off: Vec<Option<f64>> = self.readings.iter().zip(used).map(off).collect();
-        let scatter = robust_sigma(off.iter().flatten().copied()).max(self.resolution / 2.0);
+        let measured = robust_sigma(off.iter().flatten().copied());
+        let scatter = measured.max(self.resolution / 2.0);
         let compared = sorted.iter().filter(|group| group.len() > 1);
         let (count, sum) = compared.fold((0, 0), |(count, sum), group| (count + 1, sum + group.len()));
         let others = (sum as f64 / f64::from(count.max(1)) - 1.0).max(1.0);
         // The variance of a reading less the median of n others: 1 + 1, 1.5, 1.45, 1.3 ... for n = 1, 2, 3, 4.
-        let sigma = scatter / libm::sqrt(1.0 + 1.2 / others);
-        Deviations { off, scatter, sigma, levels }
+        let of_one = libm::sqrt(1.0 + 1.2 / others);
+        let measured = (sum >= MIN_REPEATED_READINGS).then_some(measured / of_one);
+        Deviations { off, scatter, sigma: scatter / of_one, measured, levels }
     }
 
     /// Returns the median at every target of the readings of the passes that `takes` is true for, levels taken out.

@@ -4,9 +4,12 @@
 use super::finding::{ACCEPT, Finding, FindingEffect, FindingKind};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::identify::data::import::failure::SampleFailure;
+use crate::identify::data::import::line::line;
+use crate::identify::data::import::options::StraightnessLine;
 use crate::identify::data::import::sample::{AxisSample, Import, refusal};
 use crate::identify::thresholds::{
-    MAX_LOST_SHARE, MAX_RUN_NUMBER, MIN_EQUAL_CELLS, MIN_EQUAL_NEIGHBOURS, MIN_EXCHANGED_ROWS,
+    MAX_AXIS_SLOPE, MAX_LOST_SHARE, MAX_RUN_NUMBER, MIN_AXIS_RISE, MIN_EQUAL_CELLS, MIN_EQUAL_NEIGHBOURS,
+    MIN_EXCHANGED_ROWS, MIN_JUDGED_TARGETS, MIN_TURNED_SHARE,
 };
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::SheetLine;
@@ -171,7 +174,7 @@ impl LostRows {
         let (_, why) = self.lost.first()?;
         let message = format!("{} of {} cannot be read, the first one: {why}", self.lost.len(), counted(all, "row"));
         let help = format!(
-            "correct the file: a table that is understood loses single rows only; mark rows that are not to be used in a \
+            "correct the file: a table that is understood loses single rows only; mark rows not to be used in a \
              column `exclude`; {ACCEPT}"
         );
         let places = self.lost.into_iter().map(|(place, _)| place).collect();
@@ -279,14 +282,26 @@ fn readings_as_positions(import: &Import) -> Option<String> {
     let exchanged = columns.iter().find(|(_, rows)| {
         rows.len() >= MIN_EXCHANGED_ROWS
             && turns(&mut rows.iter().map(|row| row.1)) == 0
-            && turns(&mut rows.iter().map(|row| row.0)) > 1
+            && turns(&mut rows.iter().map(|row| row.0)) as f64 > (MIN_TURNED_SHARE * rows.len() as f64).max(2.0)
     });
+    // No screw is as steep as one column, and the others are not.
+    let steep = |rows: &[(f64, f64)]| {
+        rows.len() >= MIN_JUDGED_TARGETS
+            && turns(&mut rows.iter().map(|row| row.1)) == 0
+            && line(rows, StraightnessLine::LeastSquares).0.abs() > MAX_AXIS_SLOPE
+    };
+    let is_rise = |rows: &[(f64, f64)]| (rows[rows.len() - 1].1 - rows[0].1).abs() > MIN_AXIS_RISE;
+    let steepest = || {
+        let mut found = columns.iter().filter(|(_, rows)| steep(rows) && is_rise(rows));
+        found.next().filter(|_| found.next().is_none() && columns.len() > 1)
+    };
+    let exchanged = exchanged.or_else(|| steepest().filter(|_| !import.rotary));
     let ((error, run, way), rows) = exchanged?;
     let way = way.map_or("", |way| if way == ColumnDirection::Forward as u8 { " forward" } else { " reverse" });
     let of = if run.is_empty() { way.to_owned() } else { format!(" of run {}{way}", shown(run)) };
     Some(format!(
-        "the readings of `{}`{of} go one way in {} rows, as positions do, and the positions do not: the two columns are \
-         exchanged",
+        "the readings of `{}`{of} go one way in {} rows, as positions do, and the others do not: the column of \
+         positions and this one are exchanged",
         import.errors[*error],
         rows.len()
     ))

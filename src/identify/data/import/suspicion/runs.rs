@@ -2,12 +2,13 @@
 //! directions exchanged.
 
 use super::finding::{ACCEPT, Finding, FindingEffect, FindingKind};
-use super::repeats::{Deviations, MeasuredPass, Repeats, median, robust_sigma};
+use super::repeats::{Deviations, MeasuredPass, Repeats, least, median, robust_sigma};
 use crate::diagnostic::Place;
 use crate::identify::data::import::sample::Import;
 use crate::identify::thresholds::{
-    MAX_JUDGED_PASSES, MAX_OUTLIER_SHARE, MAX_OUTLIER_SIGMA, MIN_DRIFT, MIN_DRIFT_DETERMINATION, MIN_DRIFT_SIGMA,
-    MIN_EXCHANGE_RATIO, MIN_JUDGED_TARGETS, MIN_OUTLIER, MIN_REPEATED_READINGS, MIN_UNIT_PROFILE, MIN_UNIT_RATIO,
+    MAX_JUDGED_PASSES, MAX_OUTLIER_SHARE, MAX_OUTLIER_SIGMA, MIN_DRIFT_DETERMINATION, MIN_DRIFT_MM, MIN_DRIFT_SIGMA,
+    MIN_EXCHANGE_SHARE, MIN_EXCHANGE_SIGMA, MIN_HARM_MM, MIN_JUDGED_TARGETS, MIN_REPEATED_READINGS, MIN_UNIT_PROFILE,
+    MIN_UNIT_RATIO,
 };
 use crate::syntax::ColumnDirection::{Forward, Reverse};
 use crate::units::{counted, significant};
@@ -48,6 +49,10 @@ impl<'a> Runs<'a> {
     pub fn of(import: &'a Import, error: usize) -> Self {
         let (factor, unit) = import.errors[error].direction.micro();
         Self { import, error, repeats: Repeats::of(&import.samples, error), factor, unit }
+    }
+
+    fn least(&self, limit_mm: f64) -> f64 {
+        least(&self.import.errors[self.error], limit_mm)
     }
 
     fn print(&self, value: f64) -> String {
@@ -105,7 +110,7 @@ impl<'a> Runs<'a> {
         let tried =
             units.into_iter().chain([(-1.0, "the other sign")]).map(|(factor, why)| (left(factor), factor, why));
         let (best, factor, why) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        if unscaled < MIN_OUTLIER.max(MIN_UNIT_RATIO * best) || profile < MIN_UNIT_PROFILE * best {
+        if unscaled < self.least(MIN_HARM_MM).max(MIN_UNIT_RATIO * best) || profile < MIN_UNIT_PROFILE * best {
             return None;
         }
         let run = self.repeats.passes[pass].words();
@@ -148,21 +153,28 @@ impl<'a> Runs<'a> {
         let mut found = Vec::new();
         for (forward, reverse) in &runs {
             let others = |way| {
-                let takes =
+                let of_others =
                     |pass: usize| passes[pass].direction == Some(way) && passes[pass].run != passes[*forward].run;
-                self.repeats.profile(&common, takes)
+                self.repeats.profile(&common, of_others)
             };
             let (up, down) = (others(Forward), others(Reverse));
-            let level = common[*forward];
-            let left = |first: usize, second: usize| {
-                let both = self.pairs(first, &up, level).chain(self.pairs(second, &down, level));
-                robust_sigma(both.map(|(own, other)| own - other))
+            let own = |pass: usize| self.repeats.profile(&common, |other| other == pass);
+            let reversal = |up: &[Option<f64>], down: &[Option<f64>]| -> Vec<Option<f64>> {
+                up.iter().zip(down).map(|(up, down)| Some((*up)? - (*down)?)).collect()
             };
-            let (as_it_is, exchanged) = (left(*forward, *reverse), left(*reverse, *forward));
-            let below = self.repeats.profile(&vec![0.0; passes.len()], |pass| pass == *reverse);
-            let mut reversal: Vec<f64> = self.pairs(*forward, &below, 0.0).map(|(up, down)| up - down).collect();
-            if as_it_is > MIN_OUTLIER.max(MIN_EXCHANGE_RATIO * exchanged) {
-                found.push((*forward, as_it_is, exchanged, median(&mut reversal)));
+            let pairs = reversal(&own(*forward), &own(*reverse)).into_iter().zip(reversal(&up, &down));
+            let pairs: Vec<(f64, f64)> = pairs.filter_map(|(own, others)| Some((own?, others?))).collect();
+            // With the sign of the others, which may change along the axis.
+            let mut along: Vec<f64> = pairs.iter().map(|(own, others)| own * others.signum()).collect();
+            let mut size: Vec<f64> = pairs.iter().map(|(_, others)| others.abs()).collect();
+            let (along, size) = (median(&mut along), median(&mut size));
+            let exchanged = robust_sigma(pairs.iter().map(|(own, others)| own + others));
+            let seen = size * libm::sqrt(pairs.len() as f64) > MIN_EXCHANGE_SIGMA * exchanged;
+            let harms = size > self.least(MIN_HARM_MM) && pairs.len() >= MIN_JUDGED_TARGETS;
+            if harms && seen && along < -MIN_EXCHANGE_SHARE * size {
+                let as_it_is = robust_sigma(pairs.iter().map(|(own, others)| own - others));
+                let mut own: Vec<f64> = pairs.iter().map(|(own, _)| *own).collect();
+                found.push((*forward, as_it_is, exchanged, median(&mut own)));
             }
         }
         // Of two runs each explains the other: lost motion reads less from below.
@@ -173,7 +185,8 @@ impl<'a> Runs<'a> {
         let finding = |(pass, as_it_is, exchanged, _): (usize, f64, f64, f64)| {
             let of: &MeasuredPass = &passes[pass];
             let message = format!(
-                "with its directions exchanged, run {} of `{}` agrees with the others to {} instead of {}",
+                "with its directions exchanged, the reversal of run {} of `{}` agrees with the others to {} instead of \
+                 {}",
                 crate::diagnostic::shown(&of.name),
                 self.name(),
                 self.print(exchanged),
@@ -196,7 +209,7 @@ impl<'a> Runs<'a> {
             if compared < MIN_REPEATED_READINGS || repeats.targets.len() < MIN_JUDGED_TARGETS {
                 break;
             }
-            let limit = (MAX_OUTLIER_SIGMA * deviations.scatter).max(MIN_OUTLIER);
+            let limit = (MAX_OUTLIER_SIGMA * deviations.scatter).max(self.least(MIN_HARM_MM));
             let largest = self.largest(&deviations, limit);
             if largest.is_empty() {
                 break;
@@ -261,7 +274,7 @@ impl<'a> Runs<'a> {
             self.print(off),
             self.print(sigma)
         );
-        let help = "the reading is left out of figures and table; measure it again, mark its row in a column `exclude`, \
+        let help = "the reading is left out of figures and table; measure it again, mark its row in a column `exclude` \
                     or take it with `--accept suspect`";
         let finding = self.finding(FindingKind::Outlier, vec![self.place(of.sample)], message, help.to_owned());
         (of.sample, Finding { effect: FindingEffect::LeftOut, ..finding })
@@ -287,7 +300,7 @@ impl<'a> Runs<'a> {
         let total = sxy / sxx * (n - 1.0);
         let determination = if syy > 0.0 { sxy * sxy / (sxx * syy) } else { 0.0 };
         let one_way = means.windows(2).all(|w| w[1] > w[0]) || means.windows(2).all(|w| w[1] < w[0]);
-        let large = total.abs() > (MIN_DRIFT_SIGMA * deviations.sigma).max(MIN_DRIFT);
+        let large = total.abs() > (MIN_DRIFT_SIGMA * deviations.sigma).max(self.least(MIN_DRIFT_MM));
         if !large || !(one_way || determination >= MIN_DRIFT_DETERMINATION) {
             return None;
         }
@@ -295,10 +308,10 @@ impl<'a> Runs<'a> {
         let [first, last] = ends.map(|pass| pass.map_or("", |pass| &pass.name));
         let (name, total, sigma) = (self.name(), self.print(total), self.print(deviations.sigma));
         let message = format!(
-            "`{name}` drifts by {total} from run {first} to run {last}, where readings scatter by {sigma} within the runs"
+            "`{name}` drifts by {total} from run {first} to run {last}, where readings scatter by {sigma} within runs"
         );
         let help = format!(
-            "warm up and measure again, or state it: `--uncertainty \"drift {}\"`; the table holds the mean of all runs",
+            "warm up and measure again, or state it: `--uncertainty \"drift {}\"`; the table has the mean of all runs",
             total.trim_start_matches('-')
         );
         let places = ends.into_iter().flatten().map(|pass| self.place(pass.first)).collect();
