@@ -213,7 +213,8 @@ pub const MAX_LOST_SHARE: f64 = 0.25;
 pub const MAX_RUN_NUMBER: f64 = 50.0;
 /// Rows in which readings go one way from which on they are positions: of scattering readings 2 in 720 files of six do.
 pub const MIN_EXCHANGED_ROWS: usize = 6;
-/// Share of those rows at which the positions turn back: a row out of place makes two, scattering readings two of three.
+/// Share of those rows at which the positions turn back: a row out of place makes two, scattering readings two of
+/// three.
 pub const MIN_TURNED_SHARE: f64 = 0.25;
 /// Equal readings in a row and the row before it from which on the row is there twice; two in turn at a turning point
 /// differ by the reversal.
@@ -236,8 +237,8 @@ pub const JUDGING_LEVER_MM: f64 = 200.0;
 pub const MIN_HARM_MM: f64 = 1e-4;
 /// Share of outliers above which they are none: the test does not repeat.
 pub const MAX_OUTLIER_SHARE: f64 = 0.1;
-/// Drift over all runs, in standard deviations of a reading within them. Below 4: one good test in a hundred drifts, its
-/// runs scattering by 0.7 of that.
+/// Drift over all runs, in standard deviations of a reading within them; twice that of two runs. Below 4: one good test
+/// in a hundred drifts, its runs scattering by 0.7 of that.
 pub const MIN_DRIFT_SIGMA: f64 = 5.0;
 /// Least drift (mm): a controlled room makes as much.
 pub const MIN_DRIFT_MM: f64 = 1e-3;
@@ -249,8 +250,8 @@ pub const MIN_DRIFT_DETERMINATION: f64 = 0.8;
 pub const MIN_UNIT_RATIO: f64 = 4.0;
 /// Size of the curve over that misfit: of readings that only scatter any factor below 1 fits.
 pub const MIN_UNIT_PROFILE: f64 = 4.0;
-/// Reversal of the others, in standard deviations of its mean, from which on the exchanged directions of a run are seen:
-/// a run of the right directions is then six of them from half way to the other sign.
+/// Reversal of the others, in standard deviations of its mean, from which on the exchanged directions of a run are
+/// seen: a run of the right directions is then six of them from half way to the other sign.
 pub const MIN_EXCHANGE_SIGMA: f64 = 5.0;
 /// Reversal of a run over that of the others, with the other sign, from which on its directions are exchanged: half way
 /// between none and all of it.
@@ -265,7 +266,8 @@ pub const MIN_EXCHANGED_SHARE: f64 = 0.9;
 pub const MAX_AXIS_SLOPE: f64 = 2e-3;
 /// Least rise (mm) with it: between targets a micrometre apart scatter is a slope.
 pub const MIN_AXIS_RISE: f64 = 0.1;
-/// Slope that a screw of grade 7 (52 um over 300 mm) has 20 K warm, above which, with [`MIN_AXIS_RISE`], it is remarked.
+/// Slope that a screw of grade 7 (52 um over 300 mm) has 20 K warm, above which, with [`MIN_AXIS_RISE`], it is
+/// remarked.
 pub const UNLIKELY_AXIS_SLOPE: f64 = 4e-4;
 /// Length of an axis (mm) from which on that holds: over a turn of the screw its periodic error is a slope.
 pub const MIN_AXIS_LENGTH_MM: f64 = 10.0;

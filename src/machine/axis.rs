@@ -67,8 +67,8 @@ impl Axis {
         if self.branch == Branch::Workpiece && self.sense == Sense::Direct { -1.0 } else { 1.0 }
     }
 
-    /// Returns the position (mm or deg) at which a fit brings its positioning and angular errors to zero; `None` where it
-    /// leaves them.
+    /// Returns the position (mm or deg) at which a fit brings its positioning and angular errors to zero; `None` where
+    /// it leaves them.
     pub fn datum_zero(&self, zero: DatumZero) -> Option<f64> {
         let (min, max) = self.travel.interval();
         let turns = self.kind == AxisKind::Rotary && self.travel == Travel::Continuous;

@@ -118,8 +118,8 @@ impl Doubles<'_> {
         (0..NODES).map(|i| (at(i), self.value(direction, at(i)))).collect()
     }
 
-    /// A constant counts only if it is zero neither at the zero pose nor on average nor where the datum of a fit has its
-    /// zero: curves are brought to zero either way. In its own direction an axis has a datum instead.
+    /// A constant counts only if it is zero neither at the zero pose nor on average nor where the datum of a fit has
+    /// its zero: curves are brought to zero either way. In its own direction an axis has a datum instead.
     fn constant(&self, context: &mut Context, direction: Direction) {
         let own = direction.is_rotation() == (self.axis.kind == AxisKind::Rotary)
             && self.axis.direction[direction.index() % 3].abs() > 0.999;

@@ -284,7 +284,7 @@ impl<'a> Runs<'a> {
     pub fn drift(&self, deviations: &Deviations) -> Option<Finding> {
         let passes = &self.repeats.passes;
         let runs = self.repeats.runs;
-        if !(3..=MAX_JUDGED_PASSES).contains(&runs) || self.repeats.targets.len() < MIN_JUDGED_TARGETS {
+        if !(2..=MAX_JUDGED_PASSES).contains(&runs) || self.repeats.targets.len() < MIN_JUDGED_TARGETS {
             return None;
         }
         let (mut sums, mut counts) = (vec![0.0; runs], vec![0.0; runs]);
@@ -300,7 +300,9 @@ impl<'a> Runs<'a> {
         let total = sxy / sxx * (n - 1.0);
         let determination = if syy > 0.0 { sxy * sxy / (sxx * syy) } else { 0.0 };
         let one_way = means.windows(2).all(|w| w[1] > w[0]) || means.windows(2).all(|w| w[1] < w[0]);
-        let large = total.abs() > (MIN_DRIFT_SIGMA * deviations.sigma).max(self.least(MIN_DRIFT_MM));
+        // Two runs are no trend, but one step.
+        let sigmas = if runs == 2 { 2.0 * MIN_DRIFT_SIGMA } else { MIN_DRIFT_SIGMA };
+        let large = total.abs() > (sigmas * deviations.sigma).max(self.least(MIN_DRIFT_MM));
         if !large || !(one_way || determination >= MIN_DRIFT_DETERMINATION) {
             return None;
         }
