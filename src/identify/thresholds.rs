@@ -203,8 +203,8 @@ pub const MAX_TARGET_SCATTER: f64 = 0.05;
 /// Least step of targets over their scatter: a gap that no even spacing has, so that targets 1 um apart stay targets.
 pub const MIN_STEP_OVER_SCATTER: f64 = 20.0;
 
-// Readings of an instrument's file against each other (`import`). Simulated campaigns of a ball screw (tests/it/suspect.rs)
-// hold false alarms of all of them together to 1 % of good files.
+// Readings of an instrument's file against each other (`import`). Simulated campaigns of a ball screw
+// (tests/it/suspect.rs) hold false alarms of all of them together to 1 % of good files.
 
 /// Share of rows that cannot be read above which the file is not understood: a bumped probe takes a row in ten, a
 /// layout that is misread most of them.
