@@ -216,6 +216,9 @@ RunApproach = Literal["one-way", "alternating"]
 #: Line of a straightness.
 StraightnessLine = Literal["least-squares", "end-points"]
 
+#: What a caller takes on his own word.
+Acceptance = Literal["suspect"]
+
 #: A test.
 StandardTest = Literal["circle", "rotation", "drift", "diagonals"]
 
@@ -1198,6 +1201,7 @@ def import_readings(
     continuous: bool = False,
     material: Text | None = None,
     uncertainty: Sequence[Text] | None = None,
+    accept: Sequence[Acceptance] | None = None,
     needs_table: bool = False,
     threads: int | None = None,
 ) -> ImportResult:
@@ -1222,6 +1226,7 @@ def import_readings(
       of a linear axis are brought to 20 deg C, about the first target.
     * ``uncertainty``: Contributors to the uncertainty of the figures (ISO 230-2 annex A), such as ``device 0.5 um/m``,
       ``misalignment 1 mm``, ``temperature 0.7 K x 11.5 um/m/K``, ``expansion 2 um/m/K x 5 K``, ``drift 1.2 um``.
+    * ``accept``: What the caller takes on his word: ``suspect`` takes readings that accuse themselves.
     * ``needs_table``: Refuses a file whose table would have no row.
     """
     options: dict[str, Any] = {
@@ -1239,6 +1244,7 @@ def import_readings(
         "continuous": continuous,
         "material": material,
         "uncertainty": uncertainty,
+        "accept": accept,
         "needs_table": needs_table,
     }
     found = call("import_readings", [], options, words=[path], threads=threads)

@@ -1,7 +1,7 @@
 //! A single-axis measurement as an instrument exports it, to a table of error curves.
 
 use crate::diagnostic::{Diagnostic, Sources, codes, shown};
-use crate::identify::import::{self, Import, ImportRequest};
+use crate::identify::import::{self, Finding, FindingEffect, Import, ImportRequest};
 use crate::report::imported::ImportResult;
 use crate::report::positioning::contributors;
 use crate::run::{Call, Refused, Reply, Run};
@@ -9,7 +9,7 @@ use crate::standards::{self, Thermal};
 use crate::units::counted;
 use std::path::{Path, PathBuf};
 
-pub use crate::identify::import::{FileContents, RunApproach, StraightnessLine};
+pub use crate::identify::import::{Acceptance, FileContents, RunApproach, StraightnessLine};
 
 /// Options of [`import`](import()): facts that the file leaves open.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -46,6 +46,8 @@ pub struct ImportOptions {
     /// Contributors to the uncertainty of the figures (ISO 230-2 annex A), such as `device 0.5 um/m`,
     /// `misalignment 1 mm`, `temperature 0.7 K x 11.5 um/m/K`, `expansion 2 um/m/K x 5 K`, `drift 1.2 um`.
     pub uncertainty: Vec<String>,
+    /// What the caller takes on his word: `suspect` takes readings that accuse themselves.
+    pub accept: Vec<Acceptance>,
     /// Refuses a file whose table would have no row.
     pub needs_table: bool,
 }
@@ -72,6 +74,8 @@ pub fn import(path: impl AsRef<Path>, options: &ImportOptions, run: Run) -> Repl
         let found = import::import(path.as_ref(), &request, run.files, &mut call.diagnostics);
         call.check()?;
         let found = found.ok_or(Refused)?;
+        call.extend(found.findings.iter().map(suspicion));
+        call.check()?;
         let table = found.table(options.continuous);
         call.extend(left_out(&found));
         call.extend(unknown_columns(&found));
@@ -99,6 +103,7 @@ fn request(call: &mut Call, options: &ImportOptions) -> Result<ImportRequest, Re
         continuous: options.continuous,
         flipped: options.flip.clone(),
         material: material(call, options)?,
+        accepts_suspect: options.accept.contains(&Acceptance::Suspect),
         ..ImportRequest::default()
     };
     let request = match (&options.beam, &options.vertical) {
@@ -135,6 +140,13 @@ fn left_out(found: &Import) -> Option<Diagnostic> {
     let warning = Diagnostic::new(codes::W0504, message).help("correct the file, or accept what is left");
     let listed = found.left_out.iter().take(LISTED);
     (count > 0).then(|| listed.fold(warning, |warning, row| warning.at(Some(row.place.clone()), row.reason.clone())))
+}
+
+/// The diagnostic of a finding, with its lines.
+fn suspicion(finding: &Finding) -> Diagnostic {
+    let code = if finding.effect == FindingEffect::Refused { codes::E0543 } else { codes::W0520 };
+    let diagnostic = Diagnostic::new(code, finding.message.clone()).help(finding.help.clone());
+    finding.places.iter().take(LISTED).fold(diagnostic, |diagnostic, place| diagnostic.at(Some(place.clone()), ""))
 }
 
 fn unknown_columns(found: &Import) -> Option<Diagnostic> {

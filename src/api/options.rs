@@ -3,7 +3,7 @@
 pub use super::certificate::CertifiedWork;
 pub use super::enumerate::JudgedBy;
 pub use super::figures::StandardTest;
-pub use super::import::{FileContents, RunApproach, StraightnessLine};
+pub use super::import::{Acceptance, FileContents, RunApproach, StraightnessLine};
 pub use super::instrument::Instrument;
 pub use super::map_result::MapPoses;
 pub use super::map_tables::MapTable;

@@ -79,7 +79,8 @@ pub use crate::record::{
     TwoLetters,
 };
 pub use crate::report::imported::{
-    ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, ReferenceMaterial, StraightnessReference,
+    ImportFinding, ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, ReferenceMaterial,
+    StraightnessReference,
 };
 pub use crate::report::page::RenderedPage;
 pub use crate::report::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayAccuracy, OneWayBoth, ReadAtTarget};

@@ -207,6 +207,86 @@ pub const MAX_TARGET_SCATTER: f64 = 0.05;
 /// Least step of targets over their scatter: a gap that no even spacing has, so that targets 1 um apart stay targets.
 pub const MIN_STEP_OVER_SCATTER: f64 = 20.0;
 
+// Readings of an instrument's file against each other (`import`). Simulated campaigns of a ball screw
+// (tests/it/suspect.rs) hold false alarms of all of them together to 1 % of good files.
+
+/// Share of rows that cannot be read above which the file is not understood: a bumped probe takes a row in ten, a
+/// layout that is misread most of them.
+pub const MAX_LOST_SHARE: f64 = 0.25;
+/// Largest number of a run, above which a whole number is a position.
+pub const MAX_RUN_NUMBER: f64 = 50.0;
+/// Rows in which readings go one way from which on they are positions: of scattering readings 2 in 720 files of six do.
+pub const MIN_EXCHANGED_ROWS: usize = 6;
+/// Share of those rows at which the positions turn back: a row out of place makes two, scattering readings two of
+/// three.
+pub const MIN_TURNED_SHARE: f64 = 0.25;
+/// Equal readings in a row and the row before it from which on the row is there twice; two in turn at a turning point
+/// differ by the reversal.
+pub const MIN_EQUAL_NEIGHBOURS: usize = 2;
+/// Equal readings in any two rows from which on a row is there twice: at steps of half the scatter, one chance in 600.
+pub const MIN_EQUAL_CELLS: usize = 4;
+/// Targets from which on runs are compared. Below: a median of two values follows each of them.
+pub const MIN_JUDGED_TARGETS: usize = 3;
+/// Readings with repeats from which on their scatter is known well enough to call one an outlier.
+pub const MIN_REPEATED_READINGS: usize = 8;
+/// Passes up to which runs are compared: time grows with their number times that of the readings.
+pub const MAX_JUDGED_PASSES: usize = 100;
+/// Deviation from the median of the repeats, in robust standard deviations of these, above which a reading is an
+/// outlier. Below 8: one good test in a hundred has one, its scatter growing along the axis and of heavier tails than
+/// normal; above: bumps and interrupted beams, which are hundreds, stay as they are.
+pub const MAX_OUTLIER_SIGMA: f64 = 9.0;
+/// Lever (mm) by which a limit of lengths is one of angles: the reach of a tool.
+pub const JUDGING_LEVER_MM: f64 = 200.0;
+/// Least such deviation (mm): less harms no table.
+pub const MIN_HARM_MM: f64 = 1e-4;
+/// Share of outliers above which they are none: the test does not repeat.
+pub const MAX_OUTLIER_SHARE: f64 = 0.1;
+/// Drift over all runs, in standard deviations of a reading within them; twice that of two runs. Below 4: one good test
+/// in a hundred drifts, its runs scattering by 0.7 of that.
+pub const MIN_DRIFT_SIGMA: f64 = 5.0;
+/// Least drift (mm): a controlled room makes as much.
+pub const MIN_DRIFT_MM: f64 = 1e-3;
+/// Coefficient of determination of the line through the means of the runs above which they drift, if they do not go one
+/// way: a warm-up that has come to its end has 0.8.
+pub const MIN_DRIFT_DETERMINATION: f64 = 0.8;
+/// Misfit of a run to the others over that after a change of unit or sign. The factors are 4.8 and more apart: a run of
+/// the right unit fits the worse.
+pub const MIN_UNIT_RATIO: f64 = 4.0;
+/// Size of the curve over that misfit: of readings that only scatter any factor below 1 fits.
+pub const MIN_UNIT_PROFILE: f64 = 4.0;
+/// Reversal of the others, in standard deviations of its mean, from which on the exchanged directions of a run are
+/// seen: a run of the right directions is then six of them from half way to the other sign.
+pub const MIN_EXCHANGE_SIGMA: f64 = 5.0;
+/// Reversal of a run over that of the others, with the other sign, from which on its directions are exchanged: half way
+/// between none and all of it.
+pub const MIN_EXCHANGE_SHARE: f64 = 0.5;
+/// Reversal (mm) of readings larger from below from which on directions are exchanged: less is backlash that is
+/// compensated a little too much, or a scale's.
+pub const MIN_EXCHANGED_REVERSAL_MM: f64 = 1e-3;
+/// Share of the targets that must show it.
+pub const MIN_EXCHANGED_SHARE: f64 = 0.9;
+/// Slope (mm per mm) that no screw has: the loosest grade of ISO 3408-3 is 210 um over 300 mm, 60 K are 700 um/m, and
+/// this is more than both together.
+pub const MAX_AXIS_SLOPE: f64 = 2e-3;
+/// Least rise (mm) with it: between targets a micrometre apart scatter is a slope.
+pub const MIN_AXIS_RISE: f64 = 0.1;
+/// Slope that a screw of grade 7 (52 um over 300 mm) has 20 K warm, above which, with [`MIN_AXIS_RISE`], it is
+/// remarked.
+pub const UNLIKELY_AXIS_SLOPE: f64 = 4e-4;
+/// Length of an axis (mm) from which on that holds: over a turn of the screw its periodic error is a slope.
+pub const MIN_AXIS_LENGTH_MM: f64 = 10.0;
+/// Range of an angular error (rad) that no axis has, and that few have: an arcminute is 0.3 mrad.
+pub const MAX_AXIS_ANGLE: f64 = 1e-2;
+/// See [`MAX_AXIS_ANGLE`].
+pub const UNLIKELY_AXIS_ANGLE: f64 = 1e-3;
+/// Range of all readings over the length of the axis (at least ten times [`MIN_AXIS_LENGTH_MM`]) that no axis is below:
+/// 0.01 K makes as much, and a laser in air is five times as uncertain.
+pub const MIN_AXIS_RANGE: f64 = 1e-7;
+/// Scatter of repeats (mm) that no instrument has over such a length, in air.
+pub const MIN_AXIS_SIGMA: f64 = 3e-6;
+/// Scatter (mm) that is rounding of numbers: readings that were computed.
+pub const MIN_WRITTEN_SIGMA: f64 = 1e-8;
+
 // Verdict on a fit.
 
 /// Probability below which residuals are not noise.

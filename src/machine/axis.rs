@@ -1,6 +1,7 @@
 //! An axis of the resolved machine.
 
 use super::{AxisName, Branch, ControllerAxis, Sense};
+use crate::syntax::DatumZero;
 
 /// The kind of motion of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
@@ -64,6 +65,19 @@ impl Axis {
     /// +1, or -1 where a positive command moves the tool in minus relative to the workpiece.
     pub fn sign(&self) -> f64 {
         if self.branch == Branch::Workpiece && self.sense == Sense::Direct { -1.0 } else { 1.0 }
+    }
+
+    /// Returns the position (mm or deg) in a range at which a fit brings its positioning and angular errors to zero;
+    /// `None` where it leaves them.
+    pub fn datum_zero(&self, zero: DatumZero, [min, max]: [f64; 2]) -> Option<f64> {
+        let turns = self.kind == AxisKind::Rotary && self.travel == Travel::Continuous;
+        match zero {
+            DatumZero::Free => None,
+            _ if turns => Some(0.0),
+            DatumZero::Start => Some(min),
+            DatumZero::Middle => Some(0.5 * (min + max)),
+            DatumZero::Machine => Some(0.0_f64.clamp(min, max)),
+        }
     }
 
     /// Returns the unit of its positions.

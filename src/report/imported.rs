@@ -3,7 +3,7 @@
 use super::positioning::{AccuracyUncertainties, DrawnRuns, MeasuredTarget, OneWayBoth, drawn_runs};
 use super::{Picture, RunPanel};
 use crate::diagnostic::Sources;
-use crate::identify::import::{AxisSample, Import, ImportRequest, ReferenceLine};
+use crate::identify::import::{AxisSample, Finding, FindingEffect, FindingKind, Import, ImportRequest, ReferenceLine};
 use crate::machine::ErrorId;
 use crate::standards::{self, AccuracyFigures, Contributor};
 use crate::syntax::ColumnDirection;
@@ -29,6 +29,8 @@ pub struct ImportResult {
     pub left_out: Vec<LeftOutRow>,
     /// Columns, blocks and runs that were not used.
     pub columns_left_out: Vec<LeftOutColumn>,
+    /// What the readings say against themselves.
+    pub findings: Vec<ImportFinding>,
     /// The errors of the channels of a six-degree instrument.
     pub channels: Vec<ImportedChannel>,
     /// Entries before the table.
@@ -195,6 +197,36 @@ pub struct LeftOutRow {
     pub reason: String,
 }
 
+/// What readings say against themselves.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+pub struct ImportFinding {
+    /// The kind.
+    pub kind: FindingKind,
+    /// The error; none of the file as a whole.
+    pub error: Option<String>,
+    /// The lines, in the order of their weight.
+    pub lines: Vec<usize>,
+    /// In a sentence.
+    pub message: String,
+    /// The remedy.
+    pub remedy: String,
+    /// What became of the readings.
+    pub effect: FindingEffect,
+}
+
+impl ImportFinding {
+    fn of(found: &Import, finding: &Finding, sources: &Sources) -> Self {
+        Self {
+            kind: finding.kind,
+            error: finding.error.map(|error| found.errors[error].to_string()),
+            lines: finding.places.iter().map(|place| sources.line_column(place).0).collect(),
+            message: finding.message.clone(),
+            remedy: finding.help.clone(),
+            effect: finding.effect,
+        }
+    }
+}
+
 /// A column that was not used.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct LeftOutColumn {
@@ -239,6 +271,7 @@ impl ImportResult {
                 .iter()
                 .map(|unused| LeftOutColumn { column: unused.title.clone(), reason: unused.reason.clone() })
                 .collect(),
+            findings: found.findings.iter().map(|finding| ImportFinding::of(found, finding, sources)).collect(),
             channels: found
                 .channels
                 .iter()

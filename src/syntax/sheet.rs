@@ -58,8 +58,19 @@ pub fn read_named_sheet(
         diagnostics.push(Diagnostic::new(codes::E0104, message).at(named, "").help(help));
         return None;
     };
-    let (source, text) = keep(path, &text, diagnostics);
+    let (source, text) = keep(path, &end_lines(text), diagnostics);
     Some(Sheet { source, text })
+}
+
+/// Returns a text whose lines end in `\n`: old spreadsheets end them in a carriage return alone.
+fn end_lines(text: String) -> String {
+    let mut chars = text.chars().peekable();
+    let mut ended = String::with_capacity(text.len());
+    while let Some(c) = chars.next() {
+        let lone = c == '\r' && chars.peek().is_some_and(|next| !['\r', '\n'].contains(next));
+        ended.push(if lone { '\n' } else { c });
+    }
+    ended
 }
 
 /// UTF-8, or UTF-16 with a byte order mark or with every other byte of its beginning zero, or else Windows-1252.

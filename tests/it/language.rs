@@ -440,6 +440,24 @@ fn what_repeats_a_location_error_is_told_and_what_does_not_is_not() {
     assert_eq!(warnings(&errors("EX0C: 3 um, EXX: 20 um, ECC: 20 urad")), [""; 0]);
 }
 
+/// What a fit makes: rounding of what cannot act, curves that are zero where its datum says, and curves whose sum with
+/// the location errors is what the data say.
+#[test]
+fn what_a_fit_makes_is_no_mistake() {
+    let rounding = "errors: { EX0X: 0.000000000000000007 um, EA0X: -0.00002 urad, EZ0C: 0.0000078 um }";
+    assert_eq!(warnings(rounding), [""; 0]);
+    // Nor is such a residue a location error that a curve would repeat.
+    assert_eq!(warnings("errors: { EA0Z: 0.00002 urad, EAX: 20 urad }"), [""; 0]);
+    let curve = "errors: { EB0Z: 3 urad, EBZ: { points: [[-400 mm, 0 urad], [0 mm, 20 urad]] } }";
+    let with = |zero: &str| warnings(&format!("{curve}\nidentify: {{ datum: {{ zero: {zero} }} }}"));
+    assert_eq!((warnings(curve), with("start")), (Vec::new(), Vec::new()));
+    assert_eq!((with("machine"), with("middle"), with("free")), (vec!["W0403"], vec!["W0403"], vec!["W0403"]));
+    let line = "errors: { EB0Z: 3 urad, EZX: { points: [[0 mm, 0 um], [500 mm, 9 um]] } }";
+    let part = |error: &str| format!("{line}\ncovariance:\n  - {{ errors: {{ {error} }} }}");
+    assert_eq!(warnings(&part("EZX: { polynomial: [0 um, 1 um/m] }")), [""; 0]);
+    assert_eq!(warnings(&part("EZZ: { polynomial: [0 um, 1 um/m] }")), ["W0403"]);
+}
+
 #[test]
 fn location_errors_that_cannot_act_are_told() {
     let inert = "errors: { EX0X: 1 um, EA0X: 1 urad, EZ0C: 1 um, EC0C: { tolerance: 1 urad }, EB0X: 1 urad, EX0C: 1 um, EY0Z: 0 um }";

@@ -110,6 +110,7 @@ mod sides;
 mod spikes;
 mod straightness;
 mod support;
+mod suspect;
 #[cfg(target_os = "linux")]
 mod system_faults;
 mod targets;

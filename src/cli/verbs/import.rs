@@ -5,7 +5,7 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::store::write;
 use crate::cli::{Format, Outcome};
-use abbe::options::{FileContents, RunApproach, StraightnessLine};
+use abbe::options::{Acceptance, FileContents, RunApproach, StraightnessLine};
 use abbe::results::{ImportResult, ImportedError, OneWayAccuracy};
 use abbe::text::{NOT_VERIFIED, counted, significant};
 use abbe::{ImportOptions, import};
@@ -62,6 +62,9 @@ pub(crate) struct Args {
     /// repeated.
     #[arg(long, value_name = "WORDS")]
     uncertainty: Vec<String>,
+    /// Take on your word what is refused or left out: `suspect` takes readings that accuse themselves.
+    #[arg(long, value_enum, value_name = "WORDS", value_delimiter = ',')]
+    accept: Vec<Acceptance>,
     #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
         long_help = "Draw the runs with their means and bands of 2 s, as SVG unless the file ends in .png")]
     svg: Option<PictureFile>,
@@ -85,6 +88,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         continuous: args.continuous,
         material: args.material.clone(),
         uncertainty: args.uncertainty.clone(),
+        accept: args.accept.clone(),
         needs_table: args.out.is_some() || session.format() == Format::Csv,
     };
     write::refuse_outputs(&args.out, &session.files).or_else(|refusal| session.refuse(refusal))?;
@@ -110,6 +114,9 @@ fn text(result: &ImportResult) -> String {
     }
     for column in &result.columns_left_out {
         text += &format!("left out: {} ({})\n", column.column, column.reason);
+    }
+    for finding in &result.findings {
+        text += &format!("suspect: {}\n", finding.message);
     }
     text.extend(result.errors.iter().filter_map(line));
     let mut rows = table(&["error", "unit", "targets", "runs", "", "E", "M", "B", "mean B", "R", "A", "slope"]);

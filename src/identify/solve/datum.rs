@@ -373,7 +373,7 @@ impl AxisConditions<'_> {
     fn rows(&self, entry: DatumEntry) -> Vec<DVector<f64>> {
         let along = Vector3::from(self.axis.direction).normalize();
         let across = self.across();
-        let at_zero = self.zero(entry.zero);
+        let at_zero = self.axis.datum_zero(entry.zero, self.range.into());
         let value = |direction: &Vector3<f64>, turns: bool| {
             at_zero.map(|q| self.mean_displacement(direction, turns, &[q], |_| 1.0))
         };
@@ -417,18 +417,6 @@ impl AxisConditions<'_> {
             ((&matrix * &curve - &wanted).norm() < MAX_TURNING_SHARE * wanted.norm()).then_some(curve)
         };
         [(1.0, 0.0), (1.0, 90.0), (-1.0, 0.0), (-1.0, 90.0)].into_iter().filter_map(|(s, p)| nearest(s, p)).collect()
-    }
-
-    fn zero(&self, zero: DatumZero) -> Option<f64> {
-        let (min, max) = self.range;
-        let turns = self.axis.kind == AxisKind::Rotary && self.axis.travel == Travel::Continuous;
-        match zero {
-            DatumZero::Free => None,
-            _ if turns => Some(0.0),
-            DatumZero::Start => Some(min),
-            DatumZero::Middle => Some(0.5 * (min + max)),
-            DatumZero::Machine => Some(0.0_f64.clamp(min, max)),
-        }
     }
 
     /// Returns the straight line of a straightness: where it is, and its slope.

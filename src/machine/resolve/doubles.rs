@@ -16,6 +16,8 @@ use nalgebra::Vector3;
 /// Repeated parts up to this (mm, rad) are noise.
 const NOISE: f64 = 1e-3;
 const NOISE_ANGLE: f64 = 1e-6;
+/// A location error up to this part of the noise is the rounding of a fit: a nanometre, a nanoradian.
+const ROUNDING: f64 = 1e-3;
 /// Above so many times the noise they are reported even if no location error is given.
 const LARGE: f64 = 50.0;
 /// Slope of a straightness (rad) from which on it is reported whatever else is given: 10 um/m.
@@ -42,7 +44,7 @@ fn inert(context: &mut Context, parts: &MachineParts, places: &Errors) {
     let displaced = |(axis, _): &(&Axis, _)| axis.convention(&parts.conventions).location == LocationAction::Displaces;
     for (axis, errors) in parts.axes.iter().zip(&parts.errors).filter(displaced) {
         for (_, direction, term) in errors.iter().filter(|(family, ..)| *family == ErrorFamily::Location) {
-            let given = !matches!(term, ErrorTerm::Constant(0.0) | ErrorTerm::Tolerance(0.0));
+            let given = is_stated(term, direction) && !matches!(term, ErrorTerm::Tolerance(0.0));
             if given && cannot_act(axis, direction) {
                 let error = ErrorId { axis: axis.name.clone(), family: ErrorFamily::Location, direction };
                 let why = match axis.kind {
@@ -56,6 +58,16 @@ fn inert(context: &mut Context, parts: &MachineParts, places: &Errors) {
             }
         }
     }
+}
+
+/// False for a constant that is zero, or the rounding of a fit.
+fn is_stated(term: &ErrorTerm, direction: Direction) -> bool {
+    !matches!(term, ErrorTerm::Constant(value) if value.abs() <= ROUNDING * noise(direction))
+}
+
+/// Returns the noise of an error, mm or rad.
+fn noise(direction: Direction) -> f64 {
+    if direction.is_rotation() { NOISE_ANGLE } else { NOISE }
 }
 
 fn cannot_act(axis: &Axis, direction: Direction) -> bool {
@@ -86,9 +98,12 @@ impl Doubles<'_> {
         ErrorId { axis: self.axis.name.clone(), family: ErrorFamily::Component, direction }
     }
 
+    /// True if there is a curve that no fit made: of those that one made the covariance states the parts, and their sum
+    /// with the location errors is what the data say.
     fn is_given(&self, direction: Direction) -> bool {
         let term = &self.parts.errors[self.index].component[direction.index()];
-        matches!(term, Some(ErrorTerm::Component(_)))
+        let is_fitted = || self.parts.covariance.iter().any(|part| part.moves(&self.id(direction)));
+        matches!(term, Some(ErrorTerm::Component(_))) && !is_fitted()
     }
 
     fn value(&self, direction: Direction, position: f64) -> f64 {
@@ -103,8 +118,8 @@ impl Doubles<'_> {
         (0..NODES).map(|i| (at(i), self.value(direction, at(i)))).collect()
     }
 
-    /// A constant counts only if it is neither zero at the zero pose nor on average: curves are
-    /// brought to zero either way. In its own direction an axis has a datum instead.
+    /// A constant counts only if it is zero neither at the zero pose nor on average nor where the datum of a fit has
+    /// its zero: curves are brought to zero either way. In its own direction an axis has a datum instead.
     fn constant(&self, context: &mut Context, direction: Direction) {
         let own = direction.is_rotation() == (self.axis.kind == AxisKind::Rotary)
             && self.axis.direction[direction.index() % 3].abs() > 0.999;
@@ -114,7 +129,10 @@ impl Doubles<'_> {
         let samples = self.samples(direction);
         let mean = mean(samples.iter().map(|s| s.1));
         let home = if self.axis.travel.contains(0.0) { self.value(direction, 0.0) } else { mean };
-        let amount = common(mean, home);
+        let travel = self.axis.travel.interval().into();
+        let at_datum =
+            self.axis.datum_zero(datum(context).zero, travel).map_or(mean, |zero| self.value(direction, zero));
+        let amount = common(common(mean, home) * mean.signum(), at_datum);
         let peak = samples.iter().fold(0.0, |m: f64, s| m.max(s.1.abs()));
         let rivals = self.location_errors(|axis, d| {
             d == direction && (d.is_rotation() || axis.kind == AxisKind::Rotary) && self.moves(axis)
@@ -193,7 +211,8 @@ impl Doubles<'_> {
         let mut list = Vec::new();
         for (axis, errors) in self.parts.axes.iter().zip(&self.parts.errors) {
             for (_, direction, term) in errors.iter().filter(|(family, ..)| *family == ErrorFamily::Location) {
-                let acts = matches!(term, ErrorTerm::Constant(v) if *v != 0.0) && !cannot_act(axis, direction);
+                let constant = matches!(term, ErrorTerm::Constant(_)) && is_stated(term, direction);
+                let acts = constant && !cannot_act(axis, direction);
                 if acts && choose(axis, direction) {
                     list.push(ErrorId { axis: axis.name.clone(), family: ErrorFamily::Location, direction });
                 }
@@ -203,7 +222,7 @@ impl Doubles<'_> {
     }
 
     fn report(&self, context: &mut Context, found: &DoubledEntry, rivals: &[ErrorId]) {
-        let noise = if found.direction.is_rotation() { NOISE_ANGLE } else { NOISE };
+        let noise = noise(found.direction);
         let large = found.amount > LARGE * noise;
         // NaN compares as false and stays quiet.
         let counts = found.amount > noise && found.amount > MIN_FRACTION * found.peak;

@@ -90,6 +90,7 @@ pub(super) fn read(lines: &[SheetLine], place: &Place, wanted: &ImportRequest) -
             direction: None,
             run: String::new(),
             value: value * sign + 0.0,
+            place: place.clone(),
         }));
     }
     if import.samples.is_empty() {

@@ -8,10 +8,13 @@ use crate::machine::ErrorId;
 use crate::syntax::{ColumnDirection, Files, YamlFailure, from_yaml, read_text};
 use indexmap::IndexMap;
 use serde::Deserialize;
+use serde_yaml::{Mapping, Value};
 use std::path::Path;
 
 /// Largest file of a mapping, in bytes.
 const MAX_MAP_BYTES: usize = 64 * 1024;
+/// Words of a reason that a message repeats.
+const MAX_WORDS: usize = 40;
 
 /// A mapping of columns.
 #[derive(Debug, Clone)]
@@ -48,13 +51,13 @@ pub(super) enum MappedColumn {
 struct MapEntry {
     axis: Option<String>,
     position: PositionColumnEntry,
-    columns: IndexMap<String, ColumnEntry>,
+    columns: IndexMap<String, Value>,
     holds: Option<FileContents>,
     runs: Option<RunApproach>,
 }
 
 #[derive(Deserialize)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "a title is expected, or `{ column: TITLE, unit: mm }` with these two keys only")]
 enum PositionColumnEntry {
     Title(String),
     WithUnit(PositionColumn),
@@ -67,47 +70,12 @@ struct PositionColumn {
     unit: Option<String>,
 }
 
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum ColumnEntry {
-    Word(ColumnWord),
-    Readings(ReadingsEntry),
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum ColumnWord {
-    Run,
-    Direction,
-    Exclude,
-    Ignore,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ReadingsEntry {
-    error: String,
-    unit: Option<String>,
-    run: Option<RunName>,
-    direction: Option<DirectionWord>,
-    #[serde(default)]
-    flip: bool,
-    #[serde(default)]
-    reached: bool,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged)]
-enum RunName {
-    Number(u32),
-    Text(String),
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum DirectionWord {
-    Forward,
-    Reverse,
+/// A column that the file cannot have, and the reason.
+#[derive(Debug, thiserror::Error)]
+#[error("column `{}`: {why}", shown(title))]
+struct ColumnFailure {
+    title: String,
+    why: Reason,
 }
 
 /// Reads a mapping of columns.
@@ -122,9 +90,10 @@ pub fn read_columns(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostic
         return None;
     }
     let entry: Result<MapEntry, YamlFailure> = from_yaml(&text);
-    let map = entry
-        .map_err(|failure| (failure.to_string(), failure.line.map(place)))
-        .and_then(|entry| ColumnMap::of(entry).map_err(|why| (why.to_string(), None)));
+    let map = entry.map_err(|failure| (failure.to_string(), failure.line.map(place))).and_then(|entry| {
+        let line = |title: &str| Some(Place { source, range: text.find(title).map_or(0..0, |at| at..at) });
+        ColumnMap::of(entry).map_err(|failure| (failure.to_string(), line(&failure.title)))
+    });
     match map {
         Ok(map) => Some(map),
         Err((why, place)) => {
@@ -134,28 +103,39 @@ pub fn read_columns(path: &Path, files: &dyn Files, diagnostics: &mut Diagnostic
     }
 }
 
+/// Returns the refusal of a file; in its reason the terms of a library become words.
 fn refusal(why: &str) -> Diagnostic {
+    let words = why.replace("unknown variant", "unknown word").replace(" field", " entry");
+    let words: Vec<String> = words.split(' ').take(MAX_WORDS).map(shown).collect();
     let help = "write `position: TITLE` and `columns: { TITLE: { error: EXX, unit: um, run: 1, direction: forward } }`";
-    Diagnostic::new(codes::E0512, format!("the mapping of columns cannot be read: {}", shown(why))).help(help)
+    Diagnostic::new(codes::E0512, format!("the mapping of columns cannot be read: {}", words.join(" "))).help(help)
+}
+
+/// Returns the text of an entry; of a number, which may name a run, its digits.
+fn text_of(key: &str, value: &Value) -> Result<String, Reason> {
+    match value {
+        Value::String(text) => Ok(text.clone()),
+        Value::Number(number) => Ok(number.to_string()),
+        _ => Err(Reason::new(format!("`{key}` is a word or a number"))),
+    }
+}
+
+fn flag_of(key: &str, value: &Value) -> Result<bool, Reason> {
+    value.as_bool().ok_or_else(|| Reason::new(format!("`{key}` is `true` or `false`")))
 }
 
 impl ColumnMap {
-    fn of(entry: MapEntry) -> Result<Self, Reason> {
+    fn of(entry: MapEntry) -> Result<Self, ColumnFailure> {
         let (position, position_title_unit) = match entry.position {
             PositionColumnEntry::Title(title) => (title, None),
             PositionColumnEntry::WithUnit(column) => (column.column, column.unit),
         };
+        let fail = |title: &str, why: Reason| ColumnFailure { title: title.to_owned(), why };
         let unit = position_title_unit.as_deref().map(position_unit).transpose();
-        unit.map_err(Reason::new)?;
+        unit.map_err(|failure| fail(&position, Reason::new(failure)))?;
         let mut columns = Vec::new();
-        for (title, column) in entry.columns {
-            let column = match column {
-                ColumnEntry::Word(ColumnWord::Run) => MappedColumn::Run,
-                ColumnEntry::Word(ColumnWord::Direction) => MappedColumn::Direction,
-                ColumnEntry::Word(ColumnWord::Exclude) => MappedColumn::Excluded,
-                ColumnEntry::Word(ColumnWord::Ignore) => MappedColumn::Ignored,
-                ColumnEntry::Readings(readings) => Self::readings(readings)?,
-            };
+        for (title, value) in entry.columns {
+            let column = Self::column(&value).map_err(|why| fail(&title, why))?;
             columns.push((title, column));
         }
         Ok(Self {
@@ -168,24 +148,55 @@ impl ColumnMap {
         })
     }
 
-    fn readings(entry: ReadingsEntry) -> Result<MappedColumn, Reason> {
-        let error = component_error(&entry.error).map_err(Reason::new)?;
-        let unit = entry.unit.as_deref().map(reading_unit).transpose().map_err(Reason::new)?;
-        if unit.is_some_and(|unit| !unit.fits(&error)) {
-            let unit = entry.unit.as_deref().unwrap_or_default();
-            return Err(Reason::new(format!("`{unit}` is not a unit of `{error}`")));
+    fn column(value: &Value) -> Result<MappedColumn, Reason> {
+        let words = "`run`, `direction`, `exclude`, `ignore` or `{ error: EXX, unit: um }`";
+        match value {
+            Value::Mapping(entries) => Self::readings(entries),
+            Value::String(word) => match word.as_str() {
+                "run" => Ok(MappedColumn::Run),
+                "direction" => Ok(MappedColumn::Direction),
+                "exclude" => Ok(MappedColumn::Excluded),
+                "ignore" => Ok(MappedColumn::Ignored),
+                _ => Err(Reason::new(format!("`{}` is none of {words}", shown(word)))),
+            },
+            _ => Err(Reason::new(format!("it is {words}"))),
         }
-        let direction = entry.direction.map(|word| match word {
-            DirectionWord::Forward => ColumnDirection::Forward,
-            DirectionWord::Reverse => ColumnDirection::Reverse,
-        });
-        let run = match entry.run {
-            None => String::new(),
-            Some(RunName::Number(number)) => number.to_string(),
-            Some(RunName::Text(text)) => text,
-        };
-        let (flip, reached) = (entry.flip, entry.reached);
-        Ok(MappedColumn::Readings { error, unit: entry.unit, label: RunLabel { direction, run }, flip, reached })
+    }
+
+    fn readings(entries: &Mapping) -> Result<MappedColumn, Reason> {
+        let (mut error, mut unit, mut label) = (None, None, RunLabel::default());
+        let (mut flip, mut reached) = (false, false);
+        for (key, value) in entries {
+            let key = key.as_str().unwrap_or_default();
+            match key {
+                "error" => error = Some(component_error(&text_of(key, value)?).map_err(Reason::new)?),
+                "unit" => unit = Some(text_of(key, value)?),
+                "run" => label.run = text_of(key, value)?,
+                "direction" => {
+                    label.direction = Some(match text_of(key, value)?.as_str() {
+                        "forward" => ColumnDirection::Forward,
+                        "reverse" => ColumnDirection::Reverse,
+                        other => {
+                            let other = shown(other);
+                            return Err(Reason::new(format!("`direction` is `forward` or `reverse`, not `{other}`")));
+                        }
+                    });
+                }
+                "flip" => flip = flag_of(key, value)?,
+                "reached" => reached = flag_of(key, value)?,
+                _ => {
+                    let keys = "`error`, `unit`, `run`, `direction`, `flip`, `reached`";
+                    return Err(Reason::new(format!("`{}` is no entry of a column; they are {keys}", shown(key))));
+                }
+            }
+        }
+        let error = error.ok_or_else(|| Reason::new("`error` is missing: the error that it shows, such as EXX"))?;
+        let known = unit.as_deref().map(reading_unit).transpose().map_err(Reason::new)?;
+        if known.is_some_and(|unit| !unit.fits(&error)) {
+            let unit = unit.unwrap_or_default();
+            return Err(Reason::new(format!("`{}` is not a unit of `{error}`", shown(&unit))));
+        }
+        Ok(MappedColumn::Readings { error, unit, label, flip, reached })
     }
 
     /// Returns the errors that columns show.

@@ -89,7 +89,8 @@ pub(super) fn read(lines: &[SheetLine], place: &Place, wanted: &ImportRequest) -
             return Err(Box::new(refusal(message, Some(line.place.clone()))));
         };
         let value = off_target(value * factor - position, rotary);
-        import.samples.push(AxisSample { error: 0, position, direction: Some(direction), run: run.to_string(), value });
+        let (run, direction, place) = (run.to_string(), Some(direction), line.place.clone());
+        import.samples.push(AxisSample { error: 0, position, direction, run, value, place });
     }
     if import.samples.is_empty() {
         return Err(refuse("the file has targets and no position that was reached"));

@@ -30,6 +30,14 @@ pub(super) enum ExportFailure {
         .0.as_ref().map_or_else(String::new, |error| format!(" of `{}`", shown(error)))
     )]
     NoReadings(Option<String>),
+    /// The title of a column of means, without any of runs.
+    #[error(
+        "the table has means over the runs (`{}`) and no runs, which show outliers, drift and repeatability: export \
+         the runs, or take each mean as a run with `--columns FILE`, an entry `{{ error: EXX, unit: um, direction: \
+         forward }}` for each",
+        shown(.0)
+    )]
+    Means(String),
     #[error("the file does not say which axis moved: give `--axis X`")]
     NoAxis,
     #[error("the column `axis` names `{}` and `{}`: select one with `--axis`", shown(.0), shown(.1))]

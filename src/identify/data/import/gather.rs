@@ -8,6 +8,7 @@ use super::options::{RunApproach, StraightnessLine};
 use super::order;
 use super::request::ImportRequest;
 use super::sample::{AxisSample, Import, UnusedRow, refusal};
+use super::suspicion::rows::{self, LostRows, PositionMarks, RowTexts};
 use super::unit::{component_error, own_axis, reading_unit};
 use crate::diagnostic::{Diagnostic, Place};
 use crate::identify::lists::index_of;
@@ -33,15 +34,26 @@ pub(super) fn gather(
     let mut open = Vec::new();
     let mut decimals = Decimals::default();
     let mut marked: Vec<Option<bool>> = Vec::new();
+    let (mut lost, mut texts, mut marks) = (LostRows::default(), RowTexts::default(), PositionMarks::default());
+    let named = header.names_runs();
+    let position = header.roles.iter().position(|role| matches!(role, ColumnRole::Position(_))).unwrap_or(0);
     for line in &lines[header.body..] {
         let mut cells = sheet::cells(&line.text, header.separator);
         sheet::drop_empty(&mut cells, header.roles.len());
-        for (cell, _) in cells.iter().zip(&header.roles).filter(|(_, role)| role.is_number()) {
+        let numbers = || cells.iter().zip(&header.roles).filter(|(_, role)| role.is_number()).map(|(cell, _)| cell);
+        for cell in numbers() {
             let noted = decimals.note(cell, header.separator);
             noted.map_err(|mixed| Box::new(refusal(mixed.to_string(), Some(line.place.clone()))))?;
         }
-        match row(&cells, header, wanted, &beside, &mut import) {
+        rows::check_numbers(line, numbers(), header.separator)?;
+        let at_position = cells.get(position).map_or("", String::as_str);
+        match row(&cells, header, wanted, &beside, &line.place, &mut import) {
             Ok(samples) => {
+                lost.read();
+                if texts.is_again(line, &cells, samples.len(), named) && !wanted.accepts_suspect {
+                    continue;
+                }
+                marks.note(at_position, samples[0].position, &line.place);
                 let is_open = header.roles.iter().any(|role| matches!(role, ColumnRole::Open(_)));
                 if is_open {
                     open.extend(import.samples.len()..import.samples.len() + samples.len());
@@ -54,6 +66,7 @@ pub(super) fn gather(
                 import.samples.extend(samples);
             }
             Err(failure) => {
+                lost.lose(&failure, at_position, &line.place);
                 import.left_out.push(UnusedRow { place: line.place.clone(), reason: failure.to_string() });
             }
         }
@@ -66,11 +79,15 @@ pub(super) fn gather(
             place,
         )));
     }
+    marks.check()?;
+    import.findings.extend(lost.finding().into_iter().chain(texts.finding()));
     if !open.is_empty() && follows_targets(&import) {
         import.samples.iter_mut().for_each(|sample| sample.value = deviation_of_position(sample, header.rotary));
     }
     check_plausible(&import.samples, &import.errors)
         .map_err(|failure| Box::new(too_large(failure.to_string(), &header.place)))?;
+    let columns = rows::exchanged_columns(&import).or_else(|| rows::targets_twice(&import));
+    import.findings.extend(columns);
     finish(import, wanted, &beside, &header.place)
 }
 
@@ -171,6 +188,7 @@ fn row(
     header: &ImportHeader,
     wanted: &ImportRequest,
     beside: &[usize],
+    place: &Place,
     import: &mut Import,
 ) -> Result<Vec<AxisSample>, SampleFailure> {
     let ImportHeader { roles, separator, .. } = header;
@@ -178,7 +196,14 @@ fn row(
         return Err(SampleFailure::Cells(cells.len(), roles.len()));
     }
     let at = |k: usize| cells.get(k).map_or("", String::as_str);
-    let mut common = AxisSample { error: 0, position: f64::NAN, direction: None, run: String::new(), value: 0.0 };
+    let mut common = AxisSample {
+        error: 0,
+        position: f64::NAN,
+        direction: None,
+        run: String::new(),
+        value: 0.0,
+        place: place.clone(),
+    };
     let (mut name, mut unit, mut reading) = ("", "", None);
     for (k, role) in roles.iter().enumerate() {
         let cell = at(k);

@@ -7,6 +7,7 @@ use super::form::TableForm;
 use super::layout::{ColumnMeaning, ExportLayout, GENERAL, RunLabel};
 use super::request::ImportRequest;
 use super::sample::{NamedChannel, UnusedColumn, refusal};
+use super::titles::{self, Title};
 use super::unit::{ReadingUnit, component_error, own_axis, own_error, position_unit, reading_unit};
 use crate::diagnostic::{Diagnostic, Place, shown};
 use crate::identify::data::error_name::{parse_component_error, split_direction};
@@ -14,7 +15,6 @@ use crate::identify::lists::index_of;
 use crate::machine::{Approach, AxisName, ErrorId};
 use crate::syntax::ColumnDirection;
 use crate::syntax::sheet::{self, SheetLine};
-use crate::units;
 
 /// Lines before the table, at most.
 const MAX_PREAMBLE_LINES: usize = 500;
@@ -80,26 +80,6 @@ pub(super) struct ImportHeader {
     pub factor: f64,
     /// True if letters such as `F1` and `R1` are directions.
     paired: bool,
-}
-
-struct Title {
-    cell: String,
-    name: String,
-    lower: String,
-    unit: Option<String>,
-}
-
-impl Title {
-    fn new(cell: &str) -> Self {
-        let (name, unit) = sheet::title(cell);
-        Self { cell: cell.to_owned(), lower: name.to_lowercase(), name, unit }
-    }
-
-    /// Returns the error that the title names, and its direction.
-    fn error(&self) -> Option<(ErrorId, Option<Approach>)> {
-        let (bare, approach) = split_direction(&self.name);
-        parse_component_error(bare).map(|error| (error, approach))
-    }
 }
 
 /// Splits a line before the table: `key: value` or `key = value`, with a separator between as spreadsheets write it.
@@ -202,6 +182,17 @@ fn check_runs(header: &ImportHeader, titles: &[Title]) -> Result<(), ExportFailu
     second.map_or(Ok(()), |k| Err(ExportFailure::RunTwice(titles[k].cell.clone())))
 }
 
+impl ImportHeader {
+    /// True if every reading has its run and its direction by name: then no row is there again.
+    pub fn names_runs(&self) -> bool {
+        let has = |meaning| self.roles.contains(&ColumnRole::Other(meaning));
+        let by_column = has(ColumnMeaning::Run) && has(ColumnMeaning::Direction);
+        let named = |series: &Series| series.label.direction.is_some() && !series.label.run.is_empty();
+        let mut series = self.roles.iter().filter_map(ColumnRole::series).peekable();
+        by_column || (series.peek().is_some() && series.all(named))
+    }
+}
+
 struct HeaderReader<'a> {
     layout: &'static ExportLayout,
     lines: &'a [SheetLine],
@@ -223,8 +214,8 @@ impl HeaderReader<'_> {
     }
 
     fn header(&self, at: usize, cells: &[String]) -> Result<ImportHeader, ExportFailure> {
-        let (titles, row_of_units) = self.titles(at, cells);
-        let body = at + 1 + usize::from(row_of_units);
+        let (titles, rows_below) = titles::titles(self.lines, at, cells, self.separator, self.layout);
+        let body = at + 1 + rows_below;
         let paired = self.layout.has_letter_pairs(titles.iter().map(|title| title.lower.as_str()));
         let axis = self.axis(&titles, body, paired)?;
         let is_position = |title: &Title| match &self.wanted.columns {
@@ -280,23 +271,6 @@ impl HeaderReader<'_> {
         }
     }
 
-    /// Returns the titles of the columns; true with a row of units below them.
-    fn titles(&self, at: usize, cells: &[String]) -> (Vec<Title>, bool) {
-        let mut titles: Vec<Title> = cells.iter().map(|cell| Title::new(cell)).collect();
-        let bare = |cell: &str| cell.trim_matches(['[', ']', '(', ')']).to_owned();
-        let below = self.lines.get(at + 1).map(|line| sheet::cells(&line.text, self.separator)).unwrap_or_default();
-        let row_of_units = below.len() == titles.len()
-            && below.iter().any(|cell| units::unit(&bare(cell)).is_ok())
-            && below.iter().all(|cell| sheet::number(cell, self.separator).is_err());
-        if row_of_units {
-            for (title, cell) in titles.iter_mut().zip(below.iter().map(|cell| bare(cell))) {
-                let unit = units::unit(&cell).is_ok() && !cell.is_empty();
-                title.unit = title.unit.take().or(unit.then_some(cell));
-            }
-        }
-        (titles, row_of_units)
-    }
-
     /// Gives every column its role.
     fn roles(&self, header: &mut ImportHeader, titles: &[Title], position: usize) -> Result<(), ExportFailure> {
         let runs = if header.form == TableForm::Runs { self.runs(header, titles)? } else { RunColumns::NotReached };
@@ -312,7 +286,12 @@ impl HeaderReader<'_> {
             titles.iter().zip(&header.roles).filter_map(|(title, role)| unused_column(title, role)).collect();
         let is_reading = |role: &ColumnRole| role.is_number() && !matches!(role, ColumnRole::Position(_));
         let any = header.roles.iter().any(is_reading);
-        if any { Ok(()) } else { Err(ExportFailure::NoReadings(self.wanted.error.clone())) }
+        let mean = titles.iter().find(|title| self.layout.is_mean(&title.lower) && self.unit(title).is_some());
+        match (any, mean) {
+            (true, _) => Ok(()),
+            (false, Some(mean)) => Err(ExportFailure::Means(mean.cell.clone())),
+            (false, None) => Err(ExportFailure::NoReadings(self.wanted.error.clone())),
+        }
     }
 
     /// Refuses a column between runs that no rule has: it could be one of them.

@@ -154,8 +154,15 @@ fn quantity(
     }
 }
 
-/// LaserRuns in the order of the file: pairs of the target's index and the deviation.
-type LaserRuns = Vec<Vec<(usize, f64)>>;
+/// A reading of a run: index of the target, deviation, and its line.
+struct LaserReading {
+    target: usize,
+    value: f64,
+    place: Place,
+}
+
+/// Runs in the order of the file.
+type LaserRuns = Vec<Vec<LaserReading>>;
 
 /// Returns the readings by run; every run has every target once.
 fn runs(contents: &Contents) -> Result<LaserRuns, Reason> {
@@ -166,7 +173,7 @@ fn runs(contents: &Contents) -> Result<LaserRuns, Reason> {
     }
     let mut runs: LaserRuns = Vec::new();
     let mut last = f64::NAN;
-    for ([run, target, value], _) in readings {
+    for ([run, target, value], place) in readings {
         let index = (1..=targets.len()).find(|index| *index as f64 == *target);
         let index =
             index.ok_or_else(|| Reason::new(format!("{target} is no number of a target (1 to {})", targets.len())))?;
@@ -175,13 +182,13 @@ fn runs(contents: &Contents) -> Result<LaserRuns, Reason> {
             last = *run;
         }
         if let Some(pass) = runs.last_mut() {
-            pass.push((index - 1, *value));
+            pass.push(LaserReading { target: index - 1, value: *value, place: place.clone() });
         }
     }
     let mut seen = vec![false; targets.len()];
     for (number, pass) in (1..).zip(&runs) {
         seen.fill(false);
-        pass.iter().for_each(|(index, _)| seen[*index] = true);
+        pass.iter().for_each(|reading| seen[reading.target] = true);
         if pass.len() != targets.len() || !seen.iter().all(|seen| *seen) {
             return Err(Reason::new(format!("run {number} does not have each of the {} targets once", targets.len())));
         }
@@ -195,8 +202,8 @@ fn runs(contents: &Contents) -> Result<LaserRuns, Reason> {
 }
 
 /// Returns the direction of a run: that of its targets in the order of the file.
-fn direction(run: &[(usize, f64)], targets: &[f64]) -> Option<ColumnDirection> {
-    let at: Vec<f64> = run.iter().map(|(index, _)| targets[*index]).collect();
+fn direction(run: &[LaserReading], targets: &[f64]) -> Option<ColumnDirection> {
+    let at: Vec<f64> = run.iter().map(|reading| targets[reading.target]).collect();
     let rises = at.windows(2).all(|w| w[1] > w[0]);
     let falls = at.windows(2).all(|w| w[1] < w[0]);
     match (rises, falls) {
@@ -208,7 +215,7 @@ fn direction(run: &[(usize, f64)], targets: &[f64]) -> Option<ColumnDirection> {
 
 /// Takes the readings; true if the directions of the runs stay open.
 fn samples(import: &mut Import, targets: &[f64], runs: &LaserRuns, factor: f64) -> bool {
-    let is_zero = |run: &[(usize, f64)]| run.iter().all(|(_, value)| *value == 0.0);
+    let is_zero = |run: &[LaserReading]| run.iter().all(|reading| reading.value == 0.0);
     let (odd, even): (Vec<_>, Vec<_>) = runs.iter().enumerate().partition(|(k, _)| k.is_multiple_of(2));
     // One writer fills the reverse runs of a test in one direction with zeros.
     let placeholders =
@@ -226,12 +233,13 @@ fn samples(import: &mut Import, targets: &[f64], runs: &LaserRuns, factor: f64) 
         let side = usize::from(direction == Some(ColumnDirection::Reverse));
         count[side] += 1;
         let name = if open { (k + 1).to_string() } else { count[side].to_string() };
-        import.samples.extend(run.iter().map(|(index, value)| AxisSample {
+        import.samples.extend(run.iter().map(|reading| AxisSample {
             error: 0,
-            position: targets[*index],
+            position: targets[reading.target],
             direction,
             run: name.clone(),
-            value: value * factor + 0.0,
+            value: reading.value * factor + 0.0,
+            place: reading.place.clone(),
         }));
     }
     open

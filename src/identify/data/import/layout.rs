@@ -55,6 +55,8 @@ pub(super) struct ExportLayout {
     /// Words of titles that are no readings of an error, separated by blanks: statistics, the environment, notes. One
     /// of them in a title is enough.
     others: &'static str,
+    /// Words of means over the runs, among [`Self::others`].
+    means: &'static [&'static str],
     /// Rules of directions; a word stands before its own beginnings and ends.
     directions: &'static [DirectionRule],
     /// Letters of numbered runs, directions where a table has both.
@@ -119,6 +121,7 @@ pub(super) const GENERAL: ExportLayout = ExportLayout {
              point press pressure punkt quality range repeatability reversal scatter sensor sigma signal slope spread \
              standard status std stddev stdev streuung strength temp temperatur temperature time timestamp \
              uncertainty umkehrspanne unsicherheit variance velocity vorschub zeit",
+    means: &["mean", "average", "avg", "mittel", "mittelwert"],
     directions: &[
         direction(Forward, &["forward"]),
         direction(Reverse, &["reverse", "backward"]),
@@ -227,6 +230,11 @@ impl ExportLayout {
     /// True for titles of columns that are known to be no readings of an error.
     pub fn is_other(&self, title: &str) -> bool {
         words(title).any(|word| self.others.split(' ').any(|other| other == word))
+    }
+
+    /// True for titles of means over the runs.
+    pub fn is_mean(&self, title: &str) -> bool {
+        words(title).any(|word| self.means.contains(&word))
     }
 
     /// Splits a title of positions that were reached, such as `actual`, `actual position 2 -`, `ist_1`. A title with

@@ -8,7 +8,8 @@
 //! 2. `gather`: rows to samples (error, position, direction, run); what is left out, and why.
 //! 3. `order`: positions to targets, the order of the rows to passes and directions.
 //! 4. `line`: the straight line of a straightness, taken off; `material`: positions at 20 deg C.
-//! 5. `table`: figures after ISO 230-2, and the table that a machine file takes.
+//! 5. `suspicion`: what the readings say against themselves.
+//! 6. `table`: figures after ISO 230-2, and the table that a machine file takes.
 
 mod blocks;
 mod channels;
@@ -26,14 +27,17 @@ mod options;
 mod order;
 mod request;
 mod sample;
+mod suspicion;
 mod table;
+mod titles;
 mod transposed;
 mod unit;
 
 pub use columns::read_columns;
-pub use options::{FileContents, RunApproach, StraightnessLine};
+pub use options::{Acceptance, FileContents, RunApproach, StraightnessLine};
 pub use request::ImportRequest;
 pub use sample::{AxisSample, Import, ReferenceLine, UnusedColumn};
+pub use suspicion::{Finding, FindingEffect, FindingKind};
 
 use super::tracker;
 use crate::diagnostic::{Diagnostic, Diagnostics};
@@ -54,9 +58,14 @@ pub fn import(path: &Path, wanted: &ImportRequest, files: &dyn Files, diagnostic
     };
     match found {
         Ok(mut import) => {
+            suspicion::judge_repeats(&mut import, wanted.accepts_suspect);
             line::straighten(&mut import, wanted.line, wanted.keep_line);
             if let Some(material) = wanted.material {
                 material::to_reference(&mut import, material);
+            }
+            suspicion::judge_axes(&mut import);
+            if wanted.accepts_suspect {
+                suspicion::accept(&mut import);
             }
             Some(import)
         }

@@ -35,6 +35,8 @@ pub struct ImportRequest {
     pub columns: Option<ColumnMap>,
     /// The axis turns without end: positions are taken modulo 360 deg, and the table closes.
     pub continuous: bool,
+    /// The caller takes readings that accuse themselves.
+    pub accepts_suspect: bool,
 }
 
 impl ImportRequest {

@@ -1,6 +1,7 @@
 //! An export as it was read: its samples, its unused rows and columns.
 
 use super::form::TableForm;
+use super::suspicion::Finding;
 use crate::diagnostic::{Diagnostic, Place, codes};
 use crate::machine::ErrorId;
 use crate::syntax::ColumnDirection;
@@ -18,6 +19,8 @@ pub struct AxisSample {
     pub run: String,
     /// Actual minus nominal.
     pub value: f64,
+    /// Its line in the file.
+    pub place: Place,
 }
 
 /// A row that was not used.
@@ -91,6 +94,8 @@ pub struct Import {
     pub lines: Vec<ReferenceLine>,
     /// Were directions read off the order of the rows?
     pub inferred: bool,
+    /// What the readings say against themselves.
+    pub findings: Vec<Finding>,
 }
 
 impl Import {
@@ -108,6 +113,7 @@ impl Import {
             channels: Vec::new(),
             lines: Vec::new(),
             inferred: false,
+            findings: Vec::new(),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! From the samples to the table that a machine file takes.
 
 use super::sample::Import;
+use super::suspicion::FindingEffect;
 use crate::diagnostic::shown;
 use crate::standards::{AccuracyFigures, TargetReading};
 
@@ -57,6 +58,14 @@ impl Import {
         for line in self.lines.iter().filter(|line| line.taken_off) {
             let slope = round_for_table(line.slope * 1e6);
             text += &format!("# {}: line of {slope} um/m taken off\n", self.errors[line.error]);
+        }
+        for finding in &self.findings {
+            let effect = match finding.effect {
+                FindingEffect::LeftOut => "left out",
+                FindingEffect::Accepted => "accepted",
+                FindingEffect::Used | FindingEffect::Refused => continue,
+            };
+            text += &format!("# {effect}: {}\n", finding.message);
         }
         text += &format!("{}\n", header.join(", "));
         for (position, values) in &rows {
