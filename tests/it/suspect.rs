@@ -308,10 +308,10 @@ fn an_outlier_is_left_out_of_table_and_figures_unless_it_is_accepted() {
     assert_eq!(program(&text, &["--error", "EXX", "--accept", "anything"]).code, Some(2));
     // In a row for each reading the line is that of the reading.
     let mut tidy = "run,direction,position [mm],EXX [um]\n".to_owned();
-    for (k, way) in [(1, "+"), (2, "-"), (3, "+"), (4, "-"), (5, "+"), (6, "-")] {
+    for (k, way) in [(1_usize, "+"), (2, "-"), (3, "+"), (4, "-"), (5, "+"), (6, "-")] {
         for line in text.lines().skip(1) {
             let cells: Vec<&str> = line.split(';').collect();
-            tidy += &format!("{},{way},{},{}\n", (k + 1) / 2, cells[0], cells[k]);
+            tidy += &format!("{},{way},{},{}\n", k.div_ceil(2), cells[0], cells[k]);
         }
     }
     let line = 2 + tidy.lines().skip(1).position(|line| line.ends_with("148.20")).unwrap();

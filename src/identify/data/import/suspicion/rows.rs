@@ -271,9 +271,12 @@ pub(in crate::identify::data::import) fn exchanged_columns(import: &Import) -> O
 
 /// Readings of one column that rise or fall row by row, where the positions do not.
 fn readings_as_positions(import: &Import) -> Option<String> {
-    let mut columns: IndexMap<(usize, &str, Option<u8>), Vec<(f64, f64)>> = IndexMap::new();
+    let mut columns: IndexMap<_, Vec<(f64, f64)>> = IndexMap::new();
     for s in &import.samples {
-        columns.entry((s.error, &s.run, s.direction.map(|way| way as u8))).or_default().push((s.position, s.value));
+        columns
+            .entry((s.error, s.run.as_str(), s.direction.map(|way| way as u8)))
+            .or_default()
+            .push((s.position, s.value));
     }
     let turns = |values: &mut dyn Iterator<Item = f64>| {
         let values: Vec<f64> = values.collect();
