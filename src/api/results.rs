@@ -10,7 +10,7 @@ pub use super::certificate::{AtReference, CertificateReport, CertificateStep, Jo
 pub use super::check::CheckedFile;
 pub use super::classify::{Classification, MotionWithErrors, NoMotion, SixErrors};
 pub use super::compare::{CompareResult, ComparedBounds, ComparedMachine, ComparedPose, ErrorContribution};
-pub use super::compare_figures::{FittedComparison, FittedMachine, MachineVerdict};
+pub use super::compare_figures::{FittedComparison, FittedMachine, JudgedDifference, MachineVerdict};
 pub use super::compile::CompiledSet;
 pub use super::compiled_model::{CompiledModel, DeviationColumns, DeviationSlices, PoseDeviation};
 pub use super::compose::{ComposedPart, ComposedSet};

@@ -87,7 +87,7 @@ fn a_name_means_the_same_in_every_verb() {
 }
 
 /// The range that a help states: `(1 to 1000)`.
-fn range(help: &str) -> Option<(u64, u64)> {
+fn range(help: &str) -> Option<(f64, f64)> {
     let inside = help.split('(').skip(1).filter_map(|rest| rest.split_once(')')).map(|(inside, _)| inside);
     inside.filter_map(|text| text.split_once(" to ")).find_map(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)))
 }
@@ -115,8 +115,8 @@ fn numbers_state_range_and_default_and_keep_the_range() {
             };
             checked += 1;
             assert!(accepts(parser, &low.to_string()) && accepts(parser, &high.to_string()), "--{name} of {verb}");
-            assert!(!accepts(parser, &(high + 1).to_string()) && !accepts(parser, "-1"), "--{name} of {verb}");
-            assert!(low == 0 || !accepts(parser, &(low - 1).to_string()), "--{name} of {verb}");
+            assert!(!accepts(parser, &(high + 1.0).to_string()) && !accepts(parser, "-1"), "--{name} of {verb}");
+            assert!(low == 0.0 || !accepts(parser, &(low - 1.0).to_string()), "--{name} of {verb}");
         }
     }
     assert!(checked > 15, "{checked}");

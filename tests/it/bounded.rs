@@ -404,7 +404,9 @@ fn bounds_beside_measured_errors_are_said_in_a_sentence() {
     let path = folder.with("m.yaml", &FILE.replace("EXX: { tolerance: 4 um }", "EXX: 4 um"));
     let options = [text(&path), "--samples", "50", "--seed", "4"];
     let map = json(&[&["map"], &options[..], &["--random", "20", "--format", "json"]].concat());
-    let budget = json(&[&["budget"], &options[..], &["--format", "json"]].concat());
+    // A budget has the measured error in every machine; with a value of zero it is one of the bounds alone.
+    let zero = folder.with("z.yaml", &FILE.replace("EXX: { tolerance: 4 um }", "EXX: 0 um"));
+    let budget = json(&[&["budget", text(&zero)], &options[1..], &["--format", "json"]].concat());
     // The measured error as it is, without bounds in it.
     assert!((number(&map["position_um"]["max"]) - 4.0).abs() < 1e-9 && map.get("from").is_none());
     let add = &map["bounds_add"];
@@ -484,7 +486,8 @@ fn two_machines_are_compared_by_what_their_bounds_lead_to() {
     assert!(number(&result["machines"][1]["position_um"]["max"]) > 0.0 && result["machines"][1]["from"] == "bounds");
     assert!(result["machines"][1]["minus_first"].is_null());
     // What the other bounds of the first add is a budget of them on this work.
-    let budget = json(&[&["budget", text(&measured)], &work[..], &["--format", "json"]].concat());
+    let zero = folder.with("z.yaml", &FILE.replace("EXX: { tolerance: 4 um }", "EXX: 0 um"));
+    let budget = json(&[&["budget", text(&zero)], &work[..], &["--format", "json"]].concat());
     let add = &result["machines"][0]["bounds_add"];
     assert!(near(&add["position_um"]["rss"], &budget["position_um"]["rss"]) && add["errors"] == 8);
     assert!(result["machines"][1].get("bounds_add").is_none());

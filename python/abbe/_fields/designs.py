@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Union
 
 from .._record import Named, Record
-from .deviations import CharacteristicResult, DeviationBudget, DrawnMachineFigures, LimitVerdict, Over, PairedDifference, PathResult, Percentile, ReachedToolPoses, UnreachableCount
+from .deviations import ActingValues, CharacteristicResult, DeviationBudget, DrawnMachineFigures, LimitVerdict, Over, PairedDifference, PathResult, Percentile, ReachedToolPoses, UnreachableCount, VersusFirst
 from .machines import Coverage
 
 
@@ -107,7 +107,8 @@ class BudgetFields(Record):
     statistic: Annotated[Literal["max", "p95"], "Statistic of a machine over the poses."]
     frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors: the workpiece frame."]
     order: Annotated[str, "Order of the errors: 1."]
-    left_out: Annotated[int, "Number of errors that have values and are left out."]
+    left_out: Annotated[int, "Number of errors that have values and are left out, for bounds stand for them."]
+    with_values: Annotated[Union[ActingValues, None], "The errors with values that no bound stands for, if there are any: they act in every machine drawn."]
     poses: Annotated[int, "Number of poses."]
     position_um: Annotated[DeviationBudget, "The position deviation, um."]
     rotation_urad: Annotated[DeviationBudget, "The rotation of the tool, urad."]
@@ -167,13 +168,6 @@ class AgainstFirst(Record):
     minus_first: Annotated[PairedDifference, "The difference to the best on the machines drawn of both."]
 
 
-class VersusFirst(Record):
-    """A machine or arrangement against the first, on the machines drawn of both."""
-
-    verdict: Annotated[Literal["first", "equal", "not_told_apart", "worse", "better"], "What is known of the two."]
-    minus_first: Annotated[PairedDifference, "Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence."]
-
-
 class FittedArrangement(Record):
     """The position error of an arrangement without the rigid motion of the part that fits its deviations best."""
 
@@ -192,7 +186,7 @@ class Arrangement(Record):
     low: Annotated[Union[float, None], "Lower end of the confidence interval of the figure, um."]
     high: Annotated[Union[float, None], "Upper end of the confidence interval of the figure, um."]
     mean: Annotated[Union[float, None], "Mean of the machines drawn, um."]
-    minus_file: Annotated[Union[float, None], "Its figure minus that of the arrangement of the file, um."]
+    minus_file: Annotated[Union[float, None], "Its figure minus that of the arrangement of the file, um, on the tool poses that both reach; none without such."]
     samples: Annotated[Union[int, None], "Number of machines drawn."]
     versus_first: Annotated[Union[AgainstFirst, None], "Its figure minus that of the best."]
     best_fit: Annotated[Union[FittedArrangement, None], "The same with the best fit of each arrangement taken out, where neither tool poses nor a reference are given."]
@@ -215,7 +209,7 @@ class EnumerateFields(Record):
     errors: Annotated[int, "Number of errors that count."]
     coverage: Annotated[Union[Coverage, None], "Which of the errors that act in the machine of the file are known, where the ranking is by a budget."]
     turned: Annotated[Union[TurnedVerdicts, None], "Verdicts that are withheld because errors without a value or a bound could turn them."]
-    poses: Annotated[int, "Number of tool poses."]
+    poses: Annotated[int, "Number of tool poses: all of a job, whether or not the machine of the file reaches them."]
     samples: Annotated[Union[int, None], "Number of machines drawn of every arrangement."]
     rounds: Annotated[Union[RankingRounds, None], "The rounds, where machines are drawn."]
     seed: Annotated[int, "Seed of poses and errors."]
@@ -224,7 +218,7 @@ class EnumerateFields(Record):
     arrangements: Annotated[int, "Number of arrangements."]
     not_buildable: Annotated[Union[list[ExcludedArrangements], None], "Arrangements that are left out because they are hardly built, by rule."]
     ranked: Annotated[list[Arrangement], "The arrangements that do the whole work, best first."]
-    reach_less: Annotated[list[Arrangement], "Arrangements that miss some tool poses: figures over their own tool poses, ``minus_file`` on these."]
+    reach_less: Annotated[list[Arrangement], "Arrangements that miss some tool poses: figures over their own tool poses, ``minus_file`` on those of them that the arrangement of the file reaches."]
     geometry_not_stated: Annotated[list[Arrangement], "Arrangements whose geometry the file does not state."]
     cannot_turn_the_tool: Annotated[list[str], "Arrangements that cannot turn the tool: their chains."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file that the machine reaches, as its file has it."]

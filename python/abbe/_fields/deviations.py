@@ -132,9 +132,12 @@ class LimitVerdict(Record):
     """A figure against the limit of a job."""
 
     limit_um: Annotated[float, "The limit, um."]
-    um: Annotated[float, "The 95 % value of the position deviation, um."]
-    interval_um: Annotated[Union[list[float], None], "The interval in which it lies, um; none where it is not drawn."]
-    held: Annotated[Union[bool, None], "True if it holds the limit; none where the interval is on both sides of it."]
+    um: Annotated[float, "The position deviation that is judged, um: the statistic over the poses; of machines drawn the value that 95 % of them do not exceed."]
+    interval_um: Annotated[Union[list[float], None], "The interval in which it lies, um: of machines drawn by their number, else by the uncertainties of errors that the file states; none without such."]
+    statistic: Annotated[Literal["max", "p95"], "The figure of a machine over the poses."]
+    drawn: Annotated[bool, "True if machines are drawn between bounds; errors with values act in each."]
+    missed: Annotated[int, "Number of tool poses of the job that are out of reach."]
+    held: Annotated[Union[bool, None], "True if the limit is held; none where the interval is on both sides of it, and where it is not exceeded but tool poses are out of reach, so that the job is not done."]
 
 
 class LengthStatistics(Record):
@@ -405,7 +408,7 @@ class MapFields(Record):
     rotation_urad: Annotated[Summary, "Statistics of the deviation of the orientation of the tool, urad."]
     uncertainty: Annotated[Union[Bands, None], "Intervals of the statistics, where the machine file states uncertainties of errors."]
     worst: Annotated[list[WorstPose], "The worst poses, largest deviation of the functional point first."]
-    diagonals: Annotated[list[BodyDiagonal], "The body diagonals of the volume."]
+    diagonals: Annotated[list[BodyDiagonal], "The body diagonals of the volume; none of a job."]
     p95_relative_error: Annotated[Union[float, None], "Relative error of the 95 % values, for a map of more than ``MapPoses::MAX_HELD`` poses."]
     tool_poses: Annotated[Union[ReachedToolPoses, None], "Tool poses of a file, with those that the machine reaches."]
     features: Annotated[Union[list[FeatureResult], None], "The features of the file, where it names some: the largest deviation on each."]
@@ -440,6 +443,7 @@ class ReachFields(Record):
     machine: Annotated[str, "Name of the machine."]
     tool: Annotated[str, "Name of the tool; empty for a tool without a name."]
     over: Annotated[Over, "Poses and reference of the reach."]
+    path: Annotated[Union[PathResult, None], "Events of the path, if the tool poses are one."]
     box_mm: Annotated[list[list[float]], "Ends of the box along x, y, z of the workpiece frame, mm."]
     counts: Annotated[list[int], "Number of tips along x, y, z; of a job all tips stand in one row."]
     tips: Annotated[int, "Number of tips."]
@@ -480,6 +484,21 @@ class Placement(Record):
     rotation: Annotated[list[float], "Rotations about X, then Y, then Z of the workpiece frame, deg."]
 
 
+class PairedDifference(Record):
+    """The difference of two 95 % values with its interval; ``None`` where there are too few samples for an end."""
+
+    value: Annotated[float, "Of the samples."]
+    low: Annotated[Union[float, None], "Lower end."]
+    high: Annotated[Union[float, None], "Upper end."]
+
+
+class VersusFirst(Record):
+    """A machine or arrangement against the first, on the machines drawn of both."""
+
+    verdict: Annotated[Literal["first", "equal", "not_told_apart", "worse", "better"], "What is known of the two."]
+    minus_first: Annotated[PairedDifference, "Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence."]
+
+
 class TriedPlace(Record):
     """A part tried at a place."""
 
@@ -490,8 +509,12 @@ class TriedPlace(Record):
     rewinds: Annotated[Union[int, None], "Number of rewinds of a path."]
     margin_mm: Annotated[Union[float, None], "Least distance of a linear axis from an end of its travel, mm; none without such an axis or a tool pose."]
     reaches_reference: Annotated[bool, "True if the machine reaches the points at which the part is probed."]
-    p95_um: Annotated[Union[float, None], "The 95 % value of the position deviation over the tool poses that are reached, um; none for reach alone."]
-    max_um: Annotated[Union[float, None], "The largest position deviation over them, um."]
+    p95_um: Annotated[Union[float, None], "The 95 % value of the position deviation over the tool poses that are reached, um; from bounds of what 95 % of the machines do not exceed at each. None for reach alone."]
+    max_um: Annotated[Union[float, None], "The largest of these, um."]
+    um: Annotated[Union[float, None], "The figure by which places are ranked and the limit of the job is judged, um: the statistic of the position deviation over the tool poses that are reached; of machines drawn the value that 95 % of them do not exceed."]
+    interval_um: Annotated[Union[list[float], None], "The interval that holds it with 95 % confidence, um: of machines drawn, or of values with a stated uncertainty."]
+    versus_first: Annotated[Union[VersusFirst, None], "A ranked place against the first, on the same machines; none where no machines are drawn, and where the path has more rewinds."]
+    limit: Annotated[Union[LimitVerdict, None], "The figure against the limit of the job, if it states one."]
     rank: Annotated[Union[int, None], "Rank from 1; none of a place that cannot be compared with the best."]
 
 
@@ -504,6 +527,9 @@ class CommonFigures(Record):
     p95_um: Annotated[float, "The first less the second."]
     own_max_um: Annotated[float, "Largest deviation at the place of the job, um."]
     best_max_um: Annotated[float, "The same at the best place."]
+    own_um: Annotated[float, "Figure of the ranking at the place of the job, um."]
+    best_um: Annotated[float, "The same at the best place."]
+    versus_own: Annotated[Union[VersusFirst, None], "The best place against that of the job, on the same machines; none where no machines are drawn, and where the path has other rewinds."]
 
 
 class PlacementGain(Record):
@@ -520,11 +546,13 @@ class PlacementFields(Record):
 
     machine: Annotated[str, "Name of the machine."]
     over: Annotated[Over, "Poses and reference of the result; ``reached`` counts at the place of the job."]
-    drawing: Annotated[Union[DrawSettings, None], "Settings of the machines drawn, from bounds."]
+    statistic: Annotated[Union[Literal["max", "p95"], None], "The statistic of a machine over the tool poses, by which places are ranked; none for reach alone."]
+    drawing: Annotated[Union[DrawSettings, None], "Settings of the machines drawn, where errors are bounded."]
     ranges: Annotated[list[PlaceRange], "The ranges, in the order named."]
     places: Annotated[int, "Number of places that were tried; that of the job is one of them."]
     reach_all: Annotated[int, "Number of places that reach all tool poses."]
     ranked: Annotated[int, "Number of places that are ranked: those that reach the same tool poses, the most of all, and the reference."]
+    not_told_apart: Annotated[Union[int, None], "Number of ranked places that the machines drawn do not tell apart from the best, or that are equal to it; none where no machines are drawn."]
     own: Annotated[TriedPlace, "The place of the job."]
     best: Annotated[Union[TriedPlace, None], "The best place; none if no tool pose is reached anywhere."]
     at_end_of: Annotated[Union[list[str], None], "Ranges at whose end the best place lies."]
@@ -633,6 +661,13 @@ class BudgetDifference(Record):
     rotation_urad: Annotated[DeviationBudgetDifference, "Differences of the orientation deviation, urad."]
 
 
+class ActingValues(Record):
+    """Errors with values in a budget."""
+
+    errors: Annotated[int, "Number of these errors."]
+    um_of_p95: Annotated[float, "Their part of the 95 % value of the position, um."]
+
+
 class ComparedBudget(Record):
     """The budget of a machine beside others."""
 
@@ -641,6 +676,7 @@ class ComparedBudget(Record):
     rotation_urad: Annotated[DeviationBudget, "The rotation of the tool, urad."]
     minus_first: Annotated[BudgetDifference, "Minus the figures of the first machine."]
     class_source: Annotated[Union[str, None], "Source of the class."]
+    with_values: Annotated[Union[ActingValues, None], "The errors with values that act in every machine drawn, if there are any."]
 
 
 class ComparedContribution(Record):
@@ -653,14 +689,6 @@ class ComparedContribution(Record):
     um_of_p95_sigma: Annotated[list[Union[float, None]], "Standard error of that part, um."]
     minus_first: Annotated[list[float], "That part minus that of the first machine, um."]
     average_um: Annotated[list[Union[float, None]], "Its effect averaged over the poses, um."]
-
-
-class PairedDifference(Record):
-    """The difference of two 95 % values with its interval; ``None`` where there are too few samples for an end."""
-
-    value: Annotated[float, "Of the samples."]
-    low: Annotated[Union[float, None], "Lower end."]
-    high: Annotated[Union[float, None], "Upper end."]
 
 
 class WithheldVerdict(Record):
@@ -713,11 +741,22 @@ class FittedComparison(Record):
     versus_first_p95_um: Annotated[Union[list[ComparedVerdict], None], "The 95 % value of the position of each machine but the first, minus that of the first, where budgets are compared."]
 
 
+class JudgedDifference(Record):
+    """The figure of the position deviation by which a machine is judged, minus that of the first machine."""
+
+    drawn: Annotated[bool, "True if it is the value that 95 % of machines drawn do not exceed."]
+    statistic: Annotated[Literal["max", "p95"], "The figure of a machine over the poses."]
+    um: Annotated[float, "The difference, um: negative is better than the first."]
+    low: Annotated[Union[float, None], "Lower end of its interval, um, if it has one."]
+    high: Annotated[Union[float, None], "Upper end of its interval, um, if it has one."]
+
+
 class MachineVerdict(Record):
     """The verdict on a machine."""
 
     machine: Annotated[int, "Number of the machine, from 1."]
     verdict: Annotated[Union[Literal["first", "equal", "not_told_apart", "worse", "better"], None], "Its 95 % value against that of the first; none where that depends on the reference, or is not known."]
+    by: Annotated[Union[JudgedDifference, None], "The difference by which it is judged; none without a verdict."]
     reason: Annotated[Union[str, None], "The reason why there is none."]
 
 

@@ -128,7 +128,7 @@ class Coverage(Record):
 
     valued: Annotated[int, "Number of errors with a value."]
     bounded: Annotated[int, "Number of errors that are bounded, by the file or by a class."]
-    missing: Annotated[list[str], "Names of the errors that have neither. None on a machine with measured values: what it does not state is zero."]
+    missing: Annotated[list[str], "Names of the errors that have neither. None on a machine with measured values and no bounds: what it does not state is zero."]
 
 
 class MachineSummary(Record):

@@ -211,6 +211,7 @@ class FittedDatum(Record):
     conditions: Annotated[int, "Number of conditions: each fixes a combination of errors that changes nothing but where the workpiece stands."]
     translation_um: Annotated[list[float], "Translation of the whole that was taken out of the errors, um."]
     rotation_urad: Annotated[list[float], "Rotation of the whole that was taken out, about the middle of the volume, urad."]
+    measured: Annotated[Union[Named[list[float]], None], "Measured range of each axis (mm, deg) that was measured over less than its travel: the datum is formed there."]
 
 
 class FittedError(Record):

@@ -18,11 +18,11 @@ pub(crate) struct Args {
     kind: TestPieceKind,
     /// Side of a square, also of that about a diamond, diameter of a circle or of the base of a cone, length of an S,
     /// mm (0.1 to 100000) [default: 160, of a cone 80].
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = size)]
     piece_size: Option<f64>,
     /// Height of a contour or of the base of a cone above the part's origin, or of the surface of an S, mm (0.1 to
     /// 100000) [default: 20, of a cone 120, of an S 40].
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", value_parser = size)]
     height: Option<f64>,
     /// Half of the apex angle of a cone, deg (above 0) [default: 15].
     #[arg(long, value_name = "DEG")]
@@ -40,6 +40,11 @@ pub(crate) struct Args {
     #[arg(long, short, value_name = "PATH", help = help::OUT,
         long_help = "Write the job file and its table of tool poses to this new folder")]
     out: PathBuf,
+}
+
+fn size(text: &str) -> Result<f64, Reason> {
+    let mm = text.parse::<f64>().ok().filter(|mm| (0.1..=1e5).contains(mm));
+    mm.ok_or_else(|| Reason::new("a size is 0.1 to 100000 mm"))
 }
 
 fn tilt(text: &str) -> Result<f64, Reason> {

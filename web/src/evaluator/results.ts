@@ -1,5 +1,13 @@
 /** Answers of the library. python/generate.py writes this file from the results of the façade. */
 
+/** Errors with values in a budget. */
+export interface ActingValues {
+  /** Number of these errors. */
+  errors: number;
+  /** Their part of the 95 % value of the position, um. */
+  um_of_p95: number;
+}
+
 /** What the bounds of a machine add to its measured errors: a budget of those errors that have no value. */
 export interface AddedByBounds {
   /** Number of these errors. */
@@ -192,8 +200,10 @@ export interface BudgetResult {
   frame: Frame;
   /** Order of the errors: 1. */
   order: Order;
-  /** Number of errors that have values and are left out. */
+  /** Number of errors that have values and are left out, for bounds stand for them. */
   left_out: number;
+  /** The errors with values that no bound stands for, if there are any: they act in every machine drawn. */
+  with_values?: ActingValues | null;
   /** Number of poses. */
   poses: number;
   /** The position deviation, um. */
@@ -355,6 +365,12 @@ export interface CommonFigures {
   own_max_um: number;
   /** The same at the best place. */
   best_max_um: number;
+  /** Figure of the ranking at the place of the job, um. */
+  own_um: number;
+  /** The same at the best place. */
+  best_um: number;
+  /** The best place against that of the job, on the same machines; none where no machines are drawn, and where the path has other rewinds. */
+  versus_own?: VersusFirst | null;
 }
 
 /** Machines side by side, over the tool poses that all of them reach. */
@@ -439,6 +455,8 @@ export interface ComparedBudget {
   class: string | null;
   /** Source of the class. */
   class_source: string | null;
+  /** The errors with values that act in every machine drawn, if there are any. */
+  with_values?: ActingValues | null;
 }
 
 /** Budgets on the same work. */
@@ -563,7 +581,7 @@ export interface Coverage {
   valued: number;
   /** Number of errors that are bounded, by the file or by a class. */
   bounded: number;
-  /** Names of the errors that have neither. None on a machine with measured values: what it does not state is zero. */
+  /** Names of the errors that have neither. None on a machine with measured values and no bounds: what it does not state is zero. */
   missing: string[];
 }
 
@@ -937,6 +955,20 @@ export type InstrumentResult = {
 /** Shape of an error matrix. */
 export type Joints = "orthogonal" | "linearised";
 
+/** The figure of the position deviation by which a machine is judged, minus that of the first machine. */
+export interface JudgedDifference {
+  /** True if it is the value that 95 % of machines drawn do not exceed. */
+  drawn: boolean;
+  /** The figure of a machine over the poses. */
+  statistic: Statistic;
+  /** The difference, um: negative is better than the first. */
+  um: number;
+  /** Lower end of its interval, um, if it has one. */
+  low?: number | null;
+  /** Upper end of its interval, um, if it has one. */
+  high?: number | null;
+}
+
 /** Tool poses that lack the same, with the largest amount. */
 export interface Lack {
   /** The reason. */
@@ -981,11 +1013,17 @@ export interface LengthStatistics {
 export interface LimitVerdict {
   /** The limit, um. */
   limit_um: number;
-  /** The 95 % value of the position deviation, um. */
+  /** The position deviation that is judged, um: the statistic over the poses; of machines drawn the value that 95 % of them do not exceed. */
   um: number;
-  /** The interval in which it lies, um; none where it is not drawn. */
+  /** The interval in which it lies, um: of machines drawn by their number, else by the uncertainties of errors that the file states; none without such. */
   interval_um?: [number, number] | null;
-  /** True if it holds the limit; none where the interval is on both sides of it. */
+  /** The figure of a machine over the poses. */
+  statistic: Statistic;
+  /** True if machines are drawn between bounds; errors with values act in each. */
+  drawn: boolean;
+  /** Number of tool poses of the job that are out of reach. */
+  missed: number;
+  /** True if the limit is held; none where the interval is on both sides of it, and where it is not exceeded but tool poses are out of reach, so that the job is not done. */
   held: boolean | null;
 }
 
@@ -1040,6 +1078,8 @@ export interface MachineVerdict {
   machine: number;
   /** Its 95 % value against that of the first; none where that depends on the reference, or is not known. */
   verdict: Verdict | null;
+  /** The difference by which it is judged; none without a verdict. */
+  by?: JudgedDifference | null;
   /** The reason why there is none. */
   reason?: string | null;
 }
@@ -1100,7 +1140,7 @@ export interface MapResult {
   uncertainty?: Bands | null;
   /** The worst poses, largest deviation of the functional point first. */
   worst: WorstPose[];
-  /** The body diagonals of the volume. */
+  /** The body diagonals of the volume; none of a job. */
   diagonals: BodyDiagonal[];
   /** Relative error of the 95 % values, for a map of more than [`MapPoses::MAX_HELD`] poses. */
   p95_relative_error?: number | null;
@@ -1318,7 +1358,9 @@ export interface PlacementResult {
   over: Over;
   /** `values` or `bounds`, from which the figures are; none for reach alone. */
   from?: string | null;
-  /** Settings of the machines drawn, from bounds. */
+  /** The statistic of a machine over the tool poses, by which places are ranked; none for reach alone. */
+  statistic?: Statistic | null;
+  /** Settings of the machines drawn, where errors are bounded. */
   drawing?: DrawSettings | null;
   /** The ranges, in the order named. */
   ranges: PlaceRange[];
@@ -1328,6 +1370,8 @@ export interface PlacementResult {
   reach_all: number;
   /** Number of places that are ranked: those that reach the same tool poses, the most of all, and the reference. */
   ranked: number;
+  /** Number of ranked places that the machines drawn do not tell apart from the best, or that are equal to it; none where no machines are drawn. */
+  not_told_apart?: number | null;
   /** The place of the job. */
   own: TriedPlace;
   /** The best place; none if no tool pose is reached anywhere. */
@@ -1429,6 +1473,8 @@ export interface ReachResult {
   tool: string;
   /** Poses and reference of the reach. */
   over: Over;
+  /** Events of the path, if the tool poses are one. */
+  path?: PathResult | null;
   /** Ends of the box along x, y, z of the workpiece frame, mm. */
   box_mm: [[number, number], [number, number], [number, number]];
   /** Number of tips along x, y, z; of a job all tips stand in one row. */
@@ -1616,10 +1662,18 @@ export interface TriedPlace {
   margin_mm?: number | null;
   /** True if the machine reaches the points at which the part is probed. */
   reaches_reference: boolean;
-  /** The 95 % value of the position deviation over the tool poses that are reached, um; none for reach alone. */
+  /** The 95 % value of the position deviation over the tool poses that are reached, um; from bounds of what 95 % of the machines do not exceed at each. None for reach alone. */
   p95_um?: number | null;
-  /** The largest position deviation over them, um. */
+  /** The largest of these, um. */
   max_um?: number | null;
+  /** The figure by which places are ranked and the limit of the job is judged, um: the statistic of the position deviation over the tool poses that are reached; of machines drawn the value that 95 % of them do not exceed. */
+  um?: number | null;
+  /** The interval that holds it with 95 % confidence, um: of machines drawn, or of values with a stated uncertainty. */
+  interval_um?: [number, number] | null;
+  /** A ranked place against the first, on the same machines; none where no machines are drawn, and where the path has more rewinds. */
+  versus_first?: VersusFirst | null;
+  /** The figure against the limit of the job, if it states one. */
+  limit?: LimitVerdict | null;
   /** Rank from 1; none of a place that cannot be compared with the best. */
   rank?: number | null;
 }
@@ -1651,6 +1705,14 @@ export interface UnreachableCount {
 
 /** What is known of a machine or arrangement and the first. */
 export type Verdict = "first" | "equal" | "not_told_apart" | "worse" | "better";
+
+/** A machine or arrangement against the first, on the machines drawn of both. */
+export interface VersusFirst {
+  /** What is known of the two. */
+  verdict: Verdict;
+  /** Its 95 % value minus that of the first, um. The intervals of all pairs and all rounds hold together with 95 % confidence. */
+  minus_first: PairedDifference;
+}
 
 /** The reason why there is no verdict on two machines: errors without a value or a bound could turn it. */
 export interface WithheldVerdict {
