@@ -73,7 +73,7 @@ fn faults_of_form_stand_at_their_place() {
         ("tool_poses: t.csv\nfeatures: { a: { tolerance: 1 um } }", "E0202", [2, 16], "has no `kind`"),
         ("tool_poses: t.csv\nfeatures:\n  a:\n    - { kind: flatness, tol: 1 um }", "E0201", [4, 25], "`tol`"),
         ("tool_poses: t.csv\nfeatures: { a: 1 }", "E0202", [2, 16], "a tolerance with `kind`"),
-        ("tool_poses: t.csv\nreference: { kind: datum, datum: [{ point: [0, 0, 0] }] }", "E0202", [2, 34], "`normal`"),
+        ("tool_poses: t.csv\nreference: { kind: datum, datum: [{ point: [0, 0, 0] }] }", "E0202", [2, 35], "`normal`"),
         ("tool_poses: t.csv\ntool_poses: u.csv", "E0107", [2, 1], "occurs twice"),
         ("tool_poses: none.csv", "E0101", [1, 13], "there is no file"),
     ] {

@@ -336,7 +336,7 @@ fn what_the_file_alone_misses_stays_in_the_work_of_a_ranking() {
 fn a_job_takes_the_tool_that_it_names() {
     let folder = Folder::new("job-tool");
     let tools = "tools:\n  short: { gauge: [0, 0, 0], length: 80 mm }\n  long: { gauge: [0, 0, 0], length: 200 mm }\n";
-    let errors = "errors: { EBX: { points: [[-300 mm, 0 urad], [300 mm, 60 urad]] }, EC0Y: { tolerance: 10 urad } }";
+    let errors = "errors: { EBZ: { points: [[-300 mm, 60 urad], [300 mm, 60 urad]] }, EC0Y: { tolerance: 10 urad } }";
     let machine = three(&folder, "m.yaml", &format!("{tools}{errors}"));
     let _ = along_x(&folder);
     let job = |name: &str, tool: &str| folder.with(name, &format!("tool_poses: x.csv\n{tool}reference: machine\n"));
@@ -368,7 +368,7 @@ fn a_job_takes_the_tool_that_it_names() {
         let (code, said) = refused(&[&verb[..], &["--job", text(&missing)]].concat());
         assert!(code == 1 && said.contains("E0851") && said.contains("`longer`"), "{verb:?}: {said}");
     }
-    // Rotation of the carriage by 0.1 urad per mm: along the tool it moves the tip by as much as the tool is long.
+    // A rotation of Z moves the tip by as much as the tool is long.
     let most = |job: &Path| number(&with(&["map", file], job, &[])["position_um"]["max"]);
     let [long_um, short_um] = [most(&long), most(&plain)];
     assert!((long_um / short_um - 200.0 / 80.0).abs() < 1e-6, "{long_um} {short_um}");
