@@ -43,9 +43,9 @@ pub(crate) fn start(
     let files_of = Overlay { text: memory, files: call.run.files };
     let settings = settings(options);
     let asked: Vec<Value> = files.iter().map(|file| asked(file, options, &settings, &files_of)).collect();
-    json!({"abbe": env!("CARGO_PKG_VERSION"), "settings": settings, "files": texts,
-        "machines": asked, "place": {"work": job_file(options).or(options.tool_poses.as_ref()), "target": options.targets.first(),
-            "asked": asked_part(options)}})
+    let work = job_file(options).or(options.tool_poses.as_ref());
+    let place = json!({"work": work, "target": options.targets.first(), "asked": asked_part(options)});
+    json!({"abbe": env!("CARGO_PKG_VERSION"), "settings": settings, "files": texts, "machines": asked, "place": place})
 }
 
 /// Options of the figures that the page shows first, in the words of the questions.

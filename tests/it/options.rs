@@ -139,8 +139,8 @@ fn warnings_of_several_files_name_theirs() {
         let unnamed = all.iter().find(|w| !w.contains(text(&base)) && !w.contains(text(&own)));
         assert_eq!(unnamed, None, "{list:?}");
     }
-    // Budgets that are not compared: the file without bounds is named.
-    let measured = folder.with("measured.yaml", MACHINE);
-    let all = warnings(&[&["compare", text(&base), text(&measured)][..], &few].concat());
-    assert!(all.iter().any(|w| w.starts_with("W0607") && w.contains(text(&measured))), "{all:?}");
+    // Budgets that are not compared: the file with neither values nor bounds is named.
+    let bare = folder.with("bare.yaml", &MACHINE.replace("errors: { EC0Y: 20 urad }\n", ""));
+    let all = warnings(&[&["compare", text(&base), text(&bare)][..], &few].concat());
+    assert!(all.iter().any(|w| w.starts_with("W0607") && w.contains(text(&bare))), "{all:?}");
 }
