@@ -349,11 +349,12 @@ fn foreign_and_damaged_state_is_refused_and_left_alone() {
     says(&row("rewinds", 3.into()), &[], "has rewinds that no path has");
     says(&row("not_stated", serde_json::json!(["X"])), &[], "only the end of a study");
     says(&row("travel", serde_json::json!([{"axis": "X", "min": 0, "max": 1}])), &[], "travels that it does not need");
-    let first =
-        |change: fn(&mut Vec<serde_json::Value>)| forged(&|of| change(judged(of)["values"].as_array_mut().unwrap()));
-    says(&first(|values| drop(values.pop())), &[], "has 49 values of 50 machines");
-    says(&first(|values| values.push(1.into())), &[], "has 51 values of 50 machines");
-    says(&first(Vec::clear), &[], "has 0 values of 50 machines");
+    let first = |change: &dyn Fn(&mut Vec<serde_json::Value>)| {
+        forged(&|of| change(judged(of)["values"].as_array_mut().unwrap()))
+    };
+    says(&first(&|values| drop(values.pop())), &[], "has 49 values of 50 machines");
+    says(&first(&|values| values.push(1.into())), &[], "has 51 values of 50 machines");
+    says(&first(&|values| values.clear()), &[], "has 0 values of 50 machines");
     says(&forged(&|of| drop(of["records"].as_array_mut().unwrap().pop())), &[], "not those of the walk");
     says(&forged(&|of| of["records"].as_array_mut().unwrap().reverse()), &[], "not those of the walk");
     says(&forged(&|of| of["round"] = 77.into()), &[], "walk 0 of round 77");
