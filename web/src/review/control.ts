@@ -84,12 +84,7 @@ export class Control {
 
 function repaired({ position_um, uncompensated }: Compensated, target: Target): (Node | string)[] {
   const [before, after] = [uncompensated.position_um.p95, position_um.p95];
-  return [
-    figure("answer-before", before, "µm"),
-    " → ",
-    figure("answer-after", after, "µm"),
-    ` with ${target.title}, at 95 % of the poses in the volume`,
-  ];
+  return [figure("answer-before", before, "µm"), " → ", figure("answer-after", after, "µm"), ` with ${target.title}`];
 }
 
 function shown({ position_um, rotation_urad, uncompensated }: Compensated, target: Target): HTMLElement[] {

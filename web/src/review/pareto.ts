@@ -99,8 +99,8 @@ export class Pareto {
     const words = isHere
       ? "Part of each error along the deviation at the present pose; the parts add up to it."
       : measured
-        ? "Each error alone: 95 % of the poses in the volume deviate less."
-        : "Part of each tolerance in the 95 % value of the drawn machines over the volume.";
+        ? "Each error alone: 95 % of the poses deviate less."
+        : "Part of each tolerance in the 95 % value of the drawn machines.";
     this.parent.replaceChildren(
       ...(measured ? [this.choice()] : []),
       make("p", { class: "words" }, words),
@@ -187,18 +187,11 @@ function dominates({ sources, map, budget, words, chain }: Findings): (Node | st
       ? `; worst at ${chain.axes.map((axis) => position(axis, worst[axis.name] ?? 0)).join(", ")}`
       : "";
     const part = figure("answer-first", most.um_of_p95, "µm");
-    return [
-      named(most.error),
-      ` ${name}: `,
-      part,
-      all ? ` of ${rounded(all.value)} µm over the volume${where}.` : ` over the volume${where}.`,
-    ];
+    return [named(most.error), ` ${name}: `, part, all ? ` of ${rounded(all.value)} µm${where}.` : `${where}.`];
   }
   const parts = [...(sources?.errors ?? [])].sort((a, b) => Math.abs(b.at_um) - Math.abs(a.at_um));
   const [there] = parts;
-  const over = " at 95 % of the poses in the volume";
-  const value = figure("answer-first", first.p95_um, "µm");
-  const all = [named(first.error), ` ${first.words.replace(/\.$/, "")}: `, value, over];
+  const all = [named(first.error), ` ${first.words.replace(/\.$/, "")}: `, figure("answer-first", first.p95_um, "µm")];
   if (!there) return all;
   const of = map ? ` of ${rounded(map.position_um.max)} µm` : "";
   return [...all, "; at the worst pose ", named(there.error), " ", figure("answer-worst", there.at_um, "µm"), `${of}.`];

@@ -40,7 +40,7 @@ export class ReachLine {
 function shown(reach: Reach): HTMLElement[] {
   const percent = `${Number((100 * reach.share).toPrecision(3))} %`;
   const share = make("strong", { "data-at": "reach", "data-value": String(reach.share) }, percent);
-  const of = `${reach.tips} tips in the volume, ${directions(reach)}`;
+  const of = `${reach.tips} tips, ${directions(reach)}`;
   const words = make("p", {}, "Work in reach ", share, make("span", { class: "words" }, ` of ${of}`));
   if (!reach.reasons.length) return [words];
   const more = reach.reasons.length - FEW;

@@ -51,7 +51,7 @@ export class StatisticsTable {
     if (worst) this.worst = worst.axes;
     if (!now?.map || !deciding(now)) return this.parent.replaceChildren();
     const rows = (now.map.from ? BOUNDED : MEASURED).flatMap((row) => this.row(row, now, kept));
-    const table = make("table", {}, make("caption", { class: "words" }, "Over the volume"), make("tbody", {}, ...rows));
+    const table = make("table", {}, make("tbody", {}, ...rows));
     this.parent.classList.toggle("stale", state.stale);
     this.parent.replaceChildren(table);
   }

@@ -65,7 +65,7 @@ export class Tighten {
     else
       this.tell(
         "tighten",
-        button(`Find tolerances for ${rounded(goal)} µm over the volume`, () => this.ask(), { class: "link" }),
+        button(`Find tolerances for ${rounded(goal)} µm`, () => this.ask(), { class: "link" }),
       );
   }
 

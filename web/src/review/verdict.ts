@@ -136,29 +136,17 @@ export class Verdict {
   }
 }
 
-/** The figures over the part, with the verdict of the limit that its job states. */
+/** The figure over the part, with the verdict of the limit that its job states. */
 function overJob({ map, over, limit }: Work): HTMLElement[] {
   const drawn = map.bounds?.position_um.monte_carlo.p95;
-  const words =
-    drawn === undefined
-      ? `Largest deviation at the tool poses; at 95 % of them less than ${rounded(map.position_um.p95)} µm.`
-      : "95 of 100 machines built to these tolerances deviate less than this at all tool poses.";
   const held = map.limit?.held;
   const verdict = held ? "passes" : held === false ? "fails" : "open";
-  return [
-    make("h2", {}, "Error of the machine over the job"),
-    make("p", { class: "headline" }, figure("job", drawn ?? map.position_um.max, "µm")),
-    make("p", { class: "words", id: "job-over" }, `${words} ${over}.`),
-    ...(limit
-      ? [
-          make(
-            "p",
-            { class: "limit", id: "job-limit" },
-            make("strong", { class: `verdict-${verdict}` }, inMicrometres(limit)),
-          ),
-        ]
-      : []),
-  ];
+  const judged = limit
+    ? [make("strong", { class: `verdict-${verdict}`, id: "job-limit" }, inMicrometres(limit)), " "]
+    : [];
+  const of = drawn === undefined ? " at most over the job. " : " or less over the job on 95 % of machines. ";
+  const value = figure("job", drawn ?? map.position_um.max, "µm");
+  return [make("p", { class: "words", id: "job-over", title: over }, make("strong", {}, value), of, ...judged)];
 }
 
 /** A sentence of the program with the unit as the page writes it, and a capital letter. */
