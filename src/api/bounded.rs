@@ -167,8 +167,8 @@ impl AddingBounds<'_> {
     }
 
     /// Returns the verdict of a limit on the machine, whose measured errors act as a field has them, less what the
-    /// set-up of the part takes out; `values_um` are these alone, with their
-    /// intervals.
+    /// set-up of the part takes out; `values_um` are these alone, with
+    /// their intervals.
     pub(crate) fn limit(
         &self,
         call: &mut Call<'_>,

@@ -46,7 +46,7 @@ pub struct ImportOptions {
     /// Contributors to the uncertainty of the figures (ISO 230-2 annex A), such as `device 0.5 um/m`,
     /// `misalignment 1 mm`, `temperature 0.7 K x 11.5 um/m/K`, `expansion 2 um/m/K x 5 K`, `drift 1.2 um`.
     pub uncertainty: Vec<String>,
-    /// What the caller takes on his word: `suspect` takes readings that accuse themselves.
+    /// Suspicions that the caller accepts: `suspect` takes readings that accuse themselves.
     pub accept: Vec<Acceptance>,
     /// Refuses a file whose table would have no row.
     pub needs_table: bool,

@@ -51,7 +51,7 @@ pub(crate) struct Job {
     pub features: FeatureTolerances,
     place: Placement,
     reference: Option<Reference>,
-    /// Where the reference is stated.
+    /// The place at which the reference is stated.
     reference_written: Option<Place>,
 }
 

@@ -29,7 +29,7 @@ pub struct ImportResult {
     pub left_out: Vec<LeftOutRow>,
     /// Columns, blocks and runs that were not used.
     pub columns_left_out: Vec<LeftOutColumn>,
-    /// What the readings say against themselves.
+    /// Suspicions against the readings.
     pub findings: Vec<ImportFinding>,
     /// The errors of the channels of a six-degree instrument.
     pub channels: Vec<ImportedChannel>,
@@ -197,7 +197,7 @@ pub struct LeftOutRow {
     pub reason: String,
 }
 
-/// What readings say against themselves.
+/// A suspicion against readings.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct ImportFinding {
     /// The kind.
@@ -210,7 +210,7 @@ pub struct ImportFinding {
     pub message: String,
     /// The remedy.
     pub remedy: String,
-    /// What became of the readings.
+    /// The use that was made of the readings.
     pub effect: FindingEffect,
 }
 

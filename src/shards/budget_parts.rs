@@ -178,7 +178,7 @@ fn incomplete(count: usize, samples: usize) -> Diagnostic {
     Diagnostic::new(codes::E0611, message).help("name all parts of one division, each `I/N` of the same N")
 }
 
-/// What the parts of a budget have in common.
+/// The settings that the parts of a budget have in common.
 #[derive(Clone, Copy)]
 struct ExpectedPart<'a> {
     fingerprint: &'a str,

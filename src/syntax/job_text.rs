@@ -20,7 +20,7 @@ pub(crate) const TOOL_POSES: &str = "tool_poses";
 pub struct JobText {
     value: Value,
     places: Places,
-    /// Where it stands in its file: under a key of a machine file, or at the top of a job file.
+    /// Its place in the file: under a key of a machine file, or at the top of a job file.
     at: Keys,
 }
 

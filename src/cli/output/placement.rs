@@ -116,7 +116,7 @@ fn text(of: &PlacementResult) -> String {
     text
 }
 
-/// What the machines drawn tell of the ranked places, and the limit of the job at the best place and at its own.
+/// The ranked places by the machines drawn, and the limit of the job at the best place and at its own.
 fn standing(of: &PlacementResult) -> String {
     let mut text = String::new();
     let others = of.tried.iter().filter(|of| of.versus_first.is_some()).count().saturating_sub(1);

@@ -40,7 +40,7 @@ pub struct FitModel<'a> {
     known: Vec<PriorValue>,
     /// True if location errors count in the real part.
     real_locations: bool,
-    /// Where the workpiece stands beside its place in the machine; `None`: there.
+    /// The motion of the workpiece from its place in the machine; `None` without one.
     stand: Option<RigidMotion>,
     /// Receives the number of measurements evaluated.
     progress: Advance<'a>,

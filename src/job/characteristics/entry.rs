@@ -104,7 +104,7 @@ pub(crate) struct FeatureTolerance {
     pub free: bool,
     /// The fit by which it is judged.
     pub fit: ZoneFit,
-    /// Where the job states it.
+    /// The place at which the job states it.
     pub written: Option<Place>,
 }
 

@@ -63,7 +63,7 @@ pub struct Study<'a> {
     work: Vec<ToolPose>,
     /// The poses (mm, deg) of the machine as its file has it.
     poses: Vec<Pose>,
-    /// Of each tool pose the index of that pose; `None` where the machine does not reach it.
+    /// The index of that pose for each tool pose; `None` where the machine does not reach it.
     of_file: Vec<Option<usize>>,
     freedom: usize,
     sized: bool,

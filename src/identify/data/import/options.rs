@@ -1,6 +1,6 @@
 //! Choices that a file leaves open.
 
-/// What a caller takes on his own word.
+/// A suspicion that a caller accepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]

@@ -94,7 +94,7 @@ pub struct Import {
     pub lines: Vec<ReferenceLine>,
     /// Were directions read off the order of the rows?
     pub inferred: bool,
-    /// What the readings say against themselves.
+    /// Suspicions against the readings.
     pub findings: Vec<Finding>,
 }
 

@@ -1,4 +1,4 @@
-//! What the readings of a file say against themselves.
+//! The suspicions against readings of a file.
 
 use crate::diagnostic::Place;
 
@@ -28,7 +28,7 @@ pub enum FindingKind {
     Unit,
 }
 
-/// What becomes of the readings.
+/// The use that is made of the readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FindingEffect {
@@ -55,7 +55,7 @@ pub struct Finding {
     pub message: String,
     /// The remedy.
     pub help: String,
-    /// What becomes of the readings.
+    /// The use that is made of the readings.
     pub effect: FindingEffect,
 }
 

@@ -1,4 +1,4 @@
-//! What the readings of a file say against themselves.
+//! Suspicions against the readings of a file.
 //!
 //! `rows`: numbers that other programs group or write as degrees, minutes and seconds, rows there twice, rows lost,
 //! columns exchanged. `repeats`: the passes of an error, and what a reading is off its repeats; `runs`: single

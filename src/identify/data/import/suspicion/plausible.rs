@@ -1,4 +1,4 @@
-//! What no axis has: a slope, a range or a scatter of another unit, and more reading from below than from above.
+//! Readings that no axis has: a slope, a range or a scatter of another unit, and more from below than from above.
 
 use super::finding::{ACCEPT, Finding, FindingEffect, FindingKind};
 use super::repeats::{Repeats, least};

@@ -58,7 +58,7 @@ pub(super) struct Repeats {
     resolution: f64,
 }
 
-/// What readings are off their repeats.
+/// Distances of readings from their repeats.
 pub(super) struct Deviations {
     /// Off the median of the other readings, levels of passes taken out; `None` without others.
     pub off: Vec<Option<f64>>,
