@@ -216,7 +216,7 @@ RunApproach = Literal["one-way", "alternating"]
 #: Line of a straightness.
 StraightnessLine = Literal["least-squares", "end-points"]
 
-#: What a caller takes on his own word.
+#: A suspicion that a caller accepts.
 Acceptance = Literal["suspect"]
 
 #: A test.
@@ -1226,7 +1226,7 @@ def import_readings(
       of a linear axis are brought to 20 deg C, about the first target.
     * ``uncertainty``: Contributors to the uncertainty of the figures (ISO 230-2 annex A), such as ``device 0.5 um/m``,
       ``misalignment 1 mm``, ``temperature 0.7 K x 11.5 um/m/K``, ``expansion 2 um/m/K x 5 K``, ``drift 1.2 um``.
-    * ``accept``: What the caller takes on his word: ``suspect`` takes readings that accuse themselves.
+    * ``accept``: Suspicions that the caller accepts: ``suspect`` takes readings that accuse themselves.
     * ``needs_table``: Refuses a file whose table would have no row.
     """
     options: dict[str, Any] = {

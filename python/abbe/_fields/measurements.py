@@ -464,14 +464,14 @@ class LeftOutColumn(Record):
 
 
 class ImportFinding(Record):
-    """What readings say against themselves."""
+    """A suspicion against readings."""
 
     kind: Annotated[Literal["rows-lost", "columns-exchanged", "twice", "outlier", "scatter", "drift", "directions-exchanged", "unit-of-run", "sign-of-run", "unit"], "The kind."]
     error: Annotated[Union[str, None], "The error; none of the file as a whole."]
     lines: Annotated[list[int], "The lines, in the order of their weight."]
     message: Annotated[str, "In a sentence."]
     remedy: Annotated[str, "The remedy."]
-    effect: Annotated[Literal["used", "left-out", "refused", "accepted"], "What became of the readings."]
+    effect: Annotated[Literal["used", "left-out", "refused", "accepted"], "The use that was made of the readings."]
 
 
 class ImportedChannel(Record):
@@ -493,7 +493,7 @@ class ImportFields(Record):
     readings: Annotated[int, "Number of readings."]
     left_out: Annotated[list[LeftOutRow], "Rows that were not used."]
     columns_left_out: Annotated[list[LeftOutColumn], "Columns, blocks and runs that were not used."]
-    findings: Annotated[list[ImportFinding], "What the readings say against themselves."]
+    findings: Annotated[list[ImportFinding], "Suspicions against the readings."]
     channels: Annotated[list[ImportedChannel], "The errors of the channels of a six-degree instrument."]
     metadata: Annotated[list[list[str]], "Entries before the table."]
 
