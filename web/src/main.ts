@@ -161,7 +161,9 @@ class Workbench {
   }
 
   async open(): Promise<void> {
-    const { machine, text } = await this.store.open();
+    const { machine, text, work, part } = await this.store.open();
+    if (part) this.part.stated = part;
+    if (work && !place().work) move({ work });
     this.editor.open(text, this.nonce);
     this.session.take(this.tools.chosen);
     this.session.open(machine, text);
