@@ -1,7 +1,7 @@
 //! The limit of a job: the largest position deviation that the part allows.
 
-use crate::analysis::SummaryBand;
 use crate::analysis::budget::Statistic;
+use crate::analysis::{SummaryBand, figure_of};
 use crate::evaluate::Summary;
 use crate::units::{counted, significant};
 
@@ -43,10 +43,7 @@ impl JobLimit {
     /// Returns the verdict on the deviations of one machine over the poses, um, with their intervals if uncertainties
     /// of its errors are stated.
     pub(crate) fn on_values(&self, position_um: &Summary, band: Option<&SummaryBand>) -> LimitVerdict {
-        let (um, interval) = match self.statistic {
-            Statistic::Max => (position_um.max, band.map(|band| band.max)),
-            Statistic::P95 => (position_um.p95, band.map(|band| band.p95)),
-        };
+        let (um, interval) = figure_of(self.statistic, position_um, band);
         self.judge(um, interval, false)
     }
 

@@ -17,7 +17,7 @@ use crate::analysis::budget::{
 };
 use crate::analysis::figure_bands::field_bands;
 use crate::analysis::reference::PartReference;
-use crate::analysis::{SummaryBand, View, deviations};
+use crate::analysis::{SummaryBand, View, deviations, figure_of};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Field, Frame, Order, Poses, Statistics, Summary};
 use crate::machine::{AxisKind, Machine, OperatingConditions, Pose, Travel};
@@ -176,10 +176,7 @@ struct PlaceFigures {
 
 impl PlaceFigures {
     fn of_values(over_poses: Summary, band: Option<SummaryBand>, statistic: Statistic) -> Self {
-        let (um, interval_um) = match statistic {
-            Statistic::Max => (over_poses.max, band.map(|band| band.max)),
-            Statistic::P95 => (over_poses.p95, band.map(|band| band.p95)),
-        };
+        let (um, interval_um) = figure_of(statistic, &over_poses, band.as_ref());
         Self { over_poses, um, interval_um, band, drawn: Vec::new() }
     }
 
