@@ -8,7 +8,7 @@ use crate::analysis::budget::{
 };
 use crate::analysis::reference::PartReference;
 use crate::evaluate::{Field, Frame, Poses, Summary};
-use crate::job::characteristics::{CharacteristicResult, DrawnRequest, JobCharacteristics};
+use crate::job::characteristics::{CharacteristicResult, DrawnRequest, JobCharacteristics, ValuedField};
 use crate::job::features::{FeatureResult, bounded_features};
 use crate::job::limit::{JobLimit, LimitVerdict};
 use crate::job::path::LargestStep;
@@ -184,13 +184,36 @@ impl AddingBounds<'_> {
         ))
     }
 
-    fn budget(&self, call: &mut Call<'_>, acting: ActingErrors<'_>) -> Result<Option<(usize, usize, Budget)>, Refused> {
-        let Self { machine, tolerances, samples, seed, work, reference } = *self;
+    /// Returns the characteristics of toleranced features: of machines drawn, in which the measured errors act as the
+    /// field has them, or of these alone where nothing is drawn.
+    pub(crate) fn characteristics(
+        &self,
+        call: &mut Call<'_>,
+        of: &JobCharacteristics,
+        valued: ValuedField<'_>,
+    ) -> Result<Vec<CharacteristicResult>, Refused> {
+        let Self { machine, tolerances, samples, seed, reference: removed, .. } = *self;
+        let bounds = self.bounds(call)?;
+        if bounds.is_empty() {
+            return Ok(of.values(valued));
+        }
+        let (draws, values) = (tolerances.draws(seed), Some(valued.field));
+        of.drawn(call, DrawnRequest { machine, bounds: &bounds, removed, draws: &draws, samples, values })
+    }
+
+    /// Returns the bounds; none if no error is measured, and with a minimum zone.
+    fn bounds(&self, call: &mut Call<'_>) -> Result<Vec<Bound>, Refused> {
+        let Self { machine, tolerances, reference, .. } = *self;
         if !is_measured(machine) || reference.is_some_and(|of| !of.is_linear()) {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         let (all, _) = tolerances.bounds_if_any(call, machine)?;
-        let bounds = adding(machine, &all);
+        Ok(adding(machine, &all))
+    }
+
+    fn budget(&self, call: &mut Call<'_>, acting: ActingErrors<'_>) -> Result<Option<(usize, usize, Budget)>, Refused> {
+        let Self { machine, tolerances, samples, seed, work, reference } = *self;
+        let bounds = self.bounds(call)?;
         if bounds.is_empty() {
             return Ok(None);
         }

@@ -4,6 +4,7 @@ use super::compare::nothing_in_common;
 use super::tolerances::ToleranceOptions;
 use crate::analysis::budget::{ActingErrors, Bound, Request, bounds, budget, is_measured};
 use crate::analysis::{Comparison, MachineResult, Work, compare};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Field, Order, quantile_95};
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
@@ -56,7 +57,8 @@ impl Default for DiffMachinesOptions {
 }
 
 /// Compares two machines property by property, and states the effect of each difference on the 95 % position
-/// deviation over tool poses that both reach: of machines that are only bounded, on the 95 % value of machines drawn.
+/// deviation over tool poses that both reach: where a machine bounds errors, on the 95 % value of machines drawn, in
+/// which errors with values act.
 ///
 /// Fails if the files are not two, and if no tool pose is reached by both machines.
 pub fn diff_machines(files: &[MachineFile], options: &DiffMachinesOptions, run: Run<'_>) -> Reply<MachineDifference> {
@@ -146,7 +148,8 @@ const WIDE: f64 = 0.9;
 /// Number of machines drawn where the machines are bounded.
 const SAMPLES: usize = 1000;
 
-/// The figure by which machines are judged: by their errors, or by their bounds where neither of the two has a value.
+/// The figure by which machines are judged: by their errors with values, or by machines drawn between bounds, in which
+/// these act, where one of the two has bounds.
 struct Judge<'a> {
     options: &'a DiffMachinesOptions,
     bounded: bool,
@@ -163,8 +166,17 @@ impl<'a> Judge<'a> {
         options: &'a DiffMachinesOptions,
         job: Option<&Job>,
     ) -> Result<Self, Refused> {
-        let bounded = files.iter().all(|file| !is_measured(file) && !bounds_of(file).is_empty());
         let stated = Job::stated(job, options.reference.as_ref());
+        let has_bounds = files.iter().any(|file| !bounds_of(file).is_empty());
+        // Machines drawn have no minimum zone.
+        let by_values = stated.as_ref().is_some_and(|of| of.minimum_zone) && files.iter().any(|file| is_measured(file));
+        if has_bounds && by_values {
+            let message = "bounds are left out: the effect of a minimum zone on machines drawn is not known";
+            let help = "take the least squares, `--reference best-fit`, or another reference";
+            call.warn(Diagnostic::new(codes::W0607, message).help(help));
+            call.check()?;
+        }
+        let bounded = has_bounds && !by_values;
         let default = job.map_or_else(Reference::default, Job::zero);
         let is_stated = stated.is_some();
         let judge = Self { options, bounded, reference: stated.unwrap_or(default) };
@@ -222,7 +234,7 @@ impl<'a> Judge<'a> {
         }
         set_up.refuse_minimum_zone(call, "a difference of bounds")?;
         let bounds = bounds_of(machine);
-        if bounds.is_empty() {
+        if bounds.is_empty() && !is_measured(machine) {
             return Ok(0.0);
         }
         let tolerances = ToleranceOptions::default();

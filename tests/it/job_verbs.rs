@@ -220,12 +220,12 @@ fn a_certificate_has_figures_over_the_job_beside_those_over_the_volume() {
 #[test]
 fn certificates_and_reports_take_the_tool_of_the_job() {
     let folder = Folder::new("job-tool-sets");
-    // The lever arm of a turn of Z is the tool's length.
-    let lines = "errors: { EBZ: { points: [[-300 mm, 100 urad], [300 mm, 100 urad]] } }\n\
+    // The lever arm of a turn of Z is the tool's length, at which Z stands: 40 and 100 urad.
+    let lines = "errors: { EBZ: { points: [[-300 mm, -150 urad], [300 mm, 150 urad]] } }\n\
          tools: { short: { gauge: [0, 0, 0], length: 80 mm }, long: { gauge: [0, 0, 0], length: 200 mm } }";
     let machine = three(&folder, "m.yaml", lines);
     let _ = along_x(&folder);
-    for (tool, um) in [("short", 8.0), ("long", 20.0)] {
+    for (tool, um) in [("short", 3.2), ("long", 20.0)] {
         let job = folder.with(
             &format!("{tool}.yaml"),
             &format!("tool_poses: x.csv\nreference: machine\ntool: {tool}\nlimit: 10 um\n"),

@@ -116,10 +116,33 @@ fn machines_are_compared_by_values_and_bounds_together() {
         folder.with("whole.yaml", &head.lines().filter(|line| !line.contains("EYY")).collect::<Vec<_>>().join("\n"));
     let found = of("compare", &[&first.0, &whole], &job);
     near(number(&found["verdicts"][0]["by"]["um"]), 50.0 - first.1);
+    // `diff` judges as `compare` does, and each difference by itself.
+    let differ = of("diff", &[&first.0, &second.0], &job);
+    let p95: Vec<f64> = differ["p95_um"].as_array().unwrap().iter().map(number).collect();
+    assert_eq!(differ["from"], "bounds");
+    p95.iter().zip([first.1, second.1]).for_each(|(found, truth)| near(*found, truth));
+    let alone = of_machine("alone.yaml", 5.0, 10.0);
+    let value = differ["differences"].as_array().unwrap().iter().find(|of| of["name"] == "EXX").unwrap();
+    near(number(&value["minus_first_um"]), alone.1 - first.1);
     // Arrangements are ranked by bounds: values act in none, so that there is no verdict.
     let ranked =
         json(&["enumerate", text(&first.0), "--tool-poses", text(&folder.file("one.csv")), "--format", "json"]);
     let rows = ranked["ranked"].as_array().unwrap();
     let withheld = |row: &Value| row["withheld"].as_str().is_some_and(|why| why.contains("1 error with a value"));
     assert!(rows.len() > 1 && rows[1..].iter().all(withheld), "{rows:?}");
+}
+
+#[test]
+fn features_of_a_map_are_those_of_machines_drawn() {
+    let folder = Folder::new("features-of-both");
+    let both = machine(&folder, "both.yaml", 30.0, 40.0);
+    let _ = folder.with("wall.csv", "feature,X,Y,Z,NX,NY,NZ\nw,0,0,0,0,1,0\nw,100,0,0,0,1,0\nw,200,0,50,0,1,0\n");
+    // The value lies in the wall, whose profile is twice what the bound draws.
+    let job = "tool_poses: wall.csv\nreference: machine\nfeatures: { w: { kind: profile, tolerance: 52 um } }\n";
+    let job = folder.with("wall.yaml", job);
+    let [budget, map] = ["budget", "map"].map(|verb| of(verb, &[&both], &job)["characteristics"][0].clone());
+    assert_eq!(map, budget);
+    let share = number(&map["drawn"]["holds"]["value"]);
+    // Twice a number between -40 and 40 um.
+    assert!((share - 26.0 / 40.0).abs() < 0.06, "{map}");
 }

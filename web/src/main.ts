@@ -162,8 +162,7 @@ class Workbench {
 
   async open(): Promise<void> {
     const { machine, text, work, part } = await this.store.open();
-    if (part) this.part.stated = part;
-    if (work && !place().work) move({ work });
+    this.part.begin(work, part);
     this.editor.open(text, this.nonce);
     this.session.take(this.tools.chosen);
     this.session.open(machine, text);

@@ -145,6 +145,8 @@ fn standing(of: &RankedArrangements) -> String {
         *reasons.entry(reason).or_default() += 1;
     }
     let line = |(reason, count): (&str, usize)| fold(&format!("{count} without a verdict: {reason}"));
+    let withheld: usize = reasons.values().sum();
+    let judged = if withheld == 0 { "" } else { " that have a verdict and" };
     text.extend(reasons.into_iter().map(line));
     let Some(RankingRounds { max_samples, first, told_apart, done, drawn, drawn_without_elimination }) =
         of.rounds.as_ref().filter(|_| !of.ranked.is_empty())
@@ -152,8 +154,10 @@ fn standing(of: &RankedArrangements) -> String {
         return text;
     };
     let first = if *first == 1 { "Rank 1 is".to_owned() } else { format!("The first {first} ranks are") };
-    text += &if *told_apart {
-        format!("{first} told apart from all that are not equal, with 95 % confidence for all together\n")
+    text += &if withheld > 0 && withheld + 1 >= of.ranked.len() {
+        String::new()
+    } else if *told_apart {
+        format!("{first} told apart from all{judged} that are not equal, with 95 % confidence for all together\n")
     } else {
         format!("{first} not told apart from all others with {max_samples} machines (`--max-samples`)\n")
     };
