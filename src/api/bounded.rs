@@ -178,9 +178,13 @@ impl AddingBounds<'_> {
         band: Option<&SummaryBand>,
     ) -> Result<LimitVerdict, Refused> {
         let found = self.budget(call, ActingErrors::OfField(field))?;
+        let is_zone = self.reference.is_some_and(|of| !of.is_linear());
+        let is_partial = is_zone && !Self { reference: None, ..*self }.bounds(call)?.is_empty();
+        let limit = JobLimit { is_partial, ..limit };
+        let spread = limit.spread_um(values_um, band);
         Ok(found.map_or_else(
             || limit.on_values(values_um, band),
-            |(_, _, found)| DrawnMachineFigures::of(&found.position.sorted).against(&limit),
+            |(_, _, found)| DrawnMachineFigures::of(&found.position.sorted).against(&limit, spread),
         ))
     }
 

@@ -2,13 +2,14 @@
 
 use super::compare::nothing_in_common;
 use super::tolerances::ToleranceOptions;
-use crate::analysis::budget::{ActingErrors, Bound, Request, bounds, budget, is_measured};
+use crate::analysis::budget::{ActingErrors, Bound, Request, adding, bounds, budget, is_measured};
 use crate::analysis::{Comparison, MachineResult, Work, compare};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Field, Order, quantile_95};
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::Over;
+use crate::job::path::PathResult;
 use crate::job::reference::{Reference, ReferenceKind, SetUp, unzeroed};
 use crate::job::reference_text::ReferenceOption;
 use crate::machine::{Approach, Machine, MachineProperty, Pose};
@@ -93,6 +94,13 @@ fn difference(
     let found = judge.compare(call, &both, &work)?;
     if found.common.is_empty() {
         return call.refuse(nothing_in_common(files, &found));
+    }
+    if let Some(job) = &job {
+        for (file, side) in files.iter().zip(&found.machines) {
+            let path = side.path.as_ref().map(|events| PathResult::new(file, events, &job.poses.lines()));
+            call.about(file.path(), |call| call.extend(path.and_then(|path| path.warning(file))));
+        }
+        call.check()?;
     }
     // Mixtures that reach most of the common work are judged on what all of these reach; any other, on what it reaches
     // itself: it must not leave the machines without a difference.
@@ -278,7 +286,7 @@ impl<'a> Judge<'a> {
 }
 
 fn bounds_of(machine: &Machine) -> Vec<Bound> {
-    bounds(machine, machine.class().map(|named| &named.class))
+    adding(machine, &bounds(machine, machine.class().map(|named| &named.class)))
 }
 
 /// Axes of one pose are less than this apart, mm or deg.

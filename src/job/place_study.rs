@@ -302,7 +302,7 @@ impl PlaceStudy<'_> {
             Err(reason) => (None, Some(reason)),
         };
         let of = |value: fn(&PlaceFigures) -> f64| figure.as_ref().map(value);
-        let limit = |mm: f64| JobLimit { mm, statistic: self.statistic, missed: missed.len() };
+        let limit = |mm: f64| JobLimit { mm, statistic: self.statistic, missed: missed.len(), is_partial: false };
         let tried = TriedPlace {
             place: *place,
             own: false,
@@ -318,7 +318,7 @@ impl PlaceStudy<'_> {
             versus_first: None,
             limit: job.limit_mm.map(limit).zip(figure.as_ref()).map(|(limit, of)| match of.drawn.is_empty() {
                 true => limit.on_values(&of.over_poses, of.band.as_ref()),
-                false => limit.on_machines(of.um, of.interval_um),
+                false => limit.on_machines(of.um, of.interval_um, None),
             }),
             rank: None,
         };

@@ -18,7 +18,8 @@ pub(crate) fn totals_row(name: &str, t: &DeviationBudget) -> Vec<String> {
     head.into_iter().chain(t.monte_carlo.percentiles.values().map(interval)).collect()
 }
 
-/// The line that counts the bounded among the acting errors of a machine, beside those with a value, and names the others.
+/// The line that counts the bounded among the acting errors of a machine, beside those with a value, and names the
+/// others.
 pub(crate) fn coverage_line(of: &Coverage) -> Option<String> {
     let (valued, bounded, acting) = (of.valued, of.bounded, of.acting());
     // What a measured machine does not state is zero.
