@@ -43,7 +43,9 @@ pub use inverse::{
     direction_gap, excess, inverse, inverse_all, place, rest, rotary_axes_place_tip, tool_pose,
 };
 pub use path::{AxisMotion, PathEvents, PoleCrossing, Rewind, path_events, solve};
-pub use uncertainty::{Bands, SummaryBand, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
+pub use uncertainty::{
+    Bands, SummaryBand, UncertainDeviations, band_places, bands, part_models, spread_places, uncertain_parts,
+};
 pub(crate) use volume::deviations;
 pub use volume::{
     DiagonalRun, Lever, MAX_POSES, MAX_SURVEYED, Map, MapFailure, Plane, PlaneNodes, ReachGrid, Survey, SurveyBlock,

@@ -11,6 +11,7 @@ use super::design::budget::Normals;
 use super::reference::{PartReference, tip_at};
 use crate::evaluate::{CompiledModel, Deviation, Order, Statistics, Summary};
 use crate::machine::{Machine, OperatingConditions, Pose, UncertainPart};
+use nalgebra::{DMatrix, SymmetricEigen, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -20,6 +21,13 @@ const MAX_BAND_POSES: usize = 1000;
 /// Number of draws; the interval lies between the 50th from either end.
 const DRAWS: usize = 2000;
 const OUTSIDE: usize = DRAWS / 40;
+
+/// Variance of a principal part, as a share of the largest, below which it is left out: rounding, in another order for
+/// every datum.
+const MIN_PRINCIPAL_SHARE: f64 = 1e-10;
+
+/// Lever arm (mm) by which rotations are compared with displacements.
+const LEVER_MM: f64 = 300.0;
 
 /// Share of a figure from which on it is drawn.
 const STRAIGHT: f64 = 1.0 / 3.0;
@@ -63,6 +71,8 @@ pub struct UncertainDeviations {
     parts: Vec<Vec<Deviation>>,
     /// Statistics over all poses, of which these are some.
     whole: Statistics,
+    /// True if the division of the uncertainty into parts depends on a datum that the data do not hold.
+    depends_on_datum: bool,
 }
 
 impl UncertainDeviations {
@@ -89,7 +99,48 @@ impl UncertainDeviations {
             let left = |pose: &Pose| motion.removed_from(&model.deviation(pose), &tip_at(machine, pose));
             poses.iter().map(left).collect()
         };
-        Self { values, parts: parts.par_iter().map(effect).collect(), whole }
+        let depends_on_datum = !machine.unheld().is_empty();
+        Self { values, parts: parts.par_iter().map(effect).collect(), whole, depends_on_datum }
+    }
+
+    /// Returns the deviations of machines with the principal parts of what the parts do to all of them together, the
+    /// largest first, if the division into parts depends on a datum: figures that are no straight functions of the
+    /// parts, and draws, are then the same for every datum.
+    pub fn with_principal_parts(machines: Vec<Self>) -> Vec<Self> {
+        let count = machines.first().map_or(0, |machine| machine.parts.len());
+        if count == 0 || !machines.iter().any(|machine| machine.depends_on_datum) {
+            return machines;
+        }
+        // Rows: position, then rotation over a usual lever arm, of each pose of each machine.
+        let effects = |machine: &Self| {
+            let entry = |i: usize, k: usize| {
+                let Some(effect) = machine.parts[k].get(i / 6) else { return 0.0 };
+                if i % 6 < 3 { effect.position[i % 3] } else { effect.rotation[i % 3] * LEVER_MM }
+            };
+            DMatrix::from_fn(6 * machine.values.len(), count, entry)
+        };
+        let all: Vec<DMatrix<f64>> = machines.iter().map(effects).collect();
+        let gram = all.iter().fold(DMatrix::zeros(count, count), |sum, effects| sum + effects.tr_mul(effects));
+        let SymmetricEigen { eigenvectors, eigenvalues } = gram.symmetric_eigen();
+        let least = MIN_PRINCIPAL_SHARE * eigenvalues.max();
+        let mut order: Vec<usize> = (0..count).filter(|k| eigenvalues[*k] > least).collect();
+        order.sort_by(|a, b| eigenvalues[*b].total_cmp(&eigenvalues[*a]));
+        let mixed: Vec<DMatrix<f64>> =
+            all.iter().map(|effects| effects * eigenvectors.select_columns(&order)).collect();
+        // The largest effect of a part is positive.
+        let largest = |k: usize| {
+            let entries = mixed.iter().flat_map(|effects| effects.column(k).iter().copied().collect::<Vec<_>>());
+            entries.fold(0.0, |largest: f64, x| if x.abs() > largest.abs() { x } else { largest })
+        };
+        let signs: Vec<f64> = (0..order.len()).map(|k| largest(k).signum()).collect();
+        let with = |(machine, effects): (Self, &DMatrix<f64>)| {
+            let three = |i: usize, k: usize| Vector3::from_fn(|j, _| effects[(i + j, k)] * signs[k]);
+            let at =
+                |i: usize, k: usize| Deviation { position: three(6 * i, k), rotation: three(6 * i + 3, k) / LEVER_MM };
+            let parts = (0..order.len()).map(|k| (0..machine.values.len()).map(|i| at(i, k)).collect()).collect();
+            Self { parts, ..machine }
+        };
+        machines.into_iter().zip(&mixed).map(with).collect()
     }
 
     /// Returns figures of the deviations in draws of the parts (JCGM 101), the same for a seed. Deviations are those of
@@ -165,10 +216,15 @@ pub fn uncertain_parts<'m>(machines: impl IntoIterator<Item = &'m Machine>) -> V
 /// Returns places of a list of `count` at which its figures are looked at: all, or 1000 spread over it,
 /// and `besides`.
 pub fn band_places(count: usize, besides: &[usize]) -> Vec<usize> {
-    if count <= MAX_BAND_POSES {
+    spread_places(count, MAX_BAND_POSES, besides)
+}
+
+/// Returns places of a list of `count`: all, or `most` spread over it, and `besides`.
+pub fn spread_places(count: usize, most: usize, besides: &[usize]) -> Vec<usize> {
+    if count <= most {
         return (0..count).collect();
     }
-    let spread = (0..MAX_BAND_POSES).map(|i| ((i as f64 * GOLDEN).fract() * count as f64) as usize);
+    let spread = (0..most).map(|i| ((i as f64 * GOLDEN).fract() * count as f64) as usize);
     let mut places: Vec<usize> = spread.chain(besides.iter().copied()).collect();
     places.sort_unstable();
     places.dedup();

@@ -5,7 +5,7 @@ use crate::controller::{
     Certificate, ControllerTarget, Depth, Figures, Judgement, ProgrammingFigures, RaisedFigure, SingleErrorResidual,
     Strongest, ZeroShift, figures, judge_by, micro,
 };
-use crate::evaluate::{Bare, Field, Order, Summary};
+use crate::evaluate::{Bare, Field, Order, Poses, Summary};
 use crate::file_set::verdict;
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
@@ -13,7 +13,7 @@ use crate::job::over::{Over, OverKind};
 use crate::job::reference::{Reference, SetUp};
 use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
-use crate::machine::{Approach, AxisKind, AxisPositions, Machine, OperatingConditions};
+use crate::machine::{Approach, AxisKind, AxisPositions, Machine, OperatingConditions, Pose};
 use crate::run::{Call, Refused};
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -98,13 +98,8 @@ pub struct JobCertificate {
 impl JobCertificate {
     fn new(machine: &Machine, field: &dyn Field, work: &WorkOfCertificate) -> Self {
         let WorkOfCertificate { reached, set_up } = work;
-        let bare = Bare { machine, order: Order::Exact };
-        let of = |field: &dyn Field, conditions: OperatingConditions| {
-            let set_up = set_up.field(field, Order::Exact, conditions);
-            figures(set_up.as_ref().map_or(field, |of| of as &dyn Field), &reached.poses, conditions)
-        };
-        let by = |approach: Approach| [&bare as &dyn Field, field].map(|field| of(field, approach.into()));
-        let Judgement { approach: direction, uncompensated, compensated, raised } = judge_by(machine, &by);
+        let Judgement { approach: direction, uncompensated, compensated, raised } =
+            judge(field, set_up, &reached.poses);
         let over = Over::work(machine, &set_up.reference, Some(reached), 0);
         Self { over, direction, uncompensated, compensated, raised }
     }
@@ -113,6 +108,44 @@ impl JobCertificate {
     pub fn raised(&self) -> Option<String> {
         verdict::raise_remark(&self.raised)
     }
+}
+
+/// Returns the figures without and with files at poses (mm, deg), without what a set-up takes out; `field` is the machine
+/// with the files.
+fn judge(field: &dyn Field, set_up: &SetUp, poses: &[Pose]) -> Judgement {
+    let bare = Bare { machine: field.machine(), order: Order::Exact };
+    let of = |field: &dyn Field, conditions: OperatingConditions| {
+        let set_up = set_up.field(field, Order::Exact, conditions);
+        figures(set_up.as_ref().map_or(field, |of| of as &dyn Field), poses, conditions)
+    };
+    judge_by(field.machine(), &|approach: Approach| {
+        [&bare as &dyn Field, field].map(|field| of(field, approach.into()))
+    })
+}
+
+/// Returns a certificate with the figures over the volume without the motions that the data behind the errors do not
+/// hold, and the set-up that takes them out.
+pub(crate) fn without_unheld(
+    machine: &Machine,
+    certificate: Certificate,
+    field: &dyn Field,
+    depth: Depth,
+) -> (Certificate, SetUp) {
+    if machine.unheld().is_empty() {
+        return (certificate, SetUp::machine());
+    }
+    let poses = depth.poses(machine);
+    let set_up = SetUp::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.clone()));
+    let Judgement { approach, uncompensated, compensated, raised } = judge(field, &set_up, &poses);
+    (Certificate { approach, uncompensated, compensated, raised, ..certificate }, set_up)
+}
+
+/// Returns the figures of a certificate over the volume without the motions that the data behind the errors do not hold,
+/// for a field of the machine with files; `None` if the data hold them all.
+pub(crate) fn figures_without_unheld(machine: &Machine, field: &dyn Field, depth: Depth) -> Option<Figures> {
+    let poses = depth.poses(machine);
+    let set_up = SetUp::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.clone()));
+    set_up.removed().map(|_| judge(field, &set_up, &poses).compensated)
 }
 
 /// Residual of a machine after a controller has applied a set of files.
@@ -210,14 +243,15 @@ impl CertificateReport {
         scope: &CertificateScope,
         files: Vec<String>,
     ) -> Self {
-        let uncertainty = CertificateBands::of(machine, &certificate, field, scope.depth);
+        let (certificate, set_up) = without_unheld(machine, certificate, field, scope.depth);
+        let uncertainty = CertificateBands::of(machine, &certificate, field, scope.depth, &set_up);
         let [forward, reverse] = certificate.at_reference.map(|added| by_name(machine, &added));
         Self {
             reference_shift: certificate.shifted.map(|shift| ReferenceShift::new(machine, shift)),
             raised: certificate.raised,
             target: target.manifest.target.clone(),
             files,
-            over: Over::new(OverKind::Volume, machine, &Reference::default(), [certificate.poses; 2]),
+            over: Over::new(OverKind::Volume, machine, &set_up.reference, [certificate.poses; 2]),
             poses: certificate.poses,
             direction: certificate.approach,
             tool: machine.tool().name.clone(),

@@ -104,6 +104,10 @@ impl MapOptions {
         if fitted && poses.len() > MAX_POSES {
             return call.usage(format!("a best fit is over {MAX_POSES} poses at most, all of which are held"));
         }
+        let is_less_unheld = |of: &Reference| of.kind == ReferenceKind::MachineLessUnheld;
+        if Job::stated(job, asked).map_or(job.is_none(), |of| is_less_unheld(&of)) {
+            return Ok(SetUp::less_unheld(machine, machine.unheld(), poses));
+        }
         let list: Vec<Pose> = if fitted { poses.iter().collect() } else { Vec::new() };
         Job::set_up(job, call, machine, asked, &list)
     }

@@ -6,7 +6,7 @@ use crate::identify::thresholds::UNCERTAINTY_SITES;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
     Approach, Axis, ComponentError, Curve, Direction, ErrorFamily, ErrorTerm, JointErrors, JointUncertainty, Machine,
-    MachineParts, machine_file,
+    MachineParts, UnheldMotion, machine_file,
 };
 use crate::syntax::IdentifyEntry;
 use crate::units::significant;
@@ -23,6 +23,8 @@ pub struct FileNotes<'a> {
     pub joint: bool,
     /// The forms of the axes beside the fitted curves; `None` if the readings cannot show any.
     pub form: Option<&'a FormUncertainty>,
+    /// Rigid motions of the workpiece frame that the readings do not hold.
+    pub unheld: &'a [UnheldMotion],
 }
 
 /// Returns the text of a machine file with the fitted values and expanded uncertainties (k = 2, wider for few residual
@@ -40,6 +42,7 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
             None => parts.uncertainty.remove(&error),
         };
     }
+    let keeps_earlier = parts.covariance.iter().any(|part| !part.is_empty());
     if notes.joint {
         let columns = solution.covariance_factor(parameters.len());
         let part = |column: &Vec<f64>| joint_part(machine, parameters, column);
@@ -54,6 +57,12 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
             parts.covariance.extend(fitted);
         }
     }
+    // What of an earlier fit stays has the frame of its readings.
+    if !keeps_earlier {
+        parts.unheld.clear();
+    }
+    let known = parts.unheld.clone();
+    parts.unheld.extend(notes.unheld.iter().filter(|motion| !known.contains(motion)));
     for (i, axis) in machine.axes().iter().enumerate() {
         parts.geometry.follow(&axis.name, machine.axis_errors(i), &parts.errors[i]);
     }

@@ -2,7 +2,7 @@
 
 use super::{
     AxisName, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, JointUncertainty,
-    Machine, ResidualForm, SetUp,
+    Machine, ResidualForm, SetUp, UnheldMotion,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -42,6 +42,11 @@ impl Machine {
             form.modes(axis, *direction).into_iter().map(part).collect::<Vec<_>>()
         };
         Direction::ALL.iter().flat_map(parts).collect()
+    }
+
+    /// Returns rigid motions of the workpiece frame that the data behind the errors do not hold.
+    pub fn unheld(&self) -> &[UnheldMotion] {
+        &self.parts().unheld
     }
 
     /// Returns the machine without what is known of the uncertainty of its errors.

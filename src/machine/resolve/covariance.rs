@@ -4,23 +4,30 @@ use super::context::{Context, dotted_path};
 use super::errors::{once, term};
 use super::found_errors::Errors;
 use super::joint_names::{JointNames, find_error};
-use super::parts::setup_at;
+use super::parts::{SIX, amounts, setup_at};
 use crate::diagnostic::{codes, did_you_mean, shown};
-use crate::machine::{Direction, JointUncertainty, ResidualForm};
+use crate::machine::{Direction, JointUncertainty, ResidualForm, UnheldMotion};
 use crate::syntax::{CovarianceEntry, FormEntry, Keys, Scalar, below, keys};
 
+/// Independent parts, forms of axes, and motions that the data do not hold.
+type Covariance = (Vec<JointUncertainty>, Vec<ResidualForm>, Vec<UnheldMotion>);
+
 /// Reads the section `covariance`.
-pub fn covariance(context: &mut Context, known: &JointNames<'_>) -> (Vec<JointUncertainty>, Vec<ResidualForm>) {
+pub fn covariance(context: &mut Context, known: &JointNames<'_>) -> Covariance {
     let document = context.document;
     let section = keys(["covariance"]);
     let (count, most) = (document.covariance.len(), JointUncertainty::MOST);
     if count > most {
         let message = format!("`covariance` has {count} parts; {most} are read at most");
         context.at_key(codes::E0202, &section, message, "leave out the parts that change no printed digit");
-        return (Vec::new(), Vec::new());
+        return Covariance::default();
     }
-    let (mut joint, mut forms) = (Vec::new(), Vec::<ResidualForm>::new());
+    let (mut joint, mut forms, mut unheld) = Covariance::default();
     for (i, entry) in document.covariance.iter().enumerate() {
+        if !entry.unheld.is_empty() {
+            unheld.extend(unheld_motion(context, entry, &below(&section, i)));
+            continue;
+        }
         let Some(written) = &entry.form else {
             joint.push(part(context, known, i, entry));
             continue;
@@ -38,7 +45,17 @@ pub fn covariance(context: &mut Context, known: &JointNames<'_>) -> (Vec<JointUn
         }
         forms.push(form);
     }
-    (joint, forms)
+    (joint, forms, unheld)
+}
+
+fn unheld_motion(context: &mut Context, entry: &CovarianceEntry, here: &Keys) -> Option<UnheldMotion> {
+    let at = below(here, "unheld");
+    if !entry.errors.is_empty() || entry.setup.is_some() || entry.form.is_some() {
+        let message = format!("`{}` stands beside `errors`, `setup` or `form`", dotted_path(&at));
+        context.at_key(codes::E0209, &at, message, "write it as an entry of its own");
+    }
+    let motion = amounts(context, &entry.unheld, &SIX, &at);
+    motion.iter().any(|amount| *amount != 0.0).then(|| UnheldMotion::of(motion))
 }
 
 fn part(context: &mut Context, known: &JointNames<'_>, index: usize, entry: &CovarianceEntry) -> JointUncertainty {

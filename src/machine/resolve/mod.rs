@@ -69,7 +69,7 @@ fn parts(context: &mut Context) -> Option<MachineParts> {
     let mut errors = side_errors::errors(context, &known, &walk);
     let tolerances = tolerances::frames(context, &known, &errors);
     let class = tolerances::class(context);
-    let (covariance, forms) = covariance::covariance(context, &known);
+    let (covariance, forms, unheld) = covariance::covariance(context, &known);
     let algebra = uses::algebra(context, &known);
     uses::identify(context, &known);
     let tool = tools.as_ref().and_then(|tools| tools.first());
@@ -97,6 +97,7 @@ fn parts(context: &mut Context) -> Option<MachineParts> {
         uncertainty: std::mem::take(&mut errors.uncertainty),
         covariance,
         forms,
+        unheld,
         algebra,
         tolerances,
         class,
