@@ -26,9 +26,6 @@ const OUTSIDE: usize = DRAWS / 40;
 /// every datum.
 const MIN_PRINCIPAL_SHARE: f64 = 1e-10;
 
-/// Lever arm (mm) by which rotations are compared with displacements.
-const LEVER_MM: f64 = 300.0;
-
 /// Share of a figure from which on it is drawn.
 const STRAIGHT: f64 = 1.0 / 3.0;
 
@@ -105,42 +102,51 @@ impl UncertainDeviations {
 
     /// Returns the deviations of machines with the principal parts of what the parts do to all of them together, the
     /// largest first, if the division into parts depends on a datum: figures that are no straight functions of the
-    /// parts, and draws, are then the same for every datum.
+    /// parts, and draws, are then the same for every datum. Parts that only turn the tool come behind those that move
+    /// its tip: readings of the tip do not hold them.
     pub fn with_principal_parts(machines: Vec<Self>) -> Vec<Self> {
         let count = machines.first().map_or(0, |machine| machine.parts.len());
         if count == 0 || !machines.iter().any(|machine| machine.depends_on_datum) {
             return machines;
         }
-        // Rows: position, then rotation over a usual lever arm, of each pose of each machine.
-        let effects = |machine: &Self| {
-            let entry = |i: usize, k: usize| {
-                let Some(effect) = machine.parts[k].get(i / 6) else { return 0.0 };
-                if i % 6 < 3 { effect.position[i % 3] } else { effect.rotation[i % 3] * LEVER_MM }
+        // Rows: three components of each pose of each machine.
+        let effects = |of: &dyn Fn(&Deviation) -> Vector3<f64>| -> DMatrix<f64> {
+            let rows = machines.iter().flat_map(|machine| (0..3 * machine.values.len()).map(move |i| (machine, i)));
+            let entry = |(machine, i): (&Self, usize), k: usize| {
+                machine.parts[k].get(i / 3).map_or(0.0, |effect| of(effect)[i % 3])
             };
-            DMatrix::from_fn(6 * machine.values.len(), count, entry)
+            let rows: Vec<_> = rows.collect();
+            DMatrix::from_fn(rows.len(), count, |i, k| entry(rows[i], k))
         };
-        let all: Vec<DMatrix<f64>> = machines.iter().map(effects).collect();
-        let gram = all.iter().fold(DMatrix::zeros(count, count), |sum, effects| sum + effects.tr_mul(effects));
-        let SymmetricEigen { eigenvectors, eigenvalues } = gram.symmetric_eigen();
-        let least = MIN_PRINCIPAL_SHARE * eigenvalues.max();
-        let mut order: Vec<usize> = (0..count).filter(|k| eigenvalues[*k] > least).collect();
-        order.sort_by(|a, b| eigenvalues[*b].total_cmp(&eigenvalues[*a]));
-        let mixed: Vec<DMatrix<f64>> =
-            all.iter().map(|effects| effects * eigenvectors.select_columns(&order)).collect();
+        let (positions, rotations) = (effects(&|effect| effect.position), effects(&|effect| effect.rotation));
+        let (moving, turning) = principal_directions(&positions);
+        let (turning_only, _) = principal_directions(&(&rotations * &turning));
+        let turned = &rotations * &turning * &turning_only;
+        let (mut positions, mut rotations) = (&positions * &moving, &rotations * &moving);
         // The largest effect of a part is positive.
-        let largest = |k: usize| {
-            let entries = mixed.iter().flat_map(|effects| effects.column(k).iter().copied().collect::<Vec<_>>());
-            entries.fold(0.0, |largest: f64, x| if x.abs() > largest.abs() { x } else { largest })
-        };
-        let signs: Vec<f64> = (0..order.len()).map(|k| largest(k).signum()).collect();
-        let with = |(machine, effects): (Self, &DMatrix<f64>)| {
-            let three = |i: usize, k: usize| Vector3::from_fn(|j, _| effects[(i + j, k)] * signs[k]);
-            let at =
-                |i: usize, k: usize| Deviation { position: three(6 * i, k), rotation: three(6 * i + 3, k) / LEVER_MM };
-            let parts = (0..order.len()).map(|k| (0..machine.values.len()).map(|i| at(i, k)).collect()).collect();
+        for (k, mut column) in positions.column_iter_mut().enumerate() {
+            let sign = sign_of_largest(column.iter());
+            column *= sign;
+            rotations.column_mut(k).scale_mut(sign);
+        }
+        let mut first = 0;
+        let with = |machine: Self| {
+            let (start, poses) = (first, machine.values.len());
+            first += 3 * poses;
+            let three = |of: &DMatrix<f64>, i: usize, k: usize| Vector3::from_fn(|j, _| of[(start + 3 * i + j, k)]);
+            let moved = |k: usize| -> Vec<Deviation> {
+                let at = |i| Deviation { position: three(&positions, i, k), rotation: three(&rotations, i, k) };
+                (0..poses).map(at).collect()
+            };
+            let turned_by = |k: usize| -> Vec<Deviation> {
+                let sign = sign_of_largest(turned.column(k).iter());
+                let at = |i| Deviation { position: Vector3::zeros(), rotation: three(&turned, i, k) * sign };
+                (0..poses).map(at).collect()
+            };
+            let parts = (0..positions.ncols()).map(moved).chain((0..turned.ncols()).map(turned_by)).collect();
             Self { parts, ..machine }
         };
-        machines.into_iter().zip(&mixed).map(with).collect()
+        machines.into_iter().map(with).collect()
     }
 
     /// Returns figures of the deviations in draws of the parts (JCGM 101), the same for a seed. Deviations are those of
@@ -172,6 +178,24 @@ impl UncertainDeviations {
         }
         moved
     }
+}
+
+/// Returns the principal directions of the columns of a matrix, orthonormal, the largest effect first, and a basis of
+/// those that have none but rounding.
+fn principal_directions(effects: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
+    if effects.ncols() == 0 {
+        return (DMatrix::zeros(0, 0), DMatrix::zeros(0, 0));
+    }
+    let SymmetricEigen { eigenvectors, eigenvalues } = effects.tr_mul(effects).symmetric_eigen();
+    let least = MIN_PRINCIPAL_SHARE * eigenvalues.iter().copied().fold(0.0, f64::max);
+    let (mut acting, idle): (Vec<usize>, Vec<usize>) = (0..eigenvalues.len()).partition(|k| eigenvalues[*k] > least);
+    acting.sort_by(|a, b| eigenvalues[*b].total_cmp(&eigenvalues[*a]));
+    (eigenvectors.select_columns(&acting), eigenvectors.select_columns(&idle))
+}
+
+/// Returns the sign of the largest entry.
+fn sign_of_largest<'a>(entries: impl Iterator<Item = &'a f64>) -> f64 {
+    entries.fold(0.0, |largest: f64, x| if x.abs() > largest.abs() { *x } else { largest }).signum()
 }
 
 /// Returns the amounts of the parts in a draw.

@@ -131,6 +131,9 @@ pub struct PoseResult {
     pub along_normal: Option<f64>,
     /// `T_tool^-1 T_work`, actual minus nominal, row by row; of the machine, whatever the reference.
     pub e_ve: [[f64; 4]; 4],
+    /// Axes that the pose takes beyond the range in which their curves were measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub beyond_measured: Vec<String>,
     /// Expanded uncertainty of the deviation, where the machine states that of its errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<PoseUncertainty>,
@@ -273,6 +276,7 @@ fn result(machine: &Machine, pose: &Pose, evaluation: &Evaluation) -> PoseResult
         rotation: row(&evaluation.deviation.rotation),
         along_normal: None,
         e_ve: std::array::from_fn(|i| std::array::from_fn(|j| evaluation.e_ve[(i, j)] + 0.0)),
+        beyond_measured: machine.beyond_measured(pose).map(|axis| axis.name.to_string()).collect(),
         uncertainty: None,
         sensitivity: None,
         interactions: None,

@@ -25,6 +25,8 @@ pub struct FileNotes<'a> {
     pub form: Option<&'a FormUncertainty>,
     /// Rigid motions of the workpiece frame that the readings do not hold.
     pub unheld: &'a [UnheldMotion],
+    /// Ranges (mm, deg) in which the fitted curves of each axis were measured, where that is less than the travel.
+    pub measured: &'a [Option<(f64, f64)>],
 }
 
 /// Returns the text of a machine file with the fitted values and expanded uncertainties (k = 2, wider for few residual
@@ -56,6 +58,14 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
         if fitted.iter().all(|part| is_plausible(part, machine)) {
             parts.covariance.extend(fitted);
         }
+    }
+    let is_curved =
+        |i: usize| parameters.iter().flat_map(|p| &p.terms).any(|t| t.source.place == ErrorSite::Component(i));
+    for (_, (axis, range)) in machine.axes().iter().zip(notes.measured).enumerate().filter(|(i, _)| is_curved(*i)) {
+        let _ = match range {
+            Some(range) => parts.measured.insert(axis.name.clone(), *range),
+            None => parts.measured.remove(&axis.name),
+        };
     }
     // What of an earlier fit stays has the frame of its readings.
     if !keeps_earlier {

@@ -100,6 +100,8 @@ pub struct MachineParts {
     pub forms: Vec<ResidualForm>,
     /// Rigid motions of the workpiece frame that the data behind the errors do not hold.
     pub unheld: Vec<UnheldMotion>,
+    /// Ranges (mm, deg) in which the curves of axes were measured, of axes for which that is less than the travel.
+    pub measured: BTreeMap<AxisName, (f64, f64)>,
     /// The algebra it names, if any.
     pub algebra: Option<AlgebraChoice>,
     /// Bounds along and across axes, and of squareness; those by letter are among the errors.

@@ -247,7 +247,13 @@ fn covariance(parts: &MachineParts) -> String {
     };
     let joint = parts.covariance.iter().filter(|part| !part.is_empty()).map(line);
     let unheld = parts.unheld.iter().map(|motion| format!("  - {{ unheld: {{ {} }} }}\n", amounts(&motion.amounts())));
-    let lines: String = joint.chain(parts.forms.iter().map(form)).chain(unheld).collect();
+    let range = |axis: &Axis| {
+        let (min, max) = parts.measured.get(&axis.name)?;
+        Some(format!("{}: [{}, {}]", quote(axis.name.as_str()), number(*min), number(*max)))
+    };
+    let ranges: Vec<String> = parts.axes.iter().filter_map(range).collect();
+    let measured = (!ranges.is_empty()).then(|| format!("  - {{ measured: {{ {} }} }}\n", ranges.join(", ")));
+    let lines: String = joint.chain(parts.forms.iter().map(form)).chain(unheld).chain(measured).collect();
     if lines.is_empty() { lines } else { format!("covariance:\n{lines}") }
 }
 

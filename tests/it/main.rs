@@ -120,6 +120,7 @@ mod tidy;
 mod tool_poses;
 mod tracker;
 mod uncertainty;
+mod unheld;
 mod values_and_bounds;
 mod vectors;
 mod weighing;

@@ -2,7 +2,7 @@
 //! datum, what the readings contradict, and the machine file.
 
 use super::fitted::{FitDiagnosis, FittedDatum};
-use super::inputs::FitInputs;
+use super::inputs::{FitInputs, FitRange};
 use super::result::{IdentifyResult, NamedSvg};
 use super::{datum, limits, provenance, remarks};
 use crate::diagnostic::{Diagnostic, codes, shown};
@@ -194,7 +194,24 @@ pub(crate) fn enough(call: &mut Call, problem: &Problem) -> Result<(), Refused> 
     call.refuse(Diagnostic::new(codes::E0503, message).help("measure more poses, or fit less"))
 }
 
+/// Fits, and judges the fit over the volume of the machine, or over that part of it that was measured.
 pub(crate) fn solve_problem(
+    call: &mut Call,
+    file: &MachineFile,
+    inputs: &FitInputs<'_>,
+    problem: &Problem,
+    outputs: &FitOutputs<'_>,
+) -> Result<IdentifyResult, Refused> {
+    match inputs.range {
+        FitRange::Travel => solve_over_volume(call, file, inputs, problem, outputs),
+        FitRange::Measured => {
+            let ranges = measured_ranges(&problem.model(file, inputs.order), &problem.rows);
+            solve_over_volume(call, &file.with_volume_within(&ranges), inputs, problem, outputs)
+        }
+    }
+}
+
+fn solve_over_volume(
     call: &mut Call,
     file: &MachineFile,
     inputs: &FitInputs<'_>,
@@ -248,6 +265,7 @@ pub(crate) fn solve_problem(
         residual_tests: randomness(data, &in_data.residuals(&model, data), &fit.weights),
         prediction,
         datum,
+        measured,
         unheld,
         motions: found.motions,
         solution,
@@ -306,7 +324,8 @@ fn plausible(
     let own_parameters = &fitted.unknowns[..fitted.own];
     let text = |request: &IdentifyEntry| {
         let (form, unheld) = (fitted.form.as_ref(), &*fitted.unheld);
-        let notes = FileNotes { provenance: &provenance, request, joint, form, unheld };
+        let measured = &*fitted.measured;
+        let notes = FileNotes { provenance: &provenance, request, joint, form, unheld, measured };
         fitted_file(file, own_parameters, &fitted.solution, notes)
     };
     let first = text(&problem.request);
