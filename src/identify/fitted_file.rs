@@ -118,18 +118,21 @@ fn joint_part(machine: &Machine, parameters: &[Parameter], amounts: &[f64]) -> J
 fn is_plausible(part: &JointUncertainty, machine: &Machine) -> bool {
     let small = |axis: &Axis, direction: Direction, term: &ErrorTerm| {
         let both = |q: f64| [Approach::Forward, Approach::Reverse].map(|from| term.value(&from.at_position(q)).abs());
-        sites(Some(axis)).into_iter().flat_map(both).all(|size| size <= 0.5 * crate::machine::largest(direction))
+        sites(machine, Some(axis))
+            .into_iter()
+            .flat_map(both)
+            .all(|size| size <= 0.5 * crate::machine::largest(direction))
     };
     let errors = |axis: &Axis| part.errors.get(&axis.name).into_iter().flat_map(JointErrors::iter).collect::<Vec<_>>();
     machine.axes().iter().all(|axis| errors(axis).into_iter().all(|(_, direction, term)| small(axis, direction, term)))
 }
 
-/// Returns even positions (mm or deg) over the travel of an axis; one of a spindle.
-fn sites(axis: Option<&Axis>) -> Vec<f64> {
+/// Returns even positions (mm or deg) over the range in which the curves of an axis are judged; one of a spindle.
+fn sites(machine: &Machine, axis: Option<&Axis>) -> Vec<f64> {
     axis.map_or_else(
         || vec![0.0],
         |axis| {
-            let (min, max) = axis.travel.interval();
+            let (min, max) = machine.judged_range(axis);
             (0..UNCERTAINTY_SITES).map(|i| min + (max - min) * i as f64 / (UNCERTAINTY_SITES - 1) as f64).collect()
         },
     )
@@ -158,7 +161,7 @@ pub fn largest_uncertainty(
     source: Source,
 ) -> Option<(f64, f64)> {
     let axis = if let ErrorSite::Component(axis) = source.place { machine.axes().get(axis) } else { None };
-    let sites = sites(axis);
+    let sites = sites(machine, axis);
     let at = |q: f64, from: Approach| {
         let mine = |t: &&ParameterTerm| t.source == source && (t.approach == from || t.approach == Approach::Mean);
         let factor = |p: &Parameter| p.terms.iter().filter(mine).map(|t| t.factor * t.basis.value(q)).sum::<f64>();

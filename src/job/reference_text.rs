@@ -17,7 +17,7 @@ pub struct UnknownReference;
 impl fmt::Display for UnknownReference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(
-            "a reference is `machine`, `machine-less-unheld`, `zero`, `best-fit`, `best-fit:minimum-zone`, `zero:X,Y,Z` \
+            "a reference is `machine`, `zero`, `best-fit`, `best-fit:minimum-zone`, `machine-less-unheld`, `zero:X,Y,Z` \
              with the point of the zero in mm, or `datum:X,Y,Z,I,J,K:...` with six points and their normals; `abbe explain E0850` has all \
              forms",
         )

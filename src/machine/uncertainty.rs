@@ -54,6 +54,14 @@ impl Machine {
         self.parts().measured.get(axis).copied()
     }
 
+    /// Returns the range (mm, deg) in which the curves of an axis are judged: where they were measured, if the volume
+    /// lies there, or else the travel.
+    pub fn judged_range(&self, axis: &Axis) -> (f64, f64) {
+        let volume = self.axis_index(axis.name.as_str()).map(|i| self.volume()[i]);
+        let holds = |(min, max): &(f64, f64)| volume.is_some_and(|volume| *min <= volume.min && volume.max <= *max);
+        self.measured_range(&axis.name).filter(holds).unwrap_or_else(|| axis.travel.interval())
+    }
+
     /// Returns the axes that a pose (mm, deg) takes beyond the range in which their curves were measured.
     pub fn beyond_measured<'a>(&'a self, pose: &'a [f64]) -> impl Iterator<Item = &'a Axis> {
         let is_beyond = |axis: &Axis, q: f64| {
@@ -65,16 +73,17 @@ impl Machine {
         self.axes().iter().zip(pose).filter(move |(axis, q)| is_beyond(axis, **q)).map(|(axis, _)| axis)
     }
 
-    /// Returns the same machine with a volume that ends where these ranges (mm, deg) of its axes do, in their order; an
-    /// axis without a range, or whose volume is elsewhere, keeps its own.
+    /// Returns the same machine with curves that were measured in these ranges (mm, deg) of its axes, in their order, and
+    /// a volume that ends there; an axis without a range, or whose volume is elsewhere, keeps its own.
     pub fn with_volume_within(&self, ranges: &[Option<(f64, f64)>]) -> Self {
         let mut parts = self.parts().clone();
-        for (grid, range) in parts.volume.iter_mut().zip(ranges) {
+        for ((grid, axis), range) in parts.volume.iter_mut().zip(&parts.axes).zip(ranges) {
             let Some((low, high)) = range else { continue };
             let (min, max) = (grid.min.max(*low), grid.max.min(*high));
             if min < max {
                 (grid.min, grid.max) = (min, max);
             }
+            let _ = parts.measured.insert(axis.name.clone(), (*low, *high));
         }
         self.with_parts(parts)
     }

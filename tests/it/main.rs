@@ -69,6 +69,7 @@ mod loaded;
 mod locate;
 mod map;
 mod map_files;
+mod measured_range;
 mod measurements;
 mod mechanisms;
 mod minimum_zone;

@@ -11,6 +11,9 @@ use crate::lower::{ErrorSite, Source};
 use crate::machine::{Direction, UnheldMotion};
 use nalgebra::{DMatrix, DVector};
 
+/// Largest amounts of a motion that is written: 1 mm, 1 mrad.
+const LIMITS: [f64; 6] = [1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3];
+
 /// Returns the rigid motions that neither the readings of a fit nor the errors in their datum hold. `by_datum` are
 /// motions (columns, as displacements) that the datum decided.
 pub fn unheld(
@@ -40,13 +43,16 @@ fn span(columns: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
     svd.v.columns(0, svd.values.iter().filter(|value| **value > least).count()).into_owned()
 }
 
-/// Returns a motion of displacements (mm; rotations over the lever arm) with the rounding of a zero left out.
+/// Returns a motion of displacements (mm; rotations over the lever arm) with the rounding of a zero left out: up to 1 mm,
+/// up to 1 mrad.
 fn motion(displacements: &DVector<f64>) -> UnheldMotion {
-    let unit = |i: usize| if i < 3 { 1.0 } else { LEVER_MM };
-    UnheldMotion::of(std::array::from_fn(|i| {
-        let share = displacements[i] / displacements.amax();
-        if share.abs() > MAX_UNNOTICED_SHARE { share / unit(i) } else { 0.0 }
-    }))
+    let shares = displacements / displacements.amax();
+    let share = |i: usize| if shares[i].abs() > MAX_UNNOTICED_SHARE { shares[i] } else { 0.0 };
+    let amounts: [f64; 6] = std::array::from_fn(|i| if i < 3 { share(i) } else { share(i) / LEVER_MM });
+    let in_limits = (0..6).map(|i| amounts[i].abs() / LIMITS[i]).fold(0.0, f64::max);
+    let is_alone = amounts.iter().filter(|amount| **amount != 0.0).count() == 1;
+    let amount = |i: usize| if is_alone { amounts[i].signum() * LIMITS[i] } else { amounts[i] / in_limits };
+    UnheldMotion::of(std::array::from_fn(|i| if amounts[i] == 0.0 { 0.0 } else { amount(i) }))
 }
 
 /// Returns the motions (orthonormal columns, as displacements) that no reading notices: those of the workpiece, as a
