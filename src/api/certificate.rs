@@ -10,7 +10,7 @@ use crate::file_set::verdict;
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
-use crate::job::reference::{Reference, SetUp};
+use crate::job::reference::{Reference, ReferenceKind, SetUp};
 use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
 use crate::machine::{Approach, AxisKind, AxisPositions, Machine, OperatingConditions, Pose};
@@ -48,6 +48,8 @@ pub(crate) struct CertificateScope {
     pub depth: Depth,
     /// Those of a job besides.
     job: Option<WorkOfCertificate>,
+    /// True if the figures over the volume are in machine coordinates, whatever the data behind the errors hold.
+    in_machine: bool,
 }
 
 impl CertifiedWork {
@@ -63,13 +65,17 @@ impl CertifiedWork {
         machine: &MachineFile,
         depth: Depth,
     ) -> Result<CertificateScope, Refused> {
-        Ok(CertificateScope { depth, job: self.read(call, machine)? })
+        let job = self.read(call, machine)?;
+        let is_machine = |of: &Reference| of.kind == ReferenceKind::Machine;
+        let in_machine = job.is_none() && self.reference.as_ref().is_some_and(is_machine);
+        Ok(CertificateScope { depth, job, in_machine })
     }
 
     fn read(&self, call: &mut Call<'_>, machine: &MachineFile) -> Result<Option<WorkOfCertificate>, Refused> {
         let paths = self.job_paths();
         let Some(job) = paths.read(call, machine)? else {
-            if self.reference.is_some() {
+            let of_volume = [ReferenceKind::Machine, ReferenceKind::MachineLessUnheld];
+            if self.reference.as_ref().is_some_and(|of| !of_volume.contains(&of.kind)) {
                 return call.usage("the certificate over the volume is in machine coordinates: give a job too");
             }
             return Ok(None);
@@ -142,8 +148,15 @@ pub(crate) fn without_unheld(
 
 /// Returns the figures of a certificate over the volume without the motions that the data behind the errors do not hold,
 /// for a field of the machine with files; `None` if the data hold them all.
-pub(crate) fn figures_without_unheld(machine: &Machine, field: &dyn Field, depth: Depth) -> Option<Figures> {
-    let poses = depth.poses(machine);
+pub(crate) fn figures_without_unheld(
+    machine: &Machine,
+    field: &dyn Field,
+    scope: &CertificateScope,
+) -> Option<Figures> {
+    let poses = scope.depth.poses(machine);
+    if scope.in_machine {
+        return None;
+    }
     let set_up = SetUp::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.clone()));
     set_up.removed().map(|_| judge(field, &set_up, &poses).compensated)
 }
@@ -243,7 +256,10 @@ impl CertificateReport {
         scope: &CertificateScope,
         files: Vec<String>,
     ) -> Self {
-        let (certificate, set_up) = without_unheld(machine, certificate, field, scope.depth);
+        let (certificate, set_up) = match scope.in_machine {
+            true => (certificate, SetUp::machine()),
+            false => without_unheld(machine, certificate, field, scope.depth),
+        };
         let uncertainty = CertificateBands::of(machine, &certificate, field, scope.depth, &set_up);
         let [forward, reverse] = certificate.at_reference.map(|added| by_name(machine, &added));
         Self {

@@ -94,7 +94,7 @@ fn certificate(
     let (both, field) = (composition.both(), tables.beside(file, &module));
     let mut report = CertificateReport::new(file, &both, certificate, &field, scope, composition.files.clone());
     let alone = ModuleField::new(file, &module);
-    let first = figures_without_unheld(file, &alone, scope.depth).unwrap_or(first);
+    let first = figures_without_unheld(file, &alone, scope).unwrap_or(first);
     let step = |target: String, compensated| CertificateStep { target, compensated };
     report.steps =
         vec![step(composition.target.manifest.target.clone(), first), step(both.manifest.target, report.compensated)];
