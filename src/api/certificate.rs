@@ -116,8 +116,8 @@ impl JobCertificate {
     }
 }
 
-/// Returns the figures without and with files at poses (mm, deg), without what a set-up takes out; `field` is the machine
-/// with the files.
+/// Returns the figures without and with files at poses (mm, deg), without what a set-up takes out; `field` is the
+/// machine with the files.
 fn judge(field: &dyn Field, set_up: &SetUp, poses: &[Pose]) -> Judgement {
     let bare = Bare { machine: field.machine(), order: Order::Exact };
     let of = |field: &dyn Field, conditions: OperatingConditions| {
@@ -146,8 +146,8 @@ pub(crate) fn without_unheld(
     (Certificate { approach, uncompensated, compensated, raised, ..certificate }, set_up)
 }
 
-/// Returns the figures of a certificate over the volume without the motions that the data behind the errors do not hold,
-/// for a field of the machine with files; `None` if the data hold them all.
+/// Returns the figures of a certificate over the volume without the motions that the data behind the errors do not
+/// hold, for a field of the machine with files; `None` if the data hold them all.
 pub(crate) fn figures_without_unheld(
     machine: &Machine,
     field: &dyn Field,

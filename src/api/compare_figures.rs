@@ -140,9 +140,9 @@ impl Bounded {
     }
 }
 
-/// Returns the set-ups of the part on all machines, each at its poses for the work. Without a job the motions are taken
-/// out that the data of any of them do not hold. A job without a reference is zeroed at its origin; where a machine does not reach that, all are in machine coordinates. Returns the reason, too, if the
-/// set-ups are not alike.
+/// Returns the set-ups of the part on all machines, each at its poses for the work. Without a job the motions are
+/// taken out that the data of any of them do not hold. A job without a reference is zeroed at its origin; where a
+/// machine does not reach that, all are in machine coordinates. Returns the reason, too, if the set-ups are not alike.
 pub(crate) fn set_ups(
     call: &mut Call<'_>,
     files: &[MachineFile],

@@ -178,8 +178,8 @@ impl Job {
     }
 
     /// Returns the set-up of the part on a machine, which takes out what the options state, or else the job file, or
-    /// else the zero at the part's origin, and without a job the motions that the data behind the errors do not hold; fits
-    /// are over the poses (mm, deg).
+    /// else the zero at the part's origin, and without a job the motions that the data behind the errors do not hold;
+    /// fits are over the poses (mm, deg).
     pub(crate) fn set_up(
         job: Option<&Self>,
         call: &mut Call<'_>,

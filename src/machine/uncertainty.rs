@@ -73,8 +73,8 @@ impl Machine {
         self.axes().iter().zip(pose).filter(move |(axis, q)| is_beyond(axis, **q)).map(|(axis, _)| axis)
     }
 
-    /// Returns the same machine with curves that were measured in these ranges (mm, deg) of its axes, in their order, and
-    /// a volume that ends there; an axis without a range, or whose volume is elsewhere, keeps its own.
+    /// Returns the same machine with curves that were measured in these ranges (mm, deg) of its axes, in their order,
+    /// and a volume that ends there; an axis without a range, or whose volume is elsewhere, keeps its own.
     pub fn with_volume_within(&self, ranges: &[Option<(f64, f64)>]) -> Self {
         let mut parts = self.parts().clone();
         for ((grid, axis), range) in parts.volume.iter_mut().zip(&parts.axes).zip(ranges) {

@@ -43,8 +43,8 @@ fn span(columns: &DMatrix<f64>, least: f64) -> DMatrix<f64> {
     svd.v.columns(0, svd.values.iter().filter(|value| **value > least).count()).into_owned()
 }
 
-/// Returns a motion of displacements (mm; rotations over the lever arm) with the rounding of a zero left out: up to 1 mm,
-/// up to 1 mrad.
+/// Returns a motion of displacements (mm; rotations over the lever arm) with the rounding of a zero left out: up to
+/// 1 mm, up to 1 mrad.
 fn motion(displacements: &DVector<f64>) -> UnheldMotion {
     let shares = displacements / displacements.amax();
     let share = |i: usize| if shares[i].abs() > MAX_UNNOTICED_SHARE { shares[i] } else { 0.0 };

@@ -227,8 +227,8 @@ pub(crate) fn uncertain_prediction(fitted: &FitDiagnosis<'_>) -> Option<Diagnost
     Some(Diagnostic::new(codes::E0515, message).help(help))
 }
 
-/// Returns the ranges of the axes that a pose takes beyond what was measured, such as ` (A was measured from -60 to 60 of
-/// -110 to 110 deg)`.
+/// Returns the ranges of the axes that a pose takes beyond what was measured, such as ` (A was measured from -60 to 60
+/// of -110 to 110 deg)`.
 fn beyond_measured(fitted: &FitDiagnosis<'_>, pose: &[f64]) -> String {
     let one = |((axis, q), range): ((&Axis, &f64), &Option<(f64, f64)>)| {
         let (low, high) = (*range).filter(|(low, high)| q < low || q > high)?;
