@@ -18,6 +18,7 @@ mod plan;
 mod randomness;
 mod solution;
 mod sums;
+mod unheld;
 mod volume;
 mod weighing;
 
@@ -30,5 +31,6 @@ pub use lack_of_fit::{FormUncertainty, form_uncertainty};
 pub use plan::plan;
 pub use randomness::{ResidualTest, randomness};
 pub use solution::{Estimate, Solution};
+pub use unheld::unheld;
 pub use volume::{DeviationUncertainty, Prediction};
 pub use weighing::solve;
