@@ -5,7 +5,9 @@
 #![allow(clippy::disallowed_methods)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
+mod activation;
 mod annotations;
+mod archives;
 mod axis_numbers;
 mod bad_input;
 mod bound_words;
@@ -72,6 +74,7 @@ mod map_files;
 mod measurements;
 mod mechanisms;
 mod minimum_zone;
+mod mutations;
 mod normals;
 mod options;
 mod oracle;
