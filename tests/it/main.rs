@@ -5,7 +5,9 @@
 #![allow(clippy::disallowed_methods)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
+mod activation;
 mod annotations;
+mod archives;
 mod axis_numbers;
 mod bad_input;
 mod bound_words;
@@ -73,6 +75,7 @@ mod measured_range;
 mod measurements;
 mod mechanisms;
 mod minimum_zone;
+mod mutations;
 mod normals;
 mod options;
 mod oracle;
