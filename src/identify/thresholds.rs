@@ -170,8 +170,8 @@ pub const ROTARY_CORRELATION_LENGTHS_DEG: [f64; 3] = [10.0, 25.0, 60.0];
 pub const MIN_FORM_KNOTS: usize = 12;
 /// Largest distance of the knots of a rotary axis (deg): its shortest correlation length.
 pub const ROTARY_FORM_STEP_DEG: f64 = 10.0;
-/// Number of knots of all errors of all axes above which each axis has fewer, but the least. Above: memory and time grow
-/// with its square.
+/// Number of knots of all errors of all axes above which each axis has fewer, but the least. Above: memory and time
+/// grow with its square.
 pub const MAX_FORM_KNOTS: usize = 1300;
 /// Variance of a mode of a form, as a share of its largest, below which sizes are estimated without it.
 pub const MIN_FORM_MODE_SHARE: f64 = 1e-2;
@@ -182,7 +182,7 @@ pub const FORM_SIZE: f64 = 0.5;
 /// Standard deviations before the data of logarithms of sizes: of the common size of all forms, of the size of all
 /// displacements (or rotations) beside it, of those of an axis beside these, and of each error beside those of its
 /// axis. Below: a bent error among straight ones is shared out; above: sizes that the data do not separate go astray.
-pub const FORM_SIZE_SPREADS: [f64; 4] = [1.5, 0.7, 0.5, 0.5];
+pub const FORM_SIZE_SPREADS: [f64; 4] = [1.5, 0.7, 0.5, 1.0];
 /// Share of the data in what is known of a size, the rest being those of the other forms, below which it counts as
 /// tied to them.
 pub const MIN_SIZE_RESOLUTION: f64 = 0.5;

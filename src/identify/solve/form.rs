@@ -173,8 +173,8 @@ fn position_interval(data: &[Measurement], axis: usize, of: &Axis, axes: usize) 
         .then(|| KnotInterval::new(min, max, of, axes))
 }
 
-/// Returns the projector `1 - U U^T` of values at the knots off the space U of the fitted curve of an error. A parameter
-/// that moves other errors, too, such as a slope of `linear`, follows no form of this one by itself.
+/// Returns the projector `1 - U U^T` of values at the knots off the space U of the fitted curve of an error. What moves
+/// other errors, too, such as a slope of `linear`, follows no form of this one by itself.
 fn off_curve_projector(parameters: &[Parameter], source: Source, interval: KnotInterval) -> DMatrix<f64> {
     let moves_it_alone = |p: &&Parameter| !p.terms.is_empty() && p.terms.iter().all(|term| term.source == source);
     let own: Vec<&Parameter> = parameters.iter().filter(moves_it_alone).collect();
