@@ -43,6 +43,7 @@ pub use inverse::{
     direction_gap, excess, inverse, inverse_all, place, rest, rotary_axes_place_tip, tool_pose,
 };
 pub use path::{AxisMotion, PathEvents, PoleCrossing, Rewind, path_events, solve};
+pub(crate) use uncertainty::figure_of;
 pub use uncertainty::{Bands, SummaryBand, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
 pub(crate) use volume::deviations;
 pub use volume::{

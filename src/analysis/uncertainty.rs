@@ -7,7 +7,7 @@
 //! figure is no longer straight enough: it is drawn (JCGM 101:2008), and the interval holds the middle 95 % of the
 //! draws.
 
-use super::design::budget::Normals;
+use super::design::budget::{Normals, Statistic};
 use super::reference::{PartReference, tip_at};
 use crate::evaluate::{CompiledModel, Deviation, Order, Statistics, Summary};
 use crate::machine::{Machine, OperatingConditions, Pose, UncertainPart};
@@ -38,6 +38,14 @@ pub struct SummaryBand {
     pub rms: [f64; 2],
     /// Interval of the 95 % value of the length.
     pub p95: [f64; 2],
+}
+
+/// Returns the figure by which a statistic judges values over poses, with its interval.
+pub(crate) fn figure_of(statistic: Statistic, of: &Summary, band: Option<&SummaryBand>) -> (f64, Option<[f64; 2]>) {
+    match statistic {
+        Statistic::Max => (of.max, band.map(|band| band.max)),
+        Statistic::P95 => (of.p95, band.map(|band| band.p95)),
+    }
 }
 
 /// Intervals of the statistics of deviations.

@@ -8,7 +8,7 @@ use crate::analysis::budget::{
 };
 use crate::analysis::reference::PartReference;
 use crate::evaluate::{Field, Frame, Poses, Summary};
-use crate::job::characteristics::{CharacteristicResult, DrawnRequest, JobCharacteristics};
+use crate::job::characteristics::{CharacteristicResult, DrawnRequest, JobCharacteristics, ValuedField};
 use crate::job::features::{FeatureResult, bounded_features};
 use crate::job::limit::{JobLimit, LimitVerdict};
 use crate::job::path::LargestStep;
@@ -178,19 +178,46 @@ impl AddingBounds<'_> {
         band: Option<&SummaryBand>,
     ) -> Result<LimitVerdict, Refused> {
         let found = self.budget(call, ActingErrors::OfField(field))?;
+        let is_zone = self.reference.is_some_and(|of| !of.is_linear());
+        let is_partial = is_zone && !Self { reference: None, ..*self }.bounds(call)?.is_empty();
+        let limit = JobLimit { is_partial, ..limit };
+        let spread = limit.spread_um(values_um, band);
         Ok(found.map_or_else(
             || limit.on_values(values_um, band),
-            |(_, _, found)| DrawnMachineFigures::of(&found.position.sorted).against(&limit),
+            |(_, _, found)| DrawnMachineFigures::of(&found.position.sorted).against(&limit, spread),
         ))
+    }
+
+    /// Returns the characteristics of toleranced features: of machines drawn, in which the measured errors act as the
+    /// field has them, or of these alone where nothing is drawn.
+    pub(crate) fn characteristics(
+        &self,
+        call: &mut Call<'_>,
+        of: &JobCharacteristics,
+        valued: ValuedField<'_>,
+    ) -> Result<Vec<CharacteristicResult>, Refused> {
+        let Self { machine, tolerances, samples, seed, reference: removed, .. } = *self;
+        let bounds = self.bounds(call)?;
+        if bounds.is_empty() {
+            return Ok(of.values(valued));
+        }
+        let (draws, values) = (tolerances.draws(seed), Some(valued.field));
+        of.drawn(call, DrawnRequest { machine, bounds: &bounds, removed, draws: &draws, samples, values })
+    }
+
+    /// Returns the bounds; none if no error is measured, and with a minimum zone.
+    fn bounds(&self, call: &mut Call<'_>) -> Result<Vec<Bound>, Refused> {
+        let Self { machine, tolerances, reference, .. } = *self;
+        if !is_measured(machine) || reference.is_some_and(|of| !of.is_linear()) {
+            return Ok(Vec::new());
+        }
+        let (all, _) = tolerances.bounds_if_any(call, machine)?;
+        Ok(adding(machine, &all))
     }
 
     fn budget(&self, call: &mut Call<'_>, acting: ActingErrors<'_>) -> Result<Option<(usize, usize, Budget)>, Refused> {
         let Self { machine, tolerances, samples, seed, work, reference } = *self;
-        if !is_measured(machine) || reference.is_some_and(|of| !of.is_linear()) {
-            return Ok(None);
-        }
-        let (all, _) = tolerances.bounds_if_any(call, machine)?;
-        let bounds = adding(machine, &all);
+        let bounds = self.bounds(call)?;
         if bounds.is_empty() {
             return Ok(None);
         }

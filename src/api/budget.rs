@@ -6,8 +6,9 @@ use crate::analysis::budget::{
     ActingErrors, Bound, Budget, Coverage, Draws, Request, StayingErrors, budget_from_samples, budget_poses,
     draw_with_zone,
 };
+use crate::analysis::figure_bands::field_bands;
 use crate::analysis::reference::PartReference;
-use crate::evaluate::Field;
+use crate::evaluate::{Bare, Field, Order, Poses, Statistics};
 use crate::job::characteristics::{CharacteristicResult, DrawnRequest, JobCharacteristics};
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::limit::{JobLimit, LimitVerdict};
@@ -18,10 +19,11 @@ use crate::job::poses::{AxisPositions, axis_positions, check, pose_option};
 use crate::job::reference::{Reference, SetUp};
 use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
-use crate::machine::{Machine, Pose};
+use crate::machine::{Machine, OperatingConditions, Pose};
 use crate::report::{BoundedContribution, BudgetFigures, DeviationBudget, DrawnMachineFigures, Picture, contributions};
 use crate::run::{Call, Count, Refused, Reply, Run};
 use crate::shards::budget_parts::{self, BudgetShard, Division};
+use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -350,6 +352,19 @@ impl BudgetWork {
         Ok(Some(ZoneBudget { over, position_um, rotation_urad }))
     }
 
+    /// Returns by how much the uncertainty of values moves their figure (um), down and up; `None` without such values.
+    fn spread_um(&self, machine: &Machine, limit: &JobLimit, seed: u64) -> Option<[f64; 2]> {
+        let (order, conditions) = (Order::Degree(1), OperatingConditions::default());
+        let bare = Bare { machine, order };
+        let referenced = self.set_up.field(&bare, order, conditions);
+        let field = referenced.as_ref().map_or(&bare as &dyn Field, |field| field);
+        let at = |pose: &Pose| field.deviation(&conditions.at_pose(pose));
+        let whole = Statistics::of(&self.poses.par_iter().map(at).collect::<Vec<_>>());
+        let listed = Poses::Listed(self.poses.clone());
+        let bands = field_bands(field, &listed, whole, &[], conditions, seed, self.set_up.removed())?;
+        limit.spread_um(&whole.position_um, Some(&bands.position_um))
+    }
+
     /// Returns the statement of what a budget is over.
     fn over(&self, machine: &Machine, reference: &Reference) -> Over {
         Over::work(machine, reference, self.tool_poses.as_ref(), self.poses.len())
@@ -388,12 +403,14 @@ pub(crate) fn budget_of(
         contributions: contributions(&bounds, list),
     });
     let over = work.over(machine, &work.set_up.reference);
+    let spread = work.limit.and_then(|limit| work.spread_um(machine, &limit, options.seed));
     let BudgetWork { poses, tool_poses, limit, .. } = work;
     let coverage = Coverage::of(machine, &bounds);
     let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
     let budget = BudgetFigures::new(machine, bounds, &budget, poses.len(), drawing);
     let drawn = minimum_zone.as_ref().map_or(&budget.position_um.monte_carlo, |of| &of.position_um);
-    let limit = limit.map(|limit| drawn.against(&limit));
+    let limit = limit.map(|limit| JobLimit { is_partial: budget.left_out > 0, ..limit });
+    let limit = limit.map(|limit| drawn.against(&limit, spread));
     let (machine, chain) = (machine.name().to_owned(), machine.chain().to_string());
     Ok(BudgetResult {
         budget,

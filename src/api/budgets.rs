@@ -3,7 +3,7 @@
 use super::tolerances::{ClassSource, ToleranceOptions};
 use crate::analysis::budget::{
     ActingErrors, Bound, BoundedError, Budget, BudgetPart, Class, Coverage, PairedDifference, PairedTest, Request,
-    STAND_IN_CLASS, Totals, Verdict, VersusFirst, budget, classes, is_measured, round_sizes, side_by_side,
+    STAND_IN_CLASS, Totals, Verdict, VersusFirst, budget, classes, is_measured, known, round_sizes, side_by_side,
 };
 use crate::analysis::reference::PartReference;
 use crate::diagnostic::{Diagnostic, codes, shown};
@@ -91,6 +91,8 @@ pub struct ComparedBudget {
     pub class: Option<String>,
     /// Source of the class.
     pub class_source: Option<String>,
+    /// Number of errors that have values and are left out, for bounds of a class stand for them.
+    pub left_out: usize,
     /// The errors with values that act in every machine drawn, if there are any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub with_values: Option<ActingValues>,
@@ -149,8 +151,10 @@ pub struct ComparedContribution {
 impl ComparedBudget {
     fn new(machine: &Machine, (bounds, class): (&[Bound], &Option<ClassSource>), own: &Budget, first: &Budget) -> Self {
         let (class, class_source) = class.clone().unzip();
+        let with_values = ActingValues::of(machine, bounds, own);
         Self {
             errors: bounds.len(),
+            left_out: known(machine) - with_values.map_or(0, |of| of.errors),
             position_um: DeviationBudget::new(machine, &own.position),
             rotation_urad: DeviationBudget::new(machine, &own.rotation),
             minus_first: BudgetDifference {
@@ -159,7 +163,7 @@ impl ComparedBudget {
             },
             class,
             class_source,
-            with_values: ActingValues::of(machine, bounds, own),
+            with_values,
         }
     }
 }

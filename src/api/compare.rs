@@ -280,7 +280,7 @@ fn side_by_side(
     let references = removed(&set_ups);
     let contributions = contributions_of(&sides, options.approach.into(), &references);
     let adds = additions(call, files, (options, whole.samples), &sides, &references)?;
-    let Figures { comparison, bounded, budgets, uncertainty, .. } = whole;
+    let Figures { comparison, bounded, budgets, bounds_left_out, uncertainty, .. } = whole;
     let mut rows: Vec<ComparedPose> = (0..comparison.common.len()).map(|i| row(&comparison, &bounded, i)).collect();
     put_events(&mut rows, asked, &comparison, &paths);
     let machines = (0..files.len()).map(|i| compared_machine(files, &comparison, order(&files[i]), (i, &bounded)));
@@ -290,13 +290,15 @@ fn side_by_side(
     let travels: Vec<_> = missed.iter().enumerate().map(travel).collect();
     let limit = |i: usize, machine: &ComparedMachine| {
         let (mm, statistic) = (job.as_ref()?.limit_mm?, options.tolerances.statistic);
-        let limit = JobLimit { mm, statistic, missed: machine.missed.as_ref().map_or(0, Vec::len) };
+        let missed = machine.missed.as_ref().map_or(0, Vec::len);
+        let is_partial = budgets.as_ref().map_or(bounds_left_out, |of| of.machines[i].left_out > 0);
+        let limit = JobLimit { mm, statistic, missed, is_partial };
+        let band = machine.uncertainty.as_ref().map(|of| &of.own.position_um);
+        let spread = limit.spread_um(&machine.position_um, band);
         Some(match (&budgets, &machine.bounds) {
-            (Some(of), _) => of.machines[i].position_um.monte_carlo.against(&limit),
-            (None, Some(of)) => of.figures.position_um.monte_carlo.against(&limit),
-            (None, None) => {
-                limit.on_values(&machine.position_um, machine.uncertainty.as_ref().map(|of| &of.own.position_um))
-            }
+            (Some(of), _) => of.machines[i].position_um.monte_carlo.against(&limit, spread),
+            (None, Some(of)) => of.figures.position_um.monte_carlo.against(&limit, None),
+            (None, None) => limit.on_values(&machine.position_um, band),
         })
     };
     let of = |(i, ((((machine, missed), travel), bounds_add), path))| {

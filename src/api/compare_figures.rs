@@ -122,6 +122,8 @@ pub(crate) struct Figures {
     pub comparison: Comparison,
     pub bounded: Vec<Option<Bounded>>,
     pub budgets: Option<ComparedBudgets>,
+    /// True if machines have bounds that are left out, since the reference is a minimum zone.
+    pub bounds_left_out: bool,
     pub uncertainty: Option<Vec<ComparedBands>>,
     /// Number of machines drawn.
     pub samples: usize,
@@ -212,6 +214,12 @@ impl Alike<'_> {
         let drawn = DrawnMachines { tolerances, files: &names, samples, max_samples, seed, references: &references };
         let budgets = budgets(call, sides, drawn)?;
         let samples = budgets.as_ref().map_or(samples, |budgets| budgets.drawing.samples);
+        let mut bounds_left_out = false;
+        if references.iter().flatten().any(|of| !of.is_linear()) {
+            for (machine, _) in sides {
+                bounds_left_out |= !tolerances.bounds_if_any(call, machine)?.0.is_empty();
+            }
+        }
         let mut bounded = Vec::new();
         for (((machine, poses), file), reference) in sides.iter().zip(files).zip(&references) {
             let of = call.about(file.path(), |call| DrawnBounds::of(call, machine, (tolerances, samples, seed)))?;
@@ -225,7 +233,7 @@ impl Alike<'_> {
         let measured = bounded.iter().all(Option::is_none);
         let bands = || compared_bands(sides, &comparison, conditions, seed, &references);
         let uncertainty = if measured { bands() } else { None };
-        Ok(Figures { comparison, bounded, budgets, uncertainty, samples })
+        Ok(Figures { comparison, bounded, budgets, bounds_left_out, uncertainty, samples })
     }
 }
 
@@ -258,7 +266,11 @@ impl Figures {
     /// Returns the verdict of these figures on a machine: that of its budget, or else of its measured errors.
     fn own_verdict(&self, index: usize) -> Option<Verdict> {
         if let Some(of) = &self.budgets {
-            return of.versus_first_p95_um.get(index - 1).and_then(|versus| versus.verdict);
+            let verdict = of.versus_first_p95_um.get(index - 1).and_then(|versus| versus.verdict)?;
+            // The uncertainty of values may turn what is told apart by machines drawn.
+            let by = self.judged(index)?;
+            let is_open = by.low.zip(by.high).is_some_and(|(low, high)| low <= 0.0 && high >= 0.0);
+            return Some(if self.uncertainty.is_some() && is_open { Verdict::NotToldApart } else { verdict });
         }
         let difference = Verdict::of_difference(self.minus_first(index)?.position_um.p95);
         match &self.uncertainty {
@@ -267,8 +279,18 @@ impl Figures {
         }
     }
 
-    /// Returns why errors that nothing bounds leave a machine without a verdict.
+    /// Returns why errors that are left out or that nothing bounds leave a machine without a verdict.
     fn withheld(&self, index: usize) -> Option<String> {
+        if self.bounds_left_out {
+            return Some("bounds are left out with a minimum zone".to_owned());
+        }
+        let pair = |of: &ComparedBudgets| [0, index].map(|i| (of.machines[i].left_out, of.machines[i].with_values));
+        if let Some([(a, with_a), (b, with_b)]) = self.budgets.as_ref().map(pair)
+            && (a > 0 && with_b.is_some() || b > 0 && with_a.is_some())
+        {
+            let (machine, errors) = if a > 0 { (1, a) } else { (index + 1, b) };
+            return Some(format!("the class stands for the {errors} values of machine {machine}, which are left out"));
+        }
         let versus = self.budgets.as_ref()?.versus_first_p95_um.get(index - 1)?;
         versus.withheld.as_ref().map(|withheld| withheld.reason.clone())
     }
@@ -276,7 +298,15 @@ impl Figures {
     /// Returns the difference (um) of the figures by which a machine is judged, with its interval.
     fn judged(&self, index: usize) -> Option<JudgedDifference> {
         if let Some(of) = &self.budgets {
-            let PairedDifference { value, low, high, .. } = of.versus_first_p95_um.get(index - 1)?.minus_first;
+            let PairedDifference { value, mut low, mut high, .. } = of.versus_first_p95_um.get(index - 1)?.minus_first;
+            if let (Some(bands), Some(um)) = (&self.uncertainty, self.minus_first(index)) {
+                let band = bands[index].minus_first.position_um;
+                let (um, [from, to]) = match of.drawing.statistic {
+                    Statistic::Max => (um.position_um.max, band.max),
+                    Statistic::P95 => (um.position_um.p95, band.p95),
+                };
+                (low, high) = (low.map(|low| low + from - um), high.map(|high| high + to - um));
+            }
             return Some(JudgedDifference { drawn: true, statistic: of.drawing.statistic, um: value, low, high });
         }
         let um = self.minus_first(index)?.position_um.p95;

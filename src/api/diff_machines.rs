@@ -2,12 +2,14 @@
 
 use super::compare::nothing_in_common;
 use super::tolerances::ToleranceOptions;
-use crate::analysis::budget::{ActingErrors, Bound, Request, bounds, budget, is_measured};
+use crate::analysis::budget::{ActingErrors, Bound, Request, adding, bounds, budget, is_measured};
 use crate::analysis::{Comparison, MachineResult, Work, compare};
+use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Bare, Field, Order, quantile_95};
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
 use crate::job::over::Over;
+use crate::job::path::PathResult;
 use crate::job::reference::{Reference, ReferenceKind, SetUp, unzeroed};
 use crate::job::reference_text::ReferenceOption;
 use crate::machine::{Approach, Machine, MachineProperty, Pose};
@@ -56,7 +58,8 @@ impl Default for DiffMachinesOptions {
 }
 
 /// Compares two machines property by property, and states the effect of each difference on the 95 % position
-/// deviation over tool poses that both reach: of machines that are only bounded, on the 95 % value of machines drawn.
+/// deviation over tool poses that both reach: where a machine bounds errors, on the 95 % value of machines drawn, in
+/// which errors with values act.
 ///
 /// Fails if the files are not two, and if no tool pose is reached by both machines.
 pub fn diff_machines(files: &[MachineFile], options: &DiffMachinesOptions, run: Run<'_>) -> Reply<MachineDifference> {
@@ -91,6 +94,13 @@ fn difference(
     let found = judge.compare(call, &both, &work)?;
     if found.common.is_empty() {
         return call.refuse(nothing_in_common(files, &found));
+    }
+    if let Some(job) = &job {
+        for (file, side) in files.iter().zip(&found.machines) {
+            let path = side.path.as_ref().map(|events| PathResult::new(file, events, &job.poses.lines()));
+            call.about(file.path(), |call| call.extend(path.and_then(|path| path.warning(file))));
+        }
+        call.check()?;
     }
     // Mixtures that reach most of the common work are judged on what all of these reach; any other, on what it reaches
     // itself: it must not leave the machines without a difference.
@@ -146,7 +156,8 @@ const WIDE: f64 = 0.9;
 /// Number of machines drawn where the machines are bounded.
 const SAMPLES: usize = 1000;
 
-/// The figure by which machines are judged: by their errors, or by their bounds where neither of the two has a value.
+/// The figure by which machines are judged: by their errors with values, or by machines drawn between bounds, in which
+/// these act, where one of the two has bounds.
 struct Judge<'a> {
     options: &'a DiffMachinesOptions,
     bounded: bool,
@@ -163,8 +174,17 @@ impl<'a> Judge<'a> {
         options: &'a DiffMachinesOptions,
         job: Option<&Job>,
     ) -> Result<Self, Refused> {
-        let bounded = files.iter().all(|file| !is_measured(file) && !bounds_of(file).is_empty());
         let stated = Job::stated(job, options.reference.as_ref());
+        let has_bounds = files.iter().any(|file| !bounds_of(file).is_empty());
+        // Machines drawn have no minimum zone.
+        let by_values = stated.as_ref().is_some_and(|of| of.minimum_zone) && files.iter().any(|file| is_measured(file));
+        if has_bounds && by_values {
+            let message = "bounds are left out: the effect of a minimum zone on machines drawn is not known";
+            let help = "take the least squares, `--reference best-fit`, or another reference";
+            call.warn(Diagnostic::new(codes::W0607, message).help(help));
+            call.check()?;
+        }
+        let bounded = has_bounds && !by_values;
         let default = job.map_or_else(Reference::default, Job::zero);
         let is_stated = stated.is_some();
         let judge = Self { options, bounded, reference: stated.unwrap_or(default) };
@@ -222,7 +242,7 @@ impl<'a> Judge<'a> {
         }
         set_up.refuse_minimum_zone(call, "a difference of bounds")?;
         let bounds = bounds_of(machine);
-        if bounds.is_empty() {
+        if bounds.is_empty() && !is_measured(machine) {
             return Ok(0.0);
         }
         let tolerances = ToleranceOptions::default();
@@ -266,7 +286,7 @@ impl<'a> Judge<'a> {
 }
 
 fn bounds_of(machine: &Machine) -> Vec<Bound> {
-    bounds(machine, machine.class().map(|named| &named.class))
+    adding(machine, &bounds(machine, machine.class().map(|named| &named.class)))
 }
 
 /// Axes of one pose are less than this apart, mm or deg.

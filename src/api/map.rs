@@ -151,11 +151,11 @@ fn volume(
     let features = features.unwrap_or_default();
     let (conditions, removed, bare) = (view.conditions, set_up.removed(), replayed.is_none());
     let valued = ValuedField { field, conditions, removed, bare, seed: options.seed };
-    let characteristics = toleranced.map_or_else(Vec::new, |of| of.values(valued));
     let reached = tool_poses.as_ref().map(|reached| reached.poses.as_slice());
     let (tolerances, samples, seed) = settings;
     let adding = AddingBounds { machine, tolerances, samples, seed, work: reached, reference: set_up.removed() };
     let bounds_add = adding.added(call)?;
+    let characteristics = toleranced.map(|of| adding.characteristics(call, &of, valued)).transpose()?;
     // They are of the volume, not of a part.
     let diagonals = match &tool_poses {
         Some(_) => Vec::new(),
@@ -178,7 +178,7 @@ fn volume(
         path,
         tool_poses,
         features,
-        characteristics,
+        characteristics: characteristics.unwrap_or_default(),
         bounds_add,
         target,
         uncompensated,

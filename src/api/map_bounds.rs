@@ -55,7 +55,7 @@ pub(crate) fn volume(
     let figures = drawn.figures(&found);
     let statistic = options.tolerances.statistic;
     let limit = Job::limit(job.as_ref(), statistic, tool_poses.as_ref());
-    let limit = limit.map(|limit| figures.position_um.monte_carlo.against(&limit));
+    let limit = limit.map(|limit| figures.position_um.monte_carlo.against(&limit, None));
     let over = Over::work(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
     let path = tool_poses
         .as_ref()

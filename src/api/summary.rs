@@ -1,7 +1,7 @@
 //! The machine in short: axes, tools, conventions and how many errors it has.
 
 use super::show::{Arm, arms};
-use crate::analysis::budget::{Coverage, bounds};
+use crate::analysis::budget::{Coverage, adding, bounds};
 use crate::job::machine_file::{InputFile, MachineFile};
 use crate::machine::{AxisKind, Branch, Conventions, ErrorId, ErrorTerm, Travel};
 use indexmap::IndexMap;
@@ -84,7 +84,7 @@ pub fn summary(file: &MachineFile) -> MachineSummary {
         tools: file.tools().iter().map(|tool| tool.name.clone()).collect(),
         conventions: *file.conventions(),
         errors: counts(file),
-        coverage: Coverage::of(file, &bounds(file, file.class().map(|named| &named.class))),
+        coverage: Coverage::of(file, &adding(file, &bounds(file, file.class().map(|named| &named.class)))),
         inputs: file.input_files().to_vec(),
     }
 }

@@ -1,6 +1,8 @@
 //! Bounds of errors: those of the machine file, and those of a class of machines.
 
-use crate::analysis::budget::{Bound, Class, Distribution, Draws, Statistic, bounds, classes, known, lacks_rotary};
+use crate::analysis::budget::{
+    Bound, Class, Distribution, Draws, Statistic, adding, bounds, classes, known, lacks_rotary,
+};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{AxisName, CLASS_ANGLES, Machine, no_origin};
 use crate::report::DrawSettings;
@@ -11,7 +13,8 @@ use crate::run::{Call, Refused};
 #[serde(default)]
 pub struct ToleranceOptions {
     /// Class of machines whose typical tolerances are taken where the file has none, in place of the class that the
-    /// file names: `ultra-precision`, `premium`, `production`, `commodity`, `large-gantry` or `desktop`.
+    /// file names: `ultra-precision`, `premium`, `production`, `commodity`, `large-gantry` or `desktop`. Values stay
+    /// as they are; on a machine whose errors all have one it takes their place.
     pub class: Option<String>,
     /// Distribution of an error between its bounds.
     pub distribution: Distribution,
@@ -55,7 +58,10 @@ impl ToleranceOptions {
         if let Some(refusal) = class.as_ref().and_then(|(name, class)| short_of_rotary(machine, name, class)) {
             return call.refuse(refusal);
         }
-        let list = bounds(machine, class.as_ref().map(|(_, class)| class));
+        let all = bounds(machine, class.as_ref().map(|(_, class)| class));
+        let open = adding(machine, &all);
+        // What a class would do is asked of a wholly measured machine, too.
+        let list = if open.is_empty() && self.class.is_some() { all } else { open };
         warn_of_arms(call, machine, &list);
         Ok((list, class.map(|(name, class)| (name, class.source))))
     }

@@ -173,7 +173,7 @@ impl Job {
         reached: Option<&ReachedToolPoses>,
     ) -> Option<JobLimit> {
         let missed = reached.map_or(0, |reached| reached.asked - reached.reached);
-        job?.limit_mm.map(|mm| JobLimit { mm, statistic, missed })
+        job?.limit_mm.map(|mm| JobLimit { mm, statistic, missed, is_partial: false })
     }
 
     /// Returns the set-up of the part on a machine, which takes out what the options state, or else the job file, or

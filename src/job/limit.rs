@@ -1,7 +1,7 @@
 //! The limit of a job: the largest position deviation that the part allows.
 
-use crate::analysis::SummaryBand;
 use crate::analysis::budget::Statistic;
+use crate::analysis::{SummaryBand, figure_of};
 use crate::evaluate::Summary;
 use crate::units::{counted, significant};
 
@@ -14,6 +14,8 @@ pub(crate) struct JobLimit {
     pub statistic: Statistic,
     /// Number of tool poses of the job that the machine does not reach.
     pub missed: usize,
+    /// True if errors or bounds of the machine are left out of the figure, so that it decides nothing.
+    pub is_partial: bool,
 }
 
 /// A figure against the limit of a job.
@@ -34,8 +36,8 @@ pub struct LimitVerdict {
     pub drawn: bool,
     /// Number of tool poses of the job that are out of reach.
     pub missed: usize,
-    /// True if the limit is held; none where the interval is on both sides of it, and where it is not exceeded but tool
-    /// poses are out of reach, so that the job is not done.
+    /// True if the limit is held; none where the interval is on both sides of it, where it is not exceeded but tool
+    /// poses are out of reach, so that the job is not done, and where errors or bounds are left out of the figure.
     pub held: Option<bool>,
 }
 
@@ -43,27 +45,43 @@ impl JobLimit {
     /// Returns the verdict on the deviations of one machine over the poses, um, with their intervals if uncertainties
     /// of its errors are stated.
     pub(crate) fn on_values(&self, position_um: &Summary, band: Option<&SummaryBand>) -> LimitVerdict {
-        let (um, interval) = match self.statistic {
-            Statistic::Max => (position_um.max, band.map(|band| band.max)),
-            Statistic::P95 => (position_um.p95, band.map(|band| band.p95)),
-        };
+        let (um, interval) = figure_of(self.statistic, position_um, band);
         self.judge(um, interval, false)
     }
 
-    /// Returns the verdict on the 95 % value (um) of machines drawn, with its interval.
-    pub(crate) fn on_machines(&self, um: f64, interval_um: Option<[f64; 2]>) -> LimitVerdict {
-        self.judge(um, interval_um, true)
+    /// Returns the verdict on the 95 % value (um) of machines drawn, with its interval. If the values that act in each
+    /// are uncertain, `spread_um` is by how much their own figure may be smaller and larger.
+    pub(crate) fn on_machines(
+        &self,
+        um: f64,
+        interval_um: Option<[f64; 2]>,
+        spread_um: Option<[f64; 2]>,
+    ) -> LimitVerdict {
+        let interval = match spread_um {
+            None => interval_um,
+            Some([low, high]) => {
+                let [from, to] = interval_um.unwrap_or([um, um]);
+                Some([(from + low).max(0.0), to + high])
+            }
+        };
+        self.judge(um, interval, true)
+    }
+
+    /// Returns by how much the figure of one machine's deviations (um) may be smaller and larger.
+    pub(crate) fn spread_um(&self, position_um: &Summary, band: Option<&SummaryBand>) -> Option<[f64; 2]> {
+        let (um, interval) = figure_of(self.statistic, position_um, band);
+        interval.map(|[low, high]| [low - um, high - um])
     }
 
     fn judge(&self, um: f64, interval_um: Option<[f64; 2]>, drawn: bool) -> LimitVerdict {
-        let Self { mm, statistic, missed } = *self;
+        let Self { mm, statistic, missed, is_partial } = *self;
         let limit_um = mm * 1e3;
         let held = match interval_um {
             Some([low, high]) if low <= limit_um && limit_um < high => None,
             Some([_, high]) => Some(high <= limit_um),
             None => Some(um <= limit_um),
         };
-        let held = held.filter(|held| !held || missed == 0);
+        let held = held.filter(|held| !is_partial && (!held || missed == 0));
         LimitVerdict { limit_um, um, interval_um, statistic, drawn, missed, held }
     }
 }

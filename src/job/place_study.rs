@@ -17,7 +17,7 @@ use crate::analysis::budget::{
 };
 use crate::analysis::figure_bands::field_bands;
 use crate::analysis::reference::PartReference;
-use crate::analysis::{SummaryBand, View, deviations};
+use crate::analysis::{SummaryBand, View, deviations, figure_of};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Field, Frame, Order, Poses, Statistics, Summary};
 use crate::machine::{AxisKind, Machine, OperatingConditions, Pose, Travel};
@@ -176,10 +176,7 @@ struct PlaceFigures {
 
 impl PlaceFigures {
     fn of_values(over_poses: Summary, band: Option<SummaryBand>, statistic: Statistic) -> Self {
-        let (um, interval_um) = match statistic {
-            Statistic::Max => (over_poses.max, band.map(|band| band.max)),
-            Statistic::P95 => (over_poses.p95, band.map(|band| band.p95)),
-        };
+        let (um, interval_um) = figure_of(statistic, &over_poses, band.as_ref());
         Self { over_poses, um, interval_um, band, drawn: Vec::new() }
     }
 
@@ -305,7 +302,7 @@ impl PlaceStudy<'_> {
             Err(reason) => (None, Some(reason)),
         };
         let of = |value: fn(&PlaceFigures) -> f64| figure.as_ref().map(value);
-        let limit = |mm: f64| JobLimit { mm, statistic: self.statistic, missed: missed.len() };
+        let limit = |mm: f64| JobLimit { mm, statistic: self.statistic, missed: missed.len(), is_partial: false };
         let tried = TriedPlace {
             place: *place,
             own: false,
@@ -321,7 +318,7 @@ impl PlaceStudy<'_> {
             versus_first: None,
             limit: job.limit_mm.map(limit).zip(figure.as_ref()).map(|(limit, of)| match of.drawn.is_empty() {
                 true => limit.on_values(&of.over_poses, of.band.as_ref()),
-                false => limit.on_machines(of.um, of.interval_um),
+                false => limit.on_machines(of.um, of.interval_um, None),
             }),
             rank: None,
         };

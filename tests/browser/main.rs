@@ -24,7 +24,7 @@ mod workbench;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-const CHECKS: [checks::Check; 35] = [
+const CHECKS: [checks::Check; 36] = [
     ("the page loads with the network off and without a complaint", page::loads),
     ("every number shown is the one in the data", page::numbers),
     ("every control changes the picture, and taking it back restores it", page::controls),
@@ -47,6 +47,7 @@ const CHECKS: [checks::Check; 35] = [
     ("a goal gives the command line's tolerances, and writes them into the file", review::goal),
     ("variants stand side by side with the numbers of `compare`", review::variants),
     ("the part is coloured, stopped and reached as `map --tool-poses` says", review::part),
+    ("a part that the command line names is there at once", review::named_part),
     ("what a control repairs and a test reads are the command line's", review::control),
     ("keys and names of errors are completed", review::completion),
     ("charts are downloaded as CSV, SVG and PNG", review::downloads),

@@ -2,7 +2,7 @@
 
 use crate::watch::wait;
 use crate::workbench::{BOUNDED, Bench};
-use crate::{abbe, kept};
+use crate::{Folder, abbe, kept};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -161,6 +161,24 @@ fn point_once(bench: &Bench, colour: [u8; 3], click: bool) {
         let event = json!({"type": kind, "x": found[0], "y": found[1], "button": button, "clickCount": 1});
         let _ = bench.browser.devtools("Input.dispatchMouseEvent", &event);
     }
+}
+
+/// What the page shows of a part that the command line names is what `map` prints.
+pub fn named_part() {
+    let machine = std::fs::read_to_string("configs/trunnion.yaml").unwrap();
+    let folder = Folder::new("bench-named-part");
+    let job = folder.0.join("part.yaml");
+    std::fs::copy(Path::new("docs/examples/work.csv"), folder.0.join("work.csv")).unwrap();
+    std::fs::write(&job, "tool_poses: work.csv\nreference: zero\n").unwrap();
+    let given = ["--job", job.to_str().unwrap(), "--reference", "best-fit", "--path", "yes"];
+    let bench = Bench::with("bench-named", &machine, (1400, 900), &given);
+    bench.click("tab-part");
+    let max = awaits(&bench, "part-max");
+    let printed = bench.command("map", &given);
+    assert!((max - printed["position_um"]["max"].as_f64().unwrap()).abs() < 1e-9, "{max} {printed}");
+    let over = text(&bench, "#part-over");
+    assert!(over.contains("best fit") && over.contains("one path"), "{over}");
+    assert_eq!(bench.browser.run("return document.getElementById('work').value;"), job.to_str().unwrap());
 }
 
 pub fn part() {

@@ -30,13 +30,18 @@ impl Bench {
         Self::new(name, &text, (1400, 900))
     }
 
-    pub fn new(name: &str, text: &str, (width, height): (u32, u32)) -> Self {
+    pub fn new(name: &str, text: &str, size: (u32, u32)) -> Self {
+        Self::with(name, text, size, &[])
+    }
+
+    /// Opens a machine file with more arguments.
+    pub fn with(name: &str, text: &str, (width, height): (u32, u32), more: &[&str]) -> Self {
         let folder = Folder::new(name);
         let file = folder.0.join("m.yaml");
         std::fs::write(&file, text).unwrap();
         copy(Path::new("configs/errors"), &folder.0.join("errors"));
         let mut child =
-            abbe().arg("workbench").arg(&file).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+            abbe().arg("workbench").arg(&file).args(more).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
         let address = line.split(' ').next().unwrap().to_owned();

@@ -218,6 +218,33 @@ fn a_certificate_has_figures_over_the_job_beside_those_over_the_volume() {
 }
 
 #[test]
+fn certificates_and_reports_take_the_tool_of_the_job() {
+    let folder = Folder::new("job-tool-sets");
+    // The lever arm of a turn of Z is the tool's length, at which Z stands: 40 and 100 urad.
+    let lines = "errors: { EBZ: { points: [[-300 mm, -150 urad], [300 mm, 150 urad]] } }\n\
+         tools: { short: { gauge: [0, 0, 0], length: 80 mm }, long: { gauge: [0, 0, 0], length: 200 mm } }";
+    let machine = three(&folder, "m.yaml", lines);
+    let _ = along_x(&folder);
+    for (tool, um) in [("short", 3.2), ("long", 20.0)] {
+        let job = folder.with(
+            &format!("{tool}.yaml"),
+            &format!("tool_poses: x.csv\nreference: machine\ntool: {tool}\nlimit: 10 um\n"),
+        );
+        let out = folder.file(tool);
+        for verb in ["compile", "verify"] {
+            let found = certificate(&machine, &out, verb, &["--job", text(&job)]);
+            assert_eq!(found["job"]["over"]["tool"], tool, "{verb}");
+            near(&found["job"]["uncompensated"]["position_um"]["max"], um);
+        }
+        let page = folder.file("page.html");
+        let _ = abbe(&["report", text(&machine), "--job", text(&job), "--out", text(&page), "--quiet"]);
+        let html = std::fs::read_to_string(&page).unwrap();
+        assert!(html.contains(&format!("tool: {tool}")), "{tool}");
+        near(&data(&html)["machines"][0]["statistics"]["position_um"]["max"], um);
+    }
+}
+
+#[test]
 fn the_report_states_its_reference_and_has_the_figures_of_the_job() {
     let folder = Folder::new("job-report");
     let (machine, other) = (three(&folder, "m.yaml", SCALE), three(&folder, "o.yaml", "errors: { EC0Y: 80 urad }"));

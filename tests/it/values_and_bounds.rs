@@ -54,10 +54,24 @@ fn values_act_in_every_machine_drawn() {
     let parts: f64 = both["tighten"].as_array().unwrap().iter().map(|bound| number(&bound["um_of_p95"])).sum();
     let sum = parts + number(&both["with_values"]["um_of_p95"]);
     assert!((sum / p95(&both) - 1.0).abs() < 0.01, "{sum}");
-    // Bounds of a class stand for values.
-    let path = machine(&folder, "both.yaml", 30.0, 40.0);
-    let by_class = json(&["budget", text(&path), "--class", "production", "--samples", "20", "--format", "json"]);
-    assert_eq!((&by_class["left_out"], by_class.get("with_values")), (&1.into(), None));
+    // A class bounds what has neither value nor bound, be it named by the file or by an option.
+    let path = machine(&folder, "both.yaml", 300.0, 40.0);
+    let named = folder.with("class.yaml", &(std::fs::read_to_string(&path).unwrap() + "class: premium\n"));
+    for asked in [vec![text(&path), "--class", "premium"], vec![text(&named)]] {
+        let with = |verb: &str| {
+            let more = ["--job", text(&job), "--samples", "200", "--format", "json", "--quiet"];
+            json(&[&[verb], &asked[..], &more].concat())
+        };
+        let (budget, map) = (with("budget"), with("map"));
+        assert_eq!((&budget["left_out"], &budget["with_values"]["errors"]), (&0.into(), &1.into()));
+        assert!(p95(&budget) > 300.0 && budget["limit"]["held"] == false, "{budget}");
+        assert_eq!(map["limit"], budget["limit"]);
+    }
+    // Where every error has a value a class takes the place of all; that decides no limit.
+    let job = folder.with("any.yaml", "tool_poses: one.csv\nreference: machine\nlimit: 1 mm\n");
+    let whole = ["budget", "configs/trunnion.yaml", "--class", "production", "--samples", "20", "--format", "json"];
+    let whole = json(&[&whole[..], &["--job", text(&job), "--quiet"]].concat());
+    assert_eq!((&whole["left_out"], &whole["limit"]["held"]), (&41.into(), &Value::Null));
 }
 
 #[test]
@@ -116,10 +130,63 @@ fn machines_are_compared_by_values_and_bounds_together() {
         folder.with("whole.yaml", &head.lines().filter(|line| !line.contains("EYY")).collect::<Vec<_>>().join("\n"));
     let found = of("compare", &[&first.0, &whole], &job);
     near(number(&found["verdicts"][0]["by"]["um"]), 50.0 - first.1);
+    // `diff` judges as `compare` does, and each difference by itself.
+    let differ = of("diff", &[&first.0, &second.0], &job);
+    let p95: Vec<f64> = differ["p95_um"].as_array().unwrap().iter().map(number).collect();
+    assert_eq!(differ["from"], "bounds");
+    p95.iter().zip([first.1, second.1]).for_each(|(found, truth)| near(*found, truth));
+    let alone = of_machine("alone.yaml", 5.0, 10.0);
+    let value = differ["differences"].as_array().unwrap().iter().find(|of| of["name"] == "EXX").unwrap();
+    near(number(&value["minus_first_um"]), alone.1 - first.1);
     // Arrangements are ranked by bounds: values act in none, so that there is no verdict.
     let ranked =
         json(&["enumerate", text(&first.0), "--tool-poses", text(&folder.file("one.csv")), "--format", "json"]);
     let rows = ranked["ranked"].as_array().unwrap();
     let withheld = |row: &Value| row["withheld"].as_str().is_some_and(|why| why.contains("1 error with a value"));
     assert!(rows.len() > 1 && rows[1..].iter().all(withheld), "{rows:?}");
+}
+
+#[test]
+fn features_of_a_map_are_those_of_machines_drawn() {
+    let folder = Folder::new("features-of-both");
+    let both = machine(&folder, "both.yaml", 30.0, 40.0);
+    let _ = folder.with("wall.csv", "feature,X,Y,Z,NX,NY,NZ\nw,0,0,0,0,1,0\nw,100,0,0,0,1,0\nw,200,0,50,0,1,0\n");
+    // The value lies in the wall, whose profile is twice what the bound draws.
+    let job = "tool_poses: wall.csv\nreference: machine\nfeatures: { w: { kind: profile, tolerance: 52 um } }\n";
+    let job = folder.with("wall.yaml", job);
+    let [budget, map] = ["budget", "map"].map(|verb| of(verb, &[&both], &job)["characteristics"][0].clone());
+    assert_eq!(map, budget);
+    let share = number(&map["drawn"]["holds"]["value"]);
+    // Twice a number between -40 and 40 um.
+    assert!((share - 26.0 / 40.0).abs() < 0.06, "{map}");
+}
+
+#[test]
+fn uncertain_values_leave_a_limit_open_beside_bounds() {
+    let folder = Folder::new("uncertain-and-bounds");
+    let both = machine(&folder, "both.yaml", 30.0, 1.0);
+    let strict = job(&folder, 35.0);
+    for verb in ["map", "budget"] {
+        assert_eq!(of(verb, &[&both], &strict)["limit"]["held"], true, "{verb}");
+    }
+    // An expanded uncertainty of 10 um of a value of 30 um, beside a bound of 1 um.
+    let known = std::fs::read_to_string(&both).unwrap();
+    let uncertain = folder.with("u.yaml", &known.replace("30 um]] }", "30 um]], uncertainty: 10 um }"));
+    for verb in ["map", "budget"] {
+        let limit = of(verb, &[&uncertain], &strict)["limit"].clone();
+        assert_eq!(limit["held"], Value::Null, "{verb}: {limit}");
+        let [low, high] = [0, 1].map(|end| number(&limit["interval_um"][end]));
+        assert!((low - 20.2).abs() < 1.0 && (high - 39.8).abs() < 1.0, "{verb}: {limit}");
+    }
+    let other = machine(&folder, "other.yaml", 33.0, 1.0);
+    let compared = of("compare", &[&uncertain, &other], &strict);
+    assert_eq!(compared["verdicts"][0]["verdict"], "not_told_apart", "{}", compared["verdicts"]);
+    // A minimum zone has no machines drawn beside values: bounds are left out, and nothing is decided.
+    let rows = folder.with("zone.csv", "X,Y,Z\n0,0,0\n100,0,0\n200,50,0\n200,0,70\n");
+    let zone = folder.with("zone.yaml", "tool_poses: zone.csv\nreference: best-fit:minimum-zone\nlimit: 35 um\n");
+    assert!(rows.exists());
+    assert_eq!(of("map", &[&both], &zone)["limit"]["held"], Value::Null);
+    let compared = of("compare", &[&both, &other], &zone);
+    assert_eq!(compared["verdicts"][0]["verdict"], Value::Null);
+    assert_eq!(compared["machines"][0]["limit"]["held"], Value::Null);
 }

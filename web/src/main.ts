@@ -161,7 +161,8 @@ class Workbench {
   }
 
   async open(): Promise<void> {
-    const { machine, text } = await this.store.open();
+    const { machine, text, work, part } = await this.store.open();
+    this.part.begin(work, part);
     this.editor.open(text, this.nonce);
     this.session.take(this.tools.chosen);
     this.session.open(machine, text);

@@ -18,19 +18,22 @@ pub(crate) fn totals_row(name: &str, t: &DeviationBudget) -> Vec<String> {
     head.into_iter().chain(t.monte_carlo.percentiles.values().map(interval)).collect()
 }
 
-/// The line that counts the bounded among the acting errors of a machine without measured values, and names the others.
+/// The line that counts the bounded among the acting errors of a machine, beside those with a value, and names the
+/// others.
 pub(crate) fn coverage_line(of: &Coverage) -> Option<String> {
-    if of.valued > 0 || (of.bounded == 0 && of.missing.is_empty()) {
+    let (valued, bounded, acting) = (of.valued, of.bounded, of.acting());
+    // What a measured machine does not state is zero.
+    if bounded == 0 && (valued > 0 || of.missing.is_empty()) {
         return None;
     }
-    let (bounded, acting) = (of.bounded, of.acting());
+    let known = match (valued, of.missing.len()) {
+        (0, 0) => return Some(format!("all {acting} errors that act are bounded")),
+        (0, _) => format!("{bounded} of {acting} errors that act are bounded"),
+        _ => format!("of {acting} errors that act {valued} have a value, {bounded} a bound"),
+    };
     Some(match of.missing.len() {
-        0 => format!("all {acting} errors that act are bounded"),
-        n => format!(
-            "{bounded} of {acting} errors that act are bounded; {n} have neither value nor bound (`--class` has some): \
-             {}",
-            of.missing.join(", ")
-        ),
+        0 => known,
+        n => format!("{known}; {n} have neither value nor bound (`--class` has some): {}", of.missing.join(", ")),
     })
 }
 

@@ -115,7 +115,22 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
         let rules: Vec<String> = of.not_buildable.iter().map(rule).collect();
         text += &format!("\nLeft out as hardly built: {} (`--buildable no` lists them)\n", rules.join(", "));
     }
-    text + "Negative differences: less error than the arrangement of the file, on the same tool poses.\n"
+    text + &arrangement_of_file(of, top)
+        + "Negative differences: less error than the arrangement of the file, on the same tool poses.\n"
+}
+
+/// The line of the arrangement of the file, to which differences are stated, if it is in no table.
+fn arrangement_of_file(of: &RankedArrangements, top: usize) -> String {
+    let place = |rows: &[Arrangement]| rows.iter().position(|row| row.chain == of.chain);
+    let um = |row: &Arrangement| row.um.map_or_else(String::new, |um| format!(", {} um", significant(um, 4)));
+    match (place(&of.ranked), place(&of.reach_less)) {
+        (Some(i), _) if i >= top => format!("The file's arrangement: rank {}{}\n", i + 1, um(&of.ranked[i])),
+        (None, Some(i)) if i >= top.div_ceil(4) => {
+            let row = &of.reach_less[i];
+            format!("The file's arrangement reaches {} of {} tool poses{}\n", row.reached, of.poses, um(row))
+        }
+        _ => String::new(),
+    }
 }
 
 /// The tool poses of a file, all of which count.
@@ -145,6 +160,8 @@ fn standing(of: &RankedArrangements) -> String {
         *reasons.entry(reason).or_default() += 1;
     }
     let line = |(reason, count): (&str, usize)| fold(&format!("{count} without a verdict: {reason}"));
+    let withheld: usize = reasons.values().sum();
+    let judged = if withheld == 0 { "" } else { " that have a verdict and" };
     text.extend(reasons.into_iter().map(line));
     let Some(RankingRounds { max_samples, first, told_apart, done, drawn, drawn_without_elimination }) =
         of.rounds.as_ref().filter(|_| !of.ranked.is_empty())
@@ -152,8 +169,10 @@ fn standing(of: &RankedArrangements) -> String {
         return text;
     };
     let first = if *first == 1 { "Rank 1 is".to_owned() } else { format!("The first {first} ranks are") };
-    text += &if *told_apart {
-        format!("{first} told apart from all that are not equal, with 95 % confidence for all together\n")
+    text += &if withheld > 0 && withheld + 1 >= of.ranked.len() {
+        String::new()
+    } else if *told_apart {
+        format!("{first} told apart from all{judged} that are not equal, with 95 % confidence for all together\n")
     } else {
         format!("{first} not told apart from all others with {max_samples} machines (`--max-samples`)\n")
     };

@@ -70,7 +70,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         if args.options() != ReportOptions::default() || args.options.tool.name().is_some() {
             return session.usage("with --watch the page has the options: only --port goes with it");
         }
-        return workbench::open(session, machine, args.port);
+        return workbench::open(session, machine, workbench::PartAsked::default(), args.port);
     }
     refuse_outputs(&args.out, &session.files).or_else(|d| session.refuse(d))?;
     let report = compute(session, args)?;

@@ -4,37 +4,74 @@
 //! named on the command line, and only over the text that it was given.
 
 use crate::cli::Outcome;
+use crate::cli::arguments::{JobArg, ReferenceArg, ToolPosesArg};
 use crate::cli::output::session::Session;
 use crate::cli::serve::{HTML, PageRequest, PageResponse, Site, serve};
 use crate::cli::store::files::Recorded;
 use crate::cli::store::write::replace_whole;
-use abbe::options::BenchPage;
+use abbe::options::{BenchPage, Reference};
+use abbe::text::shown;
 use abbe::{Cancellation, Diagnostic, Files, Run, codes, workbench};
 use hyper::{Method, StatusCode};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 #[derive(Debug, clap::Args)]
+#[command(mut_arg("job", |option| option.conflicts_with("tool_poses")))]
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
+    #[command(flatten)]
+    tool_poses: ToolPosesArg,
+    #[command(flatten)]
+    job: JobArg,
+    #[command(flatten)]
+    reference: ReferenceArg,
     /// Port on 127.0.0.1 (0 to 65535) [default: any that is free].
     #[arg(long, default_value_t = 0, hide_default_value = true)]
     port: u16,
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
-    open(session, &args.machine, args.port)
+    let Args { tool_poses, job, reference, .. } = args;
+    let part = PartAsked {
+        work: job.job.clone().or_else(|| tool_poses.tool_poses.clone()),
+        part: StatedPart { reference: reference.reference.clone(), path: job.path },
+    };
+    open(session, &args.machine, part, args.port)
+}
+
+/// The part with which the page begins.
+#[derive(Debug, Default, Serialize)]
+pub(super) struct PartAsked {
+    /// Job file, or file of tool poses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    work: Option<PathBuf>,
+    part: StatedPart,
+}
+
+/// What is stated of the part beside its file.
+#[derive(Debug, Default, Serialize)]
+struct StatedPart {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reference: Option<Reference>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    path: Option<bool>,
 }
 
 /// Serves the workbench of a machine until the program is ended.
-pub(super) fn open(session: &mut Session, machine: &Path, port: u16) -> Outcome {
+pub(super) fn open(session: &mut Session, machine: &Path, part: PartAsked, port: u16) -> Outcome {
     if session.files.read(machine).is_err() {
         // The refusal names the reason.
         session.load(machine, None)?;
+    }
+    if let Some(work) = part.work.as_ref().filter(|work| session.files.read(work).is_err()) {
+        let message = format!("`{}` cannot be read", shown(&work.display().to_string()));
+        let help = "name a job file, or a file of tool poses, from the folder in which the program runs";
+        return session.refuse(Diagnostic::new(codes::E0101, message).help(help));
     }
     let unserved = |message: String| Diagnostic::new(codes::E0631, message);
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).or_else(|failure| {
@@ -43,7 +80,7 @@ pub(super) fn open(session: &mut Session, machine: &Path, port: u16) -> Outcome 
     })?;
     let port = listener.local_addr().map_or(port, |address| address.port());
     let bench = token().and_then(|token| {
-        let bench = Bench::new(machine, session.root(), token);
+        let bench = Bench::new(machine, session.root(), token).with_part(&part);
         serve(listener, port, Arc::new(bench))
     });
     bench.or_else(|failure| session.refuse(unserved(format!("the page cannot be served: {failure}"))))?;
@@ -68,6 +105,8 @@ fn token() -> std::io::Result<String> {
 /// A machine file on the workbench.
 struct Bench {
     machine: PathBuf,
+    /// The part with which the page begins.
+    part: Value,
     /// The folder of `--confined`.
     root: Option<PathBuf>,
     token: String,
@@ -117,7 +156,11 @@ impl Bench {
         let start = json!({"evaluator": "program", "token": token}).to_string();
         let page = BenchPage { start: &start, nonce: &token, is_served: true, ..BenchPage::default() }.html();
         let (machine, root) = (machine.to_owned(), root.map(Path::to_owned));
-        Self { machine, root, token, page, saving: Mutex::default(), inputs: Mutex::default() }
+        Self { machine, part: json!({}), root, token, page, saving: Mutex::default(), inputs: Mutex::default() }
+    }
+
+    fn with_part(self, part: &PartAsked) -> Self {
+        Self { part: json!(part), ..self }
     }
 
     fn post(&self, path: &str, body: &str, cancellation: &Cancellation) -> PageResponse {
@@ -161,7 +204,11 @@ impl Bench {
 
     fn open(&self) -> PageResponse {
         match self.text() {
-            Some(text) => answer(StatusCode::OK, &json!({"machine": self.machine, "text": text})),
+            Some(text) => {
+                let mut open = self.part.clone();
+                (open["machine"], open["text"]) = (json!(self.machine), text.into());
+                answer(StatusCode::OK, &open)
+            }
             None => failure(StatusCode::NOT_FOUND, "the file cannot be read as text"),
         }
     }
@@ -213,7 +260,11 @@ mod tests {
             assert_eq!(ask(&bench, Method::GET, path, Some("secret"), &Value::Null).0, 404, "{path}");
         }
         let post = |path: &str, body: &Value| ask(&bench, Method::POST, path, Some("secret"), body);
-        assert_eq!(post("/open", &Value::Null).1["text"], "abbe: 1\n");
+        assert_eq!(post("/open", &Value::Null).1, json!({"machine": &file, "text": "abbe: 1\n"}));
+        let part = PartAsked { work: Some("job.yaml".into()), part: StatedPart { reference: None, path: Some(true) } };
+        let open = Bench::new(&file, None, "secret".to_owned()).with_part(&part).open();
+        let open: Value = serde_json::from_slice(&open.body).unwrap();
+        assert_eq!((&open["work"], &open["part"]), (&"job.yaml".into(), &json!({"path": true})));
         assert_eq!(post("/save", &save("other", "x")).0, 409);
         assert_eq!(post("/save", &json!({"text": "x"})).0, 400);
         assert_eq!(std::fs::read_to_string(&file).unwrap(), "abbe: 1\n");

@@ -235,8 +235,8 @@ pub(crate) fn told(machine: &Machine, missed: &[MissedToolPose], asked: usize) -
     let lacks = lacks.most_first().iter().map(|lack| lack.words("row")).collect::<Vec<_>>().join(", ");
     if missed.len() == asked {
         let message = format!("`{name}` reaches none of the {asked} tool poses: {lacks}");
-        let help = "tips count from the workpiece origin, in the workpiece frame: check that origin, the tool \
-         and the travels";
+        let help = "tips count from the workpiece origin, in the workpiece frame: check that origin, the tool, the \
+                    travels and `place` of a job; `reach --place` tries others";
         return Diagnostic::new(codes::E0613, message).help(help);
     }
     let message = format!("`{name}` does not reach {} of {asked} tool poses: {lacks}", missed.len());

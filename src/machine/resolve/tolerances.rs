@@ -195,7 +195,7 @@ fn joint(
                 context.at_key(codes::E0416, &here, format!("`{}` is not one bound", dotted_path(&here)), help);
                 continue;
             }
-            if by_letter(context, axis, family, slot >= 2, &here, errors) {
+            if by_letter(context, axis, family, if slot < 2 { SHIFTS } else { TURNS }, &here, errors) {
                 continue;
             }
             let of = FigureOf {
@@ -230,10 +230,12 @@ fn pair(context: &mut Context, name: &str, entry: &BoundEntry, at: &Keys, errors
     };
     let here = if figure.value.is_some() { context.value_of(at) } else { at.clone() };
     let carrying = AxisName::new(MAIN_AXES[*second]);
-    if carrying.is_some_and(|axis| by_letter(context, &axis, ErrorFamily::Location, true, &here, errors)) {
+    let pair = [*first, *second];
+    // A squareness is a turn about the third of X, Y, Z.
+    let about = [Direction::ALL[6 - first - second]];
+    if carrying.is_some_and(|axis| by_letter(context, &axis, ErrorFamily::Location, &about, &here, errors)) {
         return;
     }
-    let pair = [*first, *second];
     let of = FigureOf { name, direction: Direction::A, constant: false, positioning: false };
     if let Some(value) = half_width(context, &figure, &of, &here)
         && all.squareness.insert(pair, value).is_some()
@@ -242,16 +244,18 @@ fn pair(context: &mut Context, name: &str, entry: &BoundEntry, at: &Keys, errors
     }
 }
 
-/// Refuses a bound along or across an axis beside one by letter in the same three directions.
+const SHIFTS: &[Direction] = &[Direction::X, Direction::Y, Direction::Z];
+const TURNS: &[Direction] = &[Direction::A, Direction::B, Direction::C];
+
+/// Refuses a bound along or across an axis beside one by letter in one of these directions.
 fn by_letter(
     context: &mut Context,
     axis: &AxisName,
     family: ErrorFamily,
-    turns: bool,
+    slots: &[Direction],
     at: &Keys,
     errors: &Errors,
 ) -> bool {
-    let slots = if turns { &Direction::ALL[3..] } else { &Direction::ALL[..3] };
     let sides = [errors.joints.get(axis), errors.other_side.get(axis).map(|(_, errors)| errors)];
     let is_bound = |direction: &&Direction| {
         let terms = sides.iter().flatten().map(|errors| &errors.six(family)[direction.index()]);

@@ -109,10 +109,10 @@ pub struct DrawnMachineFigures {
 }
 
 impl DrawnMachineFigures {
-    /// Returns the 95 % value (um) against the limit of a job.
-    pub(crate) fn against(&self, limit: &JobLimit) -> LimitVerdict {
+    /// Returns the 95 % value (um) against the limit of a job, with the spread of values that act in each machine.
+    pub(crate) fn against(&self, limit: &JobLimit, spread_um: Option<[f64; 2]>) -> LimitVerdict {
         let interval = self.percentiles.get("p95").and_then(|of| Some([of.low?, of.high?]));
-        limit.on_machines(self.p95, interval)
+        limit.on_machines(self.p95, interval, spread_um)
     }
 }
 

@@ -22,7 +22,8 @@ pub struct MachineDifference {
     pub poses: usize,
     /// Seed of the tool poses.
     pub seed: u64,
-    /// `bounds` where neither machine has errors with values: then figures are 95 % values of machines drawn.
+    /// `bounds` where one of the machines bounds errors: then figures are the largest deviation that 95 % of machines
+    /// drawn do not exceed; errors with values act in each.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub from: Option<&'static str>,
     /// 95 % position deviation of each machine at these tool poses, um.

@@ -107,6 +107,10 @@ export interface Store {
 export interface OpenFile {
   machine: string;
   text: string;
+  /** Job file, or file of tool poses, with which the page begins. */
+  work?: string;
+  /** What is stated of that part beside its file. */
+  part?: StatedPart;
 }
 
 export type Axis = results.ChainAxis;

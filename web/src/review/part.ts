@@ -139,6 +139,14 @@ export class Part {
     this.update();
   }
 
+  /** Begins with a part that the command line names; the page's address has a newer one. */
+  begin(work: string | undefined, stated: StatedPart | undefined): void {
+    this.stated = stated ?? {};
+    if (!work || place().work) return;
+    move({ work });
+    this.input.value = work;
+  }
+
   /** The part that is shown: the one that is named, or else the job of the machine file if there is one. */
   get work(): NamedPart | null {
     const named = this.named();

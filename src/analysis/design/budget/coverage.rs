@@ -1,6 +1,7 @@
 //! Which of the errors that act in a machine have a value, a bound, or neither; and bounds that stand in for the last.
 
-use super::bounds::{Bound, adding, bounds, is_measured, known};
+use super::bounds::{Bound, adding, bounds, is_measured};
+use super::staying::count_staying;
 use crate::machine::{Class, Machine, classes};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -12,7 +13,7 @@ pub const STAND_IN_CLASS: &str = "production";
 /// that are no choice of coordinates.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct Coverage {
-    /// Number of errors with a value.
+    /// Number of errors with a value that no bound stands for.
     pub valued: usize,
     /// Number of errors that are bounded, by the file or by a class.
     pub bounded: usize,
@@ -31,7 +32,7 @@ impl Coverage {
         let is_whole = in_force.is_empty() && is_measured(machine);
         let open = if is_whole { Vec::new() } else { open(machine, in_force, class.as_ref()) };
         let missing = open.iter().map(Bound::to_string).collect();
-        Self { valued: known(machine), bounded: in_force.len(), missing, open }
+        Self { valued: count_staying(machine, in_force), bounded: in_force.len(), missing, open }
     }
 
     /// Number of errors that act.
