@@ -27,8 +27,8 @@ pub use super::eval::{EvalResult, EvalUnits, PoseResult};
 pub use super::explain::Explanation;
 pub use super::goal::{GoalCost, GoalTolerance, ToleranceGoal};
 pub use super::identify::{
-    ExpectedParameter, FittedDatum, FittedError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue,
-    LackOfFit, MeasurementPlan, MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares,
+    BentError, ExpectedParameter, FittedDatum, FittedError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual,
+    KnownValue, LackOfFit, MeasurementPlan, MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares,
     OutlierPlace, PlannedPose, PredictedUncertainty, RepeatedReadings, ResidualTest, Rms, RmsBeforeAfter,
     ScatterOfKind, SharedUncertainty,
 };

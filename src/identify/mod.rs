@@ -36,7 +36,7 @@ pub use model::{
     unused_entries, with_command_line,
 };
 pub use solve::{
-    DatumChange, DatumConditions, DeviationUncertainty, Estimate, FitInData, FormUncertainty, Outlier, ParameterFit,
-    Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, fit, form_uncertainty,
-    held_out, in_datum, measured_ranges, plan, randomness, solve, unheld,
+    Bend, DatumChange, DatumConditions, DeviationUncertainty, Estimate, FitInData, FormUncertainty, Outlier,
+    ParameterFit, Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, fit,
+    form_uncertainty, held_out, in_datum, measured_ranges, plan, randomness, solve, unheld,
 };

@@ -169,14 +169,49 @@ pub const MIN_FORM_POSITIONS: usize = 6;
 pub const SAME_POSITION_SHARE: f64 = 1e-3;
 /// Least interval of positions, as a share of the travel.
 pub const MIN_FORM_SPAN_SHARE: f64 = 0.01;
-/// Correlation lengths, as shares of the interval: from two thirds of the distance of the knots to a quarter.
-pub const CORRELATION_LENGTHS: [f64; 3] = [0.06, 0.12, 0.25];
-/// Sizes of a form, in standard deviations of a reading.
-pub const FORM_SIZES: [f64; 7] = [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0];
+/// Correlation lengths, as shares of the interval: from two thirds of the distance of the knots to a single bend.
+pub const CORRELATION_LENGTHS: [f64; 3] = [0.06, 0.15, 0.4];
+/// The longest of a rotary axis (deg): bearings and worms repeat several times a turn.
+pub const ROTARY_CORRELATION_LENGTHS_DEG: [f64; 3] = [10.0, 25.0, 60.0];
+/// Knots of a form over the interval.
+pub const MIN_FORM_KNOTS: usize = 12;
+/// Largest distance of the knots of a rotary axis (deg): its shortest correlation length.
+pub const ROTARY_FORM_STEP_DEG: f64 = 10.0;
+/// Number of knots of all errors of all axes above which each axis has fewer, but the least. Above: memory and time
+/// grow with its square.
+pub const MAX_FORM_KNOTS: usize = 1300;
+/// Variance of a mode of a form, as a share of its largest, below which sizes are estimated without it.
+pub const MIN_FORM_MODE_SHARE: f64 = 1e-2;
+/// Largest number of modes of all forms; the readings feel the others least. Above: time grows with its third power.
+pub const MAX_FORM_MODES: usize = 500;
+/// Size of a form before the data, in standard deviations of a reading.
+pub const FORM_SIZE: f64 = 0.5;
+/// Standard deviations before the data of logarithms of sizes: of the common size of all forms, of the size of all
+/// displacements (or rotations) beside it, of those of an axis beside these, and of each error beside those of its
+/// axis. Below: a bent error among straight ones is shared out; above: sizes that the data do not separate go astray.
+pub const FORM_SIZE_SPREADS: [f64; 4] = [1.5, 0.7, 0.5, 1.0];
+/// Share of the data in what is known of a size, the rest being those of the other forms, below which it counts as
+/// tied to them.
+pub const MIN_SIZE_RESOLUTION: f64 = 0.5;
+/// Steps of the estimate of all sizes.
+pub const MAX_FORM_STEPS: usize = 25;
+/// Largest step of the logarithm of a size: beyond, the quadratic model of the likelihood means nothing.
+pub const MAX_SIZE_STEP: f64 = 1.5;
+/// Step of the logarithms from which they have settled: no size is known to 2 %.
+pub const SETTLED_SIZE_STEP: f64 = 0.02;
 /// Probability before the data that the axes have no form. Below: forms are found in noise; above: they are missed.
 pub const PRIOR_PROBABILITY_NO_FORM: f64 = 0.75;
 /// Probability of any form from which the forms are stated.
 pub const MIN_FORM_PROBABILITY: f64 = 0.5;
+/// Errors that are named as bent.
+pub const MAX_BENDS: usize = 5;
+/// Sum of squares that a richer curve takes off, over its number of functions and the variance of a reading, from which
+/// an error is bent: of three functions one error in a hundred thousand exceeds it by chance.
+pub const MIN_BEND_RATIO: f64 = 8.0;
+/// Share of the residual sum of squares that it takes off. Below: bends are named that nobody would miss.
+pub const MIN_BEND_SHARE: f64 = 0.02;
+/// [`RANK_TOLERANCE`] of squared effects of such functions. Below: what the unknowns follow already is a bend.
+pub const BEND_RANK_TOLERANCE: f64 = 1e-6;
 /// Sum of squares, over the variance of a reading, that a form of the size of the scatter must make to be seen.
 pub const MIN_FORM_SQUARES: f64 = 1e-3;
 /// Share of the other kind of motion from which displacements or rotations of an axis are stated.

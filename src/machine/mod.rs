@@ -42,7 +42,7 @@ pub use conventions::{Conventions, ErrorsAre, Joints, LinearOrder, Location, Loc
 pub use curve::{Curve, sin_cos_degrees};
 pub use difference::{ErrorSizes, MachineProperty};
 pub use errors::{ComponentError, ErrorTerm, JointErrors};
-pub use form::{MAX_EIGEN_STEPS, MIN_MODE_SHARE, ResidualForm};
+pub use form::ResidualForm;
 pub use frame::{Frames, JointFrame};
 pub use geometry::{AxisGeometry, Geometry, Origins, Position, ReferencePoint, SideGeometry, Sides, Unstated};
 pub use joint::{ErrorFactor, JointConvention, LocationAction, MotionSide};

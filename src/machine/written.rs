@@ -236,14 +236,15 @@ fn covariance(parts: &MachineParts) -> String {
         };
         format!("  - {{ {errors}{setup} }}\n")
     };
-    let form = |ResidualForm { axis, size, rotation, length }: &ResidualForm| {
-        let turns = parts.axes.iter().any(|of| of.name == *axis && of.kind == AxisKind::Rotary);
+    let form = |form: &ResidualForm| {
+        let turns = parts.axes.iter().any(|of| of.name == form.axis && of.kind == AxisKind::Rotary);
         let unit = if turns { "deg" } else { "mm" };
-        let axis = quote(axis.as_str());
-        let size = if *size > 0.0 { format!(", size: {} mm", number(*size)) } else { String::new() };
-        let turned = *rotation > 0.0;
-        let rotation = if turned { format!(", rotation: {} urad", number(*rotation * 1e6)) } else { String::new() };
-        format!("  - {{ form: {{ axis: {axis}{size}{rotation}, length: {} {unit} }} }}\n", number(*length))
+        format!(
+            "  - {{ form: {{ axis: {}{}, length: {} {unit} }} }}\n",
+            quote(form.axis.as_str()),
+            form_sizes(form),
+            number(form.length)
+        )
     };
     let joint = parts.covariance.iter().filter(|part| !part.is_empty()).map(line);
     let unheld = parts.unheld.iter().map(|motion| format!("  - {{ unheld: {{ {} }} }}\n", amounts(&motion.amounts())));
@@ -255,6 +256,25 @@ fn covariance(parts: &MachineParts) -> String {
     let measured = (!ranges.is_empty()).then(|| format!("  - {{ measured: {{ {} }} }}\n", ranges.join(", ")));
     let lines: String = joint.chain(parts.forms.iter().map(form)).chain(unheld).chain(measured).collect();
     if lines.is_empty() { lines } else { format!("covariance:\n{lines}") }
+}
+
+/// Returns the sizes of a form: one of all displacements and one of all rotations, or those of the errors.
+fn form_sizes(form: &ResidualForm) -> String {
+    let amount = |direction: Direction, size: f64| {
+        if direction.is_rotation() { format!("{} urad", number(size * 1e6)) } else { format!("{} mm", number(size)) }
+    };
+    let [x, y, z, a, b, c] = form.sizes;
+    if x == y && y == z && a == b && b == c {
+        let size = if x > 0.0 { format!(", size: {}", amount(Direction::X, x)) } else { String::new() };
+        let rotation = if a > 0.0 { format!(", rotation: {}", amount(Direction::A, a)) } else { String::new() };
+        return size + &rotation;
+    }
+    let one = |direction: &Direction| {
+        let (axis, family, direction) = (form.axis.clone(), ErrorFamily::Component, *direction);
+        let size = form.scatter(direction);
+        (size > 0.0).then(|| format!("{}: {}", ErrorId { axis, family, direction }, amount(direction, size)))
+    };
+    format!(", errors: {{ {} }}", Direction::ALL.iter().filter_map(one).collect::<Vec<_>>().join(", "))
 }
 
 /// Bounds along and across axes of the chain, and squareness.

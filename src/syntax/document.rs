@@ -220,6 +220,8 @@ pub struct FormEntry {
     pub size: Option<Scalar>,
     /// Standard deviation of its rotation about each direction.
     pub rotation: Option<Scalar>,
+    /// Standard deviations of single errors instead, such as `EXX: 1 um`; those left out have no form.
+    pub errors: IndexMap<String, Scalar>,
     /// Correlation length: a length or, of a rotary axis, an angle.
     pub length: Option<Scalar>,
 }

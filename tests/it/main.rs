@@ -43,6 +43,7 @@ mod figures;
 mod fits;
 #[cfg(target_os = "linux")]
 mod foreign_folders;
+mod forms;
 mod frames;
 mod goal;
 mod golden_signs;

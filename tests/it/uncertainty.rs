@@ -173,6 +173,10 @@ fn parts_that_make_no_sense_are_refused() {
         ("3", "E0202", "covariance"),
         ("[{ form: { axis: X, size: 2 um } }]", "E0203", "`length`"),
         ("[{ form: { axis: X, length: 50 mm } }]", "E0203", "`size` or `rotation`"),
+        ("[{ form: { axis: X, errors: { EXY: 1 um }, length: 50 mm } }]", "E0209", "no error of the axis `X`"),
+        ("[{ form: { axis: X, size: 1 um, errors: { EXX: 1 um }, length: 50 mm } }]", "E0209", "twice"),
+        ("[{ form: { axis: X, errors: { EXX: 0 um }, length: 50 mm } }]", "E0213", "not above zero"),
+        ("[{ form: { axis: X, size: 2 um, length: 2.4 mm } }]", "E0213", "below 1/200 of the travel"),
         ("[{ form: { axis: X, rotation: 0 urad, length: 50 mm } }]", "E0213", "not above zero"),
         ("[{ form: { axis: X, rotation: 2 um, length: 50 mm } }]", "E0205", "rotation"),
         ("[{ form: { axis: W, size: 2 um, length: 50 mm } }]", "E0406", "`W` is not an axis"),
@@ -217,6 +221,32 @@ fn a_form_is_the_uncertainty_of_each_displacement() {
     assert!(csv.contains("U dx [mm],U dy [mm],U dz [mm],U wx [rad],U wy [rad],U wz [rad]"), "{csv}");
     let text = abbe(&["eval", &file, "--at", "X=0"]);
     assert!(text.contains("U (k = 2) behind \u{b1}") && text.contains("0 \u{b1} 10"), "{text}");
+}
+
+/// At every position a form has its size, however short its length, on a turning axis too; each error its own.
+#[test]
+fn a_form_has_its_size_everywhere() {
+    let folder = Folder::new("uncertainty-form-everywhere");
+    let of = |length: &str| {
+        let forms = format!(
+            "covariance:\n  - {{ form: {{ axis: X, errors: {{ EXX: 3 um, EZX: 1 um }}, length: {length} }} }}\n"
+        );
+        let file = machine(&folder, "m.yaml", &forms);
+        let reaches = (0..40).flat_map(|i| {
+            let at = format!("X={}", 500.0 * f64::from(i) / 39.0);
+            let found = json(&["eval", &file, "--at", &at, "--format", "json"])["poses"][0]["uncertainty"].clone();
+            let one = move |(k, size): (usize, f64)| found["deviation"][k].as_f64().unwrap() / (2.0 * size) - 1.0;
+            [(0, 3e-3), (2, 1e-3)].map(one)
+        });
+        let off = reaches.map(f64::abs).fold(0.0, f64::max);
+        let parts =
+            json(&["map", &file, "--random", "5", "--format", "json"])["uncertainty"]["parts"].as_u64().unwrap();
+        (off, parts)
+    };
+    let (short, long) = (of("4 mm"), of("100 mm"));
+    assert!(short.0 < 2e-3 && long.0 < 2e-3, "{short:?} {long:?}");
+    // Waves up to 3.9 over the length: 1 + 2 * 0.59 (T / l + 3) of each error.
+    assert!((250..350).contains(&short.1) && (14..30).contains(&long.1), "{short:?} {long:?}");
 }
 
 /// The lever arm of X's rotations is that from its origin, which rides with it, down to the tip: Z - 100 mm.

@@ -118,10 +118,22 @@ class FormOfAxis(Record):
     """The form of an axis beside its fitted curves."""
 
     axis: Annotated[str, "The axis."]
-    size_um: Annotated[float, "Standard deviation of what the fitted curves leave of each displacement, um; 0 if none is stated."]
-    rotation_urad: Annotated[float, "Standard deviation of what the fitted curves leave of each rotation, urad; 0 if none is stated."]
+    size_um: Annotated[float, "Standard deviation of what the fitted curves leave of a displacement, um, root mean square of the three; 0 if none is stated."]
+    rotation_urad: Annotated[float, "Standard deviation of what the fitted curves leave of a rotation, urad, root mean square of the three; 0 if none is stated."]
+    sizes_um: Annotated[list[float], "Standard deviation of each displacement, along X, Y and Z, um."]
+    rotations_urad: Annotated[list[float], "Standard deviation of each rotation, about X, Y and Z, urad."]
     length: Annotated[float, "Correlation length, in ``unit``."]
     unit: Annotated[str, "mm or deg."]
+
+
+class BentError(Record):
+    """An error that a richer curve would bend."""
+
+    error: Annotated[str, "The error."]
+    bend: Annotated[float, "Largest less smallest value of what the curve would add to it, over the positions measured, in ``unit``."]
+    unit: Annotated[str, "um or urad."]
+    rms_ratio: Annotated[float, "Root mean square of the residuals that it would leave, over that of today."]
+    fit: Annotated[Union[str, None], "Word of ``--fit`` that fits the curve; none where ``linear`` holds the error straight."]
 
 
 class LackOfFit(Record):
@@ -129,6 +141,8 @@ class LackOfFit(Record):
 
     probability: Annotated[float, "Probability that there is any, with odds of one to three before the data."]
     forms: Annotated[list[FormOfAxis], "The axes with their forms, if one is likelier than none."]
+    bends: Annotated[list[BentError], "Errors that a richer curve would bend, the one first that takes most off the residuals."]
+    tied: Annotated[list[str], "Errors with a form whose size is tied to those of the others: the readings do not tell it from them."]
 
 
 class RmsBeforeAfter(Record):

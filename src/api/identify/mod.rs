@@ -10,7 +10,7 @@ mod plan;
 pub use crate::identify::verdict::datum::FittedError;
 pub use crate::identify::verdict::fitted::FittedDatum;
 pub use crate::identify::verdict::result::{
-    FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue, LackOfFit, NamedSvg, OrderShares,
+    BentError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual, KnownValue, LackOfFit, NamedSvg, OrderShares,
     OutlierPlace, PredictedUncertainty, RepeatedReadings, RmsBeforeAfter, ScatterOfKind, SharedUncertainty,
 };
 pub use crate::identify::{MonomialCoefficient, MonomialComponent, ResidualTest, Rms};

@@ -1,7 +1,9 @@
 //! The result of `abbe identify` as text and CSV.
 
 use super::view::table;
-use abbe::results::{FittedParameter, FormOfAxis, IdentifyResult, RepeatedReadings, ResidualTest, SharedUncertainty};
+use abbe::results::{
+    BentError, FittedParameter, FormOfAxis, IdentifyResult, RepeatedReadings, ResidualTest, SharedUncertainty,
+};
 use abbe::text::significant;
 
 /// Coverage factor (95 %) of 29 degrees of freedom; larger ones are printed.
@@ -119,14 +121,28 @@ fn residuals(r: &IdentifyResult) -> String {
     text
 }
 
+/// Returns the line on a bent error; the fit leaves `rms_um`.
+fn bend(bent: &BentError, rms_um: f64) -> String {
+    let BentError { error, bend, unit, rms_ratio, fit } = bent;
+    let remedy = fit.as_ref().map_or("`linear` holds it straight".to_owned(), |word| format!("try {word}"));
+    let [before, after] = [rms_um, rms_um * rms_ratio].map(|rms| significant(rms, 3));
+    format!("bend       {error}: {} {unit} of bend; {remedy} (rms {before} to {after} um)\n", significant(*bend, 2))
+}
+
+/// Returns three sizes in words, such as `0.9/1.2/0.8 um`: one if they are alike, `None` of none.
+fn sizes(three: [f64; 3], unit: &str) -> Option<String> {
+    let mut words: Vec<String> = three.iter().map(|size| significant(*size, 2)).collect();
+    words.dedup();
+    three.iter().any(|size| *size > 0.0).then(|| format!("{} {unit}", words.join("/")))
+}
+
 /// Returns the lines on what readings share: the form of the axes beside the curves, and uncertainties of type B.
 fn shared_uncertainties(r: &IdentifyResult) -> String {
     let mut text = String::new();
     if let Some(lack) = r.lack_of_fit.as_ref().filter(|lack| !lack.forms.is_empty()) {
         let form = |f: &FormOfAxis| {
-            let part = |value: f64, unit: &str| (value > 0.0).then(|| format!("{} {unit}", significant(value, 2)));
             let sizes: Vec<String> =
-                [part(f.size_um, "um"), part(f.rotation_urad, "urad")].into_iter().flatten().collect();
+                [sizes(f.sizes_um, "um"), sizes(f.rotations_urad, "urad")].into_iter().flatten().collect();
             format!("{} {} over {} {}", f.axis, sizes.join(" and "), significant(f.length, 2), f.unit)
         };
         let forms: Vec<String> = lack.forms.iter().map(form).collect();
@@ -135,7 +151,11 @@ fn shared_uncertainties(r: &IdentifyResult) -> String {
             significant(lack.probability, 3),
             forms.join(", ")
         );
+        if !lack.tied.is_empty() {
+            text += &format!("           sizes tied to those of the others: {}\n", lack.tied.join(", "));
+        }
     }
+    r.lack_of_fit.iter().flat_map(|lack| &lack.bends).for_each(|bent| text += &bend(bent, r.rms_um.after));
     let one = |u: &SharedUncertainty| match (u.scale_um_per_m, u.offset_um) {
         (Some(scale), _) => format!("{} {} um/m", u.name, significant(scale, 3)),
         (_, offset) => format!("{} {} um", u.name, significant(offset.unwrap_or_default(), 3)),

@@ -28,7 +28,10 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
         own_parameter(machine, name, errors)?;
     }
     for word in &request.fit {
-        for parameter in parameters_of_word(machine, word.trim(), request)? {
+        for mut parameter in parameters_of_word(machine, word.trim(), request)? {
+            if word.trim() == "linear" {
+                free_straightness(machine, request, &mut parameter);
+            }
             add_unique(&mut list, parameter)?;
         }
     }
@@ -46,6 +49,14 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
         return Err(Box::new(Diagnostic::new(codes::E0502, "there is nothing to fit").help(help)));
     }
     Ok(list)
+}
+
+/// Takes those errors out of a slope of `linear` that follow it and have a curve of their own.
+fn free_straightness(machine: &Machine, request: &IdentifyEntry, slope: &mut Parameter) {
+    let own = request.fit.iter().filter_map(|word| split_form(word.trim()));
+    let own: Vec<Source> = own.map(|(error, _)| source(machine, &error)).collect();
+    let main = slope.terms.first().map(|term| term.source);
+    slope.terms.retain(|term| Some(term.source) == main || !own.contains(&term.source));
 }
 
 /// Starts slopes of `linear` and parameters of one's own at the curves of the file, if these are such sums.

@@ -19,6 +19,17 @@ pub struct Scatter {
     pub sigma: f64,
 }
 
+/// A robust fit as one by least squares: to readings whose residuals are limited.
+#[derive(Debug, Clone)]
+pub struct LimitedResiduals {
+    /// Weights of the readings by their scatter alone.
+    pub weights: Vec<f64>,
+    /// Weights that make the limited residuals of those before the limit.
+    pub limited: Vec<f64>,
+    /// Share of the residuals that count in full: the estimate follows only so much of a small change of all readings.
+    pub slope: f64,
+}
+
 /// State of a fit.
 #[derive(Debug, Clone)]
 pub struct ParameterFit {
@@ -30,6 +41,8 @@ pub struct ParameterFit {
     pub squares: f64,
     /// Weight of each measurement.
     pub weights: Vec<f64>,
+    /// The limits of a robust fit.
+    pub limits: Option<LimitedResiduals>,
     /// Scatter of each quantity, if unlike quantities were weighed against each other.
     pub scatter: Vec<Scatter>,
     /// Residual degrees of freedom of the uncertainty of each unknown, if unlike quantities were weighed.
@@ -55,6 +68,7 @@ impl ParameterFit {
             theta,
             reduced,
             weights,
+            limits: None,
             scatter: Vec::new(),
             parameter_freedom: Vec::new(),
             known: model.known_rows().0,
@@ -67,7 +81,8 @@ impl ParameterFit {
 
     /// Returns the fit with the linear problem at other values of the parameters.
     pub fn at(&self, model: &FitModel<'_>, data: &[Measurement], theta: Vec<f64>) -> Self {
-        let reduced = model.triangle(data, &self.weights, &theta);
+        let weights = self.limits.as_ref().map_or(&self.weights, |limits| &limits.weights);
+        let reduced = model.triangle(data, weights, &theta);
         Self { theta, reduced, ..self.clone() }
     }
 }

@@ -8,33 +8,71 @@ use crate::identify::data::{DistanceEnd, Measurement, Reading, lever};
 use crate::identify::model::{BasisFunction, FitModel, Parameter, ParameterTerm, volume_poses};
 use crate::identify::thresholds::*;
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Axis, AxisKind, AxisName, Curve, Direction, Knots};
-use nalgebra::{DMatrix, DVector, Vector3};
+use crate::machine::{Axis, AxisKind, AxisName, Curve, Direction, Knots, ResidualForm, Travel};
+use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector3};
 
-pub(super) const FORM_KNOTS: usize = 12;
 /// An interval of an axis with even knots.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct KnotInterval {
     /// First and last knot, mm or deg.
     pub min: f64,
     pub max: f64,
+    /// Number of knots.
+    pub count: usize,
+    /// Correlation lengths that are tried, mm or deg.
+    pub lengths: [f64; 3],
+    /// The shortest length that a machine file states, mm or deg.
+    pub finest: f64,
+    /// True if positions a turn apart are one.
+    turns: bool,
 }
 
 impl KnotInterval {
-    fn knot(&self, i: usize) -> f64 {
-        self.min + (self.max - self.min) * i as f64 / (FORM_KNOTS - 1) as f64
+    fn new(min: f64, max: f64, of: &Axis, axes: usize) -> Self {
+        let (span, is_rotary) = (max - min, of.kind == AxisKind::Rotary);
+        let shortest = span / MIN_FORM_KNOTS as f64;
+        let step = if is_rotary { shortest.min(ROTARY_FORM_STEP_DEG) } else { shortest };
+        let most = (MAX_FORM_KNOTS / (6 * axes.max(1))).max(MIN_FORM_KNOTS);
+        let length = |k: usize| {
+            let length = CORRELATION_LENGTHS[k] * span;
+            if is_rotary { length.min(ROTARY_CORRELATION_LENGTHS_DEG[k]) } else { length }
+        };
+        let count = (libm::ceil(span / step) as usize).clamp(MIN_FORM_KNOTS, most);
+        let (start, end) = of.travel.interval();
+        // A little more: three digits are stated.
+        let finest = 1.01 * (end - start) / ResidualForm::MAX_TRAVEL_OVER_LENGTH;
+        Self { min, max, count, lengths: [0, 1, 2].map(length), finest, turns: of.travel == Travel::Continuous }
+    }
+
+    pub fn knot(&self, i: usize) -> f64 {
+        self.min + (self.max - self.min) * i as f64 / (self.count - 1) as f64
+    }
+
+    /// Returns the position of a knot in the interval, -1 to 1.
+    pub fn relative(&self, i: usize) -> f64 {
+        2.0 * i as f64 / (self.count - 1) as f64 - 1.0
+    }
+
+    /// Returns the distance of two knots, mm or deg.
+    fn apart(&self, i: usize, j: usize) -> f64 {
+        let straight = (self.knot(i) - self.knot(j)).abs();
+        if self.turns { straight.min((TURN_DEG - straight).abs()) } else { straight }
     }
 
     /// Returns the hat functions of the knots: 1 at one of them, 0 at the others, straight between.
     fn hats(&self) -> Option<Vec<Curve>> {
         let one = |k: usize| {
             let points: Vec<(f64, f64)> =
-                (0..FORM_KNOTS).map(|i| (self.knot(i), f64::from(u8::from(i == k)))).collect();
+                (0..self.count).map(|i| (self.knot(i), f64::from(u8::from(i == k)))).collect();
             Knots::new(&points, None).ok().map(Curve::Linear)
         };
-        (0..FORM_KNOTS).map(one).collect()
+        (0..self.count).map(one).collect()
     }
 }
+
+const TURN_DEG: f64 = 360.0;
+/// Steps in which a symmetric matrix of this size is diagonal, or never.
+const MAX_EIGEN_STEPS: usize = 10_000;
 
 /// An axis whose form readings may show.
 pub(super) struct FormedAxis {
@@ -48,30 +86,50 @@ pub(super) struct FormedAxis {
     pub blocks: Vec<FormBlock>,
 }
 
+/// The form of one error of an axis.
 pub(super) struct FormBlock {
-    /// The column of the first.
+    /// The column of the first knot.
     pub first: usize,
-    source: Source,
+    pub interval: KnotInterval,
+    pub source: Source,
     /// Projects values at the knots on the complement of the fitted curve.
     off_curve: DMatrix<f64>,
 }
 
 impl FormBlock {
     /// Returns the covariance of the values at the knots (mm^2 or rad^2) of a form of unit size (mm; of a rotation at
-    /// its lever arm): `P exp(-d^2 / 2 l^2) P^T` for the distance d of two knots and the correlation length l, both as
-    /// shares of the interval, and the projector P off the fitted curve.
-    pub fn kernel(&self, length: f64) -> DMatrix<f64> {
+    /// its lever arm): `P exp(-d^2 / 2 l^2) P^T` for the distance d of two knots, the correlation length l and the
+    /// projector P off the fitted curve.
+    pub fn kernel(&self, length: usize) -> DMatrix<f64> {
         let near = |i: usize, j: usize| {
-            let steps = (i as f64 - j as f64) / ((FORM_KNOTS - 1) as f64 * length);
-            libm::exp(-0.5 * steps * steps)
+            let lengths = self.interval.apart(i, j) / self.interval.lengths[length];
+            libm::exp(-0.5 * lengths * lengths)
         };
-        let unit = lever(self.source.direction);
-        &self.off_curve * DMatrix::from_fn(FORM_KNOTS, FORM_KNOTS, near) * self.off_curve.transpose() / (unit * unit)
+        let (unit, count) = (lever(self.source.direction), self.interval.count);
+        &self.off_curve * DMatrix::from_fn(count, count, near) * self.off_curve.transpose() / (unit * unit)
     }
 
-    /// True of a rotation.
-    pub fn is_rotation(&self) -> bool {
-        self.source.direction.is_rotation()
+    /// Returns independent modes of the form (columns, over its knots), one standard deviation each.
+    pub fn modes(&self, length: usize) -> DMatrix<f64> {
+        let count = self.interval.count;
+        let Some(own) = SymmetricEigen::try_new(self.kernel(length), f64::EPSILON, MAX_EIGEN_STEPS) else {
+            return DMatrix::zeros(count, 0);
+        };
+        let largest = own.eigenvalues.max();
+        let kept: Vec<usize> = (0..count).filter(|k| own.eigenvalues[*k] > MIN_FORM_MODE_SHARE * largest).collect();
+        DMatrix::from_fn(count, kept.len(), |i, j| {
+            own.eigenvectors[(i, kept[j])] * libm::sqrt(own.eigenvalues[kept[j]])
+        })
+    }
+
+    /// Returns its rows and columns of a matrix over all knots.
+    pub fn own(&self, of: &DMatrix<f64>) -> DMatrix<f64> {
+        of.view((self.first, self.first), (self.interval.count, self.interval.count)).into_owned()
+    }
+
+    /// Returns the part of functions, values at the knots (columns), that the fitted curve does not follow.
+    pub fn beside_curve(&self, functions: &DMatrix<f64>) -> DMatrix<f64> {
+        &self.off_curve * functions
     }
 }
 
@@ -80,13 +138,14 @@ pub(super) fn axes_with_forms(model: &FitModel<'_>, data: &[Measurement]) -> Vec
     let axes = model.machines().first().map_or(&[][..], |machine| machine.axes());
     let mut first = 0;
     let mut one = |(axis, of): (usize, &Axis)| {
-        let interval = position_interval(data, axis, of)?;
+        let interval = position_interval(data, axis, of, axes.len())?;
         let hats = interval.hats()?;
         let mut block = |direction: &Direction| {
             let source = Source { place: ErrorSite::Component(axis), direction: *direction };
-            first += FORM_KNOTS;
+            first += interval.count;
             FormBlock {
-                first: first - FORM_KNOTS,
+                first: first - interval.count,
+                interval,
                 source,
                 off_curve: off_curve_projector(model.parameters(), source, interval),
             }
@@ -98,7 +157,7 @@ pub(super) fn axes_with_forms(model: &FitModel<'_>, data: &[Measurement]) -> Vec
 }
 
 /// Returns the interval of the positions of an axis; `None` if they are too few or too near each other.
-fn position_interval(data: &[Measurement], axis: usize, of: &Axis) -> Option<KnotInterval> {
+fn position_interval(data: &[Measurement], axis: usize, of: &Axis, axes: usize) -> Option<KnotInterval> {
     let mut places: Vec<f64> = Vec::new();
     for m in data {
         places.push(m.pose[axis]);
@@ -111,24 +170,31 @@ fn position_interval(data: &[Measurement], axis: usize, of: &Axis) -> Option<Kno
     places.dedup_by(|next, before| *next - *before < SAME_POSITION_SHARE * (max - min));
     let (start, end) = of.travel.interval();
     (places.len() >= MIN_FORM_POSITIONS && max - min >= MIN_FORM_SPAN_SHARE * (end - start))
-        .then_some(KnotInterval { min, max })
+        .then(|| KnotInterval::new(min, max, of, axes))
 }
 
-/// Returns the projector `1 - U U^T` of values at the knots off the space U of the fitted curve of an error.
+/// Returns the projector `1 - U U^T` of values at the knots off the space U of the fitted curve of an error. What moves
+/// other errors, too, such as a slope of `linear`, follows no form of this one by itself.
 fn off_curve_projector(parameters: &[Parameter], source: Source, interval: KnotInterval) -> DMatrix<f64> {
-    let terms: Vec<&ParameterTerm> =
-        parameters.iter().flat_map(|p| &p.terms).filter(|term| term.source == source).collect();
-    let identity = DMatrix::identity(FORM_KNOTS, FORM_KNOTS);
-    if terms.is_empty() {
+    let moves_it_alone = |p: &&Parameter| !p.terms.is_empty() && p.terms.iter().all(|term| term.source == source);
+    let own: Vec<&Parameter> = parameters.iter().filter(moves_it_alone).collect();
+    let identity = DMatrix::identity(interval.count, interval.count);
+    if own.is_empty() {
         return identity;
     }
     // Powers of the relative position span the same space as those of the position.
-    let relative = |i: usize| 2.0 * i as f64 / (FORM_KNOTS - 1) as f64 - 1.0;
-    let value = |i: usize, basis: &BasisFunction| match basis {
-        BasisFunction::Power(k) => (0..*k).fold(1.0, |power, _| power * relative(i)),
-        basis => basis.value(interval.knot(i)),
+    let value = |i: usize, term: &ParameterTerm| match &term.basis {
+        BasisFunction::Power(k) if own.iter().all(|p| p.terms.len() == 1) => {
+            (0..*k).fold(1.0, |power, _| power * interval.relative(i))
+        }
+        basis => term.factor * basis.value(interval.knot(i)),
     };
-    let curve = DMatrix::from_fn(FORM_KNOTS, terms.len(), |i, j| value(i, &terms[j].basis));
+    let sum = |i: usize, j: usize| own[j].terms.iter().map(|term| value(i, term)).sum::<f64>();
+    let mut curve = DMatrix::from_fn(interval.count, own.len(), sum);
+    curve.column_iter_mut().for_each(|mut column| {
+        let norm = column.norm();
+        column /= norm.max(f64::MIN_POSITIVE);
+    });
     let svd = Svd::new(&curve);
     let curve = svd.u.columns(0, svd.rank(DESIGN_RANK_TOLERANCE));
     identity - curve * curve.transpose()
@@ -145,7 +211,22 @@ pub(super) struct Sums {
 }
 
 impl Sums {
-    pub fn of(model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit, axes: &[FormedAxis]) -> Self {
+    /// Adds up the readings of a fit. A robust one is that by least squares to readings whose residuals are limited.
+    pub fn of_fit(model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit, axes: &[FormedAxis]) -> Self {
+        let Some(limits) = &fit.limits else { return Self::of(model, data, fit, axes) };
+        let weighed =
+            |weights: &[f64]| Self::of(model, data, &ParameterFit { weights: weights.to_vec(), ..fit.clone() }, axes);
+        let (mut sums, limited) = (weighed(&limits.weights), weighed(&limits.limited));
+        let last = sums.forms.ncols() - 1;
+        sums.forms.set_column(last, &(limited.forms.column(last) / limits.slope));
+        sums.forms.set_row(last, &(limited.forms.row(last) / limits.slope));
+        sums.forms[(last, last)] = fit.squares;
+        sums.cross.set_column(last, &(limited.cross.column(last) / limits.slope));
+        sums
+    }
+
+    /// Adds up measurements with the weights of a fit.
+    fn of(model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit, axes: &[FormedAxis]) -> Self {
         let knots: Vec<Parameter> = axes.iter().flat_map(|axis| axis.parameters(model)).collect();
         let count = knots.len();
         let own = model.own();
@@ -254,14 +335,8 @@ impl VolumeForms {
     /// Returns two sums of squares of deviations by a block: of the part that the unknowns cannot follow, for values of
     /// this covariance, and of a constant of unit size.
     pub fn squares(&self, block: &FormBlock, covariance: &DMatrix<f64>) -> (f64, f64) {
-        let own = |of: &DMatrix<f64>| of.view((block.first, block.first), (FORM_KNOTS, FORM_KNOTS)).into_owned();
-        (covariance.component_mul(&own(&self.unfollowed)).sum(), own(&self.forms).sum())
+        (covariance.component_mul(&block.own(&self.unfollowed)).sum(), block.own(&self.forms).sum())
     }
-}
-
-/// Returns a square matrix without the rows and columns that are not among `indices`.
-pub(super) fn principal_submatrix(of: &DMatrix<f64>, indices: &[usize]) -> DMatrix<f64> {
-    DMatrix::from_fn(indices.len(), indices.len(), |i, j| of[(indices[i], indices[j])])
 }
 
 #[cfg(test)]

@@ -7,11 +7,13 @@
 //! 3. [`FitInData`], [`Residuals`], [`held_out`], [`randomness()`]: checks of the fit against the data.
 //! 4. [`plan()`]: poses worth measuring, before there are data.
 
+mod bend;
 mod checks;
 mod common;
 mod datum;
 mod fit;
 mod form;
+mod form_sizes;
 mod in_data;
 mod lack_of_fit;
 mod plan;
@@ -22,6 +24,7 @@ mod unheld;
 mod volume;
 mod weighing;
 
+pub use bend::Bend;
 pub use checks::{Outlier, Residuals, held_out};
 pub use common::common;
 pub use datum::{DatumChange, DatumConditions, RigidMotionRemoved, in_datum, measured_ranges};

@@ -2,7 +2,7 @@
 //! the fit (Helmert's variance components), unless the files give uncertainties. With robust weights (Huber) outliers
 //! count less, and the uncertainty is that of Huber's estimate.
 
-use super::fit::{FitSearch, ParameterFit, Scatter};
+use super::fit::{FitSearch, LimitedResiduals, ParameterFit, Scatter};
 use crate::algebra::linear::{ReducedSystem, Triangle};
 use crate::identify::data::{Measurement, ReadingKind};
 use crate::identify::lists::index_of;
@@ -249,6 +249,8 @@ fn apply_huber_estimate(
     let psi = |i: usize| whole[i] * (shares[i] * shares[i]) * residuals[i].norm_squared();
     found.squares = k * k * (0..data.len()).map(psi).sum::<f64>() / (mean * mean);
     found.reduced = model.triangle(data, &whole, &found.theta);
+    let limited = whole.iter().zip(&shares).map(|(weight, share)| weight * share).collect();
+    found.limits = Some(LimitedResiduals { weights: whole, limited, slope: mean });
 }
 
 /// Returns the sizes of the components read of a residual, over their uncertainty.

@@ -5,8 +5,8 @@ use super::fitted::{FitDiagnosis, FittedDatum};
 use super::limits;
 use crate::diagnostic::Sources;
 use crate::identify::{
-    DeviationUncertainty, Estimate, FormUncertainty, Outlier, Parameter, Prediction, PriorValue, ReadingKind, Repeats,
-    ResidualTest, Scatter, SharedEffect, TypeB,
+    Bend, DeviationUncertainty, Estimate, FormUncertainty, Outlier, Parameter, Prediction, PriorValue, ReadingKind,
+    Repeats, ResidualTest, Scatter, SharedEffect, TypeB,
 };
 use crate::job::poses::{AxisPositions, axis_positions};
 use crate::machine::{AxisName, Machine, ResidualForm};
@@ -115,6 +115,25 @@ pub struct LackOfFit {
     pub probability: f64,
     /// The axes with their forms, if one is likelier than none.
     pub forms: Vec<FormOfAxis>,
+    /// Errors that a richer curve would bend, the one first that takes most off the residuals.
+    pub bends: Vec<BentError>,
+    /// Errors with a form whose size is tied to those of the others: the readings do not tell it from them.
+    pub tied: Vec<String>,
+}
+
+/// An error that a richer curve would bend.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct BentError {
+    /// The error.
+    pub error: String,
+    /// Largest less smallest value of what the curve would add to it, over the positions measured, in `unit`.
+    pub bend: f64,
+    /// um or urad.
+    pub unit: &'static str,
+    /// Root mean square of the residuals that it would leave, over that of today.
+    pub rms_ratio: f64,
+    /// Word of `--fit` that fits the curve; none where `linear` holds the error straight.
+    pub fit: Option<String>,
 }
 
 /// The form of an axis beside its fitted curves.
@@ -122,10 +141,16 @@ pub struct LackOfFit {
 pub struct FormOfAxis {
     /// The axis.
     pub axis: String,
-    /// Standard deviation of what the fitted curves leave of each displacement, um; 0 if none is stated.
+    /// Standard deviation of what the fitted curves leave of a displacement, um, root mean square of the three; 0 if
+    /// none is stated.
     pub size_um: f64,
-    /// Standard deviation of what the fitted curves leave of each rotation, urad; 0 if none is stated.
+    /// Standard deviation of what the fitted curves leave of a rotation, urad, root mean square of the three; 0 if none
+    /// is stated.
     pub rotation_urad: f64,
+    /// Standard deviation of each displacement, along X, Y and Z, um.
+    pub sizes_um: [f64; 3],
+    /// Standard deviation of each rotation, about X, Y and Z, urad.
+    pub rotations_urad: [f64; 3],
     /// Correlation length, in `unit`.
     pub length: f64,
     /// mm or deg.
@@ -135,14 +160,32 @@ pub struct FormOfAxis {
 impl LackOfFit {
     fn of(machine: &Machine, found: &FormUncertainty) -> Self {
         let unit = |name: &AxisName| machine.axis_index(name.as_str()).map_or("mm", |i| machine.axes()[i].unit());
-        let form = |ResidualForm { axis, size, rotation, length }: &ResidualForm| FormOfAxis {
-            axis: axis.to_string(),
-            size_um: um(*size),
-            rotation_urad: rotation * 1e6,
-            length: *length,
-            unit: unit(axis),
+        let form = |form: &ResidualForm| FormOfAxis {
+            axis: form.axis.to_string(),
+            size_um: um(form.mean_size(false)),
+            rotation_urad: form.mean_size(true) * 1e6,
+            sizes_um: std::array::from_fn(|k| um(form.sizes[k])),
+            rotations_urad: std::array::from_fn(|k| form.sizes[3 + k] * 1e6),
+            length: form.length,
+            unit: unit(&form.axis),
         };
-        Self { probability: found.probability, forms: found.forms.iter().map(form).collect() }
+        Self {
+            probability: found.probability,
+            forms: found.forms.iter().map(form).collect(),
+            bends: found.bends.iter().map(bent_error).collect(),
+            tied: found.tied.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+fn bent_error(bend: &Bend) -> BentError {
+    let unit = if bend.error.direction.is_rotation() { "urad" } else { "um" };
+    BentError {
+        error: bend.error.to_string(),
+        bend: bend.size * if unit == "um" { 1e3 } else { 1e6 },
+        unit,
+        rms_ratio: libm::sqrt((1.0 - bend.share).max(0.0)),
+        fit: bend.is_free.then(|| format!("{}:{}", bend.error, bend.basis)),
     }
 }
 

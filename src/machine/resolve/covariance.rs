@@ -7,8 +7,9 @@ use super::found_errors::Errors;
 use super::joint_names::{JointNames, find_error};
 use super::parts::{SIX, amounts, setup_at};
 use crate::diagnostic::{codes, did_you_mean, shown};
-use crate::machine::{AxisName, Direction, JointUncertainty, ResidualForm, UnheldMotion};
+use crate::machine::{Axis, AxisName, Direction, JointUncertainty, ResidualForm, UnheldMotion};
 use crate::syntax::{CovarianceEntry, FormEntry, Keys, Scalar, below, keys};
+use crate::units::significant;
 use std::collections::BTreeMap;
 
 /// The section `covariance`.
@@ -130,10 +131,11 @@ fn part(context: &mut Context, known: &JointNames<'_>, index: usize, entry: &Cov
 }
 
 fn form(context: &mut Context, known: &JointNames<'_>, entry: &FormEntry, here: &Keys) -> Option<ResidualForm> {
-    let sized = entry.size.is_some() || entry.rotation.is_some();
+    let sized = entry.size.is_some() || entry.rotation.is_some() || !entry.errors.is_empty();
     let (Some(axis), true, Some(length)) = (&entry.axis, sized, &entry.length) else {
         if !context.document.places.is_marred(here) {
-            let message = format!("`{}` has not all of `axis`, `size` or `rotation`, and `length`", dotted_path(here));
+            let path = dotted_path(here);
+            let message = format!("`{path}` has not all of `axis`, `size` or `rotation` or `errors`, and `length`");
             let remedy = "such as { axis: X, size: 0.8 um, rotation: 3 urad, length: 60 mm }";
             context.at_key(codes::E0203, here, message, remedy);
         }
@@ -141,18 +143,70 @@ fn form(context: &mut Context, known: &JointNames<'_>, entry: &FormEntry, here: 
     };
     let declared = declared_axis(context, known, axis, &below(here, "axis"))?;
     let at_length = below(here, "length");
-    let mut scatter = |written: &Option<Scalar>, direction: Direction, key: &str| {
-        let (Some(written), at) = (written, below(here, key)) else { return Some(0.0) };
-        let value = context.error_value(written, direction, &at)?;
-        context.plausible(value, direction, &at);
-        above_zero(context, value, &at).then_some(value)
-    };
-    let (size, rotation) =
-        (scatter(&entry.size, Direction::X, "size"), scatter(&entry.rotation, Direction::A, "rotation"));
+    let mut sizes = Some([0.0; 6]);
+    for (written, directions, key) in
+        [(&entry.size, &Direction::ALL[..3], "size"), (&entry.rotation, &Direction::ALL[3..], "rotation")]
+    {
+        let Some(written) = written else { continue };
+        let size = scatter(context, written, directions[0], &below(here, key));
+        directions.iter().for_each(|direction| put(&mut sizes, *direction, size));
+    }
+    for (name, written) in &entry.errors {
+        let at = below(&below(here, "errors"), name);
+        let place = context.document.places.key(&at);
+        let Some(spelling) = find_error(context, name, known, place) else { continue };
+        let error = &spelling.error;
+        if error.is_location() || error.axis.as_str() != axis.as_str() {
+            let message = format!("`{error}` is no error of the axis `{}` over its position", shown(axis));
+            context.at_key(codes::E0209, &at, message, "write the errors of one axis, such as EXX to ECX");
+        } else if entry.size.is_some() && !error.direction.is_rotation()
+            || entry.rotation.is_some() && error.direction.is_rotation()
+        {
+            let message = format!("`{}` has the size of `{error}` twice", dotted_path(here));
+            context.at_key(codes::E0209, &at, message, "leave out `size` and `rotation`, or `errors`");
+        } else {
+            let size = scatter(context, written, error.direction, &at);
+            put(&mut sizes, error.direction, size);
+        }
+    }
     let length = context.position(length, declared.kind?, &at_length)?;
     let is_long = above_zero(context, length, &at_length);
-    let (size, rotation) = (size?, rotation?);
-    is_long.then(|| ResidualForm { axis: declared.name.clone(), size, rotation, length })
+    sizes.filter(|sizes| is_long && *sizes != [0.0; 6]).map(|sizes| ResidualForm {
+        axis: declared.name.clone(),
+        sizes,
+        length,
+    })
+}
+
+/// Puts the size of an error, if it is one, to the others, if these are all sizes.
+fn put(sizes: &mut Option<[f64; 6]>, direction: Direction, size: Option<f64>) {
+    match (sizes.as_mut(), size) {
+        (Some(sizes), Some(size)) => sizes[direction.index()] = size,
+        _ => *sizes = None,
+    }
+}
+
+fn scatter(context: &mut Context, written: &Scalar, direction: Direction, at: &Keys) -> Option<f64> {
+    let value = context.error_value(written, direction, at)?;
+    context.plausible(value, direction, at);
+    above_zero(context, value, at).then_some(value)
+}
+
+/// Refuses forms whose length is too small a part of the travel for independent waves to be written out.
+pub fn refuse_fine_forms(context: &mut Context, forms: &[ResidualForm], axes: &[Axis]) {
+    for form in forms {
+        let Some(axis) = axes.iter().find(|axis| axis.name == form.axis) else { continue };
+        let (min, max) = axis.travel.interval();
+        let least = (max - min) / ResidualForm::MAX_TRAVEL_OVER_LENGTH;
+        if form.length >= least {
+            continue;
+        }
+        let (unit, name) = (axis.unit(), &form.axis);
+        let length = significant(form.length, 4);
+        let message = format!("the form of `{name}` has a length of {length} {unit}, below 1/200 of the travel");
+        let help = format!("write {} {unit} or more: a form so fine is noise to all figures", significant(least, 4));
+        context.at_key(codes::E0213, &keys(["covariance"]), message, help);
+    }
 }
 
 fn above_zero(context: &mut Context, value: f64, at: &Keys) -> bool {

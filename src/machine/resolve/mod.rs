@@ -81,6 +81,7 @@ fn parts(context: &mut Context) -> Option<MachineParts> {
         .zip(origins.as_ref())
         .and_then(|((chain, geometry), origins)| in_chain(chain, geometry, origins, &declared, &conventions));
     let volume = axes.as_ref().and_then(|axes| volume::volume(context, axes, &declared));
+    covariance::refuse_fine_forms(context, &forms, axes.as_deref().unwrap_or_default());
     let chain = chain?;
     left_out(context, &declared, &chain, &errors);
     let geometry = geometry?;

@@ -147,7 +147,8 @@ impl MachineData {
         let machine = given.machine;
         let form = |form: &ResidualForm| {
             let unit = machine.axis_index(form.axis.as_str()).map_or("mm", |i| machine.axes()[i].unit());
-            json!({"axis": form.axis.as_str(), "size_um": form.size * 1e3, "rotation_urad": form.rotation * 1e6,
+            json!({"axis": form.axis.as_str(), "size_um": form.mean_size(false) * 1e3,
+                "rotation_urad": form.mean_size(true) * 1e6,
                 "length": form.length, "unit": unit})
         };
         let forms: Vec<Value> = machine.forms().iter().map(form).collect();
