@@ -37,7 +37,7 @@ from ._results import (
 )
 
 #: What is taken out of the deviations of a part.
-ReferenceKind = Literal["machine", "zero", "datum", "best-fit"]
+ReferenceKind = Literal["machine", "machine-less-unheld", "zero", "datum", "best-fit"]
 
 #: An alignment: a second point gives the rotation about an axis through the first.
 #: ``about``: Direction of the axis, part coordinates.
@@ -177,6 +177,9 @@ Instrument = Literal["ball_bar", "r_test", "diagonals", "step_diagonals"]
 
 #: A plane of the workpiece frame; the circle runs from its first to its second direction.
 Plane = Literal["XY", "YZ", "ZX"]
+
+#: The part of the volume over which a fit is judged, and which its machine file states.
+FitRange = Literal["travel", "measured"]
 
 #: Largest corrections that are not refused.
 #: ``length``: Limit for a linear axis, mm.
@@ -787,6 +790,7 @@ class Verbs:
         order: Order | None = None,
         robust: bool = False,
         folds: int | None = None,
+        range: FitRange = "travel",
         machine_file: bool = False,
         accept_undetermined: bool = False,
         pictures: bool = False,
@@ -812,6 +816,7 @@ class Verbs:
         * ``order``: Model to fit: exact by default, or of order 1 or 2.
         * ``robust``: Gives readings that stand out less weight (Huber).
         * ``folds``: Checks the prediction: leaves out every measurement once, in this many parts.
+        * ``range``: Part of the volume over which the fit is judged, and which the machine file states as ``volume``.
         * ``machine_file``: Also writes the fitted machine file; fails if it is one that would be refused.
         * ``accept_undetermined``: Writes the machine file although it holds values whose uncertainty is larger than any
           error of a machine.
@@ -829,6 +834,7 @@ class Verbs:
             "order": order_of(order),
             "robust": robust,
             "folds": folds,
+            "range": range,
             "machine_file": machine_file,
             "accept_undetermined": accept_undetermined,
             "pictures": pictures,
@@ -849,6 +855,7 @@ class Verbs:
         order: Order | None = None,
         robust: bool = False,
         folds: int | None = None,
+        range: FitRange = "travel",
         machine_file: bool = False,
         accept_undetermined: bool = False,
         pictures: bool = False,
@@ -874,6 +881,7 @@ class Verbs:
         * ``order``: Model to fit: exact by default, or of order 1 or 2.
         * ``robust``: Gives readings that stand out less weight (Huber).
         * ``folds``: Checks the prediction: leaves out every measurement once, in this many parts.
+        * ``range``: Part of the volume over which the fit is judged, and which the machine file states as ``volume``.
         * ``machine_file``: Also writes the fitted machine file; fails if it is one that would be refused.
         * ``accept_undetermined``: Writes the machine file although it holds values whose uncertainty is larger than any
           error of a machine.
@@ -891,6 +899,7 @@ class Verbs:
             "order": order_of(order),
             "robust": robust,
             "folds": folds,
+            "range": range,
             "machine_file": machine_file,
             "accept_undetermined": accept_undetermined,
             "pictures": pictures,

@@ -35,7 +35,7 @@ impl PoseUncertainty {
         let motion = |model: &CompiledModel| {
             reference.map(|of| of.motion(of.points().iter().map(|point| model.deviation(&point.pose).position)))
         };
-        let motions: Vec<Option<RigidMotion>> = models.iter().map(motion).collect();
+        let motions: Vec<Option<RigidMotion>> = models.par_iter().map(motion).collect();
         let one = |pose: &Pose| {
             let tip = tip_at(machine, pose);
             let turned = frame_rotation(machine, pose, frame);
@@ -91,7 +91,7 @@ pub(crate) fn field_bands(
     let places: Vec<Pose> = band_places(poses.len(), besides).into_iter().map(|i| poses.get(i)).collect();
     let values = places.par_iter().map(|pose| field.deviation(&conditions.at_pose(pose))).collect();
     let deviations = UncertainDeviations::of(machine, &parts, &places, values, whole, conditions, reference);
-    bands(&[deviations], seed).0.pop()
+    bands(&UncertainDeviations::with_principal_parts(vec![deviations]), seed).0.pop()
 }
 
 /// Returns the intervals of all machines; `None` where no file states an uncertainty, and with minimum zones.
@@ -112,7 +112,7 @@ pub(crate) fn compared_bands(
         let (poses, values): (Vec<Pose>, Vec<_>) = places.iter().map(|place| side.reached[*place].clone()).unzip();
         UncertainDeviations::of(sides[i].0, &parts, &poses, values, side.statistics, conditions, references[i])
     };
-    let machines: Vec<UncertainDeviations> = (0..sides.len()).map(of).collect();
+    let machines = UncertainDeviations::with_principal_parts((0..sides.len()).map(of).collect());
     let (own, differences) = bands(&machines, seed);
     let both = own.into_iter().zip(differences).map(|(own, minus_first)| {
         let [low, high] = minus_first.position_um.p95;

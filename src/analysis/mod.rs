@@ -44,7 +44,9 @@ pub use inverse::{
 };
 pub use path::{AxisMotion, PathEvents, PoleCrossing, Rewind, path_events, solve};
 pub(crate) use uncertainty::figure_of;
-pub use uncertainty::{Bands, SummaryBand, UncertainDeviations, band_places, bands, part_models, uncertain_parts};
+pub use uncertainty::{
+    Bands, SummaryBand, UncertainDeviations, band_places, bands, part_models, spread_places, uncertain_parts,
+};
 pub(crate) use volume::deviations;
 pub use volume::{
     DiagonalRun, Lever, MAX_POSES, MAX_SURVEYED, Map, MapFailure, Plane, PlaneNodes, ReachGrid, Survey, SurveyBlock,

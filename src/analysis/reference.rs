@@ -10,11 +10,12 @@
 //! ([`PartReference::is_linear`]).
 
 use super::minimum_zone::RigidZone;
+use crate::algebra::linear::{Svd, beside};
 use crate::algebra::{exp_hat, rotation_vector};
 use crate::evaluate::{Batch, Columns, Deviation, Field, Order, Output, error_by_error};
 use crate::lower::NominalPose;
-use crate::machine::{ErrorId, Machine, OperatingConditions, OperatingPoint, Pose};
-use nalgebra::{DMatrix, Matrix3, Matrix6x3, SymmetricEigen, Vector3, Vector6};
+use crate::machine::{ErrorId, Machine, OperatingConditions, OperatingPoint, Pose, UnheldMotion};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6x3, SymmetricEigen, Vector3, Vector6};
 use rayon::prelude::*;
 
 /// Below this part of the largest, a direction of the points does not determine a rotation.
@@ -153,6 +154,36 @@ impl PartReference {
         Self { points: poses.iter().zip(tips).map(point).collect(), zone: None }
     }
 
+    /// Returns the part of the best fit over poses (mm, deg) that combines some rigid motions of the workpiece frame.
+    /// A combination that the places do not determine is zero.
+    pub fn part_of_best_fit(machine: &Machine, motions: &[UnheldMotion], poses: &[Pose]) -> Self {
+        let tips: Vec<Vector3<f64>> = poses.par_iter().map(|pose| tip_at(machine, pose)).collect();
+        let (centre, inertia) = moments(&tips);
+        let size = (inertia.trace() / (2.0 * tips.len().max(1) as f64)).sqrt().max(f64::MIN_POSITIVE);
+        let basis = centred_basis(motions, &centre, size);
+        // Displacements of a place by each motion of the basis.
+        let effect = |tip: &Vector3<f64>| -> DMatrix<f64> {
+            let arm = (tip - centre) / size;
+            DMatrix::from_fn(3, basis.ncols(), |i, k| {
+                let column = basis.column(k);
+                column[i] + Vector3::new(column[3], column[4], column[5]).cross(&arm)[i]
+            })
+        };
+        let normal = tips.iter().fold(DMatrix::zeros(basis.ncols(), basis.ncols()), |sum, tip| {
+            let effect = effect(tip);
+            sum + effect.tr_mul(&effect)
+        });
+        let svd = Svd::new(&normal);
+        let rank = svd.rank(RANK);
+        let combined = &basis * svd.root_covariance(rank) * svd.v.columns(0, rank).transpose();
+        let point = |(pose, tip): (&Pose, Vector3<f64>)| {
+            let motion = &combined * effect(&tip).transpose();
+            let three = |first: usize, scale: f64| Matrix3::from_fn(|i, k| motion[(first + i, k)] / scale);
+            ReferencePoint { pose: pose.clone(), tip, gain: gain(&centre, three(0, 1.0), three(3, size)) }
+        };
+        Self { points: poses.iter().zip(tips).map(point).collect(), zone: None }
+    }
+
     /// Returns the minimum zone over poses (mm, deg): the motion that leaves the smallest largest position deviation.
     /// A rotation that the places do not determine is zero.
     pub fn minimum_zone(machine: &Machine, poses: &[Pose]) -> Self {
@@ -271,6 +302,21 @@ pub fn tip_at(machine: &Machine, pose: &[f64]) -> Vector3<f64> {
 fn gain(about: &Vector3<f64>, translation: Matrix3<f64>, turn: Matrix3<f64>) -> Matrix6x3<f64> {
     let at_origin = translation + about.cross_matrix() * turn;
     Matrix6x3::from_fn(|i, k| if i < 3 { at_origin[(i, k)] } else { turn[(i - 3, k)] })
+}
+
+/// Returns an orthonormal basis of rigid motions as translations of a point and rotations about it times a length.
+fn centred_basis(motions: &[UnheldMotion], centre: &Vector3<f64>, size: f64) -> DMatrix<f64> {
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    for motion in motions {
+        let rotation = Vector3::from(motion.rotation);
+        let translation = Vector3::from(motion.translation) + rotation.cross(centre);
+        let column = DVector::from_fn(6, |i, _| if i < 3 { translation[i] } else { rotation[i - 3] * size });
+        let rest = beside(column.clone(), &basis);
+        if rest.norm() > RANK * column.norm() {
+            basis.push(rest.normalize());
+        }
+    }
+    DMatrix::from_fn(6, basis.len(), |i, k| basis[k][i])
 }
 
 /// Returns the centre of places and their moment of inertia about it.

@@ -11,6 +11,7 @@ use super::design::budget::{Normals, Statistic};
 use super::reference::{PartReference, tip_at};
 use crate::evaluate::{CompiledModel, Deviation, Order, Statistics, Summary};
 use crate::machine::{Machine, OperatingConditions, Pose, UncertainPart};
+use nalgebra::{DMatrix, SymmetricEigen, Vector3};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -20,6 +21,10 @@ const MAX_BAND_POSES: usize = 1000;
 /// Number of draws; the interval lies between the 50th from either end.
 const DRAWS: usize = 2000;
 const OUTSIDE: usize = DRAWS / 40;
+
+/// Variance of a principal part, as a share of the largest, below which it is left out: rounding, in another order for
+/// every datum.
+const MIN_PRINCIPAL_SHARE: f64 = 1e-10;
 
 /// Share of a figure from which on it is drawn.
 const STRAIGHT: f64 = 1.0 / 3.0;
@@ -71,6 +76,8 @@ pub struct UncertainDeviations {
     parts: Vec<Vec<Deviation>>,
     /// Statistics over all poses, of which these are some.
     whole: Statistics,
+    /// True if the division of the uncertainty into parts depends on a datum that the data do not hold.
+    depends_on_datum: bool,
 }
 
 impl UncertainDeviations {
@@ -97,7 +104,57 @@ impl UncertainDeviations {
             let left = |pose: &Pose| motion.removed_from(&model.deviation(pose), &tip_at(machine, pose));
             poses.iter().map(left).collect()
         };
-        Self { values, parts: parts.par_iter().map(effect).collect(), whole }
+        let depends_on_datum = !machine.unheld().is_empty();
+        Self { values, parts: parts.par_iter().map(effect).collect(), whole, depends_on_datum }
+    }
+
+    /// Returns the deviations of machines with the principal parts of what the parts do to all of them together, the
+    /// largest first, if the division into parts depends on a datum: figures that are no straight functions of the
+    /// parts, and draws, are then the same for every datum. Parts that only turn the tool come behind those that move
+    /// its tip: readings of the tip do not hold them.
+    pub fn with_principal_parts(machines: Vec<Self>) -> Vec<Self> {
+        let count = machines.first().map_or(0, |machine| machine.parts.len());
+        if count == 0 || !machines.iter().any(|machine| machine.depends_on_datum) {
+            return machines;
+        }
+        // Rows: three components of each pose of each machine.
+        let effects = |of: &dyn Fn(&Deviation) -> Vector3<f64>| -> DMatrix<f64> {
+            let rows = machines.iter().flat_map(|machine| (0..3 * machine.values.len()).map(move |i| (machine, i)));
+            let entry = |(machine, i): (&Self, usize), k: usize| {
+                machine.parts[k].get(i / 3).map_or(0.0, |effect| of(effect)[i % 3])
+            };
+            let rows: Vec<_> = rows.collect();
+            DMatrix::from_fn(rows.len(), count, |i, k| entry(rows[i], k))
+        };
+        let (positions, rotations) = (effects(&|effect| effect.position), effects(&|effect| effect.rotation));
+        let (moving, turning) = principal_directions(&positions);
+        let (turning_only, _) = principal_directions(&(&rotations * &turning));
+        let turned = &rotations * &turning * &turning_only;
+        let (mut positions, mut rotations) = (&positions * &moving, &rotations * &moving);
+        // The largest effect of a part is positive.
+        for (k, mut column) in positions.column_iter_mut().enumerate() {
+            let sign = sign_of_largest(column.iter());
+            column *= sign;
+            rotations.column_mut(k).scale_mut(sign);
+        }
+        let mut first = 0;
+        let with = |machine: Self| {
+            let (start, poses) = (first, machine.values.len());
+            first += 3 * poses;
+            let three = |of: &DMatrix<f64>, i: usize, k: usize| Vector3::from_fn(|j, _| of[(start + 3 * i + j, k)]);
+            let moved = |k: usize| -> Vec<Deviation> {
+                let at = |i| Deviation { position: three(&positions, i, k), rotation: three(&rotations, i, k) };
+                (0..poses).map(at).collect()
+            };
+            let turned_by = |k: usize| -> Vec<Deviation> {
+                let sign = sign_of_largest(turned.column(k).iter());
+                let at = |i| Deviation { position: Vector3::zeros(), rotation: three(&turned, i, k) * sign };
+                (0..poses).map(at).collect()
+            };
+            let parts = (0..positions.ncols()).map(moved).chain((0..turned.ncols()).map(turned_by)).collect();
+            Self { parts, ..machine }
+        };
+        machines.into_iter().map(with).collect()
     }
 
     /// Returns figures of the deviations in draws of the parts (JCGM 101), the same for a seed. Deviations are those of
@@ -129,6 +186,24 @@ impl UncertainDeviations {
         }
         moved
     }
+}
+
+/// Returns the principal directions of the columns of a matrix, orthonormal, the largest effect first, and a basis of
+/// those that have none but rounding.
+fn principal_directions(effects: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
+    if effects.ncols() == 0 {
+        return (DMatrix::zeros(0, 0), DMatrix::zeros(0, 0));
+    }
+    let SymmetricEigen { eigenvectors, eigenvalues } = effects.tr_mul(effects).symmetric_eigen();
+    let least = MIN_PRINCIPAL_SHARE * eigenvalues.iter().copied().fold(0.0, f64::max);
+    let (mut acting, idle): (Vec<usize>, Vec<usize>) = (0..eigenvalues.len()).partition(|k| eigenvalues[*k] > least);
+    acting.sort_by(|a, b| eigenvalues[*b].total_cmp(&eigenvalues[*a]));
+    (eigenvectors.select_columns(&acting), eigenvectors.select_columns(&idle))
+}
+
+/// Returns the sign of the largest entry.
+fn sign_of_largest<'a>(entries: impl Iterator<Item = &'a f64>) -> f64 {
+    entries.fold(0.0, |largest: f64, x| if x.abs() > largest.abs() { *x } else { largest }).signum()
 }
 
 /// Returns the amounts of the parts in a draw.
@@ -173,10 +248,15 @@ pub fn uncertain_parts<'m>(machines: impl IntoIterator<Item = &'m Machine>) -> V
 /// Returns places of a list of `count` at which its figures are looked at: all, or 1000 spread over it,
 /// and `besides`.
 pub fn band_places(count: usize, besides: &[usize]) -> Vec<usize> {
-    if count <= MAX_BAND_POSES {
+    spread_places(count, MAX_BAND_POSES, besides)
+}
+
+/// Returns places of a list of `count`: all, or `most` spread over it, and `besides`.
+pub fn spread_places(count: usize, most: usize, besides: &[usize]) -> Vec<usize> {
+    if count <= most {
         return (0..count).collect();
     }
-    let spread = (0..MAX_BAND_POSES).map(|i| ((i as f64 * GOLDEN).fract() * count as f64) as usize);
+    let spread = (0..most).map(|i| ((i as f64 * GOLDEN).fract() * count as f64) as usize);
     let mut places: Vec<usize> = spread.chain(besides.iter().copied()).collect();
     places.sort_unstable();
     places.dedup();

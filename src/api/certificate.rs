@@ -5,15 +5,15 @@ use crate::controller::{
     Certificate, ControllerTarget, Depth, Figures, Judgement, ProgrammingFigures, RaisedFigure, SingleErrorResidual,
     Strongest, ZeroShift, figures, judge_by, micro,
 };
-use crate::evaluate::{Bare, Field, Order, Summary};
+use crate::evaluate::{Bare, Field, Order, Poses, Summary};
 use crate::file_set::verdict;
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
-use crate::job::reference::{Reference, SetUp};
+use crate::job::reference::{Reference, ReferenceKind, SetUp};
 use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::ReachedToolPoses;
-use crate::machine::{Approach, AxisKind, AxisPositions, Machine, OperatingConditions};
+use crate::machine::{Approach, AxisKind, AxisPositions, Machine, OperatingConditions, Pose};
 use crate::run::{Call, Refused};
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -48,6 +48,8 @@ pub(crate) struct CertificateScope {
     pub depth: Depth,
     /// Those of a job besides.
     job: Option<WorkOfCertificate>,
+    /// True if the figures over the volume are in machine coordinates, whatever the data behind the errors hold.
+    in_machine: bool,
 }
 
 impl CertifiedWork {
@@ -63,13 +65,17 @@ impl CertifiedWork {
         machine: &MachineFile,
         depth: Depth,
     ) -> Result<CertificateScope, Refused> {
-        Ok(CertificateScope { depth, job: self.read(call, machine)? })
+        let job = self.read(call, machine)?;
+        let is_machine = |of: &Reference| of.kind == ReferenceKind::Machine;
+        let in_machine = job.is_none() && self.reference.as_ref().is_some_and(is_machine);
+        Ok(CertificateScope { depth, job, in_machine })
     }
 
     fn read(&self, call: &mut Call<'_>, machine: &MachineFile) -> Result<Option<WorkOfCertificate>, Refused> {
         let paths = self.job_paths();
         let Some(job) = paths.read(call, machine)? else {
-            if self.reference.is_some() {
+            let of_volume = [ReferenceKind::Machine, ReferenceKind::MachineLessUnheld];
+            if self.reference.as_ref().is_some_and(|of| !of_volume.contains(&of.kind)) {
                 return call.usage("the certificate over the volume is in machine coordinates: give a job too");
             }
             return Ok(None);
@@ -98,13 +104,8 @@ pub struct JobCertificate {
 impl JobCertificate {
     fn new(machine: &Machine, field: &dyn Field, work: &WorkOfCertificate) -> Self {
         let WorkOfCertificate { reached, set_up } = work;
-        let bare = Bare { machine, order: Order::Exact };
-        let of = |field: &dyn Field, conditions: OperatingConditions| {
-            let set_up = set_up.field(field, Order::Exact, conditions);
-            figures(set_up.as_ref().map_or(field, |of| of as &dyn Field), &reached.poses, conditions)
-        };
-        let by = |approach: Approach| [&bare as &dyn Field, field].map(|field| of(field, approach.into()));
-        let Judgement { approach: direction, uncompensated, compensated, raised } = judge_by(machine, &by);
+        let Judgement { approach: direction, uncompensated, compensated, raised } =
+            judge(field, set_up, &reached.poses);
         let over = Over::work(machine, &set_up.reference, Some(reached), 0);
         Self { over, direction, uncompensated, compensated, raised }
     }
@@ -113,6 +114,51 @@ impl JobCertificate {
     pub fn raised(&self) -> Option<String> {
         verdict::raise_remark(&self.raised)
     }
+}
+
+/// Returns the figures without and with files at poses (mm, deg), without what a set-up takes out; `field` is the
+/// machine with the files.
+fn judge(field: &dyn Field, set_up: &SetUp, poses: &[Pose]) -> Judgement {
+    let bare = Bare { machine: field.machine(), order: Order::Exact };
+    let of = |field: &dyn Field, conditions: OperatingConditions| {
+        let set_up = set_up.field(field, Order::Exact, conditions);
+        figures(set_up.as_ref().map_or(field, |of| of as &dyn Field), poses, conditions)
+    };
+    judge_by(field.machine(), &|approach: Approach| {
+        [&bare as &dyn Field, field].map(|field| of(field, approach.into()))
+    })
+}
+
+/// Returns a certificate with the figures over the volume without the motions that the data behind the errors do not
+/// hold, and the set-up that takes them out.
+pub(crate) fn without_unheld(
+    machine: &Machine,
+    certificate: Certificate,
+    field: &dyn Field,
+    depth: Depth,
+) -> (Certificate, SetUp) {
+    if machine.unheld().is_empty() {
+        return (certificate, SetUp::machine());
+    }
+    let poses = depth.poses(machine);
+    let set_up = SetUp::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.clone()));
+    let Judgement { approach, uncompensated, compensated, raised } = judge(field, &set_up, &poses);
+    (Certificate { approach, uncompensated, compensated, raised, ..certificate }, set_up)
+}
+
+/// Returns the figures of a certificate over the volume without the motions that the data behind the errors do not
+/// hold, for a field of the machine with files; `None` if the data hold them all.
+pub(crate) fn figures_without_unheld(
+    machine: &Machine,
+    field: &dyn Field,
+    scope: &CertificateScope,
+) -> Option<Figures> {
+    let poses = scope.depth.poses(machine);
+    if scope.in_machine {
+        return None;
+    }
+    let set_up = SetUp::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.clone()));
+    set_up.removed().map(|_| judge(field, &set_up, &poses).compensated)
 }
 
 /// Residual of a machine after a controller has applied a set of files.
@@ -210,14 +256,18 @@ impl CertificateReport {
         scope: &CertificateScope,
         files: Vec<String>,
     ) -> Self {
-        let uncertainty = CertificateBands::of(machine, &certificate, field, scope.depth);
+        let (certificate, set_up) = match scope.in_machine {
+            true => (certificate, SetUp::machine()),
+            false => without_unheld(machine, certificate, field, scope.depth),
+        };
+        let uncertainty = CertificateBands::of(machine, &certificate, field, scope.depth, &set_up);
         let [forward, reverse] = certificate.at_reference.map(|added| by_name(machine, &added));
         Self {
             reference_shift: certificate.shifted.map(|shift| ReferenceShift::new(machine, shift)),
             raised: certificate.raised,
             target: target.manifest.target.clone(),
             files,
-            over: Over::new(OverKind::Volume, machine, &Reference::default(), [certificate.poses; 2]),
+            over: Over::new(OverKind::Volume, machine, &set_up.reference, [certificate.poses; 2]),
             poses: certificate.poses,
             direction: certificate.approach,
             tool: machine.tool().name.clone(),

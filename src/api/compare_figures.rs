@@ -11,9 +11,9 @@ use crate::evaluate::{Difference, Field, Frame, Order, Poses, Statistics, Summar
 use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::Over;
-use crate::job::reference::{Reference, SetUp, unzeroed};
+use crate::job::reference::{Reference, ReferenceKind, SetUp, unzeroed};
 use crate::lower::NominalPose;
-use crate::machine::{Machine, OperatingConditions, Pose};
+use crate::machine::{Machine, OperatingConditions, Pose, UnheldMotion};
 use crate::report::BoundedFigures;
 use crate::run::{Call, Refused};
 use crate::units::significant;
@@ -142,9 +142,9 @@ impl Bounded {
     }
 }
 
-/// Returns the set-ups of the part on all machines, each at its poses for the work. A job without a reference is zeroed
-/// at its origin; where a machine does not reach that, all are in machine coordinates. Returns the reason, too, if the
-/// set-ups are not alike.
+/// Returns the set-ups of the part on all machines, each at its poses for the work. Without a job the motions are
+/// taken out that the data of any of them do not hold. A job without a reference is zeroed at its origin; where a
+/// machine does not reach that, all are in machine coordinates. Returns the reason, too, if the set-ups are not alike.
 pub(crate) fn set_ups(
     call: &mut Call<'_>,
     files: &[MachineFile],
@@ -154,9 +154,15 @@ pub(crate) fn set_ups(
 ) -> Result<(Vec<SetUp>, Option<String>), Refused> {
     let stated = Job::stated(job, asked);
     let is_stated = stated.is_some();
-    let Some(reference) = stated.or_else(|| job.map(Job::zero)) else {
-        return Ok((vec![SetUp::machine(); files.len()], None));
-    };
+    let reference = stated.or_else(|| job.map(Job::zero)).unwrap_or_else(Reference::machine_less_unheld);
+    if reference.kind == ReferenceKind::MachineLessUnheld {
+        // What one machine is without, all are without.
+        let motions: Vec<UnheldMotion> = files.iter().flat_map(|file| file.unheld()).copied().collect();
+        let without = |(machine, poses): &(&Machine, Vec<Pose>)| {
+            SetUp::less_unheld(machine, &motions, &Poses::Listed(poses.clone()))
+        };
+        return Ok((sides.iter().map(without).collect(), None));
+    }
     let mut list = Vec::new();
     for ((machine, poses), file) in sides.iter().zip(files) {
         match SetUp::new(machine, &reference, poses) {

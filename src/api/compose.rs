@@ -1,9 +1,9 @@
 //! Sets of two targets on one controller: kinematic parameters, and tables for what they leave. A subfolder for each
 //! target, one manifest over both.
 
-use super::certificate::{CertificateReport, CertificateScope, CertificateStep};
+use super::certificate::{CertificateReport, CertificateScope, CertificateStep, figures_without_unheld};
 use super::compile::{CompileOptions, refuse_unverified};
-use crate::controller::{ControllerTarget, KinematicsModule, Lock, RenderedFile};
+use crate::controller::{ControllerTarget, KinematicsModule, Lock, ModuleField, RenderedFile};
 use crate::file_set::composition::{self, ComposedRequest, Composition, beside, compose, find, split, targets};
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::{MachineFile, bounded_only};
@@ -93,6 +93,8 @@ fn certificate(
     let module = KinematicsModule::KinematicParameters(composition.parameters.clone());
     let (both, field) = (composition.both(), tables.beside(file, &module));
     let mut report = CertificateReport::new(file, &both, certificate, &field, scope, composition.files.clone());
+    let alone = ModuleField::new(file, &module);
+    let first = figures_without_unheld(file, &alone, scope).unwrap_or(first);
     let step = |target: String, compensated| CertificateStep { target, compensated };
     report.steps =
         vec![step(composition.target.manifest.target.clone(), first), step(both.manifest.target, report.compensated)];

@@ -76,7 +76,7 @@ pub struct EvalResult {
     pub direction: Approach,
     /// Name of the tool; empty for a tool without a name.
     pub tool: String,
-    /// What the result is over, for a job or a reference.
+    /// What the result is over, for a job or a reference, and where something is taken out of the deviations.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over: Option<Over>,
     /// Events of the path, if the tool poses are one.
@@ -131,6 +131,9 @@ pub struct PoseResult {
     pub along_normal: Option<f64>,
     /// `T_tool^-1 T_work`, actual minus nominal, row by row; of the machine, whatever the reference.
     pub e_ve: [[f64; 4]; 4],
+    /// Axes that the pose takes beyond the range in which their curves were measured.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub beyond_measured: Vec<String>,
     /// Expanded uncertainty of the deviation, where the machine states that of its errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<PoseUncertainty>,
@@ -192,7 +195,7 @@ fn evaluate_poses(call: &mut Call, machine: &MachineFile, options: &EvalOptions)
         results.iter_mut().zip(list).for_each(|(result, uncertainty)| result.uncertainty = Some(uncertainty));
     }
     let neglected = besides(call, machine, &poses, options, lift.as_ref(), &mut results)?;
-    let over = (job.is_some() || options.reference.is_some())
+    let over = (job.is_some() || options.reference.is_some() || set_up.removed().is_some())
         .then(|| Over::work(machine, &set_up.reference, reached.as_ref(), poses.len()));
     Ok(EvalResult {
         machine: machine.name().to_owned(),
@@ -217,8 +220,11 @@ fn set_up(
     job: Option<&Job>,
     poses: &[Pose],
 ) -> Result<SetUp, Refused> {
-    let set_up = Job::set_up(job, call, machine, options.reference.as_ref(), poses)?;
     let effects = options.sensitivity || options.interactions || options.algebra.is_some();
+    if effects && job.is_none() && options.reference.is_none() {
+        return Ok(SetUp::machine());
+    }
+    let set_up = Job::set_up(job, call, machine, options.reference.as_ref(), poses)?;
     if effects && set_up.removed().is_some() {
         return call.usage("effects of single errors and algebras are of machine coordinates: `--reference machine`");
     }
@@ -270,6 +276,7 @@ fn result(machine: &Machine, pose: &Pose, evaluation: &Evaluation) -> PoseResult
         rotation: row(&evaluation.deviation.rotation),
         along_normal: None,
         e_ve: std::array::from_fn(|i| std::array::from_fn(|j| evaluation.e_ve[(i, j)] + 0.0)),
+        beyond_measured: machine.beyond_measured(pose).map(|axis| axis.name.to_string()).collect(),
         uncertainty: None,
         sensitivity: None,
         interactions: None,

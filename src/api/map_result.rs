@@ -2,7 +2,7 @@
 
 use super::bounded::AddedByBounds;
 use super::tolerances::ToleranceOptions;
-use crate::analysis::{Bands, MAX_POSES, MAX_SURVEYED};
+use crate::analysis::{Bands, MAX_POSES, MAX_SURVEYED, spread_places};
 use crate::evaluate::{Frame, Nodes, Order, Poses, Random, Spread, Statistics, Summary};
 use crate::file_set::options::CompensationOptions;
 use crate::job::characteristics::CharacteristicResult;
@@ -21,6 +21,7 @@ use crate::report::plane_picture::PlaneOptions;
 use crate::report::{BoundedFigures, Picture, Rows};
 use crate::run::{Call, Refused};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Options of [`map`](super::map()).
@@ -103,6 +104,10 @@ impl MapOptions {
         let fitted = Job::stated(job, asked).is_some_and(|of| of.kind == ReferenceKind::BestFit);
         if fitted && poses.len() > MAX_POSES {
             return call.usage(format!("a best fit is over {MAX_POSES} poses at most, all of which are held"));
+        }
+        let is_less_unheld = |of: &Reference| of.kind == ReferenceKind::MachineLessUnheld;
+        if Job::stated(job, asked).map_or(job.is_none(), |of| is_less_unheld(&of)) {
+            return Ok(SetUp::less_unheld(machine, machine.unheld(), poses));
         }
         let list: Vec<Pose> = if fitted { poses.iter().collect() } else { Vec::new() };
         Job::set_up(job, call, machine, asked, &list)
@@ -202,6 +207,9 @@ pub struct MapResult {
     /// Intervals of the statistics, where the machine file states uncertainties of errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Bands>,
+    /// The poses beyond the ranges in which the curves of the axes were measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub beyond_measured: Option<BeyondMeasured>,
     /// The worst poses, largest deviation of the functional point first.
     pub worst: Vec<WorstPose>,
     /// The body diagonals of the volume; none of a job.
@@ -250,6 +258,7 @@ impl MapResult {
             position_um: statistics.position_um,
             rotation_urad: statistics.rotation_urad,
             uncertainty: None,
+            beyond_measured: BeyondMeasured::of(rows.machine, rows.poses),
             worst: Vec::new(),
             diagonals: Vec::new(),
             p95_relative_error: None,
@@ -266,6 +275,37 @@ impl MapResult {
     /// Returns the statistics of the map.
     pub fn statistics(&self) -> Statistics {
         Statistics { poses: self.poses, position_um: self.position_um, rotation_urad: self.rotation_urad }
+    }
+}
+
+/// Poses of a map beyond the ranges in which curves were measured.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct BeyondMeasured {
+    /// Number of the poses, of those counted.
+    pub poses: usize,
+    /// Number of poses that were counted: those of the map, or of more than [`MapPoses::MAX_HELD`] some spread over
+    /// them.
+    pub of: usize,
+    /// The measured ranges that poses leave, by axis, mm and deg.
+    pub measured: BTreeMap<String, [f64; 2]>,
+}
+
+impl BeyondMeasured {
+    /// Returns the poses of a list that a machine has not been measured at; `None` if there are none.
+    pub(crate) fn of(machine: &Machine, poses: &Poses) -> Option<Self> {
+        machine.axes().iter().find(|axis| machine.measured_range(&axis.name).is_some())?;
+        let places = spread_places(poses.len(), MAX_POSES, &[]);
+        let mut measured = BTreeMap::new();
+        let mut beyond = 0;
+        for pose in places.iter().map(|i| poses.get(*i)) {
+            let mut is_beyond = false;
+            for axis in machine.beyond_measured(&pose) {
+                is_beyond = true;
+                measured.extend(machine.measured_range(&axis.name).map(|range| (axis.name.to_string(), range.into())));
+            }
+            beyond += usize::from(is_beyond);
+        }
+        (beyond > 0).then(|| Self { poses: beyond, of: places.len(), measured })
     }
 }
 

@@ -34,7 +34,9 @@ pub use super::identify::{
 };
 pub use super::instrument::{InstrumentResult, LaserReadings, Readings};
 pub use super::locate::{AxisLine, LocateResult, LocatedAxis, LocatedError};
-pub use super::map_result::{BodyDiagonal, MapFromBounds, MapResult, Uncompensated, WorstBoundedPose, WorstPose};
+pub use super::map_result::{
+    BeyondMeasured, BodyDiagonal, MapFromBounds, MapResult, Uncompensated, WorstBoundedPose, WorstPose,
+};
 pub use super::place::PlacementResult;
 pub use super::reach::{ReachDirections, ReachResult};
 pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, LocationErrors, OtherSide};

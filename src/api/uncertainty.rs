@@ -4,6 +4,7 @@ use crate::analysis::Bands;
 use crate::analysis::figure_bands::field_bands;
 use crate::controller::{Certificate, Depth};
 use crate::evaluate::{Bare, Field, Order, Poses, Statistics};
+use crate::job::reference::SetUp;
 use crate::machine::Machine;
 use serde::Serialize;
 
@@ -17,16 +18,26 @@ pub struct CertificateBands {
 }
 
 impl CertificateBands {
-    /// Returns the intervals of a certificate; `field` is the machine with the files. `None` where the machine states
+    /// Returns the intervals of a certificate; `field` is the machine with the files, and the figures are without what
+    /// `set_up` takes out. `None` where the machine states
     /// no uncertainty.
-    pub(crate) fn of(machine: &Machine, certificate: &Certificate, field: &dyn Field, depth: Depth) -> Option<Self> {
+    pub(crate) fn of(
+        machine: &Machine,
+        certificate: &Certificate,
+        field: &dyn Field,
+        depth: Depth,
+        set_up: &SetUp,
+    ) -> Option<Self> {
         if machine.uncertain_parts().is_empty() {
             return None;
         }
         let poses = Poses::Listed(depth.poses(machine));
         let bare = Bare { machine, order: Order::Exact };
         let of = |field: &dyn Field, whole: Statistics| {
-            field_bands(field, &poses, whole, &[], certificate.approach.into(), depth.seed, None)
+            let conditions = certificate.approach.into();
+            let without = set_up.field(field, Order::Exact, conditions);
+            let field = without.as_ref().map_or(field, |field| field as &dyn Field);
+            field_bands(field, &poses, whole, &[], conditions, depth.seed, set_up.removed())
         };
         Some(Self {
             uncompensated: of(&bare, certificate.uncompensated.statistics(certificate.poses))?,

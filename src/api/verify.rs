@@ -127,7 +127,9 @@ fn module(
     let certificate = certify_kinematics(file, target, &module, &beside, scope.depth);
     call.extend(verdict::warnings(&certificate));
     call.check()?;
-    let names = texts.iter().map(|text: &ReadBack| text.found.clone()).collect();
+    let code = target.code_files();
+    let names = texts.iter().filter(|text| !code.contains(&text.name)).map(|text: &ReadBack| text.found.clone());
+    let names = names.collect();
     let effect = ControllerEffect::Module(Box::new(module), beside);
     Ok(CertificateReport::new(file, target, certificate, &*effect.field(file, target), scope, names))
 }

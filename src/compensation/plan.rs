@@ -41,10 +41,10 @@ pub fn tables(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeReque
 
 fn fill(machine: &Machine, mechanisms: &Mechanisms, request: &LatticeRequest) -> CorrectionTables {
     if let Some(rules) = &mechanisms.error_curves {
-        return CorrectionTables { errors: error_curves(machine, rules), tables: Vec::new() };
+        return CorrectionTables { errors: error_curves(machine, rules), ..CorrectionTables::default() };
     }
     if let Some(rules) = mechanisms.lattice.as_ref().filter(|rules| rules.inputs.is_empty()) {
-        return CorrectionTables { tables: vec![lattice(machine, rules, request)], errors: Vec::new() };
+        return CorrectionTables { tables: vec![lattice(machine, rules, request)], ..CorrectionTables::default() };
     }
     Planner { machine, mechanisms }.tables()
 }
@@ -165,7 +165,7 @@ impl Planner<'_> {
         let mut tables = sets(&layout);
         tables.extend(own.iter().cloned());
         self.complete(&mut tables);
-        CorrectionTables { tables, errors: Vec::new() }
+        CorrectionTables { tables, ..CorrectionTables::default() }
     }
 
     pub fn traits(&self, layout: &[CorrectionTable]) -> Vec<Traits> {

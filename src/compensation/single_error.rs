@@ -46,7 +46,7 @@ fn valued_errors(machine: &Machine) -> Vec<(usize, ErrorId)> {
 fn model_curves(machine: &Machine, tables: &CorrectionTables) -> Vec<SingleErrorTables> {
     let alone = |(_, error): (usize, ErrorId)| {
         let errors = curves_like(&machine.filtered(|id| *id == error), &tables.errors);
-        SingleErrorTables { error, tables: CorrectionTables { errors, tables: Vec::new() } }
+        SingleErrorTables { error, tables: CorrectionTables { errors, ..CorrectionTables::default() } }
     };
     valued_errors(machine).into_iter().map(alone).collect()
 }

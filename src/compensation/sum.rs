@@ -285,7 +285,7 @@ fn sets(
     };
     let set = |channel| CorrectionTables {
         tables: (0..layout.len()).map(|i| table(i, channel)).collect(),
-        errors: Vec::new(),
+        ..CorrectionTables::default()
     };
     (0..channels).map(set).collect()
 }

@@ -45,6 +45,9 @@ pub struct CorrectionTables {
     pub tables: Vec<CorrectionTable>,
     /// Curves of errors.
     pub errors: Vec<AxisErrorCurve>,
+    /// Factors of what the model's corrections add to an axis, where the controller is told to turn it round (-1) or to
+    /// leave it (0).
+    pub senses: Vec<(usize, f64)>,
 }
 
 impl CorrectionTables {
@@ -183,7 +186,7 @@ impl CorrectionTables {
         tables.sort_by(|a, b| (&a.corrected, &a.axes).cmp(&(&b.corrected, &b.axes)));
         let mut errors = self.errors;
         errors.sort_by(|a, b| a.error.cmp(&b.error));
-        Self { tables, errors }
+        Self { tables, errors, senses: self.senses }
     }
 
     /// Do both add the same to every command? Tables of zeros count for nothing.
@@ -194,6 +197,7 @@ impl CorrectionTables {
             Self {
                 tables: kept.map(|table| CorrectionTable { factors: Vec::new(), ..table }).collect(),
                 errors: all.errors.clone(),
+                senses: all.senses.clone(),
             }
             .merge()
         };

@@ -31,6 +31,6 @@ pub use manifest::{
     AssignedAxis, Certainty, Controller, ControllerTarget, NAMES, TemplateLimit, TemplateWatch, axis_letters,
     by_number, is_plain_name,
 };
-pub use read::{ReadBack, RecognisedSet, recognise};
+pub use read::{IndexFile, ReadBack, RecognisedSet, recognise};
 pub use replay::Replay;
 pub use single_errors::{certify, certify_kinematics, certify_sets};

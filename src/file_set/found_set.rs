@@ -4,7 +4,7 @@
 use super::folder::{Folder, ignore_file};
 use super::options::CompensationOptions;
 use crate::controller::{ControllerTarget, LOCK_NAME, Lock, NAMES, ReadBack, RecognisedSet, recognise};
-use crate::diagnostic::{Diagnostic, codes};
+use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
 use crate::run::{Call, Refused};
 use std::path::Path;
@@ -53,8 +53,7 @@ pub(crate) fn find_set(
     let by_name: Vec<&ControllerTarget> = candidates.iter().filter(there).collect();
     if let [target] = by_name[..] {
         refuse_assumed_axes(call, machine, target)?;
-        let wanted = [target.table_files(machine), target.index_files()].concat();
-        let files = folder.read(&wanted, &mut call.diagnostics);
+        let files = read_by_name(call, machine, &folder, target)?;
         for name in target.foreign_files(machine).into_iter().filter(|name| folder.has(name)) {
             call.warn(ignore_file(&name, "the machine has no axis for it"));
         }
@@ -63,6 +62,37 @@ pub(crate) fn find_set(
     // Several targets by their names: those are the ones to choose from.
     let candidates = if by_name.is_empty() { candidates } else { by_name.into_iter().cloned().collect() };
     by_content(call, machine, &folder, candidates)
+}
+
+/// The files of a target by their names, and those by their content that put others in force.
+fn read_by_name(
+    call: &mut Call,
+    machine: &Machine,
+    folder: &Folder,
+    target: &ControllerTarget,
+) -> Result<Vec<ReadBack>, Refused> {
+    let named = target.index_files();
+    let wanted = [target.table_files(machine), named.clone(), target.code_files()].concat();
+    let mut files = folder.read(&wanted, &mut call.diagnostics);
+    if !named.is_empty() {
+        let (own, others): (Vec<_>, Vec<_>) = folder
+            .texts(&mut Diagnostics::default())
+            .into_iter()
+            .filter(|(name, _)| named.contains(name) || !wanted.contains(name))
+            .partition(|(name, _)| named.contains(name));
+        let texts = [own, others].concat();
+        let found = target.find_indices(machine, &texts, &mut call.diagnostics).ok_or(Refused)?;
+        files.extend(found.into_iter().map(|index| index.file).filter(|file| file.found != file.name));
+        // One that says the same as the controller's own takes its place.
+        let mut names: Vec<String> = Vec::new();
+        files.retain(|file| {
+            !names.contains(&file.name) && {
+                names.push(file.name.clone());
+                true
+            }
+        });
+    }
+    Ok(files)
 }
 
 /// Those of the binary, then those of the user's folder.

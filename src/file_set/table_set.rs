@@ -257,7 +257,12 @@ pub(crate) fn load_installed(
     let set = find(call, machine, folder, &options)?;
     call.check()?;
     if set.target.manifest.target == target.manifest.target {
-        return Ok(Some(set.tables));
+        if set.tables.senses.is_empty() {
+            return Ok(Some(set.tables));
+        }
+        let message = format!("`{}` turns corrections round, or leaves axes out", folder.display());
+        let help = "new curves on top of such a set would be turned too: measure without it";
+        return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
     let (old, new) = (&set.target.manifest.target, &target.manifest.target);
     let message = format!("the files in `{}` are of target `{old}`, not of `{new}`", folder.display());

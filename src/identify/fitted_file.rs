@@ -6,7 +6,7 @@ use crate::identify::thresholds::UNCERTAINTY_SITES;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
     Approach, Axis, ComponentError, Curve, Direction, ErrorFamily, ErrorTerm, JointErrors, JointUncertainty, Machine,
-    MachineParts, machine_file,
+    MachineParts, UnheldMotion, machine_file,
 };
 use crate::syntax::IdentifyEntry;
 use crate::units::significant;
@@ -23,6 +23,10 @@ pub struct FileNotes<'a> {
     pub joint: bool,
     /// The forms of the axes beside the fitted curves; `None` if the readings cannot show any.
     pub form: Option<&'a FormUncertainty>,
+    /// Rigid motions of the workpiece frame that the readings do not hold.
+    pub unheld: &'a [UnheldMotion],
+    /// Ranges (mm, deg) in which the fitted curves of each axis were measured, where that is less than the travel.
+    pub measured: &'a [Option<(f64, f64)>],
 }
 
 /// Returns the text of a machine file with the fitted values and expanded uncertainties (k = 2, wider for few residual
@@ -40,6 +44,7 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
             None => parts.uncertainty.remove(&error),
         };
     }
+    let keeps_earlier = parts.covariance.iter().any(|part| !part.is_empty());
     if notes.joint {
         let columns = solution.covariance_factor(parameters.len());
         let part = |column: &Vec<f64>| joint_part(machine, parameters, column);
@@ -54,6 +59,20 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
             parts.covariance.extend(fitted);
         }
     }
+    let is_curved =
+        |i: usize| parameters.iter().flat_map(|p| &p.terms).any(|t| t.source.place == ErrorSite::Component(i));
+    for (_, (axis, range)) in machine.axes().iter().zip(notes.measured).enumerate().filter(|(i, _)| is_curved(*i)) {
+        let _ = match range {
+            Some(range) => parts.measured.insert(axis.name.clone(), *range),
+            None => parts.measured.remove(&axis.name),
+        };
+    }
+    // What of an earlier fit stays has the frame of its readings.
+    if !keeps_earlier {
+        parts.unheld.clear();
+    }
+    let known = parts.unheld.clone();
+    parts.unheld.extend(notes.unheld.iter().filter(|motion| !known.contains(motion)));
     for (i, axis) in machine.axes().iter().enumerate() {
         parts.geometry.follow(&axis.name, machine.axis_errors(i), &parts.errors[i]);
     }
@@ -99,18 +118,21 @@ fn joint_part(machine: &Machine, parameters: &[Parameter], amounts: &[f64]) -> J
 fn is_plausible(part: &JointUncertainty, machine: &Machine) -> bool {
     let small = |axis: &Axis, direction: Direction, term: &ErrorTerm| {
         let both = |q: f64| [Approach::Forward, Approach::Reverse].map(|from| term.value(&from.at_position(q)).abs());
-        sites(Some(axis)).into_iter().flat_map(both).all(|size| size <= 0.5 * crate::machine::largest(direction))
+        sites(machine, Some(axis))
+            .into_iter()
+            .flat_map(both)
+            .all(|size| size <= 0.5 * crate::machine::largest(direction))
     };
     let errors = |axis: &Axis| part.errors.get(&axis.name).into_iter().flat_map(JointErrors::iter).collect::<Vec<_>>();
     machine.axes().iter().all(|axis| errors(axis).into_iter().all(|(_, direction, term)| small(axis, direction, term)))
 }
 
-/// Returns even positions (mm or deg) over the travel of an axis; one of a spindle.
-fn sites(axis: Option<&Axis>) -> Vec<f64> {
+/// Returns even positions (mm or deg) over the range in which the curves of an axis are judged; one of a spindle.
+fn sites(machine: &Machine, axis: Option<&Axis>) -> Vec<f64> {
     axis.map_or_else(
         || vec![0.0],
         |axis| {
-            let (min, max) = axis.travel.interval();
+            let (min, max) = machine.judged_range(axis);
             (0..UNCERTAINTY_SITES).map(|i| min + (max - min) * i as f64 / (UNCERTAINTY_SITES - 1) as f64).collect()
         },
     )
@@ -139,7 +161,7 @@ pub fn largest_uncertainty(
     source: Source,
 ) -> Option<(f64, f64)> {
     let axis = if let ErrorSite::Component(axis) = source.place { machine.axes().get(axis) } else { None };
-    let sites = sites(axis);
+    let sites = sites(machine, axis);
     let at = |q: f64, from: Approach| {
         let mine = |t: &&ParameterTerm| t.source == source && (t.approach == from || t.approach == Approach::Mean);
         let factor = |p: &Parameter| p.terms.iter().filter(mine).map(|t| t.factor * t.basis.value(q)).sum::<f64>();

@@ -38,5 +38,5 @@ pub use model::{
 pub use solve::{
     Bend, DatumChange, DatumConditions, DeviationUncertainty, Estimate, FitInData, FormUncertainty, Outlier,
     ParameterFit, Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, fit,
-    form_uncertainty, held_out, in_datum, measured_ranges, plan, randomness, solve,
+    form_uncertainty, held_out, in_datum, measured_ranges, plan, randomness, solve, unheld,
 };

@@ -120,6 +120,13 @@ pub const MAX_IDLE_EFFECT_MM: f64 = 1e-9;
 pub const DATUM_STEP_TOLERANCE: f64 = 1e-4;
 /// Steps to the exact model in a datum, and of a rigid alignment.
 pub const DATUM_ITERATIONS: usize = 4;
+/// Effect of a rigid motion of the workpiece on the readings, as a share, up to which no reading notices it once the
+/// places of instruments have followed; also the part of a motion that is rounding. Below: rounding of far stations
+/// holds the frame; above: a weak hold of the readings is left out of the deviations.
+pub const MAX_UNNOTICED_SHARE: f64 = 1e-7;
+/// Part of an unheld motion of unit length beyond the others from which it is one of its own: a datum's are found over
+/// the volume, those of the readings at the readings, and they differ by rounding.
+pub const MIN_UNHELD_PART: f64 = 1e-3;
 /// Residual of a motion of the whole machine, as a share, up to which the parameters make it.
 pub const MAX_MOTION_RESIDUAL: f64 = 1e-2;
 /// Distance of points (mm) up to which readings say that points are the same, and hold no length.

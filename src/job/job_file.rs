@@ -10,6 +10,7 @@ use super::reference_text::WrittenReference;
 use super::tool_poses::{self, ReachedToolPoses, ToolPoses};
 use crate::analysis::budget::Statistic;
 use crate::diagnostic::{Diagnostic, Place, codes, shown};
+use crate::evaluate::Poses;
 use crate::machine::{Machine, Pose};
 use crate::run::{Call, Refused};
 use crate::syntax::{JobText, Scalar, TOOL_POSES, read_job};
@@ -177,7 +178,8 @@ impl Job {
     }
 
     /// Returns the set-up of the part on a machine, which takes out what the options state, or else the job file, or
-    /// else the zero at the part's origin, and without a job nothing; a best fit is over the poses (mm, deg).
+    /// else the zero at the part's origin, and without a job the motions that the data behind the errors do not hold;
+    /// fits are over the poses (mm, deg).
     pub(crate) fn set_up(
         job: Option<&Self>,
         call: &mut Call<'_>,
@@ -190,7 +192,7 @@ impl Job {
                 SetUp::new(machine, &stated, poses).or_else(|refusal| call.refuse(Self::located(job, asked, refusal)))
             }
             (None, Some(job)) => SetUp::by_default(call, machine, &job.zero(), poses),
-            (None, None) => Ok(SetUp::machine()),
+            (None, None) => Ok(SetUp::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.to_vec()))),
         }
     }
 

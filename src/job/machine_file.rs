@@ -78,6 +78,11 @@ impl MachineFile {
         order_of(&self.machine, None)
     }
 
+    /// Returns the machine with a volume that ends where these ranges (mm, deg) of its axes do.
+    pub(crate) fn with_volume_within(&self, ranges: &[Option<(f64, f64)>]) -> Self {
+        Self { machine: self.machine.with_volume_within(ranges), ..self.clone() }
+    }
+
     /// Returns the machine with another of its tools, by name.
     pub fn with_tool(&self, name: &str) -> Result<Self, Diagnostic> {
         match self.machine.with_tool(name) {

@@ -95,6 +95,11 @@ impl Over {
         }
     }
 
+    /// Returns the reference in words, such as `machine coordinates`.
+    pub fn reference_words(&self) -> &str {
+        &self.words
+    }
+
     /// Returns the statement as text for a terminal of 80 columns, its end on a line of its own where it is longer.
     pub fn text(&self) -> String {
         fold(&self.line())

@@ -5,10 +5,10 @@ use super::placement::Placement;
 use super::tool_poses::MissedToolPose;
 use super::tool_poses::columns::unit_vector;
 use crate::analysis::reference::{PartReference, ReferencedField};
-use crate::analysis::{Miss, ToolPose, Unreachable, inverse, place, rest};
+use crate::analysis::{Miss, ToolPose, Unreachable, inverse, place, rest, spread_places};
 use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::{Field, Order};
-use crate::machine::{AxisKind, Machine, OperatingConditions, Pose};
+use crate::evaluate::{Field, Order, Poses, Spread};
+use crate::machine::{AxisKind, Machine, OperatingConditions, Pose, UnheldMotion};
 use crate::run::{Call, Refused};
 use crate::units::significant;
 use nalgebra::Vector3;
@@ -20,6 +20,12 @@ const MAX_FITTED: usize = 1_000_000;
 /// Minimum number of different poses of a best fit.
 const MIN_FITTED: usize = 3;
 
+/// Maximum number of poses over which motions that the data do not hold are fitted.
+const MAX_UNHELD_POSES: usize = 10_000;
+
+/// Number of poses of the volume over which they are fitted in place of too few.
+const UNHELD_VOLUME_POSES: usize = 1000;
+
 /// Axes of one pose are less than this apart, mm or deg.
 const SAME: f64 = 1e-6;
 
@@ -30,6 +36,9 @@ pub enum ReferenceKind {
     /// Nothing: machine coordinates.
     #[default]
     Machine,
+    /// Those rigid motions of the workpiece frame that the data behind the errors do not hold: the part of the best fit
+    /// over the poses that combines them; nothing where the machine file names none.
+    MachineLessUnheld,
     /// Three translations: the zero of the part is probed on the machine.
     Zero,
     /// A frame of six datum points, 3-2-1.
@@ -40,12 +49,12 @@ pub enum ReferenceKind {
 }
 
 impl ReferenceKind {
-    const ALL: [Self; 4] = [Self::Machine, Self::Zero, Self::Datum, Self::BestFit];
+    const ALL: [Self; 5] = [Self::Machine, Self::MachineLessUnheld, Self::Zero, Self::Datum, Self::BestFit];
 
     /// Returns the keys of a reference that have an effect.
     fn keys(self) -> &'static [&'static str] {
         match self {
-            Self::Machine => &[],
+            Self::Machine | Self::MachineLessUnheld => &[],
             Self::Zero => &["point", "direction", "rotary", "align"],
             Self::Datum => &["direction", "rotary", "datum"],
             Self::BestFit => &["minimum_zone"],
@@ -56,6 +65,7 @@ impl ReferenceKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Machine => "machine",
+            Self::MachineLessUnheld => "machine-less-unheld",
             Self::Zero => "zero",
             Self::Datum => "datum",
             Self::BestFit => "best-fit",
@@ -92,6 +102,9 @@ pub struct Reference {
     /// Where the part lies on the workpiece frame; of a job that is stated by its file.
     #[serde(skip)]
     pub place: Placement,
+    /// True if motions that the data do not hold are fitted over the volume: the poses of the result are too few.
+    #[serde(skip)]
+    pub over_volume: bool,
 }
 
 /// A key of a reference that has no effect.
@@ -156,6 +169,7 @@ impl Default for Reference {
             minimum_zone: false,
             datum: Vec::new(),
             place: Placement::default(),
+            over_volume: false,
         }
     }
 }
@@ -169,6 +183,11 @@ impl Reference {
     /// Returns the reference of a part at a place of the workpiece frame.
     pub(crate) fn placed(self, place: Placement) -> Self {
         Self { place, ..self }
+    }
+
+    /// Returns machine coordinates less the motions that the data behind the errors do not hold.
+    pub fn machine_less_unheld() -> Self {
+        Self { kind: ReferenceKind::MachineLessUnheld, ..Self::default() }
     }
 
     /// Returns the best fit.
@@ -217,6 +236,10 @@ impl fmt::Display for Reference {
         let triple = |v: &[f64; 3]| format!("({})", v.map(|x| significant(x, 6)).join(", "));
         match self.kind {
             ReferenceKind::Machine => f.write_str("machine coordinates"),
+            ReferenceKind::MachineLessUnheld => {
+                let poses = if self.over_volume { "the volume" } else { "these poses" };
+                write!(f, "machine-less-unheld (without rigid motions that the data do not hold, fitted over {poses})")
+            }
             ReferenceKind::BestFit if self.minimum_zone => {
                 f.write_str("best fit of the part, minimum zone (no intervals, no parts of errors)")
             }
@@ -260,6 +283,24 @@ impl SetUp {
         Self { reference: Reference::best_fit(), removed: Some(PartReference::best_fit(machine, poses)) }
     }
 
+    /// Returns machine coordinates less motions that the data of this machine or of others do not hold, fitted over
+    /// poses (mm, deg) by least squares: 10,000 spread over their list if there are more, and poses of the volume in
+    /// place of fewer than three, of which nothing would be left.
+    pub fn less_unheld(machine: &Machine, motions: &[UnheldMotion], poses: &Poses) -> Self {
+        if motions.is_empty() {
+            return Self::machine();
+        }
+        let listed = |poses: &Poses| -> Vec<Pose> {
+            spread_places(poses.len(), MAX_UNHELD_POSES, &[]).into_iter().map(|i| poses.get(i)).collect()
+        };
+        let own = listed(poses);
+        let over_volume = count_different(&own) < MIN_FITTED;
+        let fitted =
+            if over_volume { listed(&Poses::Spread(Spread::of(machine, UNHELD_VOLUME_POSES, 0))) } else { own };
+        let reference = Reference { over_volume, ..Reference::machine_less_unheld() };
+        Self { reference, removed: Some(PartReference::part_of_best_fit(machine, motions, &fitted)) }
+    }
+
     /// Refuses a minimum zone for what needs a motion that is linear in the errors: `what`, such as `a goal`.
     pub fn refuse_minimum_zone(&self, call: &mut Call<'_>, what: &str) -> Result<(), Refused> {
         if !self.reference.is_minimum_zone() {
@@ -273,6 +314,9 @@ impl SetUp {
     pub fn new(machine: &Machine, reference: &Reference, poses: &[Pose]) -> Result<Self, Diagnostic> {
         let removed = match reference.kind {
             ReferenceKind::Machine => None,
+            ReferenceKind::MachineLessUnheld => {
+                return Ok(Self::less_unheld(machine, machine.unheld(), &Poses::Listed(poses.to_vec())));
+            }
             ReferenceKind::BestFit if poses.is_empty() || poses.len() > MAX_FITTED => {
                 let message = format!("a best fit is over 1 to {MAX_FITTED} poses, not {}", poses.len());
                 return Err(refuse(message, "take fewer poses, `--random 10000`, or another `--reference`"));

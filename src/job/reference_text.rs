@@ -17,17 +17,17 @@ pub struct UnknownReference;
 impl fmt::Display for UnknownReference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(
-            "a reference is `machine`, `zero`, `best-fit`, `best-fit:minimum-zone`, `zero:X,Y,Z` with the point of the \
-             zero in mm, or `datum:X,Y,Z,I,J,K:...` with six points and their normals; `abbe explain E0850` has all \
-             forms",
+            "a reference is `machine`, `zero`, `best-fit`, `best-fit:minimum-zone`, `machine-less-unheld`, \
+             `zero:X,Y,Z` with the point of the zero in mm, or `datum:X,Y,Z,I,J,K:...` with six points and their \
+             normals; `abbe explain E0850` has all forms",
         )
     }
 }
 
 impl std::error::Error for UnknownReference {}
 
-/// `machine`, `zero`, `best-fit`, `best-fit:minimum-zone`; `zero` and `datum` with parts behind colons, part
-/// coordinates. A direction is `I,J,K`, or an axis such as `Z` or `-X`; points are in mm.
+/// `machine`, `machine-less-unheld`, `zero`, `best-fit`, `best-fit:minimum-zone`; `zero` and `datum` with parts behind
+/// colons, part coordinates. A direction is `I,J,K`, or an axis such as `Z` or `-X`; points are in mm.
 ///
 /// - `zero:X,Y,Z` has the point, and behind it may stand the direction of the tool, `zero:X,Y,Z,I,J,K`. Then may follow
 ///   `:rotary:A=0,C=90`, positions of rotary axes in deg in place of the direction, and `:about:Z:X,Y,Z`, an axis about
@@ -40,6 +40,7 @@ impl FromStr for Reference {
         let mut parts = text.split(':');
         let of = match (parts.next(), parts.clone().next()) {
             (Some("machine"), None) => Some(Self::default()),
+            (Some("machine-less-unheld"), None) => Some(Self::machine_less_unheld()),
             (Some("best-fit"), None) => Some(Self::best_fit()),
             (Some("best-fit"), Some("minimum-zone")) if parts.clone().count() == 1 => Some(Self::minimum_zone()),
             (Some("zero"), _) => zero(&parts.collect::<Vec<_>>()),

@@ -29,6 +29,7 @@ mod resolve;
 mod set_up;
 mod tolerances;
 mod uncertainty;
+mod unheld;
 mod written;
 
 pub use algebra::{AlgebraChoice, Generators};
@@ -55,4 +56,5 @@ pub use resolve::{CLASS_ANGLES, largest, largest_stated, no_origin, parse_error_
 pub use set_up::SetUp;
 pub use tolerances::{FRAME_KEYS, FrameTolerances, Tolerances};
 pub use uncertainty::UncertainPart;
+pub use unheld::UnheldMotion;
 pub use written::machine_file;

@@ -2,7 +2,8 @@
 
 use super::{
     AlgebraChoice, Axis, AxisKind, AxisName, Conventions, CurveArgument, ErrorId, ErrorTerm, Geometry, JointErrors,
-    JointUncertainty, KinematicChain, NamedClass, ResidualForm, SetUp, Tolerances, Travel, sin_cos_degrees,
+    JointUncertainty, KinematicChain, NamedClass, ResidualForm, SetUp, Tolerances, Travel, UnheldMotion,
+    sin_cos_degrees,
 };
 use crate::algebra::rotation_about;
 use indexmap::IndexMap;
@@ -97,6 +98,10 @@ pub struct MachineParts {
     pub covariance: Vec<JointUncertainty>,
     /// Forms of axes that the errors leave, at most one of each axis.
     pub forms: Vec<ResidualForm>,
+    /// Rigid motions of the workpiece frame that the data behind the errors do not hold.
+    pub unheld: Vec<UnheldMotion>,
+    /// Ranges (mm, deg) in which the curves of axes were measured, of axes for which that is less than the travel.
+    pub measured: BTreeMap<AxisName, (f64, f64)>,
     /// The algebra it names, if any.
     pub algebra: Option<AlgebraChoice>,
     /// Bounds along and across axes, and of squareness; those by letter are among the errors.

@@ -1,8 +1,8 @@
 //! Uncertainty of the values of errors as independent parts, each of which moves errors by known amounts together.
 
 use super::{
-    AxisName, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, JointUncertainty,
-    Machine, ResidualForm, SetUp,
+    Axis, AxisName, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, JointErrors, JointUncertainty,
+    Machine, ResidualForm, SetUp, UnheldMotion,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -42,6 +42,50 @@ impl Machine {
             form.modes(axis, *direction).into_iter().map(part).collect::<Vec<_>>()
         };
         Direction::ALL.iter().flat_map(parts).collect()
+    }
+
+    /// Returns rigid motions of the workpiece frame that the data behind the errors do not hold.
+    pub fn unheld(&self) -> &[UnheldMotion] {
+        &self.parts().unheld
+    }
+
+    /// Returns the range (mm, deg) in which the curves of an axis were measured, if it is less than the travel.
+    pub fn measured_range(&self, axis: &AxisName) -> Option<(f64, f64)> {
+        self.parts().measured.get(axis).copied()
+    }
+
+    /// Returns the range (mm, deg) in which the curves of an axis are judged: where they were measured, if the volume
+    /// lies there, or else the travel.
+    pub fn judged_range(&self, axis: &Axis) -> (f64, f64) {
+        let volume = self.axis_index(axis.name.as_str()).map(|i| self.volume()[i]);
+        let holds = |(min, max): &(f64, f64)| volume.is_some_and(|volume| *min <= volume.min && volume.max <= *max);
+        self.measured_range(&axis.name).filter(holds).unwrap_or_else(|| axis.travel.interval())
+    }
+
+    /// Returns the axes that a pose (mm, deg) takes beyond the range in which their curves were measured.
+    pub fn beyond_measured<'a>(&'a self, pose: &'a [f64]) -> impl Iterator<Item = &'a Axis> {
+        let is_beyond = |axis: &Axis, q: f64| {
+            self.measured_range(&axis.name).is_some_and(|(min, max)| {
+                let rounding = 1e-9 * (max - min);
+                q < min - rounding || q > max + rounding
+            })
+        };
+        self.axes().iter().zip(pose).filter(move |(axis, q)| is_beyond(axis, **q)).map(|(axis, _)| axis)
+    }
+
+    /// Returns the same machine with curves that were measured in these ranges (mm, deg) of its axes, in their order,
+    /// and a volume that ends there; an axis without a range, or whose volume is elsewhere, keeps its own.
+    pub fn with_volume_within(&self, ranges: &[Option<(f64, f64)>]) -> Self {
+        let mut parts = self.parts().clone();
+        for ((grid, axis), range) in parts.volume.iter_mut().zip(&parts.axes).zip(ranges) {
+            let Some((low, high)) = range else { continue };
+            let (min, max) = (grid.min.max(*low), grid.max.min(*high));
+            if min < max {
+                (grid.min, grid.max) = (min, max);
+            }
+            let _ = parts.measured.insert(axis.name.clone(), (*low, *high));
+        }
+        self.with_parts(parts)
     }
 
     /// Returns the machine without what is known of the uncertainty of its errors.

@@ -180,11 +180,13 @@ fn setup(values: &SetUp) -> String {
 }
 
 fn setup_body(setup: &SetUp) -> String {
-    let part = |values: &[f64]| {
-        let given = values.iter().zip(Direction::ALL).filter(|(value, _)| **value != 0.0);
-        given.map(|(value, d)| format!("{}: {}", d.letter(), amount(*value, d))).collect::<Vec<_>>().join(", ")
-    };
-    format!("{{ tool: {{ {} }}, workpiece: {{ {} }} }}", part(&setup.tool), part(&setup.workpiece))
+    format!("{{ tool: {{ {} }}, workpiece: {{ {} }} }}", amounts(&setup.tool), amounts(&setup.workpiece))
+}
+
+/// Amounts by letter, those that are not 0.
+fn amounts(values: &[f64]) -> String {
+    let given = values.iter().zip(Direction::ALL).filter(|(value, _)| **value != 0.0);
+    given.map(|(value, d)| format!("{}: {}", d.letter(), amount(*value, d))).collect::<Vec<_>>().join(", ")
 }
 
 fn algebra(choice: &AlgebraChoice) -> String {
@@ -245,7 +247,14 @@ fn covariance(parts: &MachineParts) -> String {
         )
     };
     let joint = parts.covariance.iter().filter(|part| !part.is_empty()).map(line);
-    let lines: String = joint.chain(parts.forms.iter().map(form)).collect();
+    let unheld = parts.unheld.iter().map(|motion| format!("  - {{ unheld: {{ {} }} }}\n", amounts(&motion.amounts())));
+    let range = |axis: &Axis| {
+        let (min, max) = parts.measured.get(&axis.name)?;
+        Some(format!("{}: [{}, {}]", quote(axis.name.as_str()), number(*min), number(*max)))
+    };
+    let ranges: Vec<String> = parts.axes.iter().filter_map(range).collect();
+    let measured = (!ranges.is_empty()).then(|| format!("  - {{ measured: {{ {} }} }}\n", ranges.join(", ")));
+    let lines: String = joint.chain(parts.forms.iter().map(form)).chain(unheld).chain(measured).collect();
     if lines.is_empty() { lines } else { format!("covariance:\n{lines}") }
 }
 

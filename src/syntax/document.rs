@@ -202,6 +202,12 @@ pub struct CovarianceEntry {
     pub setup: Option<SetUpEntry>,
     /// The form of an axis that its error curves leave; stands by itself.
     pub form: Option<FormEntry>,
+    /// A rigid motion of the workpiece frame that the data do not hold, of any length; stands by itself.
+    #[schemars(schema_with = "super::schema_forms::workpiece_setup")]
+    pub unheld: IndexMap<String, Scalar>,
+    /// Ranges of axes in which fitted curves were measured, where these are less than the travel; stands by itself.
+    #[schemars(schema_with = "super::schema_forms::intervals")]
+    pub measured: IndexMap<String, Vec<Scalar>>,
 }
 
 /// A random form of an axis beside its error curves.

@@ -144,6 +144,11 @@ pub fn interval(_: &mut SchemaGenerator) -> Schema {
     })
 }
 
+/// Lower and upper end, by axis.
+pub fn intervals(generator: &mut SchemaGenerator) -> Schema {
+    json_schema!({ "type": "object", "additionalProperties": interval(generator) })
+}
+
 /// Lower and upper end; or `continuous`.
 pub fn travel(generator: &mut SchemaGenerator) -> Schema {
     let range = interval(generator).to_value();

@@ -9,6 +9,7 @@ use crate::api;
 use crate::api::bounded::{AddingBounds, DrawnBounds};
 use crate::api::budget::{BudgetOptions, BudgetResult, budget_of};
 use crate::api::budgets::{DrawnMachines, budgets};
+use crate::api::certificate::without_unheld;
 use crate::api::compare_figures::{removed, set_ups};
 use crate::api::map_result::{MapOptions, MapPoses, MapResult};
 use crate::api::sources::all_words;
@@ -171,7 +172,7 @@ impl<'a> Subject<'a> {
         let reached = job.as_ref().map(|job| job.poses.reached(call, file)).transpose()?;
         let poses: Vec<Pose> = match &reached {
             Some(reached) => reached.poses.clone(),
-            None if options.reference.is_none() => Vec::new(),
+            None if options.reference.is_none() && file.unheld().is_empty() => Vec::new(),
             None => Poses::Random(Random::of(file, options.poses, options.seed)).iter().collect(),
         };
         let set_up = Job::set_up(job.as_ref(), call, file, options.reference.as_ref(), &poses)?;
@@ -301,6 +302,7 @@ fn compensate(
 ) -> Result<Vec<TargetResult>, Refused> {
     let (how, depth) = (&options.compensation, Depth { poses: options.poses, seed: options.seed });
     let (target, effect, certificate) = named_effect(call, machine, name, how, depth)?;
+    let (certificate, _) = without_unheld(machine, certificate, &*effect.field(machine, &target), depth);
     let parameters = target.manifest.target.split_once('+').map(|(first, _)| first.to_owned());
     let mut steps = Vec::new();
     if let Some(first) = parameters {

@@ -231,7 +231,11 @@ impl Question {
                     let CompareOptions { job, tool_poses, reference, .. } = &with.options;
                     let is_own = with.own_job && job.is_none() && tool_poses.is_none();
                     let is_job = is_own || job.is_some();
-                    let reference = if is_job { reference.clone() } else { page_reference(reference) };
+                    let reference = match (is_job, tool_poses) {
+                        (true, _) => reference.clone(),
+                        (false, Some(_)) => page_reference(reference),
+                        (false, None) => reference.clone().or_else(|| Some(Reference::machine_less_unheld())),
+                    };
                     let job = if is_own { None } else { page_job(job, tool_poses) };
                     let options = CompareOptions { job, reference, ..with.options.clone() };
                     document(compare(&[first.value, machine.clone()], &options, run))

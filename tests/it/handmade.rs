@@ -230,11 +230,13 @@ fn isg_lines_of_turns_are_those_of_the_machine_file() {
     };
     // P0, N0, then P and V of C and of A: C runs along Z, A along X.
     // A line off by hundredths of a millimetre counts as its product with the angles: nothing.
-    for same in [&[][..], &[(0, "7")], &[(8, "12.5")], &[(12, "-3")], &[(6, "250.012")]] {
+    for same in [&[][..], &[(0, "0.01")], &[(8, "12.5")], &[(12, "-3")], &[(6, "250.012")]] {
         set(same).json();
     }
     for (other, words) in [
-        (&[(6, "251.1")][..], "the point of `C`"),
+        (&[(0, "7")][..], "the point of the tool"),
+        (&[(5, "1")], "the direction of the tool"),
+        (&[(6, "251.1")], "the point of `C`"),
         (&[(14, "-349")], "the point of `A`"),
         (&[(11, "-1")], "the direction of `C`"),
         (&[(11, "0")], "the direction of `C`"),

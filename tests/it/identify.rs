@@ -47,7 +47,14 @@ pub fn of_sample(sample: &Sample) -> Machine {
 /// The fitted machine file.
 pub fn fitted_text(machine: &Machine, parameters: &[Parameter], found: &ParameterFit) -> String {
     let note = [("fit".to_owned(), "by a test".to_owned())];
-    let notes = FileNotes { provenance: &note, request: &IdentifyEntry::default(), joint: true, form: None };
+    let notes = FileNotes {
+        provenance: &note,
+        request: &IdentifyEntry::default(),
+        joint: true,
+        form: None,
+        unheld: &[],
+        measured: &[],
+    };
     fitted_file(machine, parameters, &Solution::of(found, parameters), notes)
 }
 

@@ -456,6 +456,11 @@ fn what_a_fit_makes_is_no_mistake() {
     let part = |error: &str| format!("{line}\ncovariance:\n  - {{ errors: {{ {error} }} }}");
     assert_eq!(warnings(&part("EZX: { polynomial: [0 um, 1 um/m] }")), [""; 0]);
     assert_eq!(warnings(&part("EZZ: { polynomial: [0 um, 1 um/m] }")), ["W0403"]);
+    // Without a covariance the request of the fit names its curves, in a file that a fit wrote.
+    let asked = |curve: &str| format!("{line}\nidentify: {{ fit: [\"{curve}\"] }}");
+    let made = |curve: &str| asked(curve) + "\nprovenance: { identified-by: abbe }";
+    assert_eq!(warnings(&made("EZX:poly1")), [""; 0]);
+    assert_eq!((warnings(&made("EZZ:poly1")), warnings(&asked("EZX:poly1"))), (vec!["W0403"], vec!["W0403"]));
 }
 
 #[test]

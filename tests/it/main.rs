@@ -5,7 +5,9 @@
 #![allow(clippy::disallowed_methods)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr, clippy::print_stdout)]
 
+mod activation;
 mod annotations;
+mod archives;
 mod axis_numbers;
 mod bad_input;
 mod bound_words;
@@ -70,9 +72,11 @@ mod loaded;
 mod locate;
 mod map;
 mod map_files;
+mod measured_range;
 mod measurements;
 mod mechanisms;
 mod minimum_zone;
+mod mutations;
 mod normals;
 mod options;
 mod oracle;
@@ -121,6 +125,7 @@ mod tidy;
 mod tool_poses;
 mod tracker;
 mod uncertainty;
+mod unheld;
 mod values_and_bounds;
 mod vectors;
 mod weighing;

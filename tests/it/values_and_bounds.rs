@@ -69,7 +69,7 @@ fn values_act_in_every_machine_drawn() {
     }
     // Where every error has a value a class takes the place of all; that decides no limit.
     let job = folder.with("any.yaml", "tool_poses: one.csv\nreference: machine\nlimit: 1 mm\n");
-    let whole = ["budget", "configs/trunnion.yaml", "--class", "production", "--samples", "20", "--format", "json"];
+    let whole = ["budget", "trunnion.yaml", "--class", "production", "--samples", "20", "--format", "json"];
     let whole = json(&[&whole[..], &["--job", text(&job), "--quiet"]].concat());
     assert_eq!((&whole["left_out"], &whole["limit"]["held"]), (&41.into(), &Value::Null));
 }

@@ -11,7 +11,7 @@ class Over(Record):
     """What a result is over."""
 
     kind: Annotated[Literal["volume", "job"], "A volume or a job."]
-    reference: Annotated[Literal["machine", "zero", "datum", "best-fit"], "Motion that the part's set-up takes out."]
+    reference: Annotated[Literal["machine", "machine-less-unheld", "zero", "datum", "best-fit"], "Motion that the part's set-up takes out."]
     minimum_zone: Annotated[Union[bool, None], "True if the best fit is the minimum zone."]
     path: Annotated[bool, "True if the poses are one continuous path."]
     poses: Annotated[int, "Number of poses asked for."]
@@ -107,6 +107,7 @@ class PoseResult(Record):
     rotation: Annotated[list[float], "Actual minus nominal orientation of the tool, rad."]
     along_normal: Annotated[Union[float, None], "The part of the deviation along the normal of the surface, out of the material, mm; none where the tool poses have no columns NX, NY, NZ."]
     e_ve: Annotated[list[list[float]], "``T_tool^-1 T_work``, actual minus nominal, row by row; of the machine, whatever the reference."]
+    beyond_measured: Annotated[Union[list[str], None], "Axes that the pose takes beyond the range in which their curves were measured."]
     uncertainty: Annotated[Union[PoseUncertainty, None], "Expanded uncertainty of the deviation, where the machine states that of its errors."]
     sensitivity: Annotated[Union[list[ErrorEffect], None], "Effect of each error, with ``EvalOptions::sensitivity``."]
     interactions: Annotated[Union[list[ErrorEffect], None], "Effect of pairs of errors, with ``EvalOptions::interactions``."]
@@ -122,7 +123,7 @@ class EvalFields(Record):
     frame: Annotated[Literal["workpiece", "machine", "tool"], "Frame of the vectors."]
     direction: Annotated[Literal["mean", "forward", "reverse"], "Side of approach."]
     tool: Annotated[str, "Name of the tool; empty for a tool without a name."]
-    over: Annotated[Union[Over, None], "What the result is over, for a job or a reference."]
+    over: Annotated[Union[Over, None], "What the result is over, for a job or a reference, and where something is taken out of the deviations."]
     path: Annotated[Union[PathResult, None], "Events of the path, if the tool poses are one."]
     units: Annotated[EvalUnits, "Units of the numbers."]
     poses: Annotated[list[PoseResult], "The poses in their order."]
@@ -240,6 +241,14 @@ class Bands(Record):
     drawn: Annotated[bool, "True if the intervals were drawn, false if they are to first order (k = 2)."]
     position_um: Annotated[SummaryBand, "Position deviations of the functional point, um."]
     rotation_urad: Annotated[SummaryBand, "Rotations of the tool, urad."]
+
+
+class BeyondMeasured(Record):
+    """Poses of a map beyond the ranges in which curves were measured."""
+
+    poses: Annotated[int, "Number of the poses, of those counted."]
+    of: Annotated[int, "Number of poses that were counted: those of the map, or of more than ``MapPoses::MAX_HELD`` some spread over them."]
+    measured: Annotated[Named[list[float]], "The measured ranges that poses leave, by axis, mm and deg."]
 
 
 class WorstPose(Record):
@@ -407,6 +416,7 @@ class MapFields(Record):
     position_um: Annotated[Summary, "Statistics of the deviation of the functional point, um."]
     rotation_urad: Annotated[Summary, "Statistics of the deviation of the orientation of the tool, urad."]
     uncertainty: Annotated[Union[Bands, None], "Intervals of the statistics, where the machine file states uncertainties of errors."]
+    beyond_measured: Annotated[Union[BeyondMeasured, None], "The poses beyond the ranges in which the curves of the axes were measured."]
     worst: Annotated[list[WorstPose], "The worst poses, largest deviation of the functional point first."]
     diagonals: Annotated[list[BodyDiagonal], "The body diagonals of the volume; none of a job."]
     p95_relative_error: Annotated[Union[float, None], "Relative error of the 95 % values, for a map of more than ``MapPoses::MAX_HELD`` poses."]

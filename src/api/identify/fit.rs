@@ -1,7 +1,7 @@
 //! A fit of error parameters to measurements.
 
 use crate::evaluate::{Frame, Order};
-use crate::identify::verdict::inputs::FitInputs;
+use crate::identify::verdict::inputs::{FitInputs, FitRange};
 use crate::identify::verdict::problem::{FitOutputs, Problem, enough, solve_problem};
 use crate::identify::verdict::result::IdentifyResult;
 use crate::job::machine_file::MachineFile;
@@ -39,6 +39,8 @@ pub struct IdentifyOptions {
     pub robust: bool,
     /// Checks the prediction: leaves out every measurement once, in this many parts.
     pub folds: Option<usize>,
+    /// Part of the volume over which the fit is judged, and which the machine file states as `volume`.
+    pub range: FitRange,
     /// Also writes the fitted machine file; fails if it is one that would be refused.
     pub machine_file: bool,
     /// Writes the machine file although it holds values whose uncertainty is larger than any error of a machine.
@@ -61,6 +63,7 @@ impl IdentifyOptions {
             order: self.order.unwrap_or(Order::Exact),
             robust: self.robust,
             folds: self.folds,
+            range: self.range,
             accept_undetermined: self.accept_undetermined,
         }
     }

@@ -64,13 +64,14 @@ impl CertificateView<'_> {
         let files = if self.report.files.len() == 1 { "file" } else { "files" };
         format!(
             "{}: {}\n{} {files} in {}\nTool: {}\n\nCertificate: {} poses spread over the volume, none a table \
-             point, machine coordinates{}\n",
+             point, {}{}\n",
             self.report.machine.name(),
             what.title,
             self.report.files.len(),
             self.folder.display(),
             tool(&self.report.machine, &self.report.controller),
             self.report.poses,
+            self.report.over.reference_words(),
             approached(self.report.direction)
         )
     }

@@ -157,8 +157,17 @@ fn text(result: &EvalResult) -> String {
         if result.poses.iter().any(|pose| pose.uncertainty.is_some()) { ", U (k = 2) behind \u{b1}" } else { "" },
         result.over.as_ref().map_or_else(String::new, Over::text),
         result.poses.iter().filter_map(|pose| pose.inverse.as_ref()).map(displacements).collect::<String>(),
-        effects(result) + &result.path.as_ref().map_or_else(String::new, path_text)
+        beyond_measured(result) + &effects(result) + &result.path.as_ref().map_or_else(String::new, path_text)
     )
+}
+
+/// The poses beyond what was measured, in words; empty without.
+fn beyond_measured(result: &EvalResult) -> String {
+    let one = |(i, pose): (usize, &PoseResult)| {
+        (!pose.beyond_measured.is_empty()).then(|| format!("{} ({})", i + 1, pose.beyond_measured.join(", ")))
+    };
+    let all: Vec<String> = result.poses.iter().enumerate().filter_map(one).collect();
+    if all.is_empty() { String::new() } else { format!("Poses beyond what was measured: {}\n", all.join(", ")) }
 }
 
 /// Components times a factor, with their expanded uncertainty where it is stated: `12.3 +- 0.8`.

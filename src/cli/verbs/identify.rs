@@ -5,7 +5,7 @@ use crate::cli::arguments::{FrameOption, OrderArg, SeedArg, ToolArg, counts, hel
 use crate::cli::output::session::Session;
 use crate::cli::output::{identify_report, monomials, pictures, plan};
 use crate::cli::store::write;
-use abbe::options::Order;
+use abbe::options::{FitRange, Order};
 use abbe::text::Reason;
 use abbe::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
 use std::path::PathBuf;
@@ -39,6 +39,10 @@ pub(crate) struct Args {
     type_b: Vec<String>,
     #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the fitted machine to this file")]
     out: Option<PathBuf>,
+    /// Judge the fit over the volume of the file, or of axes with fitted curves over the range in which they were
+    /// measured, which becomes the `volume` of the fitted machine.
+    #[arg(long, value_enum, default_value = "travel", conflicts_with = "plan")]
+    range: Range,
     /// Write the fitted machine although the data do not determine values in it.
     #[arg(long, requires = "out")]
     accept_undetermined: bool,
@@ -81,6 +85,15 @@ enum Method {
     MoorePenrose,
 }
 
+/// Parts of the volume over which a fit is judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Range {
+    /// The volume of the machine file.
+    Travel,
+    /// What was measured.
+    Measured,
+}
+
 impl Args {
     fn options(&self) -> IdentifyOptions {
         IdentifyOptions {
@@ -94,6 +107,10 @@ impl Args {
             order: Some(self.order.order.unwrap_or(Order::Exact)),
             robust: self.robust,
             folds: self.folds,
+            range: match self.range {
+                Range::Travel => FitRange::Travel,
+                Range::Measured => FitRange::Measured,
+            },
             machine_file: self.out.is_some(),
             accept_undetermined: self.accept_undetermined,
             pictures: self.pictures.is_some(),

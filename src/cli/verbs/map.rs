@@ -14,7 +14,7 @@ use crate::cli::store::write::refuse_outputs;
 use crate::cli::tolerances::BoundsArgs;
 use crate::cli::{Format, Outcome};
 use abbe::options::{MapPoses, MapTable, TableForm};
-use abbe::results::{MapFromBounds, MapResult, Statistics};
+use abbe::results::{BeyondMeasured, MapFromBounds, MapResult, Statistics};
 use abbe::text::{shown, significant};
 use abbe::{Diagnostic, MachineFile, MapOptions, PlacementOptions, codes, map_tables, place};
 use std::io::Cursor;
@@ -182,6 +182,7 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
     if let Some(uncertainty) = &result.uncertainty {
         text.push_str(&bands::text(&[(String::new(), uncertainty)]));
     }
+    text.push_str(&result.beyond_measured.as_ref().map_or_else(String::new, beyond_measured));
     text.push_str(&result.bounds_add.as_ref().map_or_else(String::new, bounded::bounded_contribution));
     for (i, worst) in result.worst.iter().enumerate() {
         let [x, y, z] = worst.deviation_um.map(|v| significant(v, 4));
@@ -202,6 +203,15 @@ fn text(file: &MachineFile, args: &Args, result: &MapResult) -> String {
         text.push_str(&format!("Body diagonals, range of the displacement along them, um: {list}\n"));
     }
     text
+}
+
+/// The poses beyond what was measured, in words.
+fn beyond_measured(of: &BeyondMeasured) -> String {
+    let range = |(axis, [min, max]): (&String, &[f64; 2])| {
+        format!("{axis} from {} to {}", significant(*min, 6), significant(*max, 6))
+    };
+    let ranges: Vec<String> = of.measured.iter().map(range).collect();
+    format!("{} of {} poses are beyond what was measured: {}\n", of.poses, of.of, ranges.join(", "))
 }
 
 /// The map of a machine of which nothing is measured.

@@ -113,7 +113,7 @@ impl SetOfTables<'_> {
         let alone = self.machine.filtered(|id| *id == set.error);
         // Nearly all tables of a single error are zero, and add nothing.
         let tables = set.tables.tables.iter().filter(|table| !is_zero(table)).cloned().collect();
-        let tables = CorrectionTables { tables, errors: set.tables.errors.clone() };
+        let tables = CorrectionTables { tables, ..set.tables.clone() };
         let replay = Replay::new(&alone, self.target, &tables);
         judge_one(set.error.clone(), &alone, poses, |_, at| replay.addition(at))
     }

@@ -11,7 +11,7 @@ use minijinja::{Value, context};
 use std::sync::Arc;
 
 /// Returns the direction from the gauge point to the tip; against its axis for a tool without length.
-fn tool_direction(tool: &Tool) -> [f64; 3] {
+pub(in crate::controller) fn tool_direction(tool: &Tool) -> [f64; 3] {
     let way: [f64; 3] = std::array::from_fn(|i| tool.tip[i] - tool.gauge[i]);
     let length = libm::sqrt(way.iter().map(|x| x * x).sum());
     if length > 0.0 { way.map(|x| x / length) } else { tool.direction.map(|x| 0.0 - x) }

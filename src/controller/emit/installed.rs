@@ -191,7 +191,7 @@ fn curve_loss(new: &AxisErrorCurve, old: &AxisErrorCurve) -> Option<Diagnostic> 
 }
 
 fn alone(table: &CorrectionTable) -> CorrectionTables {
-    CorrectionTables { tables: vec![table.clone()], errors: Vec::new() }
+    CorrectionTables { tables: vec![table.clone()], ..CorrectionTables::default() }
 }
 
 /// A table, and the replay of it alone.

@@ -15,6 +15,7 @@ mod number;
 mod render;
 mod stored;
 
+pub(super) use context::tool_direction;
 pub use limits::Limits;
 pub(super) use limits::RAISE_LIMIT;
 pub use lock::{LOCK_NAME, Lock};

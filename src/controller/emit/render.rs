@@ -130,6 +130,16 @@ impl ControllerTarget {
         files().map_err(|failure| diagnostics.push(self.failure(&failure))).ok()
     }
 
+    /// Returns the text of a file that is the same whatever the tables are; `None` if a template fails.
+    pub(in crate::controller) fn text_of(&self, machine: &Machine, path: &str) -> Option<String> {
+        let letters = axis_letters(machine, self.manifest.axis_letters.as_ref(), None)?;
+        let tables = Arc::default();
+        let words = TableWords { target: self, machine, tables: &tables, letters: &letters };
+        let writer = Writer { words, environment: environment() };
+        let files = self.watch.during(|| writer.files(|spec| spec.path == path)).ok()?;
+        files.into_iter().next().and_then(|file| String::from_utf8(file.bytes).ok())
+    }
+
     fn failure(&self, failure: &TemplateFailure) -> Diagnostic {
         let message = format!("target `{}`: {failure}", self.manifest.target);
         if matches!(failure, TemplateFailure::NotFinite(_)) {

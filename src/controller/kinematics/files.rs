@@ -5,7 +5,7 @@ use super::{CurveData, Form, KinematicsModule, ModuleJoint, ModuleModel, ModuleW
 use crate::compensation::{CorrectionTables, reversal_tables};
 use crate::controller::emit::RenderedFile;
 use crate::controller::manifest::{ControllerTarget, FileLayout, FileSpec, axis_letters};
-use crate::controller::read::{Arrays, Fault, Pins, ReadBack};
+use crate::controller::read::{Arrays, Fault, Pins, ReadBack, without_c_comments};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
 use crate::machine::Machine;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ impl ControllerTarget {
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<f64>> {
         let parameters = meant.parameters()?;
-        match self.parameters_of(machine, meant, parameters, &file.text) {
+        match self.parameters_of(machine, meant, parameters, file, diagnostics) {
             Ok(stored) => Some(parameters.decode(&stored)),
             Err(fault) => {
                 fault.report(file, diagnostics);
@@ -65,19 +65,51 @@ impl ControllerTarget {
         machine: &Machine,
         module: &KinematicsModule,
         parameters: &Parameters,
-        text: &str,
+        file: &ReadBack,
+        diagnostics: &mut Diagnostics,
     ) -> Result<Vec<f64>, Fault> {
         let lines = self.parameter_lines()?;
-        let stored = lines.read(&parameters.names(), text)?;
-        if !lines.structure.is_empty() {
+        let stored = lines.read(&parameters.names(), &file.text)?;
+        self.read_file().and_then(|spec| spec.layout.as_ref()).iter().for_each(|layout| {
+            layout.report_check_words(file, diagnostics);
+        });
+        if lines.has_structure() {
             let written = self.render_kinematics(machine, module, &Arc::default(), &mut Diagnostics::default());
             let own = written.iter().flatten().find(|file| Some(&file.name) == self.read_file().map(|spec| &spec.path));
-            lines.same_structure(
-                text,
-                &own.map_or_else(String::new, |file| String::from_utf8_lossy(&file.bytes).into()),
-            )?;
+            let own = own.map_or_else(String::new, |file| String::from_utf8_lossy(&file.bytes).into());
+            for remark in lines.same_structure(&file.text, &own)? {
+                let message = format!("`{}`: {remark}", file.found);
+                let help = "look up which axis of the machine has this name in the control";
+                diagnostics.push(Diagnostic::new(codes::W0717, message).help(help));
+            }
         }
         Ok(stored)
+    }
+
+    /// Refuses code that is not what is written for the machine: the certificate is of that code. Comments are free.
+    fn same_code(
+        &self,
+        machine: &Machine,
+        module: &KinematicsModule,
+        files: &[ReadBack],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<()> {
+        let code = self.manifest.files.iter().filter(|spec| spec.code);
+        let code: Vec<&ReadBack> = code.filter_map(|spec| files.iter().find(|file| file.name == spec.path)).collect();
+        if code.is_empty() {
+            return Some(());
+        }
+        let reversal = Arc::new(self.reversal_tables(machine));
+        let written = self.render_kinematics(machine, module, &reversal, &mut Diagnostics::default())?;
+        for file in code {
+            let own = written.iter().find(|own| own.name == file.name);
+            let own = own.map_or_else(String::new, |own| String::from_utf8_lossy(&own.bytes).into_owned());
+            if let Err(fault) = same_code(&file.text, &own) {
+                fault.report(file, diagnostics);
+                return None;
+            }
+        }
+        Some(())
     }
 
     /// Reads the numbers of a module back. `meant` holds the axes of the machine that they are for. Diagnostics: E0704,
@@ -111,7 +143,7 @@ impl ControllerTarget {
                 })
             }
             (Some(FileLayout::Parameters { .. }), of @ KinematicsModule::KinematicParameters(meant)) => {
-                let read = self.parameters_of(machine, of, meant, &file.text).and_then(|stored| {
+                let read = self.parameters_of(machine, of, meant, file, diagnostics).and_then(|stored| {
                     let values = meant.decode(&stored);
                     meant.fault(&values).map_or(Ok(values), |why| Err(Fault::new(0, why)))
                 });
@@ -120,13 +152,55 @@ impl ControllerTarget {
             _ => Err(Fault { line: 0, message: "the manifest's layout is none of its mechanism".to_owned() }),
         };
         match read {
-            Ok(carried) => Some(carried),
+            Ok(carried) => self.same_code(machine, &carried, files, diagnostics).map(|()| carried),
             Err(fault) => {
                 fault.report(file, diagnostics);
                 None
             }
         }
     }
+}
+
+/// Compares the lines of code, comments and remarks on the writer aside.
+fn same_code(text: &str, written: &str) -> Result<(), Fault> {
+    let (found, wanted) = (code(text)?, code(written)?);
+    for (i, (line, bare)) in found.iter().enumerate() {
+        if wanted.get(i).is_none_or(|(_, wanted)| wanted != bare) {
+            return Err(Fault::new(*line, "this is not the code that abbe writes here: what it computes is not known"));
+        }
+    }
+    let end = found.last().map_or(0, |(line, _)| *line);
+    if found.len() == wanted.len() { Ok(()) } else { Err(Fault::new(end, "the code was cut off behind this line")) }
+}
+
+/// A line with single blanks, and its numbers written in one way.
+fn uniform(line: &str) -> String {
+    let mut all = String::new();
+    let is_part = |c: char| c.is_ascii_digit() || ".+-eE".contains(c);
+    for word in line.split_whitespace() {
+        let mut rest = word;
+        while let Some(first) = rest.chars().next() {
+            let length = match is_part(first) {
+                true => rest.find(|c| !is_part(c)).unwrap_or(rest.len()),
+                false => rest.find(is_part).unwrap_or(rest.len()),
+            };
+            match rest[..length].parse::<f64>() {
+                Ok(number) if is_part(first) => all.push_str(&format!("{:?}", number + 0.0)),
+                _ => all.push_str(&rest[..length]),
+            }
+            rest = &rest[length..];
+        }
+        all.push(' ');
+    }
+    all.trim_end().to_owned()
+}
+
+/// The lines of code with their numbers.
+fn code(text: &str) -> Result<Vec<(usize, String)>, Fault> {
+    let clean = without_c_comments(text)?;
+    let all = clean.split('\n').map(uniform).enumerate();
+    let of_writer = |line: &str| line.to_lowercase().contains("written by abbe");
+    Ok(all.filter(|(_, line)| !line.is_empty() && !line.starts_with("# ") && !of_writer(line)).collect())
 }
 
 /// A full model for the same axes as `meant`.

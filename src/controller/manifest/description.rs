@@ -1,9 +1,9 @@
 //! The manifest of a target (`target.yaml`): mechanisms of the controller, and its use of them.
 
+use super::forms::{ArchiveForm, Index, LineSpec, TextFrame};
 use crate::compensation::{KinematicsMechanism, Mechanisms, OwnAxisContent, TableRules};
 use crate::machine::ControllerAxis;
 use serde::Deserialize;
-use std::collections::BTreeMap;
 
 /// A target's manifest.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -173,6 +173,9 @@ pub struct AxisNumbers {
     /// Word before a number in the controller's files, such as `AX`.
     #[serde(default)]
     pub prefix: String,
+    /// True if a number that is not stated is the place in `order`.
+    #[serde(default)]
+    pub assumed: bool,
 }
 
 /// The parts of a set that have a file of their own.
@@ -205,6 +208,8 @@ pub enum FileLayout {
         comment: Option<String>,
         /// The patterns, tried in this order.
         lines: Vec<LineSpec>,
+        /// The forms of the control's own archive.
+        archive: Option<Box<ArchiveForm>>,
     },
     /// Blocks of columns under a line of names: arguments (axes) and errors by their ISO names.
     ErrorColumns,
@@ -233,47 +238,20 @@ pub enum FileLayout {
         /// Patterns of the other lines.
         #[serde(default)]
         others: Vec<String>,
+        /// Patterns of lines that may be left out, and stand as they are written for the machine otherwise.
+        #[serde(default)]
+        optional: Vec<String>,
+        /// Patterns of lines with a name that the builder of the machine gives, each there once.
+        #[serde(default)]
+        builder: Vec<String>,
+        /// Lines at which the controller stops reading.
+        #[serde(default)]
+        end: Vec<String>,
+        /// The line with which the file begins and ends.
+        frame: Option<String>,
+        /// The forms of the control's own archive.
+        archive: Option<Box<ArchiveForm>>,
     },
-}
-
-/// The lines around columns.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TextFrame {
-    /// The mark that begins a comment.
-    pub comment: String,
-    /// The first line: one of these patterns.
-    pub begin: Vec<String>,
-    /// The last line; nothing comes after it.
-    pub end: String,
-}
-
-/// A line of a file: text with fields in angle brackets.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LineSpec {
-    /// The pattern, such as `$AN_CEC[<table>,<index>]=<value>`.
-    pub line: String,
-    /// Number of the only line that it may be on, from 1.
-    pub at: Option<usize>,
-    /// True if a file without such a line is refused.
-    #[serde(default)]
-    pub required: bool,
-    /// The end of a block that it marks.
-    pub block: Option<Edge>,
-    /// Fields that it sets besides those in angle brackets.
-    #[serde(default)]
-    pub set: BTreeMap<String, String>,
-}
-
-/// An end of a block of lines.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Edge {
-    /// Its first line.
-    Begin,
-    /// Its last line.
-    End,
 }
 
 /// A column of a table of one axis.
@@ -302,29 +280,11 @@ pub struct FileSpec {
     pub of: Option<String>,
     /// The layout by which it is read back; absent for files without tables.
     pub layout: Option<FileLayout>,
-    /// The form in which it assigns files to axes, if it does.
+    /// The form in which it puts files in force, if it does.
     pub index: Option<Index>,
-}
-
-/// The form in which a file assigns files to axes.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(tag = "form", rename_all = "snake_case", deny_unknown_fields)]
-pub enum Index {
-    /// Sections of an INI: `[PREFIXn]`, n the number of the axis from 0, then `KEY = FILE`.
-    Sections {
-        /// The text before the number.
-        prefix: String,
-        /// The key of the line that names the file.
-        key: String,
-        /// Settings of the section without which the controller reads the file differently.
-        #[serde(default)]
-        with: BTreeMap<String, String>,
-    },
-    /// A line of words, then letters of axes; below it a file, or `-`, under each letter.
-    Columns {
-        /// The words before the letters.
-        header: String,
-    },
+    /// True if it is code: the lines that the template writes for the machine, comments aside.
+    #[serde(default)]
+    pub code: bool,
 }
 
 impl Manifest {

@@ -110,7 +110,7 @@ impl AxisLetters {
         let name = |of: &AssignedAxis| machine.axes()[of.axis].name.as_str();
         let missing = |of: &&AssignedAxis| self.number_of(machine, of.axis).is_none();
         let unstated: Vec<&str> = assigned.iter().filter(missing).map(name).collect();
-        if !unstated.is_empty() {
+        if !unstated.is_empty() && !numbers.assumed {
             let map = |of: &AssignedAxis| format!("{}={}{}", name(of), numbers.prefix, of.number);
             let all: Vec<String> = assigned.iter().map(map).collect();
             return Some(missing_letter(target, &unstated, &numbers.are).help(format!(

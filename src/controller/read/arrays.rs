@@ -84,8 +84,8 @@ impl Arrays {
     }
 }
 
-/// Comments become blanks, preprocessor lines go; lines keep their numbers.
-fn without_comments(text: &str) -> Result<String, Fault> {
+/// Comments become blanks; lines keep their numbers.
+pub fn without_c_comments(text: &str) -> Result<String, Fault> {
     let mut clean = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(start) = rest.find("/*") {
@@ -99,6 +99,12 @@ fn without_comments(text: &str) -> Result<String, Fault> {
         rest = &rest[start + length + 2..];
     }
     clean.push_str(rest);
+    Ok(clean)
+}
+
+/// Comments become blanks, preprocessor lines go; lines keep their numbers.
+fn without_comments(text: &str) -> Result<String, Fault> {
+    let clean = without_c_comments(text)?;
     let lines = clean.split('\n').map(|line| if line.trim_start().starts_with('#') { "" } else { line });
     Ok(lines.collect::<Vec<_>>().join("\n"))
 }

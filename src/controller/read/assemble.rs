@@ -178,7 +178,7 @@ impl Assembly<'_> {
         let nodes: Vec<f64> = (0..count).map(|i| place_of.position(min + i as f64 * step)).collect();
         if let (Some(max), Some(last)) = (self.number(&format!("max{suffix}"))?, nodes.last()) {
             let line = self.field(&format!("max{suffix}")).map_or(0, |(_, line)| *line);
-            if (place_of.position(max) - last).abs() > rules.increment.min_position(place_of.kind) {
+            if (place_of.position(max) - last).abs() > 0.5 * rules.increment.min_position(place_of.kind) {
                 return Err(Fault::new(
                     line,
                     format!("the last point is at {last}, not at {max}: values and step do not fit together"),

@@ -47,9 +47,11 @@ fn in_millimetres(reading: &ReadContext, mut table: CorrectionTable, kind: AxisK
     let (place, column) = (StoredPosition { rules, kind }, StoredColumn::new(rules, kind));
     table.nodes[0].iter_mut().for_each(|q| *q = place.position(*q));
     let nodes = table.nodes[0].clone();
+    let unit = reading.units[usize::from(kind == AxisKind::Rotary)];
     for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {
-        values.iter_mut().zip(&nodes).for_each(|(c, q)| *c = column.correction(*c, Some(*q)));
+        values.iter_mut().zip(&nodes).for_each(|(c, q)| *c = column.correction(*c, Some(*q)) * unit);
     }
+    table.nodes[0].iter_mut().for_each(|q| *q *= unit);
     table
 }
 

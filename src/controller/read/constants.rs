@@ -27,12 +27,43 @@ impl ControllerTarget {
     /// The lines of its file of kinematic parameters.
     pub fn parameter_lines(&self) -> Result<ParameterLines<'_>, Fault> {
         let lines = self.manifest.files.iter().find_map(|file| match &file.layout {
-            Some(FileLayout::Parameters { comment, line, structure, others }) => {
-                Some(ParameterLines { comment, line, structure, others })
+            Some(FileLayout::Parameters {
+                comment,
+                line,
+                structure,
+                others,
+                optional,
+                builder,
+                end,
+                frame,
+                archive,
+            }) => {
+                let frame = frame.as_deref();
+                let (archive, vocabulary) = (archive.as_deref(), self.parameter_names());
+                let all = [structure, others, optional, builder, end].map(Vec::as_slice);
+                let [structure, others, optional, builder, end] = all;
+                Some(ParameterLines {
+                    comment,
+                    line,
+                    structure,
+                    others,
+                    optional,
+                    builder,
+                    end,
+                    frame,
+                    archive,
+                    vocabulary,
+                })
             }
             _ => None,
         });
         lines.ok_or_else(|| Fault::new(0, "the target has no file of parameters"))
+    }
+
+    /// The names of its kinematic parameters, of all kinds of machines.
+    fn parameter_names(&self) -> Vec<&str> {
+        let machines = self.manifest.kinematics().map_or(&[][..], |mechanism| &mechanism.machines);
+        machines.iter().flat_map(|rules| rules.names().map(String::as_str)).collect()
     }
 
     /// Accepts the parameters of any kind of machine.

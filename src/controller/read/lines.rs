@@ -1,12 +1,11 @@
-//! Lines of known patterns: text with fields in angle brackets, such as
-//! `$AN_CEC[<table>,<index>]=<value>`.
+//! Lines of known patterns, such as `$AN_CEC[<table>,<index>]=<value>`.
 //!
-//! A blank in a pattern matches any blanks, at its ends none too; letters are as written. `<row>` takes the rest of the
-//! line as numbers; `<any>` and its text are ignored. Fields `table`, `error` and `reversal` begin a record, or go on
-//! with the one of that name; lines without go to the last record.
+//! Fields `table`, `error` and `reversal` begin a record, or go on with the one of that name; lines without go to the
+//! last record.
 
-use super::{Fault, number};
-use crate::controller::manifest::{Edge, LineSpec};
+use super::patterns::{PatternPiece, match_pattern, pieces};
+use super::{Fault, archive, number, patterns};
+use crate::controller::manifest::{ArchiveForm, Edge, LineSpec};
 use std::collections::BTreeMap;
 
 /// The value of a field, and its line (from 0).
@@ -26,6 +25,8 @@ pub(super) struct TableFields {
     pub points: BTreeMap<[usize; 3], Fields>,
     /// Numbers from lines of numbers, row by row.
     pub rows: Vec<(Vec<f64>, usize)>,
+    /// True if the control's archive has it, with other data besides.
+    pub archive: bool,
 }
 
 /// Fields that a point has, besides the index.
@@ -35,42 +36,117 @@ const OF_POINTS: [&str; 9] =
 /// Larger indices are no table's.
 const MAX_POINTS: usize = 5_000_000;
 
-pub(super) fn records(comment: Option<&str>, specs: &[LineSpec], text: &str) -> Result<Vec<TableFields>, Fault> {
-    let patterns: Vec<(Vec<PatternPiece>, &LineSpec)> = specs.iter().map(|spec| (pieces(&spec.line), spec)).collect();
-    let mut met = vec![false; specs.len()];
-    let mut records: Vec<TableFields> = Vec::new();
-    let mut current = 0;
-    let mut open: Option<usize> = None;
-    for (number, line) in text.lines().enumerate() {
-        let bare = comment.map_or(line, |mark| line.split(mark).next().unwrap_or_default()).trim();
-        if bare.is_empty() && comment.is_some() {
-            continue;
-        }
-        let fits = |(pieces, spec): &(Vec<PatternPiece>, &LineSpec)| {
+/// The lines of a format, and the axis whose lines of an archive are read.
+#[derive(Clone, Copy)]
+pub(super) struct LineFormat<'a> {
+    pub comment: Option<&'a str>,
+    pub lines: &'a [LineSpec],
+    pub archive: Option<&'a ArchiveForm>,
+    /// The number of the file's axis; none if it is unknown.
+    pub axis: Option<usize>,
+}
+
+/// How far a text has been read.
+#[derive(Default)]
+struct Progress {
+    /// True for each pattern that was met.
+    met: Vec<bool>,
+    /// Pattern and record, for each line that fitted.
+    of_record: Vec<(usize, usize)>,
+    /// The line of the block that is open.
+    open: Option<usize>,
+    /// The line at which the controller stops reading.
+    ended: Option<usize>,
+    current: usize,
+    records: Vec<TableFields>,
+}
+
+pub(super) fn records(format: LineFormat, text: &str) -> Result<Vec<TableFields>, Fault> {
+    let opened = archive::open(format.archive, format.comment, text)?;
+    let form = format.archive.filter(|_| opened.archive);
+    let specs: Vec<&LineSpec> = format.lines.iter().chain(form.iter().flat_map(|form| &form.lines)).collect();
+    let patterns: Vec<Vec<PatternPiece>> = specs.iter().map(|spec| pieces(&spec.line)).collect();
+    let mut progress = Progress { met: vec![false; specs.len()], ..Progress::default() };
+    for (number, bare) in &opened.lines {
+        let fits = |(pieces, spec): (&Vec<PatternPiece>, &&LineSpec)| {
             spec.at.is_none_or(|at| at == number + 1).then(|| match_pattern(pieces, bare)).flatten()
         };
-        let Some((which, fields)) = patterns.iter().enumerate().find_map(|(i, p)| Some((i, fits(p)?))) else {
-            return Err(Fault::new(number, "the controller would not understand this line"));
-        };
-        met[which] = true;
-        open = match (specs[which].block, open) {
+        match patterns.iter().zip(&specs).enumerate().find_map(|(i, p)| Some((i, fits(p)?))) {
+            Some((which, fields)) if form.is_none() || format.is_of_axis(&fields) => {
+                progress.take(specs[which], which, *number, fields)?;
+            }
+            Some(_) => {}
+            None if form.is_some_and(|form| form.skip.iter().any(|pattern| patterns::fits(pattern, bare))) => {}
+            None => return Err(Fault::new(*number, "the controller would not understand this line")),
+        }
+    }
+    let end = text.lines().count().saturating_sub(1);
+    progress.finish(&specs, form.is_some(), end)
+}
+
+impl LineFormat<'_> {
+    /// False for a line of another axis.
+    fn is_of_axis(&self, fields: &[(String, String)]) -> bool {
+        let named = fields.iter().find(|(name, _)| name == "axis_number").map(|(_, value)| value.parse().ok());
+        named.is_none_or(|named| self.axis.is_none() || named == self.axis)
+    }
+}
+
+impl Progress {
+    /// Takes a line of this number that fits a pattern.
+    fn take(
+        &mut self,
+        spec: &LineSpec,
+        which: usize,
+        number: usize,
+        fields: Vec<(String, String)>,
+    ) -> Result<(), Fault> {
+        self.met[which] = true;
+        match self.ended {
+            Some(_) if spec.end => return Ok(()),
+            Some(end) => {
+                let message = format!("the controller stops reading at line {}: this is not in force", end + 1);
+                return Err(Fault::new(number, message));
+            }
+            None if spec.end => self.ended = Some(number),
+            None => {}
+        }
+        self.open = match (spec.block, self.open) {
             (Some(Edge::Begin), Some(_)) => return Err(Fault::new(number, "the block before is not closed")),
             (Some(Edge::Begin), None) => Some(number),
             (Some(Edge::End), None) => return Err(Fault::new(number, "there is no block to close")),
             (Some(Edge::End), Some(_)) => None,
             (None, open) => open,
         };
-        let set = specs[which].set.iter().map(|(name, value)| (name.clone(), value.clone()));
-        take(&mut records, &mut current, set.chain(fields), number)?;
+        if spec.first && !self.records.is_empty() {
+            return Err(Fault::new(number, "this line would take away tables that stand before it"));
+        }
+        let set = spec.set.iter().map(|(name, value)| (name.clone(), value.clone()));
+        take(&mut self.records, &mut self.current, set.chain(fields), number)?;
+        self.of_record.push((which, self.current));
+        Ok(())
     }
-    if let Some(line) = open {
-        return Err(Fault::new(line, "the block that begins here is not closed: the file was cut off"));
+
+    /// The records, if everything is there. An archive has other heads than a set.
+    fn finish(mut self, specs: &[&LineSpec], archive: bool, end: usize) -> Result<Vec<TableFields>, Fault> {
+        if let Some(line) = self.open {
+            return Err(Fault::new(line, "the block that begins here is not closed: the file was cut off"));
+        }
+        let wanted = |spec: &LineSpec| spec.required && (!archive || spec.end || spec.block.is_some());
+        if let Some((spec, _)) = specs.iter().zip(&self.met).find(|(spec, met)| wanted(spec) && !**met) {
+            return Err(Fault::new(end, format!("there is no line `{}`", spec.line)));
+        }
+        let each = specs.iter().enumerate().filter(|(_, spec)| spec.each);
+        for (which, spec) in each {
+            let missing = |(at, _): &(usize, &TableFields)| !self.of_record.contains(&(which, *at));
+            if let Some((_, record)) = self.records.iter().enumerate().find(missing) {
+                let message = format!("no line `{}` for this table: the controller would keep what it had", spec.line);
+                return Err(Fault::new(record.line, message));
+            }
+        }
+        self.records.iter_mut().for_each(|record| record.archive = archive);
+        Ok(self.records)
     }
-    if let Some((spec, _)) = specs.iter().zip(&met).find(|(spec, met)| spec.required && !**met) {
-        let end = text.lines().count().saturating_sub(1);
-        return Err(Fault::new(end, format!("there is no line `{}`", spec.line)));
-    }
-    Ok(records)
 }
 
 /// Puts the fields of a line where they belong: to the record that the line names, else to the last one.
@@ -97,8 +173,11 @@ fn take(
     *current = at;
     let record = &mut records[at];
     if let Some(row) = said.remove("row") {
-        let cells = row.split([',', ' ', '\t']).filter(|cell| !cell.is_empty());
-        let numbers: Result<Vec<f64>, _> = cells.map(number).collect();
+        let numbers: Result<Vec<f64>, _> = if row.contains(',') {
+            row.split(',').map(number).collect()
+        } else {
+            row.split_whitespace().map(number).collect()
+        };
         record.rows.push((numbers.map_err(|bad| Fault::new(line, bad))?, line));
     }
     let index = index(&mut said, record.points.len(), line)?;
@@ -126,90 +205,4 @@ fn index(said: &mut BTreeMap<String, String>, next: usize, line: usize) -> Resul
         *slot = parsed.ok_or_else(|| Fault::new(line, format!("`{text}` is no number of a point")))?;
     }
     Ok(if given { index } else { [next, 0, 0] })
-}
-
-pub(super) fn fits(pattern: &str, line: &str) -> bool {
-    match_pattern(&pieces(pattern), line).is_some()
-}
-
-/// The fields of a line that fits a pattern from end to end.
-pub(super) fn fields(pattern: &str, line: &str) -> Option<Vec<(String, String)>> {
-    match_pattern(&pieces(pattern), line)
-}
-
-#[derive(Debug, Clone, PartialEq)]
-enum PatternPiece {
-    /// Literal letters.
-    Text(String),
-    /// Any blanks.
-    Blank,
-    /// A field.
-    Field(String),
-}
-
-fn pieces(pattern: &str) -> Vec<PatternPiece> {
-    let mut pieces = Vec::new();
-    let mut rest = pattern.trim();
-    while let Some(first) = rest.chars().next() {
-        if first.is_whitespace() {
-            rest = rest.trim_start();
-            pieces.push(PatternPiece::Blank);
-        } else if let Some((field, after)) = rest.strip_prefix('<').and_then(|r| r.split_once('>')) {
-            pieces.push(PatternPiece::Field(field.to_owned()));
-            rest = after;
-        } else {
-            let tail = &rest[first.len_utf8()..];
-            let end = tail.find(|c: char| c.is_whitespace() || c == '<').unwrap_or(tail.len()) + first.len_utf8();
-            pieces.push(PatternPiece::Text(rest[..end].to_owned()));
-            rest = &rest[end..];
-        }
-    }
-    pieces
-}
-
-/// The fields of a line that fits a pattern from end to end.
-fn match_pattern(pieces: &[PatternPiece], line: &str) -> Option<Vec<(String, String)>> {
-    let mut fields = Vec::new();
-    let mut rest = line;
-    for (i, piece) in pieces.iter().enumerate() {
-        match piece {
-            PatternPiece::Text(text) => rest = rest.strip_prefix(&**text)?,
-            PatternPiece::Blank => {
-                let after = rest.trim_start();
-                (after.len() < rest.len()).then_some(())?;
-                rest = after;
-            }
-            PatternPiece::Field(name) => {
-                let end = match pieces.get(i + 1) {
-                    _ if name == "row" || name == "any" && i + 1 == pieces.len() => rest.len(),
-                    Some(PatternPiece::Text(next)) => rest.find(&**next)?,
-                    _ => rest.find(char::is_whitespace).unwrap_or(rest.len()),
-                };
-                let value = rest[..end].trim();
-                (!value.is_empty()).then_some(())?;
-                fields.push((name.clone(), value.to_owned()));
-                rest = &rest[end..];
-            }
-        }
-    }
-    rest.trim().is_empty().then_some(fields)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn patterns_take_their_fields_and_nothing_else() {
-        let found = fields("$AN_CEC[<table>,<index>]=<value>", "$AN_CEC[0,12]=-0.003").unwrap();
-        let words: Vec<&str> = found.iter().flat_map(|(name, value)| [&**name, &**value]).collect();
-        assert_eq!(words, ["table", "0", "index", "12", "value", "-0.003"]);
-        assert_eq!(fields("$AN_CEC[<table>,<index>]=<value>", "$AN_CEC[0.12]=1"), None);
-        assert_eq!(fields("kw.x <value>", "kw.x   7").unwrap()[0].1, "7");
-        assert_eq!(fields("kw.x <value>", "kw.x"), None);
-        assert_eq!(fields("M17", "M17 "), Some(Vec::new()));
-        assert_eq!(fields("M17", "M170"), None);
-        assert_eq!(fields("<row>", "1, 2,3").unwrap()[0].1, "1, 2,3");
-        assert_eq!(fields("head <any>", "head what ever").unwrap()[0].1, "what ever");
-    }
 }

@@ -1,21 +1,24 @@
 //! Formats whose columns are named in the file: blocks of ISO errors, and tables over one axis.
 
 use super::assemble::error_value;
-use super::{Fault, ReadContext, lines, number};
+use super::{Fault, ReadContext, number, patterns};
 use crate::compensation::{AxisErrorCurve, CorrectionTable, CorrectionTables};
+use crate::controller::emit::tool_direction;
 use crate::controller::emit::{StoredColumn, StoredPosition};
 use crate::controller::manifest::TextFrame;
-use crate::machine::{AxisKind, AxisName, parse_error_name};
+use crate::machine::{AxisKind, parse_error_name};
 use nalgebra::Vector3;
 
 /// True for names of the machine's geometry in the same files. The certificate is of the machine file's geometry, so
-/// that of the turns must be the same; the meaning of `P0` and `N0` is inferred, and not compared.
+/// that of the file must be the same.
 fn is_geometry(name: &str) -> bool {
     let letters: Vec<char> = name.chars().collect();
-    matches!(
-        letters[..],
-        ['P' | 'N' | 'V' | 'I' | 'L', '0' | 'X' | 'Y' | 'Z' | 'D' | 'N', 'X' | 'Y' | 'Z' | 'A' | 'B' | 'C']
-    ) && !(letters[0] == 'V' && letters[1] == '0')
+    match letters[..] {
+        ['P' | 'N', '0', 'X' | 'Y' | 'Z'] | ['I', 'D', 'X' | 'Y' | 'Z'] => true,
+        ['P', 'X' | 'Y' | 'Z', 'A' | 'B' | 'C'] => true,
+        ['V', 'X' | 'Y' | 'Z', axis] | ['L', 'N', axis] => "XYZABC".contains(axis),
+        _ => false,
+    }
 }
 
 /// Largest effect (mm) of a turn that is not the machine file's: ten times the written resolution.
@@ -25,10 +28,10 @@ const NEAR: f64 = 1.0;
 /// Distance (mm) at which a turned direction displaces the lever of an angular error.
 const REACH: f64 = 1e3;
 
-/// Distance of the line of a rotary axis in a file from the machine file's.
+/// Distance of a line in a file, of a rotary axis or of the tool, from the machine file's.
 struct OffLine {
     line: usize,
-    axis: AxisName,
+    of: String,
     /// Distance of its point, across the line, mm.
     off: f64,
     /// Angle of its direction, rad.
@@ -43,10 +46,10 @@ fn same_effect(lines: &[OffLine], errors: &[AxisErrorCurve]) -> Result<(), Fault
         of_kind.flat_map(|curve| &curve.values).fold(0.0, |max: f64, x| max.max(x.abs()))
     };
     let (mm, rad) = (largest(false), largest(true));
-    for OffLine { line, axis, off, turned } in lines {
+    for OffLine { line, of, off, turned } in lines {
         if off * rad + turned * (mm + REACH * rad) > SAME || off.max(*turned) > NEAR {
             let what = if off > turned { "point" } else { "direction" };
-            let message = format!("the {what} of `{axis}` is not that of the machine file, which is what is certified");
+            let message = format!("the {what} of {of} is not that of the machine file, which is what is certified");
             return Err(Fault::new(*line, message));
         }
     }
@@ -69,7 +72,42 @@ fn lines_of_turns(reading: &ReadContext, line: usize, names: &[&str], row: &[f64
         let direction = Vector3::from(axis.direction);
         let off = (Vector3::new(px, py, pz) - Vector3::from(axis.origin)).cross(&direction).norm();
         let turned = (Vector3::new(vx, vy, vz) - direction).norm();
-        all.push(OffLine { line, axis: axis.name.clone(), off, turned });
+        all.push(OffLine { line, of: format!("`{}`", axis.name), off, turned });
+    }
+    Ok(all)
+}
+
+/// Reads the tool (`P0X P0Y P0Z`, where one without length ends; `N0X N0Y N0Z`, its direction to the tip), directions
+/// of linear axes, and what must be 0 or the machine's: offsets of axes and their numbers.
+fn other_geometry(reading: &ReadContext, line: usize, names: &[&str], row: &[f64]) -> Result<Vec<OffLine>, Fault> {
+    let machine = reading.machine;
+    let number = |name: String| names.iter().position(|known| *known == name).map(|at| row[at]);
+    let three = |before: &str, after: &str| ["X", "Y", "Z"].map(|k| number(format!("{before}{k}{after}")));
+    let mut all = Vec::new();
+    let mut compare = |of: &str, found: [Option<f64>; 3], wanted: [f64; 3], is_point: bool| match found {
+        [None, None, None] => Ok(()),
+        [Some(x), Some(y), Some(z)] => {
+            let apart = (Vector3::new(x, y, z) - Vector3::from(wanted)).norm();
+            let (off, turned) = if is_point { (apart, 0.0) } else { (0.0, apart) };
+            all.push(OffLine { line, of: of.to_owned(), off, turned });
+            Ok(())
+        }
+        _ => {
+            Err(Fault::new(line, format!("the {} of {of} is not whole", if is_point { "point" } else { "direction" })))
+        }
+    };
+    compare("the tool", three("P0", ""), machine.tool().gauge, true)?;
+    compare("the tool", three("N0", ""), tool_direction(machine.tool()), false)?;
+    for axis in machine.axes().iter().filter(|axis| axis.kind == AxisKind::Linear) {
+        compare(&format!("`{}`", axis.name), three("V", axis.name.as_str()), axis.direction, false)?;
+    }
+    if three("ID", "").into_iter().flatten().any(|offset| offset != 0.0) {
+        return Err(Fault::new(line, "offsets of axes (ID): their effect would not be in the certificate"));
+    }
+    for known in &reading.letters {
+        if number(format!("LN{}", known.letter)).is_some_and(|stated| stated != known.number as f64) {
+            return Err(Fault::new(line, format!("`LN{}` is not the number of this axis", known.letter)));
+        }
     }
     Ok(all)
 }
@@ -140,7 +178,11 @@ fn block(
         return Err(Fault::new(rows[i + 1].0, "the positions do not rise"));
     }
     if argument.is_none() {
+        if let Some((_, twice)) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+            return Err(Fault::new(line, format!("`{twice}` is there twice (error 70469)")));
+        }
         turns.extend(lines_of_turns(reading, line, &names, &rows[0].1)?);
+        turns.extend(other_geometry(reading, line, &names, &rows[0].1)?);
     }
     for (column, name) in names.iter().enumerate().skip(usize::from(argument.is_some())) {
         if argument.is_none() && is_geometry(name) {
@@ -170,11 +212,11 @@ pub(super) struct CurveHeader<'a> {
 }
 
 /// The lines between the first and the last one of a frame, without comments and blank lines.
-fn lines_in_frame<'a>(frame: &TextFrame, text: &'a str) -> Result<Vec<(usize, &'a str)>, Fault> {
+pub(super) fn lines_in_frame<'a>(frame: &TextFrame, text: &'a str) -> Result<Vec<(usize, &'a str)>, Fault> {
     let said = text.lines().map(str::trim).enumerate();
     let mut said = said.filter(|(_, line)| !line.is_empty() && !line.starts_with(&*frame.comment));
     let (line, first) = said.next().ok_or_else(|| Fault::new(0, "there is nothing but comments"))?;
-    if !frame.begin.iter().any(|pattern| lines::fits(pattern, first)) {
+    if !frame.begin.iter().any(|pattern| patterns::fits(pattern, first)) {
         return Err(Fault::new(line, format!("the first line is none like `{}`", frame.begin.join("`, `"))));
     }
     let mut inner: Vec<(usize, &str)> = Vec::new();
@@ -191,26 +233,61 @@ fn lines_in_frame<'a>(frame: &TextFrame, text: &'a str) -> Result<Vec<(usize, &'
     Err(Fault::new(end, format!("the file does not end with `{}`: it was cut off", frame.end)))
 }
 
+/// True if a text begins as a frame does.
+pub(super) fn begins(frame: &TextFrame, text: &str) -> bool {
+    let mut said = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with(&*frame.comment));
+    said.next().is_some_and(|first| frame.begin.iter().any(|pattern| patterns::fits(pattern, first)))
+}
+
+/// A cell and the place of its first letter.
+pub(super) type Cell<'t> = (usize, &'t str);
+
+pub(super) fn cells(line: &str) -> Vec<Cell<'_>> {
+    let start = |cell: &str| cell.as_ptr() as usize - line.as_ptr() as usize;
+    line.split_whitespace().map(|cell| (start(cell), cell)).collect()
+}
+
+/// The cell under each name; none where a cell is blank, of rows whose cells begin where their names do.
+pub(super) fn under<'t>(names: &[Cell], found: &[Cell<'t>]) -> Option<Vec<Option<&'t str>>> {
+    if found.len() == names.len() {
+        return Some(found.iter().map(|(_, cell)| Some(*cell)).collect());
+    }
+    let aligned = found.iter().all(|(start, _)| names.iter().any(|(name, _)| name == start));
+    let at = |start: usize| found.iter().find(|(known, _)| *known == start).map(|(_, cell)| *cell);
+    aligned.then(|| names.iter().map(|(start, _)| at(*start)).collect())
+}
+
 /// A line of names, then rows: number, position, and a column for every corrected axis. The file's axis is the input. A
 /// column for the negative direction is accepted as long as it holds no other values.
 pub(super) fn axis_columns(reading: &ReadContext, header: &CurveHeader, text: &str) -> Result<CorrectionTables, Fault> {
     let input = reading.axis.unwrap_or(0);
-    let mut names: Option<Vec<&str>> = None;
+    let mut names: Option<Vec<Cell>> = None;
     let mut rows: Vec<(usize, Vec<Option<f64>>)> = Vec::new();
     for (line, bare) in lines_in_frame(header.frame, text)? {
-        let cells: Vec<&str> = bare.split_whitespace().collect();
+        let cells = cells(bare);
         let Some(names) = &names else {
             names = Some(cells);
             continue;
         };
-        if cells.len() != names.len() {
+        let Some(under) = under(names, &cells) else {
             return Err(Fault::new(line, format!("{} cells under {} names", cells.len(), names.len())));
+        };
+        let value = |cell: &Option<&str>| match cell.filter(|cell| *cell != "-") {
+            None => Ok(None),
+            Some(cell) => number(cell.trim_start_matches('+')).map(Some),
+        };
+        if names
+            .iter()
+            .zip(&under)
+            .any(|((_, name), cell)| *name == "NR" && cell.is_none_or(|n| n.parse::<usize>().is_err()))
+        {
+            return Err(Fault::new(line, "a row begins with its number"));
         }
-        let value = |cell: &&str| if *cell == "-" { Ok(None) } else { number(cell.trim_start_matches('+')).map(Some) };
-        let row: Result<Vec<Option<f64>>, _> = cells.iter().map(value).collect();
+        let row: Result<Vec<Option<f64>>, _> = under.iter().map(value).collect();
         rows.push((line, row.map_err(|bad| Fault::new(line, bad))?));
     }
     let names = names.ok_or_else(|| Fault::new(0, "there is no line of names"))?;
+    let names: Vec<&str> = names.iter().map(|(_, name)| *name).collect();
     let column = |name: &str| names.iter().position(|n| *n == name);
     let position =
         column(header.position).ok_or_else(|| Fault::new(0, format!("there is no column `{}`", header.position)))?;

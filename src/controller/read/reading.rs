@@ -11,6 +11,8 @@ pub struct ReadContext<'a> {
     pub letters: Vec<AssignedAxis>,
     /// The axis to which the file belongs by its name.
     pub axis: Option<usize>,
+    /// The mm of a unit of length in tables, and the deg of a unit of angle.
+    pub units: [f64; 2],
 }
 
 impl ReadContext<'_> {

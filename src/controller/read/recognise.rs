@@ -7,7 +7,9 @@
 //!
 //! A file that fits no place is ignored, with a warning (W0711).
 
-use super::place::{axis_files, by_frame, spans};
+use super::activation::Activation;
+use super::in_force::{self, activation};
+use super::place::{by_frame, spans};
 use super::{Fault, ReadBack, ReadContext};
 use crate::controller::manifest::{AssignedAxis, ControllerTarget, FileLayout, FileSpec, Per, axis_letters};
 use crate::diagnostic::{Diagnostic, Diagnostics, codes};
@@ -24,6 +26,67 @@ pub struct RecognisedSet {
 
 /// A text found under a name.
 pub type NamedText = (String, String);
+
+/// The texts of a folder, and those of them that put others in force.
+#[derive(Clone, Copy)]
+struct FolderTexts<'a> {
+    files: &'a [NamedText],
+    indices: &'a [IndexFile],
+}
+
+/// A file that puts others in force.
+#[derive(Debug, Clone)]
+pub struct IndexFile {
+    /// The file, in its place of the set.
+    pub file: ReadBack,
+    puts: Activation,
+}
+
+impl IndexFile {
+    /// True if it puts a file of this name in force.
+    fn names(&self, name: &str) -> bool {
+        self.puts.files.iter().any(|named| named.file == name)
+    }
+}
+
+impl ControllerTarget {
+    /// Finds the texts that put others in force, whatever their names. Diagnostics: one that the controller would not
+    /// start with (E0704), two that differ (E0732).
+    pub fn find_indices(
+        &self,
+        machine: &Machine,
+        files: &[NamedText],
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Vec<IndexFile>> {
+        let letters = axis_letters(machine, self.manifest.axis_letters.as_ref(), None)?;
+        let reading = ReadContext { target: self, machine, letters, axis: None, units: [1.0; 2] };
+        let mut found: Vec<IndexFile> = Vec::new();
+        for spec in self.manifest.files.iter().filter(|spec| spec.index.is_some()) {
+            for (name, text) in files {
+                let file = ReadBack { name: spec.path.clone(), found: name.clone(), text: text.clone() };
+                let puts = match activation(&reading, spec, text) {
+                    Ok(Some(puts)) => puts,
+                    Ok(None) => continue,
+                    Err(fault) => {
+                        fault.report(&file, diagnostics);
+                        return None;
+                    }
+                };
+                match found.iter().find(|other| other.file.name == spec.path) {
+                    None => found.push(IndexFile { file, puts }),
+                    Some(other) if other.puts.same(&puts) => {}
+                    Some(other) => {
+                        let message = format!("`{}` and `{name}` put different tables in force", other.file.found);
+                        let help = "leave the one that is on the machine";
+                        diagnostics.push(Diagnostic::new(codes::E0732, message).help(help));
+                        return None;
+                    }
+                }
+            }
+        }
+        Some(found)
+    }
+}
 
 struct FilePlace {
     file: usize,
@@ -94,10 +157,11 @@ impl TargetFit {
         let (mut placed, mut failed) = (Vec::new(), Vec::new());
         for (file, (_, text)) in files.iter().enumerate() {
             let mut trial = Trial { target: &target, machine, letters: &letters, text, furthest: None };
-            match trial.place(file) {
-                Some(place) => placed.push(place),
-                None => failed.extend(trial.furthest.map(|fault| (file, fault))),
+            let places = trial.places(file);
+            if places.is_empty() {
+                failed.extend(trial.furthest.map(|fault| (file, fault)));
             }
+            placed.extend(places);
         }
         // Tables beside a kinematics module do not count without the module.
         let of_module = |placed: &FilePlace| {
@@ -118,14 +182,19 @@ impl TargetFit {
 
     fn settle(&self, machine: &Machine, files: &[NamedText], diagnostics: &mut Diagnostics) -> Option<RecognisedSet> {
         let target = &self.target;
-        let letters = axis_letters(machine, target.manifest.axis_letters.as_ref(), None).unwrap_or_default();
-        let axes = self.axes(machine, &letters, files, diagnostics)?;
+        let indices = target.find_indices(machine, files, diagnostics)?;
+        let mut placed: Vec<&FilePlace> = self.placed.iter().collect();
+        let axes = self.axes(&mut placed, machine, FolderTexts { files, indices: &indices }, diagnostics)?;
         let mut found: Vec<ReadBack> = Vec::new();
-        for (placed, axis) in self.placed.iter().zip(axes) {
+        for (placed, axis) in placed.into_iter().zip(axes) {
             let names = target.names(machine, &target.manifest.files[placed.spec]);
             let (_, name) = names.into_iter().find(|(a, _)| *a == axis)?;
             let (own, text) = &files[placed.file];
             if let Some(other) = found.iter().find(|other| other.name == name) {
+                if !indices.is_empty() && !indices.iter().any(|index| index.names(own)) {
+                    diagnostics.push(in_force::idle_warning(own));
+                    continue;
+                }
                 let message = format!(
                     "`{}` and `{own}` are both the `{name}` of target `{}`",
                     other.found, target.manifest.target
@@ -136,25 +205,25 @@ impl TargetFit {
             }
             found.push(ReadBack { name, found: own.clone(), text: text.clone() });
         }
-        self.report_unread(files, diagnostics);
+        self.report_unread(files, &indices, diagnostics);
+        found.extend(indices.into_iter().map(|index| index.file));
         Some(RecognisedSet { target: target.clone(), files: found })
     }
 
     /// The axis of every file; none for a file of the machine's.
     fn axes(
         &self,
+        all: &mut Vec<&FilePlace>,
         machine: &Machine,
-        letters: &[AssignedAxis],
-        files: &[NamedText],
+        texts: FolderTexts,
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Option<usize>>> {
-        let mut known: Vec<Option<usize>> = Vec::new();
-        for placed in &self.placed {
-            known.push(match placed.axes[..] {
-                [axis] => Some(axis),
-                _ => self.axis_of_file(placed, machine, letters, files, diagnostics)?,
-            });
-        }
+        let FolderTexts { files, indices } = texts;
+        let stated = |placed: &&FilePlace| match placed.axes[..] {
+            [axis] => Some(axis),
+            _ => self.axis_of_file(placed, machine, texts),
+        };
+        let mut known: Vec<Option<usize>> = all.iter().map(stated).collect();
         // One file may leave only one axis for the next.
         loop {
             let free = |placed: &FilePlace| {
@@ -163,60 +232,42 @@ impl TargetFit {
                 };
                 placed.axes.iter().filter(spanned).copied().collect::<Vec<_>>()
             };
-            let open = |i: &usize| known[*i].is_none() && !self.placed[*i].axes.is_empty();
-            let next = (0..known.len()).filter(open).find_map(|i| match free(&self.placed[i])[..] {
+            let open = |i: &usize| known[*i].is_none() && !all[*i].axes.is_empty();
+            let next = (0..known.len()).filter(open).find_map(|i| match free(all[i])[..] {
                 [axis] => Some((i, axis)),
                 _ => None,
             });
             let Some((i, axis)) = next else { break };
             known[i] = Some(axis);
-            let (name, axis) = (&files[self.placed[i].file].0, &machine.axes()[axis]);
+            let (name, axis) = (&files[all[i].file].0, &machine.axes()[axis]);
             let message =
                 format!("`{name}` does not name its axis: read as the table of `{}`, whose travel it spans", axis.name);
             let help = "name it as `compile` does, or put the controller's configuration that assigns it beside it";
             diagnostics.push(Diagnostic::new(codes::W0710, message).help(help));
         }
-        let nowhere = (0..known.len()).find(|i| known[*i].is_none() && !self.placed[*i].axes.is_empty());
-        if let Some(i) = nowhere {
-            diagnostics.push(self.unknown_place(&self.placed[i], machine, files));
-            return None;
+        while let Some(i) = (0..known.len()).find(|i| known[*i].is_none() && !all[*i].axes.is_empty()) {
+            if indices.is_empty() {
+                diagnostics.push(self.unknown_place(all[i], machine, files));
+                return None;
+            }
+            diagnostics.push(in_force::idle_warning(&files[all.remove(i).file].0));
+            known.remove(i);
         }
         Some(known)
     }
 
-    /// Returns the axis of a file by a file that assigns it, or by its own first lines. The outer none: a refusal was
-    /// reported.
-    fn axis_of_file(
-        &self,
-        placed: &FilePlace,
-        machine: &Machine,
-        letters: &[AssignedAxis],
-        files: &[NamedText],
-        diagnostics: &mut Diagnostics,
-    ) -> Option<Option<usize>> {
-        let (own, text) = &files[placed.file];
-        for index in self.target.manifest.files.iter().filter_map(|spec| spec.index.as_ref()) {
-            for (name, text) in files {
-                match axis_files(index, letters, text) {
-                    Ok(all) => {
-                        let axis = all.iter().find(|a| a.file == *own).map(|a| a.axis);
-                        if let Some(axis) = axis.filter(|axis| placed.axes.contains(axis)) {
-                            return Some(Some(axis));
-                        }
-                    }
-                    Err(fault) => {
-                        let source = diagnostics.sources.add(&**name, &**text);
-                        diagnostics.push(fault.diagnostic(name, text, source));
-                        return None;
-                    }
-                }
-            }
+    /// Returns the axis of a file by a file that assigns it, or by its own first lines.
+    fn axis_of_file(&self, placed: &FilePlace, machine: &Machine, texts: FolderTexts) -> Option<usize> {
+        let (own, text) = &texts.files[placed.file];
+        let assigned = texts.indices.iter().flat_map(|index| &index.puts.files).find(|named| named.file == *own);
+        if let Some(axis) = assigned.and_then(|named| named.axis).filter(|axis| placed.axes.contains(axis)) {
+            return Some(axis);
         }
         let spec = &self.target.manifest.files[placed.spec];
         let layout = spec.layout.as_ref();
         let framed =
             layout.and_then(|layout| by_frame(layout, &self.target.names(machine, spec), text)).map(|(_, axis)| axis);
-        Some(framed.filter(|axis| placed.axes.contains(axis)))
+        framed.filter(|axis| placed.axes.contains(axis))
     }
 
     fn unknown_place(&self, placed: &FilePlace, machine: &Machine, files: &[NamedText]) -> Diagnostic {
@@ -240,13 +291,15 @@ impl TargetFit {
     }
 
     /// Reports the files that were not read.
-    fn report_unread(&self, files: &[NamedText], diagnostics: &mut Diagnostics) {
+    fn report_unread(&self, files: &[NamedText], indices: &[IndexFile], diagnostics: &mut Diagnostics) {
         let known = |name: &str| {
             let plain = |spec: &FileSpec| spec.layout.is_none() && spec.path == name;
             self.target.manifest.files.iter().any(plain)
         };
         for (file, (name, _)) in files.iter().enumerate().filter(|(_, (name, _))| !known(name)) {
-            if self.placed.iter().any(|placed| placed.file == file) {
+            if self.placed.iter().any(|placed| placed.file == file)
+                || indices.iter().any(|index| index.file.found == *name)
+            {
                 continue;
             }
             let fault = self.failed.iter().find(|(failed, _)| *failed == file).map(|(_, fault)| fault);
@@ -270,12 +323,23 @@ struct Trial<'a> {
 }
 
 impl Trial<'_> {
-    fn place(&mut self, file: usize) -> Option<FilePlace> {
-        let specs = self.target.manifest.files.iter().enumerate();
-        specs.filter_map(|(i, spec)| Some((i, spec, spec.layout.as_ref()?))).find_map(|(i, spec, layout)| {
-            let (axes, positions) = self.fits(spec, layout)?;
-            Some(FilePlace { file, spec: i, axes, positions })
-        })
+    /// The place of a file; those of several axes of a control's archive.
+    fn places(&mut self, file: usize) -> Vec<FilePlace> {
+        for (i, spec) in self.target.manifest.files.iter().enumerate() {
+            let Some(layout) = &spec.layout else { continue };
+            if spec.per != Per::Machine && layout.is_archive(self.text) {
+                let axes: Vec<usize> = self.letters.iter().map(|known| known.axis).collect();
+                let axes = axes.into_iter().filter(|axis| self.read(layout, Some(*axis)).is_some());
+                let place = |axis| FilePlace { file, spec: i, axes: vec![axis], positions: Vec::new() };
+                let all: Vec<FilePlace> = axes.map(place).collect();
+                if !all.is_empty() {
+                    return all;
+                }
+            } else if let Some((axes, positions)) = self.fits(spec, layout) {
+                return vec![FilePlace { file, spec: i, axes, positions }];
+            }
+        }
+        Vec::new()
     }
 
     /// The axes for which the file reads as this part of the set.
@@ -303,7 +367,8 @@ impl Trial<'_> {
     }
 
     fn read(&mut self, layout: &FileLayout, axis: Option<usize>) -> Option<crate::compensation::CorrectionTables> {
-        let reading = ReadContext { target: self.target, machine: self.machine, letters: self.letters.to_vec(), axis };
+        let (target, letters) = (self.target, self.letters.to_vec());
+        let reading = ReadContext { target, machine: self.machine, letters, axis, units: [1.0; 2] };
         let read = reading.file(layout, self.text).and_then(|tables| {
             let empty = tables.tables.is_empty() && tables.errors.is_empty();
             if empty && !reading.is_of_layout(layout, self.text)? {

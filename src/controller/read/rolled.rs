@@ -29,20 +29,27 @@ impl Assembly<'_> {
         }
         let zero = reference - lowest;
         let forward = self.sums(rules, first..=last, repeated, turns)?;
-        let told = ["two_sided", "first_reverse", "reverse_at_reference"].map(|name| self.field(name).is_some());
-        if told[0] != told[1] || told[1] != told[2] {
+        self.check_turn((last - reference.min(last)) as f64, turns)?;
+        let switch = self.field("bits").is_some_and(|(bits, _)| bits.ends_with('1'));
+        let two_sided = self.field("two_sided").is_some() || switch;
+        let told = ["first_reverse", "reverse_at_reference"].map(|name| self.field(name).is_some());
+        // An archive has the parameters whether they are used or not.
+        let unused = self.record.archive && !two_sided;
+        if !unused && told.iter().any(|told| *told != two_sided) {
             return Err(self.fault(
                 "points for the negative direction, their value at the reference point, and the switch that makes \
                  the controller use them: some of these are there and some are not",
             ));
         }
-        let reverse = match self.whole("first_reverse")? {
+        let first_reverse = if unused { None } else { self.whole("first_reverse")? };
+        let reverse = match first_reverse {
             None => None,
             Some(start) => Some(self.sums(rules, start..=start + (last - first), repeated, turns)?),
         };
-        let ranges = [Some(first), self.whole("first_reverse")?];
+        let ranges = [Some(first), first_reverse];
         let ours = |n: usize| ranges.iter().flatten().any(|start| (*start..=start + (last - first)).contains(&n));
-        if let Some((index, _)) = self.record.points.iter().find(|(index, _)| !ours(index[0])) {
+        let strange = self.record.points.iter().find(|(index, _)| !ours(index[0]));
+        if let Some((index, _)) = strange.filter(|_| !self.record.archive) {
             return Err(self.fault(format!("point {} is outside {first} to {last}", index[0])));
         }
         let (place, column) = (StoredPosition { rules, kind: self.kind(axis) }, StoredColumn::new(rules, kind));
@@ -56,6 +63,15 @@ impl Assembly<'_> {
         let start = self.number("reverse_at_reference")?.unwrap_or(0.0);
         table.reverse = reverse.map(|sums| correction(&sums, start));
         Ok(table)
+    }
+
+    /// Checks the length of a turn against that of the points (steps of it) that an axis without end has.
+    fn check_turn(&self, steps: f64, turns: bool) -> Result<(), Fault> {
+        let Some((_, line)) = self.field("turn").filter(|_| turns) else { return Ok(()) };
+        if self.need_number("turn")? == steps * self.need_number("step")? {
+            return Ok(());
+        }
+        Err(Fault::new(*line, "the points do not fill a turn: the controller would repeat them elsewhere"))
     }
 
     /// Sums of the increments of points with these numbers, zero before the first.

@@ -44,6 +44,7 @@ impl<'a> Replay<'a> {
         let mut added = vec![0.0; command.len()];
         if !self.tables.errors.is_empty() {
             added = model::motion(self.machine, command, &self.tables.errors);
+            self.tables.senses.iter().for_each(|(axis, sense)| added[*axis] *= sense);
         }
         let moved = |added: &[f64]| -> Vec<f64> { command.iter().zip(added).map(|(q, c)| q + c).collect() };
         match self.controller.lookup {

@@ -2,13 +2,13 @@
 //! workpiece frame that takes most of them away: where a workpiece stands is no error of the machine.
 
 use super::prediction::FitModel;
-use crate::algebra::linear::beside;
+use crate::algebra::linear::{ReducedSystem, Svd, beside};
 use crate::diagnostic::{Place, SourceId};
 use crate::evaluate::{Frame, Order, Poses, Spread};
 use crate::identify::data::{LEVER_MM, Measurement, Reading};
-use crate::identify::thresholds::{MAX_CORNER_AXES, MAX_DEPENDENT_MOTION_SHARE, VOLUME_POSES};
+use crate::identify::thresholds::{DESIGN_RANK_TOLERANCE, MAX_CORNER_AXES, MAX_DEPENDENT_MOTION_SHARE, VOLUME_POSES};
 use crate::machine::{Approach, Machine, Pose};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, DVectorView, Matrix3, Vector3};
 use rayon::prelude::*;
 
 /// Poses over the volume, with every tool and from every side that counts.
@@ -64,6 +64,28 @@ impl Volume {
         DMatrix::from_fn(3 * self.points.len(), maps.len(), |i, k| {
             (maps[k] * (self.points[i / 3] - centre))[i % 3] / LEVER_MM
         })
+    }
+
+    /// Returns the rigid motions of the workpiece frame that come nearest to displacements of the points (columns), as
+    /// displacements: translations of its origin (mm), then rotations about it times the lever arm, in machine
+    /// directions at the zero pose.
+    pub fn rigid_motions(&self, columns: &DMatrix<f64>, machine: &Machine) -> DMatrix<f64> {
+        let (centre, turn) = (middle(&self.points), machine.workpiece_rotation().unwrap_or_else(Matrix3::identity));
+        let svd = Svd::new(&ReducedSystem::of(&self.motions(), &DVector::zeros(3 * self.points.len())).r);
+        let rank = svd.rank(DESIGN_RANK_TOLERANCE);
+        let right = self.motions().tr_mul(columns);
+        // `(R^T R)^+ M^T columns`, with M^T M = R^T R.
+        let root = svd.root_covariance(rank);
+        let about_centre = &root * root.tr_mul(&right);
+        let moved = |column: DVectorView<'_, f64>| {
+            let three = |first: usize| Vector3::from_fn(|k, _| column[first + k]);
+            let (translation, rotation) = (three(0), three(3));
+            let [translation, rotation] =
+                [translation - rotation.cross(&centre) / LEVER_MM, rotation].map(|v| turn * v);
+            DVector::from_fn(6, |i, _| if i < 3 { translation[i] } else { rotation[i - 3] })
+        };
+        let all: Vec<DVector<f64>> = about_centre.column_iter().map(moved).collect();
+        DMatrix::from_fn(6, all.len(), |i, k| all[k][i])
     }
 
     /// Returns the displacements of the points by rigid motions of the whole: six columns.

@@ -49,6 +49,8 @@ pub struct DatumChange {
     pub removed: RigidMotionRemoved,
     /// The fit in the datum as the readings see it.
     pub in_data: FitInData,
+    /// Rigid motions of the workpiece frame (columns, as displacements) among which a datum chooses.
+    pub motions: DMatrix<f64>,
 }
 
 /// Transforms a fit with error curves to a datum; `None` if no curve is fitted, or the datum is free.
@@ -80,7 +82,9 @@ pub fn in_datum(
     let (theta, removed) = gauge.exact_values(model, data, fit, &fitted, &chosen, &map);
     let transform = DatumTransform { map: &map, theta: &theta, fixes_weak: gauge.has_weak };
     let in_data = gauge.in_data(model, data, &fitted, &theta);
-    Some(DatumChange { solution: solution.clone().in_datum(&transform, fit, parameters), removed, in_data })
+    let solution = solution.clone().in_datum(&transform, fit, parameters);
+    let motions = gauge.motions(model, data, &fit.reduced.r);
+    Some(DatumChange { solution, removed, in_data, motions })
 }
 
 /// Combinations of the machine's errors that only move the workpiece frame.
@@ -179,6 +183,21 @@ impl Gauge {
             others.iter().enumerate().for_each(|(k, o)| map[(*o, j)] += follow[k] / self.sizes[*o]);
         }
         map
+    }
+
+    /// Returns the rigid motions of the workpiece frame (columns, as displacements) that the combinations make where
+    /// set-ups follow as far as the readings (`r`) see it: a set-up of the workpiece undoes them.
+    fn motions(&self, model: &FitModel<'_>, data: &[Measurement], r: &DMatrix<f64>) -> DMatrix<f64> {
+        let volume = Volume::first_order(model, data);
+        let [effects, seen] = [&volume.jacobian, r].map(|rows| over_columns(rows, &self.sizes));
+        let svd = self.follower_columns(r);
+        let rank = svd.rank(RANK_TOLERANCE);
+        let mut net = self.basis.clone();
+        for mut column in net.column_iter_mut() {
+            let follow = svd.solve(&(&seen * &column), rank);
+            self.followers.iter().enumerate().for_each(|(k, j)| column[*j] -= follow[k]);
+        }
+        volume.rigid_motions(&(effects * net), &model.machines()[0])
     }
 
     /// Decomposes the columns of set-ups and instruments, by displacements, in a triangle of the readings.

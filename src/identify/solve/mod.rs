@@ -20,6 +20,7 @@ mod plan;
 mod randomness;
 mod solution;
 mod sums;
+mod unheld;
 mod volume;
 mod weighing;
 
@@ -33,5 +34,6 @@ pub use lack_of_fit::{FormUncertainty, form_uncertainty};
 pub use plan::plan;
 pub use randomness::{ResidualTest, randomness};
 pub use solution::{Estimate, Solution};
+pub use unheld::unheld;
 pub use volume::{DeviationUncertainty, Prediction};
 pub use weighing::solve;

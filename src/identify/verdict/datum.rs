@@ -50,7 +50,7 @@ fn error(fitted: &FitDiagnosis<'_>, source: Source) -> Option<FittedError> {
     let machine = fitted.machine;
     let id = source.error(machine)?;
     let axis = if let ErrorSite::Component(axis) = source.place { machine.axes().get(axis) } else { None };
-    let interval = axis.map_or((0.0, 0.0), |axis| axis.travel.interval());
+    let interval = axis.map_or((0.0, 0.0), |axis| machine.judged_range(axis));
     let value = |q: f64, from: Approach| -> f64 {
         let estimates = own.iter().zip(&fitted.solution.estimates);
         let mine =

@@ -4,7 +4,7 @@ use crate::identify::{
     FormUncertainty, Measurement, Parameter, ParameterFit, Prediction, PriorValue, Repeats, ResidualTest, Residuals,
     RigidMotionRemoved, Solution, TypeB,
 };
-use crate::machine::{Axis, Machine};
+use crate::machine::{Axis, Machine, UnheldMotion};
 use crate::syntax::DatumEntry;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -62,6 +62,10 @@ pub(crate) struct FitDiagnosis<'a> {
     /// The form of the axes beside the curves; `None` if the readings cannot show it.
     pub(crate) form: Option<FormUncertainty>,
     pub(crate) datum: Option<FittedDatum>,
+    /// Range (mm, deg) in which the fitted curves of each axis were measured, if that is less than its travel.
+    pub(crate) measured: Vec<Option<(f64, f64)>>,
+    /// Rigid motions of the workpiece frame that the readings do not hold, or that the datum has decided.
+    pub(crate) unheld: Vec<UnheldMotion>,
     pub(crate) fit: &'a ParameterFit,
 }
 

@@ -3,6 +3,17 @@
 use crate::evaluate::{Frame, Order};
 use std::path::{Path, PathBuf};
 
+/// The part of the volume over which a fit is judged, and which its machine file states.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum FitRange {
+    /// The volume of the machine file, by default the travels.
+    #[default]
+    Travel,
+    /// Of axes with fitted curves the range in which they were measured.
+    Measured,
+}
+
 pub(crate) struct FitInputs<'a> {
     /// Parameters to fit; if empty, those of the machine file.
     pub fit: &'a [String],
@@ -26,6 +37,8 @@ pub(crate) struct FitInputs<'a> {
     pub robust: bool,
     /// Number of parts of the check of the prediction.
     pub folds: Option<usize>,
+    /// The part of the volume over which the fit is judged.
+    pub range: FitRange,
     /// Writes the machine file although it holds values that are not determined.
     pub accept_undetermined: bool,
 }

@@ -2,7 +2,7 @@
 //! datum, what the readings contradict, and the machine file.
 
 use super::fitted::{FitDiagnosis, FittedDatum};
-use super::inputs::FitInputs;
+use super::inputs::{FitInputs, FitRange};
 use super::result::{IdentifyResult, NamedSvg};
 use super::{datum, limits, provenance, remarks};
 use crate::diagnostic::{Diagnostic, codes, shown};
@@ -12,7 +12,7 @@ use crate::identify::{
     DatumChange, FileNotes, FitInData, FitModel, Measurement, MeasurementSet, Parameter, ParameterFit, Prediction,
     PriorValue, ReadingContext, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, form_uncertainty,
     held_out, in_datum, invariances, measured_ranges, parameters, parse_prior, randomness, read_measurements, repeats,
-    slope_bounds, solve, type_b, unused_entries, with_command_line,
+    slope_bounds, solve, type_b, unheld, unused_entries, with_command_line,
 };
 use crate::job::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
 use crate::job::poses;
@@ -194,7 +194,24 @@ pub(crate) fn enough(call: &mut Call, problem: &Problem) -> Result<(), Refused> 
     call.refuse(Diagnostic::new(codes::E0503, message).help("measure more poses, or fit less"))
 }
 
+/// Fits, and judges the fit over the volume of the machine, or over that part of it that was measured.
 pub(crate) fn solve_problem(
+    call: &mut Call,
+    file: &MachineFile,
+    inputs: &FitInputs<'_>,
+    problem: &Problem,
+    outputs: &FitOutputs<'_>,
+) -> Result<IdentifyResult, Refused> {
+    match inputs.range {
+        FitRange::Travel => solve_over_volume(call, file, inputs, problem, outputs),
+        FitRange::Measured => {
+            let ranges = measured_ranges(&problem.model(file, inputs.order), &problem.rows);
+            solve_over_volume(call, &file.with_volume_within(&ranges), inputs, problem, outputs)
+        }
+    }
+}
+
+fn solve_over_volume(
     call: &mut Call,
     file: &MachineFile,
     inputs: &FitInputs<'_>,
@@ -216,14 +233,15 @@ pub(crate) fn solve_problem(
         let solution = solution.add_covariances(form.as_ref().map(|form| &form.covariance), common);
         let change = in_datum(&model, data, fit, &solution, &conditions);
         let (solution, change) = match change {
-            Some(DatumChange { solution, removed, in_data }) => (solution, Some((removed, in_data))),
+            Some(DatumChange { solution, removed, in_data, motions }) => (solution, Some((removed, in_data, motions))),
             None => (solution, None),
         };
         (solution, form, change)
     };
     let (solution, form, change) = examine(&fit);
     let as_fitted = || FitInData { theta: solution.theta(), stand: None };
-    let (removed, in_data) = change.map_or_else(|| (None, as_fitted()), |(removed, seen)| (Some(removed), seen));
+    let unheld = unheld(&model, data, &fit, change.as_ref().map(|(_, _, motions)| motions));
+    let (removed, in_data) = change.map_or_else(|| (None, as_fitted()), |(removed, seen, _)| (Some(removed), seen));
     let measured = measured_ranges(&model, data);
     let datum = removed.map(|removed| FittedDatum::of(file, conditions.entry, &removed, &measured));
     // Uncertainties by the linear problem at the values that are stated.
@@ -247,6 +265,8 @@ pub(crate) fn solve_problem(
         residual_tests: randomness(data, &in_data.residuals(&model, data), &fit.weights),
         prediction,
         datum,
+        measured,
+        unheld,
         motions: found.motions,
         solution,
         held_out: inputs.folds.and_then(|folds| held_out(&model, data, folds, inputs.robust)),
@@ -303,7 +323,9 @@ fn plausible(
     let provenance = provenance::entries(file, inputs, &problem.request, &problem.hashes, fitted);
     let own_parameters = &fitted.unknowns[..fitted.own];
     let text = |request: &IdentifyEntry| {
-        let notes = FileNotes { provenance: &provenance, request, joint, form: fitted.form.as_ref() };
+        let (form, unheld) = (fitted.form.as_ref(), &*fitted.unheld);
+        let measured = &*fitted.measured;
+        let notes = FileNotes { provenance: &provenance, request, joint, form, unheld, measured };
         fitted_file(file, own_parameters, &fitted.solution, notes)
     };
     let first = text(&problem.request);

@@ -12,7 +12,7 @@ use crate::identify::{
 use crate::job::machine_file::ReadBackFailure;
 use crate::job::poses::axes_text;
 use crate::lower::{ErrorSite, Source};
-use crate::machine::{Approach, Machine, largest};
+use crate::machine::{Approach, Axis, Machine, largest};
 use crate::units::{counted, significant};
 
 pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnostic> {
@@ -202,7 +202,7 @@ pub(crate) fn uncertain_prediction(fitted: &FitDiagnosis<'_>) -> Option<Diagnost
         return None;
     }
     let Prediction { uncertainty, pose, deviation, .. } = &fitted.prediction;
-    let at = axes_text(fitted.machine, pose);
+    let at = axes_text(fitted.machine, pose) + &beyond_measured(fitted, pose);
     let message = match uncertainty {
         DeviationUncertainty::Free(words) => {
             format!("the data leave the deviation at {at} free: {}", of_readings(words))
@@ -215,9 +215,29 @@ pub(crate) fn uncertain_prediction(fitted: &FitDiagnosis<'_>) -> Option<Diagnost
         ),
         DeviationUncertainty::Unknown => return None,
     };
-    let help = "measure there, fit less (fewer knots than measured places), or bound the curves (`slopes:`); \
-                `--accept-undetermined` writes the file all the same";
+    let range = if fitted.measured.iter().any(Option::is_some) {
+        "judge and write only the range that was measured (`--range measured`), "
+    } else {
+        ""
+    };
+    let help = format!(
+        "measure there, {range}fit less (fewer knots than measured places), or bound the curves (`slopes:`); \
+         `--accept-undetermined` writes the file all the same"
+    );
     Some(Diagnostic::new(codes::E0515, message).help(help))
+}
+
+/// Returns the ranges of the axes that a pose takes beyond what was measured, such as ` (A was measured from -60 to 60
+/// of -110 to 110 deg)`.
+fn beyond_measured(fitted: &FitDiagnosis<'_>, pose: &[f64]) -> String {
+    let one = |((axis, q), range): ((&Axis, &f64), &Option<(f64, f64)>)| {
+        let (low, high) = (*range).filter(|(low, high)| q < low || q > high)?;
+        let (min, max) = axis.travel.interval();
+        let [low, high, min, max] = [low, high, min, max].map(|q| significant(q, 6));
+        Some(format!("{} was measured from {low} to {high} of {min} to {max} {}", axis.name, axis.unit()))
+    };
+    let all: Vec<String> = fitted.machine.axes().iter().zip(pose).zip(&fitted.measured).filter_map(one).collect();
+    if all.is_empty() { String::new() } else { format!(" ({})", all.join(", ")) }
 }
 
 /// Some parameters ran away: what to do.

@@ -106,7 +106,7 @@ impl JobCharacteristics {
             return None;
         }
         let whole = Statistics::of(deviations);
-        let uncertain = UncertainDeviations::of(
+        let uncertain = UncertainDeviations::with_principal_parts(vec![UncertainDeviations::of(
             machine,
             &parts,
             &self.poses,
@@ -114,8 +114,9 @@ impl JobCharacteristics {
             whole,
             of.conditions,
             of.removed,
-        );
+        )]);
         let drawn = uncertain
+            .first()?
             .draws(of.seed, &|moved: &[Deviation]| self.figures(&moved.iter().map(|d| d.position).collect::<Vec<_>>()));
         let interval = |(i, job): (usize, &JobCharacteristic)| {
             job.of.as_ref().ok().map(|_| {

@@ -1,37 +1,53 @@
 //! The joint covariance of errors: independent parts, each written like the errors themselves.
 
+use super::axes::AxisDraft;
 use super::context::{Context, dotted_path};
 use super::errors::{once, term};
 use super::found_errors::Errors;
 use super::joint_names::{JointNames, find_error};
-use super::parts::setup_at;
+use super::parts::{SIX, amounts, setup_at};
 use crate::diagnostic::{codes, did_you_mean, shown};
-use crate::machine::{Axis, Direction, JointUncertainty, ResidualForm};
+use crate::machine::{Axis, AxisName, Direction, JointUncertainty, ResidualForm, UnheldMotion};
 use crate::syntax::{CovarianceEntry, FormEntry, Keys, Scalar, below, keys};
 use crate::units::significant;
+use std::collections::BTreeMap;
+
+/// The section `covariance`.
+#[derive(Default)]
+pub struct Covariance {
+    /// Independent parts.
+    pub joint: Vec<JointUncertainty>,
+    /// Forms of axes.
+    pub forms: Vec<ResidualForm>,
+    /// Rigid motions that the data do not hold.
+    pub unheld: Vec<UnheldMotion>,
+    /// Ranges (mm, deg) in which fitted curves were measured.
+    pub measured: BTreeMap<AxisName, (f64, f64)>,
+}
 
 /// Reads the section `covariance`.
-pub fn covariance(context: &mut Context, known: &JointNames<'_>) -> (Vec<JointUncertainty>, Vec<ResidualForm>) {
+pub fn covariance(context: &mut Context, known: &JointNames<'_>) -> Covariance {
     let document = context.document;
     let section = keys(["covariance"]);
     let (count, most) = (document.covariance.len(), JointUncertainty::MOST);
     if count > most {
         let message = format!("`covariance` has {count} parts; {most} are read at most");
         context.at_key(codes::E0202, &section, message, "leave out the parts that change no printed digit");
-        return (Vec::new(), Vec::new());
+        return Covariance::default();
     }
-    let (mut joint, mut forms) = (Vec::new(), Vec::<ResidualForm>::new());
+    let Covariance { mut joint, mut forms, mut unheld, mut measured } = Covariance::default();
     for (i, entry) in document.covariance.iter().enumerate() {
+        let here = below(&section, i);
+        refuse_company(context, entry, &here);
+        unheld.extend(unheld_motion(context, entry, &here));
+        measured.extend(measured_ranges(context, known, entry, &here));
         let Some(written) = &entry.form else {
-            joint.push(part(context, known, i, entry));
+            if entry.unheld.is_empty() && entry.measured.is_empty() {
+                joint.push(part(context, known, i, entry));
+            }
             continue;
         };
-        let at = below(&below(&section, i), "form");
-        let alone = entry.errors.is_empty() && entry.setup.is_none();
-        if !alone {
-            let message = format!("`{}` stands beside `errors` or `setup`", dotted_path(&at));
-            context.at_key(codes::E0209, &at, message, "write it as an entry of its own");
-        }
+        let at = below(&here, "form");
         let Some(form) = form(context, known, written, &at) else { continue };
         if forms.iter().any(|other| other.axis == form.axis) {
             let message = format!("`covariance` has two forms of `{}`", form.axis);
@@ -39,7 +55,58 @@ pub fn covariance(context: &mut Context, known: &JointNames<'_>) -> (Vec<JointUn
         }
         forms.push(form);
     }
-    (joint, forms)
+    Covariance { joint, forms, unheld, measured }
+}
+
+/// Refuses an entry that is no part by itself and stands beside another.
+fn refuse_company(context: &mut Context, entry: &CovarianceEntry, here: &Keys) {
+    let alone = [
+        ("form", entry.form.is_some()),
+        ("unheld", !entry.unheld.is_empty()),
+        ("measured", !entry.measured.is_empty()),
+    ];
+    let mut stated = alone.into_iter().filter(|(_, is)| *is).map(|(key, _)| key);
+    let Some(first) = stated.next() else { return };
+    let part = !entry.errors.is_empty() || entry.setup.is_some();
+    let beside =
+        if part { Some("`errors` or `setup`".to_owned()) } else { stated.next().map(|key| format!("`{key}`")) };
+    if let Some(beside) = beside {
+        let at = below(here, first);
+        let message = format!("`{}` stands beside {beside}", dotted_path(&at));
+        context.at_key(codes::E0209, &at, message, "write it as an entry of its own");
+    }
+}
+
+fn unheld_motion(context: &mut Context, entry: &CovarianceEntry, here: &Keys) -> Option<UnheldMotion> {
+    let motion = amounts(context, &entry.unheld, &SIX, &below(here, "unheld"));
+    motion.iter().any(|amount| *amount != 0.0).then(|| UnheldMotion::of(motion))
+}
+
+/// Returns the ranges of axes in which their curves were measured.
+fn measured_ranges(
+    context: &mut Context,
+    known: &JointNames<'_>,
+    entry: &CovarianceEntry,
+    here: &Keys,
+) -> Vec<(AxisName, (f64, f64))> {
+    let section = below(here, "measured");
+    let one = |(name, ends): (&String, &Vec<Scalar>)| {
+        let at = below(&section, name);
+        let axis = declared_axis(context, known, name, &at)?;
+        Some((axis.name.clone(), context.interval(ends, axis.kind?, &at)?))
+    };
+    entry.measured.iter().filter_map(one).collect()
+}
+
+/// Returns an axis by name; refuses one that the machine does not have.
+fn declared_axis<'a>(context: &mut Context, known: &JointNames<'a>, name: &str, at: &Keys) -> Option<&'a AxisDraft> {
+    let declared = known.declared.iter().find(|declared| declared.name.as_str() == name);
+    if declared.is_none() {
+        let names: Vec<&str> = known.declared.iter().map(|declared| declared.name.as_str()).collect();
+        let message = format!("`{}` is not an axis of the machine", shown(name));
+        context.at_value(codes::E0406, at, message, did_you_mean(name, &names));
+    }
+    declared
 }
 
 fn part(context: &mut Context, known: &JointNames<'_>, index: usize, entry: &CovarianceEntry) -> JointUncertainty {
@@ -74,13 +141,7 @@ fn form(context: &mut Context, known: &JointNames<'_>, entry: &FormEntry, here: 
         }
         return None;
     };
-    let declared = known.declared.iter().find(|declared| declared.name.as_str() == axis.as_str());
-    let Some(declared) = declared else {
-        let names: Vec<&str> = known.declared.iter().map(|declared| declared.name.as_str()).collect();
-        let message = format!("`{}` is not an axis of the machine", shown(axis));
-        context.at_value(codes::E0406, &below(here, "axis"), message, did_you_mean(axis, &names));
-        return None;
-    };
+    let declared = declared_axis(context, known, axis, &below(here, "axis"))?;
     let at_length = below(here, "length");
     let mut sizes = Some([0.0; 6]);
     for (written, directions, key) in

@@ -29,14 +29,23 @@ const NODES: u32 = 360;
 /// Both kinds of warning.
 pub fn warn(context: &mut Context, parts: &MachineParts, places: &Errors) {
     inert(context, parts, places);
+    let fitted = fitted_curves(context);
     for (index, axis) in parts.axes.iter().enumerate() {
-        let doubles = Doubles { parts, places, axis, index };
+        let doubles = Doubles { parts, places, axis, index, fitted: &fitted };
         Direction::ALL.into_iter().for_each(|direction| doubles.constant(context, direction));
         match axis.kind {
             AxisKind::Linear => Direction::ALL.into_iter().take(3).for_each(|d| doubles.slope(context, d)),
             AxisKind::Rotary => [false, true].into_iter().for_each(|tilts| doubles.first_harmonic(context, tilts)),
         }
     }
+}
+
+/// Names of the curves that a fit wrote, by its own request in the file.
+fn fitted_curves(context: &Context) -> Vec<String> {
+    let document = context.document;
+    let request = document.identify.iter().filter(|_| document.provenance.contains_key("identified-by"));
+    let names = request.flat_map(|request| &request.fit).filter_map(|entry| entry.split_once(':'));
+    names.map(|(name, _)| name.trim().to_owned()).collect()
 }
 
 /// Location errors that change nothing when the axis of motion is displaced.
@@ -81,6 +90,8 @@ struct Doubles<'a> {
     places: &'a Errors,
     axis: &'a Axis,
     index: usize,
+    /// Names of the curves that a fit wrote.
+    fitted: &'a [String],
 }
 
 /// A repeated part of a curve: amount, peak and kind.
@@ -98,11 +109,13 @@ impl Doubles<'_> {
         ErrorId { axis: self.axis.name.clone(), family: ErrorFamily::Component, direction }
     }
 
-    /// True if there is a curve that no fit made: of those that one made the covariance states the parts, and their sum
-    /// with the location errors is what the data say.
+    /// True if there is a curve that no fit made. Of those that one made the sum with the location errors is what the
+    /// data say; the covariance states their parts, or else the request of the fit names them.
     fn is_given(&self, direction: Direction) -> bool {
         let term = &self.parts.errors[self.index].component[direction.index()];
-        let is_fitted = || self.parts.covariance.iter().any(|part| part.moves(&self.id(direction)));
+        let id = self.id(direction);
+        let is_fitted =
+            || self.parts.covariance.iter().any(|part| part.moves(&id)) || self.fitted.contains(&id.to_string());
         matches!(term, Some(ErrorTerm::Component(_))) && !is_fitted()
     }
 

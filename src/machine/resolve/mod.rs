@@ -31,6 +31,7 @@ use crate::diagnostic::{Diagnostics, codes};
 use crate::syntax::{Document, Files, keys};
 use axes::AxisDraft;
 use context::Context;
+use covariance::Covariance;
 use found_errors::Errors;
 use joint_names::JointNames;
 
@@ -69,7 +70,7 @@ fn parts(context: &mut Context) -> Option<MachineParts> {
     let mut errors = side_errors::errors(context, &known, &walk);
     let tolerances = tolerances::frames(context, &known, &errors);
     let class = tolerances::class(context);
-    let (covariance, forms) = covariance::covariance(context, &known);
+    let Covariance { joint: covariance, forms, unheld, measured } = covariance::covariance(context, &known);
     let algebra = uses::algebra(context, &known);
     uses::identify(context, &known);
     let tool = tools.as_ref().and_then(|tools| tools.first());
@@ -98,6 +99,8 @@ fn parts(context: &mut Context) -> Option<MachineParts> {
         uncertainty: std::mem::take(&mut errors.uncertainty),
         covariance,
         forms,
+        unheld,
+        measured,
         algebra,
         tolerances,
         class,

@@ -6,6 +6,7 @@ use super::positions::{PositionDraft, position};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, is_layout, shown};
 use crate::machine::{AxisKind, Direction, Machine, Provenance, SetUp, Tool};
 use crate::syntax::{Keys, Scalar, SetUpEntry, ToolEntry, below, keys};
+use indexmap::IndexMap;
 
 /// Longest name of a machine, in characters.
 const NAME: usize = 120;
@@ -208,23 +209,35 @@ pub fn setup(context: &mut Context) -> SetUp {
 
 /// Set-up errors written in a section.
 pub fn setup_at(context: &mut Context, entry: &SetUpEntry, section: &Keys) -> SetUp {
-    let mut setup = SetUp::default();
-    for (part, values) in [("tool", &entry.tool), ("workpiece", &entry.workpiece)] {
-        let letters: &[&str] = if part == "tool" { &["X", "Y", "Z"] } else { &["X", "Y", "Z", "A", "B", "C"] };
-        for (letter, scalar) in values {
-            let at = below(&below(section, part), letter);
-            let Some(i) = letters.iter().position(|l| l == letter) else {
-                let message = format!("unknown key `{}` in `{}`", shown(letter), dotted_path(&below(section, part)));
-                context.at_key(codes::E0201, &at, message, did_you_mean(letter, letters));
-                continue;
-            };
-            let direction = Direction::ALL[i];
-            let Some(value) = context.error_value(scalar, direction, &at) else { continue };
-            context.plausible(value, direction, &at);
-            if part == "tool" { setup.tool[i] = value } else { setup.workpiece[i] = value }
-        }
+    let tool = amounts(context, &entry.tool, &["X", "Y", "Z"], &below(section, "tool"));
+    let workpiece = amounts(context, &entry.workpiece, &SIX, &below(section, "workpiece"));
+    SetUp { tool, workpiece }
+}
+
+/// Letters of displacements (mm) and rotations (rad).
+pub const SIX: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
+
+/// Returns amounts written by letter in a section, mm and rad; 0 where there is none.
+pub fn amounts<const N: usize>(
+    context: &mut Context,
+    written: &IndexMap<String, Scalar>,
+    letters: &[&str; N],
+    section: &Keys,
+) -> [f64; N] {
+    let mut amounts = [0.0; N];
+    for (letter, scalar) in written {
+        let at = below(section, letter);
+        let Some(i) = letters.iter().position(|l| l == letter) else {
+            let message = format!("unknown key `{}` in `{}`", shown(letter), dotted_path(section));
+            context.at_key(codes::E0201, &at, message, did_you_mean(letter, letters));
+            continue;
+        };
+        let direction = Direction::ALL[i];
+        let Some(value) = context.error_value(scalar, direction, &at) else { continue };
+        context.plausible(value, direction, &at);
+        amounts[i] = value;
     }
-    setup
+    amounts
 }
 
 /// Returns the origin of the numbers, also beside single error terms.

@@ -108,6 +108,16 @@ export interface Bands {
   rotation_urad: SummaryBand;
 }
 
+/** Poses of a map beyond the ranges in which curves were measured. */
+export interface BeyondMeasured {
+  /** Number of the poses, of those counted. */
+  poses: number;
+  /** Number of poses that were counted: those of the map, or of more than [`MapPoses::MAX_HELD`] some spread over them. */
+  of: number;
+  /** The measured ranges that poses leave, by axis, mm and deg. */
+  measured: Record<string, [number, number]>;
+}
+
 /** An axis that would have to leave its travel. */
 export interface BeyondTravel {
   /** Name of the axis. */
@@ -797,7 +807,7 @@ export interface EvalResult {
   direction: Approach;
   /** Name of the tool; empty for a tool without a name. */
   tool: string;
-  /** What the result is over, for a job or a reference. */
+  /** What the result is over, for a job or a reference, and where something is taken out of the deviations. */
   over?: Over | null;
   /** Events of the path, if the tool poses are one. */
   path?: PathResult | null;
@@ -1138,6 +1148,8 @@ export interface MapResult {
   rotation_urad: Summary;
   /** Intervals of the statistics, where the machine file states uncertainties of errors. */
   uncertainty?: Bands | null;
+  /** The poses beyond the ranges in which the curves of the axes were measured. */
+  beyond_measured?: BeyondMeasured | null;
   /** The worst poses, largest deviation of the functional point first. */
   worst: WorstPose[];
   /** The body diagonals of the volume; none of a job. */
@@ -1401,6 +1413,8 @@ export interface PoseResult {
   along_normal?: number | null;
   /** `T_tool^-1 T_work`, actual minus nominal, row by row; of the machine, whatever the reference. */
   e_ve: [[number, number, number, number], [number, number, number, number], [number, number, number, number], [number, number, number, number]];
+  /** Axes that the pose takes beyond the range in which their curves were measured. */
+  beyond_measured?: string[];
   /** Expanded uncertainty of the deviation, where the machine states that of its errors. */
   uncertainty?: PoseUncertainty | null;
   /** Effect of each error, with [`EvalOptions::sensitivity`]. */
@@ -1518,7 +1532,7 @@ export interface ReachedToolPoses {
 }
 
 /** What is taken out of the deviations of a part. */
-export type ReferenceKind = "machine" | "zero" | "datum" | "best-fit";
+export type ReferenceKind = "machine" | "machine-less-unheld" | "zero" | "datum" | "best-fit";
 
 /** The side of the motion on which the component errors of a rotary axis act. */
 export type RotaryOrder = "stationary" | "rotating";
