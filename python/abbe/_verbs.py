@@ -198,6 +198,7 @@ Limits = TypedDict(
 #: Draws of errors between their bounds, and the statistic of their effect.
 #: ``class``: Class of machines whose typical tolerances are taken where the file has none, in place of the class that
 #: the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry`` or ``desktop``.
+#: Values stay as they are; on a machine whose errors all have one it takes their place.
 #: ``distribution``: Distribution of an error between its bounds.
 #: ``statistic``: Statistic of a machine over the poses.
 ToleranceOptions = TypedDict(
@@ -399,7 +400,7 @@ class Verbs:
         * ``compensation``: Options of the compensation for the target.
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
           class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
-          or ``desktop``.
+          or ``desktop``. Values stay as they are; on a machine whose errors all have one it takes their place.
         * ``distribution``: Distribution of an error between its bounds.
         * ``statistic``: Statistic of a machine over the poses.
         * ``samples``: Number of machines that are drawn, at least 2.
@@ -497,7 +498,7 @@ class Verbs:
         * ``approach``: Side of approach, where forward and reverse curves were given.
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
           class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
-          or ``desktop``.
+          or ``desktop``. Values stay as they are; on a machine whose errors all have one it takes their place.
         * ``distribution``: Distribution of an error between its bounds.
         * ``statistic``: Statistic of a machine over the poses.
         * ``samples``: Number of machines that are drawn, at least 2.
@@ -554,7 +555,7 @@ class Verbs:
         * ``seed``: Seed of the tool poses, and of the errors that are drawn.
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
           class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
-          or ``desktop``.
+          or ``desktop``. Values stay as they are; on a machine whose errors all have one it takes their place.
         * ``distribution``: Distribution of an error between its bounds.
         * ``statistic``: Statistic of a machine over the poses.
         * ``samples``: Number of machines that are drawn for the budgets, at least 2.
@@ -608,7 +609,7 @@ class Verbs:
 
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
           class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
-          or ``desktop``.
+          or ``desktop``. Values stay as they are; on a machine whose errors all have one it takes their place.
         * ``distribution``: Distribution of an error between its bounds.
         * ``statistic``: Statistic of a machine over the poses.
         * ``seed``: Seed of poses and errors.
@@ -683,7 +684,7 @@ class Verbs:
 
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
           class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
-          or ``desktop``.
+          or ``desktop``. Values stay as they are; on a machine whose errors all have one it takes their place.
         * ``distribution``: Distribution of an error between its bounds.
         * ``statistic``: Statistic of a machine over the poses.
         * ``seed``: Seed of poses and errors.

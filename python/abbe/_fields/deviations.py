@@ -138,7 +138,7 @@ class LimitVerdict(Record):
     statistic: Annotated[Literal["max", "p95"], "The figure of a machine over the poses."]
     drawn: Annotated[bool, "True if machines are drawn between bounds; errors with values act in each."]
     missed: Annotated[int, "Number of tool poses of the job that are out of reach."]
-    held: Annotated[Union[bool, None], "True if the limit is held; none where the interval is on both sides of it, and where it is not exceeded but tool poses are out of reach, so that the job is not done."]
+    held: Annotated[Union[bool, None], "True if the limit is held; none where the interval is on both sides of it, where it is not exceeded but tool poses are out of reach, so that the job is not done, and where errors or bounds are left out of the figure."]
 
 
 class LengthStatistics(Record):
@@ -686,6 +686,7 @@ class ComparedBudget(Record):
     rotation_urad: Annotated[DeviationBudget, "The rotation of the tool, urad."]
     minus_first: Annotated[BudgetDifference, "Minus the figures of the first machine."]
     class_source: Annotated[Union[str, None], "Source of the class."]
+    left_out: Annotated[int, "Number of errors that have values and are left out, for bounds of a class stand for them."]
     with_values: Annotated[Union[ActingValues, None], "The errors with values that act in every machine drawn, if there are any."]
 
 

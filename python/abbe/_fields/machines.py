@@ -126,7 +126,7 @@ class ErrorCounts(Record):
 class Coverage(Record):
     """Counts of the known errors among those that act in a machine's own chain: six of each axis, and the location errors that are no choice of coordinates."""
 
-    valued: Annotated[int, "Number of errors with a value."]
+    valued: Annotated[int, "Number of errors with a value that no bound stands for."]
     bounded: Annotated[int, "Number of errors that are bounded, by the file or by a class."]
     missing: Annotated[list[str], "Names of the errors that have neither. None on a machine with measured values and no bounds: what it does not state is zero."]
 

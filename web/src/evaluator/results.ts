@@ -465,6 +465,8 @@ export interface ComparedBudget {
   class: string | null;
   /** Source of the class. */
   class_source: string | null;
+  /** Number of errors that have values and are left out, for bounds of a class stand for them. */
+  left_out: number;
   /** The errors with values that act in every machine drawn, if there are any. */
   with_values?: ActingValues | null;
 }
@@ -587,7 +589,7 @@ export interface Conventions {
 
 /** Counts of the known errors among those that act in a machine's own chain: six of each axis, and the location errors that are no choice of coordinates. */
 export interface Coverage {
-  /** Number of errors with a value. */
+  /** Number of errors with a value that no bound stands for. */
   valued: number;
   /** Number of errors that are bounded, by the file or by a class. */
   bounded: number;
@@ -1033,7 +1035,7 @@ export interface LimitVerdict {
   drawn: boolean;
   /** Number of tool poses of the job that are out of reach. */
   missed: number;
-  /** True if the limit is held; none where the interval is on both sides of it, and where it is not exceeded but tool poses are out of reach, so that the job is not done. */
+  /** True if the limit is held; none where the interval is on both sides of it, where it is not exceeded but tool poses are out of reach, so that the job is not done, and where errors or bounds are left out of the figure. */
   held: boolean | null;
 }
 
