@@ -305,7 +305,7 @@ impl BeyondMeasured {
             }
             beyond += usize::from(is_beyond);
         }
-        (beyond > 0).then(|| Self { poses: beyond, of: places.len(), measured })
+        (beyond > 0).then_some(Self { poses: beyond, of: places.len(), measured })
     }
 }
 

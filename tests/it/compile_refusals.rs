@@ -559,8 +559,11 @@ fn harmless_edits_are_warnings() {
     // Other numbers are other numbers.
     let run = tampered(&set, "joint_0_X.comp", |text| text.replace("-0.00", "-0.05").into_bytes());
     assert!(run.json()["compensated"]["position_um"]["max"].as_f64().unwrap() > 40.0);
-    tampered(&set, "compensation.inc", |text| text.replace("COMP_FILE_TYPE = 1", "COMP_FILE_TYPE = 0").into_bytes())
+    tampered(&set, "compensation.inc", |text| text.replace("COMP_FILE_TYPE = 1", "COMP_FILE_TYPE=1").into_bytes())
         .says("`compensation.inc` has been edited");
+    // Tables of the other type have other columns.
+    tampered(&set, "compensation.inc", |text| text.replace("COMP_FILE_TYPE = 1", "COMP_FILE_TYPE = 0").into_bytes())
+        .says("only tables under `COMP_FILE_TYPE = 1`");
     std::fs::remove_file(out.join("abbe.lock.json")).unwrap();
     std::fs::remove_file(out.join("compensation.inc")).unwrap();
     let mut found = verify(machine, out, &["--poses", "10"]).json();

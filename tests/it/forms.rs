@@ -25,6 +25,9 @@ fn normal(random: &mut Random) -> f64 {
     (0..12).map(|_| random.unit()).sum::<f64>() - 6.0
 }
 
+/// Name of an axis, true on the workpiece side, origin, travel (none without an end).
+type Built = (&'static str, bool, [f64; 3], Option<[f64; 2]>);
+
 /// How a machine is built.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Build {
@@ -37,8 +40,8 @@ enum Build {
 }
 
 impl Build {
-    /// Axes from workpiece to tool: name, true on the workpiece side, origin, travel.
-    fn axes(self) -> Vec<(&'static str, bool, [f64; 3], Option<[f64; 2]>)> {
+    /// Axes from workpiece to tool.
+    fn axes(self) -> Vec<Built> {
         let turn = None;
         match self {
             Self::ThreeAxis => vec![
@@ -73,7 +76,7 @@ impl Build {
 
     /// The machine without errors.
     fn blank(self) -> Sample {
-        let axis = |(name, workpiece, origin, _): &(&str, bool, [f64; 3], Option<[f64; 2]>)| {
+        let axis = |(name, workpiece, origin, _): &Built| {
             let index = "XYZABC".find(name).unwrap();
             let direction = std::array::from_fn(|k| f64::from(u8::from(k == index % 3)));
             let rotary = index > 2;
@@ -95,7 +98,7 @@ impl Build {
             workpiece_origin,
             ..Machine::default()
         };
-        let extra = |(.., travel): (_, _, _, Option<[f64; 2]>)| Extra { travel, errors: Default::default() };
+        let extra = |(.., travel): Built| Extra { travel, errors: Default::default() };
         Sample { rigid, axes: self.axes().into_iter().map(extra).collect(), branches: false }
     }
 
@@ -310,7 +313,7 @@ fn bent(readings: usize, seed: u64, fit: &[&str]) -> (abbe::results::IdentifyRes
     let mut random = Random::new(seed);
     let mut real = Build::ThreeAxis.blank();
     let error = |curve| Some(Error { forward: curve, reverse: None });
-    let x = real.axes.iter_mut().nth(1).unwrap();
+    let x = &mut real.axes[1];
     x.errors[0] = error(Curve::Polynomial(vec![0.0, 30e-6]));
     x.errors[2] = error(Curve::Polynomial(vec![0.0, 4.0 * 6e-3 / 800.0, -4.0 * 6e-3 / 800.0 / 800.0]));
     let mut text = "Y,X,Z,dx [mm],dy [mm],dz [mm]\n".to_owned();

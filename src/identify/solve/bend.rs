@@ -99,7 +99,7 @@ fn next_basis(
         let next = highest.map_or(2, |k| k + 2);
         let value = |i: usize, j: usize| {
             let order = (j / 2 + 1) as u8;
-            let basis = if j % 2 == 0 { BasisFunction::Cosine(order) } else { BasisFunction::Sine(order) };
+            let basis = if j.is_multiple_of(2) { BasisFunction::Cosine(order) } else { BasisFunction::Sine(order) };
             basis.value(interval.knot(i))
         };
         return Some((format!("fourier{next}"), DMatrix::from_fn(interval.count, 2 * usize::from(next), value)));

@@ -270,11 +270,8 @@ fn mode_sums(blocks: &[SeenBlock<'_>], left: &DMatrix<f64>, lengths: Lengths, de
         squares.row_mut(row).copy_from(&(mode.transpose() * whole.rows(first, mode.len())));
         along[row] = whole[(last, row)];
     }
-    let mut forms = vec![0..0; blocks.len()];
-    for k in 0..blocks.len() {
-        let first = kept.partition_point(|(of, _)| *of < k);
-        forms[k] = first..kept.partition_point(|(of, _)| *of <= k);
-    }
+    let of_form = |k: usize| kept.partition_point(|(of, _)| *of < k)..kept.partition_point(|(of, _)| *of <= k);
+    let forms = (0..blocks.len()).map(of_form).collect();
     ModeSums { squares, along, forms, residual: left[(last, last)], degrees_of_freedom }
 }
 
