@@ -201,12 +201,12 @@ fn another_chain_is_refused() {
     let good = std::fs::read_to_string(&file).unwrap();
     for (from, to, says) in [
         ("$NK_NEXT[0]=\"X\"", "$NK_NEXT[0]=\"Y\"", "this machine has `$NK_NEXT[0]=\"X\"` here"),
-        ("$NK_TYPE[5]=\"AXIS_ROT\"\n", "", "this machine has `$NK_TYPE[5]=\"AXIS_ROT\"` here"),
+        ("$NK_TYPE[5]=\"AXIS_ROT\"\n", "", "the line `$NK_TYPE[5]=\"AXIS_ROT\"` is missing"),
         ("$NT_ROT_AX_NAME[1,1]=\"C\"\n", "", "the line `$NT_ROT_AX_NAME[1,1]=\"C\"` is missing"),
         ("$NK_OFF_DIR[3,1]=-1", "$NK_OFF_DIR[3,1]=1", "this machine has `$NK_OFF_DIR[3,1]=-1` here"),
         ("$NK_OFF_DIR[8,0]=-", "$NK_OFF_DIR[8,0]=", "does not close"),
         ("$NK_OFF_DIR[8,0]", "$NK_OFF_DIR[9,0]", "no parameter of this machine"),
-        ("M17\n", "M18\n", "would not understand"),
+        ("M17\n", "M18\n", "there is no line `M17`"),
     ] {
         assert!(good.contains(from), "{from}");
         std::fs::write(&file, good.replacen(from, to, 1)).unwrap();

@@ -320,8 +320,8 @@ fn swivel_data_know_the_real_machine() {
         std::fs::write(&file, format!("{more}{written}")).unwrap();
         assert_eq!(verify(&machine, &out, &["--poses", "300"]).json()["compensated"], json["compensated"]);
         for (line, says) in [
-            ("$TC_CARR24[1]=5\n", "no parameter of this machine"),
-            ("$TC_CARR41[1]=0.01\n", "no parameter of this machine"),
+            ("$TC_CARR24[1]=5\n", "only `$TC_CARR24[1]=0` is read here"),
+            ("$TC_CARR41[1]=0.01\n", "only `$TC_CARR41[1]=0` is read here"),
             ("$TC_CARR23[1]=\"X\"\n", "this machine has"),
             ("$TC_CARR4[2]=0\n", "no parameter of this machine"),
         ] {

@@ -220,7 +220,7 @@ fn machines(folder: &Folder) -> [PathBuf; 4] {
     let tilting = "abbe: 1\nmachine: tilting\nchain: \"w C' A' b X Y Z t\"\naxes:\n  X: { controller: 1, travel: [-200 mm, 200 mm], origin: [0, 0, 0] }\n  Y: { controller: 2, travel: [-150 mm, 150 mm], origin: [0, 0, 0] }\n  \
         Z: { controller: 3, travel: [-300 mm, 0 mm], origin: [0, 0, 0] }\n  A: { controller: 4, travel: [-90 deg, 30 deg], sense: direct, origin: [1, 2, -50] }\n  C: { controller: 5, travel: continuous, sense: direct, origin: [3, 4, -80] }\nerrors:\n  EX0C: 20 um\n  EY0A: -15 um\n";
     let max = "abbe: 1\nmachine: max\nchain: \"w C' b X Y Z B t\"\naxes:\n  X: { controller: 1, travel: [-300 mm, 300 mm] }\n  Y: { controller: 2, travel: [-200 mm, 200 mm] }\n  \
-        Z: { controller: 3, travel: [0 mm, 300 mm] }\n  B: { controller: 4, travel: [-90 deg, 90 deg], direction: [0, -1, 0], origin: [0, 0, 250] }\n  C: { controller: 5, travel: continuous, sense: direct, origin: [0, 0, 0] }\n\
+        Z: { controller: 3, travel: [0 mm, 300 mm] }\n  B: { controller: 4, travel: [-90 deg, 90 deg], direction: [0, -1, 0], origin: [0, 0, 250] }\n  C: { controller: 5, travel: continuous, origin: [0, 0, 0] }\n\
         errors:\n  EZ0B: 40 um\n";
     [
         replays::machine(folder, false),
