@@ -290,9 +290,8 @@ fn side_by_side(
     let travels: Vec<_> = missed.iter().enumerate().map(travel).collect();
     let limit = |i: usize, machine: &ComparedMachine| {
         let (mm, statistic) = (job.as_ref()?.limit_mm?, options.tolerances.statistic);
-        let missed = machine.missed.as_ref().map_or(0, Vec::len);
         let is_partial = budgets.as_ref().map_or(bounds_left_out, |of| of.machines[i].left_out > 0);
-        let limit = JobLimit { mm, statistic, missed, is_partial };
+        let limit = JobLimit { mm, statistic, missed: machine.missed.as_ref().map_or(0, Vec::len), is_partial };
         let band = machine.uncertainty.as_ref().map(|of| &of.own.position_um);
         let spread = limit.spread_um(&machine.position_um, band);
         Some(match (&budgets, &machine.bounds) {
