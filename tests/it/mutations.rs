@@ -95,6 +95,10 @@ fn comments(target: &str, file: &str) -> &'static [&'static str] {
     }
 }
 
+/// Settings of a volumetric compensation that the control has by itself.
+const DEFAULTS: [&str; 5] =
+    ["chain XYZ", "workpiece_axes 0", "alternative_model 0", "interpolation GRID", "file_format[0] ISG_CSV"];
+
 /// What a text says: lines without comments and labels, numbers as they are, blanks as one.
 fn plain(target: &str, file: &str, text: &str) -> Vec<String> {
     let labels: Vec<&str> = LABELS
@@ -127,12 +131,16 @@ fn plain(target: &str, file: &str, text: &str) -> Vec<String> {
                 continue;
             }
         }
-        if labels.contains(&"NR_CELL") && line.starts_with(|c: char| c.is_ascii_digit()) {
+        if labels.contains(&"NR_CELL") && line.starts_with(|c: char| c.is_ascii_digit() || "+-".contains(c)) {
             written = line.split_once(char::is_whitespace).map_or("", |(_, rest)| rest).to_owned();
             line = &written;
         }
         if let Some(label) = labels.iter().find(|label| line.starts_with(**label)) {
             line = label;
+        }
+        // A setting that is absent has its default.
+        if target == "isg-volcomp" && file.contains("volcomp0.lis") && DEFAULTS.contains(&line) {
+            continue;
         }
         // The length of the tool may be connected elsewhere.
         if target == "linuxcnc-trt" && line.starts_with("net tool-length ") {
@@ -196,7 +204,8 @@ fn numbers(line: &str) -> String {
         }
         all.push(' ');
     }
-    all.trim().to_owned()
+    // Blanks beside a comma separate nothing.
+    all.trim().replace(" ,", ",").replace(", ", ",")
 }
 
 /// Bytes that take the place of others.

@@ -287,6 +287,6 @@ mod tests {
         // 3.3 urad move a point 300 mm away by 0.99 um.
         near(sizes_that_count([1.00049e-3, 0.0, 2e-5, 3.30001e-6, 0.0, 3e-9]), [1e-3, 0.0, 2e-5, 3.3e-6, 0.0, 0.0]);
         near(sizes_that_count([9e-6, 0.0, 0.0, 3.3e-6, 0.0, 0.0]), [0.0, 0.0, 0.0, 3.3e-6, 0.0, 0.0]);
-        near(sizes_that_count([1e-10; 6]), [0.0; 6]);
+        near(sizes_that_count([1e-13; 6]), [0.0; 6]);
     }
 }
