@@ -51,7 +51,11 @@ fn printed(bench: &Bench, pose: &str) -> f64 {
 
 /// The eight questions stand answered on one screen, with the numbers of the command line.
 pub fn questions() {
-    let text = format!("{}\nclass: production\n", trunnion());
+    // Of the location errors one is measured; a class bounds the others.
+    let is_kept = |line: &&str| !line.starts_with("  E") || line.starts_with("  EY0A");
+    let machine = trunnion();
+    let lines: Vec<&str> = machine.lines().filter(is_kept).collect();
+    let text = format!("{}\nclass: production\n", lines.join("\n"));
     let bench = Bench::new("bench-questions", &text, (1400, 900));
     let [work, first] = ["work.csv", "a.yaml"].map(|name| bench.file.with_file_name(name));
     std::fs::copy("docs/examples/work.csv", &work).unwrap();
