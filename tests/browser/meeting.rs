@@ -89,7 +89,7 @@ pub fn questions() {
         .output()
         .unwrap();
     let compared: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let by = compared["machines"][1]["minus_first"]["position_um"]["p95"].as_f64();
+    let by = compared["verdicts"][0]["by"]["um"].as_f64();
     assert_eq!(Some(bench.figure("answer-by")), by, "{compared}");
     let answer = |of: &str| {
         let found = bench.browser.run(&format!("return document.getElementById('answer-{of}').textContent;"));

@@ -83,32 +83,28 @@ test("names are taken apart as ISO 230-1 builds them", () => {
   assert.equal(name && letters(name), "Y: shift along Y · X: in motion of X");
 });
 
-test("a difference within the uncertainty is none", () => {
-  const summary = { max: 0, mean: 0, rms: 0, p95: 0, range: [0, 0, 0] as [number, number, number] };
-  const machine = { machine: "M", position_um: summary, rotation_urad: summary, minus_first: null };
-  const of = (p95: number, band: [number, number] | null) =>
-    ({
-      poses: 10,
-      asked: 10,
-      contributions: [],
-      machines: [
-        machine,
-        {
-          ...machine,
-          minus_first: { position_um: { ...summary, p95 }, rotation_urad: summary },
-          ...(band && {
-            uncertainty: {
-              minus_first: { position_um: { max: band, mean: band, rms: band, p95: band } },
-              told_apart: band[0] > 0 || band[1] < 0,
-            },
-          }),
-        },
-      ],
-    }) as unknown as Comparison;
-  assert.match(judgement(of(-2, [-3, -1])), /^Better than A by 2\.00 µm .*more than the uncertainty/);
-  assert.match(judgement(of(2, [-1, 5])), /^Worse than A by 2\.00 µm .*within the uncertainty/);
-  assert.match(judgement(of(2, null)), /state no uncertainty/);
-  assert.equal(judgement(of(0, null)), "Equal.");
+test("the verdict on variants is that of the program", () => {
+  const of = (verdict: string | null, by: object, uncertainty?: object) =>
+    ({ machines: [{}, { uncertainty }], verdicts: [{ machine: 2, verdict, ...by }] }) as unknown as Comparison;
+  const values = (um: number) => ({ by: { drawn: false, statistic: "p95", um } });
+  const band = (p95: [number, number]) => ({ minus_first: { position_um: { p95 } } });
+  assert.match(
+    judgement(of("better", values(-2), band([-3, -1]))),
+    /^Better than A, more than the uncertainty: −2\.00/,
+  );
+  assert.match(
+    judgement(of("not_told_apart", values(2), band([-1, 5]))),
+    /^Not told apart: 2\.00 µm \(−1\.00 to 5\.00/,
+  );
+  assert.match(judgement(of("worse", values(2))), /^Worse than A: .*state no uncertainty/);
+  assert.equal(judgement(of("equal", values(0))), "Equal.");
+  // A better 95 % value alone is no verdict.
+  assert.equal(judgement(of(null, { reason: "of only one" })), "No verdict: of only one.");
+  const drawn = { by: { drawn: true, statistic: "max", um: -5, low: -6, high: -4 } };
+  assert.match(
+    judgement(of("better", drawn)),
+    /drawn machines differ.*−5\.00 µm \(−6\.00 to −4\.00 µm\) in the largest/,
+  );
 });
 
 test("what a base gives becomes an entry, and what stands in the file does not", () => {

@@ -2,6 +2,7 @@
 
 import type { Editor } from "../editor/editor";
 import { Newest } from "../evaluator/newest";
+import type { JudgedDifference } from "../evaluator/results";
 import { accepted, type Comparison, type Refusal } from "../evaluator/types";
 import { isSettled, type Session, type State } from "../session";
 import type { Tell } from "./answers";
@@ -115,12 +116,6 @@ function shown(of: Comparison): HTMLElement[] {
   ];
 }
 
-/** What drawn machines say, where the errors of a machine are only bounded. */
-function drawnOf({ machines, budgets }: Comparison) {
-  if (!machines.some(({ from }) => from === "bounds")) return undefined;
-  return budgets?.versus_first_p95_um.find(({ verdict }) => verdict !== "first");
-}
-
 /** The three answers of a comparison: which is better, by how much, and whether that is more than what is known of it. */
 export interface Judgement {
   which: string;
@@ -128,55 +123,47 @@ export interface Judgement {
   sure: string;
 }
 
+/** The interval of a difference, if one is known: of drawn machines, or else of values with a stated uncertainty. */
+function interval(of: Comparison, by: JudgedDifference): [number, number] | null {
+  if (typeof by.low === "number" && typeof by.high === "number") return [by.low, by.high];
+  return by.drawn ? null : (of.machines[1]?.uncertainty?.minus_first.position_um.p95 ?? null);
+}
+
+/** What is judged, in words. */
+const figureOf = ({ drawn, statistic }: JudgedDifference): string =>
+  `in the ${statistic === "max" ? "largest deviation" : "95 % value"}${drawn ? " of 95 % of drawn machines" : ""}`;
+
 export function verdictOf(of: Comparison): Judgement {
-  const drawn = drawnOf(of);
-  if (drawn) {
-    const { value, low, high } = drawn.minus_first;
-    const band = low === null || high === null ? "" : ` (${rounded(low)} to ${rounded(high)})`;
-    const by = [figure("answer-by", value, "µm"), `${band} in the 95 % value of drawn machines`];
-    if (drawn.verdict === "equal") return { which: "Equal", by: ["Nothing"], sure: "Equal in every drawn machine." };
-    if (drawn.verdict === "not_told_apart")
-      return { which: "Not told apart", by, sure: "No: they are not told apart." };
-    if (drawn.withheld) return { which: "No verdict", by, sure: `No: ${drawn.withheld.reason}.` };
-    const which = drawn.verdict === "better" ? "The present state" : "Variant A";
-    return { which, by, sure: "Yes: more than the drawn machines differ." };
-  }
-  const [, b] = of.machines;
-  const by = b?.minus_first?.position_um.p95;
-  if (by === undefined) return { which: "Not comparable", by: ["Of only one nothing is measured"], sure: "–" };
-  if (by === 0) return { which: "Equal", by: ["Nothing"], sure: "Equal." };
-  const words = [figure("answer-by", by, "µm"), " in the 95 % value, now − A"];
-  const which = by < 0 ? "The present state" : "Variant A";
-  if (!b?.uncertainty) return { which, by: words, sure: "Not known: the files state no uncertainty." };
-  const [low, high] = b.uncertainty.minus_first.position_um.p95;
-  const band = `${rounded(low)} to ${rounded(high)} µm`;
-  return { which, by: words, sure: b.uncertainty.told_apart ? `Yes: ${band}.` : `No: ${band}.` };
+  const judged = of.verdicts[0];
+  const { verdict, by } = judged ?? {};
+  if (!verdict || !by)
+    return { which: "No verdict", by: ["Not judged"], sure: `No: ${judged?.reason ?? "not known"}.` };
+  if (verdict === "equal")
+    return { which: "Equal", by: ["Nothing"], sure: by.drawn ? "Equal in every drawn machine." : "Equal." };
+  const ends = interval(of, by);
+  const band = ends && `${rounded(ends[0])} to ${rounded(ends[1])} µm`;
+  const words = [figure("answer-by", by.um, "µm"), by.drawn ? " for 95 % of machines" : ` ${figureOf(by)}, now − A`];
+  if (verdict === "not_told_apart")
+    return { which: "Not told apart", by: words, sure: `No: ${band ?? "they are not told apart"}.` };
+  const which = verdict === "better" ? "The present state" : "Variant A";
+  if (band) return { which, by: words, sure: `Yes: ${band}.` };
+  return { which, by: words, sure: by.drawn ? "Yes." : "Not known: the files state no uncertainty." };
 }
 
 /** Which is better, and whether that is more than what is known of the two. */
 export function judgement(of: Comparison): string {
-  const [, b] = of.machines;
-  const drawn = drawnOf(of);
-  if (drawn) {
-    const { value, low, high } = drawn.minus_first;
-    const band = low === null || high === null ? "" : ` (${rounded(low)} to ${rounded(high)})`;
-    const by = `${rounded(value)} µm${band} in the 95 % value of drawn machines`;
-    if (drawn.verdict === "equal") return "Equal in every drawn machine.";
-    if (drawn.verdict === "not_told_apart") return `Not told apart: ${by}.`;
-    if (drawn.withheld) return `No verdict: ${drawn.withheld.reason}; as bounded ${by}.`;
-    return `${drawn.verdict === "better" ? "Better" : "Worse"} than A, more than the drawn machines differ: ${by}.`;
-  }
-  const by = b?.minus_first?.position_um.p95;
-  if (by === undefined) return "Of only one of the two nothing is measured: they cannot be compared.";
-  if (by === 0) return "Equal.";
-  const which = `${by < 0 ? "Better" : "Worse"} than A by ${rounded(Math.abs(by))} µm in the 95 % value`;
-  if (!b?.uncertainty)
-    return `${which}; the files state no uncertainty, so it is not known whether that is more than it.`;
-  const [low, high] = b.uncertainty.minus_first.position_um.p95;
-  const band = `${rounded(low)} to ${rounded(high)} µm`;
-  return b.uncertainty.told_apart
-    ? `${which}, more than the uncertainty (${band}).`
-    : `${which}, within the uncertainty (${band}).`;
+  const judged = of.verdicts[0];
+  const { verdict, by } = judged ?? {};
+  if (!verdict || !by) return `No verdict: ${judged?.reason ?? "not known"}.`;
+  if (verdict === "equal") return by.drawn ? "Equal in every drawn machine." : "Equal.";
+  const ends = interval(of, by);
+  const band = ends ? ` (${rounded(ends[0])} to ${rounded(ends[1])} µm)` : "";
+  const size = `${rounded(by.um)} µm${band} ${figureOf(by)}`;
+  if (verdict === "not_told_apart") return `Not told apart: ${size}.`;
+  const which = verdict === "better" ? "Better" : "Worse";
+  if (band || by.drawn)
+    return `${which} than A, more than ${by.drawn ? "the drawn machines differ" : "the uncertainty"}: ${size}.`;
+  return `${which} than A: ${size}; the files state no uncertainty, so it is not known whether that is more than it.`;
 }
 
 /** The errors whose part changed most. */
