@@ -3,10 +3,10 @@
 use super::bounded::DrawnBounds;
 use super::budgets::{ComparedBudgets, ComparedVerdict, DrawnMachines, budgets};
 use super::tolerances::ToleranceOptions;
-use crate::analysis::Comparison;
 use crate::analysis::budget::{PairedDifference, PoseByPose, Statistic, Verdict};
 use crate::analysis::figure_bands::{ComparedBands, compared_bands};
 use crate::analysis::reference::PartReference;
+use crate::analysis::{Comparison, figure_of};
 use crate::evaluate::{Difference, Field, Frame, Order, Poses, Statistics, Summary};
 use crate::job::job_file::Job;
 use crate::job::machine_file::{MachineFile, order_of};
@@ -307,10 +307,8 @@ impl Figures {
             let PairedDifference { value, mut low, mut high, .. } = of.versus_first_p95_um.get(index - 1)?.minus_first;
             if let (Some(bands), Some(um)) = (&self.uncertainty, self.minus_first(index)) {
                 let band = bands[index].minus_first.position_um;
-                let (um, [from, to]) = match of.drawing.statistic {
-                    Statistic::Max => (um.position_um.max, band.max),
-                    Statistic::P95 => (um.position_um.p95, band.p95),
-                };
+                let (um, ends) = figure_of(of.drawing.statistic, &um.position_um, Some(&band));
+                let [from, to] = ends.unwrap_or([um, um]);
                 (low, high) = (low.map(|low| low + from - um), high.map(|high| high + to - um));
             }
             return Some(JudgedDifference { drawn: true, statistic: of.drawing.statistic, um: value, low, high });

@@ -53,7 +53,7 @@ pub(super) struct PartAsked {
     part: StatedPart,
 }
 
-/// What is stated of the part beside its file.
+/// The reference and the path that are stated of the part beside its file.
 #[derive(Debug, Default, Serialize)]
 struct StatedPart {
     #[serde(skip_serializing_if = "Option::is_none")]

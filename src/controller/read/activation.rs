@@ -1,6 +1,6 @@
-//! What files put in force: which tables act, and on which axes. A table that no such file names corrects nothing.
+//! The tables that files put in force, and their axes. A table that no such file names corrects nothing.
 
-/// What a file puts in force.
+/// The tables, senses and units that a file puts in force.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Activation {
     /// The files that act.

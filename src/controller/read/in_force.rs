@@ -32,7 +32,7 @@ struct Room {
     line: usize,
 }
 
-/// What the files of a set put in force.
+/// The tables, units and senses that the files of a set put in force.
 #[derive(Debug, Clone)]
 pub(super) struct InForce {
     /// The tables of axes; none if no file says so.

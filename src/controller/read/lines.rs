@@ -46,7 +46,7 @@ pub(super) struct LineFormat<'a> {
     pub axis: Option<usize>,
 }
 
-/// How far a text has been read.
+/// The state of reading a text.
 #[derive(Default)]
 struct Progress {
     /// True for each pattern that was met.

@@ -180,7 +180,7 @@ fn fits(patterns: &[String], line: &str) -> bool {
     patterns.iter().any(|pattern| patterns::fits(pattern, line))
 }
 
-/// What stands before the equals sign.
+/// The text before the equals sign.
 fn key(line: &str) -> Option<&str> {
     line.split_once('=').map(|(key, _)| key)
 }
