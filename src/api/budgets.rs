@@ -358,8 +358,11 @@ impl Compared<'_> {
             let (missing, acting) = (coverages[side].missing.len(), coverages[side].acting());
             format!("{} lacks {missing} of {acting}", shown(self.drawn.files[side]))
         };
+        // Beside a machine without bounds the option would take the place of its values.
+        let has_whole = [0, index].iter().any(|side| self.bounds[*side].is_empty());
+        let remedy = if has_whole { format!("`class: {name}` in the file") } else { format!("`--class {name}`") };
         let reason = format!(
-            "errors with neither value nor bound could turn it: {}, {}; `--class {name}` bounds them",
+            "errors with neither value nor bound could turn it: {}, {}; {remedy} bounds them",
             lacks(0),
             lacks(index)
         );

@@ -4,7 +4,7 @@ use super::compare::nothing_in_common;
 use super::tolerances::ToleranceOptions;
 use crate::analysis::budget::{ActingErrors, Bound, Request, adding, bounds, budget, is_measured};
 use crate::analysis::{Comparison, MachineResult, Work, compare};
-use crate::diagnostic::{Diagnostic, codes};
+use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::{Bare, Field, Order, quantile_95};
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::{MachineFile, order_of, sources_of};
@@ -95,10 +95,12 @@ fn difference(
     if found.common.is_empty() {
         return call.refuse(nothing_in_common(files, &found));
     }
+    let mut paths = Vec::new();
     if let Some(job) = &job {
         for (file, side) in files.iter().zip(&found.machines) {
             let path = side.path.as_ref().map(|events| PathResult::new(file, events, &job.poses.lines()));
-            call.about(file.path(), |call| call.extend(path.and_then(|path| path.warning(file))));
+            call.about(file.path(), |call| call.extend(path.as_ref().and_then(|path| path.warning(file))));
+            paths.extend(path);
         }
         call.check()?;
     }
@@ -140,6 +142,7 @@ fn difference(
         machines: [first, second].map(|file| file.name().to_owned()),
         files: [first, second].map(|file| file.path().to_owned()),
         over: Over::common(first, &judge.reference, job.as_ref().map(|job| &job.poses), [asked, found.common.len()]),
+        paths,
         asked,
         poses: found.common.len(),
         seed: options.seed,
@@ -175,16 +178,11 @@ impl<'a> Judge<'a> {
         job: Option<&Job>,
     ) -> Result<Self, Refused> {
         let stated = Job::stated(job, options.reference.as_ref());
-        let has_bounds = files.iter().any(|file| !bounds_of(file).is_empty());
-        // Machines drawn have no minimum zone.
-        let by_values = stated.as_ref().is_some_and(|of| of.minimum_zone) && files.iter().any(|file| is_measured(file));
-        if has_bounds && by_values {
-            let message = "bounds are left out: the effect of a minimum zone on machines drawn is not known";
-            let help = "take the least squares, `--reference best-fit`, or another reference";
-            call.warn(Diagnostic::new(codes::W0607, message).help(help));
+        let bounded = files.iter().any(|file| !bounds_of(file).is_empty());
+        if let Some(unlike) = unlike(files) {
+            call.warn(unlike);
             call.check()?;
         }
-        let bounded = has_bounds && !by_values;
         let default = job.map_or_else(Reference::default, Job::zero);
         let is_stated = stated.is_some();
         let judge = Self { options, bounded, reference: stated.unwrap_or(default) };
@@ -283,6 +281,20 @@ impl<'a> Judge<'a> {
         let [from, mixture] = [(from, &found.machines[0]), (mixture, &found.machines[1])];
         Ok(Some(self.p95_um(call, mixture.0, mixture.1)? - self.p95_um(call, from.0, from.1)?))
     }
+}
+
+/// Remarks a machine of which nothing is measured beside one without bounds.
+fn unlike(files: [&MachineFile; 2]) -> Option<Diagnostic> {
+    let is_designed = |file: &MachineFile| !is_measured(file) && !bounds_of(file).is_empty();
+    let is_whole = |file: &MachineFile| is_measured(file) && bounds_of(file).is_empty();
+    let designed = files.into_iter().find(|file| is_designed(file))?;
+    let measured = files.into_iter().find(|file| is_whole(file))?;
+    let message = format!(
+        "`{}` is measured and `{}` only bounded: the difference is of one machine and of 95 % of machines",
+        shown(measured.path()),
+        shown(designed.path())
+    );
+    Some(Diagnostic::new(codes::W0607, message).help("compare designs with designs, and measured machines with such"))
 }
 
 fn bounds_of(machine: &Machine) -> Vec<Bound> {

@@ -160,6 +160,8 @@ pub struct RankedArrangements {
     pub class_source: Option<String>,
     /// Number of errors that count.
     pub errors: usize,
+    /// Number of errors that have values and are left out of all arrangements, for bounds stand for them.
+    pub left_out: usize,
     /// Which of the errors that act in the machine of the file are known, where the ranking is by a budget.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage: Option<Coverage>,
@@ -474,6 +476,7 @@ fn studied(
         return call.refuse(nothing_reached(machine));
     }
     let (class, class_source) = class.unzip();
+    let left_out = coverage.as_ref().map_or(0, |of| known(machine) - of.valued);
     let Ranking { ranked, short, not_stated, cannot_turn } = rank(end.rows, end.reach);
     let max_samples = rounds.sizes().last().copied().unwrap_or(options.samples);
     let drawn = (by == JudgedBy::Budget).then(|| RankingRounds::new(options, max_samples, (end.rounds, end.told)));
@@ -499,6 +502,7 @@ fn studied(
         class,
         class_source,
         errors,
+        left_out,
         coverage,
         turned,
         poses: end.reach.work,
@@ -671,7 +675,7 @@ fn judge(
     if by == JudgedBy::Errors {
         return Ok((Judge::Errors, None));
     }
-    let (bounds, source): (Vec<Bound>, _) = options.tolerances.bounds(call, machine)?;
+    let (bounds, source): (Vec<Bound>, _) = options.tolerances.bounds_of_design(call, machine)?;
     Ok((Judge::Budget { bounds, draws: options.tolerances.draws(options.seed) }, source))
 }
 

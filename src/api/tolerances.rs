@@ -14,7 +14,8 @@ use crate::run::{Call, Refused};
 pub struct ToleranceOptions {
     /// Class of machines whose typical tolerances are taken where the file has none, in place of the class that the
     /// file names: `ultra-precision`, `premium`, `production`, `commodity`, `large-gantry` or `desktop`. Values stay
-    /// as they are; on a machine whose errors all have one it takes their place.
+    /// as they are, but in a ranking of arrangements, and on a machine whose errors all have one: there it takes their
+    /// place.
     pub class: Option<String>,
     /// Distribution of an error between its bounds.
     pub distribution: Distribution,
@@ -51,6 +52,33 @@ impl ToleranceOptions {
         call: &mut Call<'_>,
         machine: &Machine,
     ) -> Result<(Vec<Bound>, Option<ClassSource>), Refused> {
+        let class = self.class_of(call, machine)?;
+        let all = bounds(machine, class.as_ref().map(|(_, class)| class));
+        let open = adding(machine, &all);
+        // What a class would do is asked of a wholly measured machine, too.
+        let list = if open.is_empty() && self.class.is_some() { all } else { open };
+        warn_of_arms(call, machine, &list);
+        Ok((list, class.map(|(name, class)| (name, class.source))))
+    }
+
+    /// Returns the bounds of a design, in which no value acts: they stand for errors with values, too. Refuses a
+    /// machine without any.
+    pub(crate) fn bounds_of_design(
+        &self,
+        call: &mut Call<'_>,
+        machine: &Machine,
+    ) -> Result<(Vec<Bound>, Option<ClassSource>), Refused> {
+        let class = self.class_of(call, machine)?;
+        let list = bounds(machine, class.as_ref().map(|(_, class)| class));
+        if list.is_empty() {
+            return call.refuse(nothing_bounded(machine));
+        }
+        warn_of_arms(call, machine, &list);
+        Ok((list, class.map(|(name, class)| (name, class.source))))
+    }
+
+    /// Returns the class by name, or else that of the file, and refuses one without the axes of the machine.
+    fn class_of(&self, call: &mut Call<'_>, machine: &Machine) -> Result<Option<(String, Class)>, Refused> {
         let class = match (&self.class, machine.class()) {
             (Some(name), _) => Some((name.clone(), find(name).or_else(|refusal| call.refuse(refusal))?)),
             (None, of_file) => of_file.map(|named| (named.name.clone(), named.class.clone())),
@@ -58,12 +86,7 @@ impl ToleranceOptions {
         if let Some(refusal) = class.as_ref().and_then(|(name, class)| short_of_rotary(machine, name, class)) {
             return call.refuse(refusal);
         }
-        let all = bounds(machine, class.as_ref().map(|(_, class)| class));
-        let open = adding(machine, &all);
-        // What a class would do is asked of a wholly measured machine, too.
-        let list = if open.is_empty() && self.class.is_some() { all } else { open };
-        warn_of_arms(call, machine, &list);
-        Ok((list, class.map(|(name, class)| (name, class.source))))
+        Ok(class)
     }
 }
 

@@ -36,6 +36,9 @@ pub struct LimitVerdict {
     pub drawn: bool,
     /// Number of tool poses of the job that are out of reach.
     pub missed: usize,
+    /// True if errors or bounds of the machine are left out of the figure, so that it decides nothing.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub partial: bool,
     /// True if the limit is held; none where the interval is on both sides of it, where it is not exceeded but tool
     /// poses are out of reach, so that the job is not done, and where errors or bounds are left out of the figure.
     pub held: Option<bool>,
@@ -82,7 +85,7 @@ impl JobLimit {
             None => Some(um <= limit_um),
         };
         let held = held.filter(|held| !is_partial && (!held || missed == 0));
-        LimitVerdict { limit_um, um, interval_um, statistic, drawn, missed, held }
+        LimitVerdict { limit_um, um, interval_um, statistic, drawn, missed, partial: is_partial, held }
     }
 }
 
@@ -93,6 +96,7 @@ impl LimitVerdict {
         let verdict = match self.held {
             Some(true) => "held".to_owned(),
             Some(false) => "exceeded".to_owned(),
+            None if self.partial => "not decided, for values or bounds of the machine are left out".to_owned(),
             None if missed > 0 => format!("not decided, {} out of reach", counted(missed, "tool pose")),
             None => "not decided".to_owned(),
         };

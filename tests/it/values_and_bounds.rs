@@ -1,7 +1,7 @@
 //! Machines of which some errors have values and others bounds: both act in every figure that is judged. Closed forms
 //! of a value along X and a bound along Y, which meet at a right angle.
 
-use crate::program::{Folder, json, refused, text};
+use crate::program::{Folder, abbe, json, refused, text};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -144,6 +144,54 @@ fn machines_are_compared_by_values_and_bounds_together() {
     let rows = ranked["ranked"].as_array().unwrap();
     let withheld = |row: &Value| row["withheld"].as_str().is_some_and(|why| why.contains("1 error with a value"));
     assert!(rows.len() > 1 && rows[1..].iter().all(withheld), "{rows:?}");
+    // A class bounds what has a value on the one machine that was built, so that the value changes no rank.
+    let bare = machine(&folder, "bare.yaml", 0.0, 10.0);
+    let [valued, bare] = [&first.0, &bare].map(|machine| {
+        let options = ["--class", "premium", "--samples", "100", "--format", "json"];
+        json(&[&["enumerate", text(machine), "--job", text(&job)], &options[..]].concat())
+    });
+    assert_eq!([&valued["left_out"], &bare["left_out"]], [&Value::from(1), &0.into()]);
+    assert_eq!((&valued["ranked"], &valued["errors"]), (&bare["ranked"], &bare["errors"]));
+    let second = &valued["ranked"][1];
+    assert!(second["versus_first"]["verdict"].is_string() && second.get("withheld").is_none(), "{second}");
+}
+
+/// What a machine is judged by is in force on both, or is said.
+#[test]
+fn unlike_machines_are_told() {
+    let folder = Folder::new("unlike-machines");
+    let job = job(&folder, 60.0);
+    let whole = |name: &str, value: f64| {
+        let both = machine(&folder, name, value, 10.0);
+        let kept = std::fs::read_to_string(both).unwrap();
+        folder.with(name, &kept.lines().filter(|line| !line.contains("EYY")).collect::<Vec<_>>().join("\n"))
+    };
+    let measured = whole("measured.yaml", 30.0);
+    let (designed, both) = (machine(&folder, "designed.yaml", 0.0, 10.0), machine(&folder, "both.yaml", 30.0, 10.0));
+    let of_job = ["--job", text(&job)];
+    let (code, said) = refused(&[&["diff", text(&measured), text(&designed)], &of_job[..]].concat());
+    assert!(code == 0 && said.contains("W0607") && said.contains("only bounded"), "{said}");
+    let (code, said) = refused(&[&["diff", text(&measured), text(&both)], &of_job[..]].concat());
+    assert!(code == 0 && !said.contains("W0607"), "{said}");
+    let zone = ["--job", text(&job), "--reference", "best-fit:minimum-zone"];
+    let (_, said) = refused(&[&["diff", text(&measured), text(&both)], &zone[..]].concat());
+    assert!(said.contains("E0850"), "{said}");
+    // A class takes the place of values that are all there are: that is said of each machine, and decides no limit.
+    let with_class = ["--class", "premium", "--samples", "100", "--quiet"];
+    let said = abbe(&[&["compare", "trunnion.yaml", "trunnion.yaml"], &of_job[..], &with_class].concat());
+    assert_eq!(said.matches(": 41 errors with a value left out: bounds stand for them").count(), 2, "{said}");
+    assert!(said.contains("not decided, for values or bounds of the machine are left out"), "{said}");
+    let budget = of("budget", &[&both], &job);
+    assert_eq!(budget["limit"].get("partial"), None);
+    // So the advice beside such a machine is to name the class in the file that needs it.
+    let bounds = "errors:\n  EXX: { points: [[-300 mm, 29.8 um], [300 mm, 29.8 um]] }\n  EYY: { tolerance: 1 um }\n";
+    let head = std::fs::read_to_string(&both).unwrap();
+    let small = folder.with("small.yaml", &format!("{}{bounds}", head.split("errors:").next().unwrap()));
+    let said = abbe(&[&["compare", text(&small), text(&measured)], &of_job[..], &["--quiet"]].concat());
+    assert!(said.contains("`class: production` in the file bounds them"), "{said}");
+    // Nothing is kept of a goal.
+    let (code, _) = refused(&["budget", text(&designed), "--goal", "9 um", "--state", text(&folder.file("s.json"))]);
+    assert_eq!((code, folder.file("s.json").exists()), (2, false));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Budgets as text: their totals, and tolerances.
 
-use abbe::results::{Coverage, DeviationBudget, PercentileInterval};
-use abbe::text::{angle, length, significant};
+use abbe::results::{ActingValues, Coverage, DeviationBudget, PercentileInterval};
+use abbe::text::{angle, counted, length, significant};
 
 pub(crate) const TOTALS: [&str; 9] =
     ["", "worst case", "RSS", "mean of both", "Monte Carlo: mean", "median", "90 %", "95 %", "99 %"];
@@ -35,6 +35,19 @@ pub(crate) fn coverage_line(of: &Coverage) -> Option<String> {
         0 => known,
         n => format!("{known}; {n} have neither value nor bound (`--class` has some): {}", of.missing.join(", ")),
     })
+}
+
+/// The lines of the errors with values: of those that are left out, and of those that act in every machine drawn.
+pub(crate) fn values_text(left_out: usize, with_values: Option<ActingValues>) -> String {
+    let mut text = String::new();
+    if left_out > 0 {
+        text += &format!("{} with a value left out: bounds stand for them\n", counted(left_out, "error"));
+    }
+    if let Some(ActingValues { errors, um_of_p95 }) = with_values {
+        let (errors, um) = (counted(errors, "error"), significant(um_of_p95, 4));
+        text += &format!("{errors} with a value in every machine drawn: {um} um of the 95 % value\n");
+    }
+    text
 }
 
 /// A tolerance in um or urad as `± 20 um`.

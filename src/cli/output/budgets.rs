@@ -1,12 +1,10 @@
 //! Budgets of several machines on the same work: for `compare`.
 
-use super::budget_text::{TOTALS, TOTALS_NOTE, totals_row};
+use super::budget_text::{TOTALS, TOTALS_NOTE, totals_row, values_text};
 use super::ranking::difference;
 use super::view::{errors_more, table, table_of_machines};
-use abbe::results::{
-    ActingValues, ComparedBudget, ComparedBudgets, ComparedVerdict, MachineVerdict, Verdict, WithheldVerdict,
-};
-use abbe::text::{counted, significant};
+use abbe::results::{ComparedBudget, ComparedBudgets, ComparedVerdict, MachineVerdict, Verdict, WithheldVerdict};
+use abbe::text::significant;
 
 /// Two tables: totals, and the part of each tolerance in the 95 % value.
 pub(crate) fn text(of: &ComparedBudgets, verdicts: &[MachineVerdict], top: usize) -> String {
@@ -22,11 +20,10 @@ pub(crate) fn text(of: &ComparedBudgets, verdicts: &[MachineVerdict], top: usize
         _ => format!(", classes {}", of.machines.iter().map(named).collect::<Vec<_>>().join(" and ")),
     };
     let values = |(i, budget): (usize, &ComparedBudget)| {
-        let ActingValues { errors, um_of_p95 } = budget.with_values?;
-        let (errors, um) = (counted(errors, "error"), significant(um_of_p95, 4));
-        Some(format!("{i}: {errors} with a value in every machine drawn, {um} um of the 95 % value\n"))
+        let lines = values_text(budget.left_out, budget.with_values);
+        lines.lines().map(|line| format!("{i}: {line}\n")).collect::<String>()
     };
-    let values: String = (1..).zip(&of.machines).filter_map(values).collect();
+    let values: String = (1..).zip(&of.machines).map(values).collect();
     let counts: Vec<String> = of.machines.iter().map(|budget| budget.errors.to_string()).collect();
     format!(
         "\nBudgets on the same tool poses: {} errors bounded{class}; {} machines drawn, {} \
@@ -42,9 +39,12 @@ pub(crate) fn text(of: &ComparedBudgets, verdicts: &[MachineVerdict], top: usize
 /// The differences of the 95 % values, with what can be said of them.
 fn versus_first(of: &ComparedBudgets, verdicts: &[MachineVerdict]) -> String {
     let line = |(i, versus): (usize, &ComparedVerdict)| {
-        let stated_below = versus.withheld.is_none() && verdicts.get(i).is_some_and(|of| of.reason.is_some());
+        let below = verdicts.get(i).filter(|_| versus.withheld.is_none());
         let words = match (versus.verdict, &versus.withheld) {
-            _ if stated_below => "no verdict, as stated below".to_owned(),
+            _ if below.is_some_and(|of| of.reason.is_some()) => "no verdict, as stated below".to_owned(),
+            (Some(drawn), _) if below.is_some_and(|of| of.verdict.is_some_and(|verdict| verdict != drawn)) => {
+                format!("{} but for the uncertainty of values, see below", drawn.words())
+            }
             (Some(Verdict::NotToldApart), _) => {
                 format!("not told apart with {} machines (`--max-samples`)", of.drawing.samples)
             }

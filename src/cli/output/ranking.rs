@@ -1,6 +1,6 @@
 //! The result of `enumerate` as text and CSV.
 
-use super::budget_text::coverage_line;
+use super::budget_text::{coverage_line, values_text};
 use super::view::table;
 use abbe::options::{JudgedBy, Statistic};
 use abbe::results::{
@@ -78,6 +78,7 @@ pub(crate) fn text(of: &RankedArrangements, top: usize) -> String {
                 .map_or(String::new(), |source| format!(", class {}: {source}", of.class.as_deref().unwrap_or("")))
         ),
     };
+    text += &values_text(of.left_out, None);
     let missing = of.coverage.as_ref().filter(|coverage| !coverage.missing.is_empty());
     text += &missing.and_then(coverage_line).map_or_else(String::new, |line| line + "\n");
     text += &of.over.text();

@@ -5,7 +5,9 @@ use crate::cli::arguments::{
     self, JobArg, PartsArgs, PictureFile, PosesArg, ReferenceArg, SamplesArg, SeedArg, ToolArg, ToolPosesArg, TopArg,
     help, svg,
 };
-use crate::cli::output::budget_text::{TOTALS, TOTALS_NOTE, coverage_line, short, tolerance_text, totals_row};
+use crate::cli::output::budget_text::{
+    TOTALS, TOTALS_NOTE, coverage_line, short, tolerance_text, totals_row, values_text,
+};
 use crate::cli::output::characteristics;
 use crate::cli::output::session::Session;
 use crate::cli::output::tolerance_goal;
@@ -13,10 +15,8 @@ use crate::cli::output::view::{axes_text, limit_text, path_text, reach_text, tab
 use crate::cli::store::write::{refuse_outputs, replace_whole};
 use crate::cli::tolerances::ToleranceArgs;
 use abbe::options::Statistic;
-use abbe::results::{
-    ActingValues, BoundedContribution, BudgetResult, DrawnMachineFigures, FittedBudget, Tightening, ZoneBudget,
-};
-use abbe::text::{Reason, counted, significant};
+use abbe::results::{BoundedContribution, BudgetResult, DrawnMachineFigures, FittedBudget, Tightening, ZoneBudget};
+use abbe::text::{Reason, significant};
 use abbe::{BudgetOptions, MachineFile, budget, budget_part};
 use serde_json::json;
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ use std::path::PathBuf;
 #[command(mut_arg("tool_poses", |option| option.conflicts_with("poses")))]
 #[command(mut_arg("job", |option| option.conflicts_with_all(["poses", "tool_poses"])))]
 #[command(mut_arg("poses", |option| option.default_value("500")))]
-#[command(mut_arg("state", |option| option.requires("shard")))]
+#[command(mut_arg("state", |option| option.requires("shard").conflicts_with_all(["merge", "goal"])))]
 #[command(mut_arg("shard", |option| option.conflicts_with_all(["merge", "at", "goal", "pareto", "waterfall"])))]
 pub(crate) struct Args {
     /// The machine file; errors with a `tolerance` are budgeted.
@@ -171,14 +171,7 @@ impl BudgetText<'_> {
             text += &format!(", {} by class {class} ({source})", budget.tighten.len() - own);
         }
         text += "\n";
-        if budget.left_out > 0 {
-            let errors = counted(budget.left_out, "error");
-            text += &format!("{errors} with a value left out: bounds stand for them\n");
-        }
-        if let Some(ActingValues { errors, um_of_p95 }) = budget.with_values {
-            let (errors, um) = (counted(errors, "error"), significant(um_of_p95, 4));
-            text += &format!("{errors} with a value in every machine drawn: {um} um of the 95 % value\n");
-        }
+        text += &values_text(budget.left_out, budget.with_values);
         text += &coverage_line(&self.result.coverage).map_or_else(String::new, |line| line + "\n");
         text += &format!(
             "{} {}; {} machines drawn, {} distribution, seed {}; counted is the {what} of each\n",

@@ -3,7 +3,7 @@
 use crate::cli::Outcome;
 use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
-use crate::cli::output::view::table;
+use crate::cli::output::view::{path_text, table};
 use crate::cli::store::file_set;
 use abbe::options::CompensationOptions;
 use abbe::results::{MachineDifference, PropertyDifference, SetDifference};
@@ -96,6 +96,9 @@ fn machines_text(of: &MachineDifference) -> String {
         if of.from.is_some() { "95 % value of machines drawn between the bounds" } else { "95 % position deviation" };
     let [first, second] = of.p95_um.map(|um| significant(um, 4));
     let chain = if of.differences[0].kind == "chain" { ", the others on the chain of machine 2" } else { "" };
+    for (i, path) in (1..).zip(&of.paths) {
+        text += &format!("Machine {i}:\n{}", path_text(path));
+    }
     text + &format!(
         "{rows}\n95 %, um: change of the {what} of machine 1 with this difference alone{chain}.\n\
          All together: {first} um -> {second} um ({}), over {} of {} tool poses that both reach.\n{}",

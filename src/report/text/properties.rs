@@ -1,6 +1,7 @@
 //! Two machines against each other: the properties in which they differ, in words.
 
 use crate::job::over::Over;
+use crate::job::path::PathResult;
 use crate::machine::{
     Axis, AxisName, Direction, ErrorFamily, ErrorId, ErrorSizes, Machine, MachineProperty, SetUp, Tool, Travel,
 };
@@ -15,6 +16,9 @@ pub struct MachineDifference {
     pub files: [String; 2],
     /// Poses and reference of the difference.
     pub over: Over,
+    /// Events of the path on each machine, where the tool poses are one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub paths: Vec<PathResult>,
     /// Number of tool poses asked for.
     pub asked: usize,
     /// Number of tool poses that both machines reach, and most differences by themselves: one that reaches less than
