@@ -238,3 +238,21 @@ fn uncertain_values_leave_a_limit_open_beside_bounds() {
     assert_eq!(compared["verdicts"][0]["verdict"], Value::Null);
     assert_eq!(compared["machines"][0]["limit"]["held"], Value::Null);
 }
+
+/// A value by letter on an oblique axis stands for its letter alone: along Z there are 0.8 of the bound left.
+#[test]
+fn a_value_by_letter_leaves_the_rest_of_an_oblique_bound() {
+    let folder = Folder::new("oblique-value");
+    let axis = "axes: { Y: { travel: [-300, 300], origin: [0, 0, 0], direction: [0, 0.6, 0.8] } }";
+    let bound = "tolerances: { Y: { along: 10 um } }";
+    let value = "errors: { EYY: { points: [[-300 mm, 3 um], [300 mm, 3 um]] } }";
+    let head = "abbe: 1\nmachine: M\nchain: \"w b Y t\"";
+    let machine = folder.with("oblique.yaml", &format!("{head}\n{axis}\n{bound}\n{value}\n"));
+    let job = job(&folder, 35.0);
+    let found = of("budget", &[&machine], &job);
+    near(number(&found["position_um"]["worst_case"]), 8_f64.hypot(3.0));
+    near(number(&found["position_um"]["rss"]), 8_f64.hypot(3.0));
+    // A class bounds both directions across, less their parts along Y.
+    let whole = json(&["budget", text(&machine), "--class", "production", "--format", "json", "--quiet"]);
+    assert_eq!(whole["coverage"]["missing"].as_array().map(Vec::len), Some(0), "{}", whole["coverage"]);
+}

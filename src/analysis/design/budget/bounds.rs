@@ -277,15 +277,23 @@ pub fn is_measured(machine: &Machine) -> bool {
     known(machine) > 0 || setup.tool.iter().chain(&setup.workpiece).any(|x| *x != 0.0)
 }
 
-/// Returns the bounds of what has no value: those that add to the measured errors.
+/// Returns the bounds of what has no value: those that add to the measured errors. Of a bound on an oblique axis the
+/// parts by letter that have a value are taken out, and its other parts stay.
 pub fn adding(machine: &Machine, bounds: &[Bound]) -> Vec<Bound> {
     let valued: Vec<ErrorId> =
         machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).map(|(error, _)| error).collect();
-    let has_value = |bound: &&Bound| {
-        let parts = bound.letter_ids().into_iter().zip(bound.direction);
-        parts.filter(|(_, part)| part.abs() > 1e-9).any(|(error, _)| valued.contains(&error))
+    let rest = |bound: &Bound| {
+        let ids = bound.letter_ids();
+        let direction: [f64; 3] =
+            std::array::from_fn(|k| if valued.contains(&ids[k]) { 0.0 } else { bound.direction[k] });
+        if direction == bound.direction {
+            return Some(bound.clone());
+        }
+        let norm = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let tolerance = bound.tolerance * norm;
+        (norm > 1e-9).then(|| Bound { direction: direction.map(|part| part / norm), tolerance, ..bound.clone() })
     };
-    bounds.iter().filter(|bound| !has_value(bound)).cloned().collect()
+    bounds.iter().filter_map(rest).collect()
 }
 
 /// True if the machine has rotary axes and the class has no values for them.
