@@ -198,7 +198,8 @@ Limits = TypedDict(
 #: Draws of errors between their bounds, and the statistic of their effect.
 #: ``class``: Class of machines whose typical tolerances are taken where the file has none, in place of the class that
 #: the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry`` or ``desktop``.
-#: Values stay as they are; on a machine whose errors all have one it takes their place.
+#: Values stay as they are, but in a ranking of arrangements, and on a machine whose errors all have one: there it takes
+#: their place.
 #: ``distribution``: Distribution of an error between its bounds.
 #: ``statistic``: Statistic of a machine over the poses.
 ToleranceOptions = TypedDict(
@@ -400,7 +401,8 @@ class Verbs:
         * ``compensation``: Options of the compensation for the target.
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
           class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
-          or ``desktop``. Values stay as they are; on a machine whose errors all have one it takes their place.
+          or ``desktop``. Values stay as they are, but in a ranking of arrangements, and on a machine whose errors all
+          have one: there it takes their place.
         * ``distribution``: Distribution of an error between its bounds.
         * ``statistic``: Statistic of a machine over the poses.
         * ``samples``: Number of machines that are drawn, at least 2.
@@ -434,6 +436,7 @@ class Verbs:
         tool_poses: Text | None = None,
         job: Text | None = None,
         path: bool | None = None,
+        reference: ReferenceOption | None = None,
         threads: int | None = None,
     ) -> ReachResult:
         """Returns the tips and directions of the tool within reach over a box.
@@ -451,6 +454,8 @@ class Verbs:
         * ``job``: A job file in place of the box.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
+        * ``reference``: Motion that the part's set-up takes out, whose point is to be reached, too; of tool poses
+          alone, by default the zero at the part's origin.
         """
         options: dict[str, Any] = {
             "region": region,
@@ -459,6 +464,7 @@ class Verbs:
             "tool_poses": tool_poses,
             "job": job,
             "path": path,
+            "reference": reference,
         }
         found = call("reach", [self._native], options, threads=threads)
         return ReachResult(found)
@@ -498,7 +504,8 @@ class Verbs:
         * ``approach``: Side of approach, where forward and reverse curves were given.
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
           class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
-          or ``desktop``. Values stay as they are; on a machine whose errors all have one it takes their place.
+          or ``desktop``. Values stay as they are, but in a ranking of arrangements, and on a machine whose errors all
+          have one: there it takes their place.
         * ``distribution``: Distribution of an error between its bounds.
         * ``statistic``: Statistic of a machine over the poses.
         * ``samples``: Number of machines that are drawn, at least 2.
@@ -555,7 +562,8 @@ class Verbs:
         * ``seed``: Seed of the tool poses, and of the errors that are drawn.
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
           class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
-          or ``desktop``. Values stay as they are; on a machine whose errors all have one it takes their place.
+          or ``desktop``. Values stay as they are, but in a ranking of arrangements, and on a machine whose errors all
+          have one: there it takes their place.
         * ``distribution``: Distribution of an error between its bounds.
         * ``statistic``: Statistic of a machine over the poses.
         * ``samples``: Number of machines that are drawn for the budgets, at least 2.
@@ -609,7 +617,8 @@ class Verbs:
 
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
           class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
-          or ``desktop``. Values stay as they are; on a machine whose errors all have one it takes their place.
+          or ``desktop``. Values stay as they are, but in a ranking of arrangements, and on a machine whose errors all
+          have one: there it takes their place.
         * ``distribution``: Distribution of an error between its bounds.
         * ``statistic``: Statistic of a machine over the poses.
         * ``seed``: Seed of poses and errors.
@@ -684,7 +693,8 @@ class Verbs:
 
         * ``class_``: Class of machines whose typical tolerances are taken where the file has none, in place of the
           class that the file names: ``ultra-precision``, ``premium``, ``production``, ``commodity``, ``large-gantry``
-          or ``desktop``. Values stay as they are; on a machine whose errors all have one it takes their place.
+          or ``desktop``. Values stay as they are, but in a ranking of arrangements, and on a machine whose errors all
+          have one: there it takes their place.
         * ``distribution``: Distribution of an error between its bounds.
         * ``statistic``: Statistic of a machine over the poses.
         * ``seed``: Seed of poses and errors.

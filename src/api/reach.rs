@@ -10,6 +10,7 @@ use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
 use crate::job::path::PathResult;
 use crate::job::reference::{Reference, SetUp};
+use crate::job::reference_text::ReferenceOption;
 use crate::job::tool_poses::{Lack, Lacks, MissedToolPose, ReachedToolPoses};
 use crate::machine::{Machine, Pose};
 use crate::report::{Picture, ReachPicture, structured_grid};
@@ -37,6 +38,10 @@ pub struct ReachOptions {
     /// True if the tool poses are one continuous path, solved as a whole; by default what the job file says, or else of
     /// CL data alone.
     pub path: Option<bool>,
+    /// Motion that the part's set-up takes out, whose point is to be reached, too; of tool poses alone, by default the
+    /// zero at the part's origin.
+    #[schemars(with = "Option<ReferenceOption>")]
+    pub reference: Option<Reference>,
 }
 
 impl ReachOptions {
@@ -192,7 +197,10 @@ fn find(call: &mut Call, machine: &MachineFile, options: &ReachOptions) -> Resul
         if options.is_box() {
             return call.usage("a job has its own tool poses: omit `--box`, `--step` and `--directions`");
         }
-        return of_job(call, machine, &job);
+        return of_job(call, machine, &job, options.reference.as_ref());
+    }
+    if options.reference.is_some() {
+        return call.usage("the reference sets up the part of a job: add `--job` or `--tool-poses`");
     }
     let robot = rotary_axes_place_tip(machine);
     let region = region(call, machine, options)?;
@@ -272,7 +280,7 @@ fn at_tip(machine: &Machine, results: Vec<Result<Pose, Miss>>) -> AtTip {
 }
 
 /// Returns the reach of the tool poses of a job. Warns of rewinds, and if the part cannot be set up.
-fn of_job(call: &mut Call, machine: &Machine, job: &Job) -> Result<ReachResult, Refused> {
+fn of_job(call: &mut Call, machine: &Machine, job: &Job, stated: Option<&Reference>) -> Result<ReachResult, Refused> {
     let reached = job.poses.examine(machine);
     call.extend(reached.path.as_ref().and_then(|path| path.warning(machine)));
     let tips = job.poses.tips();
@@ -281,12 +289,12 @@ fn of_job(call: &mut Call, machine: &Machine, job: &Job) -> Result<ReachResult, 
         tips.iter().fold([f64::INFINITY, f64::NEG_INFINITY], ends)
     };
     let grid = ReachGrid { region: [0, 1, 2].map(side), counts: [tips.len(), 1, 1] };
-    let reference = Job::stated(Some(job), None).unwrap_or_else(|| job.zero());
+    let reference = Job::stated(Some(job), stated).unwrap_or_else(|| job.zero());
     let set_up = match SetUp::new(machine, &reference, &reached.poses) {
         Ok(set_up) => set_up,
         Err(reason) => {
             let help = "state a reference that the machine reaches in the job";
-            call.warn(Job::located(Some(job), None, Diagnostic::new(codes::W0850, reason.message)).help(help));
+            call.warn(Job::located(Some(job), stated, Diagnostic::new(codes::W0850, reason.message)).help(help));
             call.check()?;
             SetUp::machine()
         }

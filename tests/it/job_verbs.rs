@@ -149,8 +149,16 @@ fn the_reach_of_a_job_counts_its_rows() {
     let far = folder.with("far.yaml", "tool_poses: w.csv\nreference: zero:0,400,0\n");
     let (code, said) = refused(&["reach", text(&machine), "--job", text(&far)]);
     assert!(code == 0 && said.contains("W0850") && said.contains("above its travel"), "{said}");
-    let (code, _) = refused(&["reach", text(&machine), "--job", text(&far), "--step", "10 mm"]);
-    assert_eq!(code, 2);
+    // An option goes over the job, as in the other verbs.
+    let near = ["reach", text(&machine), "--job", text(&far), "--reference", "zero:0,50,0", "--format", "json"];
+    assert_eq!(json(&near)["over"]["reference"], "zero");
+    let beyond = ["reach", text(&machine), "--tool-poses", text(&work), "--reference", "zero:0,400,0"];
+    let (code, said) = refused(&beyond);
+    assert!(code == 0 && said.contains("W0850"), "{said}");
+    for wrong in [vec!["--job", text(&far), "--step", "10 mm"], vec!["--reference", "zero"]] {
+        let (code, _) = refused(&[&["reach", text(&machine)], &wrong[..]].concat());
+        assert_eq!(code, 2, "{wrong:?}");
+    }
     let volume = json(&["reach", text(&machine), "--step", "300 mm", "--format", "json"]);
     assert_eq!((&volume["over"]["kind"], &volume["over"]["poses"]), (&"volume".into(), &volume["tool_poses"]));
 }

@@ -207,6 +207,7 @@ class EnumerateFields(Record):
     by: Annotated[Literal["budget", "errors"], "Criterion of the arrangements."]
     class_source: Annotated[Union[str, None], "Source of the class."]
     errors: Annotated[int, "Number of errors that count."]
+    left_out: Annotated[int, "Number of errors that have values and are left out of all arrangements, for bounds stand for them."]
     coverage: Annotated[Union[Coverage, None], "Which of the errors that act in the machine of the file are known, where the ranking is by a budget."]
     turned: Annotated[Union[TurnedVerdicts, None], "Verdicts that are withheld because errors without a value or a bound could turn them."]
     poses: Annotated[int, "Number of tool poses: all of a job, whether or not the machine of the file reaches them."]

@@ -138,6 +138,7 @@ class LimitVerdict(Record):
     statistic: Annotated[Literal["max", "p95"], "The figure of a machine over the poses."]
     drawn: Annotated[bool, "True if machines are drawn between bounds; errors with values act in each."]
     missed: Annotated[int, "Number of tool poses of the job that are out of reach."]
+    partial: Annotated[Union[bool, None], "True if errors or bounds of the machine are left out of the figure, so that it decides nothing."]
     held: Annotated[Union[bool, None], "True if the limit is held; none where the interval is on both sides of it, where it is not exceeded but tool poses are out of reach, so that the job is not done, and where errors or bounds are left out of the figure."]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal, Union
 
 from .._record import Named, Record
-from .deviations import Over
+from .deviations import Over, PathResult
 
 
 class Arm(Record):
@@ -229,6 +229,7 @@ class DiffFields(Record):
     machines: Annotated[list[str], "Name of each machine."]
     files: Annotated[list[str], "File of each machine."]
     over: Annotated[Over, "Poses and reference of the difference."]
+    paths: Annotated[Union[list[PathResult], None], "Events of the path on each machine, where the tool poses are one."]
     asked: Annotated[int, "Number of tool poses asked for."]
     poses: Annotated[int, "Number of tool poses that both machines reach, and most differences by themselves: one that reaches less than nine tenths of them is judged on what it reaches."]
     seed: Annotated[int, "Seed of the tool poses."]

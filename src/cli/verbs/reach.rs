@@ -1,7 +1,9 @@
 //! `abbe reach`: tips and directions of the tool within reach over a box.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{JobArg, PictureFile, PlaceArg, ToolArg, ToolPosesArg, counts, help, length, png, svg};
+use crate::cli::arguments::{
+    JobArg, PictureFile, PlaceArg, ReferenceArg, ToolArg, ToolPosesArg, counts, help, length, png, svg,
+};
 use crate::cli::output::placement;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{path_text, reach_text};
@@ -34,6 +36,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     job: JobArg,
     #[command(flatten)]
+    reference: ReferenceArg,
+    #[command(flatten)]
     place: PlaceArg,
     #[command(flatten)]
     tool: ToolArg,
@@ -65,6 +69,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
             job: args.job.job.clone(),
             tool_poses: args.tool_poses.tool_poses.clone(),
             path: args.job.path,
+            reference: args.reference.reference.clone(),
             ..PlacementOptions::default()
         };
         let result = session.take(place(&file, &options, session.run()))?;
@@ -80,6 +85,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         tool_poses: args.tool_poses.tool_poses.clone(),
         job: args.job.job.clone(),
         path: args.job.path,
+        reference: args.reference.reference.clone(),
     };
     let result = session.take(reach(&file, &options, session.run()))?;
     for to in pictures {

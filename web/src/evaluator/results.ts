@@ -1035,6 +1035,8 @@ export interface LimitVerdict {
   drawn: boolean;
   /** Number of tool poses of the job that are out of reach. */
   missed: number;
+  /** True if errors or bounds of the machine are left out of the figure, so that it decides nothing. */
+  partial?: boolean;
   /** True if the limit is held; none where the interval is on both sides of it, where it is not exceeded but tool poses are out of reach, so that the job is not done, and where errors or bounds are left out of the figure. */
   held: boolean | null;
 }
