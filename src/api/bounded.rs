@@ -1,6 +1,7 @@
 //! The effect of the bounds of a machine where nothing is measured.
 
 use super::tolerances::{ClassSource, ToleranceOptions};
+use super::withheld::LimitWork;
 use crate::analysis::SummaryBand;
 use crate::analysis::budget::{
     ActingErrors, Bound, Budget, Draws, PoseByPose, PosesRequest, Request, adding, budget, budget_poses,
@@ -182,10 +183,12 @@ impl AddingBounds<'_> {
         let is_partial = is_zone && !Self { reference: None, ..*self }.bounds(call)?.is_empty();
         let limit = JobLimit { is_partial, ..limit };
         let spread = limit.spread_um(values_um, band);
-        Ok(found.map_or_else(
-            || limit.on_values(values_um, band),
-            |(_, _, found)| DrawnMachineFigures::of(&found.position.sorted).against(&limit, spread),
-        ))
+        let Some((.., found)) = found else { return Ok(limit.on_values(values_um, band)) };
+        let verdict = DrawnMachineFigures::of(&found.position.sorted).against(&limit, spread);
+        let Self { machine, tolerances, samples, seed, work, reference } = *self;
+        let bounds = &self.bounds(call)?;
+        let poses = work.unwrap_or_default();
+        LimitWork { machine, bounds, poses, reference, tolerances, samples, seed }.open(call, verdict)
     }
 
     /// Returns the characteristics of toleranced features: of machines drawn, in which the measured errors act as the

@@ -2,6 +2,7 @@
 
 use super::goal::{GoalInputs, ToleranceGoal, goal};
 use super::tolerances::{ClassSource, ToleranceOptions};
+use super::withheld::LimitWork;
 use crate::analysis::budget::{
     ActingErrors, Bound, Budget, Coverage, Draws, Request, StayingErrors, budget_from_samples, budget_poses,
     draw_with_zone,
@@ -404,13 +405,16 @@ pub(crate) fn budget_of(
     });
     let over = work.over(machine, &work.set_up.reference);
     let spread = work.limit.and_then(|limit| work.spread_um(machine, &limit, options.seed));
-    let BudgetWork { poses, tool_poses, limit, .. } = work;
-    let coverage = Coverage::of(machine, &bounds);
+    let BudgetWork { poses, tool_poses, limit, set_up, .. } = work;
+    let (coverage, in_force) = (Coverage::of(machine, &bounds), bounds.clone());
     let path = tool_poses.as_ref().and_then(|reached| reached.path.clone());
     let budget = BudgetFigures::new(machine, bounds, &budget, poses.len(), drawing);
     let drawn = minimum_zone.as_ref().map_or(&budget.position_um.monte_carlo, |of| &of.position_um);
     let limit = limit.map(|limit| JobLimit { is_partial: budget.left_out > 0, ..limit });
-    let limit = limit.map(|limit| drawn.against(&limit, spread));
+    let BudgetOptions { tolerances, samples, seed, .. } = options;
+    let (reference, samples, seed) = (set_up.removed(), *samples, *seed);
+    let judged = LimitWork { machine, bounds: &in_force, poses: &poses, reference, tolerances, samples, seed };
+    let limit = limit.map(|limit| judged.open(call, drawn.against(&limit, spread))).transpose()?;
     let (machine, chain) = (machine.name().to_owned(), machine.chain().to_string());
     Ok(BudgetResult {
         budget,

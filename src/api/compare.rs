@@ -5,6 +5,8 @@ use super::budgets::ComparedBudgets;
 use super::compare_figures::{Alike, AlikeDraws, Bounded, Figures, FittedComparison, MachineVerdict, removed, set_ups};
 use super::compiled_model::PoseDeviation;
 use super::tolerances::ToleranceOptions;
+use super::withheld::LimitWork;
+use crate::analysis::budget::Bound;
 use crate::analysis::budget::BoundedDeviation;
 use crate::analysis::figure_bands::ComparedBands;
 use crate::analysis::reference::PartReference;
@@ -288,22 +290,31 @@ fn side_by_side(
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
     };
     let travels: Vec<_> = missed.iter().enumerate().map(travel).collect();
-    let limit = |i: usize, machine: &ComparedMachine| {
-        let (mm, statistic) = (job.as_ref()?.limit_mm?, options.tolerances.statistic);
+    let mut in_force = Vec::new();
+    for file in files {
+        in_force.push(options.tolerances.bounds_if_any(call, file)?.0);
+    }
+    let limit = |i: usize, machine: &ComparedMachine, bounds: &[Bound]| {
+        let Some(mm) = job.as_ref().and_then(|job| job.limit_mm) else { return Ok(None) };
+        let statistic = options.tolerances.statistic;
         let is_partial = budgets.as_ref().map_or(bounds_left_out, |of| of.machines[i].left_out > 0);
         let limit = JobLimit { mm, statistic, missed: machine.missed.as_ref().map_or(0, Vec::len), is_partial };
         let band = machine.uncertainty.as_ref().map(|of| &of.own.position_um);
         let spread = limit.spread_um(&machine.position_um, band);
-        Some(match (&budgets, &machine.bounds) {
+        let verdict = match (&budgets, &machine.bounds) {
             (Some(of), _) => of.machines[i].position_um.monte_carlo.against(&limit, spread),
             (None, Some(of)) => of.figures.position_um.monte_carlo.against(&limit, None),
             (None, None) => limit.on_values(&machine.position_um, band),
-        })
+        };
+        let ((machine, poses), reference) = (&sides[i], references[i]);
+        let CompareOptions { tolerances, samples, seed, .. } = options;
+        let (samples, seed) = (*samples, *seed);
+        LimitWork { machine, bounds, poses, reference, tolerances, samples, seed }.open(call, verdict).map(Some)
     };
     let of = |(i, ((((machine, missed), travel), bounds_add), path))| {
         let uncertainty = uncertainty.as_ref().map(|of: &Vec<ComparedBands>| of[i]);
         let machine = ComparedMachine { missed, travel, path, bounds_add, uncertainty, ..machine };
-        ComparedMachine { limit: limit(i, &machine), ..machine }
+        Ok(ComparedMachine { limit: limit(i, &machine, &in_force[i])?, ..machine })
     };
     let machines = machines.zip(missed).zip(travels).zip(adds).zip(paths).enumerate().map(of);
     Ok(CompareResult {
@@ -314,7 +325,7 @@ fn side_by_side(
         seed: options.seed,
         frame: Frame::Workpiece,
         direction: options.approach,
-        machines: machines.collect(),
+        machines: machines.collect::<Result<_, _>>()?,
         budgets,
         best_fit,
         verdicts,

@@ -62,10 +62,13 @@ pub struct MachineVerdict {
 }
 
 /// The figure of the position deviation by which a machine is judged, minus that of the first machine.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
 pub struct JudgedDifference {
     /// True if it is the value that 95 % of machines drawn do not exceed.
     pub drawn: bool,
+    /// The class whose bounds stand for the values of both machines, where these are left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub class: Option<String>,
     /// The figure of a machine over the poses.
     pub statistic: Statistic,
     /// The difference, um: negative is better than the first.
@@ -90,7 +93,8 @@ impl JudgedDifference {
         let um = |value: f64| format!("{}{}", if value > 0.0 { "+" } else { "" }, significant(value, 3));
         let interval = self.low.zip(self.high);
         let interval = interval.map_or_else(String::new, |(low, high)| format!(" ({}..{})", um(low), um(high)));
-        format!("{of}: {} um{interval}", um(self.um))
+        let class = self.class.as_ref().map_or_else(String::new, |name| format!(" of class {name}, values left out"));
+        format!("{of}{class}: {} um{interval}", um(self.um))
     }
 }
 
@@ -311,11 +315,20 @@ impl Figures {
                 let [from, to] = ends.unwrap_or([um, um]);
                 (low, high) = (low.map(|low| low + from - um), high.map(|high| high + to - um));
             }
-            return Some(JudgedDifference { drawn: true, statistic: of.drawing.statistic, um: value, low, high });
+            let [first, own] = [&of.machines[0], &of.machines[index]];
+            let class = own.class.clone().filter(|_| first.left_out > 0 && own.left_out > 0);
+            return Some(JudgedDifference {
+                drawn: true,
+                class,
+                statistic: of.drawing.statistic,
+                um: value,
+                low,
+                high,
+            });
         }
         let um = self.minus_first(index)?.position_um.p95;
         let drawn = self.bounded[index].is_some();
-        Some(JudgedDifference { drawn, statistic: Statistic::P95, um, low: None, high: None })
+        Some(JudgedDifference { drawn, class: None, statistic: Statistic::P95, um, low: None, high: None })
     }
 
     /// Returns the verdict on a machine, on which a best fit must agree if there is one. `unlike` is the reason why the

@@ -360,6 +360,17 @@ fn withhold_unlike(of: &StudyCoverage<'_>, ranked: &mut [Arrangement]) {
     }
 }
 
+/// Withholds the verdicts by errors with values whose uncertainty is stated: no ranking counts it.
+fn withhold_uncertain(machine: &Machine, ranked: &mut [Arrangement]) {
+    if machine.uncertain_parts().is_empty() {
+        return;
+    }
+    for row in ranked.iter_mut().skip(1).filter(|row| row.withheld.is_none()) {
+        row.withheld = Some("the uncertainty of the values is not counted; `compare` of two files does".to_owned());
+        row.versus_first.iter_mut().for_each(|versus| versus.verdict = None);
+    }
+}
+
 /// Withholds the verdicts against the best arrangement, the first, that missing errors could turn; `None` if there are
 /// none.
 fn withhold(
@@ -487,7 +498,10 @@ fn studied(
             withhold_unlike(&of, &mut ranked);
             withhold(call, &of, (&study, options.samples), &mut ranked)?
         }
-        None => None,
+        None => {
+            withhold_uncertain(machine, &mut ranked);
+            None
+        }
     };
     let unranked = |rows: Vec<ArrangementRow>| rows.into_iter().map(|row| Arrangement::new(row, None)).collect();
     let mut over = Over::work(machine, &set_ups.reference, tool_poses.as_ref(), options.poses);

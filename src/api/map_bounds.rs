@@ -3,6 +3,7 @@
 use super::bounded::DrawnBounds;
 use super::map_result::{MapFromBounds, MapOptions, MapResult, WorstBoundedPose};
 use super::map_tables::{MapTable, Tables};
+use super::withheld::LimitWork;
 use crate::analysis::budget::{BoundedDeviation, PoseByPose};
 use crate::analysis::{MAX_POSES, View};
 use crate::diagnostic::{Diagnostic, codes};
@@ -55,7 +56,17 @@ pub(crate) fn volume(
     let figures = drawn.figures(&found);
     let statistic = options.tolerances.statistic;
     let limit = Job::limit(job.as_ref(), statistic, tool_poses.as_ref());
-    let limit = limit.map(|limit| figures.position_um.monte_carlo.against(&limit, None));
+    let judged = LimitWork {
+        machine,
+        bounds: &drawn.bounds,
+        poses: tool_poses.as_ref().map_or(&[], |reached| &reached.poses),
+        reference: drawn.removed.as_ref(),
+        tolerances: &options.tolerances,
+        samples: options.samples,
+        seed: options.seed,
+    };
+    let against = |limit| judged.open(call, figures.position_um.monte_carlo.against(&limit, None));
+    let limit = limit.map(against).transpose()?;
     let over = Over::work(machine, &set_up.reference, tool_poses.as_ref(), poses.len());
     let path = tool_poses
         .as_ref()

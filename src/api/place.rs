@@ -1,19 +1,21 @@
 //! The part of a job at many places of the table: what the machine reaches there, and how far it deviates.
 
 use super::bounded::DrawnBounds;
+use super::budgets::stand_in;
 use super::map_bounds::refuse_order;
 use super::tolerances::ToleranceOptions;
-use crate::analysis::budget::{Statistic, adding};
+use crate::analysis::budget::{Coverage, Statistic, adding};
 use crate::analysis::rotary_axes_place_tip;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{CompiledField, Order};
-use crate::job::job_file::JobPaths;
+use crate::job::job_file::{Job, JobPaths};
+use crate::job::limit::MissingInLimit;
 use crate::job::machine_file::{MachineFile, order_of};
 use crate::job::over::{Over, OverKind};
 use crate::job::place_grid::{PlaceGrid, PlaceRange};
 use crate::job::place_study::{PlaceDraws, PlaceFigure, PlaceStudy, PlacementGain, TriedPlace};
 use crate::job::placement::Placement;
-use crate::job::reference::Reference;
+use crate::job::reference::{Reference, SetUp};
 use crate::machine::{Approach, Machine};
 use crate::report::{DrawSettings, Picture, PlacementPicture};
 use crate::run::{Call, Count, Refused, Reply, Run};
@@ -187,6 +189,10 @@ fn try_places(call: &mut Call<'_>, file: &MachineFile, options: &PlacementOption
         false => (Vec::new(), None),
     };
     let added = adding(machine, &added);
+    let stated = Job::stated(Some(&job.at(job.place())), options.reference.as_ref());
+    if let Some(reference) = stated.filter(|_| drawn.is_some() || !added.is_empty()) {
+        SetUp { reference, removed: None }.refuse_minimum_zone(call, "places of a machine with bounds")?;
+    }
     let rows = job.poses().lines().len();
     let is_drawn = drawn.is_some() || !added.is_empty();
     if let Some(refusal) = too_many(machine, grid.len(), rows, is_drawn.then_some(options.samples)) {
@@ -214,7 +220,11 @@ fn try_places(call: &mut Call<'_>, file: &MachineFile, options: &PlacementOption
     };
     let (asked, statistic) = (options.reference.as_ref(), options.tolerances.statistic);
     let seed = options.seed;
-    let study = PlaceStudy { machine, job: &job, places: &places, asked, figure, statistic, seed };
+    let in_force = drawn.as_ref().map_or(added.as_slice(), |drawn| &drawn.bounds);
+    let missing = Coverage::of(machine, in_force).missing.len();
+    let (name, _) = stand_in(options.tolerances.class_name(machine), &[machine]);
+    let missing = (missing > 0).then_some(MissingInLimit { errors: missing, class: name, um: None });
+    let study = PlaceStudy { machine, job: &job, places: &places, asked, figure, missing, statistic, seed };
     let found = study.run(call)?;
     let own = found.tried[found.own].clone();
     let best = found.best.map(|best| found.tried[best].clone());

@@ -77,6 +77,11 @@ impl ToleranceOptions {
         Ok((list, class.map(|(name, class)| (name, class.source))))
     }
 
+    /// Returns the name of the class in force, if there is one.
+    pub(crate) fn class_name<'a>(&'a self, machine: &'a Machine) -> Option<&'a str> {
+        self.class.as_deref().or_else(|| machine.class().map(|named| named.name.as_str()))
+    }
+
     /// Returns the class by name, or else that of the file, and refuses one without the axes of the machine.
     fn class_of(&self, call: &mut Call<'_>, machine: &Machine) -> Result<Option<(String, Class)>, Refused> {
         let class = match (&self.class, machine.class()) {

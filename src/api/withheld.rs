@@ -1,9 +1,12 @@
-//! Verdicts of a ranking that errors without a value or a bound could turn.
+//! Verdicts, of a ranking or a limit, that errors without a value or a bound could turn.
 
 use super::budgets::stand_in;
-use crate::analysis::budget::{Bound, Coverage, Verdict};
+use super::tolerances::ToleranceOptions;
+use crate::analysis::budget::{ActingErrors, Bound, Coverage, Request, Verdict, budget};
 use crate::analysis::enumerate::{ChainValues, Study};
-use crate::machine::Machine;
+use crate::analysis::reference::PartReference;
+use crate::job::limit::{LimitVerdict, MissingInLimit};
+use crate::machine::{Machine, Pose};
 use crate::run::{Call, Refused};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -68,5 +71,41 @@ impl FilledStudy {
     pub(crate) fn count(self, arrangements: usize) -> Option<TurnedVerdicts> {
         let Self { class, reason, .. } = self;
         (arrangements > 0).then_some(TurnedVerdicts { arrangements, class, reason })
+    }
+}
+
+/// What a limit was judged on.
+#[derive(Clone, Copy)]
+pub(crate) struct LimitWork<'a> {
+    pub machine: &'a Machine,
+    /// The bounds in force.
+    pub bounds: &'a [Bound],
+    pub poses: &'a [Pose],
+    /// Motion that the part's set-up takes out.
+    pub reference: Option<&'a PartReference>,
+    pub tolerances: &'a ToleranceOptions,
+    pub samples: usize,
+    pub seed: u64,
+}
+
+impl LimitWork<'_> {
+    /// Returns the verdict on a limit, unless it is held and would not be if missing errors had the bounds of a class.
+    pub(crate) fn open(&self, call: &Call<'_>, verdict: LimitVerdict) -> Result<LimitVerdict, Refused> {
+        let Self { machine, bounds, poses, reference, tolerances, samples, seed } = *self;
+        let coverage = Coverage::of(machine, bounds);
+        if verdict.held != Some(true) || coverage.missing.is_empty() || poses.is_empty() {
+            return Ok(verdict);
+        }
+        let (name, class) = stand_in(tolerances.class_name(machine), &[machine]);
+        let filled = coverage.fill(machine, bounds, &[], class.as_ref());
+        let (draws, statistic, acting) = (&tolerances.draws(seed), tolerances.statistic, ActingErrors::OfMachine);
+        let bounds = filled.as_slice();
+        let (searched, at) = (false, None);
+        let request = Request { machine, acting, bounds, poses, reference, searched, at, draws, samples, statistic };
+        let um = call.stage(2 * samples, |advance| budget(request, advance))?.position.percentile(95).value;
+        if um <= verdict.limit_um {
+            return Ok(verdict);
+        }
+        Ok(verdict.left_open(MissingInLimit { errors: coverage.missing.len(), class: name, um: Some(um) }))
     }
 }

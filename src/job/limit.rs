@@ -39,8 +39,12 @@ pub struct LimitVerdict {
     /// True if errors or bounds of the machine are left out of the figure, so that it decides nothing.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub partial: bool,
+    /// The errors with neither value nor bound that could turn the verdict, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub missing: Option<MissingInLimit>,
     /// True if the limit is held; none where the interval is on both sides of it, where it is not exceeded but tool
-    /// poses are out of reach, so that the job is not done, and where errors or bounds are left out of the figure.
+    /// poses are out of reach, so that the job is not done, where errors or bounds are left out of the figure, and
+    /// where missing errors could turn it.
     pub held: Option<bool>,
 }
 
@@ -85,17 +89,40 @@ impl JobLimit {
             None => Some(um <= limit_um),
         };
         let held = held.filter(|held| !is_partial && (!held || missed == 0));
-        LimitVerdict { limit_um, um, interval_um, statistic, drawn, missed, partial: is_partial, held }
+        LimitVerdict { limit_um, um, interval_um, statistic, drawn, missed, partial: is_partial, missing: None, held }
     }
 }
 
+/// Errors with neither value nor bound that could turn a limit that is held without them.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]
+pub struct MissingInLimit {
+    /// Number of these errors.
+    pub errors: usize,
+    /// The class that has bounds for them.
+    pub class: String,
+    /// The figure with these bounds, um; none where it was not asked for, place by place.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub um: Option<f64>,
+}
+
 impl LimitVerdict {
+    /// Returns the verdict that is not decided, for missing errors could turn it.
+    pub(crate) fn left_open(self, missing: MissingInLimit) -> Self {
+        Self { held: None, missing: Some(missing), ..self }
+    }
+
     /// Returns the verdict in words, such as `limit 30 um: held, 95 % of machines within 25.31 um (24.8..26.0)`.
     pub fn words(&self) -> String {
         let missed = self.missed;
+        let open = |MissingInLimit { errors, class, um }: &MissingInLimit| {
+            let errors = counted(*errors, "error");
+            let with = um.map_or_else(String::new, |um| format!(": {} um", significant(um, 4)));
+            format!("not decided, {errors} with neither value nor bound could turn it (class {class} has bounds{with})")
+        };
         let verdict = match self.held {
             Some(true) => "held".to_owned(),
             Some(false) => "exceeded".to_owned(),
+            None if self.missing.is_some() => self.missing.as_ref().map(open).unwrap_or_default(),
             None if self.partial => "not decided, for values or bounds of the machine are left out".to_owned(),
             None if missed > 0 => format!("not decided, {} out of reach", counted(missed, "tool pose")),
             None => "not decided".to_owned(),

@@ -7,7 +7,7 @@
 //! first on the same machines.
 
 use super::job_file::{Job, UnplacedJob};
-use super::limit::{JobLimit, LimitVerdict};
+use super::limit::{JobLimit, LimitVerdict, MissingInLimit};
 use super::placement::Placement;
 use super::poses::known;
 use super::reference::{Reference, SetUp, unzeroed};
@@ -190,6 +190,17 @@ impl PlaceFigures {
     }
 }
 
+impl PlaceFigures {
+    /// Returns these of machines drawn, in each of which values act, with the interval that the uncertainty of these
+    /// leaves.
+    fn widened(mut self, values: &Self) -> Self {
+        if let (Some([low, high]), Some([from, to])) = (values.interval_um, self.interval_um) {
+            self.interval_um = Some([(from + low - values.um).max(0.0), to + high - values.um]);
+        }
+        self
+    }
+}
+
 /// The request to try a part at places.
 pub(crate) struct PlaceStudy<'a> {
     pub machine: &'a Machine,
@@ -199,6 +210,8 @@ pub(crate) struct PlaceStudy<'a> {
     /// The reference that the options state.
     pub asked: Option<&'a Reference>,
     pub figure: PlaceFigure<'a>,
+    /// The errors with neither value nor bound, if there are any.
+    pub missing: Option<MissingInLimit>,
     /// The statistic of a machine over the tool poses.
     pub statistic: Statistic,
     /// The seed of random numbers.
@@ -316,13 +329,23 @@ impl PlaceStudy<'_> {
             um: of(|of| of.um),
             interval_um: figure.as_ref().and_then(|of| of.interval_um),
             versus_first: None,
-            limit: job.limit_mm.map(limit).zip(figure.as_ref()).map(|(limit, of)| match of.drawn.is_empty() {
-                true => limit.on_values(&of.over_poses, of.band.as_ref()),
-                false => limit.on_machines(of.um, of.interval_um, None),
-            }),
+            limit: job.limit_mm.map(limit).zip(figure.as_ref()).map(|(limit, of)| self.judge(limit, of)),
             rank: None,
         };
         Ok(Ok(Attempt { tried, missed, figures: figure, unset }))
+    }
+
+    /// Returns the verdict of a limit on the figure of a place; none that is held while errors are missing, for it is
+    /// not asked place by place whether these could turn it.
+    fn judge(&self, limit: JobLimit, of: &PlaceFigures) -> LimitVerdict {
+        let verdict = match of.drawn.is_empty() {
+            true => limit.on_values(&of.over_poses, of.band.as_ref()),
+            false => limit.on_machines(of.um, of.interval_um, None),
+        };
+        match &self.missing {
+            Some(missing) if verdict.held == Some(true) => verdict.left_open(missing.clone()),
+            _ => verdict,
+        }
     }
 
     /// Gives ranked places their ranks and verdicts against the first; returns the test of a pair, if machines are
@@ -379,16 +402,15 @@ impl PlaceStudy<'_> {
                 let statistics = Statistics::of(&deviations(field, &listed, 0..count, view, go_on)?);
                 let over_poses = statistics.position_um;
                 let linear = set_up.removed().is_none_or(PartReference::is_linear);
+                let (seed, removed) = (self.seed, set_up.removed());
+                let bands = field_bands(field, &listed, statistics, &[], conditions, seed, removed);
+                let values = PlaceFigures::of_values(over_poses, bands.map(|bands| bands.position_um), self.statistic);
                 Some(match adding.filter(|_| linear) {
                     Some(of) => {
                         let drawn = self.machine_values(of, ActingErrors::OfField(field), (set_up, &poses), go_on)?;
-                        PlaceFigures::of_machines(over_poses, drawn)
+                        PlaceFigures::of_machines(over_poses, drawn).widened(&values)
                     }
-                    None => {
-                        let (seed, removed) = (self.seed, set_up.removed());
-                        let bands = field_bands(field, &listed, statistics, &[], conditions, seed, removed);
-                        PlaceFigures::of_values(over_poses, bands.map(|bands| bands.position_um), self.statistic)
-                    }
+                    None => values,
                 })
             }
             PlaceFigure::Bounds(of) => {

@@ -7,6 +7,7 @@ use crate::machine::{
     Axis, AxisKind, AxisName, Class, Direction, ErrorFamily, ErrorId, ErrorTerm, Frames, JointErrors, JointFrame,
     Machine,
 };
+use nalgebra::Vector3;
 use std::fmt;
 
 /// A source of error of which only a bound is known.
@@ -25,6 +26,8 @@ pub struct Bound {
     pub by_letter: bool,
     /// The direction's relation to the axis.
     pub role: Role,
+    /// True if it is what errors with values by letter leave open of a direction along or across the axis.
+    pub is_rest: bool,
 }
 
 /// The relation of the direction of a bound to its axis.
@@ -79,10 +82,10 @@ impl Bound {
     }
 }
 
-/// The name of the error if its direction is a letter, otherwise its role: `B about along`.
+/// The name of the error if its whole direction is a letter, otherwise its role: `B about along`.
 impl fmt::Display for Bound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(error) = self.error.lettered(&self.direction) {
+        if let Some(error) = self.error.lettered(&self.direction).filter(|_| !self.is_rest) {
             return write!(f, "{error}");
         }
         let axis = &self.error.axis;
@@ -153,7 +156,7 @@ impl Triple {
     fn bound(&self, axis: &AxisName, slot: usize, tolerance: f64, source: BoundSource) -> Bound {
         let (direction, role) = (self.directions[slot], self.roles[slot]);
         let (of_class, by_letter) = (source == BoundSource::Class, source == BoundSource::Letter);
-        Bound { error: self.error(axis, slot), direction, tolerance, of_class, by_letter, role }
+        Bound { error: self.error(axis, slot), direction, tolerance, of_class, by_letter, role, is_rest: false }
     }
 }
 
@@ -277,23 +280,43 @@ pub fn is_measured(machine: &Machine) -> bool {
     known(machine) > 0 || setup.tool.iter().chain(&setup.workpiece).any(|x| *x != 0.0)
 }
 
-/// Returns the bounds of what has no value: those that add to the measured errors. Of a bound on an oblique axis the
-/// parts by letter that have a value are taken out, and its other parts stay.
+/// Returns the bounds of what has no value: those that add to the measured errors. Of a bound on an oblique axis what
+/// values by letter say is taken out, and the rest stays. Of location errors, the part along the axis is none.
 pub fn adding(machine: &Machine, bounds: &[Bound]) -> Vec<Bound> {
     let valued: Vec<ErrorId> =
         machine.errors().filter(|(_, term)| !matches!(term, ErrorTerm::Tolerance(_))).map(|(error, _)| error).collect();
-    let rest = |bound: &Bound| {
-        let ids = bound.letter_ids();
-        let direction: [f64; 3] =
-            std::array::from_fn(|k| if valued.contains(&ids[k]) { 0.0 } else { bound.direction[k] });
-        if direction == bound.direction {
-            return Some(bound.clone());
-        }
-        let norm = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
-        let tolerance = bound.tolerance * norm;
-        (norm > 1e-9).then(|| Bound { direction: direction.map(|part| part / norm), tolerance, ..bound.clone() })
-    };
-    bounds.iter().filter_map(rest).collect()
+    let frames = Frames::of(machine);
+    bounds.iter().filter_map(|bound| rest(bound, &valued, along(machine, &frames, bound))).collect()
+}
+
+/// Returns the direction of the axis of a location error across it; `None` for all others.
+fn along(machine: &Machine, frames: &Frames, bound: &Bound) -> Option<Vector3<f64>> {
+    let joint = machine.axis_index(bound.error.axis.as_str()).unwrap_or(machine.axes().len());
+    let frame = frames.joint(joint);
+    let letter = Direction::ALL[..3].iter().find(|letter| frame.is_along(**letter))?;
+    let along = Vector3::from(frame.direction(bound.error.family, *letter));
+    let is_across = along.dot(&Vector3::from(bound.direction)).abs() < FAINT_PART;
+    (bound.error.is_location() && is_across).then_some(along)
+}
+
+/// Parts of a direction below this are rounding.
+const FAINT_PART: f64 = 1e-9;
+
+/// Returns what a bound leaves open beside errors with values; `None` if they say all of it.
+fn rest(bound: &Bound, valued: &[ErrorId], along: Option<Vector3<f64>>) -> Option<Bound> {
+    let mut known: Vec<Vector3<f64>> = Vec::new();
+    for (k, _) in bound.letter_ids().iter().enumerate().filter(|(_, error)| valued.contains(error)) {
+        let across = |letter: Vector3<f64>| along.map_or(letter, |along| letter - along * along.dot(&letter));
+        let said = known.iter().fold(across(Vector3::ith(k, 1.0)), |said, of| said - of * of.dot(&said));
+        known.extend(said.try_normalize(FAINT_PART));
+    }
+    let direction = Vector3::from(bound.direction);
+    if known.iter().all(|of| of.dot(&direction).abs() < FAINT_PART) {
+        return Some(bound.clone());
+    }
+    let open = known.iter().fold(direction, |open, of| open - of * of.dot(&direction));
+    let (tolerance, unit) = (bound.tolerance * open.norm(), open.try_normalize(FAINT_PART)?);
+    Some(Bound { direction: unit.into(), tolerance, is_rest: true, ..bound.clone() })
 }
 
 /// True if the machine has rotary axes and the class has no values for them.

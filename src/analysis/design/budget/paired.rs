@@ -6,6 +6,9 @@
 //! known, but an interval of order statistics of b holds it; the hypothesis is rejected if the test rejects it at
 //! every value of that interval. A shift of a turns the test into an interval of the difference. There are no random
 //! numbers in it.
+//!
+//! If b has t in several samples, it exceeds t more seldom than with 5 %: the comparison is with reaching t. That tells
+//! little or, of a machine that is the same in every draw, nothing; then order statistics of a count, too.
 
 use super::quantile::ranks;
 use crate::units::Interval;
@@ -128,7 +131,8 @@ impl PairedTest {
 
     /// True if the 95 % value of `a` is larger than that of `b`. Both have the samples of the test, in one order.
     pub fn exceeds(&self, a: &[f64], b: &[f64]) -> bool {
-        self.bounds(b).is_some_and(|bounds| self.rejects(a, b, bounds, 0.0))
+        let apart = |range: Interval| self.bounds(a).is_some_and(|own| own.min > range.max);
+        self.bounds(b).is_some_and(|range| self.rejects(a, b, range, 0.0) || is_tied(b, range.min) && apart(range))
     }
 
     /// Returns the difference of the 95 % values, that of `a` minus that of `b`.
@@ -140,11 +144,13 @@ impl PairedTest {
     /// Returns the lower end of the difference, whose value is given.
     fn low(&self, a: &[f64], b: &[f64], value: f64) -> Option<f64> {
         let bounds = self.bounds(b)?;
+        let apart = is_tied(b, bounds.min).then(|| self.bounds(a)).flatten().map(|own| own.min - bounds.max);
         // A shift below all differences makes `a` exceed in every sample.
         let min_a = a.iter().copied().fold(f64::INFINITY, f64::min);
         let max_b = b.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let outer = (min_a - max_b).min(value) - (max_b - bounds.min).max(1.0);
-        bisect(outer, value, |shift| self.rejects(a, b, bounds, shift))
+        let by_pairs = bisect(outer, value, |shift| self.rejects(a, b, bounds, shift));
+        by_pairs.into_iter().chain(apart).reduce(f64::max)
     }
 
     /// Returns a machine against the first.
@@ -177,6 +183,9 @@ impl PairedTest {
     /// True if at every value between the bounds `a`, lowered by a shift, exceeds alone so often that it is no chance.
     fn rejects(&self, a: &[f64], b: &[f64], range: Interval, shift: f64) -> bool {
         let Interval { min: low, max: high } = range;
+        if is_tied(b, low) && !self.is_majority(alone_at(a, b, low, shift)) {
+            return false;
+        }
         let mut alone = AloneCounts::default();
         let mut events: Vec<(f64, bool, bool)> = Vec::new();
         for (a, b) in a.iter().zip(b) {
@@ -226,6 +235,20 @@ struct AloneCounts {
 impl AloneCounts {
     fn of(&mut self, first: bool) -> &mut usize {
         if first { &mut self.first } else { &mut self.second }
+    }
+}
+
+/// True if several samples have a value.
+fn is_tied(samples: &[f64], value: f64) -> bool {
+    samples.iter().filter(|sample| **sample == value).nth(1).is_some()
+}
+
+/// Returns the numbers of samples of which only `a`, lowered by a shift, exceeds a value, and only `b` reaches it.
+fn alone_at(a: &[f64], b: &[f64], value: f64, shift: f64) -> AloneCounts {
+    let both = || a.iter().zip(b).map(|(a, b)| (a - shift > value, *b >= value));
+    AloneCounts {
+        first: both().filter(|of| *of == (true, false)).count(),
+        second: both().filter(|of| *of == (false, true)).count(),
     }
 }
 
@@ -333,6 +356,45 @@ mod tests {
         // 5 % of 400 is 20.
         assert!(missed <= 20, "{missed}");
         assert!(widths[1] < 0.5 * widths[0], "{widths:?}");
+    }
+
+    /// A machine that is the same in every draw, at, above and below the 95 % value of one that is drawn.
+    #[test]
+    fn a_machine_that_is_the_same_in_every_draw_is_told_apart_by_order_statistics() {
+        let mut random = Lcg(11);
+        let test = PairedTest::new(1000, 2, 0.05);
+        let mut told = [0; 3];
+        for _ in 0..400 {
+            let drawn: Vec<f64> = (0..1000).map(|_| random.unit()).collect();
+            for (value, told) in [0.95, 0.97, 0.93].into_iter().zip(&mut told) {
+                let same = vec![value; 1000];
+                let PairedDifference { value: middle, low, high } = test.difference(&same, &drawn);
+                let (low, high) = (low.unwrap(), high.unwrap());
+                assert!(low <= middle && middle <= high);
+                let back = test.difference(&drawn, &same);
+                assert_eq!((back.low, back.high), (Some(-high), Some(-low)));
+                *told += usize::from(low > 0.0 || high < 0.0);
+            }
+        }
+        // 5 % of 400 is 20; 0.02 is three standard deviations of a rank of 1000.
+        assert!(told[0] <= 20 && told[1] > 200 && told[2] > 200, "{told:?}");
+    }
+
+    /// Both have the same value in most samples.
+    #[test]
+    fn ties_are_not_taken_for_exceeding() {
+        let mut random = Lcg(3);
+        let test = PairedTest::new(1000, 2, 0.05);
+        let mut wrong = 0;
+        for _ in 0..200 {
+            let mut draw = |share: f64, from: f64| -> Vec<f64> {
+                (0..1000).map(|_| if random.unit() < share { 1.0 } else { from + random.unit() }).collect()
+            };
+            // The 95 % value of both is 1, of which a is above in 4.5 % and b in 1 % of all machines.
+            let (a, b) = (draw(0.955, 2.0), draw(0.99, 1.0));
+            wrong += usize::from(test.exceeds(&a, &b));
+        }
+        assert!(wrong <= 10, "{wrong}");
     }
 
     #[test]
