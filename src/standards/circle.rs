@@ -3,6 +3,7 @@
 //! Angles run from the first direction of the plane to the second; deviations are length read minus nominal radius,
 //! above zero outwards.
 
+use super::spread::range;
 use crate::algebra::linear::Svd;
 use crate::machine::sin_cos_degrees;
 use nalgebra::{DMatrix, DVector};
@@ -70,7 +71,7 @@ pub struct CircleFigures {
     pub centre: [f64; 2],
     /// Readings about that centre and the nominal radius, in the order of the readings.
     pub centred: Vec<f64>,
-    /// Circular deviation G about that centre, counter-clockwise and clockwise.
+    /// Circular deviation G of each path, about its own centre of least squares, counter-clockwise and clockwise.
     pub deviation: [Option<f64>; 2],
     /// Bidirectional circular deviation G(b); `None` of one sense.
     pub bidirectional: Option<f64>,
@@ -87,32 +88,46 @@ impl CircleFigures {
         if readings.len() < MIN_READINGS || arc(readings) < LEAST_ARC {
             return None;
         }
-        let rows = DMatrix::from_fn(readings.len(), 3, |i, j| {
-            let (sine, cosine) = sin_cos_degrees(readings[i].angle);
-            [1.0, cosine, sine][j]
-        });
-        let fit = fit_circle(&rows, readings)?;
-        let off = |r: &RadialReading| {
-            let (sine, cosine) = sin_cos_degrees(r.angle);
-            r.deviation - fit.values[1] * cosine - fit.values[2] * sine
-        };
-        let centred: Vec<f64> = readings.iter().map(off).collect();
+        let fit = fit_centre(readings)?;
+        let centred = about_centre(readings, &fit);
         let of = |sense: Sense, values: &[f64]| {
             let mine = readings.iter().zip(values).filter(|(r, _)| r.sense == sense).map(|(_, x)| *x);
             mine.fold(None, |ends: Option<[f64; 2]>, x| Some(ends.map_or([x; 2], |[a, b]| [a.max(x), b.min(x)])))
         };
         let read: Vec<f64> = readings.iter().map(|r| r.deviation).collect();
         let ends = Sense::ALL.map(|sense| of(sense, &centred));
-        let width = |ends: [f64; 2]| ends[0] - ends[1];
+        let own_width = |sense: Sense| {
+            let path: Vec<RadialReading> = readings.iter().filter(|r| r.sense == sense).copied().collect();
+            let fit = fit_centre(&path).filter(|_| path.len() >= MIN_READINGS)?;
+            Some(range(about_centre(&path, &fit).into_iter()))
+        };
         Some(Self {
             centre: [fit.values[1], fit.values[2]],
-            deviation: ends.map(|ends| ends.map(width)),
+            deviation: Sense::ALL.map(own_width),
             bidirectional: ends[0].zip(ends[1]).map(|(a, b)| a[0].max(b[0]) - a[1].min(b[1])),
             mean: ends[0].and(ends[1]).map(|_| fit.values[0]),
             extremes: Sense::ALL.map(|sense| of(sense, &read)),
             centred,
         })
     }
+}
+
+/// Fits a circle: its radius and its centre.
+fn fit_centre(readings: &[RadialReading]) -> Option<CircleFit> {
+    let rows = DMatrix::from_fn(readings.len(), 3, |i, j| {
+        let (sine, cosine) = sin_cos_degrees(readings[i].angle);
+        [1.0, cosine, sine][j]
+    });
+    fit_circle(&rows, readings)
+}
+
+/// Returns the readings about the centre of a fit.
+fn about_centre(readings: &[RadialReading], fit: &CircleFit) -> Vec<f64> {
+    let off = |r: &RadialReading| {
+        let (sine, cosine) = sin_cos_degrees(r.angle);
+        r.deviation - fit.values[1] * cosine - fit.values[2] * sine
+    };
+    readings.iter().map(off).collect()
 }
 
 /// The arc (deg) on which there are readings of every sense that was read: a turn less the widest gap.
@@ -204,6 +219,18 @@ pub(super) mod tests {
         assert!((found.mean.unwrap() - 2.0).abs() < 1e-3);
         let [high, low] = found.extremes[0].unwrap();
         assert!((high - 4.5).abs() < 2e-3 && (low + 0.5).abs() < 2e-3, "{high} {low}");
+    }
+
+    /// Reversal moves the centre of either path by 3 um apart: G is of the path, G(b) of both.
+    #[test]
+    fn each_path_has_its_own_centre() {
+        let readings = circle(1, |t, sense| 3.0 * sense.sign() * libm::cos(t) + 2.0 * libm::cos(2.0 * t));
+        let found = CircleFigures::of(&readings).unwrap();
+        for g in found.deviation {
+            assert!((g.unwrap() - 4.0).abs() < 2e-3, "{g:?}");
+        }
+        // 2 cos 2t + 3 cos t is 5 at 0; its least value 2 (2 c^2 - 1) + 3 c at c = -3/8 is -2.5625.
+        assert!((found.bidirectional.unwrap() - 7.5625).abs() < 2e-3, "{found:?}");
     }
 
     /// On an arc sines and cosines are not orthogonal: the centre is that of least squares all the same.

@@ -369,3 +369,24 @@ fn a_measured_machine_at_the_figure_of_a_design_is_not_told_apart() {
     // At 95 % for all pairs 1.5 of 30 are expected at most; five would be one chance in sixty.
     assert!(told <= 4, "{told}");
 }
+
+#[test]
+fn a_squareness_beside_a_value_of_the_same_error_is_said_to_be_without_effect() {
+    let folder = Folder::new("pair-beside-value");
+    let path = machine(&folder, "m.yaml", 0.0, 10.0);
+    let kept = std::fs::read_to_string(&path).unwrap();
+    let pair = |name: &str, value: &str, pair: &str| {
+        let text = format!(
+            "{}  {value}: 12 urad\ntolerances: {{ {pair}: {{ width: 20 urad }} }}\n",
+            kept.trim_end().to_owned() + "\n"
+        );
+        let path = folder.with(name, &text);
+        let (code, said) = refused(&["check", self::text(&path)]);
+        assert_eq!(code, 0, "{said}");
+        said
+    };
+    let said = pair("a.yaml", "EC0Y", "X-Y");
+    assert!(said.contains("W0411") && said.contains("bounds `EC0Y`, which has a value"), "{said}");
+    // Another plane of the same two axes' carrier.
+    assert!(!pair("b.yaml", "EC0Y", "X-Z").contains("W0411"));
+}

@@ -46,7 +46,7 @@ impl Plane {
 pub struct BallBar {
     /// The plane, workpiece frame.
     pub plane: Plane,
-    /// Circular deviation G, um: range about the least-squares centre.
+    /// Circular deviation G of each path, um: range about its own centre of least squares.
     pub circular_deviation_um: BothSenses<f64>,
     /// Bidirectional circular deviation G(b), um.
     pub bidirectional_um: f64,
@@ -102,34 +102,44 @@ pub fn ball_bar(
     Ok(evaluate(plane, radius_mm, angles.clone(), [forward, read(reverse)]))
 }
 
+/// Returns the parts of sine and cosine of a multiple of the angle (deg), over even steps of a turn.
+fn harmonic<'a>(readings: impl Iterator<Item = (&'a f64, &'a f64)>, order: f64) -> [f64; 2] {
+    let (count, s, c) = readings.fold((0.0, 0.0, 0.0), |(count, s, c), (r, angle)| {
+        let (sine, cosine) = sin_cos_degrees(order * angle);
+        (count + 1.0, s + r * sine, c + r * cosine)
+    });
+    [2.0 * s / count, 2.0 * c / count]
+}
+
+/// Returns the readings of a path about a centre.
+fn about_centre(path: &[f64], angles: &[f64], [sine_1, cosine_1]: [f64; 2]) -> Vec<f64> {
+    let off = |(r, angle): (&f64, &f64)| {
+        let (sine, cosine) = sin_cos_degrees(*angle);
+        r - sine_1 * sine - cosine_1 * cosine
+    };
+    path.iter().zip(angles).map(off).collect()
+}
+
 fn evaluate(plane: Plane, radius: f64, angles: Vec<f64>, readings: [Vec<f64>; 2]) -> BallBar {
     let count = (2 * angles.len()) as f64;
-    let harmonic = |order: f64| {
-        let both = readings.iter().flat_map(|sense| sense.iter().zip(&angles));
-        let (s, c) = both.fold((0.0, 0.0), |(s, c), (r, angle)| {
-            let (sine, cosine) = sin_cos_degrees(order * angle);
-            (s + r * sine, c + r * cosine)
-        });
-        (2.0 * s / count, 2.0 * c / count)
+    let both = || readings.iter().flat_map(|sense| sense.iter().zip(&angles));
+    let [sine_2, cosine_2] = harmonic(both(), 2.0);
+    let centre = harmonic(both(), 1.0);
+    let centred = readings.each_ref().map(|sense| about_centre(sense, &angles, centre));
+    let own_range = |path: &Vec<f64>| {
+        let centre = harmonic(path.iter().zip(&angles), 1.0);
+        range(about_centre(path, &angles, centre).into_iter())
     };
-    let (sine_1, cosine_1) = harmonic(1.0);
-    let (sine_2, cosine_2) = harmonic(2.0);
-    let centred = readings.each_ref().map(|sense| {
-        let off = |(r, angle): (&f64, &f64)| {
-            let (sine, cosine) = sin_cos_degrees(*angle);
-            r - sine_1 * sine - cosine_1 * cosine
-        };
-        sense.iter().zip(&angles).map(off).collect::<Vec<f64>>()
-    });
     let extreme = |sense: &Vec<f64>| {
         [sense.iter().copied().fold(f64::NEG_INFINITY, f64::max), sense.iter().copied().fold(f64::INFINITY, f64::min)]
     };
     let mean_radial_um = readings.iter().flatten().sum::<f64>() / count;
     let radial_max_min_um = BothSenses::new(readings.each_ref().map(extreme));
+    let circular_deviation_um = BothSenses::new(readings.each_ref().map(own_range));
     let [counter_clockwise_um, clockwise_um] = readings;
     BallBar {
         plane,
-        circular_deviation_um: BothSenses::new(centred.each_ref().map(|sense| range(sense.iter().copied()))),
+        circular_deviation_um,
         bidirectional_um: range(centred.iter().flatten().copied()),
         mean_radial_um,
         radial_max_min_um,

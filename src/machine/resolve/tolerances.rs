@@ -233,8 +233,16 @@ fn pair(context: &mut Context, name: &str, entry: &BoundEntry, at: &Keys, errors
     let pair = [*first, *second];
     // A squareness is a turn about the third of X, Y, Z.
     let about = [Direction::ALL[6 - first - second]];
-    if carrying.is_some_and(|axis| by_letter(context, &axis, ErrorFamily::Location, &about, &here, errors)) {
+    if carrying.as_ref().is_some_and(|axis| by_letter(context, axis, ErrorFamily::Location, &about, &here, errors)) {
         return;
+    }
+    let valued = carrying
+        .as_ref()
+        .and_then(|axis| errors.joints.get(axis)?.six(ErrorFamily::Location)[about[0].index()].as_ref());
+    if let (Some(axis), Some(_)) = (&carrying, valued) {
+        let error = ErrorId { axis: axis.clone(), family: ErrorFamily::Location, direction: about[0] };
+        let message = format!("`{}` bounds `{error}`, which has a value: the value acts alone", dotted_path(at));
+        context.at_key(codes::W0411, at, message, "keep one of them");
     }
     let of = FigureOf { name, direction: Direction::A, constant: false, positioning: false };
     if let Some(value) = half_width(context, &figure, &of, &here)
