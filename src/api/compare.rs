@@ -290,31 +290,19 @@ fn side_by_side(
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
     };
     let travels: Vec<_> = missed.iter().enumerate().map(travel).collect();
-    let mut in_force = Vec::new();
-    for file in files {
-        in_force.push(options.tolerances.bounds_if_any(call, file)?.0);
-    }
-    let limit = |i: usize, machine: &ComparedMachine, bounds: &[Bound]| {
-        let Some(mm) = job.as_ref().and_then(|job| job.limit_mm) else { return Ok(None) };
-        let statistic = options.tolerances.statistic;
-        let is_partial = budgets.as_ref().map_or(bounds_left_out, |of| of.machines[i].left_out > 0);
-        let limit = JobLimit { mm, statistic, missed: machine.missed.as_ref().map_or(0, Vec::len), is_partial };
-        let band = machine.uncertainty.as_ref().map(|of| &of.own.position_um);
-        let spread = limit.spread_um(&machine.position_um, band);
-        let verdict = match (&budgets, &machine.bounds) {
-            (Some(of), _) => of.machines[i].position_um.monte_carlo.against(&limit, spread),
-            (None, Some(of)) => of.figures.position_um.monte_carlo.against(&limit, None),
-            (None, None) => limit.on_values(&machine.position_um, band),
-        };
-        let ((machine, poses), reference) = (&sides[i], references[i]);
-        let CompareOptions { tolerances, samples, seed, .. } = options;
-        let (samples, seed) = (*samples, *seed);
-        LimitWork { machine, bounds, poses, reference, tolerances, samples, seed }.open(call, verdict).map(Some)
+    let limits = LimitOfMachines {
+        mm: job.as_ref().and_then(|job| job.limit_mm),
+        options,
+        sides: &sides,
+        references: &references,
+        in_force: in_force(call, files, &options.tolerances)?,
+        budgets: budgets.as_ref(),
+        bounds_left_out,
     };
     let of = |(i, ((((machine, missed), travel), bounds_add), path))| {
         let uncertainty = uncertainty.as_ref().map(|of: &Vec<ComparedBands>| of[i]);
         let machine = ComparedMachine { missed, travel, path, bounds_add, uncertainty, ..machine };
-        Ok(ComparedMachine { limit: limit(i, &machine, &in_force[i])?, ..machine })
+        Ok(ComparedMachine { limit: limits.judge(call, i, &machine)?, ..machine })
     };
     let machines = machines.zip(missed).zip(travels).zip(adds).zip(paths).enumerate().map(of);
     Ok(CompareResult {
@@ -331,6 +319,49 @@ fn side_by_side(
         verdicts,
         rows,
     })
+}
+
+/// What the limit of a job is judged on, machine by machine.
+struct LimitOfMachines<'a> {
+    /// The limit, if the job states one.
+    mm: Option<f64>,
+    options: &'a CompareOptions,
+    sides: &'a [(&'a Machine, Vec<Pose>)],
+    references: &'a [Option<&'a PartReference>],
+    in_force: Vec<Vec<Bound>>,
+    budgets: Option<&'a ComparedBudgets>,
+    bounds_left_out: bool,
+}
+
+impl LimitOfMachines<'_> {
+    fn judge(&self, call: &Call<'_>, index: usize, machine: &ComparedMachine) -> Result<Option<LimitVerdict>, Refused> {
+        let (Some(mm), CompareOptions { tolerances, samples, seed, .. }) = (self.mm, self.options) else {
+            return Ok(None);
+        };
+        let budget = self.budgets.map(|of| &of.machines[index]);
+        let is_partial = budget.map_or(self.bounds_left_out, |of| of.left_out > 0);
+        let missed = machine.missed.as_ref().map_or(0, Vec::len);
+        let limit = JobLimit { mm, statistic: tolerances.statistic, missed, is_partial };
+        let band = machine.uncertainty.as_ref().map(|of| &of.own.position_um);
+        let spread = limit.spread_um(&machine.position_um, band);
+        let verdict = match (budget, &machine.bounds) {
+            (Some(of), _) => of.position_um.monte_carlo.against(&limit, spread),
+            (None, Some(of)) => of.figures.position_um.monte_carlo.against(&limit, None),
+            (None, None) => limit.on_values(&machine.position_um, band),
+        };
+        let ((machine, poses), reference) = (&self.sides[index], self.references[index]);
+        let (bounds, samples, seed) = (&self.in_force[index], *samples, *seed);
+        LimitWork { machine, bounds, poses, reference, tolerances, samples, seed }.open(call, verdict).map(Some)
+    }
+}
+
+/// Returns the bounds in force of each machine.
+fn in_force(
+    call: &mut Call<'_>,
+    files: &[MachineFile],
+    tolerances: &ToleranceOptions,
+) -> Result<Vec<Vec<Bound>>, Refused> {
+    files.iter().map(|file| Ok(tolerances.bounds_if_any(call, file)?.0)).collect()
 }
 
 /// Returns the difference in words if a machine has to leave the path at other places than the first, or more often.

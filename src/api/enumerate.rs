@@ -1,7 +1,7 @@
 //! All arrangements of the axes on the two sides of the bed, ranked on the same work.
 
 use super::tolerances::{ClassSource, ToleranceOptions};
-use super::withheld::{StudyCoverage, TurnedVerdicts};
+use super::withheld::{StudyCoverage, TurnedVerdicts, apart};
 use crate::analysis::budget::{
     Bound, Coverage, PairedDifference, Statistic, Verdict, VersusFirst, count_staying, known,
 };
@@ -286,7 +286,7 @@ impl Arrangement {
     fn new(row: ArrangementRow, rank: Option<usize>) -> Self {
         let result = row.result;
         let judged = result.filter(|_| row.standing == Standing::Judged);
-        let withheld = result.and_then(|result| withheld(result.versus_first?, result.best_fit?.versus_first?));
+        let withheld = result.and_then(|result| apart(result.versus_first?, result.best_fit?.versus_first?));
         let against = |VersusFirst { verdict, minus_first }: VersusFirst| AgainstFirst {
             verdict: Some(verdict).filter(|_| withheld.is_none()),
             minus_first,
@@ -371,14 +371,20 @@ fn withhold_uncertain(machine: &Machine, ranked: &mut [Arrangement]) {
     }
 }
 
-/// Withholds the verdicts against the best arrangement, the first, that missing errors could turn; `None` if there are
-/// none.
+/// Withholds the verdicts against the best arrangement, the first, that stand on unlike work or that something could
+/// turn; returns those that missing errors could, `None` if there are none. `of` is none of a ranking by values.
 fn withhold(
     call: &Call<'_>,
-    of: &StudyCoverage<'_>,
+    machine: &Machine,
+    of: Option<StudyCoverage<'_>>,
     (study, samples): (&Study<'_>, usize),
     ranked: &mut [Arrangement],
 ) -> Result<Option<TurnedVerdicts>, Refused> {
+    let Some(of) = of else {
+        withhold_uncertain(machine, ranked);
+        return Ok(None);
+    };
+    withhold_unlike(&of, ranked);
     let decided = |of: &Arrangement| of.verdict().filter(|of| matches!(of, Verdict::Better | Verdict::Worse));
     let Some((first, others)) = ranked.split_first_mut() else { return Ok(None) };
     if of.coverage.missing.is_empty() || !others.iter().any(|row| decided(row).is_some()) {
@@ -403,12 +409,6 @@ pub struct AgainstFirst {
     pub verdict: Option<Verdict>,
     /// The difference to the best on the machines drawn of both.
     pub minus_first: PairedDifference,
-}
-
-/// Returns the reason why there is no verdict, if machine coordinates and best fit do not agree.
-fn withheld(own: VersusFirst, best_fit: VersusFirst) -> Option<String> {
-    let (own, best_fit) = (own.verdict, best_fit.verdict);
-    (own != best_fit).then(|| format!("{} in machine coordinates, {} with the best fit", own.words(), best_fit.words()))
 }
 
 /// Travel of linear axes that a work sizes, to either side of zero, mm.
@@ -492,17 +492,8 @@ fn studied(
     let max_samples = rounds.sizes().last().copied().unwrap_or(options.samples);
     let drawn = (by == JudgedBy::Budget).then(|| RankingRounds::new(options, max_samples, (end.rounds, end.told)));
     let mut ranked: Vec<Arrangement> = (1..).zip(ranked).map(|(rank, row)| Arrangement::new(row, Some(rank))).collect();
-    let turned = match &coverage {
-        Some(coverage) => {
-            let of = StudyCoverage { machine, bounds: &bounds, coverage, class: class.as_deref() };
-            withhold_unlike(&of, &mut ranked);
-            withhold(call, &of, (&study, options.samples), &mut ranked)?
-        }
-        None => {
-            withhold_uncertain(machine, &mut ranked);
-            None
-        }
-    };
+    let of = |coverage| StudyCoverage { machine, bounds: &bounds, coverage, class: class.as_deref() };
+    let turned = withhold(call, machine, coverage.as_ref().map(of), (&study, options.samples), &mut ranked)?;
     let unranked = |rows: Vec<ArrangementRow>| rows.into_iter().map(|row| Arrangement::new(row, None)).collect();
     let mut over = Over::work(machine, &set_ups.reference, tool_poses.as_ref(), options.poses);
     if tool_poses.is_none() {

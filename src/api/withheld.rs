@@ -2,7 +2,7 @@
 
 use super::budgets::stand_in;
 use super::tolerances::ToleranceOptions;
-use crate::analysis::budget::{ActingErrors, Bound, Coverage, Request, Verdict, budget};
+use crate::analysis::budget::{ActingErrors, Bound, Coverage, Request, Verdict, VersusFirst, budget};
 use crate::analysis::enumerate::{ChainValues, Study};
 use crate::analysis::reference::PartReference;
 use crate::job::limit::{LimitVerdict, MissingInLimit};
@@ -108,4 +108,10 @@ impl LimitWork<'_> {
         }
         Ok(verdict.left_open(MissingInLimit { errors: coverage.missing.len(), class: name, um: Some(um) }))
     }
+}
+
+/// Returns the reason why there is no verdict, if machine coordinates and best fit do not agree.
+pub(super) fn apart(own: VersusFirst, best_fit: VersusFirst) -> Option<String> {
+    let (own, best_fit) = (own.verdict, best_fit.verdict);
+    (own != best_fit).then(|| format!("{} in machine coordinates, {} with the best fit", own.words(), best_fit.words()))
 }
