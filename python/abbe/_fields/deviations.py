@@ -129,6 +129,13 @@ class EvalFields(Record):
     poses: Annotated[list[PoseResult], "The poses in their order."]
 
 
+class MissingInLimit(Record):
+    """Errors with neither value nor bound that could turn a limit that is held without them."""
+
+    errors: Annotated[int, "Number of these errors."]
+    um: Annotated[Union[float, None], "The figure with these bounds, um; none where it was not asked for, place by place."]
+
+
 class LimitVerdict(Record):
     """A figure against the limit of a job."""
 
@@ -139,7 +146,8 @@ class LimitVerdict(Record):
     drawn: Annotated[bool, "True if machines are drawn between bounds; errors with values act in each."]
     missed: Annotated[int, "Number of tool poses of the job that are out of reach."]
     partial: Annotated[Union[bool, None], "True if errors or bounds of the machine are left out of the figure, so that it decides nothing."]
-    held: Annotated[Union[bool, None], "True if the limit is held; none where the interval is on both sides of it, where it is not exceeded but tool poses are out of reach, so that the job is not done, and where errors or bounds are left out of the figure."]
+    missing: Annotated[Union[MissingInLimit, None], "The errors with neither value nor bound that could turn the verdict, if there are any."]
+    held: Annotated[Union[bool, None], "True if the limit is held; none where the interval is on both sides of it, where it is not exceeded but tool poses are out of reach, so that the job is not done, where errors or bounds are left out of the figure, and where missing errors could turn it."]
 
 
 class LengthStatistics(Record):

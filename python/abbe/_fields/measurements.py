@@ -25,7 +25,7 @@ class BallBar(Record):
     """A circle of a ball bar in both senses, evaluated by ISO 230-4."""
 
     plane: Annotated[Literal["XY", "YZ", "ZX"], "The plane, workpiece frame."]
-    circular_deviation_um: Annotated[BothSenses, "Circular deviation G, um: range about the least-squares centre."]
+    circular_deviation_um: Annotated[BothSenses, "Circular deviation G of each path, um: range about its own centre of least squares."]
     bidirectional_um: Annotated[float, "Bidirectional circular deviation G(b), um."]
     mean_radial_um: Annotated[float, "Mean bidirectional radial deviation D, um."]
     radial_max_min_um: Annotated[BothSenses2, "Radial deviations F, um: largest and smallest reading."]

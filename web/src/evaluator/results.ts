@@ -74,7 +74,7 @@ export interface AxisSummary {
 export interface BallBar {
   /** The plane, workpiece frame. */
   plane: Plane;
-  /** Circular deviation G, um: range about the least-squares centre. */
+  /** Circular deviation G of each path, um: range about its own centre of least squares. */
   circular_deviation_um: BothSenses;
   /** Bidirectional circular deviation G(b), um. */
   bidirectional_um: number;
@@ -971,6 +971,8 @@ export type Joints = "orthogonal" | "linearised";
 export interface JudgedDifference {
   /** True if it is the value that 95 % of machines drawn do not exceed. */
   drawn: boolean;
+  /** The class whose bounds stand for the values of both machines, where these are left out. */
+  class?: string | null;
   /** The figure of a machine over the poses. */
   statistic: Statistic;
   /** The difference, um: negative is better than the first. */
@@ -1037,7 +1039,9 @@ export interface LimitVerdict {
   missed: number;
   /** True if errors or bounds of the machine are left out of the figure, so that it decides nothing. */
   partial?: boolean;
-  /** True if the limit is held; none where the interval is on both sides of it, where it is not exceeded but tool poses are out of reach, so that the job is not done, and where errors or bounds are left out of the figure. */
+  /** The errors with neither value nor bound that could turn the verdict, if there are any. */
+  missing?: MissingInLimit | null;
+  /** True if the limit is held; none where the interval is on both sides of it, where it is not exceeded but tool poses are out of reach, so that the job is not done, where errors or bounds are left out of the figure, and where missing errors could turn it. */
   held: boolean | null;
 }
 
@@ -1188,6 +1192,16 @@ export interface MissedToolPose {
   off_mm?: number | null;
   /** True if no pose was found, without a proof that there is none. */
   not_proved?: boolean;
+}
+
+/** Errors with neither value nor bound that could turn a limit that is held without them. */
+export interface MissingInLimit {
+  /** Number of these errors. */
+  errors: number;
+  /** The class that has bounds for them. */
+  class: string;
+  /** The figure with these bounds, um; none where it was not asked for, place by place. */
+  um?: number | null;
 }
 
 /** The travel that a work needs of an axis, and the travel that it has. */
