@@ -129,9 +129,9 @@ fn circles_text(result: &InstrumentResult, radius: f64, list: &[BallBar]) -> Str
         ]);
     }
     format!(
-        "{}{rows}\nG: circular deviation about the least-squares centre, G(b): of both senses; D: mean radial \
-         deviation; F: largest and smallest.\nSquareness above 0: the angle between the plane's directions is above \
-         90 deg. Scale: of the first direction minus the second.\n",
+        "{}{rows}\nG: circular deviation of a sense about its own least-squares centre, G(b): of both about theirs; D: \
+         mean radial deviation; F: largest and smallest.\nSquareness above 0: the angle between the plane's directions \
+         is above 90 deg. Scale: of the first direction minus the second.\n",
         head(&format!("ball bar of {} mm about", significant(radius, 6)), result)
     )
 }
