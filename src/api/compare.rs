@@ -290,19 +290,17 @@ fn side_by_side(
         missed.is_some().then(|| needed_travel(&files[i], &comparison.machines[i].needs))
     };
     let travels: Vec<_> = missed.iter().enumerate().map(travel).collect();
-    let limits = LimitOfMachines {
-        mm: job.as_ref().and_then(|job| job.limit_mm),
-        options,
-        sides: &sides,
-        references: &references,
-        in_force: in_force(call, files, &options.tolerances)?,
-        budgets: budgets.as_ref(),
-        bounds_left_out,
-    };
+    let limits = job.as_ref().and_then(|job| job.limit_mm).map(|mm| -> Result<LimitOfMachines<'_>, Refused> {
+        let in_force = in_force(call, files, &options.tolerances)?;
+        let (sides, references, budgets) = (&sides, &references, budgets.as_ref());
+        Ok(LimitOfMachines { mm, options, sides, references, in_force, budgets, bounds_left_out })
+    });
+    let limits = limits.transpose()?;
     let of = |(i, ((((machine, missed), travel), bounds_add), path))| {
         let uncertainty = uncertainty.as_ref().map(|of: &Vec<ComparedBands>| of[i]);
         let machine = ComparedMachine { missed, travel, path, bounds_add, uncertainty, ..machine };
-        Ok(ComparedMachine { limit: limits.judge(call, i, &machine)?, ..machine })
+        let limit = limits.as_ref().map(|limits| limits.judge(call, i, &machine)).transpose()?;
+        Ok(ComparedMachine { limit, ..machine })
     };
     let machines = machines.zip(missed).zip(travels).zip(adds).zip(paths).enumerate().map(of);
     Ok(CompareResult {
@@ -321,10 +319,9 @@ fn side_by_side(
     })
 }
 
-/// What the limit of a job is judged on, machine by machine.
+/// The figures, the bounds and the work by which the limit of a job is judged, machine by machine.
 struct LimitOfMachines<'a> {
-    /// The limit, if the job states one.
-    mm: Option<f64>,
+    mm: f64,
     options: &'a CompareOptions,
     sides: &'a [(&'a Machine, Vec<Pose>)],
     references: &'a [Option<&'a PartReference>],
@@ -334,10 +331,8 @@ struct LimitOfMachines<'a> {
 }
 
 impl LimitOfMachines<'_> {
-    fn judge(&self, call: &Call<'_>, index: usize, machine: &ComparedMachine) -> Result<Option<LimitVerdict>, Refused> {
-        let (Some(mm), CompareOptions { tolerances, samples, seed, .. }) = (self.mm, self.options) else {
-            return Ok(None);
-        };
+    fn judge(&self, call: &Call<'_>, index: usize, machine: &ComparedMachine) -> Result<LimitVerdict, Refused> {
+        let (mm, CompareOptions { tolerances, samples, seed, .. }) = (self.mm, self.options);
         let budget = self.budgets.map(|of| &of.machines[index]);
         let is_partial = budget.map_or(self.bounds_left_out, |of| of.left_out > 0);
         let missed = machine.missed.as_ref().map_or(0, Vec::len);
@@ -351,7 +346,7 @@ impl LimitOfMachines<'_> {
         };
         let ((machine, poses), reference) = (&self.sides[index], self.references[index]);
         let (bounds, samples, seed) = (&self.in_force[index], *samples, *seed);
-        LimitWork { machine, bounds, poses, reference, tolerances, samples, seed }.open(call, verdict).map(Some)
+        LimitWork { machine, bounds, poses, reference, tolerances, samples, seed }.open(call, verdict)
     }
 }
 

@@ -52,13 +52,11 @@ impl ToleranceOptions {
         call: &mut Call<'_>,
         machine: &Machine,
     ) -> Result<(Vec<Bound>, Option<ClassSource>), Refused> {
-        let class = self.class_of(call, machine)?;
-        let all = bounds(machine, class.as_ref().map(|(_, class)| class));
-        let open = adding(machine, &all);
-        // What a class would do is asked of a wholly measured machine, too.
-        let list = if open.is_empty() && self.class.is_some() { all } else { open };
-        warn_of_arms(call, machine, &list);
-        Ok((list, class.map(|(name, class)| (name, class.source))))
+        self.in_force(call, machine, |all| {
+            let open = adding(machine, &all);
+            // What a class would do is asked of a wholly measured machine, too.
+            if open.is_empty() && self.class.is_some() { all } else { open }
+        })
     }
 
     /// Returns the bounds of a design, in which no value acts: they stand for errors with values, too. Refuses a
@@ -68,11 +66,19 @@ impl ToleranceOptions {
         call: &mut Call<'_>,
         machine: &Machine,
     ) -> Result<(Vec<Bound>, Option<ClassSource>), Refused> {
+        let (list, source) = self.in_force(call, machine, |all| all)?;
+        if list.is_empty() { call.refuse(nothing_bounded(machine)) } else { Ok((list, source)) }
+    }
+
+    /// Returns those of the bounds of the file and of the class that are chosen, with the class.
+    fn in_force(
+        &self,
+        call: &mut Call<'_>,
+        machine: &Machine,
+        choose: impl Fn(Vec<Bound>) -> Vec<Bound>,
+    ) -> Result<(Vec<Bound>, Option<ClassSource>), Refused> {
         let class = self.class_of(call, machine)?;
-        let list = bounds(machine, class.as_ref().map(|(_, class)| class));
-        if list.is_empty() {
-            return call.refuse(nothing_bounded(machine));
-        }
+        let list = choose(bounds(machine, class.as_ref().map(|(_, class)| class)));
         warn_of_arms(call, machine, &list);
         Ok((list, class.map(|(name, class)| (name, class.source))))
     }

@@ -66,10 +66,7 @@ impl JobLimit {
     ) -> LimitVerdict {
         let interval = match spread_um {
             None => interval_um,
-            Some([low, high]) => {
-                let [from, to] = interval_um.unwrap_or([um, um]);
-                Some([(from + low).max(0.0), to + high])
-            }
+            Some(spread) => Some(widened(interval_um.unwrap_or([um, um]), spread)),
         };
         self.judge(um, interval, true)
     }
@@ -91,6 +88,11 @@ impl JobLimit {
         let held = held.filter(|held| !is_partial && (!held || missed == 0));
         LimitVerdict { limit_um, um, interval_um, statistic, drawn, missed, partial: is_partial, missing: None, held }
     }
+}
+
+/// Returns an interval of machines drawn (um) with what the uncertainty of values in each adds to either side.
+pub(crate) fn widened([from, to]: [f64; 2], [low, high]: [f64; 2]) -> [f64; 2] {
+    [(from + low).max(0.0), to + high]
 }
 
 /// Errors with neither value nor bound that could turn a limit that is held without them.
@@ -119,13 +121,13 @@ impl LimitVerdict {
             let with = um.map_or_else(String::new, |um| format!(": {} um", significant(um, 4)));
             format!("not decided, {errors} with neither value nor bound could turn it (class {class} has bounds{with})")
         };
-        let verdict = match self.held {
-            Some(true) => "held".to_owned(),
-            Some(false) => "exceeded".to_owned(),
-            None if self.missing.is_some() => self.missing.as_ref().map(open).unwrap_or_default(),
-            None if self.partial => "not decided, for values or bounds of the machine are left out".to_owned(),
-            None if missed > 0 => format!("not decided, {} out of reach", counted(missed, "tool pose")),
-            None => "not decided".to_owned(),
+        let verdict = match (self.held, &self.missing) {
+            (Some(true), _) => "held".to_owned(),
+            (Some(false), _) => "exceeded".to_owned(),
+            (None, Some(missing)) => open(missing),
+            (None, None) if self.partial => "not decided, for values or bounds of the machine are left out".to_owned(),
+            (None, None) if missed > 0 => format!("not decided, {} out of reach", counted(missed, "tool pose")),
+            (None, None) => "not decided".to_owned(),
         };
         let end = |um: f64| significant(um, 4);
         let interval =

@@ -7,7 +7,7 @@
 //! first on the same machines.
 
 use super::job_file::{Job, UnplacedJob};
-use super::limit::{JobLimit, LimitVerdict, MissingInLimit};
+use super::limit::{JobLimit, LimitVerdict, MissingInLimit, widened};
 use super::placement::Placement;
 use super::poses::known;
 use super::reference::{Reference, SetUp, unzeroed};
@@ -188,14 +188,12 @@ impl PlaceFigures {
         let Percentile { value: um, low, high, .. } = Percentile::of(&sorted, 95);
         Self { over_poses, um, interval_um: low.zip(high).map(|(low, high)| [low, high]), band: None, drawn }
     }
-}
 
-impl PlaceFigures {
     /// Returns these of machines drawn, in each of which values act, with the interval that the uncertainty of these
     /// leaves.
     fn widened(mut self, values: &Self) -> Self {
-        if let (Some([low, high]), Some([from, to])) = (values.interval_um, self.interval_um) {
-            self.interval_um = Some([(from + low - values.um).max(0.0), to + high - values.um]);
+        if let (Some(ends), Some(own)) = (values.interval_um, self.interval_um) {
+            self.interval_um = Some(widened(own, ends.map(|end| end - values.um)));
         }
         self
     }
