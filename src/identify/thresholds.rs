@@ -390,9 +390,9 @@ pub const SECOND_DRAWS: usize = 1000;
 pub const SECOND_OUTSIDE: usize = 5;
 /// Readings at which the draws look.
 pub const SECOND_DRAWN_READINGS: usize = 1000;
-/// Standard uncertainties by which the amount of the correction that is seen may be off: 3 of 1000 good campaigns are
-/// beyond.
-pub const MAX_AMOUNT_DEVIATIONS: f64 = 3.0;
+/// Standard uncertainties by which the amount of the correction that is seen may be off: 5 of 10,000 good campaigns
+/// are beyond, of several axes more.
+pub const MAX_AMOUNT_DEVIATIONS: f64 = 3.5;
 /// Part of the correction by which the amount may be off in any case: what a correction leaves is for E_n to judge.
 pub const MAX_AMOUNT_OFF: f64 = 0.1;
 /// Information on an amount that counts as none: known to a thousand times the correction. It keeps effects apart that
