@@ -15,6 +15,7 @@ use abbe::identify::{
 };
 use abbe::lower::{ErrorSite, Exact, Source, point, position_jacobian, values};
 use abbe::machine::{Approach, Direction, Machine, machine_file};
+use abbe::run::unheard;
 use abbe::syntax::{Disk, IdentifyEntry};
 use nalgebra::{DMatrix, Vector3};
 
@@ -361,7 +362,8 @@ fn robust_weights_resist_bumped_points_and_held_out_data_are_predicted() {
     let report = abbe::identify::Residuals::of(&model, &data, &robust, &robust.theta, &seen);
     assert_eq!(report.outliers.first().map(|o| o.row), Some(10));
     data.remove(10);
-    let left = held_out(&model, &data, 5, false).unwrap();
+    let Ok(left) = held_out(&model, &data, 5, false, &unheard);
+    let left = left.unwrap();
     assert!((1.4e-3..2.1e-3).contains(&left), "{left}");
 }
 
