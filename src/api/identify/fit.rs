@@ -58,6 +58,7 @@ impl IdentifyOptions {
             type_b: &self.type_b,
             paths: self.paths(),
             texts: &self.texts,
+            is_plan: false,
             frame: self.frame,
             axis_poses: self.axis_poses.as_deref(),
             order: self.order.unwrap_or(Order::Exact),

@@ -147,7 +147,8 @@ fn measurements(
     let overlay = Overlay { text: texts, files: call.run.files };
     let recording = Recording { files: &overlay, hashes: RefCell::default() };
     let paths = &inputs.paths;
-    let context = ReadingContext { frame: inputs.frame, axis_poses: inputs.axis_poses.map(Path::to_owned) };
+    let axis_poses = inputs.axis_poses.map(Path::to_owned);
+    let context = ReadingContext { frame: inputs.frame, axis_poses, is_plan: inputs.is_plan };
     let data = read_measurements(paths, file, &context, &recording, &mut call.diagnostics);
     call.check()?;
     let hashes = recording.hashes.into_inner();
