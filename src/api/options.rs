@@ -10,6 +10,7 @@ pub use super::map_tables::MapTable;
 pub use super::replay::ReplayPosition;
 pub use super::starter::Starter;
 pub use super::tolerances::ToleranceOptions;
+pub use super::verify::SecondOptions;
 pub use crate::analysis::Naming;
 pub use crate::analysis::budget::{Distribution, Statistic};
 pub use crate::analysis::instrument::CirclePlane;

@@ -10,6 +10,7 @@
 //! 6. [`Residuals`], [`randomness()`], [`held_out`]: residuals, outliers, single orders, tests for noise, prediction of
 //!    data not used.
 //! 7. [`fitted_file()`]: the fitted machine as a self-contained machine file.
+//! 8. `second`: a second measurement, with the compensation in force, against what was predicted.
 //!
 //! [`moore_penrose`] is the method of the papers, [`import`] reads single-axis measurements, and [`plan()`] proposes
 //! the poses of a measurement with its expected uncertainties. `thresholds` holds every number that decides what a fit
@@ -19,6 +20,7 @@ mod data;
 mod fitted_file;
 mod lists;
 mod model;
+pub(crate) mod second;
 mod solve;
 mod thresholds;
 pub(crate) mod verdict;

@@ -383,3 +383,36 @@ pub const PLAN_LINE_POINTS: usize = 11;
 pub const SAMPLE_ROWS_PER_UNKNOWN: usize = 4;
 /// Least number of rows of that sample.
 pub const MIN_SAMPLE_ROWS: usize = 1000;
+
+// The second measurement.
+
+/// Standard uncertainty (mm) of the place in which the second campaign was set up beside the first, and of zeros of
+/// instruments. As good as free: below, a part that was put back elsewhere counts against the set.
+pub const SET_UP_MM: f64 = 10.0;
+/// The same of turns and alignments (rad): 1 mm over 1 m. Above, a part set up askew hides squareness entirely; below,
+/// it counts against the set. Turns are followed to first order, so that they never hide a scale.
+pub const SET_UP_RAD: f64 = 1e-3;
+/// Cosine of the angle to its axis up to which a single error lies across it.
+pub const ACROSS_SHARE: f64 = 0.7;
+/// Draws behind the share of |E_n| <= 1 that chance explains ...
+pub const SECOND_DRAWS: usize = 1000;
+/// ... and the number of them that have a smaller one: five of a thousand.
+pub const SECOND_OUTSIDE: usize = 5;
+/// Readings at which the draws look.
+pub const SECOND_DRAWN_READINGS: usize = 1000;
+/// Standard uncertainties by which the amount of the correction that is seen may be off: 3 of 1000 good campaigns are
+/// beyond.
+pub const MAX_AMOUNT_DEVIATIONS: f64 = 3.0;
+/// Part of the correction by which the amount may be off in any case: what a correction leaves is for E_n to judge.
+pub const MAX_AMOUNT_OFF: f64 = 0.1;
+/// Information on an amount that counts as none: known to a thousand times the correction. It keeps effects apart that
+/// the readings do not.
+pub const NO_INFORMATION: f64 = 1e-6;
+/// Uncertainty of an amount from which on it is not stated.
+pub const LARGEST_AMOUNT: f64 = 100.0;
+/// Standard uncertainty of the amount up to which a half, or none, or the opposite is told by name.
+pub const MAX_NAMED_UNCERTAINTY: f64 = 0.08;
+/// Variance of a reading without what the set-up explains, as a share, below which it holds nothing but the set-up.
+pub const MIN_JUDGED_SHARE: f64 = 1e-6;
+/// Largest number of readings of a second measurement.
+pub const MAX_SECOND_READINGS: usize = 20_000;

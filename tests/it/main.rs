@@ -111,6 +111,7 @@ mod robots;
 mod rooms;
 mod schema;
 mod second_hour;
+mod second_measurement;
 mod show;
 mod sides;
 mod spikes;

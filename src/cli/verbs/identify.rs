@@ -1,12 +1,11 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{FrameOption, OrderArg, SeedArg, ToolArg, counts, help, length};
+use crate::cli::arguments::{FrameOption, NoiseArg, OrderArg, SeedArg, ToolArg, counts, help};
 use crate::cli::output::session::Session;
 use crate::cli::output::{identify_report, monomials, pictures, plan};
 use crate::cli::store::write;
 use abbe::options::{FitRange, Order, PlanInstrument};
-use abbe::text::Reason;
 use abbe::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
 use std::path::PathBuf;
 
@@ -14,9 +13,7 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    /// Measurements: CSV with a column per axis and `dx [um]`, `dy [um]`, `dz [um]`, or lengths, ball readings,
-    /// lines, single errors (docs/identify/measure.md).
-    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "plan")]
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "plan", help = help::DATA)]
     data: Vec<PathBuf>,
     #[arg(long, value_name = "FILE", help = help::AXIS_POSES, conflicts_with = "plan",
         long_help = "Poses at which the points of a laser tracker's export were measured: a column for each axis, and \
@@ -33,9 +30,7 @@ pub(crate) struct Args {
     /// mm 1 um`; `file`: what the machine file states. May be repeated.
     #[arg(long, value_name = "PRIOR")]
     prior: Vec<String>,
-    /// A standard uncertainty that all readings share: `laser 0.4 um/m`, `set-up 2 um`, `material 0.5 K x 11.7
-    /// um/m/K`. May be repeated.
-    #[arg(long, value_name = "UNCERTAINTY", conflicts_with = "plan")]
+    #[arg(long, value_name = "UNCERTAINTY", conflicts_with = "plan", help = help::TYPE_B)]
     type_b: Vec<String>,
     #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the fitted machine to this file")]
     out: Option<PathBuf>,
@@ -77,9 +72,8 @@ pub(crate) struct Args {
     /// Ranges of axes to which the readings of a plan are confined, mm and deg.
     #[arg(long, value_name = "A=-60..60,C=0..180", requires = "plan", conflicts_with = "data")]
     ranges: Option<String>,
-    /// Standard deviation of a reading to plan with (above 0).
-    #[arg(long, value_name = "LENGTH", default_value = "1 um", value_parser = noise)]
-    noise: f64,
+    #[command(flatten)]
+    noise: NoiseArg,
     #[command(flatten)]
     seed: SeedArg,
     #[command(flatten)]
@@ -138,7 +132,7 @@ impl Args {
             fit: self.fit.clone(),
             fixed: self.fixed.clone(),
             priors: self.prior.clone(),
-            noise_mm: self.noise,
+            noise_mm: self.noise.noise.unwrap_or(1e-3),
             seed: self.seed.seed,
         }
     }
@@ -175,12 +169,4 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 fn refuse_outputs(session: &mut Session, args: &Args) -> Outcome {
     let folders = || args.pictures.iter().try_for_each(|folder| write::refuse_no_folder(folder));
     write::refuse_outputs(&args.out, &session.files).and_then(|()| folders()).or_else(|refusal| session.refuse(refusal))
-}
-
-/// Largest noise of a reading that is believed, mm.
-const MAX_NOISE_MM: f64 = 1000.0;
-
-/// A length above zero, such as `2 um`.
-fn noise(text: &str) -> Result<f64, Reason> {
-    length(text, |mm| mm > 0.0 && mm <= MAX_NOISE_MM, "write a length above zero and up to 1 m, such as `2 um`")
 }

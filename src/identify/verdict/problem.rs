@@ -49,7 +49,9 @@ pub(crate) struct Problem {
 impl Problem {
     pub(crate) fn read(call: &mut Call, file: &MachineFile, inputs: &FitInputs<'_>) -> Result<Self, Refused> {
         let Requested { request, own, bounds } = Requested::of(call, file, inputs.fit, inputs.fixed)?;
-        let (mut data, hashes) = measurements(call, file, inputs)?;
+        let axis_poses = inputs.axis_poses.map(Path::to_owned);
+        let context = ReadingContext { frame: inputs.frame, axis_poses, is_plan: inputs.is_plan };
+        let (mut data, hashes) = measurements(call, file, &inputs.paths, inputs.texts, &context)?;
         call.extend(remarks::unused_readings(file, &data.leave_out(&own)));
         let mut known: Vec<PriorValue> = Vec::new();
         for (j, place) in data.nuisances.iter().enumerate() {
@@ -138,18 +140,18 @@ impl Files for Recording<'_> {
     }
 }
 
-fn measurements(
+/// Reads files of measurements, of which some are texts by name.
+pub(crate) fn measurements(
     call: &mut Call,
     file: &MachineFile,
-    inputs: &FitInputs<'_>,
+    paths: &[PathBuf],
+    texts: &[(String, String)],
+    context: &ReadingContext,
 ) -> Result<(MeasurementSet, BTreeMap<PathBuf, String>), Refused> {
-    let texts = inputs.texts.iter().fold(MemoryFiles::default(), |files, (name, text)| files.with(name, text.as_str()));
+    let texts = texts.iter().fold(MemoryFiles::default(), |files, (name, text)| files.with(name, text.as_str()));
     let overlay = Overlay { text: texts, files: call.run.files };
     let recording = Recording { files: &overlay, hashes: RefCell::default() };
-    let paths = &inputs.paths;
-    let axis_poses = inputs.axis_poses.map(Path::to_owned);
-    let context = ReadingContext { frame: inputs.frame, axis_poses, is_plan: inputs.is_plan };
-    let data = read_measurements(paths, file, &context, &recording, &mut call.diagnostics);
+    let data = read_measurements(paths, file, context, &recording, &mut call.diagnostics);
     call.check()?;
     let hashes = recording.hashes.into_inner();
     refuse_copies(call, paths, &hashes)?;
