@@ -35,7 +35,7 @@ impl SecondOptions {
         if self.data.is_empty() {
             return Ok(None);
         }
-        let context = ReadingContext { frame: self.frame, axis_poses: self.axis_poses.clone() };
+        let context = ReadingContext { frame: self.frame, axis_poses: self.axis_poses.clone(), is_plan: false };
         let (paths, type_b) = (&self.data[..], &self.type_b[..]);
         let inputs = SecondInputs { paths, context, type_b, noise_mm: self.noise_mm, seed };
         second_measurement(call, file, &inputs, added).map(|second| Some(Box::new(second)))

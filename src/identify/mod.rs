@@ -27,9 +27,10 @@ pub(crate) mod verdict;
 mod words;
 
 pub(crate) use data::lever;
+pub(crate) use data::taken_together;
 pub use data::{
-    DistanceEnd, Measurement, MeasurementSet, Reading, ReadingContext, ReadingKind, Repeats, import, read_measurements,
-    repeats,
+    DistanceEnd, Measurement, MeasurementSet, PlanInstrument, Reading, ReadingContext, ReadingKind, Repeats, import,
+    read_measurements, repeats,
 };
 pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{
@@ -39,6 +40,6 @@ pub use model::{
 };
 pub use solve::{
     Bend, DatumChange, DatumConditions, DeviationUncertainty, Estimate, FitInData, FormUncertainty, Outlier,
-    ParameterFit, Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, fit,
+    ParameterFit, Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, expected, fit,
     form_uncertainty, held_out, in_datum, measured_ranges, plan, randomness, solve, unheld,
 };

@@ -367,8 +367,18 @@ pub const ERROR_SITES: usize = 101;
 pub const VOLUME_POSES: usize = 256;
 /// Largest number of axes whose corners are all among the poses.
 pub const MAX_CORNER_AXES: usize = 6;
-/// Random poses to choose a plan from, for each tool.
+/// Least share, per touch and mm of a motion (of a rotation over the usual lever), of what its other unknowns do not
+/// take up, for the motion of a feature to be an unknown.
+pub const MIN_TOUCH_SHARE: f64 = 1e-3;
+/// Standard uncertainty of each component of the threefold lobing of a touch probe before its readings (mm): data
+/// sheets of kinematic resistive probes state pre-travel variations of 0.25 to 10 um.
+pub const TOUCH_LOBE_MM: f64 = 5e-3;
+/// Random poses to choose a plan from, for each tool and ball.
 pub const PLAN_CANDIDATES: usize = 500;
+/// Lines along each axis to choose a plan from.
+pub const PLAN_LINES: usize = 40;
+/// Readings on such a line.
+pub const PLAN_LINE_POINTS: usize = 11;
 /// Rows per unknown of a sample that shows what the first order sees.
 pub const SAMPLE_ROWS_PER_UNKNOWN: usize = 4;
 /// Least number of rows of that sample.

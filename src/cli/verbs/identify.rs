@@ -5,7 +5,7 @@ use crate::cli::arguments::{FrameOption, NoiseArg, OrderArg, SeedArg, ToolArg, c
 use crate::cli::output::session::Session;
 use crate::cli::output::{identify_report, monomials, pictures, plan};
 use crate::cli::store::write;
-use abbe::options::{FitRange, Order};
+use abbe::options::{FitRange, Order, PlanInstrument};
 use abbe::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
 use std::path::PathBuf;
 
@@ -57,11 +57,21 @@ pub(crate) struct Args {
     /// Check the prediction: leave out every measurement once, in this many parts (2 to 65535) [default: no check].
     #[arg(long, value_name = "PARTS", value_parser = counts(2..=65_535))]
     folds: Option<usize>,
-    /// Propose N poses to measure (1 to 1000), with the uncertainty that the parameters will have; nothing is fitted
-    /// [default: fit].
-    #[arg(long, value_name = "N", conflicts_with_all = ["data", "out", "folds", "robust"],
-          value_parser = counts(1..=1000))]
+    /// Propose N readings to take (1 to 1000), with the uncertainty that the parameters will have: poses, of a laser
+    /// lines; of those in `--data`, whose cells of readings are empty, or of an instrument. Nothing is fitted [default:
+    /// fit].
+    #[arg(long, value_name = "N", conflicts_with_all = ["out", "folds", "robust"], value_parser = counts(1..=1000))]
     plan: Option<usize>,
+    /// The instrument of a plan: three components at any pose, balls on the table, a tracker, or a laser along lines.
+    #[arg(long, value_enum, default_value = "points", requires = "plan", conflicts_with = "data")]
+    instrument: PlanInstrument,
+    /// R-test of a plan: a pose at which the functional point is at a ball on the table, other axes in the middle or at
+    /// 0. May be repeated [default: one ball, three quarters along the axes].
+    #[arg(long, value_name = "X=100,Y=50", requires = "plan")]
+    ball: Vec<String>,
+    /// Ranges of axes to which the readings of a plan are confined, mm and deg.
+    #[arg(long, value_name = "A=-60..60,C=0..180", requires = "plan", conflicts_with = "data")]
+    ranges: Option<String>,
     #[command(flatten)]
     noise: NoiseArg,
     #[command(flatten)]
@@ -113,8 +123,18 @@ impl Args {
     }
 
     fn plan_options(&self, poses: usize) -> PlanOptions {
-        let (fit, fixed, priors) = (self.fit.clone(), self.fixed.clone(), self.prior.clone());
-        PlanOptions { poses, fit, fixed, priors, noise_mm: self.noise.noise.unwrap_or(1e-3), seed: self.seed.seed }
+        PlanOptions {
+            poses,
+            instrument: self.instrument,
+            balls: self.ball.clone(),
+            ranges: self.ranges.clone(),
+            candidates: self.data.first().cloned(),
+            fit: self.fit.clone(),
+            fixed: self.fixed.clone(),
+            priors: self.prior.clone(),
+            noise_mm: self.noise.noise.unwrap_or(1e-3),
+            seed: self.seed.seed,
+        }
     }
 }
 
@@ -124,6 +144,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let file = session.load(&args.machine, args.tool.name())?;
     if let Some(poses) = args.plan {
+        if args.data.len() > 1 {
+            return session.usage("a plan chooses from one file of readings");
+        }
         let plan = session.take(plan_measurements(&file, &args.plan_options(poses), session.run()))?;
         return session.show(&plan, || plan.csv.clone(), || plan::text(&plan));
     }

@@ -96,13 +96,14 @@ pub(in crate::identify) fn observe<S: Algebra>(
             let by_unknown = by_station.map(|(index, k)| (index, pull(k))).chain(zero.map(less_constant)).collect();
             Observation { value: single(length - constant(zero)), slope: Slope::Towards(towards), by_unknown }
         }
-        Reading::Along { direction, zero, .. } => {
+        Reading::Along { direction, less, .. } => {
             let nominal = NominalPose::in_part(machine, &m.pose).pose.translation;
             let deviation = along(direction, &subtract(&at(ReadingSubject::Point(&m.pose)), &nominal));
+            let added = less.iter().map(|(index, share)| share * unknowns[*index]).sum();
             Observation {
-                value: single(deviation - constant(&Some(*zero))),
+                value: single(deviation - S::from_real(added)),
                 slope: Slope::Along(*direction),
-                by_unknown: vec![less_constant(*zero)],
+                by_unknown: less.iter().map(|(index, share)| (*index, first(-share))).collect(),
             }
         }
         Reading::Error { source, .. } => {
