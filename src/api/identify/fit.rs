@@ -82,7 +82,7 @@ pub fn identify(file: &MachineFile, options: &IdentifyOptions, run: Run) -> Repl
     Call::answer(run, file.sources(), |call| {
         let inputs = options.inputs();
         let problem = Problem::read(call, file, &inputs)?;
-        enough(call, &problem)?;
+        enough(call, file, &problem)?;
         let draw = if options.pictures { Some(&draw as _) } else { None };
         let monitor = call.run.monitor;
         let progress = |readings| monitor.advance(readings);

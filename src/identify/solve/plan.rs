@@ -79,6 +79,6 @@ fn expected_solution(model: &FitModel<'_>, poses: &[Measurement], theta: &[f64],
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let rest = Solution::of(&fit, model.parameters()).degrees_of_freedom.max(1);
     fit.squares = noise * noise * rest as f64;
-    let motions = invariances(model, poses).motion_parameters;
+    let motions = invariances(model, poses, theta).motion_parameters;
     Solution::of(&fit, model.parameters()).with_first_order_rank(model, poses, &fit, &motions)
 }
