@@ -35,7 +35,7 @@ pub(crate) fn fixing(
         let rest = problem.without(&names);
         let model = rest.model(file, inputs.order);
         let found = invariances(&model, &rest.rows, &fit.theta);
-        let (judged, _) = diagnose(&model, file, inputs, &rest, found, fit);
+        let (judged, _) = diagnose(&model, file, &rest, found, fit);
         let [before, after] = [fitted, &judged].map(|fit| fit.residuals.after);
         if after > MAX_FIXING_COST * before {
             return None;
