@@ -16,6 +16,7 @@ mod budget;
 mod buildable;
 mod certificate;
 mod classify;
+mod collapse;
 mod compare;
 mod compile;
 mod compile_linuxcnc;

@@ -4,8 +4,9 @@
 //! - [`fitted`]: a fit with all that is known of it;
 //! - [`datum`]: the conditions of its datum, and every fitted error in it;
 //! - [`limits`]: sizes of errors and uncertainties that follow from the readings;
-//! - [`result`]: the fit as a value; [`remarks`]: its warnings.
+//! - [`result`]: the fit as a value; [`remarks`]: its warnings; [`advice`]: what may be fixed.
 
+pub(crate) mod advice;
 pub(crate) mod datum;
 pub(crate) mod fitted;
 pub(crate) mod inputs;
