@@ -20,6 +20,7 @@ mod fitted_file;
 mod lists;
 mod model;
 mod solve;
+mod suspect;
 mod thresholds;
 pub(crate) mod verdict;
 mod words;
@@ -40,3 +41,4 @@ pub use solve::{
     ParameterFit, Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, fit,
     form_uncertainty, held_out, in_datum, measured_ranges, plan, randomness, solve, unheld,
 };
+pub use suspect::{Change, Circumstances, Scope, Suspicion, groups, suspect};

@@ -5,7 +5,7 @@ use crate::cli::arguments::{FrameOption, OrderArg, SeedArg, ToolArg, counts, hel
 use crate::cli::output::session::Session;
 use crate::cli::output::{identify_report, monomials, pictures, plan};
 use crate::cli::store::write;
-use abbe::options::{FitRange, Order};
+use abbe::options::{FitAcceptance, FitRange, Order};
 use abbe::text::Reason;
 use abbe::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
 use std::path::PathBuf;
@@ -43,8 +43,11 @@ pub(crate) struct Args {
     /// measured, which becomes the `volume` of the fitted machine.
     #[arg(long, value_enum, default_value = "travel", conflicts_with = "plan")]
     range: Range,
-    /// Write the fitted machine although the data do not determine values in it.
-    #[arg(long, requires = "out")]
+    /// Write the fitted machine on your word: `suspect` although its readings accuse themselves, `undetermined` although
+    /// the data do not determine it.
+    #[arg(long, value_enum, value_name = "WORDS", value_delimiter = ',', requires = "out")]
+    accept: Vec<FitAcceptance>,
+    #[arg(long, requires = "out", hide = true)]
     accept_undetermined: bool,
     #[command(flatten)]
     frame: FrameOption,
@@ -67,9 +70,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "N", conflicts_with_all = ["data", "out", "folds", "robust"],
           value_parser = counts(1..=1000))]
     plan: Option<usize>,
-    /// Standard deviation of a reading to plan with (above 0).
-    #[arg(long, value_name = "LENGTH", default_value = "1 um", value_parser = noise)]
-    noise: f64,
+    /// Standard deviation of a reading (above 0): to plan with, and what a fit is expected to leave [default: 1 um to plan,
+    /// none of a fit].
+    #[arg(long, value_name = "LENGTH", value_parser = noise)]
+    noise: Option<f64>,
     #[command(flatten)]
     seed: SeedArg,
     #[command(flatten)]
@@ -112,6 +116,8 @@ impl Args {
                 Range::Measured => FitRange::Measured,
             },
             machine_file: self.out.is_some(),
+            noise_mm: self.noise,
+            accept: self.accept.clone(),
             accept_undetermined: self.accept_undetermined,
             pictures: self.pictures.is_some(),
             ..IdentifyOptions::default()
@@ -120,7 +126,7 @@ impl Args {
 
     fn plan_options(&self, poses: usize) -> PlanOptions {
         let (fit, fixed, priors) = (self.fit.clone(), self.fixed.clone(), self.prior.clone());
-        PlanOptions { poses, fit, fixed, priors, noise_mm: self.noise, seed: self.seed.seed }
+        PlanOptions { poses, fit, fixed, priors, noise_mm: self.noise.unwrap_or(USUAL_NOISE_MM), seed: self.seed.seed }
     }
 }
 
@@ -154,6 +160,8 @@ fn refuse_outputs(session: &mut Session, args: &Args) -> Outcome {
     write::refuse_outputs(&args.out, &session.files).and_then(|()| folders()).or_else(|refusal| session.refuse(refusal))
 }
 
+/// Noise of a reading to plan with, mm.
+const USUAL_NOISE_MM: f64 = 1e-3;
 /// Largest noise of a reading that is believed, mm.
 const MAX_NOISE_MM: f64 = 1000.0;
 

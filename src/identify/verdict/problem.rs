@@ -1,18 +1,19 @@
 //! The problem of a fit, and its passes: the parameters and what is known of them, the readings, the solution in its
 //! datum, what the readings contradict, and the machine file.
 
+use super::accused::{self, SuspectReadings};
 use super::fitted::{FitDiagnosis, FittedDatum};
-use super::inputs::{FitInputs, FitRange};
+use super::inputs::{FitAcceptance, FitInputs, FitRange};
 use super::result::{IdentifyResult, NamedSvg};
 use super::{datum, limits, provenance, remarks};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Order;
 use crate::identify::thresholds::MAX_UNKNOWNS;
 use crate::identify::{
-    DatumChange, FileNotes, FitInData, FitModel, Measurement, MeasurementSet, Parameter, ParameterFit, Prediction,
-    PriorValue, ReadingContext, Residuals, SlopeBound, Solution, TypeB, common, fitted_file, form_uncertainty,
-    held_out, in_datum, invariances, measured_ranges, parameters, parse_prior, randomness, read_measurements, repeats,
-    slope_bounds, solve, type_b, unheld, unused_entries, with_command_line,
+    Circumstances, DatumChange, FileNotes, FitInData, FitModel, Measurement, MeasurementSet, Parameter, ParameterFit,
+    Prediction, PriorValue, ReadingContext, Residuals, SlopeBound, Solution, TypeB, common, fitted_file,
+    form_uncertainty, held_out, in_datum, invariances, measured_ranges, parameters, parse_prior, randomness,
+    read_measurements, repeats, slope_bounds, solve, suspect, type_b, unheld, unused_entries, with_command_line,
 };
 use crate::job::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
 use crate::job::poses;
@@ -256,13 +257,27 @@ fn solve_over_volume(
     // In the datum: products of the motion that a datum removes are no deviation.
     let prediction = Prediction::of(&model, data, &fit, &solution, forms);
     let theta = solution.theta();
+    let left = in_data.residuals(&model, data);
+    let repeats = repeats(data);
+    let residuals = Residuals::of(&model, data, &fit, &theta, &in_data);
+    let scatter = fit.scatter.iter().map(|scatter| scatter.sigma).reduce(f64::max);
+    let circumstances = Circumstances {
+        fit: &fit,
+        sigma: scatter.unwrap_or(solution.sigma),
+        after: residuals.after,
+        degrees_of_freedom: solution.degrees_of_freedom,
+        repeats: &repeats,
+        noise: inputs.noise,
+        robust: inputs.robust,
+    };
+    let suspicion = suspect(&model, data, &circumstances);
     let fitted = FitDiagnosis {
         machine: file,
         unknowns: &problem.unknowns,
         own: model.own(),
         data,
-        residuals: Residuals::of(&model, data, &fit, &theta, &in_data),
-        residual_tests: randomness(data, &in_data.residuals(&model, data), &fit.weights),
+        residuals,
+        residual_tests: randomness(data, &left, &fit.weights),
         prediction,
         datum,
         measured,
@@ -270,7 +285,9 @@ fn solve_over_volume(
         motions: found.motions,
         solution,
         held_out: inputs.folds.and_then(|folds| held_out(&model, data, folds, inputs.robust)),
-        repeats: repeats(data),
+        repeats,
+        noise: inputs.noise,
+        suspicion,
         known: &problem.known,
         type_b: &problem.type_b,
         form,
@@ -279,10 +296,20 @@ fn solve_over_volume(
     let sources = &call.diagnostics.sources;
     let remarks = remarks::all(&fitted, sources);
     let mut result = IdentifyResult::of(&fitted, sources);
+    result.residuals = accused::residual_groups(&fitted, &left);
+    result.suspect = accused::suspect(&fitted, sources, &inputs.accept);
+    let refuses = outputs.machine_file && !inputs.accept.contains(&FitAcceptance::Suspect);
+    let accusation = result.suspect.as_ref().map(|suspect| suspect.diagnostic(refuses));
+    if let (true, Some(accusation)) = (refuses, &accusation) {
+        call.extend(remarks);
+        return call.refuse(accusation.clone());
+    }
+    call.extend(accusation);
     call.extend(remarks);
     if outputs.machine_file {
-        result.machine_file = Some(machine_file(call, file, inputs, problem, &fitted)?);
-    } else if let Err(why) = plausible(file, inputs, problem, &fitted, false) {
+        let text = machine_file(call, file, inputs, problem, &fitted, result.suspect.as_ref())?;
+        result.machine_file = Some(text);
+    } else if let Err(why) = plausible(file, inputs, problem, &fitted, FileNotice::default()) {
         call.extend([remarks::implausible(&why)]);
     }
     if let Some(draw) = outputs.draw {
@@ -299,17 +326,32 @@ fn machine_file(
     inputs: &FitInputs<'_>,
     problem: &Problem,
     fitted: &FitDiagnosis<'_>,
+    suspect: Option<&SuspectReadings>,
 ) -> Result<String, Refused> {
     call.extend(remarks::weak_directions_in_file(fitted));
-    let refusals = [remarks::undetermined_values(fitted), remarks::uncertain_prediction(fitted)];
+    let refusals = [
+        remarks::undetermined_values(fitted),
+        remarks::uncertain_prediction(fitted),
+        accused::worse_than_nothing(fitted),
+    ];
     let refusals: Vec<Diagnostic> = refusals.into_iter().flatten().collect();
     // What is not determined has no covariance that would mean anything.
     let joint = refusals.is_empty();
-    if let ([first, others @ ..], false) = (&refusals[..], inputs.accept_undetermined) {
+    if let ([first, others @ ..], false) = (&refusals[..], inputs.accept.contains(&FitAcceptance::Undetermined)) {
         call.extend(others.iter().cloned());
         return call.refuse(first.clone());
     }
-    plausible(file, inputs, problem, fitted, joint).or_else(|why| call.refuse(remarks::refusal_of_file(&why)))
+    plausible(file, inputs, problem, fitted, FileNotice { joint, suspect })
+        .or_else(|why| call.refuse(remarks::refusal_of_file(&why)))
+}
+
+/// What a fitted file says beside its values.
+#[derive(Default)]
+struct FileNotice<'a> {
+    /// True if it has the joint covariance.
+    joint: bool,
+    /// What the caller has accepted.
+    suspect: Option<&'a SuspectReadings>,
 }
 
 /// Returns the text of the fitted machine file, or the reason for which the program itself would not take it.
@@ -318,9 +360,9 @@ fn plausible(
     inputs: &FitInputs<'_>,
     problem: &Problem,
     fitted: &FitDiagnosis<'_>,
-    joint: bool,
+    FileNotice { joint, suspect }: FileNotice<'_>,
 ) -> Result<String, ReadBackFailure> {
-    let provenance = provenance::entries(file, inputs, &problem.request, &problem.hashes, fitted);
+    let provenance = provenance::entries(file, inputs, &problem.request, &problem.hashes, fitted, suspect);
     let own_parameters = &fitted.unknowns[..fitted.own];
     let text = |request: &IdentifyEntry| {
         let (form, unheld) = (fitted.form.as_ref(), &*fitted.unheld);
