@@ -11,7 +11,7 @@ pub use change::{Change, Scope, groups};
 
 use super::data::{Measurement, Repeats};
 use super::model::FitModel;
-use super::solve::{ParameterFit, solve};
+use super::solve::{ParameterFit, Solution, solve};
 use super::thresholds::*;
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -37,22 +37,36 @@ struct Candidate {
 /// The circumstances of a fit.
 pub struct Circumstances<'a> {
     /// Values of the unknowns.
-    pub fit: &'a ParameterFit,
+    fit: &'a ParameterFit,
     /// Standard deviation of a reading that the fit leaves (mm).
-    pub sigma: f64,
+    sigma: f64,
     /// RMS of what the fit leaves, over rows (mm).
-    pub after: f64,
+    after: f64,
     /// Residual degrees of freedom.
-    pub degrees_of_freedom: usize,
+    degrees_of_freedom: usize,
     /// Scatter of poses that were measured again.
-    pub repeats: &'a [Repeats],
+    repeats: &'a [Repeats],
     /// Standard deviation of a reading as stated (mm).
-    pub noise: Option<f64>,
+    noise: Option<f64>,
     /// True if readings that stand out count less: they are no trouble then.
-    pub robust: bool,
+    robust: bool,
 }
 
-impl Circumstances<'_> {
+impl<'a> Circumstances<'a> {
+    /// Returns those of a fit that leaves `after` (mm).
+    pub fn of(
+        fit: &'a ParameterFit,
+        solution: &Solution,
+        after: f64,
+        repeats: &'a [Repeats],
+        noise: Option<f64>,
+        robust: bool,
+    ) -> Self {
+        let scatter = fit.scatter.iter().map(|scatter| scatter.sigma).reduce(f64::max);
+        let sigma = scatter.unwrap_or(solution.sigma);
+        Self { fit, sigma, after, degrees_of_freedom: solution.degrees_of_freedom, repeats, noise, robust }
+    }
+
     /// True if nothing is left beyond the noise that is known.
     fn is_noise(&self) -> bool {
         let repeats = self.repeats.iter().filter(|r| r.degrees_of_freedom >= MIN_REPEAT_FREEDOM);

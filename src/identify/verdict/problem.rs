@@ -18,7 +18,7 @@ use crate::identify::{
 use crate::job::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
 use crate::job::poses;
 use crate::machine::Machine;
-use crate::run::{Advance, Call, Refused, sha256};
+use crate::run::{Advance, Call, Cancelled, Refused, sha256};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
 use crate::units::counted;
 use std::cell::RefCell;
@@ -28,10 +28,8 @@ use std::path::{Path, PathBuf};
 /// Draws prediction and data.
 pub(crate) type Draw<'a> = &'a dyn Fn(&FitModel<'_>, &[Measurement], &[f64]) -> Result<Vec<NamedSvg>, Diagnostic>;
 
-/// The results of a fit that are asked for beside its values, and its progress.
+/// The results of a fit that are asked for beside its values.
 pub(crate) struct FitOutputs<'a> {
-    /// Hears of measurements that were evaluated.
-    pub progress: Advance<'a>,
     /// Writes the fitted machine file.
     pub machine_file: bool,
     pub draw: Option<Draw<'a>>,
@@ -52,7 +50,9 @@ pub(crate) struct Problem {
 impl Problem {
     pub(crate) fn read(call: &mut Call, file: &MachineFile, inputs: &FitInputs<'_>) -> Result<Self, Refused> {
         let Requested { request, own, bounds } = Requested::of(call, file, inputs.fit, inputs.fixed)?;
-        let (mut data, hashes) = measurements(call, file, inputs)?;
+        let axis_poses = inputs.axis_poses.map(Path::to_owned);
+        let context = ReadingContext { frame: inputs.frame, axis_poses, is_plan: inputs.is_plan };
+        let (mut data, hashes) = measurements(call, file, &inputs.paths, inputs.texts, &context)?;
         call.extend(remarks::unused_readings(file, &data.leave_out(&own)));
         let mut known: Vec<PriorValue> = Vec::new();
         for (j, place) in data.nuisances.iter().enumerate() {
@@ -141,17 +141,18 @@ impl Files for Recording<'_> {
     }
 }
 
-fn measurements(
+/// Reads files of measurements, of which some are texts by name.
+pub(crate) fn measurements(
     call: &mut Call,
     file: &MachineFile,
-    inputs: &FitInputs<'_>,
+    paths: &[PathBuf],
+    texts: &[(String, String)],
+    context: &ReadingContext,
 ) -> Result<(MeasurementSet, BTreeMap<PathBuf, String>), Refused> {
-    let texts = inputs.texts.iter().fold(MemoryFiles::default(), |files, (name, text)| files.with(name, text.as_str()));
+    let texts = texts.iter().fold(MemoryFiles::default(), |files, (name, text)| files.with(name, text.as_str()));
     let overlay = Overlay { text: texts, files: call.run.files };
     let recording = Recording { files: &overlay, hashes: RefCell::default() };
-    let paths = &inputs.paths;
-    let context = ReadingContext { frame: inputs.frame, axis_poses: inputs.axis_poses.map(Path::to_owned) };
-    let data = read_measurements(paths, file, &context, &recording, &mut call.diagnostics);
+    let data = read_measurements(paths, file, context, &recording, &mut call.diagnostics);
     call.check()?;
     let hashes = recording.hashes.into_inner();
     refuse_copies(call, paths, &hashes)?;
@@ -219,12 +220,12 @@ fn solve_over_volume(
     problem: &Problem,
     outputs: &FitOutputs<'_>,
 ) -> Result<IdentifyResult, Refused> {
-    let (model, data) = (problem.model(file, inputs.order).with_progress(outputs.progress), &problem.rows);
+    let (model, data) = (problem.model(file, inputs.order), &problem.rows);
     let found = invariances(&model, data);
     if let Some(refusal) = remarks::shrinking(&found.stretches) {
         return call.refuse(refusal);
     }
-    let fit = solve(&model, data, inputs.robust);
+    let fit = call.stage("readings fitted", 0, |advance| solve_to_end(&model, data, inputs.robust, advance))?;
     let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
     let examine = |fit: &ParameterFit| {
         let solution = Solution::of(fit, &problem.unknowns);
@@ -239,7 +240,10 @@ fn solve_over_volume(
         };
         (solution, form, change)
     };
-    let (solution, form, change) = examine(&fit);
+    let (solution, form, change) = call.stage("uncertainty", 1, |advance| {
+        let found = examine(&fit);
+        advance(1).map(|()| found)
+    })?;
     let as_fitted = || FitInData { theta: solution.theta(), stand: None };
     let unheld = unheld(&model, data, &fit, change.as_ref().map(|(_, _, motions)| motions));
     let (removed, in_data) = change.map_or_else(|| (None, as_fitted()), |(removed, seen, _)| (Some(removed), seen));
@@ -253,6 +257,10 @@ fn solve_over_volume(
     } else {
         (fit, solution, form)
     };
+    let held_out = inputs.folds.map(|folds| {
+        call.stage("parts left out", folds, |advance| held_out(&model, data, folds, inputs.robust, advance))
+    });
+    let held_out = held_out.transpose()?.flatten();
     let forms = form.as_ref().map_or(&[][..], |form| &form.forms);
     // In the datum: products of the motion that a datum removes are no deviation.
     let prediction = Prediction::of(&model, data, &fit, &solution, forms);
@@ -260,16 +268,7 @@ fn solve_over_volume(
     let left = in_data.residuals(&model, data);
     let repeats = repeats(data);
     let residuals = Residuals::of(&model, data, &fit, &theta, &in_data);
-    let scatter = fit.scatter.iter().map(|scatter| scatter.sigma).reduce(f64::max);
-    let circumstances = Circumstances {
-        fit: &fit,
-        sigma: scatter.unwrap_or(solution.sigma),
-        after: residuals.after,
-        degrees_of_freedom: solution.degrees_of_freedom,
-        repeats: &repeats,
-        noise: inputs.noise,
-        robust: inputs.robust,
-    };
+    let circumstances = Circumstances::of(&fit, &solution, residuals.after, &repeats, inputs.noise, inputs.robust);
     let suspicion = suspect(&model, data, &circumstances);
     let fitted = FitDiagnosis {
         machine: file,
@@ -284,7 +283,7 @@ fn solve_over_volume(
         unheld,
         motions: found.motions,
         solution,
-        held_out: inputs.folds.and_then(|folds| held_out(&model, data, folds, inputs.robust)),
+        held_out,
         repeats,
         noise: inputs.noise,
         suspicion,
@@ -298,14 +297,7 @@ fn solve_over_volume(
     let mut result = IdentifyResult::of(&fitted, sources);
     result.residuals = accused::residual_groups(&fitted, &left);
     result.suspect = accused::suspect(&fitted, sources, &inputs.accept);
-    let refuses = outputs.machine_file && !inputs.accept.contains(&FitAcceptance::Suspect);
-    let accusation = result.suspect.as_ref().map(|suspect| suspect.diagnostic(refuses));
-    if let (true, Some(accusation)) = (refuses, &accusation) {
-        call.extend(remarks);
-        return call.refuse(accusation.clone());
-    }
-    call.extend(accusation);
-    call.extend(remarks);
+    accuse(call, result.suspect.as_ref(), remarks, outputs.machine_file)?;
     if outputs.machine_file {
         let text = machine_file(call, file, inputs, problem, &fitted, result.suspect.as_ref())?;
         result.machine_file = Some(text);
@@ -317,6 +309,34 @@ fn solve_over_volume(
         result.pictures = drawn?;
     }
     Ok(result)
+}
+
+/// Fits, and hears of readings that were evaluated; a fit that is cancelled ends early, and its result is none.
+fn solve_to_end(
+    model: &FitModel<'_>,
+    data: &[Measurement],
+    robust: bool,
+    advance: Advance<'_>,
+) -> Result<ParameterFit, Cancelled> {
+    let fit = solve(&model.clone().with_progress(advance), data, robust);
+    advance(0).map(|()| fit)
+}
+
+/// Names readings that accuse themselves before all remarks; refuses them if a file is to be written.
+fn accuse(
+    call: &mut Call,
+    suspect: Option<&SuspectReadings>,
+    remarks: Vec<Diagnostic>,
+    writes: bool,
+) -> Result<(), Refused> {
+    let refuses = suspect.filter(|suspect| writes && !suspect.accepted);
+    if let Some(suspect) = refuses {
+        call.extend(remarks);
+        return call.refuse(suspect.diagnostic(true));
+    }
+    call.extend(suspect.map(|suspect| suspect.diagnostic(false)));
+    call.extend(remarks);
+    Ok(())
 }
 
 /// Returns the text of the fitted machine file; refuses one that the program itself would not take.
