@@ -19,7 +19,7 @@ pub use crate::controller::{Limits, TemplateLimit, TemplateWatch};
 pub use crate::evaluate::{Frame, Order};
 pub use crate::file_set::options::{CompensationOptions, CorrectingAxes};
 pub use crate::identify::PlanInstrument;
-pub use crate::identify::verdict::inputs::FitRange;
+pub use crate::identify::verdict::inputs::{FitAcceptance, FitRange};
 pub use crate::job::placement::Placement;
 pub use crate::job::reference::{Alignment, DatumPoint, Reference, ReferenceKind};
 pub use crate::job::reference_text::UnknownReference;

@@ -29,8 +29,8 @@ pub use super::goal::{GoalCost, GoalTolerance, ToleranceGoal};
 pub use super::identify::{
     BentError, ExpectedParameter, FittedDatum, FittedError, FittedParameter, FormOfAxis, IdentifyResult, KindResidual,
     KnownValue, LackOfFit, MeasurementPlan, MonomialCoefficient, MonomialComponent, MonomialFit, NamedSvg, OrderShares,
-    OutlierPlace, PlannedPose, PredictedUncertainty, RepeatedReadings, ResidualTest, Rms, RmsBeforeAfter,
-    ScatterOfKind, SharedUncertainty,
+    OutlierPlace, PlannedPose, PredictedUncertainty, RepeatedReadings, ResidualGroup, ResidualTest, Rms,
+    RmsBeforeAfter, ScatterOfKind, SharedUncertainty, SuspectReadings,
 };
 pub use super::instrument::{InstrumentResult, LaserReadings, Readings};
 pub use super::locate::{AxisLine, LocateResult, LocatedAxis, LocatedError};

@@ -22,6 +22,7 @@ mod lists;
 mod model;
 pub(crate) mod second;
 mod solve;
+mod suspect;
 mod thresholds;
 pub(crate) mod verdict;
 mod words;
@@ -43,3 +44,4 @@ pub use solve::{
     ParameterFit, Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, expected, fit,
     form_uncertainty, held_out, in_datum, measured_ranges, plan, randomness, solve, unheld,
 };
+pub use suspect::{Change, Circumstances, Scope, Suspicion, groups, suspect};

@@ -337,8 +337,74 @@ pub const MIN_AXIS_SIGMA: f64 = 3e-6;
 /// Scatter (mm) that is rounding of numbers: readings that were computed.
 pub const MIN_WRITTEN_SIGMA: f64 = 1e-8;
 
+// Changes of the data that explain what a fit leaves (`suspect`). Simulated campaigns (tests/it/accused.rs) hold false
+// alarms to 1 % of good ones.
+
+/// Runs, tools or stations up to which each is tried by itself: time grows with their number.
+pub const MAX_SUSPECT_GROUPS: usize = 12;
+/// Part of a travel by which changed positions may be beyond it: rounding of the stated travel.
+pub const MAX_BEYOND_TRAVEL: f64 = 0.01;
+/// Rows of the sample on which changes are tried; more for many unknowns.
+pub const MAX_SCREENED_ROWS: usize = 160;
+/// See [`MAX_SCREENED_ROWS`].
+pub const SCREENED_ROWS_PER_UNKNOWN: usize = 2;
+/// Residual degrees of freedom below which a change fits by chance.
+pub const MIN_SUSPECT_FREEDOM: f64 = 20.0;
+/// Rounds in which weights follow the scatter of each component.
+pub const SUSPECT_WEIGHTINGS: usize = 2;
+/// Share of all readings that the common scatter counts for beside those of a component.
+pub const SUSPECT_PULL: f64 = 0.02;
+/// Powers of the row by which readings drift: warming up is no line.
+pub const DRIFT_POWERS: u8 = 3;
+/// Scatter over the stated noise above which all readings may be in another unit.
+pub const MIN_UNIT_NOISE_RATIO: f64 = 8.0;
+/// The same in the right unit: form is left as well.
+pub const MAX_UNIT_NOISE_RATIO: f64 = 2.0;
+/// Waves of a form over what was measured of an axis, to a length of an eighth.
+pub const SUSPECT_FORM_WAVES: usize = 8;
+/// Rotation (rad) that comes with a displacement (mm) of a form: 3 urad with 1 um.
+pub const SUSPECT_FORM_TILT: f64 = 3e-3;
+/// Sizes of a form over the scatter that are tried.
+pub const SUSPECT_FORM_SIZES: [f64; 8] = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 1000.0];
+/// Rows that may be left out as single ones, and their share of all, whichever is more.
+pub const MIN_SUSPECT_ROWS: usize = 3;
+/// See [`MIN_SUSPECT_ROWS`].
+pub const MAX_SUSPECT_ROW_SHARE: f64 = 0.03;
+/// Standard deviations from which on a row is left out on trial.
+pub const MIN_SUSPECT_ROW_SIGMA: f64 = 6.0;
+/// Logarithm of the odds against any one change before the data: some two hundred are tried, one campaign in five has
+/// a trouble.
+pub const SUSPECT_CHARGE: f64 = 7.0;
+/// Standard deviation (mm) before the data of an error in a trial.
+pub const SUSPECT_PRIOR_MM: f64 = 30.0;
+/// Scatter (mm) below which what is left is rounding of numbers, also of a component.
+pub const MIN_SUSPECT_MM: f64 = 1e-5;
+/// Scatter over that of repeated readings, or over the stated noise, below which nothing is looked for.
+pub const MIN_SUSPECT_RATIO: f64 = 1.7;
+/// Single changes of which pairs are tried.
+pub const SUSPECT_BEAM: usize = 8;
+/// Changes that are judged well, the best at a glance.
+pub const SUSPECT_FINALISTS: usize = 16;
+/// Logarithm of the likelihood within which changes explain alike.
+pub const MAX_ALIKE_LIKELIHOOD: f64 = 3.0;
+/// Other changes of the kind that are named.
+pub const MAX_ALTERNATIVES: usize = 2;
+/// Gain in likelihood from which on a change is named: odds of a million to one.
+pub const MIN_SUSPECT_LIKELIHOOD: f64 = 20.0;
+/// The same as a ratio of what is left, before over after. Below: good campaigns are accused; above: troubles of three
+/// times the noise, which leave form as well, pass.
+pub const MIN_SUSPECT_GAIN: f64 = 1.9;
+/// The same of a single change, below which no pairs are tried: of good campaigns none comes near.
+pub const MIN_FIRST_GAIN: f64 = 1.03;
+/// The same of a second change beside the first.
+pub const MIN_SECOND_GAIN: f64 = 1.1;
+
 // Verdict on a fit.
 
+/// What is left of a group of readings over what is left of all, above which the text names it.
+pub const MIN_GROUP_RATIO: f64 = 1.4;
+/// Readings of such a group.
+pub const MIN_GROUP_READINGS: usize = 5;
 /// Probability below which residuals are not noise.
 pub const MAX_NOISE_PROBABILITY: f64 = 1e-4;
 /// Correlation of neighbours above which such residuals drift.

@@ -117,7 +117,7 @@ fn a_file_whose_prediction_is_not_held_is_not_written() {
     let output = write("EXX:bspline12", &[]);
     let words = said(&output);
     assert!(output.status.code() == Some(1) && !out.exists(), "{words}");
-    assert!(["E0515", "EXX", "--accept-undetermined"].iter().all(|word| words.contains(word)), "{words}");
+    assert!(["E0515", "EXX", "--accept undetermined"].iter().all(|word| words.contains(word)), "{words}");
     let output = write("EXX:bspline12", &["--accept-undetermined"]);
     assert!(output.status.success() && out.exists(), "{}", said(&output));
     std::fs::remove_file(&out).unwrap();

@@ -144,7 +144,7 @@ fn values_that_are_noise_are_not_written() {
     let output = run(&arguments);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(1) && !out.exists(), "{said}");
-    assert!(["E0513", "EA0J6", "EZ0J6", "--accept-undetermined"].iter().all(|word| said.contains(word)), "{said}");
+    assert!(["E0513", "EA0J6", "EZ0J6", "--accept undetermined"].iter().all(|word| said.contains(word)), "{said}");
     let refusal = said.split("E0513").nth(1).unwrap().to_owned();
     assert!(!refusal.contains("EA0J1") && refusal.contains("EX0J6 = -460 \u{b1} "), "{refusal}");
     let output = run(&[&arguments[..], &["--accept-undetermined"]].concat());

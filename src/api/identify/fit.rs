@@ -1,7 +1,7 @@
 //! A fit of error parameters to measurements.
 
 use crate::evaluate::{Frame, Order};
-use crate::identify::verdict::inputs::{FitInputs, FitRange};
+use crate::identify::verdict::inputs::{FitAcceptance, FitInputs, FitRange};
 use crate::identify::verdict::problem::{FitOutputs, Problem, enough, solve_problem};
 use crate::identify::verdict::result::IdentifyResult;
 use crate::job::machine_file::MachineFile;
@@ -10,7 +10,7 @@ use crate::run::{Call, Reply, Run};
 use std::path::PathBuf;
 
 /// Options of [`identify`] and [`fit_monomials`](super::fit_monomials).
-#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct IdentifyOptions {
     /// Files of measurements, read through `run.files`: CSV with a column for each axis and `dx [um]`, `dy [um]`,
@@ -43,7 +43,11 @@ pub struct IdentifyOptions {
     pub range: FitRange,
     /// Also writes the fitted machine file; fails if it is one that would be refused.
     pub machine_file: bool,
-    /// Writes the machine file although it holds values whose uncertainty is larger than any error of a machine.
+    /// Standard deviation of a reading (mm) that is expected: more is remarked, and troubles are looked for.
+    pub noise_mm: Option<f64>,
+    /// What is taken on the caller's word, and stated in the machine file.
+    pub accept: Vec<FitAcceptance>,
+    /// An older word for `accept: undetermined`.
     pub accept_undetermined: bool,
     /// Also draws prediction and data over the planes of the linear axes.
     pub pictures: bool,
@@ -65,8 +69,15 @@ impl IdentifyOptions {
             robust: self.robust,
             folds: self.folds,
             range: self.range,
-            accept_undetermined: self.accept_undetermined,
+            noise: self.noise_mm,
+            accept: self.accepted(),
         }
+    }
+
+    fn accepted(&self) -> Vec<FitAcceptance> {
+        let older =
+            Some(FitAcceptance::Undetermined).filter(|word| self.accept_undetermined && !self.accept.contains(word));
+        self.accept.iter().copied().chain(older).collect()
     }
 
     /// All files of measurements, in their order.

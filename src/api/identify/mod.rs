@@ -7,6 +7,7 @@ mod fit;
 mod monomials;
 mod plan;
 
+pub use crate::identify::verdict::accused::{ResidualGroup, SuspectReadings};
 pub use crate::identify::verdict::datum::FittedError;
 pub use crate::identify::verdict::fitted::FittedDatum;
 pub use crate::identify::verdict::result::{

@@ -192,7 +192,8 @@ impl PlanOptions {
             robust: false,
             folds: None,
             range: FitRange::Travel,
-            accept_undetermined: false,
+            noise: None,
+            accept: Vec::new(),
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use super::view::table;
 use abbe::results::{
-    BentError, FittedParameter, FormOfAxis, IdentifyResult, RepeatedReadings, ResidualTest, SharedUncertainty,
+    BentError, FittedParameter, FormOfAxis, IdentifyResult, RepeatedReadings, ResidualGroup, ResidualTest,
+    SharedUncertainty,
 };
 use abbe::text::significant;
 
@@ -40,6 +41,7 @@ pub(crate) fn text(result: &IdentifyResult) -> String {
     }
     let mut text = format!("{}: fitted to {} points\n{rows}\n{}", result.machine, result.points, fit(result));
     text += &residuals(result);
+    text += &groups(result);
     text += &shared_uncertainties(result);
     text += &prediction(result);
     text += &weak_directions(result);
@@ -88,6 +90,19 @@ fn fit(r: &IdentifyResult) -> String {
             um(r.orders_um.left_by_first),
             um(r.orders_um.left_by_second),
         )
+}
+
+/// Returns what is left of groups of readings that stand out.
+fn groups(r: &IdentifyResult) -> String {
+    let out: Vec<&ResidualGroup> = r.residuals.iter().filter(|group| group.stands_out).collect();
+    if out.is_empty() {
+        return String::new();
+    }
+    let mut rows = table(&["left of", "readings", "rms", "unit"]);
+    for ResidualGroup { of, readings, rms_um, .. } in out.into_iter().take(MAX_LINES) {
+        let _ = rows.add_row([of.clone(), readings.to_string(), significant(*rms_um, 3), "um".to_owned()]);
+    }
+    format!("{rows}\n")
 }
 
 fn residuals(r: &IdentifyResult) -> String {

@@ -5,7 +5,7 @@ use crate::cli::arguments::{FrameOption, NoiseArg, OrderArg, SeedArg, ToolArg, c
 use crate::cli::output::session::Session;
 use crate::cli::output::{identify_report, monomials, pictures, plan};
 use crate::cli::store::write;
-use abbe::options::{FitRange, Order, PlanInstrument};
+use abbe::options::{FitAcceptance, FitRange, Order, PlanInstrument};
 use abbe::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
 use std::path::PathBuf;
 
@@ -38,8 +38,11 @@ pub(crate) struct Args {
     /// measured, which becomes the `volume` of the fitted machine.
     #[arg(long, value_enum, default_value = "travel", conflicts_with = "plan")]
     range: Range,
-    /// Write the fitted machine although the data do not determine values in it.
-    #[arg(long, requires = "out")]
+    /// Write the fitted machine on your word: `suspect` although its readings accuse themselves, `undetermined` although
+    /// the data do not determine it.
+    #[arg(long, value_enum, value_name = "WORDS", value_delimiter = ',', requires = "out")]
+    accept: Vec<FitAcceptance>,
+    #[arg(long, requires = "out", hide = true)]
     accept_undetermined: bool,
     #[command(flatten)]
     frame: FrameOption,
@@ -116,6 +119,8 @@ impl Args {
                 Range::Measured => FitRange::Measured,
             },
             machine_file: self.out.is_some(),
+            noise_mm: self.noise.noise,
+            accept: self.accept.clone(),
             accept_undetermined: self.accept_undetermined,
             pictures: self.pictures.is_some(),
             ..IdentifyOptions::default()

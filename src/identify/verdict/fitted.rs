@@ -2,7 +2,7 @@
 
 use crate::identify::{
     FormUncertainty, Measurement, Parameter, ParameterFit, Prediction, PriorValue, Repeats, ResidualTest, Residuals,
-    RigidMotionRemoved, Solution, TypeB,
+    RigidMotionRemoved, Solution, Suspicion, TypeB,
 };
 use crate::machine::{Axis, Machine, UnheldMotion};
 use crate::syntax::DatumEntry;
@@ -67,6 +67,10 @@ pub(crate) struct FitDiagnosis<'a> {
     /// Rigid motions of the workpiece frame that the readings do not hold, or that the datum has decided.
     pub(crate) unheld: Vec<UnheldMotion>,
     pub(crate) fit: ParameterFit,
+    /// Standard deviation of a reading as stated (mm).
+    pub(crate) noise: Option<f64>,
+    /// Changes of the data that explain what is left.
+    pub(crate) suspicion: Option<Suspicion>,
 }
 
 impl FitDiagnosis<'_> {

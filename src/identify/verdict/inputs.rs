@@ -14,6 +14,27 @@ pub enum FitRange {
     Measured,
 }
 
+/// What a caller takes on their own word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "kebab-case")]
+pub enum FitAcceptance {
+    /// Readings that accuse themselves.
+    Suspect,
+    /// Values, and predictions, that the data do not determine.
+    Undetermined,
+}
+
+impl FitAcceptance {
+    /// Returns its word.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Suspect => "suspect",
+            Self::Undetermined => "undetermined",
+        }
+    }
+}
+
 pub(crate) struct FitInputs<'a> {
     /// Parameters to fit; if empty, those of the machine file.
     pub fit: &'a [String],
@@ -41,6 +62,8 @@ pub(crate) struct FitInputs<'a> {
     pub folds: Option<usize>,
     /// The part of the volume over which the fit is judged.
     pub range: FitRange,
-    /// Writes the machine file although it holds values that are not determined.
-    pub accept_undetermined: bool,
+    /// Standard deviation of a reading as stated (mm).
+    pub noise: Option<f64>,
+    /// What the caller takes on their own word.
+    pub accept: Vec<FitAcceptance>,
 }

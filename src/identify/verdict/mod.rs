@@ -3,9 +3,11 @@
 //! - [`problem`]: the parameters, their known values, the readings, and the passes of the fit;
 //! - [`fitted`]: a fit with all that is known of it;
 //! - [`datum`]: the conditions of its datum, and every fitted error in it;
+//! - [`accused`]: what is left by groups of readings, and changes of the data that explain it;
 //! - [`limits`]: sizes of errors and uncertainties that follow from the readings;
 //! - [`result`]: the fit as a value; [`remarks`]: its warnings; [`advice`]: what may be fixed.
 
+pub(crate) mod accused;
 pub(crate) mod advice;
 pub(crate) mod datum;
 pub(crate) mod fitted;

@@ -1,18 +1,19 @@
 //! The problem of a fit, and its passes: the parameters and what is known of them, the readings, the solution in its
 //! datum, what the readings contradict, and the machine file.
 
+use super::accused::{self, SuspectReadings};
 use super::fitted::{FitDiagnosis, FittedDatum};
-use super::inputs::{FitInputs, FitRange};
+use super::inputs::{FitAcceptance, FitInputs, FitRange};
 use super::result::{IdentifyResult, NamedSvg};
 use super::{advice, datum, limits, provenance, remarks};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Order;
 use crate::identify::thresholds::{MAX_IDLE_EFFECT_MM, MAX_UNKNOWNS};
 use crate::identify::{
-    DatumChange, FileNotes, FitInData, FitModel, Invariances, Measurement, MeasurementSet, Parameter, ParameterFit,
-    Prediction, PriorValue, ReadingContext, Residuals, SlopeBound, Solution, TypeB, common, fitted_file,
+    Circumstances, DatumChange, FileNotes, FitInData, FitModel, Invariances, Measurement, MeasurementSet, Parameter,
+    ParameterFit, Prediction, PriorValue, ReadingContext, Residuals, SlopeBound, Solution, TypeB, common, fitted_file,
     form_uncertainty, held_out, in_datum, invariances, measured_ranges, parameters, parse_prior, randomness,
-    read_measurements, repeats, slope_bounds, solve, type_b, unheld, unused_entries, with_command_line,
+    read_measurements, repeats, slope_bounds, solve, suspect, type_b, unheld, unused_entries, with_command_line,
 };
 use crate::job::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
 use crate::job::poses;
@@ -276,13 +277,26 @@ fn solve_over_volume(
         call.stage("parts left out", folds, |advance| held_out(&model, data, folds, inputs.robust, advance))
     });
     fitted.held_out = held_out.transpose()?.flatten();
+    fitted.noise = inputs.noise;
+    let circumstances = Circumstances::of(
+        &fitted.fit,
+        &fitted.solution,
+        fitted.residuals.after,
+        &fitted.repeats,
+        inputs.noise,
+        inputs.robust,
+    );
+    fitted.suspicion = suspect(&model, data, &circumstances);
     let sources = &call.diagnostics.sources;
     let remarks = remarks::all(&fitted, sources);
     let mut result = IdentifyResult::of(&fitted, sources);
-    call.extend(remarks);
+    result.residuals = accused::residual_groups(&fitted, &in_data.residuals(&model, data));
+    result.suspect = accused::suspect(&fitted, sources, &inputs.accept);
+    accuse(call, result.suspect.as_ref(), remarks, outputs.machine_file)?;
     if outputs.machine_file {
-        result.machine_file = Some(machine_file(call, file, inputs, problem, &fitted)?);
-    } else if let Err(why) = plausible(file, inputs, problem, &fitted, false) {
+        let text = machine_file(call, file, inputs, problem, &fitted, result.suspect.as_ref())?;
+        result.machine_file = Some(text);
+    } else if let Err(why) = plausible(file, inputs, problem, &fitted, FileNotice::default()) {
         call.extend([remarks::implausible(&why)]);
     }
     if let Some(draw) = outputs.draw {
@@ -352,6 +366,8 @@ pub(crate) fn diagnose<'a>(
         type_b: &problem.type_b,
         form,
         fit,
+        noise: None,
+        suspicion: None,
     };
     (fitted, in_data)
 }
@@ -367,6 +383,23 @@ fn solve_to_end(
     advance(0).map(|()| fit)
 }
 
+/// Names readings that accuse themselves before all remarks; refuses them if a file is to be written.
+fn accuse(
+    call: &mut Call,
+    suspect: Option<&SuspectReadings>,
+    remarks: Vec<Diagnostic>,
+    writes: bool,
+) -> Result<(), Refused> {
+    let refuses = suspect.filter(|suspect| writes && !suspect.accepted);
+    if let Some(suspect) = refuses {
+        call.extend(remarks);
+        return call.refuse(suspect.diagnostic(true));
+    }
+    call.extend(suspect.map(|suspect| suspect.diagnostic(false)));
+    call.extend(remarks);
+    Ok(())
+}
+
 /// Returns the text of the fitted machine file; refuses one that the program itself would not take.
 fn machine_file(
     call: &mut Call,
@@ -374,23 +407,39 @@ fn machine_file(
     inputs: &FitInputs<'_>,
     problem: &Problem,
     fitted: &FitDiagnosis<'_>,
+    suspect: Option<&SuspectReadings>,
 ) -> Result<String, Refused> {
     call.extend(remarks::weak_directions_in_file(fitted));
-    let refusals = [remarks::undetermined_values(fitted), remarks::uncertain_prediction(fitted)];
+    let refusals = [
+        remarks::undetermined_values(fitted),
+        remarks::uncertain_prediction(fitted),
+        accused::worse_than_nothing(fitted),
+    ];
     let mut refusals: Vec<Diagnostic> = refusals.into_iter().flatten().collect();
     // What is not determined has no covariance that would mean anything.
     let joint = refusals.is_empty();
-    if !inputs.accept_undetermined
+    let accepted = inputs.accept.contains(&FitAcceptance::Undetermined);
+    if !accepted
         && let Some(first) = refusals.first_mut()
         && let Some(words) = advice::fixing(file, inputs, problem, fitted)
     {
         first.help = first.help.take().map(|help| format!("{words}; {help}"));
     }
-    if let ([first, others @ ..], false) = (&refusals[..], inputs.accept_undetermined) {
+    if let ([first, others @ ..], false) = (&refusals[..], accepted) {
         call.extend(others.iter().cloned());
         return call.refuse(first.clone());
     }
-    plausible(file, inputs, problem, fitted, joint).or_else(|why| call.refuse(remarks::refusal_of_file(&why)))
+    plausible(file, inputs, problem, fitted, FileNotice { joint, suspect })
+        .or_else(|why| call.refuse(remarks::refusal_of_file(&why)))
+}
+
+/// What a fitted file says beside its values.
+#[derive(Default)]
+struct FileNotice<'a> {
+    /// True if it has the joint covariance.
+    joint: bool,
+    /// What the caller has accepted.
+    suspect: Option<&'a SuspectReadings>,
 }
 
 /// Returns the text of the fitted machine file, or the reason for which the program itself would not take it.
@@ -399,9 +448,9 @@ fn plausible(
     inputs: &FitInputs<'_>,
     problem: &Problem,
     fitted: &FitDiagnosis<'_>,
-    joint: bool,
+    FileNotice { joint, suspect }: FileNotice<'_>,
 ) -> Result<String, ReadBackFailure> {
-    let provenance = provenance::entries(file, inputs, &problem.request, &problem.hashes, fitted);
+    let provenance = provenance::entries(file, inputs, &problem.request, &problem.hashes, fitted, suspect);
     let own_parameters = &fitted.unknowns[..fitted.own];
     let text = |request: &IdentifyEntry| {
         let (form, unheld) = (fitted.form.as_ref(), &*fitted.unheld);

@@ -1,5 +1,6 @@
 //! The source of the numbers in a fitted file. No date: the same input gives the same bytes.
 
+use super::accused::SuspectReadings;
 use super::fitted::FitDiagnosis;
 use super::inputs::FitInputs;
 use super::result;
@@ -24,6 +25,7 @@ pub(crate) fn entries(
     request: &IdentifyEntry,
     hashes: &BTreeMap<PathBuf, String>,
     fitted: &FitDiagnosis<'_>,
+    suspect: Option<&SuspectReadings>,
 ) -> Vec<(String, String)> {
     let mut entries = vec![
         ("by".to_owned(), format!("abbe {}", env!("CARGO_PKG_VERSION"))),
@@ -38,6 +40,12 @@ pub(crate) fn entries(
         entries.push(("axis-poses".to_owned(), name_and_hash(path, hash)));
     }
     entries.push(("how".to_owned(), how(inputs, request).chars().take(MAX_ENTRY_CHARACTERS).collect()));
+    if !inputs.accept.is_empty() {
+        let words: Vec<&str> = inputs.accept.iter().map(|word| word.word()).collect();
+        let suspect = suspect.map_or_else(String::new, |suspect| format!("; {}", suspect.words()));
+        let entry = format!("{}{suspect}", words.join(", "));
+        entries.push(("accepted".to_owned(), entry.chars().take(MAX_ENTRY_CHARACTERS).collect()));
+    }
     entries.push(("fit".to_owned(), result::in_short(fitted)));
     let known = |key: &str| file.provenance().entries.iter().any(|(known, _)| known == key);
     let ending = |n: usize| if n > 1 { format!("-{n}") } else { String::new() };

@@ -1,5 +1,6 @@
 //! Warnings of a fit: on its data, on how it went, and on its residuals.
 
+use super::accused;
 use super::fitted::FitDiagnosis;
 use super::limits;
 use super::result::place;
@@ -23,6 +24,7 @@ pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnosti
     let found = [
         (!fitted.fit.converged).then(unsettled),
         lack_of_fit(fitted),
+        accused::noise(fitted),
         drifting(fitted),
         sizes(fitted),
         missing_approaches(fitted),
@@ -142,7 +144,7 @@ pub(crate) fn undetermined_values(fitted: &FitDiagnosis<'_>) -> Option<Diagnosti
     };
     let wide: Vec<String> = wide_estimates(fitted).map(words).chain(wide_curves(fitted)).collect();
     let message = format!("the data do not determine {}", wide.join(", "));
-    let help = "fix them (`--fixed`), fit less, or measure at poses at which they act; `--accept-undetermined` writes \
+    let help = "fix them (`--fixed`), fit less, or measure at poses at which they act; `--accept undetermined` writes \
                 the file all the same";
     (!wide.is_empty()).then(|| Diagnostic::new(codes::E0513, message).help(help))
 }
@@ -236,7 +238,7 @@ pub(crate) fn uncertain_prediction(fitted: &FitDiagnosis<'_>) -> Option<Diagnost
     };
     let help = format!(
         "measure there, {range}fit less (fewer knots than measured places), or bound the curves (`slopes:`); \
-         `--accept-undetermined` writes the file all the same"
+         `--accept undetermined` writes the file all the same"
     );
     Some(Diagnostic::new(codes::E0515, message).help(help))
 }

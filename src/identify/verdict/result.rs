@@ -1,5 +1,6 @@
 //! A fit as a value: parameters with their uncertainty, what the data do not determine, and the residuals.
 
+use super::accused::{ResidualGroup, SuspectReadings};
 use super::datum::{self, FittedError};
 use super::fitted::{FitDiagnosis, FittedDatum};
 use super::limits;
@@ -359,6 +360,10 @@ pub struct IdentifyResult {
     pub kinds: Vec<KindResidual>,
     /// Tests of the residuals.
     pub residual_tests: Vec<ResidualTest>,
+    /// What is left by component, axis, tool, run and station.
+    pub residuals: Vec<ResidualGroup>,
+    /// Changes of the data that explain what is left.
+    pub suspect: Option<SuspectReadings>,
     /// Readings that stand out, farthest first.
     pub outliers: Vec<OutlierPlace>,
     /// Uncertainty of the fit's prediction over the volume.
@@ -457,6 +462,8 @@ impl IdentifyResult {
             },
             kinds: r.kinds.iter().map(|(kind, rows, rms)| kind_residual(*kind, *rows, *rms)).collect(),
             residual_tests: fitted.residual_tests.clone(),
+            residuals: Vec::new(),
+            suspect: None,
             outliers: r.outliers.iter().map(outlier).collect(),
             prediction: PredictedUncertainty::of(fitted),
             invariances: fitted.motions.clone(),
