@@ -92,6 +92,7 @@ mod prior;
 mod priors;
 mod program;
 mod progress;
+mod promised;
 mod published;
 mod rank;
 mod ranks;
