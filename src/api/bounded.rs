@@ -93,7 +93,7 @@ impl DrawnBounds {
     ) -> Result<PoseByPose, Refused> {
         let (draws, samples, reference) = (self.draws(), self.drawing.samples, self.removed.as_ref());
         let request = PosesRequest { machine, bounds: &self.bounds, poses, reference, frame, draws: &draws, samples };
-        call.stage(request.steps(), |advance| pose_by_pose(request, advance))
+        call.stage("machines drawn", request.steps(), |advance| pose_by_pose(request, advance))
     }
 
     /// Returns the largest step of the deviation to which they lead, from poses with these indices to the next.
@@ -107,7 +107,8 @@ impl DrawnBounds {
         let (draws, samples, reference) = (self.draws(), self.drawing.samples, self.removed.as_ref());
         let frame = Frame::Workpiece;
         let request = PosesRequest { machine, bounds: &self.bounds, poses, reference, frame, draws: &draws, samples };
-        let drawn = call.stage(request.steps(), |advance| draw_largest_steps(request, steps, advance))?;
+        let drawn =
+            call.stage("machines drawn", request.steps(), |advance| draw_largest_steps(request, steps, advance))?;
         Ok(LargestStep::of_machines(drawn))
     }
 
@@ -183,8 +184,10 @@ impl AddingBounds<'_> {
         let is_partial = is_zone && !Self { reference: None, ..*self }.bounds(call)?.is_empty();
         let limit = JobLimit { is_partial, ..limit };
         let spread = limit.spread_um(values_um, band);
-        let Some((.., found)) = found else { return Ok(limit.on_values(values_um, band)) };
-        let verdict = DrawnMachineFigures::of(&found.position.sorted).against(&limit, spread);
+        let verdict = match found {
+            Some((.., found)) => DrawnMachineFigures::of(&found.position.sorted).against(&limit, spread),
+            None => limit.on_values(values_um, band),
+        };
         let Self { machine, tolerances, samples, seed, work, reference } = *self;
         let bounds = &self.bounds(call)?;
         let poses = work.unwrap_or_default();
@@ -239,7 +242,7 @@ impl AddingBounds<'_> {
             samples,
             statistic,
         };
-        let found = call.stage(2 * samples, |advance| budget(request, advance))?;
+        let found = call.stage("machines drawn", 2 * samples, |advance| budget(request, advance))?;
         Ok(Some((bounds.len(), count, found)))
     }
 }

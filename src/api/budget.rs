@@ -342,7 +342,8 @@ impl BudgetWork {
         request: Request<'_>,
     ) -> Result<Option<ZoneBudget>, Refused> {
         let Some((of, zone)) = self.zone.as_ref().and_then(|of| Some((of, of.removed()?))) else { return Ok(None) };
-        let [position, rotation] = call.stage(request.samples, |advance| draw_with_zone(request, zone, advance))?;
+        let [position, rotation] =
+            call.stage("machines drawn", request.samples, |advance| draw_with_zone(request, zone, advance))?;
         let figures = |mut values: Vec<f64>, scale: f64| {
             values.iter_mut().for_each(|value| *value *= scale);
             values.sort_by(f64::total_cmp);
@@ -383,7 +384,7 @@ pub(crate) fn budget_of(
     let request = work.request(machine, options, (&bounds, at.as_deref()));
     let drawn = budget_parts::merge(call, options.division(&options.drawn_by()), request)?;
     let steps = if drawn.is_some() { 0 } else { 2 * options.samples };
-    let budget = call.stage(steps, |advance| budget_from_samples(request, drawn, advance))?;
+    let budget = call.stage("machines drawn", steps, |advance| budget_from_samples(request, drawn, advance))?;
     let characteristics = work.characteristics(call, machine, request)?;
     let goal = match options.goal_mm {
         Some(goal_mm) => {
@@ -443,7 +444,8 @@ fn best_fit(
 ) -> Result<FittedBudget, Refused> {
     let reference = PartReference::best_fit(machine, &work.poses);
     let request = Request { reference: Some(&reference), at: None, ..request };
-    let budget = call.stage(2 * request.samples, |advance| budget_from_samples(request, None, advance))?;
+    let budget =
+        call.stage("machines drawn", 2 * request.samples, |advance| budget_from_samples(request, None, advance))?;
     let first = |budget: &Budget| budget.position.first_to_tighten().map(|i| request.bounds[i].to_string());
     let tighten_first = first(&budget);
     Ok(FittedBudget {

@@ -263,7 +263,7 @@ fn budgeted(
     let sizes = round_sizes(drawn.samples, drawn.max_samples);
     let mut last = (Vec::new(), Vec::new());
     for samples in sizes.iter().copied() {
-        let list: Vec<Budget> = call.stage(2 * samples * sides.len(), |advance| {
+        let list: Vec<Budget> = call.stage("machines drawn", 2 * samples * sides.len(), |advance| {
             let one = |(i, (machine, poses)): (usize, &(&Machine, Vec<Pose>))| {
                 let (bounds, reference, draws) = (&bounds[i], drawn.references[i], &draws);
                 let (searched, acting) = (false, ActingErrors::OfMachine);
@@ -384,6 +384,6 @@ impl Compared<'_> {
         let (reference, searched, acting) = (references[side], false, ActingErrors::OfMachine);
         let request =
             Request { machine, acting, bounds, poses, reference, searched, at: None, draws, samples, statistic };
-        Ok(call.stage(2 * samples, |advance| budget(request, advance))?.position.drawn)
+        Ok(call.stage("machines drawn", 2 * samples, |advance| budget(request, advance))?.position.drawn)
     }
 }

@@ -7,6 +7,7 @@ use crate::controller::{
 };
 use crate::evaluate::{Bare, Field, Order, Poses, Summary};
 use crate::file_set::verdict;
+use crate::identify::second::SecondMeasurement;
 use crate::job::job_file::{Job, JobPaths};
 use crate::job::machine_file::MachineFile;
 use crate::job::over::{Over, OverKind};
@@ -204,6 +205,9 @@ pub struct CertificateReport {
     /// Intervals of the figures, where the machine file states uncertainties of errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<CertificateBands>,
+    /// The verdict of a second measurement, with the set in force, if there was one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second: Option<Box<SecondMeasurement>>,
     /// The machine, with the tool that the set holds for.
     #[serde(skip)]
     pub machine: Machine,
@@ -281,6 +285,7 @@ impl CertificateReport {
             steps: Vec::new(),
             job: scope.job.as_ref().map(|work| JobCertificate::new(machine, field, work)),
             uncertainty,
+            second: None,
             machine: machine.clone(),
             controller: target.clone(),
             strongest: certificate.strongest,

@@ -241,7 +241,8 @@ fn side_by_side(
         Some(asked) => asked.work(first),
         None => Work::random(first, options.poses, options.seed),
     };
-    let comparison = call.stage(work.len(), |advance| compared(&fields, &work, options.approach.into(), advance))?;
+    let comparison =
+        call.stage("poses", work.len(), |advance| compared(&fields, &work, options.approach.into(), advance))?;
     let sides: Vec<(&Machine, Vec<Pose>)> =
         files.iter().zip(&comparison.machines).map(|(file, side)| (&**file, poses(side))).collect();
     let (mut missed, mut paths) = (vec![None; sides.len()], vec![None; sides.len()]);

@@ -3,10 +3,12 @@
 
 use super::certificate::{CertificateReport, CertificateScope, CertificateStep, figures_without_unheld};
 use super::compile::{CompileOptions, refuse_unverified};
+use super::verify::VerifyOptions;
 use crate::controller::{ControllerTarget, KinematicsModule, Lock, ModuleField, RenderedFile};
 use crate::file_set::composition::{self, ComposedRequest, Composition, beside, compose, find, split, targets};
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::{MachineFile, bounded_only};
+use crate::machine::{Machine, OperatingPoint};
 use crate::run::{Call, Count, Hashed, Refused, Reply, Run};
 use std::path::Path;
 
@@ -105,14 +107,19 @@ pub(super) fn verify_composed(
     call: &mut Call,
     file: &MachineFile,
     folder: &Path,
-    how: &CompensationOptions,
-    installed: Option<&Path>,
     scope: &CertificateScope,
+    options: &VerifyOptions,
 ) -> Result<CertificateReport, Refused> {
+    let (how, installed) = (&options.compensation, options.installed.as_deref());
     let (target, tables_target) = targets(call, folder, how)?;
     let before = composition::load_installed(call, file, &target, &tables_target, how, installed)?;
     let (before, old_tables) = before.unzip();
     let composition = find(call, file, folder, how, before, old_tables)?;
     composition.warn(call, file, folder);
-    certificate(call, &composition, file, how, scope)
+    let mut report = certificate(call, &composition, file, how, scope)?;
+    let tables = composition.tables_under_test();
+    let module = KinematicsModule::KinematicParameters(composition.parameters.clone());
+    let added = |machine: &Machine, at: &OperatingPoint<'_>| tables.beside(machine, &module).addition(at);
+    report.second = options.second.judge(call, file, options.seed, &added)?;
+    Ok(report)
 }

@@ -222,7 +222,7 @@ impl<'a> Judge<'a> {
         let bare: Vec<Bare<'_>> =
             machines.iter().map(|machine| Bare { machine, order: order_of(machine, self.options.order) }).collect();
         let fields: Vec<&dyn Field> = bare.iter().map(|field| field as &dyn Field).collect();
-        call.stage(work.len(), |advance| compare(&fields, work, self.options.approach.into(), advance))
+        call.stage("poses", work.len(), |advance| compare(&fields, work, self.options.approach.into(), advance))
     }
 
     /// Returns the 95 % position deviation (um) at the poses of a machine, or the 95 % value of machines drawn.
@@ -257,7 +257,7 @@ impl<'a> Judge<'a> {
             samples: SAMPLES,
             statistic,
         };
-        let found = call.stage(2 * SAMPLES, |advance| budget(request, advance))?;
+        let found = call.stage("machines drawn", 2 * SAMPLES, |advance| budget(request, advance))?;
         Ok(found.position.percentile(95).value)
     }
 

@@ -780,7 +780,7 @@ fn computed_round(
     let keeper = study::Keeper::new(begun, file);
     announce(call, study.searches(todo.len()));
     let drawn = study.round(rounds.samples(round));
-    let done = call.stage(todo.len(), |advance| {
+    let done = call.stage("arrangements", todo.len(), |advance| {
         todo.into_par_iter().try_for_each(|(step, tables)| {
             if keeper.has_failed() {
                 return Ok(());

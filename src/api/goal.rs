@@ -138,7 +138,7 @@ pub(crate) fn goal(
         statistic: tolerances.statistic,
         goal_mm,
     };
-    match call.stage(1, |_| Ok(cheapest(request)))? {
+    match call.stage("cheapest tolerances", 1, |_| Ok(cheapest(request)))? {
         GoalAnswer::Kept(found) => Ok(ToleranceGoal {
             goal_um: goal_mm * 1e3,
             before_um: found.before,

@@ -7,7 +7,7 @@ use crate::analysis::instrument::{
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Frame;
 use crate::job::machine_file::{MachineFile, bounded_only};
-use crate::job::poses::{AxisPositions, axis_positions, check, pose_at};
+use crate::job::poses::{AxisPositions, axis_positions, check, pose_by_names};
 use crate::machine::{Axis, AxisKind, Machine, Pose};
 use crate::report::{DiagonalPicture, DialPanel, Picture, PolarPicture, RTestPicture};
 use crate::run::{Call, Count, Refused, Reply, Run};
@@ -209,17 +209,6 @@ fn read(call: &mut Call, machine: &Machine, options: &InstrumentOptions) -> Resu
         Instrument::StepDiagonals => Readings::StepDiagonals(lines(call, machine, &at, options, true)?),
     };
     Ok(InstrumentResult { machine: machine.name().to_owned(), readings, axes: machine.axes().to_vec(), at })
-}
-
-fn pose_by_names(machine: &Machine, text: &str, mut pose: Pose) -> Result<Pose, Diagnostic> {
-    let given = pose_at(machine, text)?;
-    for part in text.split(',') {
-        let name = part.split_once('=').map_or("", |(name, _)| name.trim());
-        if let Some(axis) = machine.axis_index(name) {
-            pose[axis] = given[axis];
-        }
-    }
-    Ok(pose)
 }
 
 fn not_driven(path: &str, why: Unreachable) -> Diagnostic {

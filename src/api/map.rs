@@ -91,7 +91,7 @@ pub(crate) fn computed(
     range: Range<usize>,
     view: View,
 ) -> Result<Vec<Deviation>, Refused> {
-    call.stage(range.len(), |advance| deviations(field, poses, range, view, advance))
+    call.stage("poses", range.len(), |advance| deviations(field, poses, range, view, advance))
 }
 
 /// Intervals of a body diagonal.

@@ -67,7 +67,7 @@ impl<'a> Tables<'a> {
     /// Surveys a field and writes its rows as they come: the deviations are not kept.
     pub(crate) fn survey(mut self, call: &mut Call<'_>, task: SurveyTask<'_>) -> Result<Survey, Refused> {
         if self.streams.is_empty() {
-            return call.stage(task.poses.len(), |advance| survey(task, advance));
+            return call.stage("poses", task.poses.len(), |advance| survey(task, advance));
         }
         let (rows, forms) = (self.rows, self.forms.clone());
         let make = |block: SurveyBlock<'_>| rows.prepare(&forms, block.first, block.rows());
@@ -76,7 +76,8 @@ impl<'a> Tables<'a> {
             failure = self.put(&block).err();
             failure.is_none()
         };
-        let survey = call.stage(task.poses.len(), |advance| survey_with_rows(task, &make, &mut put, advance))?;
+        let survey =
+            call.stage("poses", task.poses.len(), |advance| survey_with_rows(task, &make, &mut put, advance))?;
         failure.map_or(Ok(()), Err).and_then(|()| self.finish()).or_else(|refusal| call.refuse(refusal))?;
         survey.ok_or(Refused)
     }

@@ -220,7 +220,8 @@ fn find(call: &mut Call, machine: &MachineFile, options: &ReachOptions) -> Resul
     let grid = ReachGrid::new(region, step).filter(|grid| grid.len().saturating_mul(directions.list.len()) <= max);
     let Some(grid) = grid else { return call.refuse(too_many(step, directions.list.len(), max)) };
     let at_tip = |results: Vec<Result<Pose, Miss>>| at_tip(machine, results);
-    let tips = call.stage(grid.len(), |progress| reached(machine, &grid, &directions.list, &at_tip, progress))?;
+    let tips =
+        call.stage("tips", grid.len(), |progress| reached(machine, &grid, &directions.list, &at_tip, progress))?;
     let by_tip: Vec<usize> = tips.iter().map(|tip| tip.reached).collect();
     let (mut unreachable, mut lacks) = (UnreachableCount::default(), Lacks::default());
     for tip in tips {

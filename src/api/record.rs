@@ -1,11 +1,11 @@
 //! `record`: one calibration as a folder, its check, and records in a line.
 
 use super::diff_machines::{DiffMachinesOptions, diff_machines};
-use super::verify::{VerifyOptions, verify};
+use super::verify::{SecondOptions, VerifyOptions, verify};
 use crate::diagnostic::Sources;
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::LoadOptions;
-use crate::record::make::{Record, make};
+use crate::record::make::{Record, SetUnderTest, make};
 use crate::record::trend::{RecordTrend, trend};
 use crate::run::{Call, Reply, Run};
 use serde_json::json;
@@ -42,10 +42,17 @@ impl Default for RecordOptions {
 pub fn record(path: &Path, options: &RecordOptions, run: Run) -> Reply<Record> {
     Call::answer(run, &Sources::default(), |call| {
         let tool = LoadOptions { tool: options.tool.clone() };
-        make(call, path, &tool, options.sign.as_deref(), &|call, machine, folder, installed| {
+        let sign = options.sign.as_deref();
+        make(call, path, &tool, sign, &|call, machine, SetUnderTest { folder, installed, second }| {
             let RecordOptions { compensation, poses, seed, .. } = options.clone();
-            let options = VerifyOptions { compensation, poses, seed, installed, ..VerifyOptions::default() };
-            let answer = verify(machine, folder, &options, call.run);
+            let second = second.map_or_else(SecondOptions::default, |of| SecondOptions {
+                data: of.data,
+                axis_poses: of.axis_poses,
+                type_b: of.type_b,
+                ..SecondOptions::default()
+            });
+            let options = VerifyOptions { compensation, poses, seed, installed, second, ..VerifyOptions::default() };
+            let answer = verify(machine, &folder, &options, call.run);
             call.take(answer).map(|report| json!(report))
         })
     })

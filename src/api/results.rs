@@ -60,6 +60,10 @@ pub use crate::controller::{
 };
 pub use crate::diagnostic::{Severity, Sources};
 pub use crate::evaluate::{Difference, Statistics, Summary};
+pub use crate::identify::second::{
+    JudgedReading, MeasuredKind, RmsInterval, SecondMeasurement, SecondVerdict, SeenCorrection, SetAlternative,
+    SetUpValue,
+};
 pub use crate::job::characteristics::{CharacteristicPart, CharacteristicResult, DrawnCharacteristic};
 pub use crate::job::features::{DominatingError, FeatureResult};
 pub use crate::job::limit::LimitVerdict;

@@ -89,7 +89,7 @@ fn find(call: &mut Call, machine: &Machine, options: &SourcesOptions) -> Result<
     let at = match &options.at {
         Some(at) => poses(call, machine, (&[], std::slice::from_ref(at), None))?.swap_remove(0),
         None => {
-            let all = call.stage(count, |advance| match map(&field, &volume, view, advance) {
+            let all = call.stage("poses", count, |advance| match map(&field, &volume, view, advance) {
                 Err(MapFailure::Cancelled) => Err(Cancelled),
                 all => Ok(all),
             })?;

@@ -48,7 +48,7 @@ impl StudyCoverage<'_> {
     pub(crate) fn fill(&self, call: &Call<'_>, study: &Study<'_>, samples: usize) -> Result<FilledStudy, Refused> {
         let (name, class) = stand_in(self.class, &[self.machine]);
         let study = study.with_bounds(self.coverage.fill(self.machine, self.bounds, &[], class.as_ref()));
-        let values = call.stage(study.walks(), |advance| study.values_by_chain(samples, advance))?;
+        let values = call.stage("arrangements", study.walks(), |advance| study.values_by_chain(samples, advance))?;
         let (missing, acting) = (self.coverage.missing.len(), self.coverage.acting());
         let reason = format!(
             "errors with neither value nor bound could turn it: the file lacks {missing} of {acting}; `--class {name}` \
@@ -100,16 +100,25 @@ impl LimitWork<'_> {
             return Ok(verdict);
         }
         let (name, class) = stand_in(tolerances.class_name(machine), &[machine]);
+        let errors = coverage.missing.len();
+        // With a minimum zone no machines are drawn.
+        if reference.is_some_and(|of| !of.is_linear()) {
+            return Ok(verdict.left_open(MissingInLimit { errors, class: name, um: None }));
+        }
         let filled = coverage.fill(machine, bounds, &[], class.as_ref());
         let (draws, statistic, acting) = (&tolerances.draws(seed), tolerances.statistic, ActingErrors::OfMachine);
         let bounds = filled.as_slice();
         let (searched, at) = (false, None);
         let request = Request { machine, acting, bounds, poses, reference, searched, at, draws, samples, statistic };
-        let um = call.stage(2 * samples, |advance| budget(request, advance))?.position.percentile(95).value;
+        let um = call
+            .stage("machines drawn", 2 * samples, |advance| budget(request, advance))?
+            .position
+            .percentile(95)
+            .value;
         if um <= verdict.limit_um {
             return Ok(verdict);
         }
-        Ok(verdict.left_open(MissingInLimit { errors: coverage.missing.len(), class: name, um: Some(um) }))
+        Ok(verdict.left_open(MissingInLimit { errors, class: name, um: Some(um) }))
     }
 }
 

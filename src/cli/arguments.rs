@@ -21,6 +21,10 @@ pub(super) mod help {
     pub(in crate::cli) const AXIS: &str = "An axis, by its name";
     pub(in crate::cli) const AXIS_POSES: &str =
         "Poses of the axes from a CSV file: header of axis names, one pose a line, mm and deg";
+    pub(in crate::cli) const DATA: &str = "Measurements: CSV with a column per axis and `dx [um]`, `dy [um]`, `dz [um]`, or lengths, ball readings, \
+         lines, single errors (docs/identify/measure.md); of `verify` taken with the set in force";
+    pub(in crate::cli) const TYPE_B: &str = "A standard uncertainty that all readings share: `laser 0.4 um/m`, `set-up 2 um`, `material 0.5 K x 11.7 \
+         um/m/K`. May be repeated";
     pub(in crate::cli) const OUT: &str =
         "Write the result here: a file, of `compile`, `record` and `testpiece` a folder";
     pub(in crate::cli) const PLANE: &str = "A plane of two axes, such as XY";
@@ -176,6 +180,23 @@ pub(super) struct InstalledArg {
     /// The compensation files that were in force when the machine was measured.
     #[arg(long, value_name = "DIR")]
     pub(super) installed: Option<PathBuf>,
+}
+
+/// Scatter of readings.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct NoiseArg {
+    /// Standard deviation of a reading that does not state its own (above 0) [default: 1 um to plan with, otherwise that
+    /// of repeated readings].
+    #[arg(long, value_name = "LENGTH", value_parser = noise)]
+    pub(super) noise: Option<f64>,
+}
+
+/// Largest noise of a reading that is believed, mm.
+const MAX_NOISE_MM: f64 = 1000.0;
+
+/// A length above zero, such as `2 um`.
+fn noise(text: &str) -> Result<f64, Reason> {
+    length(text, |mm| mm > 0.0 && mm <= MAX_NOISE_MM, "write a length above zero and up to 1 m, such as `2 um`")
 }
 
 /// Work in parts.

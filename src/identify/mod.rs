@@ -10,6 +10,7 @@
 //! 6. [`Residuals`], [`randomness()`], [`held_out`]: residuals, outliers, single orders, tests for noise, prediction of
 //!    data not used.
 //! 7. [`fitted_file()`]: the fitted machine as a self-contained machine file.
+//! 8. `second`: a second measurement, with the compensation in force, against what was predicted.
 //!
 //! [`moore_penrose`] is the method of the papers, [`import`] reads single-axis measurements, and [`plan()`] proposes
 //! the poses of a measurement with its expected uncertainties. `thresholds` holds every number that decides what a fit
@@ -19,15 +20,17 @@ mod data;
 mod fitted_file;
 mod lists;
 mod model;
+pub(crate) mod second;
 mod solve;
 mod thresholds;
 pub(crate) mod verdict;
 mod words;
 
 pub(crate) use data::lever;
+pub(crate) use data::taken_together;
 pub use data::{
-    DistanceEnd, Measurement, MeasurementSet, Reading, ReadingContext, ReadingKind, Repeats, import, read_measurements,
-    repeats,
+    DistanceEnd, Measurement, MeasurementSet, PlanInstrument, Reading, ReadingContext, ReadingKind, Repeats, import,
+    read_measurements, repeats,
 };
 pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{
@@ -37,6 +40,6 @@ pub use model::{
 };
 pub use solve::{
     Bend, DatumChange, DatumConditions, DeviationUncertainty, Estimate, FitInData, FormUncertainty, Outlier,
-    ParameterFit, Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, fit,
+    ParameterFit, Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, expected, fit,
     form_uncertainty, held_out, in_datum, measured_ranges, plan, randomness, solve, unheld,
 };

@@ -367,9 +367,52 @@ pub const ERROR_SITES: usize = 101;
 pub const VOLUME_POSES: usize = 256;
 /// Largest number of axes whose corners are all among the poses.
 pub const MAX_CORNER_AXES: usize = 6;
-/// Random poses to choose a plan from, for each tool.
+/// Least share, per touch and mm of a motion (of a rotation over the usual lever), of what its other unknowns do not
+/// take up, for the motion of a feature to be an unknown.
+pub const MIN_TOUCH_SHARE: f64 = 1e-3;
+/// Standard uncertainty of each component of the threefold lobing of a touch probe before its readings (mm): data
+/// sheets of kinematic resistive probes state pre-travel variations of 0.25 to 10 um.
+pub const TOUCH_LOBE_MM: f64 = 5e-3;
+/// Random poses to choose a plan from, for each tool and ball.
 pub const PLAN_CANDIDATES: usize = 500;
+/// Lines along each axis to choose a plan from.
+pub const PLAN_LINES: usize = 40;
+/// Readings on such a line.
+pub const PLAN_LINE_POINTS: usize = 11;
 /// Rows per unknown of a sample that shows what the first order sees.
 pub const SAMPLE_ROWS_PER_UNKNOWN: usize = 4;
 /// Least number of rows of that sample.
 pub const MIN_SAMPLE_ROWS: usize = 1000;
+
+// The second measurement.
+
+/// Standard uncertainty (mm) of the place in which the second campaign was set up beside the first, and of zeros of
+/// instruments. As good as free: below, a part that was put back elsewhere counts against the set.
+pub const SET_UP_MM: f64 = 10.0;
+/// The same of turns and alignments (rad): 1 mm over 1 m. Above, a part set up askew hides squareness entirely; below,
+/// it counts against the set. Turns are followed to first order, so that they never hide a scale.
+pub const SET_UP_RAD: f64 = 1e-3;
+/// Cosine of the angle to its axis up to which a single error lies across it.
+pub const ACROSS_SHARE: f64 = 0.7;
+/// Draws behind the share of |E_n| <= 1 that chance explains ...
+pub const SECOND_DRAWS: usize = 1000;
+/// ... and the number of them that have a smaller one: five of a thousand.
+pub const SECOND_OUTSIDE: usize = 5;
+/// Readings at which the draws look.
+pub const SECOND_DRAWN_READINGS: usize = 1000;
+/// Standard uncertainties by which the amount of the correction that is seen may be off: 3 of 1000 good campaigns are
+/// beyond.
+pub const MAX_AMOUNT_DEVIATIONS: f64 = 3.0;
+/// Part of the correction by which the amount may be off in any case: what a correction leaves is for E_n to judge.
+pub const MAX_AMOUNT_OFF: f64 = 0.1;
+/// Information on an amount that counts as none: known to a thousand times the correction. It keeps effects apart that
+/// the readings do not.
+pub const NO_INFORMATION: f64 = 1e-6;
+/// Uncertainty of an amount from which on it is not stated.
+pub const LARGEST_AMOUNT: f64 = 100.0;
+/// Standard uncertainty of the amount up to which a half, or none, or the opposite is told by name.
+pub const MAX_NAMED_UNCERTAINTY: f64 = 0.08;
+/// Variance of a reading without what the set-up explains, as a share, below which it holds nothing but the set-up.
+pub const MIN_JUDGED_SHARE: f64 = 1e-6;
+/// Largest number of readings of a second measurement.
+pub const MAX_SECOND_READINGS: usize = 20_000;

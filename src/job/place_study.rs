@@ -277,7 +277,7 @@ impl PlaceStudy<'_> {
     }
 
     fn attempts(&self, call: &mut Call<'_>, asked: Option<&Reference>) -> Result<Vec<Attempt>, Refused> {
-        let found = call.stage(self.places.len(), |progress| {
+        let found = call.stage("places", self.places.len(), |progress| {
             let one = |place: &Placement| {
                 let attempt = self.attempt(place, asked, progress)?;
                 progress(1)?;
@@ -486,7 +486,7 @@ impl PlaceStudy<'_> {
         let mut figures = Vec::new();
         for (job, poses) in jobs.iter().zip([a, b]) {
             let Ok(set_up) = self.set_up(job, asked, &poses) else { return Ok(None) };
-            let figure = call.stage(1, |progress| self.figure(&set_up, poses, progress))?;
+            let figure = call.stage("places", 1, |progress| self.figure(&set_up, poses, progress))?;
             figures.extend(figure.or_else(|refusal| call.refuse(refusal))?);
         }
         Ok(match figures.as_slice() {

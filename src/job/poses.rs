@@ -1,6 +1,6 @@
 //! Poses from text (`X=100,C=90`), from numbers and from CSV files.
 
-use crate::diagnostic::{Diagnostic, Place, SourceId, codes};
+use crate::diagnostic::{Diagnostic, Place, SourceId, codes, shown};
 use crate::machine::{Axis, AxisKind, Machine, Pose};
 use crate::run::{Call, Refused};
 use crate::syntax::read_text;
@@ -66,6 +66,39 @@ pub(crate) fn pose_at(machine: &Machine, text: &str) -> Result<Pose, Diagnostic>
         pose[axis] = position(machine, axis, value)?;
     }
     Ok(pose)
+}
+
+/// Returns the pose of `X=100,C=90`; omitted axes stay as in `pose`.
+pub(crate) fn pose_by_names(machine: &Machine, text: &str, mut pose: Pose) -> Result<Pose, Diagnostic> {
+    let given = pose_at(machine, text)?;
+    for part in text.split(',') {
+        let name = part.split_once('=').map_or("", |(name, _)| name.trim());
+        if let Some(axis) = machine.axis_index(name) {
+            pose[axis] = given[axis];
+        }
+    }
+    Ok(pose)
+}
+
+/// Returns the ranges of `A=-60..60,C=0..180` in the order of the axes (mm, deg), each within the volume.
+pub(crate) fn axis_ranges(machine: &Machine, text: &str) -> Result<Vec<Option<(f64, f64)>>, Diagnostic> {
+    let mut ranges = vec![None; machine.axes().len()];
+    for part in text.split(',').filter(|part| !part.trim().is_empty()) {
+        let fault = || unfit(format!("`{}`: write AXIS=FIRST..LAST", shown(part.trim())));
+        let (name, ends) = part.split_once('=').ok_or_else(fault)?;
+        let (first, last) = ends.split_once("..").ok_or_else(fault)?;
+        let axis = machine.axis_index(name.trim()).ok_or_else(|| unfit(unknown_axis(machine, name.trim())))?;
+        let ends = (position(machine, axis, first.trim())?, position(machine, axis, last.trim())?);
+        let volume = &machine.volume()[axis];
+        if !(volume.min <= ends.0 && ends.0 < ends.1 && ends.1 <= volume.max) {
+            let [min, max] = [volume.min, volume.max].map(|end| units::significant(end, 7));
+            return Err(unfit(format!("`{}` is no range within {min}..{max}, the volume", shown(part.trim()))));
+        }
+        if ranges[axis].replace(ends).is_some() {
+            return Err(unfit(format!("axis `{}` is given twice", name.trim())));
+        }
+    }
+    Ok(ranges)
 }
 
 /// A bare number (mm or deg) or a quantity with its unit.

@@ -110,7 +110,7 @@ pub(crate) fn drawn_round_features(
             figures,
             weights,
         };
-        let drawn = call.stage(2 * samples, |advance| draw_figures(request, advance))?;
+        let drawn = call.stage("machines drawn", 2 * samples, |advance| draw_figures(request, advance))?;
         let widths = drawn.first().map_or(&[][..], |figure| &figure.values);
         let mut order: Vec<usize> = (0..widths.len()).collect();
         order.sort_by(|a, b| widths[*a].total_cmp(&widths[*b]).then(a.cmp(b)));

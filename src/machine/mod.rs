@@ -7,6 +7,7 @@
 mod algebra;
 mod arrangement;
 mod axis;
+mod basis_words;
 mod bspline;
 mod chain;
 mod class;
@@ -34,6 +35,7 @@ mod written;
 
 pub use algebra::{AlgebraChoice, Generators};
 pub use axis::{Axis, AxisKind, Travel};
+pub(crate) use basis_words::basis_of_term;
 pub use bspline::{BSpline, BSplineFailure};
 pub use chain::{Body, Branch, KinematicChain, RepeatedJoints};
 pub use class::{CLASS_NAMES, Class, ClassNumbers, NamedClass, classes};

@@ -88,6 +88,20 @@ pub(crate) struct SetEntry {
     pub installed: Option<Line>,
     /// The JSON document of `compile`.
     pub compile: Option<Line>,
+    /// Readings of the machine that was driven with the set.
+    pub second: Option<SecondEntry>,
+}
+
+/// A second measurement, as `verify` takes it.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SecondEntry {
+    /// Files of measurements.
+    pub data: Vec<Line>,
+    pub axis_poses: Option<Line>,
+    /// Standard uncertainties that all readings share.
+    #[serde(default)]
+    pub type_b: Vec<Line>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]

@@ -21,8 +21,23 @@ use crate::run::{Call, Refused, finite};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// Verifies a set against a machine: the set's folder, and the folder with the files in force before.
-pub(crate) type Verify<'a> = &'a dyn Fn(&mut Call<'_>, &MachineFile, &Path, Option<PathBuf>) -> Result<Value, Refused>;
+/// A set to be verified. Paths are as they are read.
+pub(crate) struct SetUnderTest {
+    pub folder: PathBuf,
+    /// The folder with the files in force before.
+    pub installed: Option<PathBuf>,
+    pub second: Option<SecondFiles>,
+}
+
+/// A second measurement, with the set in force.
+pub(crate) struct SecondFiles {
+    pub data: Vec<PathBuf>,
+    pub axis_poses: Option<PathBuf>,
+    pub type_b: Vec<String>,
+}
+
+/// Verifies a set against a machine.
+pub(crate) type Verify<'a> = &'a dyn Fn(&mut Call<'_>, &MachineFile, SetUnderTest) -> Result<Value, Refused>;
 
 /// A record in memory.
 #[derive(Debug, Clone, serde::Serialize, schemars::JsonSchema)]
@@ -88,6 +103,10 @@ pub(crate) fn make(
         let verified = set.verify.as_ref();
         let promised = verified.and_then(|verified| promised(states.of(entry.verify_with), &figures, verified));
         sets.push(RecordedSet { promised, ..set });
+        let second = entry.second.iter().flat_map(|second| second.data.iter().chain(&second.axis_poses));
+        for source in second.filter(|source| !description.data.contains(source)) {
+            data.push(files.copy(call, base, source, "data")?.0);
+        }
     }
     let mut curves = errors::curves(&states.found, "found");
     curves.extend(states.left.iter().flat_map(|left| errors::curves(left, "left")));
@@ -229,9 +248,15 @@ fn set(
             Some(compile)
         }
     };
-    let installed = || entry.installed.as_ref().map(|folder| base.join(folder.as_str()));
+    let at = |name: &Line| base.join(name.as_str());
+    let second = entry.second.as_ref().map(|second| SecondFiles {
+        data: second.data.iter().map(at).collect(),
+        axis_poses: second.axis_poses.as_ref().map(at),
+        type_b: second.type_b.iter().map(Line::to_string).collect(),
+    });
+    let under_test = SetUnderTest { folder: path, installed: entry.installed.as_ref().map(at), second };
     let machine = states.of(entry.verify_with);
-    let verified = (!entry.replaced).then(|| verify(call, machine, &path, installed())).transpose()?;
+    let verified = (!entry.replaced).then(|| verify(call, machine, under_test)).transpose()?;
     Ok(RecordedSet {
         folder,
         installed: !entry.replaced,

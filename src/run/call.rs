@@ -13,8 +13,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub trait Monitor: Sync {
     /// Hears in words what a long stage will cost, before it begins.
     fn announce(&self, _cost: &str) {}
-    /// A stage of `total` steps begins; 0 if nobody knows how many there will be.
-    fn begin(&self, _total: usize) {}
+    /// A stage of `total` steps begins; 0 if nobody knows how many there will be. `phase` says what its steps are:
+    /// `poses`, `machines drawn`.
+    fn begin(&self, _phase: &str, _total: usize) {}
     /// `steps` more of them are done; of 0 steps the job only asks whether to go on. May be called from several
     /// threads.
     ///
@@ -251,10 +252,15 @@ impl<'a> Call<'a> {
         self.run.monitor.announce(cost);
     }
 
-    /// Reports a stage of `total` steps while `job` runs; ends the call if it is cancelled.
-    pub fn stage<T>(&self, total: usize, job: impl FnOnce(Advance<'_>) -> Result<T, Cancelled>) -> Result<T, Refused> {
+    /// Reports a stage of `total` steps, which `phase` names, while `job` runs; ends the call if it is cancelled.
+    pub fn stage<T>(
+        &self,
+        phase: &str,
+        total: usize,
+        job: impl FnOnce(Advance<'_>) -> Result<T, Cancelled>,
+    ) -> Result<T, Refused> {
         let monitor = self.run.monitor;
-        monitor.begin(total);
+        monitor.begin(phase, total);
         let value = monitor.advance(0).and_then(|()| job(&|steps| monitor.advance(steps)));
         monitor.end();
         value.map_err(|Cancelled| {

@@ -85,7 +85,7 @@ pub(crate) fn draw_part(
         Ok(None) => {}
         Err(refusal) => return call.refuse(refusal),
     }
-    let drawn = call.stage(2 * range.len(), |advance| draw_samples(request, range, advance))?;
+    let drawn = call.stage("machines drawn", 2 * range.len(), |advance| draw_samples(request, range, advance))?;
     Ok(BudgetShard::new(fingerprint, samples, first, drawn))
 }
 

@@ -93,7 +93,7 @@ fn build(call: &mut Call, files: &[MachineFile], options: &ReportOptions) -> Res
         call.extend(options.job_paths().displaced_jobs(first, others));
     }
     report.data.comparison = comparison(call, (files, job), options, &given)?;
-    let drawn = call.stage(given.iter().map(|given| given.poses.0).sum(), |advance| {
+    let drawn = call.stage("poses", given.iter().map(|given| given.poses.0).sum(), |advance| {
         let all = given.iter().enumerate().map(|(i, given)| draw(i + 1, given, advance)).collect::<Result<Vec<_>, _>>();
         if let Err(MapFailure::Cancelled) = all { Err(Cancelled) } else { Ok(all) }
     })?;

@@ -336,6 +336,12 @@ fn a_limit_is_not_held_while_missing_errors_could_turn_it() {
             (&Value::Null, &of("budget", &[file], &near)["limit"]["missing"]["errors"])
         );
     }
+    // Nor by a machine of which nothing is known.
+    let unknown = folder.with("unknown.yaml", std::fs::read_to_string(&both).unwrap().split_once("errors:").unwrap().0);
+    let [limit, compared] = [of("map", &[&unknown], &near), of("compare", &[&unknown, &unknown], &near)];
+    let (limit, compared) = (&limit["limit"], &compared["machines"][0]["limit"]);
+    assert_eq!((&limit["held"], &limit["missing"]), (&Value::Null, &compared["missing"]), "{limit}");
+    assert!(number(&limit["missing"]["um"]) > 4.0, "{limit}");
     // What exceeds a limit exceeds it with them, too.
     assert_eq!(of("budget", &[&both], &job(&folder, 2.0))["limit"]["held"], false);
 }

@@ -58,6 +58,7 @@ impl IdentifyOptions {
             type_b: &self.type_b,
             paths: self.paths(),
             texts: &self.texts,
+            is_plan: false,
             frame: self.frame,
             axis_poses: self.axis_poses.as_deref(),
             order: self.order.unwrap_or(Order::Exact),
@@ -84,14 +85,7 @@ pub fn identify(file: &MachineFile, options: &IdentifyOptions, run: Run) -> Repl
         let problem = Problem::read(call, file, &inputs)?;
         enough(call, &problem)?;
         let draw = if options.pictures { Some(&draw as _) } else { None };
-        let monitor = call.run.monitor;
-        let progress = |readings| monitor.advance(readings);
-        monitor.begin(0);
-        let outputs = FitOutputs { progress: &progress, machine_file: options.machine_file, draw };
-        let result = solve_problem(call, file, &inputs, &problem, &outputs);
-        monitor.end();
-        // A fit that is cancelled ends early, and its result is none.
-        call.go_on()?;
-        result
+        let outputs = FitOutputs { machine_file: options.machine_file, draw };
+        solve_problem(call, file, &inputs, &problem, &outputs)
     })
 }

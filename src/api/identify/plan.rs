@@ -1,18 +1,39 @@
-//! Poses worth measuring, and how well they determine the parameters.
+//! Readings worth taking, and how well they determine the parameters.
 
-use crate::identify::verdict::problem::{Requested, priors};
-use crate::identify::{Estimate, FitModel, Measurement, Parameter, plan};
+use crate::analysis::instrument::within;
+use crate::diagnostic::{Diagnostic, codes};
+use crate::evaluate::{Frame, Order};
+use crate::identify::verdict::inputs::{FitInputs, FitRange};
+use crate::identify::verdict::problem::Problem;
+use crate::identify::{
+    Estimate, FitModel, Measurement, Parameter, PlanInstrument, Solution, expected, plan, taken_together,
+};
 use crate::job::machine_file::MachineFile;
-use crate::run::{Call, Reply, Run};
+use crate::job::poses::{axis_ranges, check, pose_by_names};
+use crate::machine::AxisKind;
+use crate::run::{Call, Refused, Reply, Run};
+use crate::units::counted;
 use indexmap::IndexMap;
 use serde::Serialize;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
 
 /// Options of [`plan_measurements`].
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default)]
 pub struct PlanOptions {
-    /// Number of poses, 1 to 1000.
+    /// Number of readings, 1 to 1000: poses, of a laser lines.
     pub poses: usize,
+    /// The instrument; it can take what its kind of readings and the volume allow.
+    pub instrument: PlanInstrument,
+    /// R-test: poses at which the functional point is at a ball on the table, such as `X=100,Y=50`; other axes are
+    /// where [`InstrumentOptions::at`](crate::InstrumentOptions::at) has them. By default there is one ball.
+    pub balls: Vec<String>,
+    /// Ranges of axes within the volume to which the readings are confined: `A=-60..60,C=0..180`, mm and deg.
+    pub ranges: Option<String>,
+    /// The readings to choose from, in place of those of an instrument: a file as it is read once it is measured, whose
+    /// cells of readings are empty.
+    pub candidates: Option<PathBuf>,
     /// Parameters to fit, as in [`IdentifyOptions`](super::IdentifyOptions).
     pub fit: Vec<String>,
     /// Parameters that keep their value.
@@ -21,31 +42,46 @@ pub struct PlanOptions {
     pub priors: Vec<String>,
     /// Standard deviation of a reading, mm; above 0.
     pub noise_mm: f64,
-    /// Seed of the poses to choose from.
+    /// Seed of the readings to choose from.
     pub seed: u64,
 }
 
-/// 20 poses, 1 um, seed 1.
+/// 20 poses at any place of the volume, 1 um, seed 1.
 impl Default for PlanOptions {
     fn default() -> Self {
-        Self { poses: 20, fit: Vec::new(), fixed: Vec::new(), priors: Vec::new(), noise_mm: 1e-3, seed: 1 }
+        Self {
+            poses: 20,
+            instrument: PlanInstrument::Points,
+            balls: Vec::new(),
+            ranges: None,
+            candidates: None,
+            fit: Vec::new(),
+            fixed: Vec::new(),
+            priors: Vec::new(),
+            noise_mm: 1e-3,
+            seed: 1,
+        }
     }
 }
 
-/// Poses, and what is expected of their measurement.
+/// Readings, and what is expected of their measurement.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct MeasurementPlan {
-    /// The poses in the order of their worth.
+    /// The poses in the order of their worth; those of runs, and of a file, in the order in which they are measured.
     pub poses: Vec<PlannedPose>,
+    /// Number of readings: poses, of a laser lines.
+    pub readings: usize,
+    /// Number of readings to choose from.
+    pub candidates: usize,
     /// Standard deviation of a reading, um.
     pub noise_um: f64,
-    /// The parameters.
+    /// The parameters of the machine.
     pub parameters: Vec<ExpectedParameter>,
     /// Numerical rank of the problem.
     pub rank: usize,
     /// The rank of the model to first order in the errors: what the readings show without products of errors.
     pub rank_first_order: usize,
-    /// Number of unknowns.
+    /// Number of unknowns, those of the instrument among them.
     pub unknowns: usize,
     /// Number of independent combinations above the noise.
     pub well_determined: usize,
@@ -67,10 +103,16 @@ pub struct MeasurementPlan {
 /// A pose to measure.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PlannedPose {
-    /// Positions by axis, mm and deg, to two decimals.
+    /// Positions by axis, mm and deg.
     pub axes: IndexMap<String, f64>,
+    /// Positions at the other end of a length, if that is a pose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub to: Option<IndexMap<String, f64>>,
     /// Name of the tool.
     pub tool: String,
+    /// The run to which it belongs, if there are runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub run: Option<String>,
 }
 
 /// A parameter with its expected uncertainty.
@@ -84,65 +126,148 @@ pub struct ExpectedParameter {
     pub unit: String,
 }
 
-/// Chooses poses whose measurement determines the parameters best.
+/// Chooses readings whose measurement determines the parameters best, each once.
 ///
-/// Fails if the parameters asked for are not those of the machine, and for options out of range.
+/// Fails if the parameters asked for are not those of the machine, for options out of range, and if the instrument can
+/// take fewer readings.
 pub fn plan_measurements(file: &MachineFile, options: &PlanOptions, run: Run) -> Reply<MeasurementPlan> {
     Call::answer(run, file.sources(), |call| {
         if !(1..=1000).contains(&options.poses) || options.noise_mm.is_nan() || options.noise_mm <= 0.0 {
             return call.usage("a plan has 1 to 1000 poses and a noise above zero");
         }
-        let Requested { request, own, .. } = Requested::of(call, file, &options.fit, &options.fixed)?;
-        let known = priors(call, file, &request, &options.priors, &own)?;
-        let model = FitModel::new(file, &own).with_known(&known);
-        let plan = plan(&model, options.poses, options.noise_mm, options.seed);
-        let s = &plan.expected;
-        let parameter = |(p, e): (&Parameter, &Estimate)| ExpectedParameter {
-            name: p.name.clone(),
-            sigma: e.sigma.map(|s| p.in_unit(s)),
-            unit: p.unit.clone(),
+        if options.candidates.is_some() && *options != (PlanOptions { ..options.of_file() }) {
+            return call
+                .usage("readings to choose from have no instrument, balls or ranges: leave them out, or the file");
+        }
+        let ranges = options.ranges.as_ref().map(|text| axis_ranges(file, text)).transpose();
+        let ranges = ranges.or_else(|refusal| call.refuse(refusal))?;
+        let file = &ranges.map_or_else(|| file.clone(), |ranges| file.with_volume_within(&ranges));
+        let texts = match options.candidates {
+            Some(_) => Vec::new(),
+            None => vec![("candidates.csv".to_owned(), table(call, file, options)?)],
         };
-        Ok(MeasurementPlan {
-            poses: plan.poses.iter().map(|pose| plan_pose(&model, pose)).collect(),
-            noise_um: s.sigma * 1e3,
-            parameters: own.iter().zip(&s.estimates).map(parameter).collect(),
-            rank: s.rank,
-            rank_first_order: s.rank_first_order,
-            unknowns: own.len(),
-            well_determined: s.well_determined,
-            null_space: s.null_space.clone(),
-            below_noise: s.below_noise.clone(),
-            condition: s.condition,
-            free: s.null_space_summary(),
-            csv: csv(&model, &plan.poses),
-        })
+        let problem = Problem::read(call, file, &options.inputs(&texts))?;
+        let (model, rows) = (problem.model(file, Order::Exact), &problem.rows);
+        let candidates = taken_together(rows).len();
+        if candidates < options.poses {
+            let count = counted(candidates, "reading");
+            return call.usage(format!("there are {count} to choose {} from, each once", options.poses));
+        }
+        let mut chosen = call.stage("readings chosen", options.poses, |advance| {
+            plan(&model, rows, options.poses, options.noise_mm, advance)
+        })?;
+        if options.candidates.is_some() || rows.iter().any(|row| row.run.is_some()) {
+            chosen.sort_unstable();
+        }
+        let csv = lines(call, &chosen.iter().map(|i| &rows[*i]).collect::<Vec<_>>());
+        let readings = vec![("plan.csv".to_owned(), csv.clone())];
+        let inputs = FitInputs { paths: vec![PathBuf::from("plan.csv")], ..options.inputs(&readings) };
+        // As it will be read: without the unknowns of runs that are not chosen.
+        let problem = Problem::read(call, file, &inputs)?;
+        let model = problem.model(file, Order::Exact);
+        let expected = expected(&model, &problem.rows, options.noise_mm);
+        Ok(MeasurementPlan { readings: options.poses, candidates, csv, ..planned(&model, &problem.rows, &expected) })
     })
 }
 
-fn plan_pose(model: &FitModel<'_>, pose: &Measurement) -> PlannedPose {
-    let machine = model.machine(pose);
-    let axes = machine.axes().iter().zip(&pose.pose);
-    PlannedPose {
-        axes: axes.map(|(axis, q)| (axis.name.to_string(), round_position(*q))).collect(),
-        tool: machine.tool().name.clone(),
+impl PlanOptions {
+    /// The same without what an instrument needs.
+    fn of_file(&self) -> Self {
+        Self { instrument: PlanInstrument::Points, balls: Vec::new(), ranges: None, ..self.clone() }
+    }
+
+    fn inputs<'a>(&'a self, texts: &'a [(String, String)]) -> FitInputs<'a> {
+        let names = texts.iter().map(|(name, _)| PathBuf::from(name));
+        FitInputs {
+            fit: &self.fit,
+            fixed: &self.fixed,
+            priors: &self.priors,
+            type_b: &[],
+            paths: self.candidates.iter().cloned().chain(names).collect(),
+            texts,
+            is_plan: true,
+            frame: Frame::Workpiece,
+            axis_poses: None,
+            order: Order::Exact,
+            robust: false,
+            folds: None,
+            range: FitRange::Travel,
+            accept_undetermined: false,
+        }
     }
 }
 
-fn csv(model: &FitModel<'_>, poses: &[Measurement]) -> String {
-    let named = model.machines().len() > 1;
-    let axes = model.machines().iter().take(1).flat_map(|machine| machine.axes());
-    let header: Vec<String> = axes.map(|axis| format!("{} [{}]", axis.name, axis.unit())).collect();
-    let tool = if named { ",tool" } else { "" };
-    let mut text = format!("{}{tool},dx [um],dy [um],dz [um]\n", header.join(","));
-    for pose in poses {
-        let cells: Vec<String> = pose.pose.iter().map(|q| round_position(*q).to_string()).collect();
-        let tool = if named { format!(",{}", model.machine(pose).tool().name) } else { String::new() };
-        text += &format!("{}{tool},,,\n", cells.join(","));
+/// Returns the table of what the instrument could read.
+fn table(call: &mut Call<'_>, file: &MachineFile, options: &PlanOptions) -> Result<String, Refused> {
+    let of_balls = options.instrument == PlanInstrument::RTest;
+    if !of_balls && !options.balls.is_empty() {
+        return call.usage("balls are of the instrument `r-test`");
     }
-    text
+    if of_balls && !file.axes().iter().any(|axis| axis.kind == AxisKind::Rotary) {
+        return call.usage("the machine has no rotary axis to turn");
+    }
+    let usual = within(file, 0.75);
+    let mut balls = Vec::new();
+    for text in &options.balls {
+        balls.push(pose_by_names(file, text, usual.clone()).or_else(|refusal| call.refuse(refusal))?);
+    }
+    check(call, file, &balls)?;
+    if balls.is_empty() {
+        balls.push(usual);
+    }
+    options.instrument.table(file, &balls, options.seed).or_else(|why| {
+        let message = format!("an R-test cannot be driven at a ball: {}", why.words());
+        let help = "put the ball at another place: `--ball X=250,Y=200`";
+        call.refuse(Diagnostic::new(codes::E0612, message).help(help))
+    })
 }
 
-/// Positions that a person can type in: 0.01 mm or deg, never `-0`.
-fn round_position(q: f64) -> f64 {
-    (q * 100.0).round() / 100.0 + 0.0
+/// Returns the lines of the chosen readings, below the head of their table.
+fn lines(call: &Call<'_>, chosen: &[&Measurement]) -> String {
+    let Some(first) = chosen.first() else { return String::new() };
+    let text = call.diagnostics.sources.text(first.place.source);
+    let is_title = |line: &str| !line.trim().is_empty() && !line.starts_with('#') && !line.starts_with("//");
+    let head = text.lines().position(is_title).map_or(0, |title| title + 1);
+    let mut csv: String = text.lines().take(head).map(|line| format!("{line}\n")).collect();
+    let mut met = BTreeSet::new();
+    for row in chosen {
+        if met.insert(row.place.range.start) {
+            csv += text.get(row.place.range.clone()).unwrap_or_default().trim_end_matches(['\r', '\n']);
+            csv += "\n";
+        }
+    }
+    csv
+}
+
+fn planned(model: &FitModel<'_>, chosen: &[Measurement], expected: &Solution) -> MeasurementPlan {
+    let parameter = |(p, e): (&Parameter, &Estimate)| ExpectedParameter {
+        name: p.name.clone(),
+        sigma: e.sigma.map(|s| p.in_unit(s)),
+        unit: p.unit.clone(),
+    };
+    let own = &model.parameters()[..model.own()];
+    MeasurementPlan {
+        poses: chosen.iter().map(|row| planned_pose(model, row)).collect(),
+        readings: 0,
+        candidates: 0,
+        noise_um: expected.sigma * 1e3,
+        parameters: own.iter().zip(&expected.estimates).map(parameter).collect(),
+        rank: expected.rank,
+        rank_first_order: expected.rank_first_order,
+        unknowns: model.parameters().len(),
+        well_determined: expected.well_determined,
+        null_space: expected.null_space.clone(),
+        below_noise: expected.below_noise.clone(),
+        condition: expected.condition,
+        free: expected.null_space_summary(),
+        csv: String::new(),
+    }
+}
+
+fn planned_pose(model: &FitModel<'_>, row: &Measurement) -> PlannedPose {
+    let machine = model.machine(row);
+    let mut poses =
+        row.poses().map(|pose| machine.axes().iter().zip(pose).map(|(axis, q)| (axis.name.to_string(), *q)).collect());
+    let (axes, to) = (poses.next().unwrap_or_default(), poses.next());
+    PlannedPose { axes, to, tool: machine.tool().name.clone(), run: row.run.clone() }
 }

@@ -7,9 +7,9 @@ use crate::cli::Outcome;
 use abbe::options::Approach;
 use abbe::results::{
     Axis, CertificateReport, CertificateStep, CompensationDegree, ControllerTarget, Figures, JobCertificate, Machine,
-    ROUNDING_UM, ReferenceShift, SingleErrorResidual, Summary, ToolDirection,
+    ROUNDING_UM, ReferenceShift, SeenCorrection, SingleErrorResidual, Summary, ToolDirection,
 };
-use abbe::text::{micro, significant};
+use abbe::text::{counted, micro, significant};
 use std::path::Path;
 
 /// A certificate with the folder of its files.
@@ -55,7 +55,8 @@ impl CertificateView<'_> {
     }
 
     fn text(&self) -> String {
-        let parts = [self.heading(), self.figures(), self.job(), self.programming(), self.by_error(), self.cautions()];
+        let [figures, job, second] = [self.figures(), self.job(), self.second()];
+        let parts = [self.heading(), figures, job, second, self.programming(), self.by_error(), self.cautions()];
         parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
     }
 
@@ -85,6 +86,35 @@ impl CertificateView<'_> {
         let worse = approached(*direction);
         let rows = figures_table(uncompensated, compensated);
         format!("{}Each state is set up by itself{worse}.\n{rows}\n{ratio}{raised}", over.text())
+    }
+
+    /// Returns the verdict of the second measurement.
+    fn second(&self) -> String {
+        let Some(of) = &self.report.second else { return String::new() };
+        let percent = |share: f64| format!("{} %", significant(100.0 * share, 3));
+        let seen =
+            |of: &SeenCorrection| format!("{} ±{}", significant(of.amount, 3), significant(of.expanded_uncertainty, 2));
+        let axis = |of: &SeenCorrection| format!("{} {}", of.axis.as_deref().unwrap_or(""), seen(of));
+        let by_axis: Vec<String> = of.correction_by_axis.iter().map(axis).collect();
+        let correction = of.correction.as_ref().map_or_else(
+            || "The set does nothing that these readings would show.\n".to_owned(),
+            |all| format!("Of the correction they see {} (1: all, 0: none): {}.\n", seen(all), by_axis.join(", ")),
+        );
+        let exact = "The machine file states no uncertainty of its errors: the prediction counts as exact.\n";
+        let once = match &of.counted_once[..] {
+            [] => String::new(),
+            names => format!("Common to both measurements, counted once: {}.\n", names.join(", ")),
+        };
+        format!(
+            "Second measurement, {} less their set-up, RMS\n{}\n|E_n| is at most 1 for {}; {} are expected, of 1000 good \
+             campaigns 995 have {} or more.\n{correction}{}{once}",
+            counted(of.readings.len(), "reading"),
+            of.words,
+            percent(of.within),
+            percent(of.within_expected),
+            percent(of.within_least),
+            if of.has_predicted_uncertainty { "" } else { exact },
+        )
     }
 
     fn figures(&self) -> String {

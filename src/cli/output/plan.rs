@@ -3,7 +3,7 @@
 use super::identify_report::rank;
 use super::view::table;
 use abbe::results::MeasurementPlan;
-use abbe::text::significant;
+use abbe::text::{counted, significant};
 
 pub(crate) fn text(plan: &MeasurementPlan) -> String {
     let mut rows = table(&["parameter", "1 sigma expected", "unit"]);
@@ -11,10 +11,13 @@ pub(crate) fn text(plan: &MeasurementPlan) -> String {
         let sigma = p.sigma.map_or_else(|| "free".to_owned(), |sigma| significant(sigma, 2));
         let _ = rows.add_row([p.name.clone(), sigma, p.unit.clone()]);
     }
+    let poses = plan.poses.len();
+    let of_lines = if poses == plan.readings { String::new() } else { format!(" ({})", counted(poses, "pose")) };
     let mut text = format!(
-        "{} poses, {} um per reading; `--format csv` writes them as a file of measurements to be filled \
-         in\n{}\n{rows}\n",
-        plan.poses.len(),
+        "{} of {} readings to choose from{of_lines}, {} um each; `--format csv` writes a file of measurements to be \
+         filled in\n{}\n{rows}\n",
+        plan.readings,
+        plan.candidates,
         significant(plan.noise_um, 3),
         plan.csv
     );

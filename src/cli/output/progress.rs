@@ -14,10 +14,10 @@ const PATIENCE: Duration = Duration::from_secs(1);
 const PACE: u8 = 10;
 
 /// Line of a stage whose number of steps is known.
-const KNOWN: &str = "{percent:>3} % of {len}, {eta} remaining";
+const KNOWN: &str = "{msg}: {percent} % of {len}, {eta} remaining";
 
 /// Line of a stage whose number of steps is not known.
-const UNKNOWN: &str = "{pos} steps in {elapsed}";
+const UNKNOWN: &str = "{msg}: {pos} in {elapsed}";
 
 /// The progress of the stages of a call, one after the other.
 pub(crate) struct StageProgress {
@@ -37,10 +37,11 @@ impl StageProgress {
     }
 }
 
-/// Returns a display of `total` steps (0: not known) that is hidden and clears its line when it is dropped.
-fn hidden_bar(total: usize) -> ProgressBar {
+/// Returns a display of `total` steps (0: not known) of a phase, which is hidden and clears its line when it is dropped.
+fn hidden_bar(phase: &str, total: usize) -> ProgressBar {
     let length = (total > 0).then_some(total as u64);
     let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::hidden()).with_finish(ProgressFinish::AndClear);
+    let bar = bar.with_message(phase.to_owned());
     match ProgressStyle::with_template(if total > 0 { KNOWN } else { UNKNOWN }) {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
@@ -55,8 +56,8 @@ impl Monitor for StageProgress {
         }
     }
 
-    fn begin(&self, total: usize) {
-        *self.stage() = self.visible.then(|| hidden_bar(total));
+    fn begin(&self, phase: &str, total: usize) {
+        *self.stage() = self.visible.then(|| hidden_bar(phase, total));
     }
 
     fn advance(&self, steps: usize) -> Result<(), Cancelled> {
@@ -80,9 +81,9 @@ mod tests {
     #[test]
     fn both_lines_are_templates_and_steps_are_counted() {
         assert!([KNOWN, UNKNOWN].iter().all(|line| ProgressStyle::with_template(line).is_ok()));
-        let bar = hidden_bar(4);
+        let bar = hidden_bar("poses", 4);
         bar.inc(1);
         assert_eq!((bar.position(), bar.length(), bar.is_hidden()), (1, Some(4), true));
-        assert_eq!(hidden_bar(0).length(), None);
+        assert_eq!((bar.message().as_str(), hidden_bar("poses", 0).length()), ("poses", None));
     }
 }

@@ -1,12 +1,11 @@
 //! `abbe identify`: measurements to error parameters, and a fitted machine file.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{FrameOption, OrderArg, SeedArg, ToolArg, counts, help, length};
+use crate::cli::arguments::{FrameOption, NoiseArg, OrderArg, SeedArg, ToolArg, counts, help};
 use crate::cli::output::session::Session;
 use crate::cli::output::{identify_report, monomials, pictures, plan};
 use crate::cli::store::write;
-use abbe::options::{FitRange, Order};
-use abbe::text::Reason;
+use abbe::options::{FitRange, Order, PlanInstrument};
 use abbe::{IdentifyOptions, PlanOptions, fit_monomials, identify, plan_measurements};
 use std::path::PathBuf;
 
@@ -14,9 +13,7 @@ use std::path::PathBuf;
 pub(crate) struct Args {
     /// The machine file.
     machine: PathBuf,
-    /// Measurements: CSV with a column per axis and `dx [um]`, `dy [um]`, `dz [um]`, or lengths, ball readings,
-    /// lines, single errors (docs/identify/measure.md).
-    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "plan")]
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "plan", help = help::DATA)]
     data: Vec<PathBuf>,
     #[arg(long, value_name = "FILE", help = help::AXIS_POSES, conflicts_with = "plan",
         long_help = "Poses at which the points of a laser tracker's export were measured: a column for each axis, and \
@@ -33,9 +30,7 @@ pub(crate) struct Args {
     /// mm 1 um`; `file`: what the machine file states. May be repeated.
     #[arg(long, value_name = "PRIOR")]
     prior: Vec<String>,
-    /// A standard uncertainty that all readings share: `laser 0.4 um/m`, `set-up 2 um`, `material 0.5 K x 11.7
-    /// um/m/K`. May be repeated.
-    #[arg(long, value_name = "UNCERTAINTY", conflicts_with = "plan")]
+    #[arg(long, value_name = "UNCERTAINTY", conflicts_with = "plan", help = help::TYPE_B)]
     type_b: Vec<String>,
     #[arg(long, value_name = "PATH", help = help::OUT, long_help = "Write the fitted machine to this file")]
     out: Option<PathBuf>,
@@ -62,14 +57,23 @@ pub(crate) struct Args {
     /// Check the prediction: leave out every measurement once, in this many parts (2 to 65535) [default: no check].
     #[arg(long, value_name = "PARTS", value_parser = counts(2..=65_535))]
     folds: Option<usize>,
-    /// Propose N poses to measure (1 to 1000), with the uncertainty that the parameters will have; nothing is fitted
-    /// [default: fit].
-    #[arg(long, value_name = "N", conflicts_with_all = ["data", "out", "folds", "robust"],
-          value_parser = counts(1..=1000))]
+    /// Propose N readings to take (1 to 1000), with the uncertainty that the parameters will have: poses, of a laser
+    /// lines; of those in `--data`, whose cells of readings are empty, or of an instrument. Nothing is fitted [default:
+    /// fit].
+    #[arg(long, value_name = "N", conflicts_with_all = ["out", "folds", "robust"], value_parser = counts(1..=1000))]
     plan: Option<usize>,
-    /// Standard deviation of a reading to plan with (above 0).
-    #[arg(long, value_name = "LENGTH", default_value = "1 um", value_parser = noise)]
-    noise: f64,
+    /// The instrument of a plan: three components at any pose, balls on the table, a tracker, or a laser along lines.
+    #[arg(long, value_enum, default_value = "points", requires = "plan", conflicts_with = "data")]
+    instrument: PlanInstrument,
+    /// R-test of a plan: a pose at which the functional point is at a ball on the table, other axes in the middle or at
+    /// 0. May be repeated [default: one ball, three quarters along the axes].
+    #[arg(long, value_name = "X=100,Y=50", requires = "plan")]
+    ball: Vec<String>,
+    /// Ranges of axes to which the readings of a plan are confined, mm and deg.
+    #[arg(long, value_name = "A=-60..60,C=0..180", requires = "plan", conflicts_with = "data")]
+    ranges: Option<String>,
+    #[command(flatten)]
+    noise: NoiseArg,
     #[command(flatten)]
     seed: SeedArg,
     #[command(flatten)]
@@ -119,8 +123,18 @@ impl Args {
     }
 
     fn plan_options(&self, poses: usize) -> PlanOptions {
-        let (fit, fixed, priors) = (self.fit.clone(), self.fixed.clone(), self.prior.clone());
-        PlanOptions { poses, fit, fixed, priors, noise_mm: self.noise, seed: self.seed.seed }
+        PlanOptions {
+            poses,
+            instrument: self.instrument,
+            balls: self.ball.clone(),
+            ranges: self.ranges.clone(),
+            candidates: self.data.first().cloned(),
+            fit: self.fit.clone(),
+            fixed: self.fixed.clone(),
+            priors: self.prior.clone(),
+            noise_mm: self.noise.noise.unwrap_or(1e-3),
+            seed: self.seed.seed,
+        }
     }
 }
 
@@ -130,6 +144,9 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     }
     let file = session.load(&args.machine, args.tool.name())?;
     if let Some(poses) = args.plan {
+        if args.data.len() > 1 {
+            return session.usage("a plan chooses from one file of readings");
+        }
         let plan = session.take(plan_measurements(&file, &args.plan_options(poses), session.run()))?;
         return session.show(&plan, || plan.csv.clone(), || plan::text(&plan));
     }
@@ -152,12 +169,4 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
 fn refuse_outputs(session: &mut Session, args: &Args) -> Outcome {
     let folders = || args.pictures.iter().try_for_each(|folder| write::refuse_no_folder(folder));
     write::refuse_outputs(&args.out, &session.files).and_then(|()| folders()).or_else(|refusal| session.refuse(refusal))
-}
-
-/// Largest noise of a reading that is believed, mm.
-const MAX_NOISE_MM: f64 = 1000.0;
-
-/// A length above zero, such as `2 um`.
-fn noise(text: &str) -> Result<f64, Reason> {
-    length(text, |mm| mm > 0.0 && mm <= MAX_NOISE_MM, "write a length above zero and up to 1 m, such as `2 um`")
 }

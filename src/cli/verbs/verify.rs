@@ -1,12 +1,12 @@
 //! `abbe verify`: replay files as the controller would and certify the residual.
 
 use crate::cli::Outcome;
-use crate::cli::arguments::{InstalledArg, help};
+use crate::cli::arguments::{FrameOption, InstalledArg, NoiseArg, help};
 use crate::cli::how::SetArgs;
 use crate::cli::output::certificate::CertificateView;
 use crate::cli::output::session::Session;
 use crate::cli::store::file_set;
-use abbe::options::{Approach, ReplayPosition};
+use abbe::options::{Approach, ReplayPosition, SecondOptions};
 use abbe::sets::set_manifest;
 use abbe::{MachineFile, VerifyOptions};
 use std::path::{Path, PathBuf};
@@ -29,6 +29,35 @@ pub(crate) struct Args {
     set: SetArgs,
     #[command(flatten)]
     installed: InstalledArg,
+    #[command(flatten)]
+    second: SecondArgs,
+}
+
+/// Readings of the machine that was driven with the set.
+#[derive(Debug, clap::Args)]
+struct SecondArgs {
+    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with = "replay", help = help::DATA)]
+    data: Vec<PathBuf>,
+    #[arg(long, value_name = "FILE", requires = "data", help = help::AXIS_POSES)]
+    axis_poses: Option<PathBuf>,
+    #[arg(long, value_name = "UNCERTAINTY", requires = "data", help = help::TYPE_B)]
+    type_b: Vec<String>,
+    #[command(flatten)]
+    frame: FrameOption,
+    #[command(flatten)]
+    noise: NoiseArg,
+}
+
+impl SecondArgs {
+    fn options(&self) -> SecondOptions {
+        SecondOptions {
+            data: self.data.clone(),
+            frame: self.frame.frame,
+            axis_poses: self.axis_poses.clone(),
+            type_b: self.type_b.clone(),
+            noise_mm: self.noise.noise,
+        }
+    }
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
@@ -45,6 +74,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         seed: args.set.seed.seed,
         installed: args.installed.installed.clone(),
         work: args.set.certified_work(),
+        second: args.second.options(),
     };
     if let Some(path) = &args.replay {
         return replay(session, &file, &args.folder, path, &options);

@@ -30,6 +30,12 @@ pub(super) enum Content {
     Length(LengthKind),
     /// Deviation along the line of the run: `along`.
     Along,
+    /// A feature that was touched: `feature`.
+    Feature,
+    /// Component of the direction from the feature to the probe, workpiece frame: `n.x`.
+    Normal(usize),
+    /// Distance beyond the touch along that direction: `touch`.
+    Beyond,
     /// Coordinate of the functional point in the instrument's own frame: `tracker.x`.
     Tracker(usize),
     /// The name of a point.
@@ -50,6 +56,16 @@ pub(super) enum Content {
     Uncertainty(ReadingQuantity),
     Run,
     Approach,
+}
+
+impl Content {
+    /// True if its cells hold what was measured.
+    pub(super) fn is_reading(self) -> bool {
+        matches!(
+            self,
+            Self::Deviation(_) | Self::Relative(_) | Self::Length(_) | Self::Along | Self::Tracker(_) | Self::Error(..)
+        )
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,6 +101,7 @@ pub(super) enum RowForm {
     Distance,
     Along,
     Position,
+    Touch,
     Error,
 }
 
@@ -97,6 +114,7 @@ impl Content {
             Self::Ball => Some(RowForm::Ball),
             Self::Length(_) => Some(RowForm::Distance),
             Self::Along => Some(RowForm::Along),
+            Self::Feature => Some(RowForm::Touch),
             Self::Tracker(_) => Some(RowForm::Position),
             Self::Error(..) => Some(RowForm::Error),
             _ => None,
@@ -117,7 +135,7 @@ enum TitleUnit {
 }
 
 /// Titles, besides those of axes and errors.
-const TITLES: [(&str, TitleUnit, Content); 29] = [
+const TITLES: [(&str, TitleUnit, Content); 34] = [
     ("dx", TitleUnit::Length, Content::Deviation(0)),
     ("dy", TitleUnit::Length, Content::Deviation(1)),
     ("dz", TitleUnit::Length, Content::Deviation(2)),
@@ -129,6 +147,11 @@ const TITLES: [(&str, TitleUnit, Content); 29] = [
     ("dl", TitleUnit::Length, Content::Length(LengthKind::FromNominal)),
     ("displacement", TitleUnit::Length, Content::Length(LengthKind::Displacement)),
     ("along", TitleUnit::Length, Content::Along),
+    ("feature", TitleUnit::Missing, Content::Feature),
+    ("n.x", TitleUnit::Missing, Content::Normal(0)),
+    ("n.y", TitleUnit::Missing, Content::Normal(1)),
+    ("n.z", TitleUnit::Missing, Content::Normal(2)),
+    ("touch", TitleUnit::Length, Content::Beyond),
     ("tracker.x", TitleUnit::Length, Content::Tracker(0)),
     ("tracker.y", TitleUnit::Length, Content::Tracker(1)),
     ("tracker.z", TitleUnit::Length, Content::Tracker(2)),
@@ -245,6 +268,11 @@ fn check_ends(contents: &[Content], form: RowForm) -> Result<(), HeaderFailure> 
     }
     if form == RowForm::Position && contents.iter().filter(|c| matches!(c, Content::Tracker(_))).count() < 3 {
         return Err(HeaderFailure::PartOfPosition);
+    }
+    let normals = contents.iter().filter(|c| matches!(c, Content::Normal(_))).count();
+    let has_normal = normals == 3;
+    if (form == RowForm::Touch) != has_normal || (!has_normal && (normals > 0 || any(|c| *c == Content::Beyond))) {
+        return Err(HeaderFailure::PartOfTouch);
     }
     let known = |fixture| contents.contains(&Content::PlaceUncertainty(fixture));
     if (known(Fixture::Station) && places == 0) || (form != RowForm::Ball && (balls > 0 || known(Fixture::Ball))) {

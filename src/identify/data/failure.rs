@@ -34,6 +34,8 @@ pub(super) enum HeaderFailure {
     PartOfStation,
     #[error("give all three of `tracker.x [mm]`, `tracker.y [mm]`, `tracker.z [mm]`")]
     PartOfPosition,
+    #[error("a touch needs `feature` and all three of `n.x`, `n.y`, `n.z`, the direction from it to the probe")]
+    PartOfTouch,
     /// A table of poses without a column of an axis.
     #[error("a table of poses has a column for each axis that moves")]
     NoPoses,
@@ -77,8 +79,12 @@ pub(super) enum RowFailure {
     Number(units::Failure),
     #[error(transparent)]
     Decimals(MixedDecimals),
+    #[error("the direction `n` of this touch has no length")]
+    NoNormal,
     #[error("the row has no reading")]
     NoReading,
+    #[error("`{}` is a reading, and a plan asks for what is not measured yet: leave the cell empty", shown(.0))]
+    ReadingInPlan(String),
     #[error("`{}` is more than 1 km: compare the unit in the header", shown(.0))]
     Far(String),
     /// A cell, and the weight that it gives.

@@ -64,14 +64,17 @@ pub enum Reading {
         /// First of six unknowns: where the frame of the readings is beside that fit, and by how much it is turned.
         frame: usize,
     },
-    /// Deviation along a straight line, less an unknown constant: a laser interferometer.
+    /// Deviation along a fixed direction, less what unknowns of instrument and set-up add: along a straight line a laser
+    /// interferometer, along the normal of a feature a touch.
     Along {
         /// Actual minus nominal.
         value: f64,
         /// Unit vector, workpiece frame.
         direction: Vector3<f64>,
-        /// Index of the unknown constant.
-        zero: usize,
+        /// Indices of the unknowns, and what a unit of each adds to the deviation.
+        less: Vec<(usize, f64)>,
+        /// True of a touch.
+        is_touch: bool,
     },
     /// A component error itself, as a single-axis measurement gives it.
     Error {
@@ -103,6 +106,8 @@ pub enum ReadingKind {
     Length,
     /// Along a line.
     Line,
+    /// Touches of features.
+    Touch,
     /// Component errors that are lengths.
     Error,
     /// Component errors that are angles.
@@ -123,6 +128,7 @@ impl ReadingKind {
             Self::Position => "positions",
             Self::Length => "lengths",
             Self::Line => "lines",
+            Self::Touch => "touches",
             Self::Error => "single errors",
             Self::Angle => "single angles",
         }
@@ -176,6 +182,7 @@ impl Measurement {
             Reading::Deviation { .. } => ReadingKind::Relative,
             Reading::Position { .. } => ReadingKind::Position,
             Reading::Distance { .. } => ReadingKind::Length,
+            Reading::Along { is_touch: true, .. } => ReadingKind::Touch,
             Reading::Along { .. } => ReadingKind::Line,
             Reading::Error { source, .. } if source.direction.is_rotation() => ReadingKind::Angle,
             Reading::Error { .. } => ReadingKind::Error,

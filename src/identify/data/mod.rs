@@ -2,11 +2,13 @@
 //!
 //! 1. `columns`: the header of a file to columns.
 //! 2. [`read_measurements`]: cells to [`Measurement`]s; `station` finds where a distance measurement stands.
-//!    `tracker` has the exports of trackers, and the frame of their instrument.
+//!    `tracker` has the exports of trackers, and the frame of their instrument, `touches` the unknowns of features.
 //! 3. [`repeats()`]: poses that were measured more than once.
+//! 4. `candidates`: tables of what an instrument could read, for a plan.
 //!
 //! [`import`] reads the single-axis exports of instruments; `error_name` are the spellings of errors in files.
 
+mod candidates;
 mod columns;
 mod error_name;
 mod failure;
@@ -15,8 +17,11 @@ mod measurement;
 mod reader;
 mod repeats;
 mod station;
+mod touches;
 mod tracker;
 
+pub use candidates::PlanInstrument;
+pub(crate) use candidates::taken_together;
 pub(super) use error_name::split_direction;
 pub use measurement::{DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, ReadingKind};
 pub(crate) use measurement::{LEVER_MM, lever};

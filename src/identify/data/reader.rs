@@ -2,8 +2,9 @@
 
 use super::columns::{Content, LengthKind, MeasurementColumn, ReadingQuantity, RowForm, columns, pose_columns};
 use super::failure::RowFailure;
-use super::measurement::{DistanceEnd, Measurement, MeasurementSet, Reading, SetExtent, lever};
+use super::measurement::{DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, SetExtent, lever};
 use super::station::{self, StationFailure};
+use super::touches::{Touch, TouchUnknowns};
 use super::tracker::{self, InstrumentFrame, PointColumns, PointFailure, TrackedPoint};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use crate::evaluate::Frame;
@@ -19,6 +20,8 @@ use std::path::{Path, PathBuf};
 
 /// Mistakes after which the rest of a file is of the same kind.
 const MAX_MISTAKES: usize = 5;
+/// Least length of a direction.
+const MIN_NORMAL: f64 = 1e-9;
 /// Maximum number of names that a warning lists.
 const MAX_LISTED: usize = 5;
 /// One row before its run is known as a whole.
@@ -37,12 +40,25 @@ struct Draft {
     /// Standard uncertainty of the place (mm).
     known: Option<f64>,
     ball: String,
+    feature: String,
+    normal: [f64; 3],
     /// Place in the instrument's frame.
     tracker: [Option<f64>; 3],
     point: String,
 }
 
 impl Draft {
+    /// Takes a reading for planned: its value does not matter.
+    fn plan(&mut self, content: &Content, deviation: &mut [Option<f64>; 3]) {
+        match *content {
+            Content::Deviation(k) | Content::Relative(k) => deviation[k] = Some(0.0),
+            Content::Tracker(k) => self.tracker[k] = Some(0.0),
+            Content::Error(source, approach) => self.errors.push((source, approach.unwrap_or_default(), 0.0)),
+            Content::Length(kind) => self.length = Some((kind, 0.0)),
+            _ => {}
+        }
+    }
+
     /// Takes a standard uncertainty (mm or rad) for the weight.
     fn uncertain(&mut self, quantity: ReadingQuantity, value: f64, cell: &str) -> Result<(), RowFailure> {
         let angle = quantity == ReadingQuantity::Angle;
@@ -59,6 +75,7 @@ struct MeasurementReader<'a> {
     machine: &'a Machine,
     machines: Vec<Machine>,
     frame: Frame,
+    is_plan: bool,
     /// Name of the file in the names of unknowns; empty if there is only one.
     file: String,
     form: RowForm,
@@ -82,6 +99,8 @@ pub struct ReadingContext {
     pub frame: Frame,
     /// The table of the poses at which points of a tracker were measured.
     pub axis_poses: Option<PathBuf>,
+    /// True if the rows are readings that could be taken: their cells are empty, and count as read.
+    pub is_plan: bool,
 }
 
 /// Reads files of measurements; whatever is wrong with one is reported, and it adds nothing.
@@ -98,6 +117,7 @@ pub fn read_measurements(
         machine,
         machines,
         frame: context.frame,
+        is_plan: context.is_plan,
         file: String::new(),
         form: RowForm::Position,
         data: MeasurementSet::default(),
@@ -121,7 +141,7 @@ pub fn read_measurements(
 }
 
 const COLUMNS: &str = "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, \
-    or another kind of reading: `rel.dx [um]`, `ball`, `tracker.x [mm]`, `length [mm]`, `displacement [mm]`, \
+    or another kind of reading: `rel.dx [um]`, `ball`, `feature`, `tracker.x [mm]`, `length [mm]`, `displacement [mm]`, \
     `dl [um]`, `along [um]`, `EXX [um]`; optionally `tool`, `run`, `approach`, `weight` or `u [um]`";
 const POINTS: &str = "an export of points has columns such as `point`, `X [mm]`, `Y [mm]`, `Z [mm]`; `--axis-poses \
     FILE` has their poses: a column for each axis, and `point`, or a row for each point in their order";
@@ -291,6 +311,8 @@ impl MeasurementReader<'_> {
             at: [None; 3],
             known: None,
             ball: String::new(),
+            feature: String::new(),
+            normal: [0.0; 3],
             tracker: [None; 3],
             point: String::new(),
         }
@@ -318,6 +340,13 @@ impl MeasurementReader<'_> {
         let mut values = [None; 3];
         for (cell, MeasurementColumn { content, factor }) in cells.iter().zip(columns) {
             let mut scaled = || Ok(number(cell)? * factor);
+            if self.is_plan && content.is_reading() {
+                if !cell.is_empty() {
+                    return Err(RowFailure::ReadingInPlan(cell.clone()));
+                }
+                draft.plan(content, &mut values);
+                continue;
+            }
             match *content {
                 Content::Axis(axis) => draft.row.pose[axis] = scaled()?,
                 Content::To(axis) => to.push((axis, scaled()?)),
@@ -329,6 +358,9 @@ impl MeasurementReader<'_> {
                     draft.errors.push((source, approach.unwrap_or_default(), near(scaled()?, cell)?));
                 }
                 Content::Ball => draft.ball = cell.clone(),
+                Content::Feature => draft.feature = cell.clone(),
+                Content::Normal(k) => draft.normal[k] = near(number(cell)?, cell)?,
+                Content::Beyond => draft.along = near(scaled()?, cell)?,
                 Content::Tracker(k) => draft.tracker[k] = Some(near(scaled()?, cell)?),
                 Content::Point => draft.point = cell.clone(),
                 Content::Length(kind @ LengthKind::Whole) => {
@@ -357,6 +389,9 @@ impl MeasurementReader<'_> {
             to.into_iter().for_each(|(axis, q)| pose[axis] = q);
             draft.to = Some(pose);
         }
+        if self.form == RowForm::Touch && Vector3::from(draft.normal).norm() < MIN_NORMAL {
+            return Err(RowFailure::NoNormal);
+        }
         let nothing = match self.form {
             RowForm::Deviation | RowForm::Relative => draft.row.readings() == 0,
             RowForm::Error => draft.errors.is_empty(),
@@ -376,6 +411,7 @@ impl MeasurementReader<'_> {
             RowForm::Relative => self.relative(drafts),
             RowForm::Ball => self.balls(drafts)?,
             RowForm::Along => self.lines(drafts)?,
+            RowForm::Touch => self.touches(drafts),
             RowForm::Position => self.positions(drafts)?,
             RowForm::Distance if drafts.iter().any(|draft| draft.to.is_some()) => self.pairs(drafts)?,
             RowForm::Distance => self.stations(drafts)?,
@@ -438,7 +474,7 @@ impl MeasurementReader<'_> {
         for (run, drafts) in runs(drafts, |_| String::new()) {
             let nominal: Vec<Vector3<f64>> = drafts.iter().map(|d| self.nominal(&d.row, &d.row.pose)).collect();
             let read = |draft: &Draft| Vector3::from(draft.tracker.map(Option::unwrap_or_default));
-            let measured: Vec<Vector3<f64>> = drafts.iter().map(read).collect();
+            let measured = if self.is_plan { nominal.clone() } else { drafts.iter().map(read).collect() };
             let name = format!("{}tracker{run}", self.file);
             let fitted = InstrumentFrame::fit(&nominal, &measured).map_err(|failure| {
                 let place = drafts.first().map(|draft| draft.row.place.clone());
@@ -470,11 +506,51 @@ impl MeasurementReader<'_> {
             }
             let zero = self.data.unknown(format!("{}zero{run}", self.file), 0.0);
             for mut draft in drafts {
-                draft.row.reading = Reading::Along { value: draft.along, direction: far.normalize(), zero };
+                draft.row.reading = Reading::Along {
+                    value: draft.along,
+                    direction: far.normalize(),
+                    less: vec![(zero, 1.0)],
+                    is_touch: false,
+                };
                 self.data.rows.push(draft.row);
             }
         }
         Ok(())
+    }
+
+    /// Adds touches of features.
+    fn touches(&mut self, drafts: Vec<Draft>) {
+        let touch = |draft: &Draft| {
+            let nominal = NominalPose::in_part(&self.machines[draft.row.tool], &draft.row.pose);
+            let normal = Vector3::from(draft.normal).normalize();
+            let in_tool = nominal.pose.linear.transpose() * normal;
+            Touch { point: nominal.pose.translation, normal, in_tool, tool: draft.row.tool }
+        };
+        let groups = runs(drafts, |draft| draft.feature.clone());
+        let (mut features, mut list): (Vec<(String, Vec<usize>)>, Vec<Draft>) = (Vec::new(), Vec::new());
+        for (name, drafts) in groups {
+            features.push((format!("{}feature{name}", self.file), (list.len()..list.len() + drafts.len()).collect()));
+            list.extend(drafts);
+        }
+        let touches: Vec<Touch> = list.iter().map(touch).collect();
+        let (tools, file) = (self.machine.tools(), &self.file);
+        let of_tool = |tool: usize| if tools.len() > 1 { format!(" {}", tools[tool].name) } else { String::new() };
+        let found = TouchUnknowns::of(&touches, &features, &of_tool);
+        let first = self.data.nuisances.len();
+        let named = found.list.into_iter().map(|unknown| match unknown.name.starts_with("touch") {
+            true => InstrumentUnknown { name: format!("{file}{}", unknown.name), ..unknown },
+            false => unknown,
+        });
+        self.data.nuisances.extend(named);
+        for (((mut draft, touch), shares), nominal) in
+            list.into_iter().zip(touches).zip(found.shares).zip(found.nominal)
+        {
+            let less = shares.into_iter().map(|(index, share)| (first + index, share)).collect();
+            // The actual point is where feature and probe have it: as much as the nominal one is off, it deviates.
+            let value = draft.along - nominal;
+            draft.row.reading = Reading::Along { value, direction: touch.normal, less, is_touch: true };
+            self.data.rows.push(draft.row);
+        }
     }
 
     /// Adds distances between two poses of the functional point.
@@ -536,6 +612,9 @@ impl MeasurementReader<'_> {
                 return Err(StationFailure::TwoPlaces);
             }
             return Ok(Vector3::new(x, y, z));
+        }
+        if self.is_plan {
+            return Err(StationFailure::Planned);
         }
         let mut names: Vec<Option<&String>> = Vec::new();
         let rows = drafts.iter().map(|draft| {

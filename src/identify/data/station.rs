@@ -23,6 +23,9 @@ pub enum StationFailure {
     /// The file gives it two places.
     #[error("the station has two places: give it two names")]
     TwoPlaces,
+    /// Nothing is measured yet.
+    #[error("a plan knows its place from the file alone")]
+    Planned,
     /// The number of distances, and the number that is needed.
     #[error("{0} distances do not determine its place ({1} are needed)")]
     TooFew(usize, usize),

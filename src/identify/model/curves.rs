@@ -60,7 +60,7 @@ pub(crate) fn parameters(
             let message = format!("`{}` is not a basis", shown(form));
             let help = "write poly3 (powers 0 to 3; at most 20), fourier2 (orders 0 to 2), spline8 or bspline8 (8 \
              knots; at most 50), \
-                        or blocks4 (4 blocks)";
+                        or blocks4 (4 blocks); a knot is fitted with its curve, whose others may be `--fixed`";
             Err(refusal(message, help))
         }
     }

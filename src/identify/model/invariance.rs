@@ -10,7 +10,7 @@ use super::parameter::{Parameter, sizes};
 use super::prediction::FitModel;
 use super::volume::Volume;
 use crate::algebra::linear::{Svd, Triangle};
-use crate::identify::data::{Measurement, Reading};
+use crate::identify::data::{Measurement, Reading, ReadingKind};
 use crate::identify::thresholds::*;
 use crate::units::significant;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
@@ -40,6 +40,9 @@ pub fn invariances(model: &FitModel<'_>, data: &[Measurement]) -> Invariances {
 /// True if some readings only say that points are the same.
 fn same_points(model: &FitModel<'_>, data: &[Measurement]) -> bool {
     let mut places: std::collections::BTreeMap<[Option<usize>; 3], Vec<Vector3<f64>>> = Default::default();
+    if data.iter().any(|m| m.kind() == ReadingKind::Touch) {
+        return true;
+    }
     for m in data {
         let Reading::Deviation { zero, .. } = &m.reading else { continue };
         if zero.iter().all(Option::is_some) {

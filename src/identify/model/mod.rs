@@ -23,6 +23,7 @@ mod volume;
 pub use invariance::{Invariances, invariances};
 pub use known::{PriorValue, parse_prior};
 pub use monomials::{MonomialCoefficient, MonomialComponent, Rms, moore_penrose};
+pub(super) use observation::{Observation, ReadingSubject, Slope, observe, single};
 pub(super) use parameter::approach_weight;
 pub(super) use parameter::sizes;
 pub use parameter::{BasisFunction, Parameter, ParameterTerm, SlopeBound};

@@ -8,7 +8,7 @@ use crate::machine::Machine;
 use nalgebra::{Matrix3, Vector3};
 
 /// The actual geometry that a reading depends on, as a point (mm, workpiece frame).
-pub(super) enum ReadingSubject<'a> {
+pub(in crate::identify) enum ReadingSubject<'a> {
     /// The functional point at a pose.
     Point(&'a [f64]),
     /// A component error at the pose of the measurement, as the first coordinate.
@@ -17,7 +17,7 @@ pub(super) enum ReadingSubject<'a> {
 
 /// A reading (mm, in its own frame) of subjects over an algebra; the first [`Measurement::reading_mask`] components
 /// count.
-pub(super) struct Observation<S> {
+pub(in crate::identify) struct Observation<S> {
     /// The reading.
     pub value: Vector3<S>,
     /// Its derivative by the first subject; by the second subject it is the negative of that.
@@ -27,7 +27,7 @@ pub(super) struct Observation<S> {
 }
 
 /// The linear map from displacements of a subject to changes of a reading.
-pub(super) enum Slope<S> {
+pub(in crate::identify) enum Slope<S> {
     /// All three components, in another frame.
     Rotation(Matrix3<f64>),
     /// The component along a fixed direction.
@@ -49,7 +49,7 @@ impl<S: Algebra> Slope<S> {
 
 /// Returns the reading of a measurement where `at` gives its one or two subjects and `unknowns` (mm) are those of the
 /// instruments.
-pub(super) fn observe<S: Algebra>(
+pub(in crate::identify) fn observe<S: Algebra>(
     machine: &Machine,
     m: &Measurement,
     unknowns: &[f64],
@@ -96,13 +96,14 @@ pub(super) fn observe<S: Algebra>(
             let by_unknown = by_station.map(|(index, k)| (index, pull(k))).chain(zero.map(less_constant)).collect();
             Observation { value: single(length - constant(zero)), slope: Slope::Towards(towards), by_unknown }
         }
-        Reading::Along { direction, zero, .. } => {
+        Reading::Along { direction, less, .. } => {
             let nominal = NominalPose::in_part(machine, &m.pose).pose.translation;
             let deviation = along(direction, &subtract(&at(ReadingSubject::Point(&m.pose)), &nominal));
+            let added = less.iter().map(|(index, share)| share * unknowns[*index]).sum();
             Observation {
-                value: single(deviation - constant(&Some(*zero))),
+                value: single(deviation - S::from_real(added)),
                 slope: Slope::Along(*direction),
-                by_unknown: vec![less_constant(*zero)],
+                by_unknown: less.iter().map(|(index, share)| (*index, first(-share))).collect(),
             }
         }
         Reading::Error { source, .. } => {
@@ -123,7 +124,7 @@ pub(super) fn rotation_to(frame: Frame, nominal: &NominalPose) -> Matrix3<f64> {
 }
 
 /// Returns a vector of one number.
-pub(super) fn single<S: Algebra>(x: S) -> Vector3<S> {
+pub(in crate::identify) fn single<S: Algebra>(x: S) -> Vector3<S> {
     Vector3::new(x, S::zero(), S::zero())
 }
 

@@ -184,6 +184,11 @@ impl<'a> FitModel<'a> {
         self
     }
 
+    /// Returns the values known before the data.
+    pub(crate) fn known(&self) -> &[PriorValue] {
+        &self.known
+    }
+
     /// Returns the values known before the data: rows over their standard uncertainty, and the right sides.
     pub(crate) fn known_rows(&self) -> (DMatrix<f64>, DVector<f64>) {
         let count = self.parameters.len();

@@ -12,7 +12,8 @@ use crate::identify::lists::index_of;
 use crate::identify::thresholds::DESIGN_RANK_TOLERANCE;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{
-    Approach, AxisKind, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, parse_error_name,
+    Approach, AxisKind, ComponentError, Curve, Direction, ErrorFamily, ErrorId, ErrorTerm, Machine, basis_of_term,
+    parse_error_name,
 };
 use crate::syntax::{IdentifyEntry, Scalar};
 use indexmap::IndexMap;
@@ -298,8 +299,23 @@ fn parameters_of_word(machine: &Machine, word: &str, request: &IdentifyEntry) ->
         "tool" => Ok(setup(machine, ErrorSite::Tool, "tool", &machine.setup().tool)),
         "workpiece" => Ok(setup(machine, ErrorSite::Workpiece, "workpiece", &machine.setup().workpiece)),
         "linear" => Ok(linear(machine)),
-        _ => parameters_of_error(machine, word, request),
+        _ => match named_parameter(machine, word, request) {
+            Some(parameter) => Ok(vec![parameter]),
+            None => parameters_of_error(machine, word, request),
+        },
     }
+}
+
+/// Returns the one parameter that reports call so: `tool.X`, `EXX:slope`, `EXX:x^2`, `ECC:cos1`.
+fn named_parameter(machine: &Machine, word: &str, request: &IdentifyEntry) -> Option<Parameter> {
+    let whole = match word.split_once(':') {
+        Some((error, term)) => match basis_of_term(term)?.as_str() {
+            "slope" => "linear".to_owned(),
+            basis => format!("{error}:{basis}"),
+        },
+        None => word.split_once('.').map(|(set_up, _)| set_up).filter(|word| GROUPS.contains(word))?.to_owned(),
+    };
+    parameters_of_word(machine, &whole, request).ok()?.into_iter().find(|parameter| parameter.name == word)
 }
 
 fn six(machine: &Machine, joint: usize) -> impl Iterator<Item = Parameter> + '_ {

@@ -6,6 +6,7 @@ use super::weighing::{median, solve, standardise};
 use crate::identify::data::{Measurement, ReadingKind};
 use crate::identify::model::{FitModel, zero_unread};
 use crate::identify::thresholds::{MIN_OUTLIER_MM, OUTLIER_DEVIATIONS};
+use crate::run::Advance;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -68,7 +69,7 @@ impl Residuals {
 
 /// Returns the median length over readings that need no instrument unknowns.
 fn typical(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
-    let plain = |kind| !matches!(kind, ReadingKind::Length | ReadingKind::Line);
+    let plain = |kind| !matches!(kind, ReadingKind::Length | ReadingKind::Line | ReadingKind::Touch);
     let sizes = data.iter().zip(before).filter(|(m, _)| plain(m.kind())).map(|(_, r)| r.norm());
     median(sizes.collect()).0
 }
@@ -95,17 +96,25 @@ fn outliers(data: &[Measurement], residuals: &[Vector3<f64>]) -> Vec<Outlier> {
 }
 
 /// Returns the RMS (mm) of the prediction of data that the fit did not use (cross-validation): every measurement is
-/// left out once, in `folds` parts. `None` with fewer than two parts or measurements than parts.
-pub fn held_out(model: &FitModel<'_>, data: &[Measurement], folds: usize, robust: bool) -> Option<f64> {
+/// left out once, in `folds` parts, of which `progress` hears. `None` with fewer than two parts or measurements than
+/// parts.
+pub fn held_out<F>(
+    model: &FitModel<'_>,
+    data: &[Measurement],
+    folds: usize,
+    robust: bool,
+    progress: Advance<'_, F>,
+) -> Result<Option<f64>, F> {
     if folds < 2 || folds > data.len() {
-        return None;
+        return Ok(None);
     }
     let part = |fold: usize| {
         let (held, used): (Vec<_>, Vec<_>) = data.iter().cloned().enumerate().partition(|(i, _)| i % folds == fold);
         let bare = |list: Vec<(usize, Measurement)>| list.into_iter().map(|(_, m)| m).collect::<Vec<_>>();
         let (held, used) = (bare(held), bare(used));
-        model.residuals(&held, &solve(model, &used, robust).theta)
+        let residuals = model.residuals(&held, &solve(model, &used, robust).theta);
+        progress(1).map(|()| residuals)
     };
-    let residuals: Vec<Vector3<f64>> = (0..folds).flat_map(part).collect();
-    Some(rms(&residuals))
+    let residuals: Vec<Vec<Vector3<f64>>> = (0..folds).map(part).collect::<Result<_, F>>()?;
+    Ok(Some(rms(&residuals.concat())))
 }

@@ -31,7 +31,7 @@ pub use datum::{DatumChange, DatumConditions, RigidMotionRemoved, in_datum, meas
 pub use fit::{ParameterFit, Scatter, fit};
 pub use in_data::FitInData;
 pub use lack_of_fit::{FormUncertainty, form_uncertainty};
-pub use plan::plan;
+pub use plan::{expected, plan};
 pub use randomness::{ResidualTest, randomness};
 pub use solution::{Estimate, Solution};
 pub use unheld::unheld;

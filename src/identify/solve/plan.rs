@@ -1,84 +1,146 @@
-//! A plan of few poses to measure, such that the parameters are known best. Nothing has to be measured for it.
+//! A plan of few readings, such that the parameters are known best. Nothing has to be measured for it.
 
 use super::fit::ParameterFit;
 use super::solution::Solution;
-use crate::diagnostic::{Place, SourceId};
-use crate::evaluate::{Frame, random_poses};
-use crate::identify::data::{Measurement, Reading};
-use crate::identify::model::{FitModel, invariances};
-use crate::identify::thresholds::{MIN_PRIOR_SIGMA_MM, PLAN_CANDIDATES};
-use nalgebra::{DMatrix, Matrix3};
+use crate::identify::data::{Measurement, Reading, taken_together};
+use crate::identify::model::{FitModel, Parameter, invariances};
+use crate::identify::thresholds::MIN_PRIOR_SIGMA_MM;
+use crate::run::Advance;
+use nalgebra::{Cholesky, DMatrix, Dyn, Vector3};
+use rayon::prelude::*;
 
-/// Poses to measure, and the uncertainties to be expected.
-#[derive(Debug, Clone)]
-pub struct PosePlan {
-    /// In the order in which they help most; nothing is measured in them.
-    pub poses: Vec<Measurement>,
-    /// Uncertainties, rank and null space to be expected; the values are those of the machine file.
-    pub expected: Solution,
-}
-
-/// Chooses `count` poses from the volume (and the tools) of the machine, one after the other: each time the one that
-/// shrinks the determinant of the parameters' covariance most (D-optimality). All three components are measured with a
-/// standard deviation of `noise` (mm).
-pub fn plan(model: &FitModel<'_>, count: usize, noise: f64, seed: u64) -> PosePlan {
-    let candidates = candidates(model, seed);
+/// Chooses `count` of the candidates, each once and one after the other: each time the one that shrinks the
+/// determinant of the covariance of the machine's parameters most, whatever the unknowns of instruments are
+/// (D_s-optimality: Atkinson, Donev and Tobias 2007). Lines count as one; a run of relative readings begins with its
+/// first, which counts. A component has a standard deviation of `noise` (mm), unless its row states its own.
+/// `progress` hears of each choice. Returns the indices in the order of their worth.
+pub fn plan<F>(
+    model: &FitModel<'_>,
+    candidates: &[Measurement],
+    count: usize,
+    noise: f64,
+    progress: Advance<'_, F>,
+) -> Result<Vec<usize>, F> {
     let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
-    let rows: Vec<DMatrix<f64>> = candidates.iter().map(|c| scaled_rows(model, c, &theta, noise)).collect();
-    let mut covariance = DMatrix::identity(theta.len(), theta.len()) * (MIN_PRIOR_SIGMA_MM * MIN_PRIOR_SIGMA_MM);
-    let mut poses = Vec::new();
-    for _ in 0..count {
-        let gain = |rows: &DMatrix<f64>| (Matrix3::identity() + spread(rows, &covariance)).determinant();
+    let groups = taken_together(candidates);
+    let rows_of = |of: &Vec<usize>| scaled_rows(model, of.iter().map(|i| &candidates[*i]), &theta, noise);
+    let rows: Vec<DMatrix<f64>> = groups.iter().map(rows_of).collect();
+    let leads = leads(candidates, &groups);
+    let mut covariance = prior(model);
+    let mut taken = Vec::new();
+    while taken.len() < count.min(groups.len()) {
+        let own = covariance.view((0, 0), (model.own(), model.own())).into_owned().cholesky();
+        let worth = |group: usize| {
+            let lead = leads[group].filter(|lead| *lead != group && !taken.contains(lead));
+            if taken.contains(&group) || (lead.is_some() && taken.len() + 2 > count) {
+                return (f64::NEG_INFINITY, None);
+            }
+            let both = lead.map(|lead| stacked(&rows[lead], &rows[group]));
+            let rows = both.as_ref().unwrap_or(&rows[group]);
+            (information(rows, &covariance, own.as_ref()) / if lead.is_some() { 2.0 } else { 1.0 }, lead)
+        };
+        let worths: Vec<(f64, Option<usize>)> = (0..groups.len()).into_par_iter().map(worth).collect();
         // The first of equals.
-        let best = rows.iter().map(gain).enumerate().fold((0, f64::NEG_INFINITY), |b, g| if g.1 > b.1 { g } else { b });
-        update(&mut covariance, &rows[best.0]);
-        poses.push(candidates[best.0].clone());
+        let best = (0..groups.len()).fold(0, |best, group| if worths[group].0 > worths[best].0 { group } else { best });
+        for group in worths[best].1.into_iter().chain([best]) {
+            update(&mut covariance, &rows[group]);
+            taken.push(group);
+            progress(1)?;
+        }
     }
-    let expected = expected_solution(model, &poses, &theta, noise);
-    PosePlan { poses, expected }
+    Ok(taken.into_iter().flat_map(|group| groups[group].clone()).collect())
 }
 
-fn candidates(model: &FitModel<'_>, seed: u64) -> Vec<Measurement> {
-    let place = Place { source: SourceId(0), range: 0..0 };
-    let of_tool = |(tool, machine): (usize, &crate::machine::Machine)| {
-        let poses = random_poses(machine, PLAN_CANDIDATES, seed.wrapping_add(tool as u64));
-        let place = place.clone();
-        let reading = Reading::Deviation { values: [Some(0.0); 3], frame: Frame::Workpiece, zero: [None; 3] };
-        let blank = move |pose| Measurement { tool, ..Measurement::new(pose, reading.clone(), place.clone()) };
-        poses.into_iter().map(blank).collect::<Vec<_>>()
+/// Returns for each group the one with which its run of relative readings begins; `None` of other readings.
+fn leads(data: &[Measurement], groups: &[Vec<usize>]) -> Vec<Option<usize>> {
+    let mut first = std::collections::BTreeMap::new();
+    let of = |(index, group): (usize, &Vec<usize>)| match group.first().map(|row| &data[*row].reading) {
+        Some(Reading::Deviation { zero, .. }) => {
+            zero.iter().flatten().next().map(|zero| *first.entry(*zero).or_insert(index))
+        }
+        _ => None,
     };
-    model.machines().iter().enumerate().flat_map(of_tool).collect()
+    groups.iter().enumerate().map(of).collect()
 }
 
-/// Returns the derivatives of the three components by displacements of the parameters, over the noise.
-fn scaled_rows(model: &FitModel<'_>, candidate: &Measurement, theta: &[f64], noise: f64) -> DMatrix<f64> {
-    let (columns, _) = model.rows(candidate, theta);
-    DMatrix::from_fn(3, columns.len(), |i, j| columns[j][i] / model.parameters()[j].size / noise)
+fn stacked(above: &DMatrix<f64>, below: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut all = above.clone().resize_vertically(above.nrows() + below.nrows(), 0.0);
+    all.rows_mut(above.nrows(), below.nrows()).copy_from(below);
+    all
 }
 
-/// Returns the covariance of the predicted components, in units of the noise.
-fn spread(rows: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Matrix3<f64> {
-    let spread = rows * covariance * rows.transpose();
-    Matrix3::from_fn(|i, j| spread[(i, j)])
+/// Returns the covariance of displacements before the readings.
+fn prior(model: &FitModel<'_>) -> DMatrix<f64> {
+    let unknowns = model.parameters().len();
+    let mut covariance = DMatrix::identity(unknowns, unknowns) * (MIN_PRIOR_SIGMA_MM * MIN_PRIOR_SIGMA_MM);
+    for known in model.known() {
+        let sigma = known.sigma * model.parameters()[known.unknown].size;
+        let own = &mut covariance[(known.unknown, known.unknown)];
+        *own = own.min(sigma * sigma);
+    }
+    covariance
 }
 
-/// Updates the covariance by one more measurement (Sherman, Morrison and Woodbury).
+/// Standard deviation of a component of a row, mm.
+fn sigma(row: &Measurement, noise: f64) -> f64 {
+    (if row.has_uncertainty { 1e-3 } else { noise }) / row.weight.sqrt()
+}
+
+/// Returns the derivatives of the components that are read by displacements of the unknowns, over their noise.
+fn scaled_rows<'m>(
+    model: &FitModel<'_>,
+    group: impl Iterator<Item = &'m Measurement>,
+    theta: &[f64],
+    noise: f64,
+) -> DMatrix<f64> {
+    let mut list: Vec<f64> = Vec::new();
+    for row in group {
+        let (columns, _) = model.rows(row, theta);
+        let read = (0..3).filter(|k| row.reading_mask()[*k]);
+        let scale = |(column, p): (&Vector3<f64>, &Parameter), k: usize| column[k] / p.size / sigma(row, noise);
+        read.for_each(|k| list.extend(columns.iter().zip(model.parameters()).map(|of| scale(of, k))));
+    }
+    let unknowns = model.parameters().len();
+    DMatrix::from_row_iterator(list.len() / unknowns.max(1), unknowns, list)
+}
+
+/// Share of what readings say of all unknowns, which tells apart those that say nothing of the machine yet.
+const SHARE_OF_ALL: f64 = 1e-6;
+
+/// Returns by how much readings shrink the logarithm of the determinant of the covariance of the machine's parameters,
+/// of which `own` is the factor.
+fn information(rows: &DMatrix<f64>, covariance: &DMatrix<f64>, own: Option<&Cholesky<f64, Dyn>>) -> f64 {
+    let seen = covariance * rows.transpose();
+    let all = DMatrix::identity(rows.nrows(), rows.nrows()) + rows * &seen;
+    let of_all = all.determinant().max(1.0).ln();
+    let Some(own) = own else { return of_all };
+    let part = seen.rows(0, own.l_dirty().nrows()).into_owned();
+    // Of the instrument alone.
+    let rest = &all - part.transpose() * own.solve(&part);
+    of_all * (1.0 + SHARE_OF_ALL) - rest.determinant().max(1.0).ln()
+}
+
+/// Updates the covariance by readings (Sherman, Morrison and Woodbury).
 fn update(covariance: &mut DMatrix<f64>, rows: &DMatrix<f64>) {
     let seen = &*covariance * rows.transpose();
-    if let Some(inverse) = (Matrix3::identity() + spread(rows, covariance)).try_inverse() {
-        let inverse = DMatrix::from_fn(3, 3, |i, j| inverse[(i, j)]);
+    let all = DMatrix::identity(rows.nrows(), rows.nrows()) + rows * &seen;
+    if let Some(inverse) = all.try_inverse() {
         *covariance -= &seen * inverse * seen.transpose();
+        // Rounding must not make it unsymmetric.
+        *covariance = (&*covariance + covariance.transpose()) * 0.5;
     }
 }
 
-fn expected_solution(model: &FitModel<'_>, poses: &[Measurement], theta: &[f64], noise: f64) -> Solution {
-    let weights = vec![1.0; poses.len()];
-    let reduced = model.triangle(poses, &weights, theta);
-    let blank = ParameterFit::new(model, theta.to_vec(), reduced, weights);
+/// Returns uncertainties, rank and null space to be expected of readings; the values are those of the machine file.
+pub fn expected(model: &FitModel<'_>, data: &[Measurement], noise: f64) -> Solution {
+    let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+    let weights: Vec<f64> = data.iter().map(|row| (noise / sigma(row, noise)).powi(2)).collect();
+    let reduced = model.triangle(data, &weights, &theta);
+    let blank = ParameterFit::new(model, theta, reduced, weights);
     let mut fit = ParameterFit { squares: 0.0, converged: true, ..blank };
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let rest = Solution::of(&fit, model.parameters()).degrees_of_freedom.max(1);
     fit.squares = noise * noise * rest as f64;
-    let motions = invariances(model, poses).motion_parameters;
-    Solution::of(&fit, model.parameters()).with_first_order_rank(model, poses, &fit, &motions)
+    let motions = invariances(model, data).motion_parameters;
+    Solution::of(&fit, model.parameters()).with_first_order_rank(model, data, &fit, &motions)
 }

@@ -27,6 +27,8 @@ pub(crate) struct FitInputs<'a> {
     pub paths: Vec<PathBuf>,
     /// Those of them that are texts, by name.
     pub texts: &'a [(String, String)],
+    /// True if nothing is measured: the rows are readings that could be taken.
+    pub is_plan: bool,
     /// Frame in which the deviations were measured.
     pub frame: Frame,
     /// The poses of named points.

@@ -17,7 +17,7 @@ use crate::identify::{
 use crate::job::machine_file::{MachineFile, Overlay, ReadBackFailure, read_back};
 use crate::job::poses;
 use crate::machine::Machine;
-use crate::run::{Advance, Call, Refused, sha256};
+use crate::run::{Advance, Call, Cancelled, Refused, sha256};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
 use crate::units::counted;
 use std::cell::RefCell;
@@ -27,10 +27,8 @@ use std::path::{Path, PathBuf};
 /// Draws prediction and data.
 pub(crate) type Draw<'a> = &'a dyn Fn(&FitModel<'_>, &[Measurement], &[f64]) -> Result<Vec<NamedSvg>, Diagnostic>;
 
-/// The results of a fit that are asked for beside its values, and its progress.
+/// The results of a fit that are asked for beside its values.
 pub(crate) struct FitOutputs<'a> {
-    /// Hears of measurements that were evaluated.
-    pub progress: Advance<'a>,
     /// Writes the fitted machine file.
     pub machine_file: bool,
     pub draw: Option<Draw<'a>>,
@@ -51,7 +49,9 @@ pub(crate) struct Problem {
 impl Problem {
     pub(crate) fn read(call: &mut Call, file: &MachineFile, inputs: &FitInputs<'_>) -> Result<Self, Refused> {
         let Requested { request, own, bounds } = Requested::of(call, file, inputs.fit, inputs.fixed)?;
-        let (mut data, hashes) = measurements(call, file, inputs)?;
+        let axis_poses = inputs.axis_poses.map(Path::to_owned);
+        let context = ReadingContext { frame: inputs.frame, axis_poses, is_plan: inputs.is_plan };
+        let (mut data, hashes) = measurements(call, file, &inputs.paths, inputs.texts, &context)?;
         call.extend(remarks::unused_readings(file, &data.leave_out(&own)));
         let mut known: Vec<PriorValue> = Vec::new();
         for (j, place) in data.nuisances.iter().enumerate() {
@@ -140,17 +140,18 @@ impl Files for Recording<'_> {
     }
 }
 
-fn measurements(
+/// Reads files of measurements, of which some are texts by name.
+pub(crate) fn measurements(
     call: &mut Call,
     file: &MachineFile,
-    inputs: &FitInputs<'_>,
+    paths: &[PathBuf],
+    texts: &[(String, String)],
+    context: &ReadingContext,
 ) -> Result<(MeasurementSet, BTreeMap<PathBuf, String>), Refused> {
-    let texts = inputs.texts.iter().fold(MemoryFiles::default(), |files, (name, text)| files.with(name, text.as_str()));
+    let texts = texts.iter().fold(MemoryFiles::default(), |files, (name, text)| files.with(name, text.as_str()));
     let overlay = Overlay { text: texts, files: call.run.files };
     let recording = Recording { files: &overlay, hashes: RefCell::default() };
-    let paths = &inputs.paths;
-    let context = ReadingContext { frame: inputs.frame, axis_poses: inputs.axis_poses.map(Path::to_owned) };
-    let data = read_measurements(paths, file, &context, &recording, &mut call.diagnostics);
+    let data = read_measurements(paths, file, context, &recording, &mut call.diagnostics);
     call.check()?;
     let hashes = recording.hashes.into_inner();
     refuse_copies(call, paths, &hashes)?;
@@ -218,12 +219,12 @@ fn solve_over_volume(
     problem: &Problem,
     outputs: &FitOutputs<'_>,
 ) -> Result<IdentifyResult, Refused> {
-    let (model, data) = (problem.model(file, inputs.order).with_progress(outputs.progress), &problem.rows);
+    let (model, data) = (problem.model(file, inputs.order), &problem.rows);
     let found = invariances(&model, data);
     if let Some(refusal) = remarks::shrinking(&found.stretches) {
         return call.refuse(refusal);
     }
-    let fit = solve(&model, data, inputs.robust);
+    let fit = call.stage("readings fitted", 0, |advance| solve_to_end(&model, data, inputs.robust, advance))?;
     let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
     let examine = |fit: &ParameterFit| {
         let solution = Solution::of(fit, &problem.unknowns);
@@ -238,7 +239,10 @@ fn solve_over_volume(
         };
         (solution, form, change)
     };
-    let (solution, form, change) = examine(&fit);
+    let (solution, form, change) = call.stage("uncertainty", 1, |advance| {
+        let found = examine(&fit);
+        advance(1).map(|()| found)
+    })?;
     let as_fitted = || FitInData { theta: solution.theta(), stand: None };
     let unheld = unheld(&model, data, &fit, change.as_ref().map(|(_, _, motions)| motions));
     let (removed, in_data) = change.map_or_else(|| (None, as_fitted()), |(removed, seen, _)| (Some(removed), seen));
@@ -252,6 +256,10 @@ fn solve_over_volume(
     } else {
         (fit, solution, form)
     };
+    let held_out = inputs.folds.map(|folds| {
+        call.stage("parts left out", folds, |advance| held_out(&model, data, folds, inputs.robust, advance))
+    });
+    let held_out = held_out.transpose()?.flatten();
     let forms = form.as_ref().map_or(&[][..], |form| &form.forms);
     // In the datum: products of the motion that a datum removes are no deviation.
     let prediction = Prediction::of(&model, data, &fit, &solution, forms);
@@ -269,7 +277,7 @@ fn solve_over_volume(
         unheld,
         motions: found.motions,
         solution,
-        held_out: inputs.folds.and_then(|folds| held_out(&model, data, folds, inputs.robust)),
+        held_out,
         repeats: repeats(data),
         known: &problem.known,
         type_b: &problem.type_b,
@@ -290,6 +298,17 @@ fn solve_over_volume(
         result.pictures = drawn?;
     }
     Ok(result)
+}
+
+/// Fits, and hears of readings that were evaluated; a fit that is cancelled ends early, and its result is none.
+fn solve_to_end(
+    model: &FitModel<'_>,
+    data: &[Measurement],
+    robust: bool,
+    advance: Advance<'_>,
+) -> Result<ParameterFit, Cancelled> {
+    let fit = solve(&model.clone().with_progress(advance), data, robust);
+    advance(0).map(|()| fit)
 }
 
 /// Returns the text of the fitted machine file; refuses one that the program itself would not take.

@@ -157,7 +157,7 @@ impl JobCharacteristics {
             figures: &figures,
             weights: &weights,
         };
-        let all = call.stage(2 * samples, |advance| draw_figures(request, advance))?;
+        let all = call.stage("machines drawn", 2 * samples, |advance| draw_figures(request, advance))?;
         let one = |(job, drawn): (&JobCharacteristic, DrawnFigure)| job.of_draws(bounds, drawn);
         Ok(self.list.iter().zip(all).map(one).collect())
     }

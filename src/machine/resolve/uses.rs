@@ -6,7 +6,7 @@ use super::joint_names::{JointNames, find_error};
 use super::names::Spelling;
 use crate::diagnostic::{codes, shown};
 use crate::machine::algebra::{AlgebraChoice, named_monomial};
-use crate::machine::{Direction, parse_error_name};
+use crate::machine::{Direction, basis_of_term, parse_error_name};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, Scalar, below, keys};
 
 const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
@@ -69,12 +69,13 @@ pub fn identify(context: &mut Context, known: &JointNames<'_>) {
         for (i, text) in list.iter().enumerate() {
             let at = below(&keys(["identify", key]), i);
             let (name, form) = text.split_once(':').map_or((text.as_str(), None), |(n, f)| (n, Some(f)));
-            // What is fixed may be a parameter as the report names it: `workpiece.X`, `EXX:x^0`.
+            // A parameter as the report names it: `workpiece.X`, `EXX:x^0`. What is fixed may also be a knot.
             let fixed = key == "fixed";
-            if let Some(form) = form.filter(|_| !fixed) {
+            let is_basis = |form: &&str| !fixed && basis_of_term(form.trim()).is_none();
+            if let Some(form) = form.filter(is_basis) {
                 basis(context, form, knotted(without_direction(name)), &at);
             }
-            let own = entry.parameters.contains_key(name) || (fixed && is_setup(name));
+            let own = entry.parameters.contains_key(name) || is_setup(name);
             if !GROUPS.contains(&name) && !own {
                 fit(context, known, without_direction(name), &at);
             }

@@ -160,7 +160,7 @@ impl Draws {
 }
 
 /// Normally distributed numbers, by the method of Box and Muller.
-pub(in crate::analysis) struct Normals {
+pub(crate) struct Normals {
     generator: ChaCha8Rng,
     second: Option<f64>,
 }

@@ -46,7 +46,7 @@ pub(crate) use bounds::on_other_sides;
 pub use bounds::{Bound, Role, adding, bounds, is_measured, known, lacks_rotary};
 pub use cost::{CostModel, Price};
 pub use coverage::{Coverage, STAND_IN_CLASS};
-pub(in crate::analysis) use draw::Normals;
+pub(crate) use draw::Normals;
 pub use draw::{Distribution, Draws, NODES};
 pub use drawn_figures::{DrawnFigure, FiguresAt, FiguresRequest, WeightsAt, draw_figures, drawn_positions};
 pub use goal::{Binding, CheapestTolerances, GoalAnswer, GoalRequest, cheapest};

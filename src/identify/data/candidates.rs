@@ -1,0 +1,173 @@
+//! Readings that an instrument could take, as a table in the form in which they are read back once they are measured:
+//! the cells of the readings are empty.
+
+use super::measurement::{Measurement, Reading};
+use crate::analysis::instrument::within;
+use crate::analysis::{Unreachable, place};
+use crate::evaluate::random_poses;
+use crate::identify::thresholds::{PLAN_CANDIDATES, PLAN_LINE_POINTS, PLAN_LINES};
+use crate::lower::NominalPose;
+use crate::machine::{AxisKind, Machine, Pose};
+
+/// The instrument for which readings are planned.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[serde(rename_all = "snake_case")]
+pub enum PlanInstrument {
+    /// Anything that reads three components of the deviation at any pose.
+    #[default]
+    Points,
+    /// A nest of sensors, or a probe, at balls on the table while rotary axes turn and linear axes follow.
+    RTest,
+    /// A laser tracker or a camera, which stands anywhere.
+    Tracker,
+    /// An interferometer along lines of the linear axes and along diagonals, rotary axes at rest; a line is one of the
+    /// readings that are planned.
+    Laser,
+}
+
+impl PlanInstrument {
+    /// Returns the table of what it could read within the volume. `balls` are the poses (mm, deg) at which the
+    /// functional point is at a ball. Fails if the linear axes hold the point at none of them.
+    pub fn table(self, machine: &Machine, balls: &[Pose], seed: u64) -> Result<String, Unreachable> {
+        let table = CandidateTable::new(machine);
+        Ok(match self {
+            Self::Points => table.of_points("dx [um],dy [um],dz [um]", seed),
+            Self::Tracker => table.of_points("tracker.x [mm],tracker.y [mm],tracker.z [mm]", seed),
+            Self::RTest => table.at_balls(balls, seed)?,
+            Self::Laser => table.of_lines(seed),
+        })
+    }
+}
+
+struct CandidateTable<'a> {
+    machine: &'a Machine,
+    has_tools: bool,
+    titles: String,
+}
+
+impl<'a> CandidateTable<'a> {
+    fn new(machine: &'a Machine) -> Self {
+        let titles: Vec<String> =
+            machine.axes().iter().map(|axis| format!("{} [{}]", axis.name, axis.unit())).collect();
+        let has_tools = machine.tools().len() > 1;
+        Self { machine, has_tools, titles: titles.join(",") + if has_tools { ",tool" } else { "" } }
+    }
+
+    fn row(&self, machine: &Machine, pose: &[f64], decimals: i32) -> String {
+        let mut cells: Vec<String> = pose
+            .iter()
+            .zip(machine.volume())
+            .map(|(q, of)| rounded(*q, decimals, [of.min, of.max]).to_string())
+            .collect();
+        cells.extend(self.has_tools.then(|| machine.tool().name.clone()));
+        cells.join(",")
+    }
+
+    /// Three readings at random poses with each tool.
+    fn of_points(&self, readings: &str, seed: u64) -> String {
+        let mut text = format!("{},{readings}\n", self.titles);
+        for (tool, of) in self.machine.tools().iter().enumerate() {
+            let Some(machine) = self.machine.with_tool(&of.name) else { continue };
+            let poses = random_poses(&machine, PLAN_CANDIDATES, seed.wrapping_add(tool as u64));
+            poses.iter().for_each(|pose| text += &format!("{},,,\n", self.row(&machine, pose, 2)));
+        }
+        text
+    }
+
+    /// Balls on the table, each a run that begins where the ball is given.
+    fn at_balls(&self, balls: &[Pose], seed: u64) -> Result<String, Unreachable> {
+        let mut text = format!(
+            "# each run: readings less the first, in the directions of the machine: abbe identify --frame machine\n\
+             run,{},rel.dx [um],rel.dy [um],rel.dz [um]\n",
+            self.titles
+        );
+        let turns = random_poses(self.machine, PLAN_CANDIDATES, seed);
+        for (number, at) in balls.iter().enumerate() {
+            let tip = NominalPose::in_part(self.machine, at).pose.translation;
+            let turned = |turn: &Pose| {
+                let of = |((axis, at), turn): ((&crate::machine::Axis, &f64), &f64)| match axis.kind {
+                    AxisKind::Rotary => *turn,
+                    AxisKind::Linear => *at,
+                };
+                let pose: Pose = self.machine.axes().iter().zip(at).zip(turn).map(of).collect();
+                place(self.machine, &tip, &pose).map_err(|miss| miss.why)
+            };
+            let mut poses = vec![at.clone()];
+            let mut failure = None;
+            for found in turns.iter().map(turned) {
+                match found {
+                    Ok(pose) => poses.push(pose),
+                    Err(why) => failure = Some(why),
+                }
+            }
+            if let ([_], Some(why)) = (&poses[..], failure) {
+                return Err(why);
+            }
+            poses
+                .iter()
+                .for_each(|pose| text += &format!("ball {},{},,,\n", number + 1, self.row(self.machine, pose, 4)));
+        }
+        Ok(text)
+    }
+
+    /// Lines along each linear axis at random places of the others, and along the diagonals.
+    fn of_lines(&self, seed: u64) -> String {
+        let (machine, rest) = (self.machine, within(self.machine, 0.5));
+        let volume = machine.volume();
+        let moves = |i: &usize| machine.axes()[*i].kind == AxisKind::Linear && volume[*i].max > volume[*i].min;
+        let linear: Vec<usize> = (0..rest.len()).filter(moves).collect();
+        let mut lines: Vec<(String, Pose, Pose)> = Vec::new();
+        for (k, axis) in linear.iter().enumerate() {
+            let places = random_poses(machine, PLAN_LINES, seed.wrapping_add(k as u64));
+            for (number, other) in places.iter().enumerate() {
+                let mut from = rest.clone();
+                linear.iter().for_each(|i| from[*i] = other[*i]);
+                let mut to = from.clone();
+                (from[*axis], to[*axis]) = (volume[*axis].min, volume[*axis].max);
+                lines.push((format!("{} {}", machine.axes()[*axis].name, number + 1), from, to));
+            }
+        }
+        let (first, senses) = (&linear[..linear.len().min(3)], 1 << linear.len().clamp(1, 3) >> 1);
+        for sense in 0..if first.len() > 1 { senses } else { 0 } {
+            let (mut from, mut to) = (rest.clone(), rest.clone());
+            for (k, i) in first.iter().enumerate() {
+                let [low, high] = [volume[*i].min, volume[*i].max];
+                (from[*i], to[*i]) = if sense >> k & 1 == 0 { (low, high) } else { (high, low) };
+            }
+            lines.push((format!("diagonal {}", sense + 1), from, to));
+        }
+        let mut text = format!("run,{},along [um]\n", self.titles);
+        for (name, from, to) in &lines {
+            for step in 0..PLAN_LINE_POINTS {
+                let share = step as f64 / (PLAN_LINE_POINTS - 1) as f64;
+                let pose: Pose = from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect();
+                text += &format!("{name},{},\n", self.row(machine, &pose, 4));
+            }
+        }
+        text
+    }
+}
+
+/// A position that a person can type in, never `-0`; as it is where rounding leaves the volume.
+fn rounded(q: f64, decimals: i32, [min, max]: [f64; 2]) -> f64 {
+    let scale = libm::pow(10.0, f64::from(decimals));
+    let near = (q * scale).round() / scale + 0.0;
+    if (min..=max).contains(&near) { near } else { q }
+}
+
+/// Returns the indices of readings that are taken together: those of a row of the file, and of a line.
+pub(crate) fn taken_together(data: &[Measurement]) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for (i, reading) in data.iter().enumerate() {
+        let belongs = |last: &Measurement| match (&last.reading, &reading.reading) {
+            (Reading::Along { less: a, is_touch: false, .. }, Reading::Along { less: b, .. }) => a == b,
+            _ => last.place == reading.place && !reading.place.range.is_empty(),
+        };
+        match groups.last_mut() {
+            Some(group) if belongs(&data[i - 1]) => group.push(i),
+            _ => groups.push(vec![i]),
+        }
+    }
+    groups
+}

@@ -1,0 +1,174 @@
+//! Touches: the axes as they stand when a probe has met a feature of the workpiece from a stated direction. A feature is
+//! a rigid body (a ball, a plane, a rod, a corner) that nobody has placed to microns: its displacement and rotation are
+//! unknowns, as far as its touches feel them.
+
+use super::measurement::{InstrumentUnknown, LEVER_MM};
+use crate::identify::thresholds::{MIN_TOUCH_SHARE, TOUCH_LOBE_MM};
+use nalgebra::{DVector, Vector3};
+
+/// A touch.
+#[derive(Debug, Clone)]
+pub(super) struct Touch {
+    /// Nominal functional point (mm, workpiece frame).
+    pub point: Vector3<f64>,
+    /// Direction from the feature to the probe, workpiece frame; a unit vector.
+    pub normal: Vector3<f64>,
+    /// The same in the frame of the tool.
+    pub in_tool: Vector3<f64>,
+    /// Index of the tool.
+    pub tool: usize,
+}
+
+/// The unknowns of touches of the same features with the same probes.
+pub(super) struct TouchUnknowns {
+    pub list: Vec<InstrumentUnknown>,
+    /// For each touch the unknowns (indices in `list`) and what a unit of each adds to its reading.
+    pub shares: Vec<Vec<(usize, f64)>>,
+    /// For each touch its nominal distance (mm) from where its feature is taken to be, along the direction.
+    pub nominal: Vec<f64>,
+}
+
+/// Orthonormal columns, and whether another is independent of them.
+#[derive(Default)]
+struct Columns(Vec<DVector<f64>>);
+
+impl Columns {
+    /// Returns what is left of a column.
+    fn rest(&self, column: &DVector<f64>) -> DVector<f64> {
+        // Twice is enough (Parlett, Kahan).
+        let once = |column: DVector<f64>| self.0.iter().fold(column, |rest, own| &rest - own * own.dot(&rest));
+        once(once(column.clone()))
+    }
+
+    /// Adds a column, unless it is too small or depends on the others.
+    fn add(&mut self, column: &DVector<f64>) -> bool {
+        let rest = self.rest(column);
+        let norm = rest.norm();
+        let is_seen = norm > MIN_TOUCH_SHARE * (column.len() as f64).sqrt();
+        if is_seen {
+            self.0.push(rest / norm);
+        }
+        is_seen
+    }
+}
+
+const MOTIONS: [&str; 6] = ["x", "y", "z", "A", "B", "C"];
+
+impl TouchUnknowns {
+    /// Finds the unknowns of touches, of which `features` are names and members; `tools` are the names of the tools in
+    /// use, by index, and empty if there is one.
+    pub fn of(touches: &[Touch], features: &[(String, Vec<usize>)], tool_name: &dyn Fn(usize) -> String) -> Self {
+        let count = touches.len();
+        let mut all = Self { list: Vec::new(), shares: vec![Vec::new(); count], nominal: vec![0.0; count] };
+        let mut spans = Vec::new();
+        for (name, members) in features {
+            spans.push(all.add_feature(touches, name, members));
+        }
+        let mut tools: Vec<usize> = touches.iter().map(|touch| touch.tool).collect();
+        tools.sort_unstable();
+        tools.dedup();
+        let mut own = Columns::default();
+        for tool in tools {
+            // Radius less pre-travel; pre-travel with three lobes turns with the probe.
+            let lobe = |touch: &Touch, part: usize| {
+                let [x, y] = [touch.in_tool.x, touch.in_tool.y];
+                let angle = 3.0 * libm::atan2(y, x);
+                libm::hypot(x, y) * if part == 1 { libm::cos(angle) } else { libm::sin(angle) }
+            };
+            let share = |touch: &Touch, part: usize| match part {
+                _ if touch.tool != tool => 0.0,
+                0 => 1.0,
+                _ => lobe(touch, part),
+            };
+            for (part, word) in ["constant", "lobe cos", "lobe sin"].into_iter().enumerate() {
+                let column = DVector::from_iterator(count, touches.iter().map(|touch| share(touch, part)));
+                // What the features do not take up.
+                let mut rest = column.clone();
+                for ((_, members), span) in features.iter().zip(&spans) {
+                    let of = span.rest(&DVector::from_iterator(members.len(), members.iter().map(|i| column[*i])));
+                    members.iter().zip(of.iter()).for_each(|(i, x)| rest[*i] = *x);
+                }
+                if own.add(&rest) {
+                    let known = (part > 0).then_some(TOUCH_LOBE_MM);
+                    all.push(
+                        format!("touch {word}{}", tool_name(tool)),
+                        false,
+                        known,
+                        column.iter().copied().enumerate(),
+                    );
+                }
+            }
+        }
+        all
+    }
+
+    fn push(&mut self, name: String, is_angle: bool, known: Option<f64>, shares: impl Iterator<Item = (usize, f64)>) {
+        let index = self.list.len();
+        self.list.push(InstrumentUnknown { name, is_angle, start: 0.0, known });
+        shares.filter(|(_, share)| *share != 0.0).for_each(|(i, share)| self.shares[i].push((index, share)));
+    }
+
+    /// Adds the displacement and rotation of a feature about the middle of its touches; returns the span of their
+    /// columns.
+    fn add_feature(&mut self, touches: &[Touch], name: &str, members: &[usize]) -> Columns {
+        let points = members.iter().map(|i| touches[*i].point);
+        let middle = points.sum::<Vector3<f64>>() / members.len().max(1) as f64;
+        let mut span = Columns::default();
+        for (k, letter) in MOTIONS.into_iter().enumerate() {
+            let share = |i: &usize| {
+                let Touch { point, normal, .. } = &touches[*i];
+                if k < 3 { normal[k] } else { (point - middle).cross(normal)[k - 3] }
+            };
+            let shares: Vec<f64> = members.iter().map(share).collect();
+            let scale = if k < 3 { 1.0 } else { 1.0 / LEVER_MM };
+            if span.add(&(DVector::from_column_slice(&shares) * scale)) {
+                self.push(format!("{name}.{letter}"), k >= 3, None, members.iter().copied().zip(shares));
+            }
+        }
+        for i in members {
+            self.nominal[*i] = touches[*i].normal.dot(&(touches[*i].point - middle));
+        }
+        span
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn touches(list: &[([f64; 3], [f64; 3])]) -> Vec<Touch> {
+        let one = |(point, normal): &([f64; 3], [f64; 3])| {
+            let normal = Vector3::from(*normal).normalize();
+            Touch { point: Vector3::from(*point), normal, in_tool: normal, tool: 0 }
+        };
+        list.iter().map(one).collect()
+    }
+
+    fn names(list: &[([f64; 3], [f64; 3])]) -> Vec<String> {
+        let of = [("f".to_owned(), (0..list.len()).collect())];
+        let found = TouchUnknowns::of(&touches(list), &of, &|_| String::new());
+        found.list.into_iter().map(|unknown| unknown.name).collect()
+    }
+
+    /// The rigid motions that a surface of a kind does not keep to itself, and a radius that its place does not take up.
+    #[test]
+    fn a_feature_has_the_unknowns_that_its_touches_feel() {
+        let z = [0.0, 0.0, 1.0];
+        let plane = [([0.0, 0.0, 5.0], z), ([200.0, 0.0, 5.0], z), ([0.0, 150.0, 5.0], z), ([90.0, 80.0, 5.0], z)];
+        assert_eq!(names(&plane), ["f.z", "f.A", "f.B"]);
+        let round = |height: f64, steps: usize| {
+            (0..steps).map(move |i| {
+                let (sine, cosine) = (i as f64 * 6.283_185_307_179_586 / steps as f64).sin_cos();
+                ([40.0 + 8.0 * cosine, 9.0 + 8.0 * sine, height], [cosine, sine, 0.0])
+            })
+        };
+        let rod: Vec<_> = round(0.0, 4).chain(round(120.0, 4)).collect();
+        // Four touches a round are blind to threefold lobing of one phase, and feel the other.
+        assert_eq!(names(&rod), ["f.x", "f.y", "f.A", "f.B", "touch constant"]);
+        let ball: Vec<_> = round(0.0, 7).chain([([40.0, 9.0, 8.0], z)]).collect();
+        assert_eq!(names(&ball), ["f.x", "f.y", "f.z", "touch lobe cos", "touch lobe sin"]);
+        let tilted = [0.6, 0.0, 0.8];
+        let whole: Vec<_> = ball.iter().copied().chain([([44.8, 9.0, 6.4], tilted)]).collect();
+        assert_eq!(names(&whole), ["f.x", "f.y", "f.z", "touch constant", "touch lobe cos", "touch lobe sin"]);
+    }
+}

@@ -1,0 +1,98 @@
+//! The second measurement: readings of the machine with its set in force, against what the certificate promises there.
+//!
+//! 1. `campaign`: the readings that the machine with its set should give, and what moves them: the set, the parts of
+//!    the uncertainty of the errors, the set-up and the instruments of the second campaign, its type B.
+//! 2. `judge`: measured less predicted without what the set-up explains, with the uncertainty of both by the same
+//!    projection; E_n, the amount of the correction that is seen, the verdict.
+//! 3. `result`: the verdict as a value and in words.
+
+mod campaign;
+mod judge;
+mod result;
+
+pub(crate) use campaign::Additions;
+pub use result::{
+    JudgedReading, MeasuredKind, RmsInterval, SecondMeasurement, SecondVerdict, SeenCorrection, SetAlternative,
+    SetUpValue,
+};
+
+use super::data::{Measurement, MeasurementSet, ReadingContext, ReadingKind, repeats};
+use super::model::{TypeB, type_b};
+use super::thresholds::MAX_SECOND_READINGS;
+use super::verdict::problem::measurements;
+use crate::job::machine_file::MachineFile;
+use crate::run::{Call, Refused};
+use crate::standards::Coverage;
+use campaign::Campaign;
+use std::path::PathBuf;
+
+/// The readings of a second campaign, taken with the set in force, from any face of the program.
+pub(crate) struct SecondInputs<'a> {
+    /// Files of measurements.
+    pub paths: &'a [PathBuf],
+    pub context: ReadingContext,
+    /// Standard uncertainties that all readings share, in words; one that the machine file names too counts once.
+    pub type_b: &'a [String],
+    /// Standard deviation (mm) of readings that do not state theirs.
+    pub noise_mm: Option<f64>,
+    /// Seed of the draws behind the share that chance explains.
+    pub seed: u64,
+}
+
+/// Judges a set by readings of the machine that was driven with it; `added` are the motions that the set adds.
+///
+/// Fails if the readings cannot be read, and if nothing says how sure they are.
+pub(crate) fn second_measurement(
+    call: &mut Call,
+    file: &MachineFile,
+    inputs: &SecondInputs<'_>,
+    added: Additions<'_>,
+) -> Result<SecondMeasurement, Refused> {
+    let (mut data, _) = measurements(call, file, inputs.paths, &[], &inputs.context)?;
+    let count: usize = data.rows.iter().map(Measurement::readings).sum();
+    if count > MAX_SECOND_READINGS {
+        return call.usage(format!("a second measurement takes {MAX_SECOND_READINGS} readings at most, not {count}"));
+    }
+    let (own, once) = uncertainties(call, file, inputs.type_b)?;
+    if let Err(kind) = state_noise(&mut data, inputs.noise_mm) {
+        return call.usage(format!(
+            "nothing says how sure the readings of the second measurement are ({}): give a column `u [um]` (of angles \
+             `u [urad]`), or `--noise`",
+            kind.word()
+        ));
+    }
+    let campaign = Campaign::new(file, &data, added);
+    let reduced = campaign.reduce(file, &data, &own);
+    let judged = judge::judge(&reduced, inputs.seed);
+    let result = result::of(&campaign, &reduced, &judged, once, &call.diagnostics.sources);
+    call.go_on()?;
+    Ok(result)
+}
+
+/// Returns the type B of the second campaign that the machine file does not have, and the names of what it has.
+fn uncertainties(call: &mut Call, file: &MachineFile, words: &[String]) -> Result<(Vec<TypeB>, Vec<String>), Refused> {
+    let all: Result<Vec<TypeB>, _> = words.iter().map(|words| type_b(words)).collect();
+    let all = all.or_else(|refusal| call.refuse(*refusal))?;
+    let request = file.identify.iter().flat_map(|request| &request.type_b);
+    let first: Vec<TypeB> = request.filter_map(|words| type_b(words).ok()).collect();
+    let (common, own): (Vec<TypeB>, Vec<TypeB>) =
+        all.into_iter().partition(|of| first.iter().any(|known| known.name == of.name));
+    Ok((own, common.into_iter().map(|of| of.name).collect()))
+}
+
+/// Gives every reading without an uncertainty of its own the stated one, or that of repeated readings of its kind.
+/// Fails with a kind of which neither is known.
+fn state_noise(data: &mut MeasurementSet, noise_mm: Option<f64>) -> Result<(), ReadingKind> {
+    let repeated = repeats(&data.rows);
+    let mut student = Coverage::default();
+    for m in data.rows.iter_mut().filter(|m| !m.has_uncertainty) {
+        let kind = m.kind();
+        // Few repeats say little of their scatter.
+        let scatter = repeated.iter().find(|of| of.of == kind && of.sigma > 0.0);
+        let scatter = scatter.map(|of| of.sigma * 0.5 * student.reach(of.degrees_of_freedom as f64));
+        let stated = noise_mm.filter(|_| kind != ReadingKind::Angle);
+        let sigma = stated.or(scatter).ok_or(kind)?;
+        (m.weight, m.has_uncertainty) = (m.weight / (sigma * sigma * 1e6), true);
+    }
+    Ok(())
+}
