@@ -289,7 +289,7 @@ fn the_text_says_the_verdict_and_what_is_not_known() {
     let rows = once.lines().skip(1).map(|row| format!("{row}\n")).collect::<String>();
     let near = rows.lines().map(|row| {
         let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
-        format!("{},{},{},{},{},{}\n", cells[0], cells[1], cells[2], cells[3] + 1.0, cells[4] - 1.0, cells[5] + 1.0)
+        format!("{},{},{},{},{},{}\n", cells[0], cells[1], cells[2], cells[3] + 2.0, cells[4] - 2.0, cells[5] + 2.0)
     });
     let repeated = folder.write("repeated.csv", &format!("{once}{}", near.collect::<String>()));
     let beside = folder.write("beside.csv", &again);
