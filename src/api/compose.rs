@@ -3,7 +3,7 @@
 
 use super::certificate::{CertificateReport, CertificateScope, CertificateStep, figures_without_unheld};
 use super::compile::{CompileOptions, refuse_unverified};
-use super::verify::VerifyOptions;
+use super::second::SecondOptions;
 use crate::controller::{ControllerTarget, KinematicsModule, Lock, ModuleField, RenderedFile};
 use crate::file_set::composition::{self, ComposedRequest, Composition, beside, compose, find, split, targets};
 use crate::file_set::options::CompensationOptions;
@@ -107,10 +107,11 @@ pub(super) fn verify_composed(
     call: &mut Call,
     file: &MachineFile,
     folder: &Path,
+    how: &CompensationOptions,
+    installed: Option<&Path>,
     scope: &CertificateScope,
-    options: &VerifyOptions,
+    second: &SecondOptions,
 ) -> Result<CertificateReport, Refused> {
-    let (how, installed) = (&options.compensation, options.installed.as_deref());
     let (target, tables_target) = targets(call, folder, how)?;
     let before = composition::load_installed(call, file, &target, &tables_target, how, installed)?;
     let (before, old_tables) = before.unzip();
@@ -120,6 +121,6 @@ pub(super) fn verify_composed(
     let tables = composition.tables_under_test();
     let module = KinematicsModule::KinematicParameters(composition.parameters.clone());
     let added = |machine: &Machine, at: &OperatingPoint<'_>| tables.beside(machine, &module).addition(at);
-    report.second = options.second.judge(call, file, options.seed, &added)?;
+    report.second = second.judge(call, file, scope.depth.seed, &added)?;
     Ok(report)
 }

@@ -43,6 +43,7 @@ pub(crate) mod reach;
 pub(crate) mod record;
 pub(crate) mod replay;
 pub mod results;
+mod second;
 pub mod sets;
 pub(crate) mod show;
 pub(crate) mod sources;

@@ -1,7 +1,8 @@
 //! `record`: one calibration as a folder, its check, and records in a line.
 
 use super::diff_machines::{DiffMachinesOptions, diff_machines};
-use super::verify::{SecondOptions, VerifyOptions, verify};
+use super::second::SecondOptions;
+use super::verify::{VerifyOptions, verify};
 use crate::diagnostic::Sources;
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::LoadOptions;

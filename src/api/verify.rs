@@ -2,9 +2,9 @@
 
 use super::certificate::{CertificateReport, CertificateScope, CertifiedWork};
 use super::compose;
+use super::second::SecondOptions;
 use crate::controller::{ControllerEffect, Depth, Lock, ReadBack, TablesUnderTest, certify, certify_kinematics};
 use crate::diagnostic::{Diagnostic, codes};
-use crate::evaluate::Frame;
 use crate::file_set::differences::{warn_edited, warn_other_inputs, warn_other_tool};
 use crate::file_set::folder::Folder;
 use crate::file_set::found_set::{FoundSet, find_set};
@@ -12,8 +12,6 @@ use crate::file_set::module_set::{self, ModuleRequest};
 use crate::file_set::options::CompensationOptions;
 use crate::file_set::table_set::{self, FoundTables};
 use crate::file_set::{composition, verdict};
-use crate::identify::ReadingContext;
-use crate::identify::second::{Additions, SecondInputs, SecondMeasurement, second_measurement};
 use crate::job::machine_file::MachineFile;
 use crate::machine::{Machine, OperatingPoint};
 use crate::run::{Call, Count, Refused, Reply, Run};
@@ -41,41 +39,6 @@ pub struct VerifyOptions {
     pub second: SecondOptions,
 }
 
-/// A second measurement, by which [`verify`] judges a set.
-#[derive(Debug, Clone, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
-#[serde(default)]
-pub struct SecondOptions {
-    /// Files of measurements, as [`identify`](super::identify()) takes them; none: there is no second measurement.
-    pub data: Vec<PathBuf>,
-    /// Frame in which the deviations were measured.
-    pub frame: Frame,
-    /// The poses of points that a laser tracker's export has by name.
-    pub axis_poses: Option<PathBuf>,
-    /// Standard uncertainties that all readings share, in words; one that the machine file names too counts once.
-    pub type_b: Vec<String>,
-    /// Standard deviation (mm) of readings that do not state theirs; by default that of repeated readings.
-    pub noise_mm: Option<f64>,
-}
-
-impl SecondOptions {
-    /// Returns the verdict by the readings; `added` are the motions that the set adds.
-    pub(crate) fn judge(
-        &self,
-        call: &mut Call,
-        file: &MachineFile,
-        seed: u64,
-        added: Additions<'_>,
-    ) -> Result<Option<Box<SecondMeasurement>>, Refused> {
-        if self.data.is_empty() {
-            return Ok(None);
-        }
-        let context = ReadingContext { frame: self.frame, axis_poses: self.axis_poses.clone(), is_plan: false };
-        let (paths, type_b) = (&self.data[..], &self.type_b[..]);
-        let inputs = SecondInputs { paths, context, type_b, noise_mm: self.noise_mm, seed };
-        second_measurement(call, file, &inputs, added).map(|second| Some(Box::new(second)))
-    }
-}
-
 impl Default for VerifyOptions {
     fn default() -> Self {
         let (compensation, work) = (CompensationOptions::default(), CertifiedWork::default());
@@ -97,7 +60,8 @@ pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: R
         call.check_counts(&[Count::Poses(options.poses)])?;
         let scope = options.work.scope(call, file, Depth { poses: options.poses, seed: options.seed })?;
         if composition::is_composed(folder, call) {
-            return compose::verify_composed(call, file, folder, &scope, options);
+            let (how, installed) = (&options.compensation, options.installed.as_deref());
+            return compose::verify_composed(call, file, folder, how, installed, &scope, &options.second);
         }
         let set = open(call, file, folder, options)?;
         if set.target.manifest.kinematics().is_some() {
@@ -111,7 +75,7 @@ pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: R
         call.check()?;
         let mut report = CertificateReport::new(file, &target, certificate, &judged.field(file), &scope, files);
         let added = |machine: &Machine, at: &OperatingPoint<'_>| judged.field(machine).replay.addition(at);
-        report.second = options.second.judge(call, file, options.seed, &added)?;
+        report.second = options.second.judge(call, file, scope.depth.seed, &added)?;
         Ok(report)
     };
     Call::answer(run, file.sources(), |call| options.work.job_paths().with_tool(call, file, report_of))
@@ -178,6 +142,6 @@ fn module(
     let effect = ControllerEffect::Module(Box::new(module), beside);
     let mut report = CertificateReport::new(file, target, certificate, &*effect.field(file, target), scope, names);
     let added = |machine: &Machine, at: &OperatingPoint<'_>| effect.addition(machine, target)(at);
-    report.second = options.second.judge(call, file, options.seed, &added)?;
+    report.second = options.second.judge(call, file, scope.depth.seed, &added)?;
     Ok(report)
 }

@@ -21,10 +21,11 @@ pub(super) mod help {
     pub(in crate::cli) const AXIS: &str = "An axis, by its name";
     pub(in crate::cli) const AXIS_POSES: &str =
         "Poses of the axes from a CSV file: header of axis names, one pose a line, mm and deg";
-    pub(in crate::cli) const DATA: &str = "Measurements: CSV with a column per axis and `dx [um]`, `dy [um]`, `dz [um]`, or lengths, ball readings, \
-         lines, single errors (docs/identify/measure.md); of `verify` taken with the set in force";
-    pub(in crate::cli) const TYPE_B: &str = "A standard uncertainty that all readings share: `laser 0.4 um/m`, `set-up 2 um`, `material 0.5 K x 11.7 \
-         um/m/K`. May be repeated";
+    pub(in crate::cli) const DATA: &str = "Measurements: CSV with a column per axis and `dx [um]`, `dy [um]`, \
+         `dz [um]`, or lengths, ball readings, lines, single errors (docs/identify/measure.md); of `verify` taken with \
+         the set in force";
+    pub(in crate::cli) const TYPE_B: &str = "A standard uncertainty that all readings share: `laser 0.4 um/m`, \
+         `set-up 2 um`, `material 0.5 K x 11.7 um/m/K`. May be repeated";
     pub(in crate::cli) const OUT: &str =
         "Write the result here: a file, of `compile`, `record` and `testpiece` a folder";
     pub(in crate::cli) const PLANE: &str = "A plane of two axes, such as XY";
@@ -185,8 +186,8 @@ pub(super) struct InstalledArg {
 /// Scatter of readings.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct NoiseArg {
-    /// Standard deviation of a reading that does not state its own (above 0) [default: 1 um to plan with, otherwise that
-    /// of repeated readings].
+    /// Standard deviation of a reading that does not state its own (above 0) [default: 1 um to plan with, otherwise
+    /// that of repeated readings].
     #[arg(long, value_name = "LENGTH", value_parser = noise)]
     pub(super) noise: Option<f64>,
 }

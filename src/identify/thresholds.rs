@@ -102,6 +102,10 @@ pub const SECOND_ORDER_SIGMA_MM: f64 = 0.03;
 pub const SECOND_ORDER_READINGS: f64 = 1000.0;
 /// Singular value of the exact model, as a share, from which a direction does not need products of errors to be seen.
 pub const MIN_FIRST_ORDER_SHARE: f64 = 1e-2;
+/// Effect on the readings at the solution, over that of the strongest unknown, from which a direction that only
+/// products of errors show counts as others do. Below: uncertainties of millimetres by products of the mrad of a machine tool;
+/// above: the errors of a robot, ten times as large, leave directions free that its readings hold.
+pub const MIN_PRODUCT_SHARE: f64 = 2e-3;
 
 // Rigid motions and datum.
 
@@ -129,6 +133,10 @@ pub const MAX_UNNOTICED_SHARE: f64 = 1e-7;
 pub const MIN_UNHELD_PART: f64 = 1e-3;
 /// Residual of a motion of the whole machine, as a share, up to which the parameters make it.
 pub const MAX_MOTION_RESIDUAL: f64 = 1e-2;
+/// Change of a reading over that of the size of the machine, RMS over the volume, up to which no reading holds the
+/// size. Below: the rounding of a fixed part of the machine counts as a length; above: a gauge of a thousandth of the machine
+/// counts as none.
+pub const MAX_UNNOTICED_SIZE_SHARE: f64 = 1e-3;
 /// Distance of points (mm) up to which readings say that points are the same, and hold no length.
 pub const SAME_POINT_MM: f64 = 1.0;
 /// Part of a stretch, as a share, from which a parameter is named.
@@ -414,6 +422,10 @@ pub const MIN_MEDIAN_MM: f64 = 1e-5;
 pub const MAX_UNCERTAINTY_SHARE: f64 = 0.5;
 /// ... or uncertainty over the RMS of the residuals.
 pub const MAX_UNCERTAINTY_OVER_RESIDUALS: f64 = 10.0;
+/// Parameters at most that are advised to be fixed: each is found by a fit for each candidate.
+pub const MAX_ADVISED_FIXED: usize = 6;
+/// RMS of the residuals, over that with nothing fixed, up to which fixing parameters is advised.
+pub const MAX_FIXING_COST: f64 = 1.05;
 /// Largest number of unknowns of a fit: time grows with their third power.
 pub const MAX_UNKNOWNS: usize = 500;
 
@@ -466,9 +478,9 @@ pub const SECOND_DRAWS: usize = 1000;
 pub const SECOND_OUTSIDE: usize = 5;
 /// Readings at which the draws look.
 pub const SECOND_DRAWN_READINGS: usize = 1000;
-/// Standard uncertainties by which the amount of the correction that is seen may be off: 3 of 1000 good campaigns are
-/// beyond.
-pub const MAX_AMOUNT_DEVIATIONS: f64 = 3.0;
+/// Standard uncertainties by which the amount of the correction that is seen may be off: 5 of 10,000 good campaigns
+/// are beyond, of several axes more.
+pub const MAX_AMOUNT_DEVIATIONS: f64 = 3.5;
 /// Part of the correction by which the amount may be off in any case: what a correction leaves is for E_n to judge.
 pub const MAX_AMOUNT_OFF: f64 = 0.1;
 /// Information on an amount that counts as none: known to a thousand times the correction. It keeps effects apart that

@@ -17,6 +17,7 @@ mod budget;
 mod buildable;
 mod certificate;
 mod classify;
+mod collapse;
 mod compare;
 mod compile;
 mod compile_linuxcnc;

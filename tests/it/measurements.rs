@@ -381,9 +381,14 @@ fn curves_of_any_power_of_the_language_are_written_and_read_again() {
 
 #[test]
 fn one_reading_and_one_parameter_are_singular() {
-    let (output, _) = identified(b"X,EXX [um]\n0,1\n", &["--fit", "EXX:poly1"]);
+    let (output, _) = identified(b"X,EXX [um]\n100,1\n", &["--fit", "EXX:poly1"]);
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("1 reading cannot determine 2 parameters"), "{said}");
+    // Where the slope does nothing the reading is that of the constant alone: no machine file is made of it.
+    let (output, folder) = identified(b"X,EXX [um]\n0,1\n", &["--fit", "EXX:poly1", "--out", "fitted.yaml"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("E0515") && said.contains("EXX:x^1 has no effect on these data"), "{said}");
+    assert!(!folder.path("fitted.yaml").exists());
 }
 
 #[test]

@@ -94,7 +94,7 @@ pub fn identify(file: &MachineFile, options: &IdentifyOptions, run: Run) -> Repl
     Call::answer(run, file.sources(), |call| {
         let inputs = options.inputs();
         let problem = Problem::read(call, file, &inputs)?;
-        enough(call, &problem)?;
+        enough(call, file, &problem)?;
         let draw = if options.pictures { Some(&draw as _) } else { None };
         let outputs = FitOutputs { machine_file: options.machine_file, draw };
         solve_problem(call, file, &inputs, &problem, &outputs)

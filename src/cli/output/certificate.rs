@@ -92,8 +92,7 @@ impl CertificateView<'_> {
     fn second(&self) -> String {
         let Some(of) = &self.report.second else { return String::new() };
         let percent = |share: f64| format!("{} %", significant(100.0 * share, 3));
-        let seen =
-            |of: &SeenCorrection| format!("{} ±{}", significant(of.amount, 3), significant(of.expanded_uncertainty, 2));
+        let seen = |of: &SeenCorrection| format!("{:.3} ±{:.3}", of.amount, of.expanded_uncertainty);
         let axis = |of: &SeenCorrection| format!("{} {}", of.axis.as_deref().unwrap_or(""), seen(of));
         let by_axis: Vec<String> = of.correction_by_axis.iter().map(axis).collect();
         let correction = of.correction.as_ref().map_or_else(
@@ -106,8 +105,8 @@ impl CertificateView<'_> {
             names => format!("Common to both measurements, counted once: {}.\n", names.join(", ")),
         };
         format!(
-            "Second measurement, {} less their set-up, RMS\n{}\n|E_n| is at most 1 for {}; {} are expected, of 1000 good \
-             campaigns 995 have {} or more.\n{correction}{}{once}",
+            "Second measurement, {} less their set-up, RMS\n{}\n|E_n| is at most 1 for {}; {} are expected, of 1000 \
+             good campaigns 995 have {} or more.\n{correction}{}{once}",
             counted(of.readings.len(), "reading"),
             of.words,
             percent(of.within),

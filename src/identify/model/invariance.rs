@@ -1,5 +1,5 @@
-//! Invariances of the model itself, found before the fit: what may happen to the whole machine without any reading
-//! that notices.
+//! Invariances of the model itself, before a fit and at its solution: what may happen to the whole machine without any
+//! reading that notices.
 //!
 //! A stretch of the whole machine (a similarity, or a stretch along some directions) matters where readings only say
 //! that points are the same: they fit the better the smaller the machine is, and the best machine is a point.
@@ -8,12 +8,12 @@
 
 use super::parameter::{Parameter, sizes};
 use super::prediction::FitModel;
-use super::volume::Volume;
-use crate::algebra::linear::{Svd, Triangle};
+use super::volume::{Volume, middle};
+use crate::algebra::linear::{Svd, Triangle, over_columns};
 use crate::identify::data::{Measurement, Reading, ReadingKind};
 use crate::identify::thresholds::*;
 use crate::units::significant;
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, RowDVector, Vector3};
 
 /// Changes of the whole machine that no reading notices.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,14 +27,81 @@ pub struct Invariances {
     pub motion_parameters: Vec<DVector<f64>>,
 }
 
-/// Finds the invariances of a model with these data, at its start.
-pub fn invariances(model: &FitModel<'_>, data: &[Measurement]) -> Invariances {
-    let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
-    let volume = Volume::of(model, data, &theta);
-    let equations = MotionEquations::of(model, data, &theta, &volume);
-    let stretches = if same_points(model, data) { equations.stretches(model, &volume) } else { Vec::new() };
+/// Finds the invariances of a model with these data at values of its unknowns.
+pub fn invariances(model: &FitModel<'_>, data: &[Measurement], theta: &[f64]) -> Invariances {
+    let volume = Volume::of(model, data, theta);
+    let equations = MotionEquations::of(model, data, theta, &volume);
+    let mut stretches = Vec::new();
+    if same_points(model, data) {
+        stretches = equations.stretches(model, &volume);
+        // Derivatives notice a change of size by the residuals, which shrink with it.
+        let other_sizes = SCALES.iter().filter_map(|scale| rescaled(model, data, theta, &volume, *scale));
+        stretches.extend(other_sizes.map(|made| (WHOLE.to_owned(), parameter_names(&made, model.parameters()))));
+    }
     let (motions, motion_parameters) = equations.motions(&volume);
     Invariances { stretches, motions, motion_parameters }
+}
+
+const WHOLE: &str = "the whole machine grows or shrinks";
+/// Sizes of the whole machine, over that at hand, that are tried.
+const SCALES: [f64; 2] = [0.5, 2.0];
+
+/// Returns the change of the unknowns, as displacements, that makes the machine `scale` times as large, the residuals
+/// too; `None` if the unknowns cannot make it, or if a reading or what is known before the data notices.
+fn rescaled(
+    model: &FitModel<'_>,
+    data: &[Measurement],
+    theta: &[f64],
+    volume: &Volume,
+    scale: f64,
+) -> Option<DVector<f64>> {
+    let sizes = sizes(model.parameters());
+    let (slopes, (known, _)) = (model.slope_rows(), model.known_rows());
+    let held = DMatrix::from_fn(slopes.nrows() + known.nrows(), theta.len(), |i, j| {
+        let row = if i < slopes.nrows() { slopes[(i, j)] } else { known[(i - slopes.nrows(), j)] };
+        row / sizes[j]
+    });
+    let held = Svd::new(&held);
+    let free = held.null_space(held.rank(RANK_TOLERANCE));
+    let centre = middle(&volume.points);
+    let grown: Vec<Vector3<f64>> = volume.points.iter().map(|p| (p - centre) * (scale - 1.0)).collect();
+    let size = libm::sqrt(grown.iter().map(|v| v.norm_squared()).sum::<f64>() / grown.len().max(1) as f64);
+    let left = model.residuals(data, theta);
+    let root = libm::sqrt(grown.len() as f64 / data.len().max(1) as f64).max(1.0);
+    // Free directions, then a translation of the whole.
+    let width = free.ncols() + 3;
+    let (mut made, mut shift) = (DVector::zeros(theta.len()), Vector3::zeros());
+    for _ in 0..DATUM_ITERATIONS {
+        let there: Vec<f64> = (0..theta.len()).map(|j| theta[j] + made[j] / sizes[j]).collect();
+        let now = Volume::of(model, data, &there);
+        let effects = over_columns(&now.jacobian, &sizes) * &free;
+        let mut triangle = Triangle::new(width);
+        let gap = |i: usize| volume.points[i] + grown[i] + shift - now.points[i];
+        for i in 0..effects.nrows() {
+            let moved = (0..3).map(|k| -f64::from(u8::from(k == i % 3)));
+            triangle.push(effects.row(i).iter().copied().chain(moved), gap(i / 3)[i % 3]);
+        }
+        let mut noticed = 0.0_f64;
+        for (m, left) in data.iter().zip(&left) {
+            let (columns, rest) = model.rows(m, &there);
+            let (missed, seen) = (rest - left * scale, m.reading_mask());
+            for k in (0..3).filter(|k| seen[*k]) {
+                let row = RowDVector::from_fn(columns.len(), |_, j| columns[j][k] / sizes[j]) * &free * root;
+                noticed = noticed.max(missed[k].abs());
+                triangle.push(row.iter().copied().chain([0.0; 3]), missed[k] * root);
+            }
+        }
+        let off = (0..grown.len()).map(|i| gap(i).norm()).fold(0.0, f64::max);
+        if off < MAX_MOTION_RESIDUAL * size && noticed < MAX_UNNOTICED_SIZE_SHARE * size {
+            return Some(made);
+        }
+        let reduced = triangle.finish();
+        let svd = Svd::new(&reduced.r);
+        let step = svd.solve(&reduced.right, svd.rank(VOLUME_RANK_TOLERANCE));
+        made += &free * step.rows(0, free.ncols());
+        shift += Vector3::from_fn(|k, _| step[free.ncols() + k]);
+    }
+    None
 }
 
 /// True if some readings only say that points are the same.
@@ -169,7 +236,7 @@ fn describe_stretch(mix: &DVector<f64>) -> String {
     if let [(0, a), (1, b), (2, c)] = amounts[..]
         && [a, b, c].iter().all(|x| (x - 1.0).abs() < MIN_STRETCH_PART_SHARE)
     {
-        return "the whole machine grows or shrinks".to_owned();
+        return WHOLE.to_owned();
     }
     let axes = ["X", "Y", "Z", "X-Y", "X-Z", "Y-Z"];
     let part = |(k, amount): &(usize, f64)| match amounts.len() {

@@ -1,7 +1,7 @@
 //! A second campaign: what its readings should be, and what moves them. Lengths in mm, angles in rad; a reading of an
 //! angle is the displacement that it makes over the usual lever.
 
-use super::judge::Reduced;
+use super::judge::{Readings, Reduced, SetUpUnknown};
 use crate::algebra::rotation_vector;
 use crate::analysis::part_models;
 use crate::diagnostic::SourceId;
@@ -33,17 +33,6 @@ pub(super) enum Driven {
     WithSet,
     /// With what the set adds to one axis.
     WithAxis(usize),
-}
-
-/// An unknown of the second campaign: of an instrument, or of the set-up.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct SetUpUnknown {
-    pub name: String,
-    /// Its unit for people, and how many of it a mm or rad is.
-    pub unit: (&'static str, f64),
-    /// Standard uncertainty (mm or rad) with which it is known to be as it starts; `None`: free.
-    pub known: Option<f64>,
-    start: f64,
 }
 
 /// One standard uncertainty of every part of the predicted readings, for a tool and a side of approach.
@@ -164,7 +153,7 @@ impl<'a> Campaign<'a> {
             [Driven::Nominal, Driven::Bare, Driven::WithSet].map(|driven| self.readings(&at, driven));
         let by_axis = |axis: usize| (axis, self.readings(&at, Driven::WithAxis(axis)) - &bare);
         let by_axis = (0..machine.axes().len()).map(by_axis).filter(|(_, effect)| effect.amax() > 0.0).collect();
-        Reduced::new(super::judge::Readings {
+        Reduced::new(Readings {
             measured: measured - &nominal,
             set: &with_set - &bare,
             predicted: with_set - nominal,

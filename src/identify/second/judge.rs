@@ -6,13 +6,23 @@
 //! projector: u^2 = diag(Q) + |Q B|^2 + |Q S|^2 (rows). V^-1 = Q - Q F (1 + F^T Q F)^-1 F^T Q with F = [B S] weighs the
 //! amount of the correction.
 
-use super::campaign::SetUpUnknown;
 use crate::algebra::linear::{ReducedSystem, over_columns};
 use crate::analysis::budget::Normals;
 use crate::analysis::spread_places;
 use crate::identify::thresholds::*;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
+
+/// An unknown of the second campaign: of an instrument, or of the set-up.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct SetUpUnknown {
+    pub name: String,
+    /// Its unit for people, and how many of it a mm or rad is.
+    pub unit: (&'static str, f64),
+    /// Standard uncertainty (mm or rad) with which it is known to be as it starts; `None`: free.
+    pub known: Option<f64>,
+    pub start: f64,
+}
 
 /// The readings of a campaign (mm) and what moves them.
 pub(super) struct Readings {

@@ -24,6 +24,7 @@ use crate::job::machine_file::MachineFile;
 use crate::run::{Call, Refused};
 use crate::standards::Coverage;
 use campaign::Campaign;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// The readings of a second campaign, taken with the set in force, from any face of the program.
@@ -83,16 +84,33 @@ fn uncertainties(call: &mut Call, file: &MachineFile, words: &[String]) -> Resul
 /// Gives every reading without an uncertainty of its own the stated one, or that of repeated readings of its kind.
 /// Fails with a kind of which neither is known.
 fn state_noise(data: &mut MeasurementSet, noise_mm: Option<f64>) -> Result<(), ReadingKind> {
-    let repeated = repeats(&data.rows);
-    let mut student = Coverage::default();
+    let scatter = scatter(&data.rows);
     for m in data.rows.iter_mut().filter(|m| !m.has_uncertainty) {
         let kind = m.kind();
-        // Few repeats say little of their scatter.
-        let scatter = repeated.iter().find(|of| of.of == kind && of.sigma > 0.0);
-        let scatter = scatter.map(|of| of.sigma * 0.5 * student.reach(of.degrees_of_freedom as f64));
+        let scatter = scatter.get(&kind).copied().filter(|sigma| *sigma > 0.0);
         let stated = noise_mm.filter(|_| kind != ReadingKind::Angle);
         let sigma = stated.or(scatter).ok_or(kind)?;
         (m.weight, m.has_uncertainty) = (m.weight / (sigma * sigma * 1e6), true);
     }
     Ok(())
+}
+
+/// Returns the standard deviation (mm) of repeated readings by kind. Files are set-ups of their own: a pose repeats
+/// within its file only.
+fn scatter(rows: &[Measurement]) -> BTreeMap<ReadingKind, f64> {
+    let mut sums: BTreeMap<ReadingKind, (f64, usize)> = BTreeMap::new();
+    for file in rows.chunk_by(|a, b| a.place.source == b.place.source) {
+        for of in repeats(file) {
+            let (squares, freedom) = sums.entry(of.of).or_default();
+            *squares += of.sigma * of.sigma * of.degrees_of_freedom as f64;
+            *freedom += of.degrees_of_freedom;
+        }
+    }
+    let mut student = Coverage::default();
+    // Few repeats say little of their scatter.
+    let sigma = |(kind, (squares, freedom)): (ReadingKind, (f64, usize))| {
+        let freedom = freedom as f64;
+        (kind, libm::sqrt(squares / freedom) * 0.5 * student.reach(freedom))
+    };
+    sums.into_iter().map(sigma).collect()
 }

@@ -1,7 +1,7 @@
 //! The verdict on a second measurement, as a value and in words.
 
-use super::campaign::{Campaign, SetUpUnknown};
-use super::judge::{Amount, Judged, Reduced};
+use super::campaign::Campaign;
+use super::judge::{Amount, Judged, Reduced, SetUpUnknown};
 use crate::diagnostic::Sources;
 use crate::identify::data::ReadingKind;
 use crate::units::significant;
@@ -282,7 +282,7 @@ fn words(of: &SecondMeasurement, off: &[&SeenCorrection]) -> String {
         (SecondVerdict::NotWithin, None) if off.is_empty() => "NOT within".to_owned(),
         (SecondVerdict::NotWithin, None) => {
             let axis = |of: &&SeenCorrection| {
-                format!("{} of that of {}", significant(of.amount, 2), of.axis.as_deref().unwrap_or_default())
+                format!("{:.2} of that of {}", of.amount, of.axis.as_deref().unwrap_or_default())
             };
             let axes: Vec<String> = off.iter().map(axis).collect();
             format!("NOT within; of the correction they see {}", axes.join(", "))

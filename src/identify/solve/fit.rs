@@ -79,6 +79,11 @@ impl ParameterFit {
         }
     }
 
+    /// Returns the largest plausible displacement (mm) by an unknown: the standard deviation before the data.
+    pub fn plausible_mm(&self) -> f64 {
+        MIN_PRIOR_SIGMA_MM.max(PLAUSIBLE_OVER_RMS * self.initial_rms)
+    }
+
     /// Returns the fit with the linear problem at other values of the parameters.
     pub fn at(&self, model: &FitModel<'_>, data: &[Measurement], theta: Vec<f64>) -> Self {
         let weights = self.limits.as_ref().map_or(&self.weights, |limits| &limits.weights);

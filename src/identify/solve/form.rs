@@ -53,6 +53,13 @@ impl KnotInterval {
         2.0 * i as f64 / (self.count - 1) as f64 - 1.0
     }
 
+    /// Returns the position measured that is nearest to one of the travel, whole turns aside.
+    fn nearest(&self, q: f64) -> f64 {
+        let middle = (self.min + self.max) / 2.0;
+        let q = if self.turns { middle + libm::remainder(q - middle, TURN_DEG) } else { q };
+        q.clamp(self.min, self.max)
+    }
+
     /// Returns the distance of two knots, mm or deg.
     fn apart(&self, i: usize, j: usize) -> f64 {
         let straight = (self.knot(i) - self.knot(j)).abs();
@@ -313,7 +320,7 @@ impl VolumeForms {
         let mut poses = volume_poses(model, data);
         for m in &mut poses {
             for FormedAxis { index, interval, .. } in axes {
-                m.pose[*index] = m.pose[*index].clamp(interval.min, interval.max);
+                m.pose[*index] = interval.nearest(m.pose[*index]);
             }
         }
         let weights = vec![1.0; poses.len()];

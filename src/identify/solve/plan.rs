@@ -141,6 +141,6 @@ pub fn expected(model: &FitModel<'_>, data: &[Measurement], noise: f64) -> Solut
     // As if the readings scattered by the noise over as many degrees of freedom as there will be.
     let rest = Solution::of(&fit, model.parameters()).degrees_of_freedom.max(1);
     fit.squares = noise * noise * rest as f64;
-    let motions = invariances(model, data).motion_parameters;
+    let motions = invariances(model, data, &fit.theta).motion_parameters;
     Solution::of(&fit, model.parameters()).with_first_order_rank(model, data, &fit, &motions)
 }

@@ -122,6 +122,16 @@ pub struct Solution {
     null_echelon: Vec<DVector<f64>>,
     /// Basis (columns, by displacements) of the null space to first order, if it is larger than the exact one.
     second_order_only: Option<DMatrix<f64>>,
+    /// Displacements (columns) by one standard uncertainty of those of its directions that readings notice.
+    noticed: DMatrix<f64>,
+}
+
+/// Directions (columns, by displacements) that the readings do not see to first order.
+struct WeakDirections {
+    /// Orthonormal basis.
+    free: DMatrix<f64>,
+    /// Those that the readings notice all the same, as displacements by one standard uncertainty.
+    noticed: DMatrix<f64>,
 }
 
 impl Solution {
@@ -161,7 +171,9 @@ impl Solution {
         let estimates: Vec<Estimate> = theta.into_iter().enumerate().map(estimate).collect();
         let well_determined = count_above_noise(&unit, rank, fit.reduced.rows);
         let spread = |k: usize| displacements(&unit, k, &sizes, &scale) * (sigma / unit.values[k]);
-        let spreads: Vec<DVector<f64>> = (well_determined..rank).map(spread).collect();
+        // Without residual degrees of freedom there is no noise that would hide anything.
+        let hidden = if degrees_of_freedom > 0 { well_determined..rank } else { 0..0 };
+        let spreads: Vec<DVector<f64>> = hidden.map(spread).collect();
         let none = DMatrix::zeros(parameters.len(), parameters.len());
         let form = FormCovariance { all: none.clone(), unmodelled: none.clone() };
         let mut solution = Self {
@@ -185,6 +197,7 @@ impl Solution {
             null_basis,
             null_echelon,
             second_order_only: second_order_only.cloned(),
+            noticed: DMatrix::zeros(parameters.len(), 0),
         };
         solution.estimate_scatter(fit);
         solution.estimates.iter_mut().for_each(|estimate| estimate.sigma = estimate.scatter);
@@ -261,7 +274,8 @@ impl Solution {
 
     /// Counts the rank of the model to first order at the same values, where rigid `motions` of the machine that no
     /// reading notices are free. Directions that only products of errors show are useless in practice, and parameters
-    /// they hardly touch would be as uncertain as they are: they count as null space.
+    /// they hardly touch would be as uncertain as they are: they count as null space, but where the errors are so large
+    /// that the readings see them as others.
     pub fn with_first_order_rank(
         self,
         model: &FitModel<'_>,
@@ -274,7 +288,8 @@ impl Solution {
         let first = model.clone().to_order(Order::Degree(1)).triangle(data, &fit.weights, &fit.theta);
         let first = with_known(&first, &fit.known, self.sigma);
         let rank = first.scaled(&column_scale(&first, &sizes)).rank(RANK_TOLERANCE);
-        let free = with_motions(&first.scaled(&sizes).null_space(rank), motions);
+        let unseen = first.scaled(&sizes).null_space(rank);
+        let WeakDirections { free, noticed } = self.weakest_directions(fit, &sizes, &unseen, motions);
         if parameters.len() - free.ncols() >= self.rank {
             return self;
         }
@@ -285,9 +300,37 @@ impl Solution {
         first_order.degrees_of_freedom = self.degrees_of_freedom;
         first_order.singular_values = self.singular_values;
         first_order.sigma = self.sigma;
+        first_order.noticed = noticed;
         first_order.estimate_scatter(fit);
         first_order.combine();
         first_order
+    }
+
+    /// Returns the null space at the solution with rigid `motions`, and the directions `unseen` to first order that the
+    /// readings see least there, as many as are unseen in all: errors turn what changes nothing to first order.
+    fn weakest_directions(
+        &self,
+        fit: &ParameterFit,
+        sizes: &DVector<f64>,
+        unseen: &DMatrix<f64>,
+        motions: &[DVector<f64>],
+    ) -> WeakDirections {
+        let columns = |of: &DMatrix<f64>| of.column_iter().map(|column| column.into_owned()).collect::<Vec<_>>();
+        let null = with_motions(&self.null_basis, motions);
+        let all = with_motions(&null, &columns(unseen));
+        let rest = all.columns(null.ncols(), all.ncols() - null.ncols());
+        let weak = with_motions(unseen, motions).ncols().saturating_sub(null.ncols());
+        let readings = over_columns(&with_known(&fit.reduced, &fit.known, self.sigma).r, sizes);
+        let largest = readings.column_iter().map(|column| column.norm()).fold(0.0, f64::max);
+        let seen = Svd::new(&(readings * rest));
+        let well = seen.values.iter().filter(|value| **value > MIN_PRODUCT_SHARE * largest).count();
+        let well = well.max(rest.ncols().saturating_sub(weak));
+        let products = rest * seen.null_space(well);
+        let notice = |k: &usize| seen.values[well + k] * fit.plausible_mm() > self.sigma;
+        let amount = |k: usize| products.column(k) * (self.sigma / seen.values[well + k]);
+        let noticed: Vec<DVector<f64>> = (0..products.ncols()).filter(notice).map(amount).collect();
+        let noticed = DMatrix::from_fn(sizes.len(), noticed.len(), |i, k| noticed[k][i]);
+        WeakDirections { free: with_motions(&null, &columns(&products)), noticed }
     }
 
     /// Takes scatter and observability of the parameters from the root of their covariance.
@@ -347,6 +390,7 @@ impl Solution {
         let kept = svd.values.iter().filter(|value| **value > MIN_FREE_LENGTH).count();
         let fixed = self.null_basis.ncols() - kept;
         self.null_basis = svd.v.columns(0, kept).into_owned();
+        self.noticed = DMatrix::zeros(count, 0);
         self.null_echelon = reduced_echelon(&self.null_basis);
         self.rank_first_order += fixed;
         self.rank = self.rank.max(self.rank_first_order);
@@ -402,8 +446,12 @@ impl Solution {
     /// `A C A^T`, and the effect of the null-space directions (columns) on each.
     pub(super) fn covariance_with(&self, rows: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
         let scaled = over_columns(rows, &self.units);
-        let free = &scaled * &self.null_basis;
-        let half = self.prediction_covariance() * scaled.transpose();
+        let unit = |column: nalgebra::DVectorView<'_, f64>| column.normalize();
+        let noticed: Vec<DVector<f64>> = self.noticed.column_iter().map(unit).collect();
+        let unnoticed = self.null_basis.column_iter().map(|column| beside(column.into_owned(), &noticed));
+        let unnoticed: Vec<DVector<f64>> = unnoticed.collect();
+        let free = &scaled * DMatrix::from_fn(scaled.ncols(), unnoticed.len(), |i, k| unnoticed[k][i]);
+        let half = (self.prediction_covariance() + &self.noticed * self.noticed.transpose()) * scaled.transpose();
         let columns = DMatrix::from_fn(half.nrows(), half.ncols(), |j, i| half[(j, i)] / self.units[j]);
         (columns, free)
     }
@@ -500,10 +548,9 @@ fn displacements(unit: &Svd, k: usize, sizes: &DVector<f64>, scale: &DVector<f64
     unit.v.column(k).component_mul(sizes).component_div(scale)
 }
 
-/// Returns the ratio of the largest to the smallest singular value within the rank.
+/// Returns the ratio of the largest to the smallest singular value within the rank; 1 without rank.
 fn condition(unit: &Svd, rank: usize) -> f64 {
-    let smallest = if rank > 0 { unit.values[rank - 1] } else { 0.0 };
-    if smallest > 0.0 { unit.values[0] / smallest } else { f64::INFINITY }
+    if rank > 0 { unit.values[0] / unit.values[rank - 1].max(f64::MIN_POSITIVE) } else { 1.0 }
 }
 
 /// Counts the directions in which one standard deviation of the estimate moves the points, parameter by parameter, less

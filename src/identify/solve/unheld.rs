@@ -84,6 +84,8 @@ fn unnoticed(model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit) -> 
     let svd = Svd::new(&places);
     let followed = svd.u.columns(0, svd.rank(RANK_TOLERANCE)).into_owned();
     let noticed = Svd::new(&(&motions - &followed * followed.tr_mul(&motions)));
-    let least = MAX_UNNOTICED_SHARE * motions.norm();
+    // A turn of the whole turns what the readings leave.
+    let left = readings.right_norm() / LEVER_MM;
+    let least = (MAX_UNNOTICED_SHARE * motions.norm()).max(left);
     noticed.null_space(noticed.values.iter().filter(|value| **value > least).count())
 }

@@ -68,7 +68,9 @@ impl Prediction {
             (0..volume.rows.len()).map(|i| (i, size(i))).reduce(farther).unwrap_or((0, 0.0))
         };
         let (freest, size) = worst(&part);
-        let (at, uncertainty) = if size > MIN_FREE_EFFECT_MM {
+        // What no plausible amount moves by more than a reading scatters is as good as held.
+        let least = MIN_FREE_EFFECT_MM.max(solution.sigma / fit.plausible_mm());
+        let (at, uncertainty) = if size > least {
             let words = solution.worst_null_direction(&jacobian, model.parameters()).unwrap_or_default();
             (freest, DeviationUncertainty::Free(words))
         } else {

@@ -66,7 +66,7 @@ pub(crate) struct FitDiagnosis<'a> {
     pub(crate) measured: Vec<Option<(f64, f64)>>,
     /// Rigid motions of the workpiece frame that the readings do not hold, or that the datum has decided.
     pub(crate) unheld: Vec<UnheldMotion>,
-    pub(crate) fit: &'a ParameterFit,
+    pub(crate) fit: ParameterFit,
     /// Standard deviation of a reading as stated (mm).
     pub(crate) noise: Option<f64>,
     /// Changes of the data that explain what is left.

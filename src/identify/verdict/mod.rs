@@ -5,9 +5,10 @@
 //! - [`datum`]: the conditions of its datum, and every fitted error in it;
 //! - [`accused`]: what is left by groups of readings, and changes of the data that explain it;
 //! - [`limits`]: sizes of errors and uncertainties that follow from the readings;
-//! - [`result`]: the fit as a value; [`remarks`]: its warnings.
+//! - [`result`]: the fit as a value; [`remarks`]: its warnings; [`advice`]: what may be fixed.
 
 pub(crate) mod accused;
+pub(crate) mod advice;
 pub(crate) mod datum;
 pub(crate) mod fitted;
 pub(crate) mod inputs;

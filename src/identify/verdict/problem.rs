@@ -5,13 +5,13 @@ use super::accused::{self, SuspectReadings};
 use super::fitted::{FitDiagnosis, FittedDatum};
 use super::inputs::{FitAcceptance, FitInputs, FitRange};
 use super::result::{IdentifyResult, NamedSvg};
-use super::{datum, limits, provenance, remarks};
+use super::{advice, datum, limits, provenance, remarks};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Order;
-use crate::identify::thresholds::MAX_UNKNOWNS;
+use crate::identify::thresholds::{MAX_IDLE_EFFECT_MM, MAX_UNKNOWNS};
 use crate::identify::{
-    Circumstances, DatumChange, FileNotes, FitInData, FitModel, Measurement, MeasurementSet, Parameter, ParameterFit,
-    Prediction, PriorValue, ReadingContext, Residuals, SlopeBound, Solution, TypeB, common, fitted_file,
+    Circumstances, DatumChange, FileNotes, FitInData, FitModel, Invariances, Measurement, MeasurementSet, Parameter,
+    ParameterFit, Prediction, PriorValue, ReadingContext, Residuals, SlopeBound, Solution, TypeB, common, fitted_file,
     form_uncertainty, held_out, in_datum, invariances, measured_ranges, parameters, parse_prior, randomness,
     read_measurements, repeats, slope_bounds, solve, suspect, type_b, unheld, unused_entries, with_command_line,
 };
@@ -36,6 +36,7 @@ pub(crate) struct FitOutputs<'a> {
 }
 
 /// The unknowns and the data of a fit.
+#[derive(Clone)]
 pub(crate) struct Problem {
     pub request: IdentifyEntry,
     pub unknowns: Vec<Parameter>,
@@ -75,6 +76,22 @@ impl Problem {
 
     pub(crate) fn model(&self, machine: &Machine, order: Order) -> FitModel<'_> {
         FitModel::new(machine, &self.unknowns).with_slope_bounds(&self.bounds).with_known(&self.known).to_order(order)
+    }
+}
+
+impl Problem {
+    /// Returns the same where parameters keep their start.
+    pub(crate) fn without(&self, names: &[String]) -> Self {
+        let kept: Vec<usize> = (0..self.unknowns.len()).filter(|j| !names.contains(&self.unknowns[*j].name)).collect();
+        let known = |known: &PriorValue| {
+            let unknown = kept.iter().position(|j| *j == known.unknown)?;
+            Some(PriorValue { unknown, ..*known })
+        };
+        Self {
+            unknowns: kept.iter().map(|j| self.unknowns[*j].clone()).collect(),
+            known: self.known.iter().filter_map(known).collect(),
+            ..self.clone()
+        }
     }
 }
 
@@ -173,11 +190,14 @@ fn refuse_copies(call: &mut Call, list: &[PathBuf], hashes: &BTreeMap<PathBuf, S
     Ok(())
 }
 
-/// Refuses too many unknowns, and fewer readings than unknowns.
-pub(crate) fn enough(call: &mut Call, problem: &Problem) -> Result<(), Refused> {
+/// Refuses too many unknowns, and fewer readings than unknowns that a reading feels.
+pub(crate) fn enough(call: &mut Call, file: &MachineFile, problem: &Problem) -> Result<(), Refused> {
     let unknowns = problem.unknowns.len();
     let readings: usize = problem.rows.iter().map(Measurement::readings).sum();
-    let instruments = problem.unknowns.iter().filter(|p| p.is_nuisance()).count();
+    let nuisances = |felt: &dyn Fn(usize) -> bool| {
+        problem.unknowns.iter().enumerate().filter(|(j, p)| p.is_nuisance() && felt(*j)).count()
+    };
+    let instruments = nuisances(&|_| true);
     if unknowns > MAX_UNKNOWNS {
         let message = format!("{unknowns} unknowns, {instruments} of them of instruments, are too many");
         let help = "at most 500: fit less, or take runs of the same set-up together under one name";
@@ -186,6 +206,18 @@ pub(crate) fn enough(call: &mut Call, problem: &Problem) -> Result<(), Refused> 
     if readings + problem.known.len() >= unknowns {
         return Ok(());
     }
+    let felt = felt_unknowns(file, problem);
+    let unknowns = felt.iter().filter(|felt| **felt).count();
+    let known = problem.known.iter().filter(|known| felt[known.unknown]).count();
+    let help = "measure more poses, or fit less";
+    if problem.unknowns.iter().zip(&felt).all(|(p, felt)| p.is_nuisance() || !felt) {
+        let message = format!("{} feel none of the parameters", counted(readings, "reading"));
+        return call.refuse(Diagnostic::new(codes::E0503, message).help(help));
+    }
+    if readings + known >= unknowns {
+        return Ok(());
+    }
+    let instruments = nuisances(&|j| felt[j]);
     let also = if instruments > 0 {
         format!(" and {} of the instruments", counted(instruments, "unknown"))
     } else {
@@ -193,7 +225,16 @@ pub(crate) fn enough(call: &mut Call, problem: &Problem) -> Result<(), Refused> 
     };
     let own = counted(unknowns - instruments, "parameter");
     let message = format!("{} cannot determine {own}{also}", counted(readings, "reading"));
-    call.refuse(Diagnostic::new(codes::E0503, message).help("measure more poses, or fit less"))
+    call.refuse(Diagnostic::new(codes::E0503, message).help(help))
+}
+
+/// Returns for each unknown if a reading feels it where the fit starts.
+fn felt_unknowns(file: &MachineFile, problem: &Problem) -> Vec<bool> {
+    let start: Vec<f64> = problem.unknowns.iter().map(|p| p.start).collect();
+    let weights = vec![1.0; problem.rows.len()];
+    let effects = problem.model(file, Order::Exact).triangle(&problem.rows, &weights, &start).column_norms();
+    let feels = |(effect, p): (&f64, &Parameter)| effect / p.size > MAX_IDLE_EFFECT_MM;
+    effects.iter().zip(&problem.unknowns).map(feels).collect()
 }
 
 /// Fits, and judges the fit over the volume of the machine, or over that part of it that was measured.
@@ -221,77 +262,27 @@ fn solve_over_volume(
     outputs: &FitOutputs<'_>,
 ) -> Result<IdentifyResult, Refused> {
     let (model, data) = (problem.model(file, inputs.order), &problem.rows);
-    let found = invariances(&model, data);
-    if let Some(refusal) = remarks::shrinking(&found.stretches) {
-        return call.refuse(refusal);
-    }
+    let invariant = |call: &mut Call, theta: &[f64]| {
+        let found = invariances(&model, data, theta);
+        remarks::shrinking(&found.stretches).map_or(Ok(found), |refusal| call.refuse(refusal))
+    };
+    invariant(call, &problem.unknowns.iter().map(|p| p.start).collect::<Vec<_>>())?;
     let fit = call.stage("readings fitted", 0, |advance| solve_to_end(&model, data, inputs.robust, advance))?;
-    let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
-    let examine = |fit: &ParameterFit| {
-        let solution = Solution::of(fit, &problem.unknowns);
-        let solution = solution.with_first_order_rank(&model, data, fit, &found.motion_parameters);
-        let form = form_uncertainty(&model, data, fit, &solution);
-        let common = common(&model, data, fit, &solution, &problem.type_b);
-        let solution = solution.add_covariances(form.as_ref().map(|form| &form.covariance), common);
-        let change = in_datum(&model, data, fit, &solution, &conditions);
-        let (solution, change) = match change {
-            Some(DatumChange { solution, removed, in_data, motions }) => (solution, Some((removed, in_data, motions))),
-            None => (solution, None),
-        };
-        (solution, form, change)
-    };
-    let (solution, form, change) = call.stage("uncertainty", 1, |advance| {
-        let found = examine(&fit);
-        advance(1).map(|()| found)
+    let found = invariant(call, &fit.theta)?;
+    let (mut fitted, in_data) = call.stage("uncertainty", 1, |advance| {
+        let diagnosed = diagnose(&model, file, problem, found, fit);
+        advance(1).map(|()| diagnosed)
     })?;
-    let as_fitted = || FitInData { theta: solution.theta(), stand: None };
-    let unheld = unheld(&model, data, &fit, change.as_ref().map(|(_, _, motions)| motions));
-    let (removed, in_data) = change.map_or_else(|| (None, as_fitted()), |(removed, seen, _)| (Some(removed), seen));
-    let measured = measured_ranges(&model, data);
-    let datum = removed.map(|removed| FittedDatum::of(file, conditions.entry, &removed, &measured));
-    // Uncertainties by the linear problem at the values that are stated.
-    let (fit, solution, form) = if removed.is_some_and(|removed| removed.removes_weak) {
-        let there = fit.at(&model, data, solution.theta());
-        let (solution, form, _) = examine(&there);
-        (there, solution, form)
-    } else {
-        (fit, solution, form)
-    };
     let held_out = inputs.folds.map(|folds| {
         call.stage("parts left out", folds, |advance| held_out(&model, data, folds, inputs.robust, advance))
     });
-    let held_out = held_out.transpose()?.flatten();
-    let forms = form.as_ref().map_or(&[][..], |form| &form.forms);
-    // In the datum: products of the motion that a datum removes are no deviation.
-    let prediction = Prediction::of(&model, data, &fit, &solution, forms);
-    let theta = solution.theta();
+    fitted.held_out = held_out.transpose()?.flatten();
+    fitted.noise = inputs.noise;
     let left = in_data.residuals(&model, data);
-    let repeats = repeats(data);
-    let residuals = Residuals::of(&model, data, &fit, &theta, &in_data);
-    let circumstances = Circumstances::of(&fit, &solution, residuals.after, &repeats, inputs.noise, inputs.robust);
+    let FitDiagnosis { fit, solution, residuals, repeats, .. } = &fitted;
+    let circumstances = Circumstances::of(fit, solution, residuals.after, repeats, inputs.noise, inputs.robust);
     let suspicion = suspect(&model, data, &circumstances);
-    let fitted = FitDiagnosis {
-        machine: file,
-        unknowns: &problem.unknowns,
-        own: model.own(),
-        data,
-        residuals,
-        residual_tests: randomness(data, &left, &fit.weights),
-        prediction,
-        datum,
-        measured,
-        unheld,
-        motions: found.motions,
-        solution,
-        held_out,
-        repeats,
-        noise: inputs.noise,
-        suspicion,
-        known: &problem.known,
-        type_b: &problem.type_b,
-        form,
-        fit: &fit,
-    };
+    fitted.suspicion = suspicion;
     let sources = &call.diagnostics.sources;
     let remarks = remarks::all(&fitted, sources);
     let mut result = IdentifyResult::of(&fitted, sources);
@@ -309,6 +300,72 @@ fn solve_over_volume(
         result.pictures = drawn?;
     }
     Ok(result)
+}
+
+/// Judges a fit in its datum, without parts left out. Returns it with its frame in the data.
+pub(crate) fn diagnose<'a>(
+    model: &FitModel<'_>,
+    file: &'a Machine,
+    problem: &'a Problem,
+    found: Invariances,
+    fit: ParameterFit,
+) -> (FitDiagnosis<'a>, FitInData) {
+    let data = &problem.rows;
+    let conditions = datum::conditions(file, &problem.request, &problem.unknowns[..model.own()]);
+    let examine = |fit: &ParameterFit| {
+        let solution = Solution::of(fit, &problem.unknowns);
+        let solution = solution.with_first_order_rank(model, data, fit, &found.motion_parameters);
+        let form = form_uncertainty(model, data, fit, &solution);
+        let common = common(model, data, fit, &solution, &problem.type_b);
+        let solution = solution.add_covariances(form.as_ref().map(|form| &form.covariance), common);
+        let change = in_datum(model, data, fit, &solution, &conditions);
+        let (solution, change) = match change {
+            Some(DatumChange { solution, removed, in_data, motions }) => (solution, Some((removed, in_data, motions))),
+            None => (solution, None),
+        };
+        (solution, form, change)
+    };
+    let (solution, form, change) = examine(&fit);
+    let as_fitted = || FitInData { theta: solution.theta(), stand: None };
+    let unheld = unheld(model, data, &fit, change.as_ref().map(|(_, _, motions)| motions));
+    let (removed, in_data) = change.map_or_else(|| (None, as_fitted()), |(removed, seen, _)| (Some(removed), seen));
+    let measured = measured_ranges(model, data);
+    let datum = removed.map(|removed| FittedDatum::of(file, conditions.entry, &removed, &measured));
+    // Uncertainties by the linear problem at the values that are stated.
+    let (fit, solution, form) = if removed.is_some_and(|removed| removed.removes_weak) {
+        let there = fit.at(model, data, solution.theta());
+        let (solution, form, _) = examine(&there);
+        (there, solution, form)
+    } else {
+        (fit, solution, form)
+    };
+    let forms = form.as_ref().map_or(&[][..], |form| &form.forms);
+    // In the datum: products of the motion that a datum removes are no deviation.
+    let prediction = Prediction::of(model, data, &fit, &solution, forms);
+    let theta = solution.theta();
+    let fitted = FitDiagnosis {
+        machine: file,
+        unknowns: &problem.unknowns,
+        own: model.own(),
+        data,
+        residuals: Residuals::of(model, data, &fit, &theta, &in_data),
+        residual_tests: randomness(data, &in_data.residuals(model, data), &fit.weights),
+        prediction,
+        datum,
+        measured,
+        unheld,
+        motions: found.motions,
+        solution,
+        held_out: None,
+        repeats: repeats(data),
+        noise: None,
+        suspicion: None,
+        known: &problem.known,
+        type_b: &problem.type_b,
+        form,
+        fit,
+    };
+    (fitted, in_data)
 }
 
 /// Fits, and hears of readings that were evaluated; a fit that is cancelled ends early, and its result is none.
@@ -354,10 +411,16 @@ fn machine_file(
         remarks::uncertain_prediction(fitted),
         accused::worse_than_nothing(fitted),
     ];
-    let refusals: Vec<Diagnostic> = refusals.into_iter().flatten().collect();
+    let mut refusals: Vec<Diagnostic> = refusals.into_iter().flatten().collect();
     // What is not determined has no covariance that would mean anything.
-    let joint = refusals.is_empty();
-    if let ([first, others @ ..], false) = (&refusals[..], inputs.accept.contains(&FitAcceptance::Undetermined)) {
+    let (joint, accepted) = (refusals.is_empty(), inputs.accept.contains(&FitAcceptance::Undetermined));
+    if !accepted
+        && let Some(first) = refusals.first_mut()
+        && let Some(words) = advice::fixing(file, inputs, problem, fitted)
+    {
+        first.help = first.help.take().map(|help| format!("{words}; {help}"));
+    }
+    if let ([first, others @ ..], false) = (&refusals[..], accepted) {
         call.extend(others.iter().cloned());
         return call.refuse(first.clone());
     }

@@ -7,8 +7,8 @@ use super::result::place;
 use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::thresholds::*;
 use crate::identify::{
-    BasisFunction, DeviationUncertainty, Measurement, Parameter, ParameterTerm, Prediction, Reading, ReadingKind,
-    Repeats, largest_uncertainty, lever,
+    BasisFunction, DeviationUncertainty, Estimate, Measurement, Parameter, ParameterTerm, Prediction, Reading,
+    ReadingKind, Repeats, largest_uncertainty, lever,
 };
 use crate::job::machine_file::ReadBackFailure;
 use crate::job::poses::axes_text;
@@ -138,20 +138,34 @@ fn contradiction(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Option<Diagnos
 /// Refuses values of the machine whose uncertainty is larger than any error of a machine: constants, and curves
 /// somewhere in the travel. Coefficients of a curve say nothing each by itself.
 pub(crate) fn undetermined_values(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
-    let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
-    let wide = own.filter_map(|(parameter, estimate)| {
-        let constant = parameter.terms.first().filter(|term| term.basis == BasisFunction::Constant)?;
-        let direction = constant.source.direction;
-        let limit = largest(direction) * lever(direction);
-        let sigma = estimate.sigma.filter(|sigma| sigma * parameter.size > limit)?;
-        let n = |value: f64| significant(parameter.in_unit(value), 3);
-        Some(format!("{} = {} \u{b1} {} {}", parameter.name, n(estimate.value), n(sigma), parameter.unit))
-    });
-    let wide: Vec<String> = wide.chain(wide_curves(fitted)).collect();
+    let n = |parameter: &Parameter, value: f64| significant(parameter.in_unit(value), 3);
+    let words = |(p, estimate, sigma): (&Parameter, &Estimate, f64)| {
+        format!("{} = {} \u{b1} {} {}", p.name, n(p, estimate.value), n(p, sigma), p.unit)
+    };
+    let wide: Vec<String> = wide_estimates(fitted).map(words).chain(wide_curves(fitted)).collect();
     let message = format!("the data do not determine {}", wide.join(", "));
     let help = "fix them (`--fixed`), fit less, or measure at poses at which they act; `--accept undetermined` writes \
                 the file all the same";
     (!wide.is_empty()).then(|| Diagnostic::new(codes::E0513, message).help(help))
+}
+
+/// Returns the constants of the machine that are more uncertain than any error is large, with their standard
+/// uncertainty.
+fn wide_estimates<'a>(fitted: &'a FitDiagnosis<'_>) -> impl Iterator<Item = (&'a Parameter, &'a Estimate, f64)> {
+    let own = fitted.unknowns[..fitted.own].iter().zip(&fitted.solution.estimates);
+    own.filter_map(|(parameter, estimate)| {
+        let constant = parameter.terms.first().filter(|term| term.basis == BasisFunction::Constant)?;
+        let direction = constant.source.direction;
+        let limit = largest(direction) * lever(direction);
+        let sigma = estimate.sigma.filter(|sigma| sigma * parameter.size > limit)?;
+        Some((parameter, estimate, sigma))
+    })
+}
+
+/// Returns the constants of the machine whose values are noise.
+pub(crate) fn wide_constants<'a>(fitted: &FitDiagnosis<'a>) -> Vec<&'a Parameter> {
+    let names: Vec<&str> = wide_estimates(fitted).map(|(parameter, ..)| parameter.name.as_str()).collect();
+    fitted.unknowns.iter().filter(|p| names.contains(&p.name.as_str())).collect()
 }
 
 /// FitDiagnosis curves that are more uncertain somewhere in the travel than any error is large.
