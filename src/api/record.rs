@@ -26,22 +26,25 @@ pub struct RecordOptions {
     pub poses: usize,
     /// Seed of the poses.
     pub seed: u64,
+    /// File of the private key that signs a record: ed25519, PKCS #8 in PEM.
+    pub sign: Option<PathBuf>,
 }
 
 impl Default for RecordOptions {
     fn default() -> Self {
-        Self { tool: None, compensation: CompensationOptions::default(), poses: 2000, seed: 1 }
+        Self { tool: None, compensation: CompensationOptions::default(), poses: 2000, seed: 1, sign: None }
     }
 }
 
 /// Makes the record of a calibration from its description; nothing is written.
 ///
-/// Fails if the description does not fit, if a file that it names cannot be read, and if an installed set does not
-/// replay.
+/// Fails if the description does not fit, if a file that it names or the key cannot be read, and if an installed set
+/// does not replay.
 pub fn record(path: &Path, options: &RecordOptions, run: Run) -> Reply<Record> {
     Call::answer(run, &Sources::default(), |call| {
         let tool = LoadOptions { tool: options.tool.clone() };
-        make(call, path, &tool, &|call, machine, SetUnderTest { folder, installed, second }| {
+        let sign = options.sign.as_deref();
+        make(call, path, &tool, sign, &|call, machine, SetUnderTest { folder, installed, second }| {
             let RecordOptions { compensation, poses, seed, .. } = options.clone();
             let second = second.map_or_else(SecondOptions::default, |of| SecondOptions {
                 data: of.data,

@@ -80,19 +80,21 @@ pub use crate::record::check::RecordCheck;
 pub use crate::record::make::Record;
 pub use crate::record::trend::{AlarmState, ErrorTrend, RecordTrend, TrendPoint, TrendRecord, TrendStep};
 pub use crate::record::{
-    AlarmLimit, Contact, CopiedFile, Dates, Day, ErrorCurve, ErrorRow, Instrument, LimitDecision, Line, MachineState,
-    NoValue, Person, Place, Plate, RecordData, RecordedFigure, RecordedFigures, RecordedSet, StateValue, Temperature,
-    TwoLetters,
+    AlarmLimit, Contact, CopiedFile, CovariedError, Dates, Day, ErrorCurve, ErrorRow, Instrument, LimitDecision, Line,
+    MachineState, NoValue, Person, Place, Plate, PromisedResidual, RecordData, RecordSignature, RecordedCovariance,
+    RecordedFigure, RecordedFigures, RecordedSet, StateValue, Statements, Temperature, TwoLetters, UnheldReversal,
 };
 pub use crate::report::imported::{
     ImportFinding, ImportResult, ImportedChannel, ImportedError, LeftOutColumn, LeftOutRow, ReferenceMaterial,
     StraightnessReference,
 };
 pub use crate::report::page::RenderedPage;
-pub use crate::report::positioning::{AccuracyUncertainties, MeasuredTarget, OneWayAccuracy, OneWayBoth, ReadAtTarget};
+pub use crate::report::positioning::{
+    AccuracyUncertainties, MeasuredTarget, OneWayAccuracy, OneWayBoth, ReadAtTarget, StatedContributors,
+};
 pub use crate::report::standard_tests::{
-    CauseTest, CircleTest, DiagonalTest, DiagonalsTest, DriftOf, DriftTest, MotionTest, RotationTest, SpikeTest,
-    TemperatureRange, TestFigures, TurningTest, UncertainValue,
+    CauseTest, CircleTest, CircleUncertainties, DiagonalTest, DiagonalsTest, DriftOf, DriftTest, MotionTest,
+    RotationTest, SpikeTest, TemperatureRange, TestFigures, TurningTest, UncertainValue,
 };
 pub use crate::report::{
     ActingValues, BoundedContribution, BoundedFigures, BoundedLengths, BudgetFigures, DeviationBudget, DrawSettings,

@@ -233,6 +233,7 @@ codes! {
     E0820 "the description of a record does not fit",
     E0821 "a record has changed",
     E0822 "records that do not line up",
+    E0823 "a key or a signature that is not the one asked for",
     E0850 "a reference does not fit",
     E0851 "a job cannot be read",
     E0860 "a tolerance does not fit its feature",

@@ -1,11 +1,14 @@
 //! A record on disk against the list of its hashes.
 
+use super::data::MachineState;
 use super::files::{JSON_NAME, SUMS_NAME, set_files};
+use super::sign::{RecordSignature, SIGNATURE_NAME, verify};
 use crate::controller::is_plain_name;
 use crate::diagnostic::{Diagnostic, Sources, codes, shown};
 use crate::file_set::folder::SET_LIMIT;
-use crate::run::{Call, Refused, Reply, Run, sha256};
+use crate::run::{Call, Hashed, Refused, Reply, Run, sha256};
 use crate::syntax::{EntryKind, Files, ReadFailure, unreadable};
+use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -29,18 +32,57 @@ pub struct RecordCheck {
     pub replaced_sets: usize,
     /// Files that no list names.
     pub unlisted: Vec<String>,
+    /// The signature, which holds; `null` if the record is not signed.
+    pub signature: Option<RecordSignature>,
+    /// True if the signature is of the key that was given.
+    pub of_given_key: bool,
     /// SHA-256 of the list itself: who notes it elsewhere notices a change of any file.
     pub sha256: String,
 }
 
-/// Compares every file of a record with its SHA-256.
-///
-/// Fails if the folder is no record, and if a file is missing or has changed.
-pub fn check_record(folder: &Path, run: Run) -> Reply<RecordCheck> {
-    Call::answer(run, &Sources::default(), |call| check(call, folder))
+/// What `record.json` states of the files. Records of earlier versions have neither signature nor `files`.
+#[derive(Deserialize)]
+struct StatedFiles {
+    data: Vec<StatedCopy>,
+    figures: Vec<StatedCopy>,
+    as_found: MachineState,
+    as_left: Option<MachineState>,
+    sets: Vec<StatedSet>,
+    signature: Option<RecordSignature>,
+    files: Option<Vec<Hashed>>,
 }
 
-pub(crate) fn check(call: &mut Call, folder: &Path) -> Result<RecordCheck, Refused> {
+#[derive(Deserialize)]
+struct StatedCopy {
+    file: String,
+    sha256: String,
+}
+
+#[derive(Deserialize)]
+struct StatedSet {
+    files: Vec<Hashed>,
+}
+
+impl StatedFiles {
+    /// Names and hashes, a file as often as it is stated.
+    fn all(&self) -> impl Iterator<Item = (&str, &str)> {
+        let copies = self.data.iter().chain(&self.figures).map(|of| (of.file.as_str(), of.sha256.as_str()));
+        let states = std::iter::once(&self.as_found).chain(&self.as_left).flat_map(|state| &state.inputs);
+        let sets = self.sets.iter().flat_map(|set| &set.files);
+        let hashed = states.chain(sets).chain(self.files.iter().flatten());
+        copies.chain(hashed.map(|of| (of.name.as_str(), of.sha256.as_str())))
+    }
+}
+
+/// Compares every file of a record with its SHA-256, in the list and in `record.json`, and the signature, if there is
+/// one; with the file of a public key it has to be of this key.
+///
+/// Fails if the folder is no record, if a file is missing or has changed, and if the signature does not hold.
+pub fn check_record(folder: &Path, key: Option<&Path>, run: Run) -> Reply<RecordCheck> {
+    Call::answer(run, &Sources::default(), |call| check(call, folder, key))
+}
+
+pub(crate) fn check(call: &mut Call, folder: &Path, key: Option<&Path>) -> Result<RecordCheck, Refused> {
     let files = call.run.files;
     let name = shown(&folder.display().to_string());
     let sums = folder.join(SUMS_NAME);
@@ -65,6 +107,7 @@ pub(crate) fn check(call: &mut Call, folder: &Path) -> Result<RecordCheck, Refus
         call.extend([fault]);
     }
     call.check()?;
+    let signature = compare_stated(call, folder, &list, key)?;
     let mut unlisted = Vec::new();
     let mut replaced_sets = 0;
     for entry in files.entries(folder).into_iter().filter(|entry| entry.name != SUMS_NAME) {
@@ -80,10 +123,39 @@ pub(crate) fn check(call: &mut Call, folder: &Path) -> Result<RecordCheck, Refus
         call.warn(Diagnostic::new(codes::W0711, message).help("keep other files elsewhere"));
     }
     call.check()?;
-    Ok(RecordCheck { folder: name, files: list.len(), replaced_sets, unlisted, sha256 })
+    let of_given_key = key.is_some();
+    Ok(RecordCheck { folder: name, files: list.len(), replaced_sets, unlisted, signature, of_given_key, sha256 })
 }
 
-fn refuse_changed(message: String) -> Diagnostic {
+/// Compares the list with what `record.json` states, which whoever writes the list anew forgets or cannot sign.
+fn compare_stated(
+    call: &mut Call,
+    folder: &Path,
+    list: &BTreeMap<String, String>,
+    key: Option<&Path>,
+) -> Result<Option<RecordSignature>, Refused> {
+    let name = shown(&folder.display().to_string());
+    let read = |name: &str| call.run.files.read_at_most(&folder.join(name), SET_LIMIT).unwrap_or_default();
+    let (json, signature) = (read(JSON_NAME), read(SIGNATURE_NAME));
+    let Ok(stated) = serde_json::from_slice::<StatedFiles>(&json) else {
+        return call.refuse(refuse_changed(format!("`{JSON_NAME}` of `{name}` is no record of version 1")));
+    };
+    verify(call, &name, stated.signature.as_ref(), &json, &signature, key)?;
+    let hashes: BTreeMap<&str, &str> = stated.all().collect();
+    let differs = |(file, hash): (&str, &str)| list.get(file).is_none_or(|listed| listed != hash);
+    let changed = stated.all().filter(|of| differs(*of)).map(|(file, _)| file);
+    let own = [JSON_NAME, SIGNATURE_NAME];
+    let named = |file: &&str| own.contains(file) || stated.files.is_none() || hashes.contains_key(file);
+    let strange = list.keys().map(String::as_str).filter(|file| !named(file));
+    for file in changed.chain(strange).collect::<std::collections::BTreeSet<_>>() {
+        let message = format!("`{}` of `{name}` is not the file that `{JSON_NAME}` states", shown(file));
+        call.extend([refuse_changed(message)]);
+    }
+    call.check()?;
+    Ok(stated.signature)
+}
+
+pub(crate) fn refuse_changed(message: String) -> Diagnostic {
     Diagnostic::new(codes::E0821, message).help("take the record from a copy, or make it again from its sources")
 }
 

@@ -1,5 +1,7 @@
 //! Content of the record of a calibration: as described, and as found in the files that it names.
 
+use super::promise::PromisedResidual;
+use super::sign::RecordSignature;
 use crate::diagnostic::is_layout;
 use crate::run::Hashed;
 use crate::standards::{Conformity, LimitSides};
@@ -163,6 +165,24 @@ pub struct Contact {
     pub country: Option<TwoLetters>,
 }
 
+/// What ISO/IEC 17025 asks of a certificate beside the numbers; `null` where the description does not state it.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Statements {
+    /// Chain of calibrations to the unit of length.
+    pub traceability: Option<Line>,
+    /// Rule by which the decisions count, and who agreed to it.
+    pub decision_rule: Option<Line>,
+    /// Conditions during the calibration.
+    pub environment: Option<Line>,
+    /// Place at which the machine stands: address, hall.
+    pub location: Option<Line>,
+    /// Lines and volume that were measured, and how they were approached.
+    pub path: Option<Line>,
+    /// Name of the record that this one replaces.
+    pub replaces: Option<Line>,
+}
+
 /// A responsible person.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -247,6 +267,9 @@ pub struct StateValue {
     pub bounded: bool,
     /// Expanded uncertainty (k = 2), if the machine file states it.
     pub expanded_uncertainty: Option<f64>,
+    /// True of a zero that the datum of a fit sets, or its user: nothing is measured.
+    #[serde(default)]
+    pub held: bool,
 }
 
 /// An error as found and as left.
@@ -260,6 +283,30 @@ pub struct ErrorRow {
     pub found: Option<StateValue>,
     /// As left; `null` if the file does not give it.
     pub left: Option<StateValue>,
+}
+
+/// An error whose value has a covariance with those of others.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct CovariedError {
+    /// Name of the error.
+    pub error: String,
+    /// Position (mm or deg) of the value, approached with rising position; `null` for a location error.
+    pub position: Option<f64>,
+    /// The value: of a curve that of the largest size at its positions.
+    pub value: f64,
+    /// `um` or `urad`.
+    pub unit: &'static str,
+}
+
+/// Covariance of the fit in a state of the machine.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct RecordedCovariance {
+    /// `found` or `left`.
+    pub state: &'static str,
+    /// The errors that the fit knows with an uncertainty, in the order of rows and columns.
+    pub errors: Vec<CovariedError>,
+    /// The covariance, row by row, in products of the units.
+    pub covariance: Vec<Vec<f64>>,
 }
 
 /// Curve of a component error.
@@ -334,6 +381,8 @@ pub struct RecordedSet {
     pub verified_with: Option<&'static str>,
     /// Certificate of `verify`; `null` for a replaced set.
     pub verify: Option<Value>,
+    /// Residual that the certificate allows to promise; `null` for a replaced set.
+    pub promised: Option<PromisedResidual>,
     /// Certificate that `compile` printed, if the description names it.
     pub compile: Option<Value>,
 }
@@ -372,6 +421,8 @@ pub struct RecordedFigures {
     pub copy: CopiedFile,
     /// Figures in it that are those of `import` and `figures`.
     pub values: Vec<RecordedFigure>,
+    /// In sentences which contributors the uncertainties have and lack.
+    pub contributors: Vec<Line>,
 }
 
 /// Everything that a record shows.
@@ -409,6 +460,8 @@ pub struct RecordData {
     pub temperatures: Vec<Temperature>,
     /// Standards.
     pub standards: Vec<Line>,
+    /// What ISO/IEC 17025 asks beside the numbers.
+    pub statements: Statements,
     /// Remarks.
     pub remarks: Vec<Line>,
     /// The machine as found.
@@ -417,6 +470,8 @@ pub struct RecordData {
     pub as_left: Option<MachineState>,
     /// Every error.
     pub errors: Vec<ErrorRow>,
+    /// Covariances of the fits, for each state that states one.
+    pub covariances: Vec<RecordedCovariance>,
     /// Curves of component errors.
     pub curves: Vec<ErrorCurve>,
     /// Decisions.
@@ -429,6 +484,10 @@ pub struct RecordData {
     pub data: Vec<CopiedFile>,
     /// Figures: JSON documents of other verbs.
     pub figures: Vec<RecordedFigures>,
+    /// The signature; `null` if the record is not signed.
+    pub signature: Option<RecordSignature>,
+    /// Every file but this document, its signature and the list of the hashes.
+    pub files: Vec<Hashed>,
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! `record.yaml`: what the engineer states of a calibration, and the files that belong to it.
 
-use super::{Contact, Dates, Instrument, Line, Person, Place, Plate, Temperature, TwoLetters};
+use super::{Contact, Dates, Instrument, Line, Person, Place, Plate, Statements, Temperature, TwoLetters};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::run::{Call, Refused};
 use crate::syntax::{from_yaml, read_text};
@@ -47,6 +47,8 @@ pub(crate) struct Description {
     pub sets: Vec<SetEntry>,
     #[serde(default)]
     pub remarks: Vec<Line>,
+    #[serde(default)]
+    pub statements: Statements,
 }
 
 /// A limit: of an error, or of a number in a file of figures.

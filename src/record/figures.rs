@@ -25,15 +25,16 @@ const POSITIONING: [(&str, &str); 6] = [
     ("R", "repeatability R"),
     ("A", "accuracy A"),
 ];
-const CIRCLE: [(&str, &str); 8] = [
-    ("/circular_deviation_um/counter_clockwise", "circular deviation G, counter-clockwise"),
-    ("/circular_deviation_um/clockwise", "circular deviation G, clockwise"),
-    ("/bidirectional_um", "circular deviation G(b)"),
-    ("/mean_radial_um", "mean radial deviation D"),
-    ("/radial_max_min_um/counter_clockwise/0", "radial deviation F, counter-clockwise, largest"),
-    ("/radial_max_min_um/counter_clockwise/1", "radial deviation F, counter-clockwise, smallest"),
-    ("/radial_max_min_um/clockwise/0", "radial deviation F, clockwise, largest"),
-    ("/radial_max_min_um/clockwise/1", "radial deviation F, clockwise, smallest"),
+/// Figures of a circle: the key, the name, and the key of its uncertainty.
+const CIRCLE: [(&str, &str, &str); 8] = [
+    ("/circular_deviation_um/counter_clockwise", "circular deviation G, counter-clockwise", "G"),
+    ("/circular_deviation_um/clockwise", "circular deviation G, clockwise", "G"),
+    ("/bidirectional_um", "circular deviation G(b)", "G"),
+    ("/mean_radial_um", "mean radial deviation D", "D"),
+    ("/radial_max_min_um/counter_clockwise/0", "radial deviation F, counter-clockwise, largest", "F"),
+    ("/radial_max_min_um/counter_clockwise/1", "radial deviation F, counter-clockwise, smallest", "F"),
+    ("/radial_max_min_um/clockwise/0", "radial deviation F, clockwise, largest", "F"),
+    ("/radial_max_min_um/clockwise/1", "radial deviation F, clockwise, smallest", "F"),
 ];
 /// Causes of a circle: key, name, unit; each has a value and a standard uncertainty.
 const CAUSES: [(&str, &str, &str); 5] = [
@@ -76,6 +77,27 @@ pub(crate) fn figures_in(document: &Value) -> Vec<RecordedFigure> {
     figures
 }
 
+/// Sentences on the uncertainties of a document: which contributors they have and lack.
+pub(crate) fn contributors_in(document: &Value) -> Vec<Line> {
+    let words = |of: &Value| {
+        let list = of.as_array()?.iter().filter_map(Value::as_str).take(MAX_FIGURES).collect::<Vec<_>>();
+        (!list.is_empty()).then(|| list.join(", "))
+    };
+    let sentence = |name: &str, of: &Value| {
+        let text = match (words(&of["has"]), words(&of["lacks"])) {
+            (Some(has), Some(lacks)) => format!("U of {name} has {has}; it lacks {lacks}, and is not complete"),
+            _ => format!("U of {name} does not state its contributors"),
+        };
+        Line::try_from(text).ok()
+    };
+    let errors = document["errors"].as_array().map_or(&[][..], Vec::as_slice).iter().take(MAX_FIGURES);
+    let with_u = errors.filter(|error| error["U"].is_object());
+    let positioning = with_u.filter_map(|error| sentence(error["error"].as_str()?, &error["contributors"]));
+    let circle = (document["test"] == "circle" && document["U"].is_object())
+        .then(|| sentence("G, D and F", &document["U"]["contributors"]));
+    positioning.chain(circle.flatten()).collect()
+}
+
 /// Draws the runs of a document of `import`: means and bands of 2 s. `None` of documents without runs.
 pub(crate) fn runs_in(document: &Value) -> Option<String> {
     let errors = document["errors"].as_array().filter(|_| document["test"].is_null())?;
@@ -116,7 +138,9 @@ fn positioning(of: &Value) -> Vec<RecordedFigure> {
         .iter()
         .filter_map(|(key, name)| one(format!("{error}: {name}"), &of[*key], unit, of["U"][*key].as_f64()));
     let ways = ["forward", "reverse"].into_iter().flat_map(|way| {
-        let figure = move |key: &str| one(format!("{error}: {key} {way}"), &of["one_way"][way][key], unit, None);
+        let figure = move |key: &str| {
+            one(format!("{error}: {key} {way}"), &of["one_way"][way][key], unit, of["U"][key].as_f64())
+        };
         ["E", "R", "A"].into_iter().filter_map(figure)
     });
     both.chain(ways).collect()
@@ -125,7 +149,9 @@ fn positioning(of: &Value) -> Vec<RecordedFigure> {
 fn circle(document: &Value) -> Vec<RecordedFigure> {
     let plane = document["plane"].as_str().unwrap_or("circle");
     let at = |pointer: &str| document.pointer(pointer).unwrap_or(&Value::Null);
-    let figures = CIRCLE.iter().filter_map(|(key, name)| one(format!("{plane}: {name}"), at(key), "um", None));
+    let figures = CIRCLE
+        .iter()
+        .filter_map(|(key, name, u)| one(format!("{plane}: {name}"), at(key), "um", document["U"][*u].as_f64()));
     let causes = CAUSES.iter().filter_map(|(key, name, unit)| {
         let cause = at(key);
         one(format!("{plane}: {name}"), &cause["value"], unit, cause["sigma"].as_f64().map(|s| COVERAGE * s))

@@ -40,6 +40,11 @@ impl RecordFiles {
         Ok(hash)
     }
 
+    /// Returns the hashes of all of them.
+    pub fn hashes(&self) -> Vec<Hashed> {
+        self.files.iter().map(|(name, bytes)| Hashed::new(name, bytes)).collect()
+    }
+
     /// Returns all of them, and the list of their hashes as `sha256sum --check` reads it.
     pub fn finish(mut self) -> Vec<(String, Vec<u8>)> {
         let line = |(name, bytes): (&String, &Vec<u8>)| format!("{}  {name}\n", sha256(bytes));

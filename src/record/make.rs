@@ -10,9 +10,11 @@ use super::dcc::certificate;
 use super::decisions::{Figures, decisions, document};
 use super::description::{Description, SetEntry, StateName, unfit};
 use super::errors;
-use super::figures::{figures_in, runs_in};
+use super::figures::{contributors_in, figures_in, runs_in};
 use super::files::{JSON_NAME, RecordFiles};
 use super::page::{RecordPictures, record_page, record_pictures};
+use super::promise::promised;
+use super::sign::{SIGNATURE_NAME, Signer};
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::job::machine_file::{LoadOptions, MachineFile, load};
 use crate::run::{Call, Refused, finite};
@@ -62,13 +64,15 @@ impl States {
     }
 }
 
-/// Makes the record that a description asks for, with a tool of the machine.
+/// Makes the record that a description asks for, with a tool of the machine; a key signs it.
 pub(crate) fn make(
     call: &mut Call,
     path: &Path,
     load_options: &LoadOptions,
+    key: Option<&Path>,
     verify: Verify<'_>,
 ) -> Result<Record, Refused> {
+    let signer = key.map(|key| Signer::read(call, key)).transpose()?;
     let description = Description::read(call, path)?;
     let base = path.parent().unwrap_or(Path::new(""));
     let machine = |call: &mut Call, name: &Line| {
@@ -88,14 +92,17 @@ pub(crate) fn make(
     let (copies, figures) = figures(call, &description, base, &mut files)?;
     let instruments = instruments(call, &description, base, &mut files)?;
     let rows = errors::rows(&states.found, states.left.as_deref());
-    if rows.iter().all(|row| row.found.is_none_or(|found| found.bounded)) {
+    if rows.iter().all(|row| row.found.is_none_or(|found| found.bounded || found.held)) {
         let message = format!("`{}` gives no error a value", shown(states.found.path()));
         return call.refuse(unfit(message, "name a machine file with measured errors, such as `identify` writes"));
     }
     let (decisions, alarms) = decisions(call, &description, &rows, &figures)?;
     let mut sets = Vec::new();
     for (number, entry) in description.sets.iter().enumerate() {
-        sets.push(set(call, entry, number + 1, base, &states, verify, &mut files)?);
+        let set = set(call, entry, number + 1, base, &states, verify, &mut files)?;
+        let verified = set.verify.as_ref();
+        let promised = verified.and_then(|verified| promised(states.of(entry.verify_with), &figures, verified));
+        sets.push(RecordedSet { promised, ..set });
         let second = entry.second.iter().flat_map(|second| second.data.iter().chain(&second.axis_poses));
         for source in second.filter(|source| !description.data.contains(source)) {
             data.push(files.copy(call, base, source, "data")?.0);
@@ -103,6 +110,8 @@ pub(crate) fn make(
     }
     let mut curves = errors::curves(&states.found, "found");
     curves.extend(states.left.iter().flat_map(|left| errors::curves(left, "left")));
+    let mut covariances: Vec<_> = errors::covariance(&states.found, "found").into_iter().collect();
+    covariances.extend(states.left.as_ref().and_then(|left| errors::covariance(left, "left")));
     let Description { id, dates, language, country, place, laboratory, customer, .. } = description;
     let data = RecordData {
         record: 1,
@@ -121,28 +130,33 @@ pub(crate) fn make(
         instruments,
         temperatures: description.temperatures,
         standards: description.standards,
+        statements: description.statements,
         remarks: description.remarks,
         as_found,
         as_left,
         errors: rows,
+        covariances,
         curves,
         decisions,
         alarms,
         sets,
         data,
         figures: copies,
+        signature: signer.as_ref().map(|signer| signer.stated(call)).transpose()?,
+        files: Vec::new(),
     };
     let runs = figures.iter().filter_map(|of| Some((format!("Runs, {}", of.source), runs_in(&of.document)?)));
     let mut pictures = record_pictures(&states.found, states.left.as_deref());
     pictures.extend(runs);
-    write(call, data, &pictures, files)
+    write(call, data, &pictures, files, signer.as_ref())
 }
 
 fn write(
     call: &mut Call,
-    data: RecordData,
+    mut data: RecordData,
     pictures: &RecordPictures,
     mut files: RecordFiles,
+    signer: Option<&Signer>,
 ) -> Result<Record, Refused> {
     call.extend(finite::refusal(&data));
     call.check()?;
@@ -155,10 +169,16 @@ fn write(
         Ok(xml) => xml,
         Err(why) => return call.refuse(failed("certificate.xml", why.to_string())),
     };
-    let json = serde_json::to_string_pretty(&data).unwrap_or_default() + "\n";
-    for (name, text) in [(JSON_NAME, json), ("record.html", page), ("certificate.xml", xml)] {
+    for (name, text) in [("record.html", page), ("certificate.xml", xml)] {
         let _ = files.add(call, name.to_owned(), text.into_bytes())?;
     }
+    data.files = files.hashes();
+    let json = (serde_json::to_string_pretty(&data).unwrap_or_default() + "\n").into_bytes();
+    if let Some(signer) = signer {
+        let (_, signature) = signer.sign(call, &json)?;
+        let _ = files.add(call, SIGNATURE_NAME.to_owned(), signature)?;
+    }
+    let _ = files.add(call, JSON_NAME.to_owned(), json)?;
     Ok(Record { files: files.finish(), data })
 }
 
@@ -172,9 +192,9 @@ fn figures(
     for source in &description.figures {
         let (copy, bytes) = files.copy(call, base, source, "figures")?;
         let document = document(call, source, &bytes)?;
-        let values = figures_in(&document);
+        let (values, contributors) = (figures_in(&document), contributors_in(&document));
         figures.push(Figures { source: source.to_string(), file: copy.file.clone(), document });
-        copies.push(RecordedFigures { copy, values });
+        copies.push(RecordedFigures { copy, values, contributors });
     }
     Ok((copies, figures))
 }
@@ -244,6 +264,7 @@ fn set(
         files: copied,
         verified_with: verified.is_some().then(|| entry.verify_with.word()),
         verify: verified,
+        promised: None,
         compile,
     })
 }

@@ -4,8 +4,8 @@
 //! 2. `errors` makes the table of errors and the curves, `figures` reads the figures, `decisions` judges both by
 //!    their limits: together the [`RecordData`].
 //! 3. `record_page` writes it for print, `dcc` as a digital calibration certificate.
-//! 4. `make` does all of it. `check` compares a folder with the list of its hashes; `trend` puts records in a
-//!    line.
+//! 4. `make` does all of it, `sign` signs it. `check` compares a folder with its hashes and its signature; `trend` puts
+//!    records in a line.
 
 pub mod check;
 mod data;
@@ -17,11 +17,15 @@ pub(crate) mod figures;
 pub mod files;
 pub(crate) mod make;
 mod page;
+pub(crate) mod promise;
+pub(crate) mod sign;
 pub(crate) mod trend;
 
 pub use data::{
-    AlarmLimit, Contact, CopiedFile, Dates, Day, ErrorCurve, ErrorRow, Instrument, LimitDecision, Line, MachineState,
-    NoValue, Person, Place, Plate, RecordData, RecordedFigure, RecordedFigures, RecordedSet, StateValue, Temperature,
-    TwoLetters,
+    AlarmLimit, Contact, CopiedFile, CovariedError, Dates, Day, ErrorCurve, ErrorRow, Instrument, LimitDecision, Line,
+    MachineState, NoValue, Person, Place, Plate, RecordData, RecordedCovariance, RecordedFigure, RecordedFigures,
+    RecordedSet, StateValue, Statements, Temperature, TwoLetters,
 };
 pub use page::{RecordPictures, record_page, record_pictures};
+pub use promise::{PromisedResidual, UnheldReversal};
+pub use sign::RecordSignature;

@@ -1,6 +1,6 @@
 //! Records of one machine in a line: every error over the dates, alarm limits, and what changed between records.
 
-use super::check::check;
+use super::check::{check, refuse_changed};
 use super::data::{AlarmLimit, Dates, Day, ErrorRow, Line, MachineState, Plate, StateValue};
 use super::files::JSON_NAME;
 use crate::controller::is_plain_name;
@@ -8,7 +8,8 @@ use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::file_set::folder::SET_LIMIT;
 use crate::job::machine_file::{LoadOptions, MachineFile, load};
 use crate::report::{LinePanel, LinePicture, MachineDifference, Picture};
-use crate::run::{Call, Refused};
+use crate::run::{Call, Refused, Run, sha256};
+use crate::syntax::MemoryFiles;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -155,7 +156,12 @@ pub(crate) fn trend(
 }
 
 fn load_stored(call: &mut Call, folder: &Path) -> Result<StoredRecord, Refused> {
-    let _ = check(call, folder)?;
+    if let Some(stranger) = check(call, folder, None)?.unlisted.first() {
+        let name = shown(&folder.display().to_string());
+        let message = format!("`{}` in `{name}` is not of the record", shown(stranger));
+        let help = "a trend reads the files of its records only: keep other files elsewhere";
+        return call.refuse(Diagnostic::new(codes::E0821, message).help(help));
+    }
     let bytes = call.run.files.read_at_most(&folder.join(JSON_NAME), SET_LIMIT).unwrap_or_default();
     match serde_json::from_slice::<StoredRecord>(&bytes) {
         Ok(record) if record.record == 1 && record.is_its_own() => {
@@ -208,14 +214,30 @@ fn step(
     compare: Compare<'_>,
 ) -> Result<TrendStep, Refused> {
     let [first, second] = pair else { return Err(Refused) };
-    let machine = |call: &mut Call, record: &StoredRecord, state: &MachineState| {
-        let answer = load(record.folder.join(&state.file), load_options, call.run);
-        call.take(answer)
-    };
-    let left = machine(call, first, first.as_left.as_ref().unwrap_or(&first.as_found))?;
-    let found = machine(call, second, &second.as_found)?;
+    let left = load_state(call, first, first.as_left.as_ref().unwrap_or(&first.as_found), load_options)?;
+    let found = load_state(call, second, &second.as_found, load_options)?;
     let difference = compare(call, [left, found])?;
     Ok(TrendStep { from: first.id.clone(), to: second.id.clone(), difference })
+}
+
+/// Loads the machine of a state from the files that the record states, and from no other.
+fn load_state(
+    call: &mut Call,
+    record: &StoredRecord,
+    state: &MachineState,
+    load_options: &LoadOptions,
+) -> Result<MachineFile, Refused> {
+    let mut memory = MemoryFiles::default();
+    for input in &state.inputs {
+        let bytes = call.run.files.read_at_most(&record.folder.join(&input.name), SET_LIMIT).unwrap_or_default();
+        if sha256(&bytes) != input.sha256 {
+            let message = format!("`{}` of `{}` has changed", shown(&input.name), record.id);
+            return call.refuse(refuse_changed(message));
+        }
+        memory = memory.with(record.folder.join(&input.name), bytes);
+    }
+    let answer = load(record.folder.join(&state.file), load_options, Run { files: &memory, ..call.run });
+    call.take(answer)
 }
 
 /// Every error in the order of the records.
@@ -233,7 +255,7 @@ fn of_error(records: &[StoredRecord], name: &str, unit: &str) -> Option<ErrorTre
     let of = |record: &StoredRecord| {
         let row = record.errors.iter().find(|row| row.error == name);
         let point = |state: &'static str, day: &Day, value: Option<StateValue>| {
-            let value = value.filter(|value| !value.bounded)?;
+            let value = value.filter(|value| !value.bounded && !value.held)?;
             let (id, day) = (record.id.clone(), day.clone());
             Some(TrendPoint { id, day, state, value: value.value, expanded_uncertainty: value.expanded_uncertainty })
         };

@@ -1,6 +1,8 @@
 //! An imported measurement as a value: its figures after ISO 230-2, and what was left out.
 
-use super::positioning::{AccuracyUncertainties, DrawnRuns, MeasuredTarget, OneWayBoth, drawn_runs};
+use super::positioning::{
+    AccuracyUncertainties, DrawnRuns, MeasuredTarget, OneWayBoth, StatedContributors, drawn_runs,
+};
 use super::{Picture, RunPanel};
 use crate::diagnostic::Sources;
 use crate::identify::import::{AxisSample, Finding, FindingEffect, FindingKind, Import, ImportRequest, ReferenceLine};
@@ -85,6 +87,8 @@ pub struct ImportedError {
     /// Expanded uncertainties, k = 2, where contributors are stated that count for this error.
     #[serde(rename = "U")]
     pub uncertainty: Option<AccuracyUncertainties>,
+    /// Contributors that these uncertainties have and lack.
+    pub contributors: Option<StatedContributors>,
     /// In sentences what ISO 230-2 wants of targets and runs; not verified against its text.
     pub remarks: Vec<String>,
     /// The readings by target.
@@ -138,7 +142,7 @@ impl StraightnessReference {
 impl ImportedError {
     fn of(found: &Import, error: usize, f: &AccuracyFigures, contributors: &[Contributor]) -> Self {
         let line = found.lines.iter().find(|line| line.error == error);
-        let uncertainty = AccuracyUncertainties::of_error(contributors, found, error, f);
+        let (uncertainty, contributors) = AccuracyUncertainties::of_error(contributors, found, error, f).unzip();
         let of_error = found.samples.iter().filter(|sample| sample.error == error);
         let error = &found.errors[error];
         let (factor, unit) = error.direction.micro();
@@ -163,6 +167,7 @@ impl ImportedError {
             line: line.map(|line| StraightnessReference::of(error, line)),
             one_way: OneWayBoth::of(f, factor),
             uncertainty,
+            contributors,
             remarks: standards::remarks(f, found.rotary),
             at_targets: MeasuredTarget::all(f, factor),
             readings: of_error.map(reading).collect(),

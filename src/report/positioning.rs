@@ -152,6 +152,22 @@ pub struct AccuracyUncertainties {
     pub accuracy: f64,
 }
 
+/// Contributors of ISO/TR 230-9 that an uncertainty has, and those that it lacks; the list may not be complete.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+pub struct StatedContributors {
+    /// Those that count.
+    pub has: Vec<&'static str>,
+    /// Those that are not stated.
+    pub lacks: Vec<&'static str>,
+}
+
+impl StatedContributors {
+    /// In words: what an uncertainty has and lacks.
+    pub fn words(&self) -> String {
+        format!("has {}; it lacks {}, and is not complete", self.has.join(", "), self.lacks.join(", "))
+    }
+}
+
 impl AccuracyUncertainties {
     fn of(found: &AccuracyUncertainty, factor: f64) -> Self {
         Self {
@@ -163,18 +179,19 @@ impl AccuracyUncertainties {
         }
     }
 
-    /// Returns those of one error; `None` where no contributor counts for it.
+    /// Returns those of one error, and their contributors; `None` where none counts for it.
     pub(crate) fn of_error(
         all: &[Contributor],
         found: &Import,
         error: usize,
         figures: &AccuracyFigures,
-    ) -> Option<Self> {
+    ) -> Option<(Self, StatedContributors)> {
         let direction = found.errors.get(error)?.direction;
         let dimension = if direction.is_rotation() { Dimension::ANGLE } else { Dimension::LENGTH };
         let length = found.is_positioning(error).then(|| standards::range(figures.targets.iter().map(|t| t.position)));
         let uncertainty = AccuracyUncertainty::of(all, dimension, length, figures.runs)?;
-        Some(Self::of(&uncertainty, direction.micro().0))
+        let [has, lacks] = standards::contributors(all, dimension, length);
+        Some((Self::of(&uncertainty, direction.micro().0), StatedContributors { has, lacks }))
     }
 }
 

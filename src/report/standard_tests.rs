@@ -1,16 +1,19 @@
 //! Figures of tests of the ISO 230 series as values and as pictures: circles, axes of rotation, drift, diagonals.
 
-use super::positioning::print_unit;
+use super::positioning::{StatedContributors, print_unit};
 use super::{DialMark, DialPanel, LinePanel, LinePicture, Picture, PolarPicture};
 use crate::analysis::instrument::CirclePlane;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::standards::{
     self, AccuracyFigures, AngleReading, BothSenses, Caused, CircleCauses, CircleFigures, DriftFigures, ErrorMotion,
-    LEAST_ARC, LEAST_PLACES, MIN_READINGS, NOT_VERIFIED, RadialReading, ReadingsTable, Sense, TurningPoint, arc,
-    causes, rotating,
+    LEAST_ARC, LEAST_PLACES, LISTED, MIN_READINGS, NOT_VERIFIED, RadialReading, ReadingsTable, Sense, TurningPoint,
+    arc, causes, rotating,
 };
 use crate::units::{counted, significant};
 use serde::Serialize;
+
+/// Coverage factor of an expanded uncertainty.
+const COVERAGE: f64 = 2.0;
 
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TestSetup {
@@ -72,6 +75,9 @@ pub struct CircleTest {
     pub mean_radial_um: Option<f64>,
     /// Radial deviations F about the nominal centre, largest and smallest.
     pub radial_max_min_um: BothSenses<Option<[f64; 2]>>,
+    /// Expanded uncertainties (k = 2) of G, G(b), D and F, type A.
+    #[serde(rename = "U")]
+    pub uncertainty: Option<CircleUncertainties>,
     /// Centre of least squares from the nominal one: how the ball stood.
     pub centre_um: [f64; 2],
     /// The circle taken apart; none where the readings do not tell causes apart.
@@ -80,6 +86,36 @@ pub struct CircleTest {
     pub note: &'static str,
     #[serde(skip)]
     curves: [Vec<(f64, f64)>; 2],
+}
+
+/// Expanded uncertainties (k = 2) of the figures of a circle, um: by the scatter about the causes alone, which is in
+/// single readings. Errors that repeat along an axis count as scatter; what the instrument adds is not in them.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct CircleUncertainties {
+    /// Of G and G(b), the difference of two readings.
+    #[serde(rename = "G")]
+    pub deviation: f64,
+    /// Of D, a mean of all.
+    #[serde(rename = "D")]
+    pub mean: f64,
+    /// Of each of F, one reading.
+    #[serde(rename = "F")]
+    pub extreme: f64,
+    /// Contributors that these have and lack.
+    pub contributors: StatedContributors,
+}
+
+impl CircleUncertainties {
+    /// Returns those of a scatter (um, standard deviation) of so many readings.
+    fn of(scatter: f64, readings: usize) -> Self {
+        let extreme = COVERAGE * scatter;
+        Self {
+            deviation: extreme * std::f64::consts::SQRT_2,
+            mean: extreme / libm::sqrt(readings as f64),
+            extreme,
+            contributors: StatedContributors { has: vec!["scatter of the readings"], lacks: LISTED.to_vec() },
+        }
+    }
 }
 
 /// Causes of the deviations of a circle, each beside the others by least squares.
@@ -357,6 +393,7 @@ pub(crate) fn circle(table: &ReadingsTable, setup: &TestSetup) -> Result<CircleT
         curve.sort_by(|a, b| a.0.total_cmp(&b.0));
         curve
     };
+    let causes = causes(&readings, setup.radius_mm);
     Ok(CircleTest {
         plane: setup.plane,
         radius_mm: setup.radius_mm,
@@ -366,8 +403,9 @@ pub(crate) fn circle(table: &ReadingsTable, setup: &TestSetup) -> Result<CircleT
         bidirectional_um: found.bidirectional,
         mean_radial_um: found.mean,
         radial_max_min_um: BothSenses::new(found.extremes),
+        uncertainty: causes.as_ref().map(|found| CircleUncertainties::of(found.rest, readings.len())),
         centre_um: found.centre,
-        causes: causes(&readings, setup.radius_mm).map(|found| CauseTest::of(&found, setup)),
+        causes: causes.map(|found| CauseTest::of(&found, setup)),
         note: NOT_VERIFIED,
         curves: Sense::ALL.map(curve),
     })

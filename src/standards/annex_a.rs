@@ -11,6 +11,9 @@ use crate::units::{self, Dimension};
 const OF_RANGE: f64 = 0.6;
 /// The same of the cosine error of an offset: one-sided, R^2 / (2 L) / sqrt(3).
 const OF_COSINE: f64 = 0.3;
+/// Contributors of ISO/TR 230-9, from general knowledge: the list may lack some.
+pub const LISTED: [&str; 6] =
+    ["device calibration", "alignment", "set-up", "temperature measurement", "expansion coefficients", "EVE (drift)"];
 /// Reference temperature, deg C (ISO 1).
 pub const REFERENCE: f64 = 20.0;
 
@@ -85,6 +88,13 @@ pub fn contributor(words: &str) -> Option<Contributor> {
     }
 }
 
+/// Returns those of [`LISTED`] that count in an uncertainty of [`AccuracyUncertainty::of`], and those that it lacks.
+pub fn contributors(all: &[Contributor], dimension: Dimension, length: Option<f64>) -> [Vec<&'static str>; 2] {
+    let counts = |i: usize| all.iter().any(|of| of.listed() == i && of.size(dimension, length).is_some());
+    let named = |has: bool| (0..LISTED.len()).filter(|i| counts(*i) == has).map(|i| LISTED[i]).collect();
+    [named(true), named(false)]
+}
+
 /// Expanded uncertainties, k = 2, of the figures, in the unit of the readings (mm or rad).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AccuracyUncertainty {
@@ -125,6 +135,17 @@ impl AccuracyUncertainty {
 }
 
 impl Contributor {
+    /// Its place in [`LISTED`]; the set-up has no words of its own.
+    fn listed(self) -> usize {
+        match self {
+            Self::Device(..) | Self::DevicePerLength(_) => 0,
+            Self::Misalignment(_) => 1,
+            Self::Temperature(..) => 3,
+            Self::Expansion(..) => 4,
+            Self::Drift(..) => 5,
+        }
+    }
+
     /// Its expanded uncertainty, and whether it is a drift; `None` where it does not count.
     fn size(self, dimension: Dimension, length: Option<f64>) -> Option<(f64, bool)> {
         let over = |ratio: f64| length.map(|length| (ratio * length, false));
@@ -179,5 +200,9 @@ mod tests {
         near(found.repeatability, 12.0);
         near(found.accuracy, (9.0 + drift * drift / 5.0 + 144.0).sqrt());
         assert_eq!(AccuracyUncertainty::of(&all, Dimension::ANGLE, None, 5), None);
+        let [has, lacks] = contributors(&all, Dimension::LENGTH, Some(500.0));
+        assert_eq!(has, ["device calibration", "EVE (drift)"]);
+        assert_eq!(lacks, ["alignment", "set-up", "temperature measurement", "expansion coefficients"]);
+        assert_eq!(contributors(&all, Dimension::ANGLE, None), [vec![], LISTED.to_vec()]);
     }
 }

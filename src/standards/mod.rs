@@ -19,7 +19,7 @@ mod spread;
 mod student;
 mod targets;
 
-pub use annex_a::{AccuracyUncertainty, Contributor, REFERENCE, Thermal, contributor, thermal};
+pub use annex_a::{AccuracyUncertainty, Contributor, LISTED, REFERENCE, Thermal, contributor, contributors, thermal};
 pub use circle::{BothSenses, CircleFigures, LEAST_ARC, MIN_READINGS, RadialReading, Sense, arc};
 pub use circle_causes::{Caused, CircleCauses, Spike, TurningPoint, causes};
 pub use conformity::{Conformity, LimitSides, LimitedValue};

@@ -175,7 +175,7 @@ pub static VERBS: [Verb; 32] = [
         Ok(answer(classify(request.path(0)?, &options, run)?).0)
     }),
     plain("check_record", Some(SchemaGenerator::subschema_for::<RecordCheck>), |request, run| {
-        Ok(answer(check_record(request.path(0)?, run)?).0)
+        Ok(answer(check_record(request.path(0)?, None, run)?).0)
     }),
     plain("targets", Some(SchemaGenerator::subschema_for::<TargetSummary>), |_, _| {
         Ok(VerbAnswer::of(json!({"targets": targets()})))

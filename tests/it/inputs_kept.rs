@@ -16,7 +16,7 @@ struct Verb {
 }
 
 /// Options that name a file or a folder that is read.
-const INPUTS: [&str; 12] = [
+const INPUTS: [&str; 14] = [
     "--axis-poses",
     "--check",
     "--columns",
@@ -25,7 +25,9 @@ const INPUTS: [&str; 12] = [
     "--data",
     "--installed",
     "--job",
+    "--key",
     "--replay",
+    "--sign",
     "--templates",
     "--tool-poses",
     "--trend",

@@ -95,6 +95,7 @@ mod prior;
 mod priors;
 mod program;
 mod progress;
+mod promised;
 mod published;
 mod rank;
 mod ranks;

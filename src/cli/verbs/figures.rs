@@ -6,7 +6,8 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use abbe::options::{CirclePlane, StandardTest};
 use abbe::results::{
-    CauseTest, CircleTest, DiagonalsTest, DriftTest, RotationTest, TestFigures, TurningTest, UncertainValue,
+    CauseTest, CircleTest, CircleUncertainties, DiagonalsTest, DriftTest, RotationTest, TestFigures, TurningTest,
+    UncertainValue,
 };
 use abbe::text::{NOT_VERIFIED, significant};
 use abbe::{FiguresOptions, figures};
@@ -81,16 +82,18 @@ fn maybe(x: Option<f64>) -> String {
 fn circle(test: &CircleTest) -> FigureRows {
     let line =
         |name: &str, value: String, sigma: String, unit: &str| vec![name.to_owned(), value, sigma, unit.to_owned()];
-    let blank = String::new;
+    let u =
+        |of: fn(&CircleUncertainties) -> f64| test.uncertainty.as_ref().map_or_else(String::new, |u| n(of(u) / 2.0));
+    let [of_g, of_d, of_f] = [u(|u| u.deviation), u(|u| u.mean), u(|u| u.extreme)];
     let (g, f) = (test.circular_deviation_um, test.radial_max_min_um);
     let ends = |ends: Option<[f64; 2]>| ends.map_or_else(|| "-".to_owned(), |[a, b]| format!("{} / {}", n(a), n(b)));
     let mut rows = vec![
-        line("G counter-clockwise", maybe(g.counter_clockwise), blank(), "um"),
-        line("G clockwise", maybe(g.clockwise), blank(), "um"),
-        line("G(b)", maybe(test.bidirectional_um), blank(), "um"),
-        line("D", maybe(test.mean_radial_um), blank(), "um"),
-        line("F counter-clockwise", ends(f.counter_clockwise), blank(), "um"),
-        line("F clockwise", ends(f.clockwise), blank(), "um"),
+        line("G counter-clockwise", maybe(g.counter_clockwise), of_g.clone(), "um"),
+        line("G clockwise", maybe(g.clockwise), of_g.clone(), "um"),
+        line("G(b)", maybe(test.bidirectional_um), of_g, "um"),
+        line("D", maybe(test.mean_radial_um), of_d, "um"),
+        line("F counter-clockwise", ends(f.counter_clockwise), of_f.clone(), "um"),
+        line("F clockwise", ends(f.clockwise), of_f, "um"),
     ];
     let [u, v] = test.plane.directions().map(|i| ["X", "Y", "Z"][i]);
     rows.extend(test.causes.iter().flat_map(|causes| cause_rows(causes, [u, v])));

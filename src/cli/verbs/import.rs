@@ -144,7 +144,11 @@ fn notes(result: &ImportResult) -> String {
         );
     }
     if result.errors.iter().any(|error| error.uncertainty.is_some()) {
-        text += "U: expanded uncertainty, k = 2, after ISO 230-2 annex A\n";
+        text += "U: expanded uncertainty, k = 2, after ISO 230-2 annex A, of one direction as of both\n";
+        for error in &result.errors {
+            let words = error.contributors.as_ref().map(|of| format!("U of {} {}\n", error.error, of.words()));
+            text += &words.unwrap_or_default();
+        }
     }
     if result.errors.iter().any(|error| error.uncertainty.is_some() || !error.remarks.is_empty()) {
         text += &format!("U and the remarks on targets and runs are {NOT_VERIFIED}\n");

@@ -6,7 +6,10 @@ use crate::cli::how::SetArgs;
 use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use crate::cli::store::tree::write_new_folder;
-use abbe::results::{AlarmState, Conformity, ErrorTrend, LimitDecision, LimitSides, Record, RecordTrend, TrendStep};
+use abbe::results::{
+    AlarmState, Conformity, ErrorTrend, LimitDecision, LimitSides, PromisedResidual, Record, RecordTrend, TrendStep,
+    UnheldReversal,
+};
 use abbe::text::{NOT_VERIFIED, counted, significant};
 use abbe::{RecordOptions, check_record, record_trend};
 use std::path::{Path, PathBuf};
@@ -29,6 +32,12 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG, requires = "trend",
         long_help = "Draw the trend, as SVG unless the file ends in .png")]
     svg: Option<PictureFile>,
+    /// Sign the record with this private key: ed25519, PKCS #8 in PEM.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["check", "trend"])]
+    sign: Option<PathBuf>,
+    /// The record has to be signed by the key of this public key: ed25519, PEM.
+    #[arg(long, value_name = "FILE", requires = "check")]
+    key: Option<PathBuf>,
     #[command(flatten)]
     set: SetArgs,
 }
@@ -40,13 +49,14 @@ impl Args {
             compensation: self.set.how.options(),
             poses: self.set.poses.poses,
             seed: self.set.seed.seed,
+            sign: self.sign.clone(),
         }
     }
 }
 
 pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
     match (&args.check, &args.description, &args.out) {
-        (Some(folder), ..) => check(session, folder),
+        (Some(folder), ..) => check(session, folder, args.key.as_deref()),
         (None, Some(description), Some(out)) => write(session, args, description, out),
         _ => trend(session, args),
     }
@@ -69,21 +79,42 @@ fn record_text(record: &Record, out: &Path) -> String {
         text += &format!("{list}\ndecisions by ISO 14253-1 at 95 %, {NOT_VERIFIED}\n");
     }
     for set in data.sets.iter().filter(|set| set.installed) {
-        let figure = |state: &str| {
-            let p95 = set.verify.as_ref().and_then(|verify| verify.pointer(&format!("/{state}/position_um/p95")));
-            p95.and_then(serde_json::Value::as_f64).map_or_else(|| "-".to_owned(), |um| significant(um, 4))
-        };
-        let [before, after] = [figure("uncompensated"), figure("compensated")];
-        text += &format!("installed for {}: 95 % of the poses within {after} um, {before} um without\n", set.target);
+        text += &set.promised.as_ref().map(|of| promise_text(of, &set.target)).unwrap_or_default();
     }
     let sums = record.files.iter().find(|(name, _)| name == "SHA256SUMS").map(|(_, bytes)| abbe::sets::sha256(bytes));
     text += &format!(
-        "{} in `{}`: print record.html, hand over certificate.xml (DCC 3.2.1)\nSHA256SUMS {}\n",
+        "{} in `{}`: print record.html, hand over certificate.xml (DCC 3.2.1)\n{}\nSHA256SUMS {}\n",
         counted(record.files.len(), "file"),
         out.display(),
+        data.signature.as_ref().map_or_else(|| "not signed".to_owned(), |of| format!("signed by {}", of.public_key)),
         sums.unwrap_or_default()
     );
     text
+}
+
+/// The headline of an installed set.
+fn promise_text(of: &PromisedResidual, target: &str) -> String {
+    let n = |um: f64| significant(um, 4);
+    let reversal = |of: &UnheldReversal| format!("{} {} um, {}", of.error, n(of.um), of.file);
+    let reversals: Vec<String> = of.reversals.iter().map(reversal).collect();
+    let beside = match reversals.is_empty() {
+        true => String::new(),
+        false => format!("\n  and the reversal that the model does not hold: {}", reversals.join("; ")),
+    };
+    let type_b = match of.type_b.is_empty() {
+        true => "no type B is stated".to_owned(),
+        false => format!("with type B: {}", of.type_b.join(", ")),
+    };
+    let what = match (of.within_um, of.interval_um) {
+        (Some(within), Some([low, high])) => format!(
+            "95 % of the poses within {} um\n  {} to {} um by the uncertainty of the errors ({type_b})",
+            n(within),
+            n(low),
+            n(high)
+        ),
+        _ => "how close is not known: the machine file states no uncertainty".to_owned(),
+    };
+    format!("installed for {target}: {what}{beside}\n")
 }
 
 fn words(decision: Conformity) -> &'static str {
@@ -127,14 +158,19 @@ fn decisions_csv(decisions: &[LimitDecision]) -> String {
     csv
 }
 
-fn check(session: &mut Session, folder: &Path) -> Outcome {
-    let found = session.take(check_record(folder, session.run()))?;
+fn check(session: &mut Session, folder: &Path, key: Option<&Path>) -> Outcome {
+    let found = session.take(check_record(folder, key, session.run()))?;
     let text = || {
         let replaced = match found.replaced_sets {
             0 => String::new(),
             count => format!(", {} archived", counted(count, "replaced set")),
         };
-        format!("{} as recorded{replaced}\nSHA256SUMS {}\n", counted(found.files, "file"), found.sha256)
+        let signed = match &found.signature {
+            None => "not signed: whoever writes the folder anew is not noticed".to_owned(),
+            Some(of) if found.of_given_key => format!("signed by the given key {}", of.public_key),
+            Some(of) => format!("signed by {}; whose key this is shows --key", of.public_key),
+        };
+        format!("{} as recorded{replaced}\n{signed}\nSHA256SUMS {}\n", counted(found.files, "file"), found.sha256)
     };
     session.show(&found, || format!("files,SHA256SUMS\n{},{}\n", found.files, found.sha256), text)
 }

@@ -278,15 +278,19 @@ fn solve_over_volume(
     });
     fitted.held_out = held_out.transpose()?.flatten();
     fitted.noise = inputs.noise;
-    let left = in_data.residuals(&model, data);
-    let FitDiagnosis { fit, solution, residuals, repeats, .. } = &fitted;
-    let circumstances = Circumstances::of(fit, solution, residuals.after, repeats, inputs.noise, inputs.robust);
-    let suspicion = suspect(&model, data, &circumstances);
-    fitted.suspicion = suspicion;
+    let circumstances = Circumstances::of(
+        &fitted.fit,
+        &fitted.solution,
+        fitted.residuals.after,
+        &fitted.repeats,
+        inputs.noise,
+        inputs.robust,
+    );
+    fitted.suspicion = suspect(&model, data, &circumstances);
     let sources = &call.diagnostics.sources;
     let remarks = remarks::all(&fitted, sources);
     let mut result = IdentifyResult::of(&fitted, sources);
-    result.residuals = accused::residual_groups(&fitted, &left);
+    result.residuals = accused::residual_groups(&fitted, &in_data.residuals(&model, data));
     result.suspect = accused::suspect(&fitted, sources, &inputs.accept);
     accuse(call, result.suspect.as_ref(), remarks, outputs.machine_file)?;
     if outputs.machine_file {
@@ -358,12 +362,12 @@ pub(crate) fn diagnose<'a>(
         solution,
         held_out: None,
         repeats: repeats(data),
-        noise: None,
-        suspicion: None,
         known: &problem.known,
         type_b: &problem.type_b,
         form,
         fit,
+        noise: None,
+        suspicion: None,
     };
     (fitted, in_data)
 }
@@ -413,7 +417,8 @@ fn machine_file(
     ];
     let mut refusals: Vec<Diagnostic> = refusals.into_iter().flatten().collect();
     // What is not determined has no covariance that would mean anything.
-    let (joint, accepted) = (refusals.is_empty(), inputs.accept.contains(&FitAcceptance::Undetermined));
+    let joint = refusals.is_empty();
+    let accepted = inputs.accept.contains(&FitAcceptance::Undetermined);
     if !accepted
         && let Some(first) = refusals.first_mut()
         && let Some(words) = advice::fixing(file, inputs, problem, fitted)
