@@ -356,10 +356,10 @@ pub const SUSPECT_WEIGHTINGS: usize = 2;
 pub const SUSPECT_PULL: f64 = 0.02;
 /// Powers of the row by which readings drift: warming up is no line.
 pub const DRIFT_POWERS: u8 = 3;
-/// Scatter over the stated noise above which all readings may be in another unit.
-pub const MIN_UNIT_NOISE_RATIO: f64 = 8.0;
-/// The same in the right unit: form is left as well.
-pub const MAX_UNIT_NOISE_RATIO: f64 = 2.0;
+/// Scatter over the stated noise of readings that are all 1000 times too large: form is left as well.
+pub const UNIT_NOISE_RATIOS: std::ops::Range<f64> = 300.0..5000.0;
+/// What is left (mm) of such readings at least: form is smaller.
+pub const MIN_UNIT_LEFT_MM: f64 = 0.1;
 /// Waves of a form over what was measured of an axis, to a length of an eighth.
 pub const SUSPECT_FORM_WAVES: usize = 8;
 /// Rotation (rad) that comes with a displacement (mm) of a form: 3 urad with 1 um.

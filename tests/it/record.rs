@@ -126,8 +126,11 @@ fn a_record_holds_its_sources_and_the_numbers_of_the_other_verbs() {
     }
     // Figures of a known unit and a printable name, each with its uncertainty.
     let figure = |name: &str, value: f64, u: Option<f64>| serde_json::json!({"figure": format!("EXX: {name}"), "value": value, "expanded_uncertainty": u, "unit": "um"});
-    let wanted =
-        [figure("mean reversal", -2.5, None), figure("accuracy A", 10.0, Some(2.0)), figure("E reverse", 4.0, None)];
+    let wanted = [
+        figure("mean reversal", -2.5, None),
+        figure("accuracy A", 10.0, Some(2.0)),
+        figure("E reverse", 4.0, Some(1.0)),
+    ];
     assert_eq!(data["figures"][0]["values"], serde_json::json!(wanted));
     let page = read(&out.join("record.html"));
     assert!(
@@ -517,8 +520,8 @@ fn keys_that_are_none_are_refused() {
     }
     assert!(openssl(&["genpkey", "-algorithm", "x25519", "-out", "hostile"], &top));
     record(&description, &made, &["--sign", &key]).refused("E0823");
-    std::fs::write(&hostile, "x".repeat(1 << 20)).unwrap();
-    record(&description, &made, &["--sign", &key]).refused("E0102");
+    std::fs::write(&hostile, "x".repeat(2 << 20)).unwrap();
+    record(&description, &made, &["--sign", &key]).refused("E0103");
     record(&description, &made, &["--sign", &folder.path("absent").display().to_string()]).refused("E0101");
     record(&description, &made, &["--sign", &folder.path("mine").display().to_string()]).json();
     std::fs::write(&hostile, &private).unwrap();

@@ -4,7 +4,7 @@ use crate::diagnostic::{Sources, shown};
 use crate::evaluate::Frame;
 use crate::identify::data::{DistanceEnd, Measurement, Reading, ReadingKind};
 use crate::identify::model::{FitModel, Parameter};
-use crate::identify::thresholds::{MAX_BEYOND_TRAVEL, MAX_SUSPECT_GROUPS, MAX_UNIT_NOISE_RATIO};
+use crate::identify::thresholds::{MAX_BEYOND_TRAVEL, MAX_SUSPECT_GROUPS};
 use crate::lower::NominalPose;
 use crate::machine::{AxisKind, Machine};
 use crate::units::significant;
@@ -294,11 +294,9 @@ fn axes(list: &mut Vec<Change>, machine: &Machine) {
     }
 }
 
-/// Returns the unit of all readings that makes of this ratio to the noise one near 1, and its factor.
-pub(super) fn unit_of_all(ratio: f64) -> Option<(Change, f64)> {
-    let near = |factor: &f64| libm::log(ratio * factor).abs() < libm::log(MAX_UNIT_NOISE_RATIO);
-    let factor = LENGTHS.iter().map(|(factor, _)| *factor).find(near)?;
-    Some((Change::Values { from: SAME, factor: [factor; 3], scope: Scope::All }, factor))
+/// Returns the change of all readings from nm to um, and its factor.
+pub(super) fn nanometres() -> (Change, f64) {
+    (Change::Values { from: SAME, factor: [1e-3; 3], scope: Scope::All }, 1e-3)
 }
 
 /// Returns runs, tools and stations, where there are several.

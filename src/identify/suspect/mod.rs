@@ -82,7 +82,8 @@ pub fn suspect(model: &FitModel<'_>, data: &[Measurement], of: &Circumstances<'_
     let Suspicion { mut changes, left, others } = found.unwrap_or_else(nothing);
     // A factor of all readings is consistent: the noise alone tells it.
     let ratio = of.noise.filter(|_| of.after > 0.0).map(|noise| of.sigma * left / of.after / noise);
-    let unit = ratio.filter(|ratio| *ratio > MIN_UNIT_NOISE_RATIO).and_then(change::unit_of_all);
+    let in_nanometres = |ratio: &f64| UNIT_NOISE_RATIOS.contains(ratio) && of.after > MIN_UNIT_LEFT_MM;
+    let unit = ratio.filter(in_nanometres).map(|_| change::nanometres());
     let scale = unit.as_ref().map_or(1.0, |(_, factor)| *factor);
     changes.extend(unit.map(|(change, _)| change));
     (!changes.is_empty()).then_some(Suspicion { changes, left: left * scale, others })
