@@ -103,7 +103,7 @@ pub const SECOND_ORDER_READINGS: f64 = 1000.0;
 /// Singular value of the exact model, as a share, from which a direction does not need products of errors to be seen.
 pub const MIN_FIRST_ORDER_SHARE: f64 = 1e-2;
 /// Effect on the readings at the solution, over that of the strongest unknown, from which a direction that only
-/// products of errors show counts as others do. Below: uncertainties of millimetres by products of the mrad of a machine tool;
+/// products of errors show counts as others do. Below: uncertainties of millimetres by products of mrad;
 /// above: the errors of a robot, ten times as large, leave directions free that its readings hold.
 pub const MIN_PRODUCT_SHARE: f64 = 2e-3;
 
@@ -134,7 +134,7 @@ pub const MIN_UNHELD_PART: f64 = 1e-3;
 /// Residual of a motion of the whole machine, as a share, up to which the parameters make it.
 pub const MAX_MOTION_RESIDUAL: f64 = 1e-2;
 /// Change of a reading over that of the size of the machine, RMS over the volume, up to which no reading holds the
-/// size. Below: the rounding of a fixed part of the machine counts as a length; above: a gauge of a thousandth of the machine
+/// size. Below: the rounding of a fixed part of the machine counts as a length; above: a gauge of a thousandth of it
 /// counts as none.
 pub const MAX_UNNOTICED_SIZE_SHARE: f64 = 1e-3;
 /// Distance of points (mm) up to which readings say that points are the same, and hold no length.
