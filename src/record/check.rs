@@ -1,8 +1,8 @@
 //! A record on disk against the list of its hashes.
 
-use super::data::MachineState;
+use super::data::{MachineState, RecordSignature};
 use super::files::{JSON_NAME, SUMS_NAME, set_files};
-use super::sign::{RecordSignature, SIGNATURE_NAME, verify};
+use super::sign::{SIGNATURE_NAME, refuse_changed, verify};
 use crate::controller::is_plain_name;
 use crate::diagnostic::{Diagnostic, Sources, codes, shown};
 use crate::file_set::folder::SET_LIMIT;
@@ -153,10 +153,6 @@ fn compare_stated(
     }
     call.check()?;
     Ok(stated.signature)
-}
-
-pub(crate) fn refuse_changed(message: String) -> Diagnostic {
-    Diagnostic::new(codes::E0821, message).help("take the record from a copy, or make it again from its sources")
 }
 
 /// Returns the hash of each file by its name; `None` if the bytes are no list of a record.

@@ -1,7 +1,5 @@
 //! Content of the record of a calibration: as described, and as found in the files that it names.
 
-use super::promise::PromisedResidual;
-use super::sign::RecordSignature;
 use crate::diagnostic::is_layout;
 use crate::run::Hashed;
 use crate::standards::{Conformity, LimitSides};
@@ -385,6 +383,44 @@ pub struct RecordedSet {
     pub promised: Option<PromisedResidual>,
     /// Certificate that `compile` printed, if the description names it.
     pub compile: Option<Value>,
+}
+
+/// A reversal that was measured and that the machine file does not hold.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct UnheldReversal {
+    /// Name of the error.
+    pub error: String,
+    /// Its largest size with the expanded uncertainty (k = 2) that the file of figures states, um.
+    pub um: f64,
+    /// The file of figures.
+    pub file: String,
+}
+
+/// Residual of an installed set that is promised.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct PromisedResidual {
+    /// 95 % position deviation over the volume by the values of the errors alone, um.
+    pub model_um: f64,
+    /// Its interval at 95 % by the uncertainty of the errors, um; `null` if the machine file states none.
+    pub interval_um: Option<[f64; 2]>,
+    /// Contributions of type B in this uncertainty, in words; empty if the fit states none.
+    pub type_b: Vec<String>,
+    /// Reversals that the model does not hold, the largest of each error.
+    pub reversals: Vec<UnheldReversal>,
+    /// Upper end of the interval, plus the reversals of each direction added and the directions at right angles, um;
+    /// `null` without an interval.
+    pub within_um: Option<f64>,
+}
+
+/// The signature of a record, as the record states it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+pub struct RecordSignature {
+    /// `ed25519`.
+    pub algorithm: String,
+    /// The public key: its 32 bytes, hexadecimal.
+    pub public_key: String,
+    /// File of the signature within the record.
+    pub file: String,
 }
 
 /// A copied file.

@@ -23,9 +23,7 @@ pub(crate) mod trend;
 
 pub use data::{
     AlarmLimit, Contact, CopiedFile, CovariedError, Dates, Day, ErrorCurve, ErrorRow, Instrument, LimitDecision, Line,
-    MachineState, NoValue, Person, Place, Plate, RecordData, RecordedCovariance, RecordedFigure, RecordedFigures,
-    RecordedSet, StateValue, Statements, Temperature, TwoLetters,
+    MachineState, NoValue, Person, Place, Plate, PromisedResidual, RecordData, RecordSignature, RecordedCovariance,
+    RecordedFigure, RecordedFigures, RecordedSet, StateValue, Statements, Temperature, TwoLetters, UnheldReversal,
 };
 pub use page::{RecordPictures, record_page, record_pictures};
-pub use promise::{PromisedResidual, UnheldReversal};
-pub use sign::RecordSignature;

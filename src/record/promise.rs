@@ -1,41 +1,14 @@
 //! The residual that a record promises of an installed set: the interval of its certificate, and the reversal that was
 //! measured and is not in the model behind the certificate.
 
+use super::data::{PromisedResidual, UnheldReversal};
 use super::decisions::Figures;
 use crate::job::machine_file::MachineFile;
 use crate::machine::{ComponentError, ErrorFamily, ErrorId, ErrorTerm, Machine, parse_error_name};
-use serde::Serialize;
 use serde_json::Value;
 
 /// Coverage factor of an expanded uncertainty.
 const COVERAGE: f64 = 2.0;
-
-/// A reversal that was measured and that the machine file does not hold.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct UnheldReversal {
-    /// Name of the error.
-    pub error: String,
-    /// Its largest size with the expanded uncertainty (k = 2) that the file of figures states, um.
-    pub um: f64,
-    /// The file of figures.
-    pub file: String,
-}
-
-/// Residual of an installed set that is promised.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
-pub struct PromisedResidual {
-    /// 95 % position deviation over the volume by the values of the errors alone, um.
-    pub model_um: f64,
-    /// Its interval at 95 % by the uncertainty of the errors, um; `null` if the machine file states none.
-    pub interval_um: Option<[f64; 2]>,
-    /// Contributions of type B in this uncertainty, in words; empty if the fit states none.
-    pub type_b: Vec<String>,
-    /// Reversals that the model does not hold, the largest of each error.
-    pub reversals: Vec<UnheldReversal>,
-    /// Upper end of the interval, plus the reversals of each direction added and the directions at right angles, um;
-    /// `null` without an interval.
-    pub within_um: Option<f64>,
-}
 
 /// Returns the residual that a certificate of `verify` allows to promise; `None` if it is none.
 pub(crate) fn promised(file: &MachineFile, figures: &[Figures], verify: &Value) -> Option<PromisedResidual> {

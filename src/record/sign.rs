@@ -2,13 +2,12 @@
 //!
 //! Keys are PEM files as `openssl genpkey -algorithm ed25519` and `openssl pkey -pubout` write them (RFC 8410).
 
-use super::check::refuse_changed;
+use super::data::RecordSignature;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::run::{Call, Refused};
 use crate::syntax::unreadable;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// The file of the signature: 64 bytes.
@@ -22,17 +21,6 @@ const PRIVATE: (&str, &[u8]) = ("PRIVATE KEY", b"\x30\x2e\x02\x01\x00\x30\x05\x0
 
 /// Label and DER prefix of a public key (SubjectPublicKeyInfo).
 const PUBLIC: (&str, &[u8]) = ("PUBLIC KEY", b"\x30\x2a\x30\x05\x06\x03\x2b\x65\x70\x03\x21\x00");
-
-/// The signature of a record, as the record states it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-pub struct RecordSignature {
-    /// `ed25519`.
-    pub algorithm: String,
-    /// The public key: its 32 bytes, hexadecimal.
-    pub public_key: String,
-    /// File of the signature within the record.
-    pub file: String,
-}
 
 /// A private key.
 pub(crate) struct Signer([u8; 32]);
@@ -89,6 +77,11 @@ pub(crate) fn verify(
 
 fn hex(key: &[u8; 32]) -> String {
     key.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Refuses a record that is not as it was written.
+pub(crate) fn refuse_changed(message: String) -> Diagnostic {
+    Diagnostic::new(codes::E0821, message).help("take the record from a copy, or make it again from its sources")
 }
 
 fn refuse_signature(message: String, help: &str) -> Diagnostic {

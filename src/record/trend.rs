@@ -1,8 +1,9 @@
 //! Records of one machine in a line: every error over the dates, alarm limits, and what changed between records.
 
-use super::check::{check, refuse_changed};
+use super::check::check;
 use super::data::{AlarmLimit, Dates, Day, ErrorRow, Line, MachineState, Plate, StateValue};
 use super::files::JSON_NAME;
+use super::sign::refuse_changed;
 use crate::controller::is_plain_name;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::file_set::folder::SET_LIMIT;

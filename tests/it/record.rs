@@ -450,14 +450,14 @@ fn a_signed_record_is_that_of_its_key() {
     let signatures = ["made", "again"].map(|name| std::fs::read(folder.path(name).join("record.json.sig")).unwrap());
     assert_eq!(signatures[0], signatures[1]);
     // Another key, a record that is not signed, and one that was signed anew by somebody else.
-    with_key(&made, &key("other.pub")).refused("E0823").says("signed by another key");
+    with_key(&made, &key("theirs.pub")).refused("E0823").says("signed by another key");
     let plain = folder.path("plain");
     record(&description, &plain, &[]).json();
     with_key(&plain, &key("mine.pub")).refused("E0823").says("is not signed");
     assert!(read(&plain.join("record.html")).contains("This record is not signed."));
     let said = Run::of(abbe().args(["record", "--check"]).arg(&plain)).out;
     assert!(said.contains("\nnot signed: "), "{said}");
-    record(&description, &folder.path("forged"), &["--sign", &key("other")]).json();
+    record(&description, &folder.path("forged"), &["--sign", &key("theirs")]).json();
     with_key(&folder.path("forged"), &key("mine.pub")).refused("E0823").says("signed by another key");
     // Altered: the document, the signature, or both, with a list that agrees.
     let (document, signature) = (made.join("record.json"), made.join("record.json.sig"));
@@ -481,9 +481,9 @@ fn a_signed_record_is_that_of_its_key() {
     }
 }
 
-/// Two private keys `mine` and `other` with their public ones.
+/// Two private keys `mine` and `theirs` with their public ones.
 fn keys(folder: &Path) {
-    for name in ["mine", "other"] {
+    for name in ["mine", "theirs"] {
         assert!(openssl(&["genpkey", "-algorithm", "ed25519", "-out", name], folder));
         assert!(openssl(&["pkey", "-in", name, "-pubout", "-out", &format!("{name}.pub")], folder));
     }

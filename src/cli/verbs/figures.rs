@@ -6,8 +6,7 @@ use crate::cli::output::session::Session;
 use crate::cli::output::view::table;
 use abbe::options::{CirclePlane, StandardTest};
 use abbe::results::{
-    CauseTest, CircleTest, CircleUncertainties, DiagonalsTest, DriftTest, RotationTest, TestFigures, TurningTest,
-    UncertainValue,
+    CauseTest, CircleTest, DiagonalsTest, DriftTest, RotationTest, TestFigures, TurningTest, UncertainValue,
 };
 use abbe::text::{NOT_VERIFIED, significant};
 use abbe::{FiguresOptions, figures};
@@ -82,9 +81,8 @@ fn maybe(x: Option<f64>) -> String {
 fn circle(test: &CircleTest) -> FigureRows {
     let line =
         |name: &str, value: String, sigma: String, unit: &str| vec![name.to_owned(), value, sigma, unit.to_owned()];
-    let u =
-        |of: fn(&CircleUncertainties) -> f64| test.uncertainty.as_ref().map_or_else(String::new, |u| n(of(u) / 2.0));
-    let [of_g, of_d, of_f] = [u(|u| u.deviation), u(|u| u.mean), u(|u| u.extreme)];
+    let of_scatter = test.uncertainty.as_ref().map(|u| [u.deviation, u.mean, u.extreme].map(|u| n(u / 2.0)));
+    let [of_g, of_d, of_f] = of_scatter.unwrap_or_default();
     let (g, f) = (test.circular_deviation_um, test.radial_max_min_um);
     let ends = |ends: Option<[f64; 2]>| ends.map_or_else(|| "-".to_owned(), |[a, b]| format!("{} / {}", n(a), n(b)));
     let mut rows = vec![
