@@ -181,6 +181,12 @@ Plane = Literal["XY", "YZ", "ZX"]
 #: The part of the volume over which a fit is judged, and which its machine file states.
 FitRange = Literal["travel", "measured"]
 
+#: What a caller takes on their own word.
+FitAcceptance = Literal["suspect", "undetermined"]
+
+#: The instrument for which readings are planned.
+PlanInstrument = Literal["points", "r_test", "tracker", "laser"]
+
 #: Largest corrections that are not refused.
 #: ``length``: Limit for a linear axis, mm.
 #: ``angle``: Limit for a rotary axis, rad.
@@ -803,6 +809,8 @@ class Verbs:
         folds: int | None = None,
         range: FitRange = "travel",
         machine_file: bool = False,
+        noise_mm: float | None = None,
+        accept: Sequence[FitAcceptance] | None = None,
         accept_undetermined: bool = False,
         pictures: bool = False,
         threads: int | None = None,
@@ -829,8 +837,10 @@ class Verbs:
         * ``folds``: Checks the prediction: leaves out every measurement once, in this many parts.
         * ``range``: Part of the volume over which the fit is judged, and which the machine file states as ``volume``.
         * ``machine_file``: Also writes the fitted machine file; fails if it is one that would be refused.
-        * ``accept_undetermined``: Writes the machine file although it holds values whose uncertainty is larger than any
-          error of a machine.
+        * ``noise_mm``: Standard deviation of a reading (mm) that is expected: more is remarked, and troubles are looked
+          for.
+        * ``accept``: What is taken on the caller's word, and stated in the machine file.
+        * ``accept_undetermined``: An older word for ``accept: undetermined``.
         * ``pictures``: Also draws prediction and data over the planes of the linear axes.
         """
         paths, texts = files_and_texts(data)
@@ -847,6 +857,8 @@ class Verbs:
             "folds": folds,
             "range": range,
             "machine_file": machine_file,
+            "noise_mm": noise_mm,
+            "accept": accept,
             "accept_undetermined": accept_undetermined,
             "pictures": pictures,
         }
@@ -868,6 +880,8 @@ class Verbs:
         folds: int | None = None,
         range: FitRange = "travel",
         machine_file: bool = False,
+        noise_mm: float | None = None,
+        accept: Sequence[FitAcceptance] | None = None,
         accept_undetermined: bool = False,
         pictures: bool = False,
         threads: int | None = None,
@@ -894,8 +908,10 @@ class Verbs:
         * ``folds``: Checks the prediction: leaves out every measurement once, in this many parts.
         * ``range``: Part of the volume over which the fit is judged, and which the machine file states as ``volume``.
         * ``machine_file``: Also writes the fitted machine file; fails if it is one that would be refused.
-        * ``accept_undetermined``: Writes the machine file although it holds values whose uncertainty is larger than any
-          error of a machine.
+        * ``noise_mm``: Standard deviation of a reading (mm) that is expected: more is remarked, and troubles are looked
+          for.
+        * ``accept``: What is taken on the caller's word, and stated in the machine file.
+        * ``accept_undetermined``: An older word for ``accept: undetermined``.
         * ``pictures``: Also draws prediction and data over the planes of the linear axes.
         """
         paths, texts = files_and_texts(data)
@@ -912,6 +928,8 @@ class Verbs:
             "folds": folds,
             "range": range,
             "machine_file": machine_file,
+            "noise_mm": noise_mm,
+            "accept": accept,
             "accept_undetermined": accept_undetermined,
             "pictures": pictures,
         }
@@ -922,6 +940,10 @@ class Verbs:
         self,
         *,
         poses: int = 20,
+        instrument: PlanInstrument = "points",
+        balls: Sequence[Text] | None = None,
+        ranges: Text | None = None,
+        candidates: Text | None = None,
         fit: Sequence[Text] | None = None,
         fixed: Sequence[Text] | None = None,
         priors: Sequence[Text] | None = None,
@@ -933,15 +955,27 @@ class Verbs:
 
         Options, each with the default of the façade where it is ``None``:
 
-        * ``poses``: Number of poses, 1 to 1000.
+        * ``poses``: Number of readings, 1 to 1000: poses, of a laser lines.
+        * ``instrument``: The instrument; it can take what its kind of readings and the volume allow.
+        * ``balls``: R-test: poses at which the functional point is at a ball on the table, such as ``X=100,Y=50``;
+          other axes are where ``InstrumentOptions::at``(crate::InstrumentOptions::at) has them. By default there is one
+          ball.
+        * ``ranges``: Ranges of axes within the volume to which the readings are confined: ``A=-60..60,C=0..180``, mm
+          and deg.
+        * ``candidates``: The readings to choose from, in place of those of an instrument: a file as it is read once it
+          is measured, whose cells of readings are empty.
         * ``fit``: Parameters to fit, as in ``IdentifyOptions``(super::IdentifyOptions).
         * ``fixed``: Parameters that keep their value.
         * ``priors``: Values known before the data, as in ``IdentifyOptions``(super::IdentifyOptions).
         * ``noise_mm``: Standard deviation of a reading, mm; above 0.
-        * ``seed``: Seed of the poses to choose from.
+        * ``seed``: Seed of the readings to choose from.
         """
         options: dict[str, Any] = {
             "poses": poses,
+            "instrument": instrument,
+            "balls": balls,
+            "ranges": ranges,
+            "candidates": candidates,
             "fit": fit,
             "fixed": fixed,
             "priors": priors,
@@ -1040,6 +1074,7 @@ class Verbs:
     def verify(
         self,
         folder: Text,
+        data: Iterable[Text | Mapping[str, Any]] | Text | Mapping[str, Any] | None = None,
         *,
         target: Text | None = None,
         compensation: CompensationOptions | None = None,
@@ -1050,6 +1085,10 @@ class Verbs:
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
+        frame: Frame = "workpiece",
+        axis_poses: Text | None = None,
+        type_b: Sequence[Text] | None = None,
+        noise_mm: float | None = None,
         threads: int | None = None,
     ) -> CertificateResult:
         """Replays the files in a folder, and certifies the residual.
@@ -1067,7 +1106,16 @@ class Verbs:
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
           says, or else of CL data alone.
         * ``reference``: Motion that the part's set-up takes out; by default the zero at the part's origin.
+        * ``data``: Files of measurements, as ``identify``(super::identify()) takes them; none: there is no second
+          measurement.
+        * ``frame``: Frame in which the deviations were measured.
+        * ``axis_poses``: The poses of points that a laser tracker's export has by name.
+        * ``type_b``: Standard uncertainties that all readings share, in words; one that the machine file names too
+          counts once.
+        * ``noise_mm``: Standard deviation (mm) of readings that do not state theirs; by default that of repeated
+          readings.
         """
+        paths, texts = files_and_texts(data)
         options: dict[str, Any] = {
             "target": target,
             "compensation": compensation,
@@ -1078,8 +1126,13 @@ class Verbs:
             "job": job,
             "path": path,
             "reference": reference,
+            "data": paths,
+            "frame": frame,
+            "axis_poses": axis_poses,
+            "type_b": type_b,
+            "noise_mm": noise_mm,
         }
-        found = call("verify", [self._native], options, words=[folder], threads=threads)
+        found = call("verify", [self._native], options, texts=texts, threads=threads)
         return CertificateResult(found)
 
     def diff_sets(
@@ -1349,6 +1402,7 @@ def record(
     compensation: CompensationOptions | None = None,
     poses: int = 2000,
     seed: int = 1,
+    sign: Text | None = None,
     threads: int | None = None,
 ) -> RecordResult:
     """Makes the record of a calibration from its description.
@@ -1359,12 +1413,14 @@ def record(
     * ``compensation``: Options of the compensation, with which the sets are verified.
     * ``poses``: Number of poses of certificates and comparisons.
     * ``seed``: Seed of the poses.
+    * ``sign``: File of the private key that signs a record: ed25519, PKCS #8 in PEM.
     """
     options: dict[str, Any] = {
         "tool": tool,
         "compensation": compensation,
         "poses": poses,
         "seed": seed,
+        "sign": sign,
     }
     found = call("record", [], options, words=[description], threads=threads)
     return RecordResult(found)
@@ -1376,6 +1432,7 @@ def record_trend(
     compensation: CompensationOptions | None = None,
     poses: int = 2000,
     seed: int = 1,
+    sign: Text | None = None,
     threads: int | None = None,
 ) -> TrendResult:
     """Puts records of one machine in a line: every error over the dates.
@@ -1386,12 +1443,14 @@ def record_trend(
     * ``compensation``: Options of the compensation, with which the sets are verified.
     * ``poses``: Number of poses of certificates and comparisons.
     * ``seed``: Seed of the poses.
+    * ``sign``: File of the private key that signs a record: ed25519, PKCS #8 in PEM.
     """
     options: dict[str, Any] = {
         "tool": tool,
         "compensation": compensation,
         "poses": poses,
         "seed": seed,
+        "sign": sign,
     }
     found = call("record_trend", [], options, words=[*folders], threads=threads)
     return TrendResult(found)

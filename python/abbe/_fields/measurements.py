@@ -196,6 +196,27 @@ class ResidualTest(Record):
     lag1: Annotated[float, "Correlation of a residual with the one before it."]
 
 
+class ResidualGroup(Record):
+    """What is left of some of the readings."""
+
+    by: Annotated[str, "``component``, ``axis`` (a third of what was measured of it), ``tool``, ``run`` or ``station``."]
+    of: Annotated[str, "Name, such as ``dz``, ``X from 0 to 150``, ``run 3``."]
+    readings: Annotated[int, "Number of readings."]
+    rms_um: Annotated[float, "Root mean square of what is left of a reading, um."]
+    stands_out: Annotated[bool, "True if that is far more than what is left of all."]
+
+
+class SuspectReadings(Record):
+    """A change of the data that explains what the fit leaves."""
+
+    changes: Annotated[list[str], "The changes in words, such as ``dx and dy exchanged``; one or two."]
+    others: Annotated[list[str], "Other changes that explain as much, in words: the readings do not tell which it is."]
+    left_um: Annotated[float, "Root mean square of what is left with them, um."]
+    instead_um: Annotated[float, "What is left without, um."]
+    remedies: Annotated[list[str], "The remedies, one for each change."]
+    accepted: Annotated[bool, "True if the caller takes the readings as they are."]
+
+
 class OutlierPlace(Record):
     """A reading that stands out."""
 
@@ -266,6 +287,8 @@ class IdentifyFields(Record):
     orders_um: Annotated[OrderShares, "Deviations by order."]
     kinds: Annotated[list[KindResidual], "Residuals kind by kind."]
     residual_tests: Annotated[list[ResidualTest], "Tests of the residuals."]
+    residuals: Annotated[list[ResidualGroup], "What is left by component, axis, tool, run and station."]
+    suspect: Annotated[Union[SuspectReadings, None], "Changes of the data that explain what is left."]
     outliers: Annotated[list[OutlierPlace], "Readings that stand out, farthest first."]
     prediction: Annotated[PredictedUncertainty, "Uncertainty of the fit's prediction over the volume."]
     invariances: Annotated[list[str], "Rigid motions of the whole machine that no reading notices, such as ``along X``."]
@@ -313,8 +336,10 @@ class MonomialFields(Record):
 class PlannedPose(Record):
     """A pose to measure."""
 
-    axes: Annotated[Named[float], "Positions by axis, mm and deg, to two decimals."]
+    axes: Annotated[Named[float], "Positions by axis, mm and deg."]
+    to: Annotated[Union[Named[float], None], "Positions at the other end of a length, if that is a pose."]
     tool: Annotated[str, "Name of the tool."]
+    run: Annotated[Union[str, None], "The run to which it belongs, if there are runs."]
 
 
 class ExpectedParameter(Record):
@@ -326,14 +351,16 @@ class ExpectedParameter(Record):
 
 
 class PlanFields(Record):
-    """Poses, and what is expected of their measurement."""
+    """Readings, and what is expected of their measurement."""
 
-    poses: Annotated[list[PlannedPose], "The poses in the order of their worth."]
+    poses: Annotated[list[PlannedPose], "The poses in the order of their worth; those of runs, and of a file, in the order in which they are measured."]
+    readings: Annotated[int, "Number of readings: poses, of a laser lines."]
+    candidates: Annotated[int, "Number of readings to choose from."]
     noise_um: Annotated[float, "Standard deviation of a reading, um."]
-    parameters: Annotated[list[ExpectedParameter], "The parameters."]
+    parameters: Annotated[list[ExpectedParameter], "The parameters of the machine."]
     rank: Annotated[int, "Numerical rank of the problem."]
     rank_first_order: Annotated[int, "The rank of the model to first order in the errors: what the readings show without products of errors."]
-    unknowns: Annotated[int, "Number of unknowns."]
+    unknowns: Annotated[int, "Number of unknowns, those of the instrument among them."]
     well_determined: Annotated[int, "Number of independent combinations above the noise."]
     null_space: Annotated[list[str], "Combinations without effect, in words."]
     drowned: Annotated[list[str], "Combinations below the noise, in words."]
@@ -415,6 +442,13 @@ class AccuracyUncertainties(Record):
     A: Annotated[float, "Uncertainty of A."]
 
 
+class StatedContributors(Record):
+    """Contributors of ISO/TR 230-9 that an uncertainty has, and those that it lacks; the list may not be complete."""
+
+    has: Annotated[list[str], "Those that count."]
+    lacks: Annotated[list[str], "Those that are not stated."]
+
+
 class ReadAtTarget(Record):
     """Readings of one direction at a target, in the unit of the error."""
 
@@ -452,6 +486,7 @@ class ImportedError(Record):
     line: Annotated[Union[StraightnessReference, None], "Line of the reference, of a straightness of a linear axis."]
     one_way: Annotated[OneWayBoth, "Figures by direction."]
     U: Annotated[Union[AccuracyUncertainties, None], "Expanded uncertainties, k = 2, where contributors are stated that count for this error."]
+    contributors: Annotated[Union[StatedContributors, None], "Contributors that these uncertainties have and lack."]
     remarks: Annotated[list[str], "In sentences what ISO 230-2 wants of targets and runs; not verified against its text."]
     at_targets: Annotated[list[MeasuredTarget], "The readings by target."]
 
@@ -524,6 +559,15 @@ class BothSenses4(Record):
 
     counter_clockwise: Annotated[Union[list[float], None], "With rising angle."]
     clockwise: Annotated[Union[list[float], None], "With falling angle."]
+
+
+class CircleUncertainties(Record):
+    """Expanded uncertainties (k = 2) of the figures of a circle, um: by the scatter about the causes alone, which is in single readings. Errors that repeat along an axis count as scatter; what the instrument adds is not in them."""
+
+    G: Annotated[float, "Of G and G(b), the difference of two readings."]
+    D: Annotated[float, "Of D, a mean of all."]
+    F: Annotated[float, "Of each of F, one reading."]
+    contributors: Annotated[StatedContributors, "Contributors that these have and lack."]
 
 
 class UncertainValue(Record):
@@ -625,6 +669,7 @@ class FiguresFields(Record):
     bidirectional_um: Annotated[Union[float, None], "Bidirectional circular deviation G(b)."]
     mean_radial_um: Annotated[Union[float, None], "Mean bidirectional radial deviation D."]
     radial_max_min_um: Annotated[Union[BothSenses4, None], "Radial deviations F about the nominal centre, largest and smallest."]
+    U: Annotated[Union[CircleUncertainties, None], "Expanded uncertainties (k = 2) of G, G(b), D and F, type A."]
     centre_um: Annotated[Union[list[float], None], "Centre of least squares from the nominal one: how the ball stood."]
     causes: Annotated[Union[CauseTest, None], "The circle taken apart; none where the readings do not tell causes apart."]
     note: Annotated[str, "The standard's text was not at hand."]

@@ -86,6 +86,72 @@ class CertificateBands(Record):
     compensated: Annotated[Bands, "With them: what the uncertainty of the errors leaves, whatever the files correct."]
 
 
+class SeenCorrection(Record):
+    """The amount of a correction that the readings see: 1 as predicted, 0 none, -1 reversed."""
+
+    axis: Annotated[Union[str, None], "The axis that is corrected; none for all together."]
+    amount: Annotated[float, "The amount."]
+    expanded_uncertainty: Annotated[float, "Its expanded uncertainty (k = 2), that of the prediction and of the readings in it."]
+
+
+class RmsInterval(Record):
+    """A root of mean squares with its 95 % interval."""
+
+    rms: Annotated[float, "Over the places of a kind of reading, all components together."]
+    interval: Annotated[list[float], "The interval in which that of the machine lies (k = 2)."]
+
+
+class MeasuredKind(Record):
+    """Predicted and measured readings of one kind, without what the set-up explains."""
+
+    kind: Annotated[str, "``deviations``, ``lengths`` ..."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    places: Annotated[int, "Number of rows."]
+    within: Annotated[float, "Share of |E_n| <= 1."]
+    predicted: Annotated[RmsInterval, "By the machine file and the set; its uncertainty raises the figure, too."]
+    measured: Annotated[RmsInterval, "By the readings, less their scatter."]
+
+
+class SetUpValue(Record):
+    """A motion of the set-up, or an unknown of an instrument, by the readings."""
+
+    name: Annotated[str, "Such as ``part x``, ``turn C``, ``slope EYX``, ``station.x``."]
+    value: Annotated[float, "Distance from where it starts."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    known: Annotated[Union[float, None], "Standard uncertainty with which it was known before, in ``unit``; none if it was free."]
+
+
+class JudgedReading(Record):
+    """A reading against its prediction, both less nominal and without what the set-up explains."""
+
+    place: Annotated[str, "Name of the file, and line."]
+    component: Annotated[int, "Component of its row: 0, 1 or 2."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+    predicted: Annotated[float, "Predicted."]
+    measured: Annotated[float, "Measured."]
+    predicted_u: Annotated[float, "Expanded uncertainty of the predicted one (k = 2)."]
+    measured_u: Annotated[float, "Expanded uncertainty of the measured one (k = 2), the set-up's in it."]
+    e_n: Annotated[Union[float, None], "Difference over the root of the sum of both squared; none where the reading holds nothing but the set-up."]
+
+
+class SecondMeasurement(Record):
+    """A set judged by readings that were taken with it in force."""
+
+    verdict: Annotated[Literal["within", "not-within", "cannot-tell"], "The verdict."]
+    words: Annotated[str, "The verdict in words."]
+    within: Annotated[float, "Share of |E_n| <= 1."]
+    within_expected: Annotated[float, "The share expected, k = 2."]
+    within_least: Annotated[float, "The least share that 995 of 1000 good campaigns reach: what readings share makes it small."]
+    correction: Annotated[Union[SeenCorrection, None], "The amount of the whole correction that is seen; none if the set does nothing at these places."]
+    correction_by_axis: Annotated[list[SeenCorrection], "The same for what each axis adds, together."]
+    instead: Annotated[Union[Literal["not-in-force", "reversed", "half"], None], "A machine that the readings agree with, if not with the one with the set."]
+    has_predicted_uncertainty: Annotated[bool, "True if the machine file states how sure its errors are."]
+    counted_once: Annotated[list[str], "Contributions of both campaigns that count once, by name."]
+    kinds: Annotated[list[MeasuredKind], "By kind of reading."]
+    set_up: Annotated[list[SetUpValue], "Set-up and instruments of the second campaign."]
+    readings: Annotated[list[JudgedReading], "Every reading."]
+
+
 class CertificateFields(Record):
     """Residual of a machine after a controller has applied a set of files."""
 
@@ -107,6 +173,7 @@ class CertificateFields(Record):
     steps: Annotated[Union[list[CertificateStep], None], "Figures after each step of a composed set, the last for all of it."]
     job: Annotated[Union[JobCertificate, None], "The figures over a job, if one was given."]
     uncertainty: Annotated[Union[CertificateBands, None], "Intervals of the figures, where the machine file states uncertainties of errors."]
+    second: Annotated[Union[SecondMeasurement, None], "The verdict of a second measurement, with the set in force, if there was one."]
 
 
 class SetDiffFields(Record):
@@ -207,6 +274,17 @@ class Temperature(Record):
     expanded_uncertainty_k: Annotated[Union[float, None], "Expanded uncertainty (k = 2), K."]
 
 
+class Statements(Record):
+    """What ISO/IEC 17025 asks of a certificate beside the numbers; ``null`` where the description does not state it."""
+
+    traceability: Annotated[Union[str, None], "Chain of calibrations to the unit of length."]
+    decision_rule: Annotated[Union[str, None], "Rule by which the decisions count, and who agreed to it."]
+    environment: Annotated[Union[str, None], "Conditions during the calibration."]
+    location: Annotated[Union[str, None], "Place at which the machine stands: address, hall."]
+    path: Annotated[Union[str, None], "Lines and volume that were measured, and how they were approached."]
+    replaces: Annotated[Union[str, None], "Name of the record that this one replaces."]
+
+
 class Hashed(Record):
     """A file and its hash."""
 
@@ -227,6 +305,7 @@ class StateValue(Record):
     value: Annotated[float, "The value of the largest size over the volume: of a bounded error its bound."]
     bounded: Annotated[bool, "True if the error is only bounded."]
     expanded_uncertainty: Annotated[Union[float, None], "Expanded uncertainty (k = 2), if the machine file states it."]
+    held: Annotated[bool, "True of a zero that the datum of a fit sets, or its user: nothing is measured."]
 
 
 class ErrorRow(Record):
@@ -236,6 +315,23 @@ class ErrorRow(Record):
     unit: Annotated[str, "``um`` or ``urad``."]
     found: Annotated[Union[StateValue, None], "As found; ``null`` if the file does not give it."]
     left: Annotated[Union[StateValue, None], "As left; ``null`` if the file does not give it."]
+
+
+class CovariedError(Record):
+    """An error whose value has a covariance with those of others."""
+
+    error: Annotated[str, "Name of the error."]
+    position: Annotated[Union[float, None], "Position (mm or deg) of the value, approached with rising position; ``null`` for a location error."]
+    value: Annotated[float, "The value: of a curve that of the largest size at its positions."]
+    unit: Annotated[str, "``um`` or ``urad``."]
+
+
+class RecordedCovariance(Record):
+    """Covariance of the fit in a state of the machine."""
+
+    state: Annotated[str, "``found`` or ``left``."]
+    errors: Annotated[list[CovariedError], "The errors that the fit knows with an uncertainty, in the order of rows and columns."]
+    covariance: Annotated[list[list[float]], "The covariance, row by row, in products of the units."]
 
 
 class ErrorCurve(Record):
@@ -274,6 +370,24 @@ class AlarmLimit(Record):
     unit: Annotated[str, "``um`` or ``urad``."]
 
 
+class UnheldReversal(Record):
+    """A reversal that was measured and that the machine file does not hold."""
+
+    error: Annotated[str, "Name of the error."]
+    um: Annotated[float, "Its largest size with the expanded uncertainty (k = 2) that the file of figures states, um."]
+    file: Annotated[str, "The file of figures."]
+
+
+class PromisedResidual(Record):
+    """Residual of an installed set that is promised."""
+
+    model_um: Annotated[float, "95 % position deviation over the volume by the values of the errors alone, um."]
+    interval_um: Annotated[Union[list[float], None], "Its interval at 95 % by the uncertainty of the errors, um; ``null`` if the machine file states none."]
+    type_b: Annotated[list[str], "Contributions of type B in this uncertainty, in words; empty if the fit states none."]
+    reversals: Annotated[list[UnheldReversal], "Reversals that the model does not hold, the largest of each error."]
+    within_um: Annotated[Union[float, None], "Upper end of the interval, plus the reversals of each direction added and the directions at right angles, um; ``null`` without an interval."]
+
+
 class RecordedSet(Record):
     """A set of compensation files."""
 
@@ -283,6 +397,7 @@ class RecordedSet(Record):
     files: Annotated[list[Hashed], "Its files, within the record."]
     verified_with: Annotated[Union[str, None], "The state of the machine by which it is verified: ``found`` or ``left``; ``null`` for a replaced set."]
     verify: Annotated[Any, "Certificate of ``verify``; ``null`` for a replaced set."]
+    promised: Annotated[Union[PromisedResidual, None], "Residual that the certificate allows to promise; ``null`` for a replaced set."]
     compile: Annotated[Any, "Certificate that ``compile`` printed, if the description names it."]
 
 
@@ -311,6 +426,15 @@ class RecordedFigures(Record):
     file: Annotated[str, "Name within the record."]
     bytes: Annotated[int, "Size in bytes."]
     sha256: Annotated[str, "SHA-256 of its bytes, hexadecimal."]
+    contributors: Annotated[list[str], "In sentences which contributors the uncertainties have and lack."]
+
+
+class RecordSignature(Record):
+    """The signature of a record, as the record states it."""
+
+    algorithm: Annotated[str, "``ed25519``."]
+    public_key: Annotated[str, "The public key: its 32 bytes, hexadecimal."]
+    file: Annotated[str, "File of the signature within the record."]
 
 
 class RecordFields(Record):
@@ -332,16 +456,20 @@ class RecordFields(Record):
     instruments: Annotated[list[Instrument], "Instruments."]
     temperatures: Annotated[list[Temperature], "Temperatures."]
     standards: Annotated[list[str], "Standards."]
+    statements: Annotated[Statements, "What ISO/IEC 17025 asks beside the numbers."]
     remarks: Annotated[list[str], "Remarks."]
     as_found: Annotated[MachineState, "The machine as found."]
     as_left: Annotated[Union[MachineState, None], "The machine as left; ``null`` if it was left as found."]
     errors: Annotated[list[ErrorRow], "Every error."]
+    covariances: Annotated[list[RecordedCovariance], "Covariances of the fits, for each state that states one."]
     curves: Annotated[list[ErrorCurve], "Curves of component errors."]
     decisions: Annotated[list[LimitDecision], "Decisions."]
     alarms: Annotated[list[AlarmLimit], "Alarm limits for the trend."]
     sets: Annotated[list[RecordedSet], "Sets of compensation files."]
     data: Annotated[list[CopiedFile], "Raw data."]
     figures: Annotated[list[RecordedFigures], "Figures: JSON documents of other verbs."]
+    signature: Annotated[Union[RecordSignature, None], "The signature; ``null`` if the record is not signed."]
+    files: Annotated[list[Hashed], "Every file but this document, its signature and the list of the hashes."]
 
 
 class TrendRecord(Record):
@@ -397,4 +525,6 @@ class CheckRecordFields(Record):
     files: Annotated[int, "Number of files that are as the list states."]
     replaced_sets: Annotated[int, "Number of sets that ``compile --record`` archived beside them, whole by their manifests."]
     unlisted: Annotated[list[str], "Files that no list names."]
+    signature: Annotated[Union[RecordSignature, None], "The signature, which holds; ``null`` if the record is not signed."]
+    of_given_key: Annotated[bool, "True if the signature is of the key that was given."]
     sha256: Annotated[str, "SHA-256 of the list itself: who notes it elsewhere notices a change of any file."]
