@@ -2,7 +2,8 @@
 
 use crate::evaluate::{Frame, Order};
 use crate::identify::verdict::inputs::{FitAcceptance, FitInputs, FitRange};
-use crate::identify::verdict::problem::{FitOutputs, Problem, enough, solve_problem};
+use crate::identify::verdict::passes::{FitOutputs, solve_problem};
+use crate::identify::verdict::problem::{Problem, enough};
 use crate::identify::verdict::result::IdentifyResult;
 use crate::job::machine_file::MachineFile;
 use crate::report::fit_planes::draw;

@@ -89,7 +89,8 @@ pub(crate) fn noise(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     let far = libm::erfc(z.abs() / std::f64::consts::SQRT_2) < MAX_NOISE_PROBABILITY;
     let [left, stated] = [sigma, noise].map(|mm| significant(mm * 1e3, 3));
     let message = format!(
-        "{left} um per reading are left where {stated} um are stated: chi-squared is {} of {freedom} degrees of freedom",
+        "{left} um per reading are left where {stated} um are stated: chi-squared is {} of {freedom} degrees of \
+         freedom",
         significant(squares, 3)
     );
     let help = "form of the axes that no curve follows, a trouble of the readings, or another noise";

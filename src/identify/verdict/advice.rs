@@ -1,9 +1,10 @@
 //! Advice for a fit whose values are noise: which parameters may keep the values of the file, found by fitting without
 //! them.
 
+use super::diagnose::diagnose;
 use super::fitted::FitDiagnosis;
 use super::inputs::FitInputs;
-use super::problem::{Problem, diagnose};
+use super::problem::Problem;
 use super::remarks;
 use crate::identify::thresholds::{MAX_ADVISED_FIXED, MAX_FIXING_COST};
 use crate::identify::{Parameter, ParameterFit, invariances, solve};
