@@ -1,6 +1,6 @@
 //! Single terms of fitted curves in words, as reports name them.
 
-/// Returns the basis that holds a term: `poly2` of `x^2`, `fourier3` of `sin3`, `slope` of itself. `None` of other words.
+/// Returns the basis that holds a term: `poly2` of `x^2`, `fourier3` of `sin3`, `slope` of itself; `None` of others.
 pub(crate) fn basis_of_term(term: &str) -> Option<String> {
     if term == "slope" {
         return Some(term.to_owned());

@@ -37,7 +37,7 @@ impl StageProgress {
     }
 }
 
-/// Returns a display of `total` steps (0: not known) of a phase, which is hidden and clears its line when it is dropped.
+/// Returns a display of `total` steps (0: not known) of a phase. It is hidden, and clears its line when it is dropped.
 fn hidden_bar(phase: &str, total: usize) -> ProgressBar {
     let length = (total > 0).then_some(total as u64);
     let bar = ProgressBar::with_draw_target(length, ProgressDrawTarget::hidden()).with_finish(ProgressFinish::AndClear);

@@ -64,8 +64,8 @@ pub enum Reading {
         /// First of six unknowns: where the frame of the readings is beside that fit, and by how much it is turned.
         frame: usize,
     },
-    /// Deviation along a fixed direction, less what unknowns of instrument and set-up add: along a straight line a laser
-    /// interferometer, along the normal of a feature a touch.
+    /// Deviation along a fixed direction, less what unknowns of instrument and set-up add: along a straight line a
+    /// laser interferometer, along the normal of a feature a touch.
     Along {
         /// Actual minus nominal.
         value: f64,

@@ -1,6 +1,6 @@
-//! Touches: the axes as they stand when a probe has met a feature of the workpiece from a stated direction. A feature is
-//! a rigid body (a ball, a plane, a rod, a corner) that nobody has placed to microns: its displacement and rotation are
-//! unknowns, as far as its touches feel them.
+//! Touches: the axes as they stand when a probe has met a feature of the workpiece from a stated direction. A feature
+//! is a rigid body (a ball, a plane, a rod, a corner) that nobody has placed to microns: its displacement and rotation
+//! are unknowns, as far as its touches feel them.
 
 use super::measurement::{InstrumentUnknown, LEVER_MM};
 use crate::identify::thresholds::{MIN_TOUCH_SHARE, TOUCH_LOBE_MM};
@@ -150,7 +150,7 @@ mod tests {
         found.list.into_iter().map(|unknown| unknown.name).collect()
     }
 
-    /// The rigid motions that a surface of a kind does not keep to itself, and a radius that its place does not take up.
+    /// The rigid motions that a surface of a kind shows, and a radius that its place does not take up.
     #[test]
     fn a_feature_has_the_unknowns_that_its_touches_feel() {
         let z = [0.0, 0.0, 1.0];
