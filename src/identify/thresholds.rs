@@ -453,6 +453,8 @@ pub const MIN_TOUCH_SHARE: f64 = 1e-3;
 pub const TOUCH_LOBE_MM: f64 = 5e-3;
 /// Random poses to choose a plan from, for each tool and ball.
 pub const PLAN_CANDIDATES: usize = 500;
+/// Share of what readings say of all unknowns, which tells apart those that say nothing of the machine yet.
+pub const PLAN_SHARE_OF_ALL: f64 = 1e-6;
 /// Lines along each axis to choose a plan from.
 pub const PLAN_LINES: usize = 40;
 /// Readings on such a line.

@@ -158,7 +158,7 @@ mod tests {
         assert_eq!(names(&plane), ["f.z", "f.A", "f.B"]);
         let round = |height: f64, steps: usize| {
             (0..steps).map(move |i| {
-                let (sine, cosine) = (i as f64 * 6.283_185_307_179_586 / steps as f64).sin_cos();
+                let (sine, cosine) = libm::sincos(i as f64 * std::f64::consts::TAU / steps as f64);
                 ([40.0 + 8.0 * cosine, 9.0 + 8.0 * sine, height], [cosine, sine, 0.0])
             })
         };

@@ -4,7 +4,7 @@ use super::fit::ParameterFit;
 use super::solution::Solution;
 use crate::identify::data::{Measurement, Reading, taken_together};
 use crate::identify::model::{FitModel, Parameter, invariances};
-use crate::identify::thresholds::MIN_PRIOR_SIGMA_MM;
+use crate::identify::thresholds::{MIN_PRIOR_SIGMA_MM, PLAN_SHARE_OF_ALL};
 use crate::run::Advance;
 use nalgebra::{Cholesky, DMatrix, Dyn, Vector3};
 use rayon::prelude::*;
@@ -104,20 +104,17 @@ fn scaled_rows<'m>(
     DMatrix::from_row_iterator(list.len() / unknowns.max(1), unknowns, list)
 }
 
-/// Share of what readings say of all unknowns, which tells apart those that say nothing of the machine yet.
-const SHARE_OF_ALL: f64 = 1e-6;
-
 /// Returns by how much readings shrink the logarithm of the determinant of the covariance of the machine's parameters,
 /// of which `own` is the factor.
 fn information(rows: &DMatrix<f64>, covariance: &DMatrix<f64>, own: Option<&Cholesky<f64, Dyn>>) -> f64 {
     let seen = covariance * rows.transpose();
     let all = DMatrix::identity(rows.nrows(), rows.nrows()) + rows * &seen;
-    let of_all = all.determinant().max(1.0).ln();
+    let of_all = libm::log(all.determinant().max(1.0));
     let Some(own) = own else { return of_all };
     let part = seen.rows(0, own.l_dirty().nrows()).into_owned();
     // Of the instrument alone.
     let rest = &all - part.transpose() * own.solve(&part);
-    of_all * (1.0 + SHARE_OF_ALL) - rest.determinant().max(1.0).ln()
+    of_all * (1.0 + PLAN_SHARE_OF_ALL) - libm::log(rest.determinant().max(1.0))
 }
 
 /// Updates the covariance by readings (Sherman, Morrison and Woodbury).
@@ -134,7 +131,7 @@ fn update(covariance: &mut DMatrix<f64>, rows: &DMatrix<f64>) {
 /// Returns uncertainties, rank and null space to be expected of readings; the values are those of the machine file.
 pub fn expected(model: &FitModel<'_>, data: &[Measurement], noise: f64) -> Solution {
     let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
-    let weights: Vec<f64> = data.iter().map(|row| (noise / sigma(row, noise)).powi(2)).collect();
+    let weights: Vec<f64> = data.iter().map(|row| (noise / sigma(row, noise)) * (noise / sigma(row, noise))).collect();
     let reduced = model.triangle(data, &weights, &theta);
     let blank = ParameterFit::new(model, theta, reduced, weights);
     let mut fit = ParameterFit { squares: 0.0, converged: true, ..blank };

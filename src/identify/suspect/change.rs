@@ -237,7 +237,9 @@ pub(super) fn all(model: &FitModel<'_>, data: &[Measurement]) -> Vec<Change> {
         list.extend(std::iter::once(-1.0).chain(LENGTHS.iter().map(|(factor, _)| *factor)).map(whole));
         list.extend([Change::Shifted(scope.clone()), Change::LeftOut(scope.clone())]);
     }
-    axes(&mut list, &model.machines()[0]);
+    // Where the poses are what is read, smaller ones agree the better the smaller they are.
+    let poses_are_read = data.iter().any(|m| is_ball(model, m) || m.kind() == ReadingKind::Touch);
+    axes(&mut list, &model.machines()[0], !poses_are_read);
     let scopes: Vec<Scope> =
         groups.into_iter().filter(|scope| matches!(scope, Scope::Run(_))).chain([Scope::All]).collect();
     let tools = model.machines().len();
@@ -275,19 +277,20 @@ fn components(list: &mut Vec<Change>, scope: &Scope, model: &FitModel<'_>, data:
     }
 }
 
-/// Exchanges, signs and units of positions.
-fn axes(list: &mut Vec<Change>, machine: &Machine) {
+/// Exchanges and signs of positions, and `units`.
+fn axes(list: &mut Vec<Change>, machine: &Machine, units: bool) {
     let axes = machine.axes();
     for (i, j) in (0..axes.len()).flat_map(|i| (i + 1..axes.len()).map(move |j| (i, j))) {
         list.extend((axes[i].kind == axes[j].kind).then_some(Change::Axes(i, j)));
     }
     for kind in [AxisKind::Linear, AxisKind::Rotary] {
         let own: Vec<usize> = (0..axes.len()).filter(|i| axes[*i].kind == kind).collect();
-        let units: Vec<f64> = match kind {
+        let factors: Vec<f64> = match kind {
+            _ if !units => Vec::new(),
             AxisKind::Linear => LENGTHS[..4].iter().map(|(factor, _)| *factor).collect(),
             AxisKind::Rotary => ANGLES.iter().map(|(factor, _)| *factor).collect(),
         };
-        for factor in std::iter::once(-1.0).chain(units) {
+        for factor in std::iter::once(-1.0).chain(factors) {
             list.extend(own.iter().map(|i| Change::Positions(vec![*i], factor)));
             list.extend((own.len() > 1).then(|| Change::Positions(own.clone(), factor)));
         }
@@ -342,10 +345,17 @@ pub(super) fn posed(changes: &[Change], model: &FitModel<'_>, data: &[Measuremen
             _ => {}
         }
     }
-    // A tracker's value, and that of a ball, is what is read less the nominal place of the pose.
-    if matches!(m.reading, Reading::Position { .. }) || is_ball(model, &m) {
-        let nominal = |m: &Measurement| NominalPose::in_part(model.machine(m), &m.pose).pose.translation;
-        let values = m.values() + nominal(&data[row]) - nominal(&m);
+    // The value of a tracker, a ball or a touch is what is read less the nominal place of the pose.
+    let nominal = |m: &Measurement| NominalPose::in_part(model.machine(m), &m.pose).pose.translation;
+    let moved = || nominal(&data[row]) - nominal(&m);
+    let values = match &m.reading {
+        Reading::Along { direction, is_touch: true, .. } => {
+            Some(m.values() + Vector3::new(direction.dot(&moved()), 0.0, 0.0))
+        }
+        Reading::Position { .. } => Some(m.values() + moved()),
+        _ => is_ball(model, &m).then(|| m.values() + moved()),
+    };
+    if let Some(values) = values {
         m = with_values(m, values);
     }
     Some(m)
