@@ -159,11 +159,11 @@ fn good(random: &mut Random, build: usize, rich: bool) -> Campaign {
     let form = [0.0, 0.5, 1.0, 1.5][random.below(4)];
     let bow = if rich { random.between(2.0, 12.0) } else { random.between(0.0, 0.3) };
     let mut machines = [0, 1].map(|tool| blank(&build, tool));
-    for i in 0..build.len() {
+    for (i, axis) in build.iter().enumerate() {
         let location: [f64; 6] = std::array::from_fn(|k| if k < 3 { 15e-3 } else { 60e-6 } * normal(random));
         let errors: [Option<Error>; 6] = std::array::from_fn(|k| {
             let size = if k < 3 { 1e-3 } else { 3e-6 };
-            Some(Error { forward: curve(random, build[i].3, bow * size, form * size), reverse: None })
+            Some(Error { forward: curve(random, axis.3, bow * size, form * size), reverse: None })
         });
         for machine in &mut machines {
             machine.rigid.walk[i].location = location;
