@@ -142,7 +142,8 @@ pub fn read_measurements(
 
 const COLUMNS: &str = "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, \
     or another kind of reading: `rel.dx [um]`, `ball`, `feature`, `tracker.x [mm]`, `length [mm]`, \
-    `displacement [mm]`, `dl [um]`, `along [um]`, `EXX [um]`; optionally `tool`, `run`, `approach`, `weight` or `u [um]`";
+    `displacement [mm]`, `dl [um]`, `along [um]`, `EXX [um]`; optionally `tool`, `run`, `approach`, `weight` or \
+    `u [um]`";
 const POINTS: &str = "an export of points has columns such as `point`, `X [mm]`, `Y [mm]`, `Z [mm]`; `--axis-poses \
     FILE` has their poses: a column for each axis, and `point`, or a row for each point in their order";
 const ROWS: &str =
