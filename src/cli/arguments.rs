@@ -28,6 +28,9 @@ pub(super) mod help {
          `set-up 2 um`, `material 0.5 K x 11.7 um/m/K`. May be repeated";
     pub(in crate::cli) const OUT: &str =
         "Write the result here: a file, of `compile`, `record` and `testpiece` a folder";
+    pub(in crate::cli) const ACCEPT: &str = "Take on your word what is refused or left out: `suspect` takes readings \
+                                             that accuse themselves; of `identify` `undetermined` what the data do not \
+                                             determine";
     pub(in crate::cli) const PLANE: &str = "A plane of two axes, such as XY";
     pub(in crate::cli) const RADIUS: &str = "Radius of a circle, mm (above 0)";
     pub(in crate::cli) const VTK: &str = "Write a grid of VTK, which ParaView opens";

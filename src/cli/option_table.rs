@@ -10,7 +10,10 @@ use std::any::TypeId;
 use std::collections::BTreeMap;
 
 /// Names that are not the same in all verbs: the name, what differs, and why.
-const APART: [(&str, &str, &str); 1] = [("plane", "type", "a ball bar knows three planes of the workpiece frame")];
+const APART: [(&str, &str, &str); 2] = [
+    ("plane", "type", "a ball bar knows three planes of the workpiece frame"),
+    ("accept", "type", "a fit asks for more than an import"),
+];
 
 /// Numbers that do nothing unless they are given.
 const OPT_IN: [&str; 2] = ["folds", "goal"];

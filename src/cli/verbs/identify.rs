@@ -38,9 +38,7 @@ pub(crate) struct Args {
     /// measured, which becomes the `volume` of the fitted machine.
     #[arg(long, value_enum, default_value = "travel", conflicts_with = "plan")]
     range: Range,
-    /// Write the fitted machine on your word: `suspect` although its readings accuse themselves, `undetermined`
-    /// although the data do not determine it.
-    #[arg(long, value_enum, value_name = "WORDS", value_delimiter = ',', requires = "out")]
+    #[arg(long, value_enum, value_name = "WORDS", value_delimiter = ',', requires = "out", help = help::ACCEPT)]
     accept: Vec<FitAcceptance>,
     #[arg(long, requires = "out", hide = true)]
     accept_undetermined: bool,

@@ -62,8 +62,7 @@ pub(crate) struct Args {
     /// repeated.
     #[arg(long, value_name = "WORDS")]
     uncertainty: Vec<String>,
-    /// Take on your word what is refused or left out: `suspect` takes readings that accuse themselves.
-    #[arg(long, value_enum, value_name = "WORDS", value_delimiter = ',')]
+    #[arg(long, value_enum, value_name = "WORDS", value_delimiter = ',', help = help::ACCEPT)]
     accept: Vec<Acceptance>,
     #[arg(long, value_name = "FILE", value_parser = svg, help = help::SVG,
         long_help = "Draw the runs with their means and bands of 2 s, as SVG unless the file ends in .png")]
