@@ -218,8 +218,6 @@ def option(name: str, schema: dict[str, Any], default: Any, types: Types, defini
     value = python_name(name)
     if split(kind)[0] in NUMBERS_AS_TEXT:
         value = f"order_of({name})"
-    if name == "data":
-        kind, value = DATA, "paths"
     scalar = isinstance(default, (bool, int, float, str)) and default != 2**64 - 1
     if not scalar and "None" not in split(kind):
         kind += " | None"
@@ -239,10 +237,15 @@ def method(name: str, found: dict[str, Any], types: Types) -> str:
     parameters, values, docs = {}, {}, []
     for key, one in options.items():
         parameters[key], values[key] = option(key, one, defaults.get(key), types, definitions)
+    # Readings may be tables in memory where the façade takes texts.
+    takes_texts = "data" in options and "texts" in schema["properties"]
+    if takes_texts:
+        parameters["data"], values["data"] = f"data: {DATA} | None = None", "paths"
+    for key, one in options.items():
         docs.append(f"{python_name(key)}: {prose(described(one))}")
     takes = [] if free else ["self"]
     takes += [f"{word}: Text" for word in verb.words]
-    if "data" in options:
+    if takes_texts:
         takes.append(parameters.pop("data"))
     takes += [parameters.pop(key) for key in verb.first]
     takes += [OTHERS[name]] if name in OTHERS else []
@@ -273,7 +276,7 @@ def method(name: str, found: dict[str, Any], types: Types) -> str:
             break_long_words=False,
         )
     body += [f'{inner}"""']
-    if "data" in options:
+    if takes_texts:
         body += [f"{inner}paths, texts = files_and_texts(data)"]
     body += [
         f"{inner}options: dict[str, Any] = {{",
@@ -290,7 +293,7 @@ def method(name: str, found: dict[str, Any], types: Types) -> str:
             -len(values) - 2, f"{inner}targets = [target] if isinstance(target, (str, PathLike)) else [*target]"
         )
         words = ", words=targets"
-    if "data" in options:
+    if takes_texts:
         words = ", texts=texts"
     rows = ", rows=rows" if name == "map" else ""
     run = f'call("{name}", {machines}, options{words}{rows}, threads=threads)'

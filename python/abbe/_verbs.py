@@ -1074,7 +1074,6 @@ class Verbs:
     def verify(
         self,
         folder: Text,
-        data: Iterable[Text | Mapping[str, Any]] | Text | Mapping[str, Any] | None = None,
         *,
         target: Text | None = None,
         compensation: CompensationOptions | None = None,
@@ -1085,6 +1084,7 @@ class Verbs:
         job: Text | None = None,
         path: bool | None = None,
         reference: ReferenceOption | None = None,
+        data: Sequence[Text] | None = None,
         frame: Frame = "workpiece",
         axis_poses: Text | None = None,
         type_b: Sequence[Text] | None = None,
@@ -1115,7 +1115,6 @@ class Verbs:
         * ``noise_mm``: Standard deviation (mm) of readings that do not state theirs; by default that of repeated
           readings.
         """
-        paths, texts = files_and_texts(data)
         options: dict[str, Any] = {
             "target": target,
             "compensation": compensation,
@@ -1126,13 +1125,13 @@ class Verbs:
             "job": job,
             "path": path,
             "reference": reference,
-            "data": paths,
+            "data": data,
             "frame": frame,
             "axis_poses": axis_poses,
             "type_b": type_b,
             "noise_mm": noise_mm,
         }
-        found = call("verify", [self._native], options, texts=texts, threads=threads)
+        found = call("verify", [self._native], options, words=[folder], threads=threads)
         return CertificateResult(found)
 
     def diff_sets(
