@@ -839,7 +839,7 @@ class Verbs:
         * ``machine_file``: Also writes the fitted machine file; fails if it is one that would be refused.
         * ``noise_mm``: Standard deviation of a reading (mm) that is expected: more is remarked, and troubles are looked
           for.
-        * ``accept``: What is taken on the caller's word, and stated in the machine file.
+        * ``accept``: Refusals that the caller takes on their word; the machine file states them.
         * ``accept_undetermined``: An older word for ``accept: undetermined``.
         * ``pictures``: Also draws prediction and data over the planes of the linear axes.
         """
@@ -910,7 +910,7 @@ class Verbs:
         * ``machine_file``: Also writes the fitted machine file; fails if it is one that would be refused.
         * ``noise_mm``: Standard deviation of a reading (mm) that is expected: more is remarked, and troubles are looked
           for.
-        * ``accept``: What is taken on the caller's word, and stated in the machine file.
+        * ``accept``: Refusals that the caller takes on their word; the machine file states them.
         * ``accept_undetermined``: An older word for ``accept: undetermined``.
         * ``pictures``: Also draws prediction and data over the planes of the linear axes.
         """

@@ -39,6 +39,7 @@ pub use model::{
     Rms, SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters, parse_prior, slope_bounds, type_b,
     unused_entries, with_command_line,
 };
+pub(crate) use solve::both_tails;
 pub use solve::{
     Bend, DatumChange, DatumConditions, DeviationUncertainty, Estimate, FitInData, FormUncertainty, Outlier,
     ParameterFit, Prediction, ResidualTest, Residuals, RigidMotionRemoved, Scatter, Solution, common, expected, fit,

@@ -358,7 +358,7 @@ pub const SUSPECT_PULL: f64 = 0.02;
 pub const DRIFT_POWERS: u8 = 3;
 /// Scatter over the stated noise of readings that are all 1000 times too large: form is left as well.
 pub const UNIT_NOISE_RATIOS: std::ops::Range<f64> = 300.0..5000.0;
-/// What is left (mm) of such readings at least: form is smaller.
+/// Least residual (mm) of such readings: form is smaller.
 pub const MIN_UNIT_LEFT_MM: f64 = 0.1;
 /// Waves of a form over what was measured of an axis, to a length of an eighth.
 pub const SUSPECT_FORM_WAVES: usize = 8;

@@ -175,7 +175,7 @@ fn write(
     data.files = files.hashes();
     let json = (serde_json::to_string_pretty(&data).unwrap_or_default() + "\n").into_bytes();
     if let Some(signer) = signer {
-        let (_, signature) = signer.sign(call, &json)?;
+        let signature = signer.sign(call, &json)?;
         let _ = files.add(call, SIGNATURE_NAME.to_owned(), signature)?;
     }
     let _ = files.add(call, JSON_NAME.to_owned(), json)?;

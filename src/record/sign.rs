@@ -34,12 +34,12 @@ impl Signer {
 
     /// Returns what the record states.
     pub fn stated(&self, call: &mut Call) -> Result<RecordSignature, Refused> {
-        let (key, _) = self.sign(call, &[])?;
+        let Some(key) = curve::public(&self.0) else { return lacks(call) };
         Ok(RecordSignature { algorithm: "ed25519".to_owned(), public_key: hex(&key), file: SIGNATURE_NAME.to_owned() })
     }
 
-    /// Returns the public key and the signature of bytes.
-    pub fn sign(&self, call: &mut Call, bytes: &[u8]) -> Result<([u8; 32], Vec<u8>), Refused> {
+    /// Returns the signature of bytes.
+    pub fn sign(&self, call: &mut Call, bytes: &[u8]) -> Result<Vec<u8>, Refused> {
         curve::sign(&self.0, bytes).map_or_else(|| lacks(call), Ok)
     }
 }
@@ -122,13 +122,17 @@ fn read_key(
 mod curve {
     use ed25519_dalek::{Signature, Signer as _, SigningKey, VerifyingKey};
 
-    /// Returns the public key and the signature; `None` in a build without signatures.
-    pub fn sign(secret: &[u8; 32], bytes: &[u8]) -> Option<([u8; 32], Vec<u8>)> {
-        let key = SigningKey::from_bytes(secret);
-        Some((key.verifying_key().to_bytes(), key.sign(bytes).to_bytes().to_vec()))
+    /// Returns the public key; `None`, as below, in a build without signatures.
+    pub fn public(secret: &[u8; 32]) -> Option<[u8; 32]> {
+        Some(SigningKey::from_bytes(secret).verifying_key().to_bytes())
     }
 
-    /// True if the signature is of this key, which is no weak one; `None` in a build without signatures.
+    /// Returns the signature.
+    pub fn sign(secret: &[u8; 32], bytes: &[u8]) -> Option<Vec<u8>> {
+        Some(SigningKey::from_bytes(secret).sign(bytes).to_bytes().to_vec())
+    }
+
+    /// True if the signature is of this key, which is no weak one.
     pub fn holds(public: &[u8; 32], bytes: &[u8], signature: &[u8]) -> Option<bool> {
         let key = VerifyingKey::from_bytes(public).ok();
         let signature = Signature::from_slice(signature).ok();
@@ -138,7 +142,11 @@ mod curve {
 
 #[cfg(not(feature = "signatures"))]
 mod curve {
-    pub fn sign(_secret: &[u8; 32], _bytes: &[u8]) -> Option<([u8; 32], Vec<u8>)> {
+    pub fn public(_secret: &[u8; 32]) -> Option<[u8; 32]> {
+        None
+    }
+
+    pub fn sign(_secret: &[u8; 32], _bytes: &[u8]) -> Option<Vec<u8>> {
         None
     }
 

@@ -46,7 +46,7 @@ pub struct IdentifyOptions {
     pub machine_file: bool,
     /// Standard deviation of a reading (mm) that is expected: more is remarked, and troubles are looked for.
     pub noise_mm: Option<f64>,
-    /// What is taken on the caller's word, and stated in the machine file.
+    /// Refusals that the caller takes on their word; the machine file states them.
     pub accept: Vec<FitAcceptance>,
     /// An older word for `accept: undetermined`.
     pub accept_undetermined: bool,

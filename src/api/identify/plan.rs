@@ -135,7 +135,7 @@ pub fn plan_measurements(file: &MachineFile, options: &PlanOptions, run: Run) ->
         if !(1..=1000).contains(&options.poses) || options.noise_mm.is_nan() || options.noise_mm <= 0.0 {
             return call.usage("a plan has 1 to 1000 poses and a noise above zero");
         }
-        if options.candidates.is_some() && *options != (PlanOptions { ..options.of_file() }) {
+        if options.candidates.is_some() && *options != options.of_file() {
             return call
                 .usage("readings to choose from have no instrument, balls or ranges: leave them out, or the file");
         }

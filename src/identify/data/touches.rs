@@ -3,6 +3,7 @@
 //! are unknowns, as far as its touches feel them.
 
 use super::measurement::{InstrumentUnknown, LEVER_MM};
+use crate::algebra::linear::beside;
 use crate::identify::thresholds::{MIN_TOUCH_SHARE, TOUCH_LOBE_MM};
 use nalgebra::{DVector, Vector3};
 
@@ -28,21 +29,14 @@ pub(super) struct TouchUnknowns {
     pub nominal: Vec<f64>,
 }
 
-/// Orthonormal columns, and whether another is independent of them.
+/// Orthonormal columns.
 #[derive(Default)]
 struct Columns(Vec<DVector<f64>>);
 
 impl Columns {
-    /// Returns what is left of a column.
-    fn rest(&self, column: &DVector<f64>) -> DVector<f64> {
-        // Twice is enough (Parlett, Kahan).
-        let once = |column: DVector<f64>| self.0.iter().fold(column, |rest, own| &rest - own * own.dot(&rest));
-        once(once(column.clone()))
-    }
-
     /// Adds a column, unless it is too small or depends on the others.
     fn add(&mut self, column: &DVector<f64>) -> bool {
-        let rest = self.rest(column);
+        let rest = beside(column.clone(), &self.0);
         let norm = rest.norm();
         let is_seen = norm > MIN_TOUCH_SHARE * (column.len() as f64).sqrt();
         if is_seen {
@@ -50,6 +44,16 @@ impl Columns {
         }
         is_seen
     }
+}
+
+/// Returns what features, of which these are the spans of columns, do not take up of a column of all touches.
+fn beside_features(column: &DVector<f64>, features: &[(String, Vec<usize>)], spans: &[Columns]) -> DVector<f64> {
+    let mut rest = column.clone();
+    for ((_, members), span) in features.iter().zip(spans) {
+        let own = DVector::from_iterator(members.len(), members.iter().map(|i| column[*i]));
+        members.iter().zip(beside(own, &span.0).iter()).for_each(|(i, x)| rest[*i] = *x);
+    }
+    rest
 }
 
 const MOTIONS: [&str; 6] = ["x", "y", "z", "A", "B", "C"];
@@ -82,12 +86,7 @@ impl TouchUnknowns {
             };
             for (part, word) in ["constant", "lobe cos", "lobe sin"].into_iter().enumerate() {
                 let column = DVector::from_iterator(count, touches.iter().map(|touch| share(touch, part)));
-                // What the features do not take up.
-                let mut rest = column.clone();
-                for ((_, members), span) in features.iter().zip(&spans) {
-                    let of = span.rest(&DVector::from_iterator(members.len(), members.iter().map(|i| column[*i])));
-                    members.iter().zip(of.iter()).for_each(|(i, x)| rest[*i] = *x);
-                }
+                let rest = beside_features(&column, features, &spans);
                 if own.add(&rest) {
                     let known = (part > 0).then_some(TOUCH_LOBE_MM);
                     all.push(

@@ -38,7 +38,7 @@ pub(super) struct Readings {
     /// Effects of a unit of the unknowns of the set-up and the instruments (columns).
     pub set_up: DMatrix<f64>,
     pub unknowns: Vec<SetUpUnknown>,
-    /// How far the place where they are linear is from where they start.
+    /// Distance of the place where they are linear from where they start.
     pub away: DVector<f64>,
     /// Standard deviation of every reading.
     pub sigma: DVector<f64>,
@@ -90,7 +90,7 @@ pub(super) struct Judged {
     /// Share of |E_n| <= 1, and the least that chance explains.
     pub within: f64,
     pub least: f64,
-    /// Of the whole set, and of what it adds to single axes; `None` if it does nothing to the readings.
+    /// Amount of the whole set, and of its additions to single axes; `None` if it does nothing to the readings.
     pub amount: Option<Amount>,
     pub by_axis: Vec<(usize, Amount)>,
     /// An amount that explains the readings, where the predicted one does not.
@@ -196,7 +196,7 @@ impl Reduced {
 
 /// The inverse covariance of all readings, set-up and prediction in it.
 struct Weight {
-    /// What is left of the effects that readings share.
+    /// Remainder of the effects that readings share.
     effects: DMatrix<f64>,
     inner: Option<Cholesky<f64, Dyn>>,
 }

@@ -32,6 +32,7 @@ pub use fit::{ParameterFit, Scatter, fit};
 pub use in_data::FitInData;
 pub use lack_of_fit::{FormUncertainty, form_uncertainty};
 pub use plan::{expected, plan};
+pub(crate) use randomness::both_tails;
 pub use randomness::{ResidualTest, randomness};
 pub use solution::{Estimate, Solution};
 pub use unheld::unheld;

@@ -82,7 +82,11 @@ fn runs(values: &[f64]) -> f64 {
     }
     let found = 1.0 + signs.windows(2).filter(|w| w[0] != w[1]).count() as f64;
     let variance = product * (product - n) / (n * n * (n - 1.0));
-    let z = (found - (product / n + 1.0)) / libm::sqrt(variance);
+    both_tails((found - (product / n + 1.0)) / libm::sqrt(variance))
+}
+
+/// Returns the probability that a standard normal number is as far from 0 as this.
+pub(crate) fn both_tails(z: f64) -> f64 {
     libm::erfc(z.abs() / std::f64::consts::SQRT_2)
 }
 

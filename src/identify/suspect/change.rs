@@ -19,6 +19,12 @@ const LENGTHS: [(f64, &str); 6] = [
     (0.0254, "microinches taken for um"),
     (1.0 / 0.0254, "um taken for microinches"),
 ];
+
+/// Returns -1 and the factors of some units.
+fn signs_and_units(units: &[(f64, &str)]) -> impl Iterator<Item = f64> {
+    std::iter::once(-1.0).chain(units.iter().map(|(factor, _)| *factor))
+}
+
 const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 const ANGLES: [(f64, &str); 2] = [(DEGREES, "radians taken for degrees"), (1.0 / DEGREES, "degrees taken for radians")];
 const COMPONENTS: [&str; 3] = ["dx", "dy", "dz"];
@@ -234,7 +240,7 @@ pub(super) fn all(model: &FitModel<'_>, data: &[Measurement]) -> Vec<Change> {
     for scope in &groups {
         components(&mut list, scope, model, data);
         let whole = |factor| Change::Values { from: SAME, factor: [factor; 3], scope: scope.clone() };
-        list.extend(std::iter::once(-1.0).chain(LENGTHS.iter().map(|(factor, _)| *factor)).map(whole));
+        list.extend(signs_and_units(&LENGTHS).map(whole));
         list.extend([Change::Shifted(scope.clone()), Change::LeftOut(scope.clone())]);
     }
     // Where the poses are what is read, smaller ones agree the better the smaller they are.
@@ -269,7 +275,7 @@ fn components(list: &mut Vec<Change>, scope: &Scope, model: &FitModel<'_>, data:
         }
     }
     for k in (0..3).filter(|k| read(*k)) {
-        for factor in std::iter::once(-1.0).chain(LENGTHS.iter().map(|(factor, _)| *factor)) {
+        for factor in signs_and_units(&LENGTHS) {
             let mut all = [1.0; 3];
             all[k] = factor;
             list.push(Change::Values { from: SAME, factor: all, scope: scope.clone() });
@@ -285,12 +291,12 @@ fn axes(list: &mut Vec<Change>, machine: &Machine, units: bool) {
     }
     for kind in [AxisKind::Linear, AxisKind::Rotary] {
         let own: Vec<usize> = (0..axes.len()).filter(|i| axes[*i].kind == kind).collect();
-        let factors: Vec<f64> = match kind {
-            _ if !units => Vec::new(),
-            AxisKind::Linear => LENGTHS[..4].iter().map(|(factor, _)| *factor).collect(),
-            AxisKind::Rotary => ANGLES.iter().map(|(factor, _)| *factor).collect(),
+        let units = match kind {
+            _ if !units => &[][..],
+            AxisKind::Linear => &LENGTHS[..4],
+            AxisKind::Rotary => &ANGLES,
         };
-        for factor in std::iter::once(-1.0).chain(factors) {
+        for factor in signs_and_units(units) {
             list.extend(own.iter().map(|i| Change::Positions(vec![*i], factor)));
             list.extend((own.len() > 1).then(|| Change::Positions(own.clone(), factor)));
         }

@@ -22,7 +22,7 @@ pub(super) struct Screen<'a> {
     pub rows: Vec<usize>,
     theta: Vec<f64>,
     sizes: DVector<f64>,
-    /// What is known before the data, as a normal equation.
+    /// Normal equation of the knowledge before the data.
     prior: (DMatrix<f64>, DVector<f64>),
     /// Standard deviation of a reading of the data as they are (mm).
     sigma: f64,
@@ -34,12 +34,12 @@ pub(super) struct Screen<'a> {
 pub(super) struct Posed {
     /// Rows of the data, and as they are with these poses.
     pub rows: Vec<(usize, Measurement)>,
-    /// Of each reading: index in `rows`, component, group, root of the weight.
+    /// Index in `rows`, component, group and root of the weight, of each reading.
     at: Vec<(usize, usize, usize, f64)>,
     /// Coefficients of displacements.
     columns: DMatrix<f64>,
     residual: DVector<f64>,
-    /// What each row would read without errors.
+    /// Reading of each row without errors.
     bases: Vec<f64>,
     factor: Cholesky<f64, Dyn>,
 }

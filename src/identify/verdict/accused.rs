@@ -4,7 +4,7 @@ use super::fitted::FitDiagnosis;
 use super::inputs::FitAcceptance;
 use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::thresholds::{MAX_NOISE_PROBABILITY, MIN_GROUP_RATIO, MIN_GROUP_READINGS};
-use crate::identify::{Change, Scope, groups};
+use crate::identify::{Change, Scope, both_tails, groups};
 use crate::units::significant;
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -86,7 +86,7 @@ pub(crate) fn noise(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
     // Normal to its third root (Wilson and Hilferty 1931).
     let part = 2.0 / (9.0 * freedom.max(1.0));
     let z = (libm::cbrt(squares / freedom.max(1.0)) - 1.0 + part) / libm::sqrt(part);
-    let far = libm::erfc(z.abs() / std::f64::consts::SQRT_2) < MAX_NOISE_PROBABILITY;
+    let far = both_tails(z) < MAX_NOISE_PROBABILITY;
     let [left, stated] = [sigma, noise].map(|mm| significant(mm * 1e3, 3));
     let message = format!(
         "{left} um per reading are left where {stated} um are stated: chi-squared is {} of {freedom} degrees of \
