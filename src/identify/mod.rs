@@ -35,9 +35,9 @@ pub use data::{
 };
 pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{
-    BasisFunction, FitModel, Invariances, MonomialCoefficient, MonomialComponent, Parameter, ParameterTerm, PriorValue,
-    Rms, SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters, parse_prior, slope_bounds, type_b,
-    unused_entries, with_command_line,
+    BasisFunction, FitModel, Gauge, Invariances, MonomialCoefficient, MonomialComponent, Parameter, ParameterTerm,
+    PriorValue, Rms, SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters, parse_gauge, parse_prior,
+    slope_bounds, type_b, unused_entries, with_command_line,
 };
 pub(crate) use solve::both_tails;
 pub use solve::{

@@ -47,6 +47,7 @@ mod fits;
 mod foreign_folders;
 mod forms;
 mod frames;
+mod gauges;
 mod goal;
 mod golden_signs;
 mod handmade;

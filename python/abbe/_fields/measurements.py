@@ -100,7 +100,7 @@ class FittedParameter(Record):
 class KnownValue(Record):
     """A value that was known before the data."""
 
-    name: Annotated[str, "Name of the unknown."]
+    name: Annotated[str, "Name of the unknown, or ``distance`` and two points."]
     value: Annotated[float, "Value, in ``unit``."]
     sigma: Annotated[float, "Standard uncertainty, in ``unit``."]
     unit: Annotated[str, "Unit of the value and of its uncertainties."]

@@ -203,6 +203,8 @@ pub struct InstrumentUnknown {
     pub start: f64,
     /// Standard uncertainty (mm or rad) with which it is known to have this value.
     pub known: Option<f64>,
+    /// From where a coordinate of a point is counted: from the workpiece origin (mm).
+    pub base: f64,
 }
 
 /// Measurements of all files, and the unknowns of instruments and set-ups: places of stations, dead paths, first
@@ -225,7 +227,7 @@ pub(crate) struct SetExtent {
 impl MeasurementSet {
     /// Adds an unknown of `mm` to begin with; gives its index.
     pub(crate) fn unknown(&mut self, name: String, start: f64) -> usize {
-        self.nuisances.push(InstrumentUnknown { name, is_angle: false, start, known: None });
+        self.nuisances.push(InstrumentUnknown { name, is_angle: false, start, known: None, base: 0.0 });
         self.nuisances.len() - 1
     }
 
@@ -254,7 +256,7 @@ impl MeasurementSet {
         let first = self.unknown_point(name, Vector3::zeros());
         for letter in ["A", "B", "C"] {
             let name = format!("{name}.{letter}");
-            self.nuisances.push(InstrumentUnknown { name, is_angle: true, start: 0.0, known: None });
+            self.nuisances.push(InstrumentUnknown { name, is_angle: true, start: 0.0, known: None, base: 0.0 });
         }
         first
     }

@@ -459,7 +459,10 @@ impl MeasurementReader<'_> {
                 [Some(x), Some(y), Some(z)] => Vector3::new(x, y, z),
                 _ => self.nominal(&head.row, &head.row.pose),
             };
-            zero[0].into_iter().for_each(|index| self.data.know_point(index, head.known));
+            if let Some(index) = zero[0] {
+                self.data.know_point(index, head.known);
+                (0..3).for_each(|k| self.data.nuisances[index + k].base = first[k]);
+            }
             for mut draft in drafts {
                 let off = first - self.nominal(&draft.row, &draft.row.pose);
                 let values = [Some(off.x), Some(off.y), Some(off.z)];

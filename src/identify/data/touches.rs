@@ -103,7 +103,7 @@ impl TouchUnknowns {
 
     fn push(&mut self, name: String, is_angle: bool, known: Option<f64>, shares: impl Iterator<Item = (usize, f64)>) {
         let index = self.list.len();
-        self.list.push(InstrumentUnknown { name, is_angle, start: 0.0, known });
+        self.list.push(InstrumentUnknown { name, is_angle, start: 0.0, known, base: 0.0 });
         shares.filter(|(_, share)| *share != 0.0).for_each(|(i, share)| self.shares[i].push((index, share)));
     }
 

@@ -56,7 +56,7 @@ fn rescaled(
     scale: f64,
 ) -> Option<DVector<f64>> {
     let sizes = sizes(model.parameters());
-    let (slopes, (known, _)) = (model.slope_rows(), model.known_rows());
+    let (slopes, (known, _)) = (model.slope_rows(), model.known_rows(theta));
     let held = DMatrix::from_fn(slopes.nrows() + known.nrows(), theta.len(), |i, j| {
         let row = if i < slopes.nrows() { slopes[(i, j)] } else { known[(i - slopes.nrows(), j)] };
         row / sizes[j]
@@ -136,7 +136,7 @@ impl MotionEquations {
         let unknowns = theta.len();
         let sizes = sizes(model.parameters());
         let mut readings = model.triangle(data, &vec![1.0; data.len()], theta).r;
-        let (slopes, (known, _)) = (model.slope_rows(), model.known_rows());
+        let (slopes, (known, _)) = (model.slope_rows(), model.known_rows(theta));
         let mut held = DMatrix::zeros(unknowns + slopes.nrows() + known.nrows(), unknowns);
         let rows: usize = data.iter().map(Measurement::readings).sum();
         // Readings count at least as much as poses of the volume.

@@ -28,7 +28,7 @@ const HELP: &str = "write a name of the report and a standard uncertainty: `ball
                     `station S.x 0.1 mm`, `EC0Y 5 urad`, `constant S = 150 mm 1 um`; or `file` for the \
                     uncertainties that the machine file states";
 
-fn refusal(message: String, help: impl Into<String>) -> Refusal {
+pub(super) fn refusal(message: String, help: impl Into<String>) -> Refusal {
     Box::new(Diagnostic::new(codes::E0516, message).help(help.into()))
 }
 
@@ -122,7 +122,7 @@ fn name_and_sigma(words: &str) -> Option<(String, Quantity)> {
     })
 }
 
-fn value_and_sigma(words: &str) -> Option<(Quantity, Quantity)> {
+pub(super) fn value_and_sigma(words: &str) -> Option<(Quantity, Quantity)> {
     let words = words.replace("+/-", " ").replace("+-", " ").replace(['\u{b1}', ','], " ");
     let list: Vec<&str> = words.split_whitespace().collect();
     (1..list.len()).find_map(|cut| {

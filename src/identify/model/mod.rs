@@ -8,6 +8,7 @@
 //! 4. [`moore_penrose`]: the linear method of Holub and others 2015.
 
 mod curves;
+mod gauge;
 mod invariance;
 mod known;
 mod monomials;
@@ -20,6 +21,7 @@ mod request;
 mod type_b;
 mod volume;
 
+pub use gauge::{Gauge, parse_gauge};
 pub use invariance::{Invariances, invariances};
 pub use known::{PriorValue, parse_prior};
 pub use monomials::{MonomialCoefficient, MonomialComponent, Rms, moore_penrose};

@@ -1,6 +1,7 @@
 //! The measurement model: what the machine with given parameters would have been measured as, exactly or to an order
 //! of the dual numbers, and the derivatives by the unknowns. Rows are streamed; the Jacobian as a whole never exists.
 
+use super::gauge::Gauge;
 use super::known::PriorValue;
 use super::observation::{Observation, ReadingSubject, observe, rotate, single};
 use super::parameter::{BasisFunction, Parameter, ParameterTerm, SlopeBound, approach_weight};
@@ -38,6 +39,8 @@ pub struct FitModel<'a> {
     slopes: DMatrix<f64>,
     /// Values that are known before the data, with their uncertainty.
     known: Vec<PriorValue>,
+    /// Distances between points of the set-up that are known before the data.
+    gauges: Vec<Gauge>,
     /// True if location errors count in the real part.
     real_locations: bool,
     /// The motion of the workpiece from its place in the machine; `None` without one.
@@ -135,6 +138,7 @@ impl<'a> FitModel<'a> {
             order,
             slopes,
             known,
+            gauges: Vec::new(),
             real_locations,
             stand,
             progress,
@@ -184,17 +188,36 @@ impl<'a> FitModel<'a> {
         self
     }
 
+    /// Returns the same with distances between points of the set-up that are known before the data.
+    pub fn with_gauges(mut self, gauges: &[Gauge]) -> Self {
+        self.gauges = gauges.to_vec();
+        self
+    }
+
+    /// Returns the distances known before the data.
+    pub(crate) fn gauges(&self) -> &[Gauge] {
+        &self.gauges
+    }
+
     /// Returns the values known before the data.
     pub(crate) fn known(&self) -> &[PriorValue] {
         &self.known
     }
 
-    /// Returns the values known before the data: rows over their standard uncertainty, and the right sides.
-    pub(crate) fn known_rows(&self) -> (DMatrix<f64>, DVector<f64>) {
-        let count = self.parameters.len();
-        let row = |i: usize, j: usize| if self.known[i].unknown == j { 1.0 / self.known[i].sigma } else { 0.0 };
-        let values = self.known.iter().map(|known| known.value / known.sigma);
-        (DMatrix::from_fn(self.known.len(), count, row), DVector::from_iterator(self.known.len(), values))
+    /// Returns the values and distances known before the data as equations that are linear about these unknowns: rows
+    /// over their standard uncertainty, and the right sides.
+    pub(crate) fn known_rows(&self, theta: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
+        let count = self.known.len() + self.gauges.len();
+        let (mut rows, mut values) = (DMatrix::zeros(count, self.parameters.len()), DVector::zeros(count));
+        for (i, known) in self.known.iter().enumerate() {
+            (rows[(i, known.unknown)], values[i]) = (1.0 / known.sigma, known.value / known.sigma);
+        }
+        for (i, gauge) in (self.known.len()..).zip(&self.gauges) {
+            let (row, value) = gauge.row(theta);
+            row.into_iter().for_each(|(j, share)| rows[(i, j)] = share);
+            values[i] = value;
+        }
+        (rows, values)
     }
 
     /// Returns the slopes over their standard deviations: rows, linear in the unknowns.

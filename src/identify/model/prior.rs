@@ -4,6 +4,7 @@
 //! prior therefore does not depend on the basis in which a curve is written: powers about the machine's zero point may
 //! be large and cancel, as long as the curve is small.
 
+use super::gauge::Gauge;
 use super::parameter::{BasisFunction, Parameter};
 use super::prediction::FitModel;
 use crate::algebra::linear::{ReducedSystem, Svd, Triangle};
@@ -30,6 +31,8 @@ pub(crate) struct Prior {
     /// Combinations that are known to be `values` with standard deviation 1.
     rows: DMatrix<f64>,
     values: DVector<f64>,
+    /// Known distances, which are not linear in the unknowns.
+    gauges: Vec<Gauge>,
 }
 
 impl Prior {
@@ -37,17 +40,21 @@ impl Prior {
     pub fn new(model: &FitModel<'_>, data: &[Measurement], start_problem: &ReducedSystem) -> Self {
         let list = model.parameters();
         let start = DVector::from_iterator(list.len(), list.iter().map(|p| p.start));
-        let (known, known_values) = model.known_rows();
+        let gauges = model.gauges().to_vec();
+        let (known, known_values) = model.known_rows(start.as_slice());
+        let linear = model.known().len();
+        let (known, known_values) = (known.rows(0, linear).into_owned(), known_values.rows(0, linear).into_owned());
         let initial_rms = initial_rms(model.own(), data, start_problem);
         let prior = Self {
             start,
             metric: metric(model),
             own: model.own(),
             initial_rms,
-            has_known_values: known.nrows() > 0,
+            has_known_values: known.nrows() + gauges.len() > 0,
             sigma: MIN_PRIOR_SIGMA_MM.max(PLAUSIBLE_OVER_RMS * initial_rms),
             rows: model.slope_rows().clone(),
             values: DVector::zeros(model.slope_rows().nrows()),
+            gauges,
         };
         let prior = prior.with_rows(&known, &known_values);
         let many = libm::sqrt((start_problem.rows as f64 / SECOND_ORDER_READINGS).max(1.0));
@@ -82,8 +89,16 @@ impl Prior {
 
     /// Returns the known combinations as rows of readings of this variance: coefficients and residuals.
     pub fn rows(&self, theta: &[f64], variance: f64) -> (DMatrix<f64>, DVector<f64>) {
-        let missing = &self.values - &self.rows * DVector::from_column_slice(theta);
-        (&self.rows * libm::sqrt(variance), missing * libm::sqrt(variance))
+        let first = self.rows.nrows();
+        let mut rows = self.rows.clone().insert_rows(first, self.gauges.len(), 0.0);
+        let mut values = self.values.clone().insert_rows(first, self.gauges.len(), 0.0);
+        for (i, gauge) in (first..).zip(&self.gauges) {
+            let (row, value) = gauge.row(theta);
+            row.into_iter().for_each(|(j, share)| rows[(i, j)] = share);
+            values[i] = value;
+        }
+        let missing = values - &rows * DVector::from_column_slice(theta);
+        (rows * libm::sqrt(variance), missing * libm::sqrt(variance))
     }
 
     /// Returns the weighted sum of squares (mm^2) of readings and prior for readings of this variance.

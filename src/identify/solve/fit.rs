@@ -65,13 +65,13 @@ impl ParameterFit {
         let has_bound = |column: nalgebra::DVectorView<'_, f64>| column.iter().any(|x| *x != 0.0);
         Self {
             squares: reduced.right_norm() * reduced.right_norm(),
+            known: model.known_rows(&theta).0,
             theta,
             reduced,
             weights,
             limits: None,
             scatter: Vec::new(),
             parameter_freedom: Vec::new(),
-            known: model.known_rows().0,
             initial_rms: 0.0,
             slope_bounded: model.slope_rows().column_iter().map(has_bound).collect(),
             steps: 0,
@@ -88,7 +88,7 @@ impl ParameterFit {
     pub fn at(&self, model: &FitModel<'_>, data: &[Measurement], theta: Vec<f64>) -> Self {
         let weights = self.limits.as_ref().map_or(&self.weights, |limits| &limits.weights);
         let reduced = model.triangle(data, weights, &theta);
-        Self { theta, reduced, ..self.clone() }
+        Self { known: model.known_rows(&theta).0, theta, reduced, ..self.clone() }
     }
 }
 

@@ -49,7 +49,7 @@ pub fn form_uncertainty(
     if solution.degrees_of_freedom < MIN_FORM_FREEDOM || axes.is_empty() || solution.sigma <= MIN_SCATTER_MM {
         return None;
     }
-    let missing = model.known_rows().1 - &fit.known * DVector::from_column_slice(&fit.theta);
+    let missing = model.known_rows(&fit.theta).1 - &fit.known * DVector::from_column_slice(&fit.theta);
     let sums = Sums::of_fit(model, data, fit, &axes).with_known(&fit.known, &missing, solution.sigma);
     // By the root of the covariance: the product with the covariance itself would lose twice the digits.
     let root = solution.covariance_root();

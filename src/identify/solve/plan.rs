@@ -6,7 +6,7 @@ use crate::identify::data::{Measurement, Reading, taken_together};
 use crate::identify::model::{FitModel, Parameter, invariances};
 use crate::identify::thresholds::{MIN_PRIOR_SIGMA_MM, PLAN_SHARE_OF_ALL};
 use crate::run::Advance;
-use nalgebra::{Cholesky, DMatrix, Dyn, Vector3};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
 use rayon::prelude::*;
 
 /// Chooses `count` of the candidates, each once and one after the other: each time the one that shrinks the
@@ -77,6 +77,13 @@ fn prior(model: &FitModel<'_>) -> DMatrix<f64> {
         let sigma = known.sigma * model.parameters()[known.unknown].size;
         let own = &mut covariance[(known.unknown, known.unknown)];
         *own = own.min(sigma * sigma);
+    }
+    let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+    for i in 0..model.gauges().len() {
+        let row = model.known_rows(&start).0.row(model.known().len() + i).transpose();
+        let row = DVector::from_iterator(unknowns, row.iter().zip(model.parameters()).map(|(x, p)| x / p.size));
+        let seen = &covariance * &row;
+        covariance -= &seen * seen.transpose() / (1.0 + row.dot(&seen));
     }
     covariance
 }

@@ -360,8 +360,8 @@ pub(super) fn is_left_out(changes: &[Change], row: usize, m: &Measurement) -> bo
 /// Returns what is known before the data as a normal equation of displacements: known values, bounds of slopes, and
 /// that errors are no larger than a machine's.
 fn prior(model: &FitModel<'_>, theta: &[f64], sizes: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    let (known, values) = model.known_rows(theta);
     let theta = DVector::from_column_slice(theta);
-    let (known, values) = model.known_rows();
     let count = sizes.len();
     let mut normal = DMatrix::zeros(count, count);
     let mut force = DVector::zeros(count);

@@ -66,6 +66,7 @@ pub(crate) fn diagnose<'a>(
         held_out: None,
         repeats: repeats(data),
         known: &problem.known,
+        gauges: &problem.gauges,
         type_b: &problem.type_b,
         form,
         fit,

@@ -1,8 +1,8 @@
 //! A fit with all that is known of it, and its datum.
 
 use crate::identify::{
-    FormUncertainty, Measurement, Parameter, ParameterFit, Prediction, PriorValue, Repeats, ResidualTest, Residuals,
-    RigidMotionRemoved, Solution, Suspicion, TypeB,
+    FormUncertainty, Gauge, Measurement, Parameter, ParameterFit, Prediction, PriorValue, Repeats, ResidualTest,
+    Residuals, RigidMotionRemoved, Solution, Suspicion, TypeB,
 };
 use crate::machine::{Axis, Machine, UnheldMotion};
 use crate::syntax::DatumEntry;
@@ -58,6 +58,8 @@ pub(crate) struct FitDiagnosis<'a> {
     pub(crate) repeats: Vec<Repeats>,
     /// Values known before the data.
     pub(crate) known: &'a [PriorValue],
+    /// Distances known before the data.
+    pub(crate) gauges: &'a [Gauge],
     pub(crate) type_b: &'a [TypeB],
     /// The form of the axes beside the curves; `None` if the readings cannot show it.
     pub(crate) form: Option<FormUncertainty>,

@@ -6,8 +6,8 @@ use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Order;
 use crate::identify::thresholds::{MAX_IDLE_EFFECT_MM, MAX_UNKNOWNS};
 use crate::identify::{
-    FitModel, Measurement, MeasurementSet, Parameter, PriorValue, ReadingContext, SlopeBound, TypeB, parameters,
-    parse_prior, read_measurements, slope_bounds, type_b, unused_entries, with_command_line,
+    FitModel, Gauge, Measurement, MeasurementSet, Parameter, PriorValue, ReadingContext, SlopeBound, TypeB, parameters,
+    parse_gauge, parse_prior, read_measurements, slope_bounds, type_b, unused_entries, with_command_line,
 };
 use crate::job::machine_file::{MachineFile, Overlay};
 use crate::job::poses;
@@ -26,6 +26,7 @@ pub(crate) struct Problem {
     pub unknowns: Vec<Parameter>,
     pub bounds: Vec<SlopeBound>,
     pub known: Vec<PriorValue>,
+    pub gauges: Vec<Gauge>,
     pub type_b: Vec<TypeB>,
     pub rows: Vec<Measurement>,
     /// SHA-256 of the files of measurements, by path.
@@ -44,8 +45,10 @@ impl Problem {
             let (unknown, value) = (own.len() + j, place.start);
             known.extend(place.known.map(|sigma| PriorValue { unknown, value, sigma }));
         }
+        let bases = vec![0.0; own.len()].into_iter().chain(data.nuisances.iter().map(|unknown| unknown.base)).collect();
         let unknowns: Vec<Parameter> = own.into_iter().chain(data.nuisances.into_iter().map(Parameter::from)).collect();
-        for prior in priors(call, file, &request, inputs.priors, &unknowns)? {
+        let priors = Priors { unknowns: &unknowns, bases }.read(call, file, &request.priors, inputs.priors)?;
+        for prior in priors.0 {
             // What is said of a place goes before the uncertainty that its file gives.
             known.retain(|other| other.unknown != prior.unknown);
             known.push(prior);
@@ -55,11 +58,15 @@ impl Problem {
         request.type_b.extend(inputs.type_b.iter().cloned());
         let shared: Result<Vec<TypeB>, _> = request.type_b.iter().map(|words| type_b(words)).collect();
         let type_b = shared.or_else(|refusal| call.refuse(*refusal))?;
-        Ok(Self { request, unknowns, bounds, known, type_b, rows: data.rows, hashes })
+        Ok(Self { request, unknowns, bounds, known, gauges: priors.1, type_b, rows: data.rows, hashes })
     }
 
     pub(crate) fn model(&self, machine: &Machine, order: Order) -> FitModel<'_> {
-        FitModel::new(machine, &self.unknowns).with_slope_bounds(&self.bounds).with_known(&self.known).to_order(order)
+        FitModel::new(machine, &self.unknowns)
+            .with_slope_bounds(&self.bounds)
+            .with_known(&self.known)
+            .with_gauges(&self.gauges)
+            .to_order(order)
     }
 
     /// Returns the same where parameters keep their start.
@@ -69,9 +76,14 @@ impl Problem {
             let unknown = kept.iter().position(|j| *j == known.unknown)?;
             Some(PriorValue { unknown, ..*known })
         };
+        let gauge = |gauge: &Gauge| {
+            let [a, b] = gauge.ends.map(|end| kept.iter().position(|j| *j == end));
+            Some(Gauge { ends: [a?, b?], ..gauge.clone() })
+        };
         Self {
             unknowns: kept.iter().map(|j| self.unknowns[*j].clone()).collect(),
             known: self.known.iter().filter_map(known).collect(),
+            gauges: self.gauges.iter().filter_map(gauge).collect(),
             ..self.clone()
         }
     }
@@ -96,28 +108,59 @@ impl Requested {
     }
 }
 
-/// Returns the values known before the data. A prior of the section that names nothing here has no effect.
-pub(crate) fn priors(
-    call: &mut Call,
-    file: &MachineFile,
-    request: &IdentifyEntry,
-    options: &[String],
-    unknowns: &[Parameter],
-) -> Result<Vec<PriorValue>, Refused> {
-    let mut list: Vec<PriorValue> = Vec::new();
-    let mut without_effect = Vec::new();
-    for (k, words) in request.priors.iter().chain(options).enumerate() {
-        match parse_prior(words, file, unknowns) {
-            Ok(found) => found.into_iter().for_each(|one| {
+/// The unknowns that priors name.
+struct Priors<'a> {
+    unknowns: &'a [Parameter],
+    /// From where each unknown is counted (mm).
+    bases: Vec<f64>,
+}
+
+impl Priors<'_> {
+    /// Returns the values and distances known before the data. A prior of the section that names nothing here has no
+    /// effect, and one of the options goes before it.
+    fn read(
+        &self,
+        call: &mut Call,
+        file: &MachineFile,
+        section: &[String],
+        options: &[String],
+    ) -> Result<(Vec<PriorValue>, Vec<Gauge>), Refused> {
+        let (mut list, mut gauges): (Vec<PriorValue>, Vec<(bool, Gauge)>) = Default::default();
+        let mut without_effect = Vec::new();
+        for (k, words) in section.iter().chain(options).enumerate() {
+            let is_option = k >= section.len();
+            let gauge = parse_gauge(words, self.unknowns, &self.bases);
+            let found = match gauge {
+                Ok(None) => parse_prior(words, file, self.unknowns).map(|found| (found, Vec::new())),
+                Ok(Some(found)) => Ok((Vec::new(), found)),
+                Err(refusal) => Err(refusal),
+            };
+            let (values, distances) = match found {
+                Ok(found) => found,
+                Err(_) if !is_option => {
+                    without_effect.push(format!("prior {}", shown(words)));
+                    continue;
+                }
+                Err(refusal) => return call.refuse(*refusal),
+            };
+            for one in values {
                 list.retain(|other| other.unknown != one.unknown);
                 list.push(one);
-            }),
-            Err(_) if k < request.priors.len() => without_effect.push(format!("prior {}", shown(words))),
-            Err(refusal) => return call.refuse(*refusal),
+            }
+            for one in distances {
+                if gauges.iter().any(|(from, other)| *from == is_option && other.is_of_same(&one)) {
+                    let message =
+                        format!("the prior `{}` is of two points whose distance is given twice", shown(words));
+                    let help = "give it once: the same gauge would count twice";
+                    return call.refuse(Diagnostic::new(codes::E0516, message).help(help));
+                }
+                gauges.retain(|(_, other)| !other.is_of_same(&one));
+                gauges.push((is_option, one));
+            }
         }
+        call.extend(remarks::entries_without_effect(&without_effect));
+        Ok((list, gauges.into_iter().map(|(_, gauge)| gauge).collect()))
     }
-    call.extend(remarks::entries_without_effect(&without_effect));
-    Ok(list)
 }
 
 /// Files that remember the hashes of what is read.
@@ -185,12 +228,12 @@ pub(crate) fn enough(call: &mut Call, file: &MachineFile, problem: &Problem) -> 
         let help = "at most 500: fit less, or take runs of the same set-up together under one name";
         return call.refuse(Diagnostic::new(codes::E0508, message).help(help));
     }
-    if readings + problem.known.len() >= unknowns {
+    if readings + problem.known.len() + problem.gauges.len() >= unknowns {
         return Ok(());
     }
     let felt = felt_unknowns(file, problem);
     let unknowns = felt.iter().filter(|felt| **felt).count();
-    let known = problem.known.iter().filter(|known| felt[known.unknown]).count();
+    let known = problem.known.iter().filter(|known| felt[known.unknown]).count() + problem.gauges.len();
     let help = "measure more poses, or fit less";
     if problem.unknowns.iter().zip(&felt).all(|(p, felt)| p.is_nuisance() || !felt) {
         let message = format!("{} feel none of the parameters", counted(readings, "reading"));

@@ -6,8 +6,8 @@ use super::fitted::{FitDiagnosis, FittedDatum};
 use super::limits;
 use crate::diagnostic::Sources;
 use crate::identify::{
-    Bend, DeviationUncertainty, Estimate, FormUncertainty, Outlier, Parameter, Prediction, PriorValue, ReadingKind,
-    Repeats, ResidualTest, Scatter, SharedEffect, TypeB,
+    Bend, DeviationUncertainty, Estimate, FormUncertainty, Gauge, Outlier, Parameter, Prediction, PriorValue,
+    ReadingKind, Repeats, ResidualTest, Scatter, SharedEffect, TypeB,
 };
 use crate::job::poses::{AxisPositions, axis_positions};
 use crate::machine::{AxisName, Machine, ResidualForm};
@@ -66,7 +66,7 @@ impl FittedParameter {
 /// A value that was known before the data.
 #[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct KnownValue {
-    /// Name of the unknown.
+    /// Name of the unknown, or `distance` and two points.
     pub name: String,
     /// Value, in `unit`.
     pub value: f64,
@@ -85,6 +85,10 @@ impl KnownValue {
             sigma: parameter.in_unit(known.sigma),
             unit: parameter.unit.clone(),
         }
+    }
+
+    fn of_gauge(gauge: &Gauge) -> Self {
+        Self { name: gauge.name.clone(), value: gauge.length, sigma: gauge.sigma, unit: "mm".to_owned() }
     }
 }
 
@@ -435,7 +439,9 @@ impl IdentifyResult {
             points: fitted.data.len(),
             parameters: parameters.to_vec(),
             instruments: instruments.to_vec(),
-            known: fitted.known.iter().map(|known| KnownValue::of(fitted.unknowns, known)).collect(),
+            known: (fitted.known.iter().map(|known| KnownValue::of(fitted.unknowns, known)))
+                .chain(fitted.gauges.iter().map(KnownValue::of_gauge))
+                .collect(),
             type_b: fitted.type_b.iter().map(SharedUncertainty::of).collect(),
             lack_of_fit: fitted.form.as_ref().map(|form| LackOfFit::of(fitted.machine, form)),
             rank: s.rank,
