@@ -13,9 +13,9 @@ const MACHINE: &str = "abbe: 1\nmachine: Gauge\nchain: \"w b X Y Z t\"\naxes:\n 
 /// residuals of +- `scatter` (mm).
 fn balls(run: &str, far: f64, found: [f64; 2], count: usize, scatter: f64) -> String {
     let row = |ball: usize, i: usize| {
-        let off = if i % 2 == 0 { scatter } else { -scatter };
+        let off = if i.is_multiple_of(2) { scatter } else { -scatter };
         let [x, y] = [found[ball] + off, if i % 4 < 2 { scatter } else { -scatter }];
-        let z = if (i + i / 2) % 2 == 0 { scatter } else { -scatter };
+        let z = if (i + i / 2).is_multiple_of(2) { scatter } else { -scatter };
         format!("{x},{y},{z},b{},{run},{},0,0\n", ball + 1, far * ball as f64)
     };
     (0..2).flat_map(|ball| (0..count).map(move |i| row(ball, i))).collect()
