@@ -184,7 +184,7 @@ pub(super) struct InstalledArg {
     /// The compensation files that were in force when the machine was measured.
     #[arg(long, value_name = "DIR")]
     pub(super) installed: Option<PathBuf>,
-    /// Largest distance of an axis in force from that of the machine file [default: 1 mm].
+    /// Largest distance of an axis in force from that of the machine file (above 0) [default: 1 mm].
     #[arg(long, value_name = "LENGTH", requires = "installed", value_parser = max_change)]
     pub(super) max_change: Option<f64>,
 }
