@@ -7,7 +7,8 @@ use crate::controller::{
 };
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Field;
-use crate::file_set::module_set::{self, ModuleRequest};
+use crate::file_set::found_set;
+use crate::file_set::module_set::{self, InForce, ModuleRequest};
 use crate::file_set::options::CompensationOptions;
 use crate::file_set::table_set::{self, TableRequest};
 use crate::file_set::verdict;
@@ -31,6 +32,14 @@ pub struct CompileOptions {
     pub accept_unverified: bool,
     /// Folder with the files that were in force when the machine was measured: the new files are old plus new.
     pub installed: Option<PathBuf>,
+    /// Largest distance of an axis in force from that of the machine file, mm; 1 mm if none is stated.
+    #[serde(rename = "max_change")]
+    pub max_change_mm: Option<f64>,
+    /// True if nothing else than kinematic parameters, or nothing but `installed`, corrects the machine: tables in
+    /// `out` are not in force.
+    pub nothing_else: bool,
+    /// The folder that the files are for, which is searched for tables that kinematic parameters would add to.
+    pub out: Option<PathBuf>,
     /// A job over which the certificate has figures besides those over the volume.
     #[serde(flatten)]
     pub work: CertifiedWork,
@@ -51,6 +60,9 @@ impl Default for CompileOptions {
             seed: 1,
             accept_unverified: false,
             installed: None,
+            max_change_mm: None,
+            nothing_else: false,
+            out: None,
             work: CertifiedWork::default(),
             max_correction: Limits::default(),
             lattice: Vec::new(),
@@ -85,7 +97,10 @@ pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Reply<
         let target = options.compensation.target(call, &options.target)?;
         refuse_unverified(call, &target, options.accept_unverified)?;
         let scope = options.scope(call, file)?;
-        if target.manifest.kinematics().is_some() {
+        if let Some(mechanism) = target.manifest.kinematics() {
+            if !mechanism.machines.is_empty() && !options.nothing_else {
+                refuse_tables(call, file, options)?;
+            }
             return module(call, file, &target, options, &scope);
         }
         tables(call, file, &target, options, &scope)
@@ -94,6 +109,10 @@ pub fn compile(file: &MachineFile, options: &CompileOptions, run: Run) -> Reply<
 }
 
 impl CompileOptions {
+    pub(crate) fn in_force(&self) -> InForce<'_> {
+        InForce { folder: self.installed.as_deref(), max_change_mm: self.max_change_mm }
+    }
+
     /// Returns the poses by which the certificate judges.
     pub(crate) fn scope(&self, call: &mut Call<'_>, file: &MachineFile) -> Result<CertificateScope, Refused> {
         self.work.scope(call, file, Depth { poses: self.poses, seed: self.seed })
@@ -134,7 +153,7 @@ fn module(
     options: &CompileOptions,
     scope: &CertificateScope,
 ) -> Result<CompiledSet, Refused> {
-    let before = module_set::load_installed(call, file, target, &options.compensation, options.installed.as_deref())?;
+    let before = module_set::load_installed(call, file, target, &options.compensation, options.in_force())?;
     let orientation = options.compensation.orientation();
     let limits = options.max_correction;
     let set = module_set::render(call, file, target, ModuleRequest { orientation, limits, before })?;
@@ -161,6 +180,21 @@ fn assemble(
     let lock = Lock::new(&target.manifest.target, file, words, file.inputs(), hashes);
     let names = files.iter().map(|file| file.name.clone()).collect();
     CompiledSet { certificate: CertificateReport::new(file, target, certificate, field, scope, names), files, lock }
+}
+
+/// Kinematic parameters on top of tables for the same errors would correct them twice.
+fn refuse_tables(call: &mut Call, file: &MachineFile, options: &CompileOptions) -> Result<(), Refused> {
+    let Some(out) = &options.out else { return Ok(()) };
+    let Some(tables) = found_set::tables_there(call, file, out, &options.compensation)? else { return Ok(()) };
+    let name = &options.target;
+    let message = format!(
+        "`{}` holds tables of `{tables}`: if they are in force, `{name}` would correct their location errors again",
+        out.display()
+    );
+    let help = format!(
+        "compile both: --target {name} --target {tables} --installed DIR; if they are not in force: --nothing-else"
+    );
+    call.refuse(Diagnostic::new(codes::E0754, message).help(help))
 }
 
 /// A format that rests on memory alone is written only for those who accept it. A folder of one's own needs no such

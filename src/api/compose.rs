@@ -6,7 +6,9 @@ use super::compile::{CompileOptions, refuse_unverified};
 use super::second::SecondOptions;
 use crate::controller::{ControllerTarget, KinematicsModule, Lock, ModuleField, RenderedFile};
 use crate::file_set::composition::{self, ComposedRequest, Composition, beside, compose, find, split, targets};
+use crate::file_set::module_set::InForce;
 use crate::file_set::options::CompensationOptions;
+use crate::file_set::verdict;
 use crate::job::machine_file::{MachineFile, bounded_only};
 use crate::machine::{Machine, OperatingPoint};
 use crate::run::{Call, Count, Hashed, Refused, Reply, Run};
@@ -57,7 +59,7 @@ pub fn compile_composed(
         let scope = options.scope(call, file)?;
         let request = ComposedRequest {
             compensation: how,
-            installed: options.installed.as_deref(),
+            in_force: options.in_force(),
             max_correction: options.max_correction,
             lattice: &options.lattice,
             max_nodes: options.max_nodes,
@@ -97,6 +99,7 @@ fn certificate(
     let mut report = CertificateReport::new(file, &both, certificate, &field, scope, composition.files.clone());
     let alone = ModuleField::new(file, &module);
     let first = figures_without_unheld(file, &alone, scope).unwrap_or(first);
+    call.extend(verdict::worse_together(&first, &report.compensated));
     let step = |target: String, compensated| CertificateStep { target, compensated };
     report.steps =
         vec![step(composition.target.manifest.target.clone(), first), step(both.manifest.target, report.compensated)];
@@ -108,12 +111,12 @@ pub(super) fn verify_composed(
     file: &MachineFile,
     folder: &Path,
     how: &CompensationOptions,
-    installed: Option<&Path>,
+    in_force: InForce<'_>,
     scope: &CertificateScope,
     second: &SecondOptions,
 ) -> Result<CertificateReport, Refused> {
     let (target, tables_target) = targets(call, folder, how)?;
-    let before = composition::load_installed(call, file, &target, &tables_target, how, installed)?;
+    let before = composition::load_installed(call, file, &target, &tables_target, how, in_force)?;
     let (before, old_tables) = before.unzip();
     let composition = find(call, file, folder, how, before, old_tables)?;
     composition.warn(call, file, folder);

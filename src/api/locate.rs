@@ -5,7 +5,7 @@ use super::import::columns_left_out;
 use crate::controller::{FoundLine, Parameters, RotaryLine, Transformation, found_lines};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::file_set::found_set;
-use crate::file_set::module_set::{self, ModuleRequest};
+use crate::file_set::module_set::{self, InForce, ModuleRequest};
 use crate::file_set::options::CompensationOptions;
 use crate::job::machine_file::MachineFile;
 use crate::machine::{ErrorFamily, ErrorId, ErrorTerm, Machine, machine_file};
@@ -25,6 +25,15 @@ pub struct LocateOptions {
     pub templates: Option<PathBuf>,
     /// Folder with the kinematic parameters before the calibration; by default those of the nominal machine.
     pub installed: Option<PathBuf>,
+    /// Largest distance of an axis in force from that of the machine file, mm; 1 mm if none is stated.
+    #[serde(rename = "max_change")]
+    pub max_change_mm: Option<f64>,
+}
+
+impl LocateOptions {
+    fn in_force(&self) -> InForce<'_> {
+        InForce { folder: self.installed.as_deref(), max_change_mm: self.max_change_mm }
+    }
 }
 
 /// Location errors that were found.
@@ -140,7 +149,7 @@ fn from_parameters(
     if set.target.manifest.kinematics().is_none_or(|mechanism| mechanism.machines.is_empty()) {
         return call.usage(format!("`{}` holds files of `{name}`, which has no kinematic parameters", path.display()));
     }
-    let before = module_set::load_installed(call, file, &set.target, &how, options.installed.as_deref())?;
+    let before = module_set::load_installed(call, file, &set.target, &how, options.in_force())?;
     let request = ModuleRequest { before, ..ModuleRequest::plain(true) };
     let (module, _) = module_set::find(call, file, &set.target, path, request, &set.files)?;
     let Some(parameters) = module.parameters() else { return Err(Refused) };

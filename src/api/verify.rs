@@ -8,7 +8,7 @@ use crate::diagnostic::{Diagnostic, codes};
 use crate::file_set::differences::{warn_edited, warn_other_inputs, warn_other_tool};
 use crate::file_set::folder::Folder;
 use crate::file_set::found_set::{FoundSet, find_set};
-use crate::file_set::module_set::{self, ModuleRequest};
+use crate::file_set::module_set::{self, InForce, ModuleRequest};
 use crate::file_set::options::CompensationOptions;
 use crate::file_set::table_set::{self, FoundTables};
 use crate::file_set::{composition, verdict};
@@ -31,6 +31,9 @@ pub struct VerifyOptions {
     pub seed: u64,
     /// Folder with the files that were in force when the machine was measured: the files judged here replace them.
     pub installed: Option<PathBuf>,
+    /// Largest distance of an axis in force from that of the machine file, mm; 1 mm if none is stated.
+    #[serde(rename = "max_change")]
+    pub max_change_mm: Option<f64>,
     /// A job over which the certificate has figures besides those over the volume.
     #[serde(flatten)]
     pub work: CertifiedWork,
@@ -43,7 +46,13 @@ impl Default for VerifyOptions {
     fn default() -> Self {
         let (compensation, work) = (CompensationOptions::default(), CertifiedWork::default());
         let second = SecondOptions::default();
-        Self { target: None, compensation, poses: 2000, seed: 1, installed: None, work, second }
+        Self { target: None, compensation, poses: 2000, seed: 1, installed: None, max_change_mm: None, work, second }
+    }
+}
+
+impl VerifyOptions {
+    fn in_force(&self) -> InForce<'_> {
+        InForce { folder: self.installed.as_deref(), max_change_mm: self.max_change_mm }
     }
 }
 
@@ -60,8 +69,8 @@ pub fn verify(file: &MachineFile, folder: &Path, options: &VerifyOptions, run: R
         call.check_counts(&[Count::Poses(options.poses)])?;
         let scope = options.work.scope(call, file, Depth { poses: options.poses, seed: options.seed })?;
         if composition::is_composed(folder, call) {
-            let (how, installed) = (&options.compensation, options.installed.as_deref());
-            return compose::verify_composed(call, file, folder, how, installed, &scope, &options.second);
+            let (how, in_force) = (&options.compensation, options.in_force());
+            return compose::verify_composed(call, file, folder, how, in_force, &scope, &options.second);
         }
         let set = open(call, file, folder, options)?;
         if set.target.manifest.kinematics().is_some() {
@@ -130,7 +139,7 @@ fn module(
 ) -> Result<CertificateReport, Refused> {
     let (target, texts) = (&set.target, &set.files);
     let how = &options.compensation;
-    let before = module_set::load_installed(call, file, target, how, options.installed.as_deref())?;
+    let before = module_set::load_installed(call, file, target, how, options.in_force())?;
     let request = ModuleRequest { before, ..ModuleRequest::plain(how.orientation()) };
     let (module, beside) = module_set::find(call, file, target, folder, request, texts)?;
     let certificate = certify_kinematics(file, target, &module, &beside, scope.depth);

@@ -184,6 +184,13 @@ pub(super) struct InstalledArg {
     /// The compensation files that were in force when the machine was measured.
     #[arg(long, value_name = "DIR")]
     pub(super) installed: Option<PathBuf>,
+    /// Largest distance of an axis in force from that of the machine file (above 0) [default: 1 mm].
+    #[arg(long, value_name = "LENGTH", requires = "installed", value_parser = max_change)]
+    pub(super) max_change: Option<f64>,
+}
+
+fn max_change(text: &str) -> Result<f64, Reason> {
+    length(text, |mm| mm > 0.0 && mm <= MAX_NOISE_MM, "write a length above zero and up to 1 m, such as `5 mm`")
 }
 
 /// Scatter of readings.

@@ -20,6 +20,7 @@ mod read;
 mod replay;
 mod single_errors;
 
+pub(crate) use certificate::raised_figures;
 pub use certificate::{
     Certificate, CompensationDegree, ControllerEffect, Depth, Figures, Judgement, ProgrammingFigures, ROUNDING_UM,
     RaisedFigure, SingleErrorResidual, Strongest, TablesUnderTest, ToolDirection, ZeroShift, figures, judge_by, micro,

@@ -3,7 +3,7 @@
 
 use super::differences::{warn_edited, warn_other_inputs, warn_other_tool};
 use super::folder::Folder;
-use super::module_set::{self, ModuleRequest};
+use super::module_set::{self, InForce, ModuleRequest};
 use super::options::CompensationOptions;
 use super::table_set::{self, TableRequest};
 use super::{found_set, verdict};
@@ -36,8 +36,8 @@ pub(crate) struct Composition {
 #[derive(Clone, Copy)]
 pub(crate) struct ComposedRequest<'a> {
     pub compensation: &'a CompensationOptions,
-    /// Folder with the files that were in force when the machine was measured.
-    pub installed: Option<&'a Path>,
+    /// The files that were in force when the machine was measured.
+    pub in_force: InForce<'a>,
     pub max_correction: Limits,
     /// Names of the axes that span a lattice; all if empty.
     pub lattice: &'a [String],
@@ -54,7 +54,7 @@ pub(crate) fn compose(
     request: ComposedRequest<'_>,
 ) -> Result<(Composition, [Vec<RenderedFile>; 2]), Refused> {
     let how = request.compensation;
-    let installed = load_installed(call, machine, &target, &tables_target, how, request.installed)?;
+    let installed = load_installed(call, machine, &target, &tables_target, how, request.in_force)?;
     let (before, installed) = installed.unzip();
     let of_module = ModuleRequest { limits: request.max_correction, before, ..ModuleRequest::plain(how.orientation()) };
     let module = module_set::render(call, machine, &target, of_module)?;
@@ -93,7 +93,7 @@ pub(crate) fn effect_of_composed(
     let targets = split(call, targets, options)?;
     let request = ComposedRequest {
         compensation: options,
-        installed: None,
+        in_force: InForce { folder: None, max_change_mm: None },
         max_correction: Limits::default(),
         lattice: &[],
         max_nodes: usize::MAX,
@@ -253,9 +253,9 @@ pub(crate) fn load_installed(
     target: &ControllerTarget,
     tables_target: &ControllerTarget,
     options: &CompensationOptions,
-    folder: Option<&Path>,
+    in_force: InForce<'_>,
 ) -> Result<Option<(Vec<f64>, CorrectionTables)>, Refused> {
-    let Some(folder) = folder else { return Ok(None) };
+    let Some(folder) = in_force.folder else { return Ok(None) };
     let shown = folder.display().to_string();
     if !is_composed(folder, call) {
         let message = format!("`{shown}` holds no set of two targets");
@@ -269,6 +269,8 @@ pub(crate) fn load_installed(
         let help = "only sets of the same targets can be written on top of each other";
         return call.refuse(Diagnostic::new(codes::E0711, message).help(help));
     }
+    let module = KinematicsModule::KinematicParameters(old.parameters.clone());
+    module_set::judge(call, machine, target, &module, old.parameters.values(), in_force)?;
     Ok(Some((old.parameters.values().to_vec(), old.tables)))
 }
 

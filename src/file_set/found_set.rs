@@ -95,6 +95,24 @@ fn read_by_name(
     Ok(files)
 }
 
+/// The target of the tables in a folder, by its manifest or by the names of the files; `None` if there are none.
+pub(crate) fn tables_there(
+    call: &mut Call,
+    machine: &Machine,
+    path: &Path,
+    options: &CompensationOptions,
+) -> Result<Option<String>, Refused> {
+    let folder = Folder::new(path, call.run.files);
+    let lock = folder.lock();
+    let there = |target: &ControllerTarget| match &lock {
+        Some(lock) => lock.target == target.manifest.target,
+        None => target.table_files(machine).iter().any(|name| folder.has(name)),
+    };
+    let all = all_targets(call, options)?;
+    let tables = all.into_iter().find(|target| target.manifest.kinematics().is_none() && there(target));
+    Ok(tables.map(|target| target.manifest.target))
+}
+
 /// Those of the binary, then those of the user's folder.
 fn all_targets(call: &mut Call, options: &CompensationOptions) -> Result<Vec<ControllerTarget>, Refused> {
     let mut names: Vec<String> = NAMES.iter().map(|name| (*name).to_owned()).collect();

@@ -55,6 +55,19 @@ pub(crate) fn render(
     Ok(ModuleFiles { rendered, module, beside })
 }
 
+/// What is said of the files in force when the machine was measured.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct InForce<'a> {
+    /// Their folder.
+    pub(crate) folder: Option<&'a Path>,
+    /// Largest distance of a line in force from that of the machine file, mm; [`MAX_CHANGE_MM`] if there is none.
+    pub(crate) max_change_mm: Option<f64>,
+}
+
+/// A line in force farther than this from the machine file's is refused unless the caller takes it, mm: castings are
+/// made to a few tenths.
+const MAX_CHANGE_MM: f64 = 1.0;
+
 /// Reads the kinematic parameters that were in force when the machine was measured. Other modules take the place of
 /// what was there, and nothing adds up.
 pub(crate) fn load_installed(
@@ -62,9 +75,9 @@ pub(crate) fn load_installed(
     machine: &Machine,
     target: &ControllerTarget,
     options: &CompensationOptions,
-    folder: Option<&Path>,
+    in_force: InForce<'_>,
 ) -> Result<Option<Vec<f64>>, Refused> {
-    let Some(folder) = folder else { return Ok(None) };
+    let Some(folder) = in_force.folder else { return Ok(None) };
     if target.manifest.kinematics().is_none_or(|mechanism| mechanism.machines.is_empty()) {
         return call.usage(
             "--installed: a kinematics module takes the place of the one before and adds nothing to it: measure \
@@ -77,7 +90,27 @@ pub(crate) fn load_installed(
         call.about(&folder.display().to_string(), |call| found_set::find_set(call, machine, folder, named, options))?;
     let Some(file) = set.files.first() else { return call.refuse(found_set::nothing_found(folder)) };
     let values = target.read_parameters(machine, &meant, file, &mut call.diagnostics);
-    values.map_or(Err(Refused), |values| Ok(Some(values)))
+    let Some(values) = values else { return Err(Refused) };
+    judge(call, machine, target, &meant, &values, in_force)?;
+    Ok(Some(values))
+}
+
+/// Refuses numbers in force that are not of this machine, and warns of those beside it.
+pub(super) fn judge(
+    call: &mut Call,
+    machine: &Machine,
+    target: &ControllerTarget,
+    meant: &KinematicsModule,
+    values: &[f64],
+    in_force: InForce<'_>,
+) -> Result<(), Refused> {
+    let Some(parameters) = meant.parameters() else { return Ok(()) };
+    let limit = in_force.max_change_mm.unwrap_or(MAX_CHANGE_MM);
+    match parameters.judge_in_force(machine, target, values, limit) {
+        Ok(warnings) => call.extend(warnings),
+        Err(refusal) => return call.refuse(refusal),
+    }
+    Ok(())
 }
 
 /// A module's numbers and the tables beside it, read from the files of a folder.

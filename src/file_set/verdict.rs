@@ -1,6 +1,6 @@
 //! Warnings of a certificate.
 
-use crate::controller::{Certificate, ROUNDING_UM, RaisedFigure};
+use crate::controller::{Certificate, Figures, ROUNDING_UM, RaisedFigure, raised_figures};
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::Summary;
 use crate::machine::Approach;
@@ -57,6 +57,14 @@ pub(crate) fn warnings(certificate: &Certificate) -> Vec<Diagnostic> {
         ));
     }
     found
+}
+
+/// Returns the warning of tables that leave more than the kinematic parameters before them: W0602.
+pub(crate) fn worse_together(parameters: &Figures, both: &Figures) -> Option<Diagnostic> {
+    let words = raise_remark(&raised_figures(Approach::Mean, parameters, both))?;
+    let help = "load the parameters alone; what they leave is of several axes, or the tables hold the mean of two \
+                directions: a lattice, or no tables";
+    Some(Diagnostic::new(codes::W0602, format!("beside the parameters the tables raise {words}")).help(help))
 }
 
 /// Returns the reason why tables can make it worse, and the remedy.

@@ -57,6 +57,7 @@ mod identify;
 mod import;
 mod import_layouts;
 #[cfg(target_os = "linux")]
+mod in_force_numbers;
 mod inputs_kept;
 mod instrument;
 mod interactions;

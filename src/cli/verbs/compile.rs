@@ -33,6 +33,9 @@ pub(crate) struct Args {
     set: SetArgs,
     #[command(flatten)]
     installed: InstalledArg,
+    /// Kinematic parameters: no other tables are in force than those of --installed.
+    #[arg(long)]
+    nothing_else: bool,
     /// Raise the limits on corrections: length, angle, slope.
     #[arg(long, value_name = "1 mm, 5 mrad, 0.01", value_parser = Limits::parse)]
     max_correction: Option<Limits>,
@@ -57,6 +60,9 @@ impl Args {
             seed: self.set.seed.seed,
             accept_unverified: self.accept_unverified,
             installed: self.installed.installed.clone(),
+            max_change_mm: self.installed.max_change,
+            nothing_else: self.nothing_else,
+            out: Some(self.out.clone()),
             work: self.set.certified_work(),
             max_correction: self.max_correction.unwrap_or_default(),
             lattice: self.lattice.clone(),

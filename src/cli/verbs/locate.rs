@@ -38,8 +38,12 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
             file_set::check(session, folder)?;
         }
     }
-    let (target, templates) = (args.target.clone(), args.templates.clone());
-    let options = LocateOptions { target, templates, installed: args.installed.installed.clone() };
+    let options = LocateOptions {
+        target: args.target.clone(),
+        templates: args.templates.clone(),
+        installed: args.installed.installed.clone(),
+        max_change_mm: args.installed.max_change,
+    };
     let result = session.take(locate(&file, args.found.as_deref(), &options, session.run()))?;
     if let Some(out) = &args.out {
         let text = result.machine_file.as_bytes();

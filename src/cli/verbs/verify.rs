@@ -73,6 +73,7 @@ pub(crate) fn run(session: &mut Session, args: &Args) -> Outcome {
         poses: args.set.poses.poses,
         seed: args.set.seed.seed,
         installed: args.installed.installed.clone(),
+        max_change_mm: args.installed.max_change,
         work: args.set.certified_work(),
         second: args.second.options(),
     };

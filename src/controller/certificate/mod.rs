@@ -23,6 +23,7 @@ pub use content::{Certificate, ProgrammingFigures, ToolDirection};
 pub use depth::Depth;
 pub(super) use depth::{LatticeSubset, single_error_poses};
 pub use effect::ControllerEffect;
+pub(crate) use figures::raised_figures;
 pub use figures::{Figures, Judgement, ROUNDING_UM, RaisedFigure, figures, judge_by, micro};
 pub(super) use module::{ModuleSet, SingleErrorModule, judge_module};
 pub use sign_test::Strongest;

@@ -60,6 +60,7 @@ impl Limits {
 
     /// Returns a refusal for every limit that the tables exceed.
     pub fn excesses(&self, machine: &Machine, tables: &CorrectionTables) -> Vec<Diagnostic> {
+        let tables = &over_travel(machine, tables);
         let [linear, rotary] = tables.largest(machine);
         let name = |axis: usize| machine.axes()[axis].name.as_str();
         let length = linear.filter(|(_, c)| c.abs() > self.length_mm).map(|(axis, c)| {
@@ -96,6 +97,26 @@ pub(in crate::controller) const RAISE_LIMIT: &str = "check the error values and 
 
 fn refusal(message: String) -> Diagnostic {
     Diagnostic::new(codes::E0602, message).help(RAISE_LIMIT)
+}
+
+/// Returns tables whose straight lines end with the travel: a factor of a controller is stored as a line over 1000 mm,
+/// which says nothing of the motion that it makes.
+fn over_travel(machine: &Machine, tables: &CorrectionTables) -> CorrectionTables {
+    let mut over = tables.clone();
+    for table in over.tables.iter_mut().filter(|table| table.axes.len() == 1 && table.len() == 2) {
+        let [first, last] = [table.nodes[0][0], table.nodes[0][1]];
+        let (min, max) = machine.axes()[table.axes[0]].travel.interval();
+        let width = table.corrected.len();
+        for values in std::iter::once(&mut table.values).chain(&mut table.reverse) {
+            for column in 0..width {
+                let [start, end] = [values[column], values[width + column]];
+                let at = |q: f64| start + (end - start) * (q - first) / (last - first);
+                (values[column], values[width + column]) = (at(min), at(max));
+            }
+        }
+        table.nodes[0] = vec![min, max];
+    }
+    over
 }
 
 /// Returns the steepest correction of an axis along its own travel.

@@ -25,6 +25,7 @@ mod driven;
 mod files;
 mod found_lines;
 mod hold;
+mod in_force;
 mod located;
 mod nominal;
 mod parameters;

@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Parameters {
     #[serde(skip)]
-    rules: ParameterRules,
+    pub(super) rules: ParameterRules,
     #[serde(skip)]
     increment: Increment,
     #[serde(skip)]
@@ -26,7 +26,7 @@ pub struct Parameters {
     /// file.
     before: Vec<f64>,
     #[serde(skip)]
-    nominal: Transformation,
+    pub(super) nominal: Transformation,
     #[serde(skip)]
     transformation: Transformation,
     /// True if blocks program the direction of the tool by a vector, false if by the rotary axes.
@@ -279,7 +279,7 @@ impl ParameterRules {
 
     /// The nominal transformation with the parts where numbers place them, one vector after the other. A vector
     /// between two parts that are placed already changes nothing.
-    fn transformation(&self, nominal: &Transformation, numbers: &[f64]) -> Transformation {
+    pub(super) fn transformation(&self, nominal: &Transformation, numbers: &[f64]) -> Transformation {
         let mut numbers = numbers.iter();
         let (mut found, mut done) = (nominal.clone(), vec![MachinePart::Gauge]);
         for vector in &self.parameters {
@@ -320,7 +320,7 @@ impl Transformation {
         self.line(part).map_or_else(Vector3::zeros, |line| line.point)
     }
 
-    fn vector(&self, vector: &ParameterVector) -> Vector3<f64> {
+    pub(super) fn vector(&self, vector: &ParameterVector) -> Vector3<f64> {
         match vector {
             ParameterVector::Offset { from, to, .. } => self.point(*to) - self.point(*from),
             ParameterVector::Direction { of, reversed, .. } => {
