@@ -992,6 +992,7 @@ class Verbs:
         target: Text | None = None,
         templates: Text | None = None,
         installed: Text | None = None,
+        max_change: float | None = None,
         threads: int | None = None,
     ) -> LocateResult:
         """Returns the location errors that a control's own calibration found, beside those of the machine file.
@@ -1003,11 +1004,14 @@ class Verbs:
         * ``templates``: A folder with targets of one's own, each a folder with a ``target.yaml``.
         * ``installed``: Folder with the kinematic parameters before the calibration; by default those of the nominal
           machine.
+        * ``max_change``: Largest distance of an axis in force from that of the machine file, mm; 1 mm if none is
+          stated.
         """
         options: dict[str, Any] = {
             "target": target,
             "templates": templates,
             "installed": installed,
+            "max_change": max_change,
         }
         found = call("locate", [self._native], options, words=[path], threads=threads)
         return LocateResult(found)
@@ -1021,6 +1025,9 @@ class Verbs:
         seed: int = 1,
         accept_unverified: bool = False,
         installed: Text | None = None,
+        max_change: float | None = None,
+        nothing_else: bool = False,
+        out: Text | None = None,
         tool_poses: Text | None = None,
         job: Text | None = None,
         path: bool | None = None,
@@ -1043,6 +1050,12 @@ class Verbs:
         * ``accept_unverified``: True if a format or a sign that is known from memory only may be written.
         * ``installed``: Folder with the files that were in force when the machine was measured: the new files are old
           plus new.
+        * ``max_change``: Largest distance of an axis in force from that of the machine file, mm; 1 mm if none is
+          stated.
+        * ``nothing_else``: True if nothing else than kinematic parameters, or nothing but ``installed``, corrects the
+          machine: tables in ``out`` are not in force.
+        * ``out``: The folder that the files are for, which is searched for tables that kinematic parameters would add
+          to.
         * ``tool_poses``: A file of tool poses: CSV or APT CL data.
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
@@ -1060,6 +1073,9 @@ class Verbs:
             "seed": seed,
             "accept_unverified": accept_unverified,
             "installed": installed,
+            "max_change": max_change,
+            "nothing_else": nothing_else,
+            "out": out,
             "tool_poses": tool_poses,
             "job": job,
             "path": path,
@@ -1080,6 +1096,7 @@ class Verbs:
         poses: int = 2000,
         seed: int = 1,
         installed: Text | None = None,
+        max_change: float | None = None,
         tool_poses: Text | None = None,
         job: Text | None = None,
         path: bool | None = None,
@@ -1101,6 +1118,8 @@ class Verbs:
         * ``seed``: Seed of the poses.
         * ``installed``: Folder with the files that were in force when the machine was measured: the files judged here
           replace them.
+        * ``max_change``: Largest distance of an axis in force from that of the machine file, mm; 1 mm if none is
+          stated.
         * ``tool_poses``: A file of tool poses: CSV or APT CL data.
         * ``job``: A job file instead of the tool poses.
         * ``path``: True if the tool poses are one continuous path, solved as a whole; by default what the job file
@@ -1121,6 +1140,7 @@ class Verbs:
             "poses": poses,
             "seed": seed,
             "installed": installed,
+            "max_change": max_change,
             "tool_poses": tool_poses,
             "job": job,
             "path": path,
