@@ -5,7 +5,7 @@
 use super::data::RecordSignature;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::run::{Call, Refused};
-use crate::syntax::unreadable;
+use crate::syntax::{ReadFailure, unreadable};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use std::path::Path;
@@ -102,6 +102,8 @@ fn read_key(
 ) -> Result<[u8; 32], Refused> {
     let bytes = match call.run.files.read_at_most(path, KEY_LIMIT) {
         Ok(bytes) => bytes,
+        // No key is that long.
+        Err(ReadFailure::TooLarge(..)) => Vec::new(),
         Err(failure) => return call.refuse(unreadable(path, &failure)),
     };
     let key = std::str::from_utf8(&bytes).ok().and_then(|text| {

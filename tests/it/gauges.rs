@@ -121,6 +121,9 @@ fn a_plan_counts_on_a_gauge() {
     let expected = (4.0 + 2.0 * noise * noise / 4.0).sqrt() / 299.97 * 1e3;
     let sigma = plan["parameters"][0]["sigma"].as_f64().unwrap();
     assert!((sigma / expected - 1.0).abs() < 0.002, "{sigma} {expected}");
+    // Without it no reading to choose from holds a length: the fit would be refused, and so is its plan.
+    let output = identify(&machine, &data, &[&FIT[..], &more[..4]].concat());
+    assert!(output.status.code() == Some(1) && said(&output).contains("E0514"), "{}", said(&output));
 }
 
 #[test]

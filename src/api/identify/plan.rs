@@ -4,6 +4,7 @@ use crate::analysis::instrument::within;
 use crate::diagnostic::{Diagnostic, codes};
 use crate::evaluate::{Frame, Order};
 use crate::identify::verdict::inputs::{FitInputs, FitRange};
+use crate::identify::verdict::passes::hold_size;
 use crate::identify::verdict::problem::Problem;
 use crate::identify::{
     Estimate, FitModel, Measurement, Parameter, PlanInstrument, Solution, expected, plan, taken_together,
@@ -128,8 +129,8 @@ pub struct ExpectedParameter {
 
 /// Chooses readings whose measurement determines the parameters best, each once.
 ///
-/// Fails if the parameters asked for are not those of the machine, for options out of range, and if the instrument can
-/// take fewer readings.
+/// Fails if the parameters asked for are not those of the machine, for options out of range, if the instrument can
+/// take fewer readings, and if none of them holds a length.
 pub fn plan_measurements(file: &MachineFile, options: &PlanOptions, run: Run) -> Reply<MeasurementPlan> {
     Call::answer(run, file.sources(), |call| {
         if !(1..=1000).contains(&options.poses) || options.noise_mm.is_nan() || options.noise_mm <= 0.0 {
@@ -148,6 +149,7 @@ pub fn plan_measurements(file: &MachineFile, options: &PlanOptions, run: Run) ->
         };
         let problem = Problem::read(call, file, &options.inputs(&texts))?;
         let (model, rows) = (problem.model(file, Order::Exact), &problem.rows);
+        hold_size(call, &model, rows, &model.start())?;
         let candidates = taken_together(rows).len();
         if candidates < options.poses {
             let count = counted(candidates, "reading");

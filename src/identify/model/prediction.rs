@@ -230,6 +230,11 @@ impl<'a> FitModel<'a> {
         self.parameters
     }
 
+    /// Returns the values of the unknowns from which a fit starts.
+    pub fn start(&self) -> Vec<f64> {
+        self.parameters.iter().map(|p| p.start).collect()
+    }
+
     /// Returns the number of unknowns that are the machine's.
     pub fn own(&self) -> usize {
         self.own

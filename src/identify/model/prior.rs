@@ -177,7 +177,7 @@ fn effects(model: &FitModel<'_>, source: Source, approach: Approach) -> Vec<Vec<
 fn second_order_only(model: &FitModel<'_>, data: &[Measurement], prior: &Prior, home: &ReducedSystem) -> DMatrix<f64> {
     let step = (data.len() / (SAMPLE_ROWS_PER_UNKNOWN * model.parameters().len()).max(MIN_SAMPLE_ROWS)).max(1);
     let some: Vec<Measurement> = data.iter().step_by(step).cloned().collect();
-    let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+    let theta = model.start();
     let first = model.clone().to_order(Order::Degree(1)).triangle(&some, &vec![1.0; some.len()], &theta);
     let first = Svd::new(&prior.by_displacement(&first.r));
     let null = first.null_space(first.rank(RANK_TOLERANCE));

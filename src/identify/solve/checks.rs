@@ -47,7 +47,7 @@ fn rms(vectors: &[Vector3<f64>]) -> f64 {
 impl Residuals {
     /// Compares the measurements with the machine before a fit and after it, where `theta` are the stated unknowns.
     pub fn of(model: &FitModel<'_>, data: &[Measurement], fit: &ParameterFit, theta: &[f64], seen: &FitInData) -> Self {
-        let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+        let start = model.start();
         let before = seen.residuals_before(model, data, &fit.weights);
         let after = seen.residuals(model, data);
         let orders: Vec<[Vector3<f64>; 3]> = data.par_iter().map(|m| orders(model, m, theta)).collect();

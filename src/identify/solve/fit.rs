@@ -115,7 +115,7 @@ impl<'a> FitSearch<'a> {
     }
 
     fn with_weights(model: &'a FitModel<'a>, data: &'a [Measurement], weights: Vec<f64>) -> Self {
-        let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+        let start = model.start();
         let start_problem = model.triangle(data, &weights, &start);
         let prior = Prior::new(model, data, &start_problem);
         Self { model, data, prior, weights, start, start_problem }

@@ -21,7 +21,7 @@ pub fn plan<F>(
     noise: f64,
     progress: Advance<'_, F>,
 ) -> Result<Vec<usize>, F> {
-    let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+    let theta = model.start();
     let groups = taken_together(candidates);
     let rows_of = |of: &Vec<usize>| scaled_rows(model, of.iter().map(|i| &candidates[*i]), &theta, noise);
     let rows: Vec<DMatrix<f64>> = groups.iter().map(rows_of).collect();
@@ -78,7 +78,7 @@ fn prior(model: &FitModel<'_>) -> DMatrix<f64> {
         let own = &mut covariance[(known.unknown, known.unknown)];
         *own = own.min(sigma * sigma);
     }
-    let start: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+    let start = model.start();
     for i in 0..model.gauges().len() {
         let row = model.known_rows(&start).0.row(model.known().len() + i).transpose();
         let row = DVector::from_iterator(unknowns, row.iter().zip(model.parameters()).map(|(x, p)| x / p.size));
@@ -137,7 +137,7 @@ fn update(covariance: &mut DMatrix<f64>, rows: &DMatrix<f64>) {
 
 /// Returns uncertainties, rank and null space to be expected of readings; the values are those of the machine file.
 pub fn expected(model: &FitModel<'_>, data: &[Measurement], noise: f64) -> Solution {
-    let theta: Vec<f64> = model.parameters().iter().map(|p| p.start).collect();
+    let theta = model.start();
     let weights: Vec<f64> = data.iter().map(|row| (noise / sigma(row, noise)) * (noise / sigma(row, noise))).collect();
     let reduced = model.triangle(data, &weights, &theta);
     let blank = ParameterFit::new(model, theta, reduced, weights);

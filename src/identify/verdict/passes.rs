@@ -9,8 +9,8 @@ use super::result::{IdentifyResult, NamedSvg};
 use super::{advice, limits, provenance, remarks};
 use crate::diagnostic::Diagnostic;
 use crate::identify::{
-    Circumstances, FileNotes, FitModel, Measurement, ParameterFit, fitted_file, held_out, invariances, measured_ranges,
-    solve, suspect,
+    Circumstances, FileNotes, FitModel, Invariances, Measurement, ParameterFit, fitted_file, held_out, invariances,
+    measured_ranges, solve, suspect,
 };
 use crate::job::machine_file::{MachineFile, ReadBackFailure, read_back};
 use crate::run::{Advance, Call, Cancelled, Refused};
@@ -43,6 +43,17 @@ pub(crate) fn solve_problem(
     }
 }
 
+/// Refuses data (E0514) in which the machine of these unknowns may grow or shrink without a reading that notices.
+pub(crate) fn hold_size(
+    call: &mut Call,
+    model: &FitModel<'_>,
+    data: &[Measurement],
+    theta: &[f64],
+) -> Result<Invariances, Refused> {
+    let found = invariances(model, data, theta);
+    remarks::shrinking(&found.stretches).map_or(Ok(found), |refusal| call.refuse(refusal))
+}
+
 fn solve_over_volume(
     call: &mut Call,
     file: &MachineFile,
@@ -51,13 +62,9 @@ fn solve_over_volume(
     outputs: &FitOutputs<'_>,
 ) -> Result<IdentifyResult, Refused> {
     let (model, data) = (problem.model(file, inputs.order), &problem.rows);
-    let invariant = |call: &mut Call, theta: &[f64]| {
-        let found = invariances(&model, data, theta);
-        remarks::shrinking(&found.stretches).map_or(Ok(found), |refusal| call.refuse(refusal))
-    };
-    invariant(call, &problem.unknowns.iter().map(|p| p.start).collect::<Vec<_>>())?;
+    hold_size(call, &model, data, &model.start())?;
     let fit = call.stage("readings fitted", 0, |advance| solve_to_end(&model, data, inputs.robust, advance))?;
-    let found = invariant(call, &fit.theta)?;
+    let found = hold_size(call, &model, data, &fit.theta)?;
     let (mut fitted, in_data) = call.stage("uncertainty", 1, |advance| {
         let diagnosed = diagnose(&model, file, problem, found, fit);
         advance(1).map(|()| diagnosed)
