@@ -93,7 +93,7 @@ pub(crate) fn effect_of_composed(
     let targets = split(call, targets, options)?;
     let request = ComposedRequest {
         compensation: options,
-        in_force: InForce { folder: None, max_change_mm: None },
+        in_force: InForce::default(),
         max_correction: Limits::default(),
         lattice: &[],
         max_nodes: usize::MAX,

@@ -55,8 +55,8 @@ pub(crate) fn render(
     Ok(ModuleFiles { rendered, module, beside })
 }
 
-/// What is said of the files in force when the machine was measured.
-#[derive(Debug, Clone, Copy)]
+/// The files in force when the machine was measured, and the limit by which they are judged.
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct InForce<'a> {
     /// Their folder.
     pub(crate) folder: Option<&'a Path>,

@@ -203,7 +203,7 @@ pub struct InstrumentUnknown {
     pub start: f64,
     /// Standard uncertainty (mm or rad) with which it is known to have this value.
     pub known: Option<f64>,
-    /// From where a coordinate of a point is counted: from the workpiece origin (mm).
+    /// Zero of a coordinate of a point, from the workpiece origin (mm).
     pub base: f64,
 }
 

@@ -16,7 +16,7 @@ pub struct Gauge {
     pub name: String,
     /// First of the three unknowns of each point.
     pub ends: [usize; 2],
-    /// From the first point to the second where all six unknowns are 0 (mm).
+    /// Vector from the first point to the second where all six unknowns are 0 (mm).
     pub way: Vector3<f64>,
     /// Distance (mm).
     pub length: f64,
@@ -30,7 +30,7 @@ const COORDINATES: [&str; 3] = [".x", ".y", ".z"];
 
 /// Reads gauges in words, one for each set-up that has both points; `None` if the words are of another prior.
 ///
-/// `bases` holds for each unknown from where it is counted (mm).
+/// `bases` holds the zero of each unknown (mm).
 /// Fails if a point is unknown or named twice, and if the distance is none, or not that of the points as they start.
 pub fn parse_gauge(words: &str, unknowns: &[Parameter], bases: &[f64]) -> Result<Option<Vec<Gauge>>, Refusal> {
     let Some(rest) = words.trim().strip_prefix("distance ") else { return Ok(None) };

@@ -78,9 +78,8 @@ fn prior(model: &FitModel<'_>) -> DMatrix<f64> {
         let own = &mut covariance[(known.unknown, known.unknown)];
         *own = own.min(sigma * sigma);
     }
-    let start = model.start();
-    for i in 0..model.gauges().len() {
-        let row = model.known_rows(&start).0.row(model.known().len() + i).transpose();
+    let (equations, _) = model.known_rows(&model.start());
+    for row in equations.row_iter().skip(model.known().len()) {
         let row = DVector::from_iterator(unknowns, row.iter().zip(model.parameters()).map(|(x, p)| x / p.size));
         let seen = &covariance * &row;
         covariance -= &seen * seen.transpose() / (1.0 + row.dot(&seen));

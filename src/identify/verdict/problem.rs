@@ -111,7 +111,7 @@ impl Requested {
 /// The unknowns that priors name.
 struct Priors<'a> {
     unknowns: &'a [Parameter],
-    /// From where each unknown is counted (mm).
+    /// Zero of each unknown (mm).
     bases: Vec<f64>,
 }
 
