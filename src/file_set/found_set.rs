@@ -95,7 +95,8 @@ fn read_by_name(
     Ok(files)
 }
 
-/// Returns the target of the tables in a folder, by its manifest or by the names of the files; `None` if there are none.
+/// Returns the target of the tables in a folder, by its manifest or by the names of the files;
+/// `None` if there are none.
 pub(crate) fn tables_there(
     call: &mut Call,
     machine: &Machine,

@@ -521,7 +521,7 @@ fn keys_that_are_none_are_refused() {
     assert!(openssl(&["genpkey", "-algorithm", "x25519", "-out", "hostile"], &top));
     record(&description, &made, &["--sign", &key]).refused("E0823");
     std::fs::write(&hostile, "x".repeat(2 << 20)).unwrap();
-    record(&description, &made, &["--sign", &key]).refused("E0103");
+    record(&description, &made, &["--sign", &key]).refused("E0823");
     record(&description, &made, &["--sign", &folder.path("absent").display().to_string()]).refused("E0101");
     record(&description, &made, &["--sign", &folder.path("mine").display().to_string()]).json();
     std::fs::write(&hostile, &private).unwrap();
