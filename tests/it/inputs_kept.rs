@@ -319,10 +319,11 @@ fn run(folder: &Folder, verb: &Verb, ending: &str, more: &[&str]) -> Run {
 #[test]
 fn no_output_replaces_an_input() {
     let mut pairs = 0;
-    for verb in &VERBS {
-        for ending in ENDINGS {
-            let folder = Folder::new();
-            inputs(&folder, ending);
+    for ending in ENDINGS {
+        // All of them leave the folder as it was.
+        let folder = Folder::new();
+        inputs(&folder, ending);
+        for verb in &VERBS {
             let before = files(&folder.path(""));
             for option in verb.outputs {
                 for input in before.keys().filter(|path| verb.reads(path)) {
@@ -347,6 +348,7 @@ fn no_output_replaces_an_input() {
                 assert!(run.code == Some(0) || pictures && ending == "yaml", "{} {option}: {}", verb.name, run.err);
                 std::fs::remove_dir_all(folder.path("free")).unwrap();
             }
+            let _ = std::fs::remove_dir_all(folder.path("compiled"));
         }
     }
     println!("{pairs} pairs");

@@ -149,7 +149,7 @@ pub fn plan_measurements(file: &MachineFile, options: &PlanOptions, run: Run) ->
         };
         let problem = Problem::read(call, file, &options.inputs(&texts))?;
         let (model, rows) = (problem.model(file, Order::Exact), &problem.rows);
-        hold_size(call, &model, rows, &model.start())?;
+        hold_size(call, file, &options.inputs(&texts), &problem, &model.start())?;
         let candidates = taken_together(rows).len();
         if candidates < options.poses {
             let count = counted(candidates, "reading");

@@ -43,8 +43,9 @@ pub fn invariances(model: &FitModel<'_>, data: &[Measurement], theta: &[f64]) ->
 }
 
 const WHOLE: &str = "the whole machine grows or shrinks";
-/// Sizes of the whole machine, over that at hand, that are tried.
-const SCALES: [f64; 2] = [0.5, 2.0];
+/// Sizes of the whole machine, over that at hand, that are tried: no fit grows, and what is held may be so from a
+/// smaller size on only.
+const SCALES: [f64; 2] = [0.9, 0.5];
 
 /// Returns the change of the unknowns, as displacements, that makes the machine `scale` times as large, the residuals
 /// too; `None` if the unknowns cannot make it, or if a reading or what is known before the data notices.

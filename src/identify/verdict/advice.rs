@@ -1,5 +1,4 @@
-//! Advice for a fit whose values are noise: which parameters may keep the values of the file, found by fitting without
-//! them.
+//! Advice for a fit that is refused: which parameters may keep the values of the file, found by fitting without them.
 
 use super::diagnose::diagnose;
 use super::fitted::FitDiagnosis;
@@ -7,7 +6,7 @@ use super::inputs::FitInputs;
 use super::problem::Problem;
 use super::remarks;
 use crate::identify::thresholds::{MAX_ADVISED_FIXED, MAX_FIXING_COST};
-use crate::identify::{Parameter, ParameterFit, invariances, solve};
+use crate::identify::{Invariances, Parameter, ParameterFit, invariances, solve};
 use crate::job::machine_file::MachineFile;
 use crate::units::significant;
 
@@ -49,6 +48,39 @@ pub(crate) fn fixing(
         let wide: Vec<&str> = remarks::wide_constants(&judged).iter().map(|p| p.name.as_str()).collect();
         noise = problem.unknowns.iter().filter(|p| wide.contains(&p.name.as_str())).collect();
         fixed = names;
+    }
+    None
+}
+
+/// Returns parameters with which, held at the values of the file, the size of the machine is held at the start and at
+/// the solution, as `--fixed` takes them; `None` if a few do not suffice.
+pub(crate) fn holding_size(
+    file: &MachineFile,
+    inputs: &FitInputs<'_>,
+    problem: &Problem,
+    found: &Invariances,
+) -> Option<String> {
+    let mut fixed: Vec<String> = Vec::new();
+    let (_, mut names) = found.stretches.first()?.clone();
+    for _ in 0..MAX_ADVISED_FIXED {
+        let trial = |name: &String| {
+            let names: Vec<String> = fixed.iter().chain([name]).cloned().collect();
+            let rest = problem.without(&names);
+            let model = rest.model(file, inputs.order);
+            (invariances(&model, &rest.rows, &model.start()).stretches, names)
+        };
+        let (mut stretches, with) = names.iter().map(trial).min_by_key(|(stretches, _)| stretches.len())?;
+        fixed = with;
+        if stretches.is_empty() {
+            let rest = problem.without(&fixed);
+            let model = rest.model(file, inputs.order);
+            let fit = solve(&model, &rest.rows, inputs.robust);
+            stretches = invariances(&model, &rest.rows, &fit.theta).stretches;
+        }
+        match stretches.into_iter().next() {
+            Some((_, more)) => names = more,
+            None => return Some(inputs.fixed.iter().cloned().chain(fixed).collect::<Vec<_>>().join(",")),
+        }
     }
     None
 }

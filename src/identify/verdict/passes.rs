@@ -43,15 +43,21 @@ pub(crate) fn solve_problem(
     }
 }
 
-/// Refuses data (E0514) in which the machine of these unknowns may grow or shrink without a reading that notices.
+/// Refuses data (E0514) in which the machine of these unknowns may grow or shrink without a reading that notices, at
+/// these values of the unknowns.
 pub(crate) fn hold_size(
     call: &mut Call,
-    model: &FitModel<'_>,
-    data: &[Measurement],
+    file: &MachineFile,
+    inputs: &FitInputs<'_>,
+    problem: &Problem,
     theta: &[f64],
 ) -> Result<Invariances, Refused> {
-    let found = invariances(model, data, theta);
-    remarks::shrinking(&found.stretches).map_or(Ok(found), |refusal| call.refuse(refusal))
+    let found = invariances(&problem.model(file, inputs.order), &problem.rows, theta);
+    if found.stretches.is_empty() {
+        return Ok(found);
+    }
+    let held = advice::holding_size(file, inputs, problem, &found);
+    remarks::shrinking(&found.stretches, held.as_deref()).map_or(Ok(found), |refusal| call.refuse(refusal))
 }
 
 fn solve_over_volume(
@@ -62,9 +68,9 @@ fn solve_over_volume(
     outputs: &FitOutputs<'_>,
 ) -> Result<IdentifyResult, Refused> {
     let (model, data) = (problem.model(file, inputs.order), &problem.rows);
-    hold_size(call, &model, data, &model.start())?;
+    hold_size(call, file, inputs, problem, &model.start())?;
     let fit = call.stage("readings fitted", 0, |advance| solve_to_end(&model, data, inputs.robust, advance))?;
-    let found = hold_size(call, &model, data, &fit.theta)?;
+    let found = hold_size(call, file, inputs, problem, &fit.theta)?;
     let (mut fitted, in_data) = call.stage("uncertainty", 1, |advance| {
         let diagnosed = diagnose(&model, file, problem, found, fit);
         advance(1).map(|()| diagnosed)

@@ -192,13 +192,17 @@ fn wide_curves(fitted: &FitDiagnosis<'_>) -> Vec<String> {
     sources.into_iter().filter_map(one).collect()
 }
 
-/// Refuses data in which the machine may grow or shrink without a reading that notices.
-pub(crate) fn shrinking(stretches: &[(String, Vec<String>)]) -> Option<Diagnostic> {
+/// Refuses data in which the machine may grow or shrink without a reading that notices; `held` are parameters with
+/// which, if their values are known, it may not.
+pub(crate) fn shrinking(stretches: &[(String, Vec<String>)], held: Option<&str>) -> Option<Diagnostic> {
     let (words, names) = stretches.first()?;
     let message = format!("no reading holds a length: {words} with {}, and nothing notices", names.join(", "));
-    let help = "add a reading that holds a length: two balls or sockets at a known distance or a calibrated bar \
-                (`length [mm]`), a laser along an axis (`EXX [um]`, `along [um]`), deviations (`dx [um]`); or known \
-                places (`--prior`); or hold one of these parameters (`--fixed`)";
+    let held = held.map(|list| format!("; or, if these values are known, `--fixed {list}`")).unwrap_or_default();
+    let help = format!(
+        "add a reading that holds a length: two balls or sockets at a known distance or a calibrated bar (`length \
+         [mm]`), a laser along an axis (`EXX [um]`, `along [um]`), deviations (`dx [um]`); or known places or \
+         distances (`--prior`){held}"
+    );
     Some(Diagnostic::new(codes::E0514, message).help(help))
 }
 
