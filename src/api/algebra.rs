@@ -13,10 +13,32 @@ pub(crate) fn declare(call: &mut Call, machine: &Machine, text: &str) -> Result<
     declared.or_else(|refusal| call.refuse(refusal))
 }
 
-/// The same, with its basis.
-pub(crate) fn lift(call: &mut Call, machine: &Machine, text: &str) -> Result<WeilLift, Refused> {
+/// Products of elements for a joint at a pose.
+const PRODUCTS_OF_A_JOINT: f64 = 150.0;
+
+/// Multiplications of numbers that one call may take: some ten seconds.
+const MAX_MULTIPLICATIONS: f64 = 4e9;
+
+/// The same, with its basis, for so many poses.
+pub(crate) fn lift(call: &mut Call, machine: &Machine, text: &str, poses: usize) -> Result<WeilLift, Refused> {
     let declared = declare(call, machine, text)?;
-    declared.build().or_else(|refusal| call.refuse(refusal))
+    let joints = (poses * (machine.axes().len() + 2)) as f64;
+    let work = declared.size().products * PRODUCTS_OF_A_JOINT * joints;
+    declared.build().and_then(|lift| within_time(lift, work, poses)).or_else(|refusal| call.refuse(refusal))
+}
+
+/// Refuses a calculation that would take long.
+fn within_time(lift: WeilLift, work: f64, poses: usize) -> Result<WeilLift, Diagnostic> {
+    if work <= MAX_MULTIPLICATIONS {
+        return Ok(lift);
+    }
+    let message = format!(
+        "{} monomials at {poses} poses are {work:.1e} multiplications, {MAX_MULTIPLICATIONS:.0e} are taken",
+        lift.basis().monomials().len()
+    );
+    let help = "lower the degree, group the errors (`generators: per-axis`), let more monomials vanish, or ask at \
+                fewer poses";
+    Err(Diagnostic::new(codes::E0523, message).help(help))
 }
 
 /// Returns the name printed beside results.

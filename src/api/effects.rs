@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 pub(crate) const BOUND_POSES: usize = 64;
 
 /// Maximum number of effects that are held.
-const MAX_EFFECTS: usize = 250_000;
+pub(crate) const MAX_EFFECTS: usize = 250_000;
 
 /// Effect of an error, or of a pair of errors, at a pose; workpiece frame.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, schemars::JsonSchema)]

@@ -2,9 +2,10 @@
 
 use super::algebra;
 use super::effects::{ErrorEffect, Neglected, effects, inverse};
+use super::terms::{DegreePart, MonomialPart, Parts};
 use crate::analysis::figure_bands::PoseUncertainty;
 use crate::analysis::{View, deviation_in};
-use crate::evaluate::{Bare, Deviation, Evaluation, Frame, Order, evaluate, evaluate_over, frame_rotation};
+use crate::evaluate::{Bare, Deviation, Evaluation, Frame, Order, expand, expand_over, frame_rotation};
 use crate::job::job_file::{Job, JobPaths, NO_JOB};
 use crate::job::machine_file::{MachineFile, bounded_only, order_of};
 use crate::job::over::Over;
@@ -146,6 +147,13 @@ pub struct PoseResult {
     /// Bound of the terms that order 1 neglects at this pose, with [`EvalOptions::interactions`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub order_1_neglects: Option<Neglected>,
+    /// Parts of the monomials of an algebra, or of the powers of one generator with an order, lowest degree first;
+    /// those that are 0 left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coefficients: Option<Vec<MonomialPart>>,
+    /// Their sums by degree.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub degrees: Option<Vec<DegreePart>>,
     /// Motions of the axes that undo the errors, mm and deg, with [`EvalOptions::inverse`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub inverse: Option<AxisPositions>,
@@ -171,16 +179,24 @@ fn evaluate_poses(call: &mut Call, machine: &MachineFile, options: &EvalOptions)
         None => poses(call, machine, asked)?,
     };
     let set_up = set_up(call, machine, options, job.as_ref(), &poses)?;
-    let lift = options.algebra.as_deref().map(|text| algebra::lift(call, machine, text)).transpose()?;
+    let lift = options.algebra.as_deref().map(|text| algebra::lift(call, machine, text, poses.len())).transpose()?;
     if options.inverse && lift.is_none() {
         return call.usage("displacements that undo the errors need an algebra");
     }
     let (order, conditions) = (order_of(machine, options.order), OperatingConditions::from(options.approach));
     let one = |pose: &Pose| match &lift {
-        Some(lift) => evaluate_over(machine, &conditions.at_pose(pose), lift, options.frame),
-        None => evaluate(machine, &conditions.at_pose(pose), order, options.frame),
+        Some(lift) => expand_over(machine, &conditions.at_pose(pose), lift, options.frame),
+        None => expand(machine, &conditions.at_pose(pose), order, options.frame),
     };
-    let mut results: Vec<PoseResult> = poses.iter().map(|pose| result(machine, pose, &one(pose))).collect();
+    let parts = Parts::new(order, lift.as_ref(), poses.len(), set_up.removed().is_none());
+    call.extend(parts.left_out());
+    let found = |pose: &Pose| {
+        let expansion = one(pose);
+        let mut result = result(machine, pose, &expansion.sum);
+        (result.coefficients, result.degrees) = parts.of(&expansion.terms);
+        result
+    };
+    let mut results: Vec<PoseResult> = poses.iter().map(found).collect();
     let bare = Bare { machine, order };
     if let Some(field) = set_up.field(&bare, order, conditions) {
         let view = View { conditions, frame: options.frame };
@@ -281,6 +297,8 @@ fn result(machine: &Machine, pose: &Pose, evaluation: &Evaluation) -> PoseResult
         sensitivity: None,
         interactions: None,
         order_1_neglects: None,
+        coefficients: None,
+        degrees: None,
         inverse: None,
     }
 }

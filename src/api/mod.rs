@@ -50,6 +50,7 @@ pub(crate) mod sources;
 pub(crate) mod starter;
 pub(crate) mod summary;
 pub(crate) mod targets;
+pub(crate) mod terms;
 pub(crate) mod testpiece;
 pub mod text;
 pub(crate) mod tolerances;

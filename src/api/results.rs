@@ -43,6 +43,7 @@ pub use super::show::{Arm, ChainAxis, ChainResult, ChainTool, LocationError, Loc
 pub use super::sources::{ErrorSource, ErrorSources};
 pub use super::summary::{AxisSummary, ErrorCounts, MachineSummary};
 pub use super::targets::{TargetCertainty, TargetSummary};
+pub use super::terms::{DegreePart, MonomialPart};
 pub use super::uncertainty::CertificateBands;
 pub use super::withheld::TurnedVerdicts;
 pub use crate::analysis::budget::{

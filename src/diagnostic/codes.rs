@@ -283,6 +283,7 @@ codes! {
     E0803 "an error is undefined at a pose",
     W0801 "poses beyond the travel",
     W0802 "errors that are only bounded",
+    W0803 "parts of monomials are left out",
     W0820 "the certificate of an instrument has ended",
     W0850 "the part is not zeroed",
     W0851 "a path that needs rewinds",

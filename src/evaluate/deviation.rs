@@ -1,8 +1,10 @@
 //! Deviation, rotation and E_VE at one pose, exact or to order n.
 
-use crate::algebra::{Algebra, Dual, Htm, difference, rotation_vector, skew_vector};
+use super::terms::{Elements, Term};
+use crate::algebra::weil::Coefficients;
+use crate::algebra::{Algebra, Dual, Htm, rotation_vector, skew_vector};
 use crate::lower::{Chain, ErrorLift, ErrorValues, Exact, NominalPose, OrderN, into_part, values};
-use crate::machine::{Joints, Machine, OperatingPoint};
+use crate::machine::{Joints, LocationOrder, Machine, OperatingPoint};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 
 /// Highest order of the dedicated dual numbers.
@@ -104,53 +106,70 @@ pub struct Evaluation {
 /// Returns the evaluation at an operating point, its vectors in `frame`. Order 0 counts as 1, orders above
 /// `MAX_DUAL_ORDER` as that.
 pub fn evaluate(machine: &Machine, at: &OperatingPoint<'_>, order: Order, frame: Frame) -> Evaluation {
-    in_frame(evaluate_unturned(machine, at, order), machine, at.axes, frame)
+    expand_unturned(machine, at, order, false).in_frame(machine, at.axes, frame).sum
+}
+
+/// Returns the same with the terms of each degree, in one generator.
+pub fn expand(machine: &Machine, at: &OperatingPoint<'_>, order: Order, frame: Frame) -> Expansion {
+    expand_unturned(machine, at, order, true).in_frame(machine, at.axes, frame)
 }
 
 /// Returns the deviation at an operating point in the unturned workpiece frame, which the rotation of the workpiece
 /// does not touch.
 pub fn unturned_deviation(machine: &Machine, at: &OperatingPoint<'_>, order: Order) -> Deviation {
-    evaluate_unturned(machine, at, order).deviation
+    expand_unturned(machine, at, order, false).sum.deviation
 }
 
-fn evaluate_unturned(machine: &Machine, at: &OperatingPoint<'_>, order: Order) -> Evaluation {
+/// An evaluation with its terms.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expansion {
+    /// The sum of all degrees.
+    pub sum: Evaluation,
+    /// The parts of monomials, lowest degree first; none of the exact model.
+    pub terms: Vec<Term>,
+}
+
+fn expand_unturned(machine: &Machine, at: &OperatingPoint<'_>, order: Order, terms: bool) -> Expansion {
     match order {
-        Order::Exact => evaluate_unturned_over::<f64>(machine, at, &Exact),
-        Order::Degree(0 | 1) => evaluate_unturned_over::<Dual<2>>(machine, at, &OrderN),
-        Order::Degree(2) => evaluate_unturned_over::<Dual<3>>(machine, at, &OrderN),
-        Order::Degree(3) => evaluate_unturned_over::<Dual<4>>(machine, at, &OrderN),
-        Order::Degree(4) => evaluate_unturned_over::<Dual<5>>(machine, at, &OrderN),
-        Order::Degree(5) => evaluate_unturned_over::<Dual<6>>(machine, at, &OrderN),
-        Order::Degree(_) => evaluate_unturned_over::<Dual<7>>(machine, at, &OrderN),
+        Order::Exact => Expansion { sum: elements::<f64>(machine, at, &Exact).sum(), terms: Vec::new() },
+        Order::Degree(0 | 1) => expand_unturned_over::<Dual<2>>(machine, at, &OrderN, terms),
+        Order::Degree(2) => expand_unturned_over::<Dual<3>>(machine, at, &OrderN, terms),
+        Order::Degree(3) => expand_unturned_over::<Dual<4>>(machine, at, &OrderN, terms),
+        Order::Degree(4) => expand_unturned_over::<Dual<5>>(machine, at, &OrderN, terms),
+        Order::Degree(5) => expand_unturned_over::<Dual<6>>(machine, at, &OrderN, terms),
+        Order::Degree(_) => expand_unturned_over::<Dual<7>>(machine, at, &OrderN, terms),
     }
 }
 
-/// Returns the evaluation at an operating point over any algebra: errors enter through `lift`, and all degrees are
-/// summed.
-pub fn evaluate_over<S: Algebra>(
+/// Returns the evaluation at an operating point over any algebra, with its terms: errors enter through `lift`.
+pub fn expand_over<S: Coefficients>(
     machine: &Machine,
     at: &OperatingPoint<'_>,
     lift: &impl ErrorLift<S>,
     frame: Frame,
-) -> Evaluation {
-    in_frame(evaluate_unturned_over(machine, at, lift), machine, at.axes, frame)
+) -> Expansion {
+    expand_unturned_over(machine, at, lift, true).in_frame(machine, at.axes, frame)
 }
 
-fn evaluate_unturned_over<S: Algebra>(
+fn expand_unturned_over<S: Coefficients>(
     machine: &Machine,
     at: &OperatingPoint<'_>,
     lift: &impl ErrorLift<S>,
-) -> Evaluation {
+    terms: bool,
+) -> Expansion {
+    let elements = elements(machine, at, lift);
+    let is_real = machine.conventions().location_order == LocationOrder::Real;
+    Expansion { sum: elements.sum(), terms: if terms { elements.terms(is_real) } else { Vec::new() } }
+}
+
+fn elements<S: Algebra>(machine: &Machine, at: &OperatingPoint<'_>, lift: &impl ErrorLift<S>) -> Elements<S> {
     let origin = machine.workpiece();
     let actual = Chain::actual(machine, at.axes, &values(machine, at), lift).tool_in_workpiece(&origin);
     let nominal = Chain::<f64>::nominal(machine, at.axes).tool_in_workpiece(&origin);
-    let turn = rotation(&actual.linear, &nominal.linear.map(S::from_real), machine.conventions().joints);
-    Evaluation {
+    Elements {
         nominal: nominal.translation,
-        deviation: Deviation {
-            position: Vector3::from_fn(|i, _| difference(&actual.translation[i], nominal.translation[i])),
-            rotation: turn.map(|x| difference(&x, 0.0)),
-        },
+        position: Vector3::from_fn(|i, _| actual.translation[i].clone() - S::from_real(nominal.translation[i])),
+        rotation: rotation(&actual.linear, &nominal.linear.map(S::from_real), machine.conventions().joints),
         e_ve: e_ve(&actual, &nominal),
     }
 }
@@ -185,15 +204,19 @@ pub fn response<S: Algebra>(
     }
 }
 
-/// Returns the evaluation of the unturned workpiece frame with its vectors in a frame, and E_VE from the part's.
-fn in_frame(evaluation: Evaluation, machine: &Machine, pose: &[f64], frame: Frame) -> Evaluation {
-    let e_ve = match machine.workpiece_rotation() {
-        Some(rotation) => evaluation.e_ve * rotation.to_homogeneous(),
-        None => evaluation.e_ve,
-    };
-    let Evaluation { nominal, deviation, .. } = evaluation;
-    let Some(r) = frame_rotation(machine, pose, frame) else { return Evaluation { nominal, deviation, e_ve } };
-    Evaluation { nominal: r * nominal, deviation: deviation.rotated(&r), e_ve }
+impl Expansion {
+    /// Returns that of the unturned workpiece frame with its vectors in a frame, and E_VE from the part's.
+    fn in_frame(mut self, machine: &Machine, pose: &[f64], frame: Frame) -> Self {
+        let part = machine.workpiece_rotation().map(|rotation| rotation.to_homogeneous());
+        let turn = frame_rotation(machine, pose, frame);
+        let parts = self.terms.iter_mut().map(|term| (&mut term.deviation, &mut term.e_ve));
+        for (deviation, e_ve) in parts.chain([(&mut self.sum.deviation, &mut self.sum.e_ve)]) {
+            *e_ve = part.map_or(*e_ve, |part| *e_ve * part);
+            *deviation = turn.map_or(*deviation, |turn| deviation.rotated(&turn));
+        }
+        self.sum.nominal = turn.map_or(self.sum.nominal, |turn| turn * self.sum.nominal);
+        self
+    }
 }
 
 /// Returns the rotation from the unturned workpiece frame, that of fields, into a frame at a pose (mm, deg) of the
@@ -226,13 +249,13 @@ pub fn rotation<S: Algebra>(actual: &Matrix3<S>, nominal: &Matrix3<S>, joints: J
     }
 }
 
-fn e_ve<S: Algebra>(actual: &Htm<S>, nominal: &Htm<f64>) -> Matrix4<f64> {
+fn e_ve<S: Algebra>(actual: &Htm<S>, nominal: &Htm<f64>) -> Matrix4<S> {
     match (actual.inverse(), nominal.inverse()) {
         (Some(actual), Some(nominal)) => {
             let (actual, nominal) = (actual.to_matrix(), nominal.to_matrix());
-            Matrix4::from_fn(|i, j| difference(&actual[(i, j)], nominal[(i, j)]))
+            Matrix4::from_fn(|i, j| actual[(i, j)].clone() - S::from_real(nominal[(i, j)]))
         }
         // Products of joints near rotations always have an inverse.
-        _ => Matrix4::zeros(),
+        _ => Matrix4::from_element(S::zero()),
     }
 }

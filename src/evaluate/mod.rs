@@ -1,6 +1,7 @@
 //! Evaluation: the deviation of the actual machine from the nominal one, at one pose or at many.
 //!
-//! 1. `deviation`: deviation, rotation and E_VE at a pose over the general algebra, which defines the result;
+//! 1. `deviation`, `terms`: deviation, rotation and E_VE at a pose over the general algebra, which defines the result,
+//!    and the parts of its monomials;
 //! 2. [`compiled`]: a [`CompiledModel`] gives the same numbers at many poses, on the vector unit;
 //! 3. `field`: a [`Field`] is anything that has a deviation at a pose, a bare machine or a compensated one;
 //! 4. `poses`, `spread`: [`Poses`] over a volume are nodes of a grid, random, low-discrepancy, or listed;
@@ -13,11 +14,12 @@ mod poses;
 mod spread;
 mod statistics;
 mod tally;
+mod terms;
 
 pub use compiled::{Batch, Columns, CompiledGrid, CompiledModel, Output, PoseColumns, Width};
 pub use deviation::{
-    Deviation, Evaluation, Frame, Order, UnknownOrder, command_deviation, evaluate, evaluate_over, frame_rotation,
-    response, rotation, unturned_deviation,
+    Deviation, Evaluation, Expansion, Frame, Order, UnknownOrder, command_deviation, evaluate, expand, expand_over,
+    frame_rotation, response, rotation, unturned_deviation,
 };
 pub use field::{Bare, CompiledField, Field, commanded_deviation, error_by_error, tool_axis_tilt};
 pub use poses::{Nodes, Poses, Random, node_count, node_positions, random_poses};
@@ -25,3 +27,4 @@ pub use spread::Spread;
 pub(crate) use spread::radical_inverse;
 pub use statistics::{Difference, Statistics, Summary, quantile_95, worst};
 pub use tally::Tally;
+pub use terms::Term;

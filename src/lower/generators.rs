@@ -1,7 +1,7 @@
 //! The generators of errors: a declared algebra on a machine.
 
 use super::source::{AxisErrorValues, ErrorLift, ErrorSite, ErrorValues, Source};
-use crate::algebra::weil::{Basis, BasisFailure, Ideal, Monomial, Weil};
+use crate::algebra::weil::{Basis, BasisFailure, Ideal, Monomial, Size, Weil};
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
 use crate::machine::{AlgebraChoice, Direction, ErrorId, Generators, LocationOrder, Machine, parse_error_name};
 use std::collections::BTreeMap;
@@ -140,6 +140,11 @@ impl DeclaredAlgebra {
     /// Returns the generator of an error; none for errors that the machine does not have, or in the real part.
     pub fn of(&self, source: Source) -> Option<u16> {
         self.generators.get(&source).copied()
+    }
+
+    /// Returns the size of the algebra, before it is built.
+    pub fn size(&self) -> Size {
+        self.ideal.size(u16::try_from(self.names.len()).unwrap_or(u16::MAX))
     }
 
     /// Returns the vanishing monomials.

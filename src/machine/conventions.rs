@@ -90,7 +90,7 @@ pub struct Conventions {
     pub location_order: LocationOrder,
     /// Shape of error matrices.
     pub joints: Joints,
-    /// Order used when the command line names none (`hrdina-vasik-2014` is of order 1); `None` is exact.
+    /// Order used when the command line names none (`hrdina-vasik-2014` is of order 1, `holub-2015` of order 2); `None` is exact.
     pub default_order: Option<u8>,
 }
 
@@ -157,7 +157,7 @@ impl Conventions {
     pub fn preset(name: &str) -> Option<Self> {
         let base = Self { joints: Joints::Linearised, ..Self::default() };
         match name {
-            "holub-2015" => Some(Self { location_order: LocationOrder::Real, ..base }),
+            "holub-2015" => Some(Self { location_order: LocationOrder::Real, default_order: Some(2), ..base }),
             "bui-kimm" => Some(Self {
                 location: Location::CarriedBody,
                 workpiece_axes: Sense::Direct,

@@ -161,7 +161,10 @@ fn conventions(parts: &MachineParts) -> String {
     };
     map.remove("default_order");
     // Only a preset can name an order.
-    let preset = parts.conventions.default_order.map(|_| "preset: hrdina-vasik-2014".to_owned());
+    let preset = parts.conventions.default_order.map(|order| {
+        let name = if order == 1 { "hrdina-vasik-2014" } else { "holub-2015" };
+        format!("preset: {name}")
+    });
     let words = map.iter().map(|(key, value)| format!("{key}: {}", value.as_str().unwrap_or_default()));
     format!("conventions: {{ {} }}\n", preset.into_iter().chain(words).collect::<Vec<_>>().join(", "))
 }

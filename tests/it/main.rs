@@ -126,6 +126,7 @@ mod suspect;
 #[cfg(target_os = "linux")]
 mod system_faults;
 mod targets;
+mod terms;
 mod test_pieces;
 mod theorems;
 mod tidy;

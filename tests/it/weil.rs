@@ -2,10 +2,10 @@
 
 use crate::configs;
 use crate::oracle::program::Folder;
-use abbe::algebra::weil::{Monomial, Weil};
+use abbe::algebra::weil::{Coefficients, Monomial, Weil};
 use abbe::algebra::{Algebra, Dual, newton_steps};
 use abbe::analysis::Inverse;
-use abbe::evaluate::{Frame, Order, evaluate, evaluate_over, random_poses};
+use abbe::evaluate::{Frame, Order, evaluate, expand_over, random_poses};
 use abbe::lower::{DeclaredAlgebra, ErrorLift, Source, WeilLift, values};
 use abbe::machine::{AlgebraChoice, Approach, Generators, Machine};
 use std::process::Command;
@@ -25,7 +25,7 @@ fn one_generator_is_order_n_to_the_last_bit() {
         for degree in 1..=4 {
             let lift = lift(&machine, &choice(degree, Generators::Single));
             for pose in &poses {
-                let ours = evaluate_over(&machine, &Approach::Mean.at_pose(pose), &lift, Frame::Workpiece);
+                let ours = expand_over(&machine, &Approach::Mean.at_pose(pose), &lift, Frame::Workpiece).sum;
                 let theirs = evaluate(&machine, &Approach::Mean.at_pose(pose), Order::Degree(degree), Frame::Workpiece);
                 assert_eq!(ours, theirs, "{name} {pose:?}");
             }
@@ -40,7 +40,7 @@ fn many_generators_sum_to_order_n() {
         for (degree, generators) in [(2, Generators::PerError), (4, Generators::PerAxis)] {
             let lift = lift(&machine, &choice(degree, generators));
             for pose in random_poses(&machine, 2, 6) {
-                let ours = evaluate_over(&machine, &Approach::Mean.at_pose(&pose), &lift, Frame::Machine).deviation;
+                let ours = expand_over(&machine, &Approach::Mean.at_pose(&pose), &lift, Frame::Machine).sum.deviation;
                 let theirs =
                     evaluate(&machine, &Approach::Mean.at_pose(&pose), Order::Degree(degree), Frame::Machine).deviation;
                 let gap = (ours.position - theirs.position).amax();
@@ -64,7 +64,7 @@ fn an_ideal_of_all_products_is_order_one() {
     let all = lift(&machine, &choice(2, Generators::PerAxis));
     for pose in random_poses(&machine, 3, 7) {
         let position = |lift: &WeilLift| {
-            evaluate_over(&machine, &Approach::Mean.at_pose(&pose), lift, Frame::Workpiece).deviation.position
+            expand_over(&machine, &Approach::Mean.at_pose(&pose), lift, Frame::Workpiece).sum.deviation.position
         };
         let order = |n| {
             evaluate(&machine, &Approach::Mean.at_pose(&pose), Order::Degree(n), Frame::Workpiece).deviation.position

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Memory that no algebra may need.
-const MAX_BYTES: f64 = 1e9;
+pub(super) const MAX_BYTES: f64 = 1e9;
 
 /// The reason for which an algebra cannot be built.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +47,7 @@ impl Basis {
         if let Some(unknown) = named.into_iter().find(|g| *g >= generators) {
             return Err(BasisFailure::Generator(unknown));
         }
-        let size = ideal.size(generators, MAX_BYTES);
+        let size = ideal.size(generators);
         if size.bytes() > MAX_BYTES {
             return Err(BasisFailure::Size(size));
         }

@@ -10,9 +10,9 @@ mod table;
 mod tests;
 
 pub use basis::{Basis, BasisFailure};
-pub use monomials::{Ideal, Monomial};
+pub use monomials::{Ideal, Monomial, Size};
 
-use super::Algebra;
+use super::{Algebra, Dual};
 use num_traits::{One, Zero};
 use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use std::sync::Arc;
@@ -50,14 +50,6 @@ impl Weil {
         }
     }
 
-    /// Monomials with their coefficients, lowest degree first; none but 1 of a constant.
-    pub fn terms(&self) -> Vec<(Monomial, f64)> {
-        match self {
-            Self::Constant(value) => vec![(Monomial::default(), *value)],
-            Self::Element(basis, list) => basis.monomials().iter().cloned().zip(list.iter().copied()).collect(),
-        }
-    }
-
     /// Passes every coefficient through a function that leaves 0 alone.
     fn map(self, f: impl Fn(f64) -> f64) -> Self {
         match self {
@@ -85,6 +77,28 @@ impl Weil {
             }
             _ => Self::Constant(f64::NAN),
         }
+    }
+}
+
+/// An algebra whose elements are polynomials in generators.
+pub trait Coefficients: Algebra {
+    /// Returns monomials with their coefficients, lowest degree first; none but 1 of a constant.
+    fn terms(&self) -> Vec<(Monomial, f64)>;
+}
+
+impl Coefficients for Weil {
+    fn terms(&self) -> Vec<(Monomial, f64)> {
+        match self {
+            Self::Constant(value) => vec![(Monomial::default(), *value)],
+            Self::Element(basis, list) => basis.monomials().iter().cloned().zip(list.iter().copied()).collect(),
+        }
+    }
+}
+
+/// Powers of its one generator.
+impl<const M: usize> Coefficients for Dual<M> {
+    fn terms(&self) -> Vec<(Monomial, f64)> {
+        (0..).zip(self.0).map(|(k, value)| (Monomial::new([(0, k)]), value)).collect()
     }
 }
 

@@ -1,5 +1,7 @@
 //! Monomials in nilpotent generators, and the monomial ideal of those that vanish.
 
+use super::basis::MAX_BYTES;
+
 /// A product of powers of generators: (generator, power) with rising generators and powers above 0.
 /// The empty list is 1.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -120,14 +122,14 @@ impl Ideal {
         all
     }
 
-    /// Counts the size of the algebra until it is beyond a limit.
-    pub(super) fn size(&self, generators: u16, limit: f64) -> Size {
+    /// Counts the size of the algebra; where that is beyond the limit of memory, returns a bound of it.
+    pub fn size(&self, generators: u16) -> Size {
         let mut size = Size::default();
         let mut stack = vec![Monomial::default()];
         while let Some(monomial) = stack.pop() {
             size.monomials += 1.0;
             size.products += monomial.divisor_count();
-            if size.bytes() > limit {
+            if size.bytes() > MAX_BYTES {
                 return Size::bound(f64::from(generators), self.degree);
             }
             stack.extend(self.next(&monomial, generators));

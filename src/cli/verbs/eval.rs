@@ -5,7 +5,7 @@ use crate::cli::arguments::{AlgebraArg, FrameOption, JobArg, ReferenceArg, ViewA
 use crate::cli::output::session::Session;
 use crate::cli::output::view::{frame_text, length, numbers, path_text, table};
 use abbe::options::Approach;
-use abbe::results::{AxisPositions, ErrorEffect, EvalResult, Neglected, Over, PoseResult};
+use abbe::results::{AxisPositions, ErrorEffect, EvalResult, MonomialPart, Neglected, Over, PoseResult};
 use abbe::text::significant;
 use abbe::{EvalOptions, MachineFile, eval};
 use std::collections::{BTreeMap, BTreeSet};
@@ -157,7 +157,10 @@ fn text(result: &EvalResult) -> String {
         if result.poses.iter().any(|pose| pose.uncertainty.is_some()) { ", U (k = 2) behind \u{b1}" } else { "" },
         result.over.as_ref().map_or_else(String::new, Over::text),
         result.poses.iter().filter_map(|pose| pose.inverse.as_ref()).map(displacements).collect::<String>(),
-        beyond_measured(result) + &effects(result) + &result.path.as_ref().map_or_else(String::new, path_text)
+        parts(result)
+            + &beyond_measured(result)
+            + &effects(result)
+            + &result.path.as_ref().map_or_else(String::new, path_text)
     )
 }
 
@@ -195,6 +198,45 @@ fn effects(result: &EvalResult) -> String {
         }
     }
     result.neglected.map_or(text.clone(), |neglected| format!("{text}{}\n", sentence(&neglected)))
+}
+
+/// Poses of which the text lists parts.
+const SHOWN_POSES: usize = 8;
+
+/// Degrees, where there are several, and the largest monomials of an algebra.
+fn parts(result: &EvalResult) -> String {
+    let mut text = String::new();
+    let several = |pose: &PoseResult| pose.degrees.as_ref().is_some_and(|degrees| degrees.len() > 1);
+    for (number, pose) in result.poses.iter().enumerate().filter(|(_, pose)| several(pose)).take(SHOWN_POSES) {
+        let degrees = pose.degrees.iter().flatten();
+        let by_degree = degrees.map(|part| (part.degree.to_string(), part.deviation, part.rotation));
+        text.push_str(&format!("Pose {}: parts by degree\n{}\n", number + 1, parts_table("degree", by_degree)));
+        let mut list: Vec<&MonomialPart> = pose.coefficients.iter().flatten().collect();
+        if list.len() > pose.degrees.iter().flatten().count() {
+            list.sort_by(|a, b| length(&b.deviation).total_cmp(&length(&a.deviation)));
+            let count = list.len();
+            let largest = list.into_iter().take(SHOWN);
+            let table =
+                parts_table("monomial", largest.map(|p| (p.monomial.replace('*', " * "), p.deviation, p.rotation)));
+            text.push_str(&format!("Pose {}: largest of {count} monomials\n{table}\n", number + 1));
+        }
+    }
+    let rest = result.poses.iter().filter(|pose| several(pose)).count().saturating_sub(SHOWN_POSES);
+    text + &if rest == 0 { String::new() } else { format!("... and {rest} more poses: `--format json`\n") }
+}
+
+/// A part, which may be small by any power: `1.23e-10`.
+fn part(micro: f64) -> String {
+    if micro == 0.0 || micro.abs() >= 1e-3 { significant(micro, 5) } else { format!("{micro:.2e}") }
+}
+
+fn parts_table(name: &str, parts: impl Iterator<Item = (String, [f64; 3], [f64; 3])>) -> comfy_table::Table {
+    let mut table = table(&[name, "dx um", "dy um", "dz um", "wx urad", "wy urad", "wz urad"]);
+    for (name, deviation, rotation) in parts {
+        let cells = deviation.iter().map(|mm| part(mm * 1e3)).chain(rotation.iter().map(|rad| part(rad * 1e6)));
+        let _ = table.add_row(std::iter::once(name).chain(cells).collect::<Vec<_>>());
+    }
+    table
 }
 
 /// `order 1 is good to 3 nm on this machine`.
