@@ -394,7 +394,10 @@ pub const MIN_SUSPECT_LIKELIHOOD: f64 = 20.0;
 /// The same as a ratio of what is left, before over after. Below: good campaigns are accused; above: troubles of three
 /// times the noise, which leave form as well, pass.
 pub const MIN_SUSPECT_GAIN: f64 = 1.9;
-/// The same of a single change, below which no pairs are tried: of good campaigns none comes near.
+/// Scatter of one component, before over after, that is enough whatever the others say. Below: form in one direction
+/// is taken for a drift.
+pub const MIN_COMPONENT_GAIN: f64 = 3.0;
+/// [`MIN_SUSPECT_GAIN`] of a single change, below which no pairs are tried: of good campaigns none comes near.
 pub const MIN_FIRST_GAIN: f64 = 1.03;
 /// The same of a second change beside the first.
 pub const MIN_SECOND_GAIN: f64 = 1.1;

@@ -70,6 +70,8 @@ fn a_real_arm_is_written_with_lengths_and_refused_without() {
         let output = run(&[&data[..], &["--out", out.to_str().unwrap()]].concat());
         assert!(output.status.success() && out.exists(), "{}", said(&output));
         assert!(std::fs::read_to_string(&out).unwrap().contains("\ncovariance:"));
+        // Errors along their own axes act by products with others: nothing to scold.
+        assert!(!said(&run(&["check", out.to_str().unwrap()])).contains("W0402"));
         let report = json(&output);
         assert_eq!(report["prediction"]["held"], true, "{}", report["prediction"]);
         // Without curves no datum takes out the whole turns: they are free, and no angle is known to 0.1 rad.

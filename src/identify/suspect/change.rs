@@ -86,6 +86,8 @@ pub enum Change {
     Rows(isize),
     /// Readings drift with the order of the rows: the tool in its frame if true, else every component.
     Drift(bool),
+    /// A tool, by its index, whose length and offset are not those of the file.
+    OtherTool(usize),
     /// Readings of these rows are shifted.
     Shifted(Scope),
     /// Rows left out.
@@ -102,7 +104,7 @@ impl Change {
 
     /// True if it changes nothing, but frees what the fit holds.
     pub fn is_free(&self) -> bool {
-        matches!(self, Self::Drift(_) | Self::Shifted(_) | Self::LeftOut(_) | Self::RowsLeftOut(_))
+        matches!(self, Self::Drift(_) | Self::Shifted(_) | Self::OtherTool(_) | Self::LeftOut(_) | Self::RowsLeftOut(_))
     }
 
     /// True if it is a factor other than -1 of readings: what is left has another unit then.
@@ -146,6 +148,7 @@ impl Change {
             }
             Self::Drift(true) => "a drift of the tool with the order of the rows".to_owned(),
             Self::Drift(false) => "a drift of the readings with the order of the rows".to_owned(),
+            Self::OtherTool(tool) => format!("tool {} of another length or offset", tool_name(machine, *tool)),
             Self::Shifted(scope) => format!("the readings of {} shifted", of(scope)),
             Self::LeftOut(scope) => format!("{} left out", of(scope)),
             Self::RowsLeftOut(rows) => {
@@ -173,6 +176,7 @@ impl Change {
             Self::Tools(..) => "correct the column `tool`",
             Self::Rows(_) => "let readings and poses settle, and join them anew",
             Self::Drift(_) => "measure warm and in mixed order, or repeat the first poses at the end",
+            Self::OtherTool(_) => "measure the tool, or fit it (`--fit ...,tool`)",
             Self::Shifted(_) => "make it a run or set-up of its own, or measure it again",
             Self::LeftOut(_) => "leave it out, or measure it again",
             Self::RowsLeftOut(_) => "leave out these rows, or measure them again (`--robust` gives them less weight)",
@@ -253,6 +257,8 @@ pub(super) fn all(model: &FitModel<'_>, data: &[Measurement]) -> Vec<Change> {
         let meets = |scope: &&Scope| data.iter().any(|m| scope.holds(m) && (m.tool == a || m.tool == b));
         list.extend(scopes.iter().filter(meets).map(|scope| Change::Tools(a, b, scope.clone())));
     }
+    let used = (0..tools).filter(|tool| tools > 1 && data.iter().any(|m| m.tool == *tool));
+    list.extend(used.map(Change::OtherTool));
     list.extend([-2, -1, 1, 2].map(Change::Rows));
     list.extend([Change::Drift(false), Change::Drift(true)]);
     list

@@ -32,6 +32,8 @@ pub struct Suspicion {
 struct Candidate {
     changes: Vec<Change>,
     likelihood: f64,
+    /// Standard deviation of each quantity and component (mm).
+    sigmas: Vec<f64>,
 }
 
 /// The circumstances of a fit.
@@ -131,8 +133,13 @@ fn consistent(model: &FitModel<'_>, data: &[Measurement], of: &Circumstances<'_>
     found.sort_by(|a, b| b.likelihood.total_cmp(&a.likelihood));
     let best = simplest(&found, count)?;
     let gain = best.likelihood - null.likelihood;
-    let floor = MIN_SUSPECT_LIKELIHOOD.max(count * libm::log(MIN_SUSPECT_GAIN));
-    if gain < floor || screen.gain_by_form(problems[0].1.as_ref()?).is_some_and(|form| gain < form) {
+    // A trouble of one component is drowned by the others.
+    let of_one = null.sigmas.iter().zip(&best.sigmas).any(|(before, after)| *before > MIN_COMPONENT_GAIN * after);
+    let explains = of_one || gain >= count * libm::log(MIN_SUSPECT_GAIN);
+    if gain < MIN_SUSPECT_LIKELIHOOD
+        || !explains
+        || screen.gain_by_form(problems[0].1.as_ref()?).is_some_and(|form| gain < form)
+    {
         return None;
     }
     let alike = |one: &&Candidate| {
@@ -187,8 +194,8 @@ fn evaluate(screen: &Screen<'_>, problems: &mut Problems, list: Vec<Vec<Change>>
     glances.sort_by(|a, b| b.0.total_cmp(&a.0));
     judged.extend(glances.into_iter().take(SUSPECT_FINALISTS).map(|(_, changes)| changes));
     let judge = |changes: Vec<Change>| {
-        let likelihood = screen.judge(problem(&changes)?, &changes)?.likelihood;
-        Some(Candidate { changes, likelihood })
+        let Judged { likelihood, sigmas, .. } = screen.judge(problem(&changes)?, &changes)?;
+        Some(Candidate { changes, likelihood, sigmas })
     };
     judged.into_par_iter().filter_map(judge).collect()
 }
@@ -196,8 +203,8 @@ fn evaluate(screen: &Screen<'_>, problems: &mut Problems, list: Vec<Vec<Change>>
 fn with_rows_left_out(screen: &Screen<'_>, changes: &[Change]) -> Option<Candidate> {
     let problem = screen.posed(&poses(changes))?;
     let changes = [changes, &[screen.outlying(&problem, changes)?]].concat();
-    let Judged { likelihood, .. } = screen.judge(&problem, &changes)?;
-    Some(Candidate { changes, likelihood })
+    let Judged { likelihood, sigmas, .. } = screen.judge(&problem, &changes)?;
+    Some(Candidate { changes, likelihood, sigmas })
 }
 
 /// Returns the best one, or a part of it that explains almost as much.
@@ -210,9 +217,13 @@ fn simplest(found: &[Candidate], count: f64) -> Option<&Candidate> {
 /// Fits the changed data as a whole; `None` if that leaves more than the sample promised.
 fn verified(screen: &Screen<'_>, best: &Candidate, of: &Circumstances<'_>) -> Option<Suspicion> {
     let (model, changes) = (screen.model, &best.changes);
-    if changes.iter().any(|change| matches!(change, Change::Drift(_) | Change::Shifted(_))) {
-        let left = screen.judge(&screen.posed(&poses(changes))?, changes)?.left;
-        return Some(Suspicion { changes: changes.clone(), left, others: Vec::new() });
+    let rescales = changes.iter().any(Change::rescales);
+    let found = |left: f64| {
+        let explains = rescales || left * MIN_SUSPECT_GAIN <= of.after;
+        explains.then(|| Suspicion { changes: changes.clone(), left, others: Vec::new() })
+    };
+    if changes.iter().any(|change| matches!(change, Change::Drift(_) | Change::Shifted(_) | Change::OtherTool(_))) {
+        return found(screen.judge(&screen.posed(&poses(changes))?, changes)?.left);
     }
     let changed = |row: usize| {
         let m = change::posed(changes, model, screen.data, row)?;
@@ -226,7 +237,5 @@ fn verified(screen: &Screen<'_>, best: &Candidate, of: &Circumstances<'_>) -> Op
     let data: Vec<Measurement> = (0..screen.data.len()).filter_map(changed).collect();
     let residuals: Vec<Vector3<f64>> = model.residuals(&data, &solve(model, &data, of.robust).theta);
     let squares: f64 = residuals.iter().map(|r| r.norm_squared()).sum();
-    let left = libm::sqrt(squares / residuals.len().max(1) as f64);
-    let explains = changes.iter().any(Change::rescales) || left * MIN_SUSPECT_GAIN <= of.after;
-    explains.then(|| Suspicion { changes: changes.clone(), left, others: Vec::new() })
+    found(libm::sqrt(squares / residuals.len().max(1) as f64))
 }

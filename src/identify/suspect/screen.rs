@@ -51,7 +51,8 @@ pub(super) struct Judged {
     /// RMS of what is left, by rows (mm).
     pub left: f64,
     residual: DVector<f64>,
-    sigmas: Vec<f64>,
+    /// Standard deviation of each quantity and component (mm).
+    pub sigmas: Vec<f64>,
 }
 
 impl<'a> Screen<'a> {
@@ -227,10 +228,16 @@ impl<'a> Screen<'a> {
                     }
                 }
                 Change::Drift(true) => {
-                    let tool = |k: usize| Source { place: ErrorSite::Tool, direction: Direction::ALL[k] };
-                    let moved = self.effects(problem, &[tool(0), tool(1), tool(2)]);
+                    let moved = self.tool_effects(problem);
                     for (column, power) in moved.column_iter().flat_map(|c| (1..=DRIFT_POWERS).map(move |k| (c, k))) {
                         let one = |n: usize| column[n] * libm::pow(time(n), f64::from(power));
+                        columns.push(all.clone().map(one).collect());
+                    }
+                }
+                Change::OtherTool(tool) => {
+                    let is_of = |n: usize| problem.rows[problem.at[n].0].1.tool == *tool;
+                    for column in self.tool_effects(problem).column_iter() {
+                        let one = |n: usize| if is_of(n) { column[n] } else { 0.0 };
                         columns.push(all.clone().map(one).collect());
                     }
                 }
@@ -239,6 +246,11 @@ impl<'a> Screen<'a> {
         }
         columns.retain(|column| column.iter().any(|x| *x != 0.0));
         DMatrix::from_fn(problem.at.len(), columns.len(), |n, j| columns[j][n])
+    }
+
+    /// Returns what displacements of the tool do to the readings, a column each.
+    fn tool_effects(&self, problem: &Posed) -> DMatrix<f64> {
+        self.effects(problem, &[0, 1, 2].map(|k| Source { place: ErrorSite::Tool, direction: Direction::ALL[k] }))
     }
 
     /// Returns what units of errors do to the readings, a column each.
