@@ -83,7 +83,8 @@ pub fn fitted_file(machine: &Machine, parameters: &[Parameter], solution: &Solut
 fn curves_of(parameters: &[Parameter], values: &[f64]) -> BTreeMap<(ErrorSite, Direction), CurvesByApproach> {
     let mut curves: BTreeMap<(ErrorSite, Direction), CurvesByApproach> = BTreeMap::new();
     for (parameter, value) in parameters.iter().zip(values) {
-        for term in &parameter.terms {
+        // A tool as it was clamped for some readings is no part of the machine.
+        for term in parameter.terms.iter().filter(|term| term.only.is_none()) {
             let sum = &mut curves.entry((term.source.place, term.source.direction)).or_default()
                 [approach_index(term.approach)];
             *sum = Some(add_basis(sum.take(), &term.basis, *value * term.factor));

@@ -30,14 +30,14 @@ mod words;
 pub(crate) use data::lever;
 pub(crate) use data::taken_together;
 pub use data::{
-    DistanceEnd, Measurement, MeasurementSet, PlanInstrument, Reading, ReadingContext, ReadingKind, Repeats, import,
-    read_measurements, repeats,
+    DistanceEnd, Measurement, MeasurementSet, PlanInstrument, Reading, ReadingContext, ReadingKind, Repeats, ToolUse,
+    TurnKind, import, read_measurements, repeats,
 };
 pub use fitted_file::{FileNotes, fitted_file, largest_uncertainty};
 pub use model::{
-    BasisFunction, FitModel, Gauge, Invariances, MonomialCoefficient, MonomialComponent, Parameter, ParameterTerm,
-    PriorValue, Rms, SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters, parse_gauge, parse_prior,
-    slope_bounds, type_b, unused_entries, with_command_line,
+    BasisFunction, ClampedTool, FitModel, Gauge, Invariances, MonomialCoefficient, MonomialComponent, Parameter,
+    ParameterTerm, PriorValue, Rms, SharedEffect, SlopeBound, TypeB, invariances, moore_penrose, parameters,
+    parameters_for, parse_gauge, parse_prior, slope_bounds, type_b, unused_entries, with_command_line,
 };
 pub(crate) use solve::both_tails;
 pub use solve::{

@@ -451,6 +451,17 @@ pub const MAX_CORNER_AXES: usize = 6;
 /// Least share, per touch and mm of a motion (of a rotation over the usual lever), of what its other unknowns do not
 /// take up, for the motion of a feature to be an unknown.
 pub const MIN_TOUCH_SHARE: f64 = 1e-3;
+/// Standard uncertainty (mm, of an angle over the usual lever) of an unknown of an instrument that is fixed: below the
+/// digits of any reading, and above what rounding makes of the equation beside the readings.
+pub const HELD_MM: f64 = 1e-6;
+/// Difference of a value known before the data from what the fit finds, in its standard deviations, from which it is
+/// remarked. Below: one of a hundred good gauges would be; above: a gauge of the wrong pair passes.
+pub const MAX_KNOWN_DEVIATIONS: f64 = 3.0;
+/// Variance of that difference over that of the known value, below which the readings say nothing of it.
+pub const MIN_KNOWN_SHARE: f64 = 1e-3;
+/// Largest rotation (rad) that is read as the deviation of an orientation. Below: robots before their calibration are
+/// refused; above: whole orientations, and degrees taken for microradians, are read as deviations.
+pub const MAX_TURN_RAD: f64 = 0.5;
 /// Standard uncertainty of each component of the threefold lobing of a touch probe before its readings (mm): data
 /// sheets of kinematic resistive probes state pre-travel variations of 0.25 to 10 um.
 pub const TOUCH_LOBE_MM: f64 = 5e-3;

@@ -6,7 +6,7 @@
 //! 4. [`Chain`] multiplies the joints on the walk from the workpiece to the tool.
 //!
 //! First-order effects have two kernels: [`twists`] at the nominal machine, with the [`sensitivities`] they yield, and
-//! [`position_jacobian`], the derivative over any algebra at the actual errors.
+//! [`position_jacobian`] and [`direction_jacobian`], the derivatives over any algebra at the actual errors.
 
 mod chain;
 mod generators;
@@ -19,7 +19,7 @@ pub use chain::{Chain, NominalPose, into_part, positions};
 pub use generators::{DeclaredAlgebra, NamedSource, WeilLift, named_sources, unit_values};
 pub use joint::{JointElements, JointPosition, error_motion, invert_if, joint};
 pub use source::{AxisErrorValues, ErrorLift, ErrorSite, ErrorValues, Exact, OrderN, Source, values};
-pub use tangent::{point, position_jacobian};
+pub use tangent::{PositionJacobian, direction_jacobian, point, position_jacobian};
 pub use twist::{
     JointError, NominalJoints, Quantity, Sensitivity, SideWeights, Twist, TwistMap, sensitivities, sensitivities_to,
     twists,

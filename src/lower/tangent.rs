@@ -47,18 +47,46 @@ pub fn position_jacobian<S: Algebra>(
     lift: &impl ErrorLift<S>,
     sources: &[Source],
 ) -> PositionJacobian<S> {
+    image_jacobian(machine, pose, values, lift, sources, None)
+}
+
+/// Returns the actual image of a direction of the tool frame at a pose (mm, deg), in the workpiece frame, with its
+/// derivatives by `sources`, at these errors.
+pub fn direction_jacobian<S: Algebra>(
+    machine: &Machine,
+    pose: &[f64],
+    values: &ErrorValues,
+    lift: &impl ErrorLift<S>,
+    sources: &[Source],
+    direction: &Vector3<f64>,
+) -> PositionJacobian<S> {
+    image_jacobian(machine, pose, values, lift, sources, Some(direction))
+}
+
+/// Returns the image of the functional point, or of a direction, that translations do not move.
+fn image_jacobian<S: Algebra>(
+    machine: &Machine,
+    pose: &[f64],
+    values: &ErrorValues,
+    lift: &impl ErrorLift<S>,
+    sources: &[Source],
+    direction: Option<&Vector3<f64>>,
+) -> PositionJacobian<S> {
+    let point = direction.is_none();
     let lowering = Lowering { machine, elements: Elements::new(machine, lift) };
     let mut walk = vec![lowering.workpiece_setup(values)];
     walk.extend((0..pose.len()).map(|i| lowering.joint(i, pose[i], &values.axes[i])));
     walk.push(lowering.spindle(values));
-    let mut x = lowering.elements.tip(machine.tool().tip, values.tool);
+    let tip = || lowering.elements.tip(machine.tool().tip, values.tool);
+    let mut x = direction.map_or_else(tip, |direction| direction.map(S::from_real));
     for joint in walk.iter_mut().rev() {
-        x = plus(joint.pass(minus(x, &joint.origin)), &joint.origin);
+        let origin = if point { joint.origin } else { [0.0; 3] };
+        x = plus(joint.pass(minus(x, &origin), point), &origin);
     }
     let mut prefix = Matrix3::from_fn(|i, j| if i == j { S::one() } else { S::zero() });
     let mut moved = Vec::with_capacity(walk.len());
     for joint in &walk {
-        moved.push(joint.derivatives(&mut prefix, machine.conventions().joints));
+        moved.push(joint.derivatives(&mut prefix, point, machine.conventions().joints));
     }
     let derivative = |source: &Source| {
         let k = source.direction.index();
@@ -66,11 +94,12 @@ pub fn position_jacobian<S: Algebra>(
             ErrorSite::Workpiece => moved[0][0][k].clone(),
             ErrorSite::Location(i) => moved[i + 1][0][k].clone(),
             ErrorSite::Component(i) => moved[i + 1][1][k].clone(),
-            ErrorSite::Tool => prefix.column(k % 3).into_owned(),
+            ErrorSite::Tool if point => prefix.column(k % 3).into_owned(),
+            ErrorSite::Tool => Vector3::from_fn(|_, _| S::zero()),
         }
     };
     PositionJacobian {
-        point: into_part(machine, minus(x, &machine.workpiece())),
+        point: into_part(machine, minus(x, &if point { machine.workpiece() } else { [0.0; 3] })),
         derivatives: sources.iter().map(|source| into_part(machine, derivative(source))).collect(),
     }
 }
@@ -96,6 +125,12 @@ enum FactorKind<S: Algebra> {
     Displaced(Vector3<S>),
 }
 
+/// Returns the image of a point, or of a direction.
+fn image<S: Algebra>(g: &Htm<S>, x: &Vector3<S>, point: bool) -> Vector3<S> {
+    let turned = transform(&g.linear, x);
+    if point { turned + &g.translation } else { turned }
+}
+
 /// A joint: its bracket about an origin.
 struct JointFactors<S: Algebra> {
     origin: [f64; 3],
@@ -110,15 +145,16 @@ impl<S: Algebra> JointFactors<S> {
         Self { origin, motions, factors }
     }
 
-    /// Applies the bracket to a point; every factor keeps its input.
-    fn pass(&mut self, mut x: Vector3<S>) -> Vector3<S> {
+    /// Applies the bracket to a point (or to a direction); every factor keeps its input.
+    fn pass(&mut self, mut x: Vector3<S>, point: bool) -> Vector3<S> {
         let Self { motions, factors, .. } = self;
-        let apply = |g: &Htm<S>, x: &Vector3<S>| transform(&g.linear, x) + &g.translation;
+        let apply = |g: &Htm<S>, x: &Vector3<S>| image(g, x, point);
         for factor in factors.iter_mut().rev() {
             let image = match &factor.kind {
                 FactorKind::Nominal(g) | FactorKind::Error(_, Some(g)) => apply(g, &x),
                 FactorKind::Error(which, None) => apply(&motions[*which].matrix, &x),
-                FactorKind::Displaced(shift) => transform(&motions[0].matrix.linear, shift) + &x,
+                FactorKind::Displaced(shift) if point => transform(&motions[0].matrix.linear, shift) + &x,
+                FactorKind::Displaced(_) => x.clone(),
             };
             factor.input = std::mem::replace(&mut x, image);
         }
@@ -126,7 +162,7 @@ impl<S: Algebra> JointFactors<S> {
     }
 
     /// Derivatives by location and component errors; the prefix moves on past this joint.
-    fn derivatives(&self, prefix: &mut Matrix3<S>, joints: Joints) -> [[Vector3<S>; 6]; 2] {
+    fn derivatives(&self, prefix: &mut Matrix3<S>, point: bool, joints: Joints) -> [[Vector3<S>; 6]; 2] {
         let zero = || std::array::from_fn(|_| Vector3::from_fn(|_, _| S::zero()));
         let mut sum: [[Vector3<S>; 6]; 2] = [zero(), zero()];
         for factor in &self.factors {
@@ -134,18 +170,21 @@ impl<S: Algebra> JointFactors<S> {
                 FactorKind::Nominal(g) => *prefix = product(prefix, &g.linear),
                 FactorKind::Error(which, None) => {
                     let motion = &self.motions[*which];
-                    motion.add(&mut sum[*which], prefix, true, &factor.input, joints);
+                    motion.add(&mut sum[*which], prefix, point, &factor.input, joints);
                     *prefix = product(prefix, &motion.matrix.linear);
                 }
                 FactorKind::Error(which, Some(inverse)) => {
                     // d(M^-1) x = -M^-1 dM (M^-1 x).
                     let after = product(prefix, &inverse.linear);
-                    let image = transform(&inverse.linear, &factor.input) + &inverse.translation;
+                    let image = image(inverse, &factor.input, point);
                     let back = after.map(|x| -x);
-                    self.motions[*which].add(&mut sum[*which], &back, true, &image, joints);
+                    self.motions[*which].add(&mut sum[*which], &back, point, &image, joints);
                     *prefix = after;
                 }
-                FactorKind::Displaced(shift) => self.motions[0].add(&mut sum[0], prefix, false, shift, joints),
+                FactorKind::Displaced(shift) if point => {
+                    self.motions[0].add(&mut sum[0], prefix, false, shift, joints);
+                }
+                FactorKind::Displaced(_) => {}
             }
         }
         sum

@@ -155,3 +155,34 @@ fn gauges_that_mislead_are_refused() {
     let text = run(&["explain", "E0516"]);
     assert!(String::from_utf8_lossy(&text.stdout).contains("distance b1 b2"));
 }
+
+/// Three balls on a line: the second gauge is measured by the first. Its residual is 30 um, known to the uncertainties
+/// of both and of the balls.
+#[test]
+fn a_gauge_that_contradicts_the_readings_is_named() {
+    let folder = Folder::new();
+    let machine = folder.write("machine.yaml", MACHINE);
+    let third = |line: &str| {
+        let cells: Vec<&str> = line.split(',').collect();
+        let y = cells[1].parse::<f64>().unwrap() + 200.0;
+        format!("{},{y},{},b3,{},0,200,0\n", cells[0], cells[2], cells[4])
+    };
+    let two = balls("", 300.0, [0.0, 300.0], 16, 1e-3);
+    let rows = format!("{two}{}", two.lines().filter(|line| line.contains(",b1,")).map(third).collect::<String>());
+    let data = folder.write("balls.csv", &format!("{HEADER}{rows}"));
+    let gauges = |length: &str| {
+        let words = ["--prior", "distance b1 b2 = 300 mm 5 um", "--prior", length];
+        identify(&machine, &data, &[&FIT[..], &words].concat())
+    };
+    let output = gauges("distance b1 b3 = 200.03 mm 5 um");
+    let known = json(&output)["known"].as_array().unwrap().clone();
+    let [scale, far] = [0, 1].map(|i| known[i]["deviations"].as_f64());
+    assert!(scale.is_none(), "nothing else holds the scale: {known:?}");
+    let of_balls = json(&output)["sigma_um"].as_f64().unwrap() / 4.0;
+    let expected = -30.0 / (25.0 + 2.0 * of_balls * of_balls).sqrt();
+    assert!((far.unwrap() / expected - 1.0).abs() < 0.02, "{far:?} {expected}");
+    assert!((known[1]["found"].as_f64().unwrap() - 200.0).abs() < 2e-3, "{known:?}");
+    assert!(said(&output).contains("W0502") && said(&output).contains("ball b3` is 200"), "{}", said(&output));
+    let output = gauges("distance b1 b3 = 200.01 mm 5 um");
+    assert!(!said(&output).contains("contradict"), "{}", said(&output));
+}

@@ -84,6 +84,7 @@ mod mutations;
 mod normals;
 mod options;
 mod oracle;
+mod orientations;
 mod paper_2015;
 mod papers_way;
 mod parameter_pages;

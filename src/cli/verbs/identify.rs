@@ -19,15 +19,16 @@ pub(crate) struct Args {
         long_help = "Poses at which the points of a laser tracker's export were measured: a column for each axis, and \
                      `point`, or a row for each point in their order")]
     axis_poses: Option<PathBuf>,
-    /// Parameters to fit: `location`, `tool`, `workpiece`, `spindle`, `linear`, error names, `EXX:poly3` (default: the
-    /// section `identify` of the machine file).
+    /// Parameters to fit: `location`, `tool`, `tools`, `tools-by-run`, `workpiece`, `spindle`, `linear`, error names,
+    /// `EXX:poly3` (default: the section `identify` of the machine file).
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     fit: Vec<String>,
     /// Parameters that keep their value although a group names them.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     fixed: Vec<String>,
     /// A value known before the data, with its standard uncertainty: `ball b1 50 um`, `EC0Y 5 urad`, `constant S = 150
-    /// mm 1 um`; `file`: what the machine file states. May be repeated.
+    /// mm 1 um`, `distance b1 b2 = 50 mm 20 um` (between two balls or stations); `file`: what the machine file states.
+    /// May be repeated.
     #[arg(long, value_name = "PRIOR")]
     prior: Vec<String>,
     #[arg(long, value_name = "UNCERTAINTY", conflicts_with = "plan", help = help::TYPE_B)]

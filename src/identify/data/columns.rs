@@ -2,6 +2,7 @@
 
 use super::error_name::split_direction;
 use super::failure::HeaderFailure;
+use super::measurement::TurnKind;
 use crate::diagnostic::did_you_mean;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, AxisKind, Machine, parse_error_name};
@@ -38,6 +39,8 @@ pub(super) enum Content {
     Beyond,
     /// Coordinate of the functional point in the instrument's own frame: `tracker.x`.
     Tracker(usize),
+    /// Component of an orientation: `da`, `level.a`, `collimator.a`, `axis.x`.
+    Turn(TurnKind, usize),
     /// The name of a point.
     Point,
     /// A component error, measured in this direction.
@@ -63,7 +66,13 @@ impl Content {
     pub(super) fn is_reading(self) -> bool {
         matches!(
             self,
-            Self::Deviation(_) | Self::Relative(_) | Self::Length(_) | Self::Along | Self::Tracker(_) | Self::Error(..)
+            Self::Deviation(_)
+                | Self::Relative(_)
+                | Self::Length(_)
+                | Self::Along
+                | Self::Tracker(_)
+                | Self::Turn(..)
+                | Self::Error(..)
         )
     }
 }
@@ -102,7 +111,15 @@ pub(super) enum RowForm {
     Along,
     Position,
     Touch,
+    Turn(TurnKind),
     Error,
+}
+
+impl RowForm {
+    /// True if rotations may stand beside it, as the other half of a pose of six degrees.
+    fn takes_rotations(self) -> bool {
+        matches!(self, Self::Deviation | Self::Relative | Self::Position)
+    }
 }
 
 impl Content {
@@ -116,6 +133,7 @@ impl Content {
             Self::Along => Some(RowForm::Along),
             Self::Feature => Some(RowForm::Touch),
             Self::Tracker(_) => Some(RowForm::Position),
+            Self::Turn(of, _) => Some(RowForm::Turn(of)),
             Self::Error(..) => Some(RowForm::Error),
             _ => None,
         }
@@ -130,12 +148,13 @@ impl Content {
 enum TitleUnit {
     Missing,
     Length,
+    Angle,
     /// A reading: a length or an angle.
     Reading,
 }
 
 /// Titles, besides those of axes and errors.
-const TITLES: [(&str, TitleUnit, Content); 34] = [
+const TITLES: [(&str, TitleUnit, Content); 47] = [
     ("dx", TitleUnit::Length, Content::Deviation(0)),
     ("dy", TitleUnit::Length, Content::Deviation(1)),
     ("dz", TitleUnit::Length, Content::Deviation(2)),
@@ -155,6 +174,18 @@ const TITLES: [(&str, TitleUnit, Content); 34] = [
     ("tracker.x", TitleUnit::Length, Content::Tracker(0)),
     ("tracker.y", TitleUnit::Length, Content::Tracker(1)),
     ("tracker.z", TitleUnit::Length, Content::Tracker(2)),
+    ("da", TitleUnit::Angle, Content::Turn(TurnKind::Rotation, 0)),
+    ("db", TitleUnit::Angle, Content::Turn(TurnKind::Rotation, 1)),
+    ("dc", TitleUnit::Angle, Content::Turn(TurnKind::Rotation, 2)),
+    ("level.a", TitleUnit::Angle, Content::Turn(TurnKind::Level, 0)),
+    ("level.b", TitleUnit::Angle, Content::Turn(TurnKind::Level, 1)),
+    ("level.c", TitleUnit::Angle, Content::Turn(TurnKind::Level, 2)),
+    ("collimator.a", TitleUnit::Angle, Content::Turn(TurnKind::Collimator, 0)),
+    ("collimator.b", TitleUnit::Angle, Content::Turn(TurnKind::Collimator, 1)),
+    ("collimator.c", TitleUnit::Angle, Content::Turn(TurnKind::Collimator, 2)),
+    ("axis.x", TitleUnit::Angle, Content::Turn(TurnKind::Axis, 0)),
+    ("axis.y", TitleUnit::Angle, Content::Turn(TurnKind::Axis, 1)),
+    ("axis.z", TitleUnit::Angle, Content::Turn(TurnKind::Axis, 2)),
     ("point", TitleUnit::Missing, Content::Point),
     ("station", TitleUnit::Missing, Content::Station),
     ("station.x", TitleUnit::Length, Content::StationAt(0)),
@@ -169,6 +200,7 @@ const TITLES: [(&str, TitleUnit, Content); 34] = [
     ("weight", TitleUnit::Missing, Content::Weight),
     ("u", TitleUnit::Reading, Content::Uncertainty(ReadingQuantity::Length)),
     ("run", TitleUnit::Missing, Content::Run),
+    ("session", TitleUnit::Missing, Content::Run),
     ("approach", TitleUnit::Missing, Content::Approach),
 ];
 
@@ -179,9 +211,11 @@ pub(super) fn columns(
 ) -> Result<(Vec<MeasurementColumn>, RowForm), HeaderFailure> {
     let columns = parse_columns(machine, header, separator)?;
     let contents: Vec<Content> = columns.iter().map(|column| column.content).collect();
-    let mut forms = contents.iter().filter_map(|content| content.form());
-    let form = forms.next().ok_or(HeaderFailure::NoReadings)?;
-    if forms.any(|other| other != form) {
+    let forms: Vec<RowForm> = contents.iter().filter_map(|content| content.form()).collect();
+    let rotations = RowForm::Turn(TurnKind::Rotation);
+    let other = forms.iter().find(|form| **form != rotations);
+    let form = *other.or(forms.first()).ok_or(HeaderFailure::NoReadings)?;
+    if forms.iter().any(|other| *other != form && !(*other == rotations && form.takes_rotations())) {
         return Err(HeaderFailure::MixedReadings);
     }
     check_ends(&contents, form)?;
@@ -236,8 +270,14 @@ fn check_positions(machine: &Machine, contents: &[Content]) -> Result<(), Header
 
 /// Returns a weight or uncertainties, and then of every quantity that is read.
 fn check_weights(contents: &[Content], form: RowForm) -> Result<(), HeaderFailure> {
-    let angle = |c: &Content| matches!(c, Content::Error(source, _) if source.direction.is_rotation());
-    let length = |c: &Content| form != RowForm::Error || (matches!(c, Content::Error(..)) && !angle(c));
+    let angle = |c: &Content| match c {
+        Content::Error(source, _) => source.direction.is_rotation(),
+        c => matches!(c, Content::Turn(..)),
+    };
+    let length = |c: &Content| match form {
+        RowForm::Error => matches!(c, Content::Error(..)) && !angle(c),
+        form => !matches!(form, RowForm::Turn(_)),
+    };
     let given = |quantity| contents.contains(&Content::Uncertainty(quantity));
     let given = (given(ReadingQuantity::Length), given(ReadingQuantity::Angle));
     if given == (false, false) {
@@ -268,6 +308,10 @@ fn check_ends(contents: &[Content], form: RowForm) -> Result<(), HeaderFailure> 
     }
     if form == RowForm::Position && contents.iter().filter(|c| matches!(c, Content::Tracker(_))).count() < 3 {
         return Err(HeaderFailure::PartOfPosition);
+    }
+    let horizontal = contents.iter().filter(|c| matches!(c, Content::Turn(TurnKind::Level | TurnKind::Collimator, _)));
+    if horizontal.count() > 2 {
+        return Err(HeaderFailure::ThirdRotation);
     }
     let normals = contents.iter().filter(|c| matches!(c, Content::Normal(_))).count();
     let has_normal = normals == 3;
@@ -306,6 +350,10 @@ fn column(machine: &Machine, cell: &str) -> Result<MeasurementColumn, HeaderFail
         (TitleUnit::Reading, Some(Ok((factor, Dimension::ANGLE)))) => {
             Ok(MeasurementColumn { content: Content::Uncertainty(ReadingQuantity::Angle), factor })
         }
+        (TitleUnit::Angle, Some(Ok((factor, Dimension::ANGLE | Dimension::RATIO)))) => {
+            Ok(MeasurementColumn { content: *content, factor })
+        }
+        (TitleUnit::Angle, _) => Err(HeaderFailure::NoAngleUnit(name.to_owned())),
         (TitleUnit::Length | TitleUnit::Reading, _) => {
             Ok(MeasurementColumn { content: *content, factor: length_factor(name, unit)? })
         }

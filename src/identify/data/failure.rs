@@ -1,6 +1,7 @@
 //! Failures of the header and of single rows of a file of measurements.
 
 use crate::diagnostic::shown;
+use crate::identify::thresholds::MAX_TURN_RAD;
 use crate::syntax::sheet::MixedDecimals;
 use crate::units;
 
@@ -54,6 +55,11 @@ pub(super) enum HeaderFailure {
     /// The title of a length.
     #[error("column `{0}` has no unit: write `{0} [um]` or `[mm]`")]
     NoLengthUnit(String),
+    /// The title of a rotation.
+    #[error("column `{0}` has no unit of angle: write `{0} [urad]`, `[arcsec]` or, of a slope, `[um/m]`")]
+    NoAngleUnit(String),
+    #[error("a level and an autocollimator read rotations about two axes: leave one of `.a`, `.b`, `.c` out")]
+    ThirdRotation,
     /// The title of an error.
     #[error("column `{0}` has no unit: write `{0} [um]` or `[urad]`")]
     NoErrorUnit(String),
@@ -87,6 +93,12 @@ pub(super) enum RowFailure {
     ReadingInPlan(String),
     #[error("`{}` is more than 1 km: compare the unit in the header", shown(.0))]
     Far(String),
+    #[error(
+        "`{}` is more than {MAX_TURN_RAD} rad: rotations are the small difference of the actual orientation from the \
+         nominal one; compare the unit in the header",
+        shown(.0)
+    )]
+    LargeRotation(String),
     /// A cell, and the weight that it gives.
     #[error("`{}`: weight {:e} is outside 1e-15 to 1e15", shown(.0), .1)]
     Weight(String, f64),

@@ -76,12 +76,49 @@ pub enum Reading {
         /// True of a touch.
         is_touch: bool,
     },
+    /// Rotation of the tool against the workpiece, or the direction of its axis, actual minus nominal, as an instrument
+    /// sees it whose frame is turned and whose target sits askew. Displacements (mm) over the usual lever by the
+    /// components of the skew part of the rotation (of the unit vector): they are linear in the actual orientation.
+    Turn {
+        values: [Option<f64>; 3],
+        of: TurnKind,
+        frame: Frame,
+        /// Indices of the unknown rotation of the instrument's frame, about the axes of the workpiece frame.
+        turned: [Option<usize>; 3],
+        /// Indices of the unknown rotation of the target, about the axes of the tool.
+        mounted: [Option<usize>; 3],
+    },
     /// A component error itself, as a single-axis measurement gives it.
     Error {
         /// mm; of an angle the displacement that it makes over 300 mm, so that unlike errors can be summed.
         value: f64,
         source: Source,
     },
+}
+
+/// Instruments that read orientations.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum TurnKind {
+    /// A six-degree probe or a camera: all three rotations.
+    Rotation,
+    /// An electronic level: rotations about horizontal axes of the machine.
+    Level,
+    /// An autocollimator: rotations about two axes of the machine.
+    Collimator,
+    /// The direction of the tool's axis: a telescope on its mount.
+    Axis,
+}
+
+impl TurnKind {
+    /// Returns its name in columns and unknowns.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Rotation => "rotation",
+            Self::Level => "level",
+            Self::Collimator => "collimator",
+            Self::Axis => "axis",
+        }
+    }
 }
 
 /// The other end of a distance.
@@ -91,6 +128,15 @@ pub enum DistanceEnd {
     Station(usize),
     /// The functional point itself at another pose.
     Pose(Pose),
+}
+
+/// A tool in a run, or without one.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct ToolUse {
+    /// Index in [`crate::machine::Machine::tools`].
+    pub tool: usize,
+    /// Its run, if runs were named.
+    pub run: Option<String>,
 }
 
 /// The kinds of rows, in the words of the reports.
@@ -112,12 +158,19 @@ pub enum ReadingKind {
     Error,
     /// Component errors that are angles.
     Angle,
+    /// Orientations.
+    Turn(TurnKind),
 }
 
 impl ReadingKind {
     /// Returns the unit in which people read it, and how many of it a mm of [`Reading`] is.
     pub fn unit(self) -> (&'static str, f64) {
-        if self == Self::Angle { ("urad", 1e6 / lever(Direction::A)) } else { ("um", 1e3) }
+        if self.is_angle() { ("urad", 1e6 / lever(Direction::A)) } else { ("um", 1e3) }
+    }
+
+    /// True of readings that are angles.
+    pub fn is_angle(self) -> bool {
+        matches!(self, Self::Angle | Self::Turn(_))
     }
 
     /// Returns its name in reports: `deviations`, `relative deviations` ...
@@ -131,6 +184,10 @@ impl ReadingKind {
             Self::Touch => "touches",
             Self::Error => "single errors",
             Self::Angle => "single angles",
+            Self::Turn(TurnKind::Rotation) => "rotations",
+            Self::Turn(TurnKind::Level) => "levels",
+            Self::Turn(TurnKind::Collimator) => "collimator readings",
+            Self::Turn(TurnKind::Axis) => "axis directions",
         }
     }
 }
@@ -153,7 +210,7 @@ impl Measurement {
     /// Returns which of the (up to three) numbers of a residual were read.
     pub fn reading_mask(&self) -> [bool; 3] {
         match &self.reading {
-            Reading::Deviation { values, .. } => values.map(|value| value.is_some()),
+            Reading::Deviation { values, .. } | Reading::Turn { values, .. } => values.map(|value| value.is_some()),
             Reading::Position { .. } => [true; 3],
             _ => [true, false, false],
         }
@@ -162,7 +219,9 @@ impl Measurement {
     /// Returns the numbers read; 0 for the others.
     pub fn values(&self) -> Vector3<f64> {
         match &self.reading {
-            Reading::Deviation { values, .. } => Vector3::from(values.map(|value| value.unwrap_or(0.0))),
+            Reading::Deviation { values, .. } | Reading::Turn { values, .. } => {
+                Vector3::from(values.map(|value| value.unwrap_or(0.0)))
+            }
             Reading::Position { value, .. } => *value,
             Reading::Distance { value, .. } | Reading::Along { value, .. } | Reading::Error { value, .. } => {
                 Vector3::new(*value, 0.0, 0.0)
@@ -184,6 +243,7 @@ impl Measurement {
             Reading::Distance { .. } => ReadingKind::Length,
             Reading::Along { is_touch: true, .. } => ReadingKind::Touch,
             Reading::Along { .. } => ReadingKind::Line,
+            Reading::Turn { of, .. } => ReadingKind::Turn(*of),
             Reading::Error { source, .. } if source.direction.is_rotation() => ReadingKind::Angle,
             Reading::Error { .. } => ReadingKind::Error,
         }
@@ -254,11 +314,17 @@ impl MeasurementSet {
     /// index of the first.
     pub(crate) fn unknown_frame(&mut self, name: &str) -> usize {
         let first = self.unknown_point(name, Vector3::zeros());
-        for letter in ["A", "B", "C"] {
-            let name = format!("{name}.{letter}");
-            self.nuisances.push(InstrumentUnknown { name, is_angle: true, start: 0.0, known: None, base: 0.0 });
-        }
+        (0..3).for_each(|k| {
+            let _ = self.unknown_angle(name, k);
+        });
         first
+    }
+
+    /// Adds an unknown rotation about an axis, `.A`, `.B` or `.C`, 0 to begin with; gives its index.
+    pub(crate) fn unknown_angle(&mut self, name: &str, k: usize) -> usize {
+        let name = format!("{name}.{}", ["A", "B", "C"][k]);
+        self.nuisances.push(InstrumentUnknown { name, is_angle: true, start: 0.0, known: None, base: 0.0 });
+        self.nuisances.len() - 1
     }
 
     /// Returns the lengths of the lists.

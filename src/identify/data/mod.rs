@@ -2,7 +2,8 @@
 //!
 //! 1. `columns`: the header of a file to columns.
 //! 2. [`read_measurements`]: cells to [`Measurement`]s; `station` finds where a distance measurement stands.
-//!    `tracker` has the exports of trackers, and the frame of their instrument, `touches` the unknowns of features.
+//!    `tracker` has the exports of trackers, and the frame of their instrument, `touches` the unknowns of features,
+//!    `turns` readings of orientations.
 //! 3. [`repeats()`]: poses that were measured more than once.
 //! 4. `candidates`: tables of what an instrument could read, for a plan.
 //!
@@ -19,11 +20,15 @@ mod repeats;
 mod station;
 mod touches;
 mod tracker;
+mod turns;
 
 pub use candidates::PlanInstrument;
 pub(crate) use candidates::taken_together;
 pub(super) use error_name::split_direction;
-pub use measurement::{DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, ReadingKind};
+pub use measurement::{
+    DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, ReadingKind, ToolUse, TurnKind,
+};
 pub(crate) use measurement::{LEVER_MM, lever};
 pub use reader::{ReadingContext, read_measurements};
 pub use repeats::{Repeats, repeats};
+pub(super) use turns::{rotation_to, tool_axis, turn_effects};

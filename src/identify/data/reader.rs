@@ -2,10 +2,13 @@
 
 use super::columns::{Content, LengthKind, MeasurementColumn, ReadingQuantity, RowForm, columns, pose_columns};
 use super::failure::RowFailure;
-use super::measurement::{DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, SetExtent, lever};
+use super::measurement::{
+    DistanceEnd, InstrumentUnknown, Measurement, MeasurementSet, Reading, SetExtent, TurnKind, lever,
+};
 use super::station::{self, StationFailure};
 use super::touches::{Touch, TouchUnknowns};
 use super::tracker::{self, InstrumentFrame, PointColumns, PointFailure, TrackedPoint};
+use super::turns::{self, SeenTurn};
 use crate::diagnostic::{Diagnostic, Diagnostics, Place, codes, did_you_mean, shown};
 use crate::evaluate::Frame;
 use crate::identify::lists::index_of;
@@ -44,6 +47,8 @@ struct Draft {
     normal: [f64; 3],
     /// Place in the instrument's frame.
     tracker: [Option<f64>; 3],
+    /// Components of an orientation (rad).
+    turn: [Option<f64>; 3],
     point: String,
 }
 
@@ -53,6 +58,7 @@ impl Draft {
         match *content {
             Content::Deviation(k) | Content::Relative(k) => deviation[k] = Some(0.0),
             Content::Tracker(k) => self.tracker[k] = Some(0.0),
+            Content::Turn(_, k) => self.turn[k] = Some(0.0),
             Content::Error(source, approach) => self.errors.push((source, approach.unwrap_or_default(), 0.0)),
             Content::Length(kind) => self.length = Some((kind, 0.0)),
             _ => {}
@@ -142,8 +148,8 @@ pub fn read_measurements(
 
 const COLUMNS: &str = "a measurement file has a column for each axis (mm, deg), and `dx [um]`, `dy [um]`, `dz [um]`, \
     or another kind of reading: `rel.dx [um]`, `ball`, `feature`, `tracker.x [mm]`, `length [mm]`, \
-    `displacement [mm]`, `dl [um]`, `along [um]`, `EXX [um]`; optionally `tool`, `run`, `approach`, `weight` or \
-    `u [um]`";
+    `displacement [mm]`, `dl [um]`, `along [um]`, `da [urad]`, `level.a [um/m]`, `EXX [um]`; optionally \
+    `tool`, `run`, `approach`, `weight` or `u [um]`";
 const POINTS: &str = "an export of points has columns such as `point`, `X [mm]`, `Y [mm]`, `Z [mm]`; `--axis-poses \
     FILE` has their poses: a column for each axis, and `point`, or a row for each point in their order";
 const ROWS: &str =
@@ -280,9 +286,10 @@ impl MeasurementReader<'_> {
         diagnostics: &mut Diagnostics,
     ) -> Option<Vec<Draft>> {
         let (mut drafts, mut mistakes, mut decimals) = (Vec::new(), 0, Decimals::default());
+        let has_turns = columns.iter().any(|column| matches!(column.content, Content::Turn(..)));
         for line in lines {
             match self.draft(columns, &line, separator, &mut decimals) {
-                Ok(draft) if self.form == RowForm::Deviation => self.data.rows.push(draft.row),
+                Ok(draft) if self.form == RowForm::Deviation && !has_turns => self.data.rows.push(draft.row),
                 Ok(draft) if self.form == RowForm::Error => self.errors(draft),
                 Ok(draft) => drafts.push(draft),
                 Err(failure) if mistakes < MAX_MISTAKES => {
@@ -315,6 +322,7 @@ impl MeasurementReader<'_> {
             feature: String::new(),
             normal: [0.0; 3],
             tracker: [None; 3],
+            turn: [None; 3],
             point: String::new(),
         }
     }
@@ -352,8 +360,13 @@ impl MeasurementReader<'_> {
                 Content::Axis(axis) => draft.row.pose[axis] = scaled()?,
                 Content::To(axis) => to.push((axis, scaled()?)),
                 // Not measured.
-                Content::Deviation(_) | Content::Relative(_) | Content::Error(..) | Content::Tool
+                Content::Deviation(_)
+                | Content::Relative(_)
+                | Content::Turn(..)
+                | Content::Error(..)
+                | Content::Tool
                     if cell.is_empty() => {}
+                Content::Turn(_, k) => draft.turn[k] = Some(turns::small(scaled()?, cell)?),
                 Content::Deviation(k) | Content::Relative(k) => values[k] = Some(near(scaled()?, cell)?),
                 Content::Error(source, approach) => {
                     draft.errors.push((source, approach.unwrap_or_default(), near(scaled()?, cell)?));
@@ -394,7 +407,9 @@ impl MeasurementReader<'_> {
             return Err(RowFailure::NoNormal);
         }
         let nothing = match self.form {
-            RowForm::Deviation | RowForm::Relative => draft.row.readings() == 0,
+            RowForm::Deviation | RowForm::Relative | RowForm::Turn(_) => {
+                draft.row.readings() == 0 && draft.turn == [None; 3]
+            }
             RowForm::Error => draft.errors.is_empty(),
             _ => false,
         };
@@ -407,8 +422,13 @@ impl MeasurementReader<'_> {
     }
 
     fn rows(&mut self, drafts: Vec<Draft>) -> Result<(), Box<Diagnostic>> {
+        let (before, has_turns) = (self.data.rows.len(), drafts.iter().any(|draft| draft.turn != [None; 3]));
+        self.turns(&drafts);
+        let read = |draft: &Draft| draft.row.readings() > 0;
         match self.form {
-            RowForm::Deviation | RowForm::Error => {}
+            RowForm::Error | RowForm::Turn(_) => {}
+            RowForm::Deviation => self.data.rows.extend(drafts.into_iter().filter(read).map(|draft| draft.row)),
+            RowForm::Relative if has_turns => self.relative(drafts.into_iter().filter(read).collect()),
             RowForm::Relative => self.relative(drafts),
             RowForm::Ball => self.balls(drafts)?,
             RowForm::Along => self.lines(drafts)?,
@@ -417,7 +437,33 @@ impl MeasurementReader<'_> {
             RowForm::Distance if drafts.iter().any(|draft| draft.to.is_some()) => self.pairs(drafts)?,
             RowForm::Distance => self.stations(drafts)?,
         }
+        if has_turns {
+            // Position and rotation of a row stand together.
+            self.data.rows[before..].sort_by_key(|row| row.place.range.start);
+        }
         Ok(())
+    }
+
+    /// Adds orientations. Beside deviations they are in the frame of these.
+    fn turns(&mut self, drafts: &[Draft]) {
+        let (of, frame) = match self.form {
+            RowForm::Turn(TurnKind::Axis) => (TurnKind::Axis, Frame::Tool),
+            RowForm::Turn(of @ (TurnKind::Level | TurnKind::Collimator)) => (of, Frame::Machine),
+            _ => (TurnKind::Rotation, self.frame),
+        };
+        let (machines, tools) = (&self.machines, self.machine.tools());
+        let seen = |draft: &Draft| SeenTurn {
+            machine: &machines[draft.row.tool],
+            row: Measurement { weight: draft.angles.unwrap_or(draft.row.weight), ..draft.row.clone() },
+            values: draft.turn,
+            tool: NominalPose::in_part(&machines[draft.row.tool], &draft.row.pose),
+        };
+        let read = drafts.iter().filter(|draft| draft.turn != [None; 3]);
+        let runs = runs(read.cloned().collect(), |_| String::new());
+        let name = format!("{}{}", self.file, of.label());
+        let runs = runs.into_iter().map(|(run, drafts)| (run, drafts.iter().map(seen).collect())).collect();
+        let of_tool = |tool: usize| if tools.len() > 1 { format!(" {}", tools[tool].name) } else { String::new() };
+        turns::add(&mut self.data, of, frame, self.form != RowForm::Deviation, &name, runs, &of_tool);
     }
 
     fn errors(&mut self, draft: Draft) {

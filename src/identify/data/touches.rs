@@ -31,11 +31,11 @@ pub(super) struct TouchUnknowns {
 
 /// Orthonormal columns.
 #[derive(Default)]
-struct Columns(Vec<DVector<f64>>);
+pub(super) struct Columns(Vec<DVector<f64>>);
 
 impl Columns {
     /// Adds a column, unless it is too small or depends on the others.
-    fn add(&mut self, column: &DVector<f64>) -> bool {
+    pub fn add(&mut self, column: &DVector<f64>) -> bool {
         let rest = beside(column.clone(), &self.0);
         let norm = rest.norm();
         let is_seen = norm > MIN_TOUCH_SHARE * (column.len() as f64).sqrt();
@@ -46,10 +46,15 @@ impl Columns {
     }
 }
 
-/// Returns what features, of which these are the spans of columns, do not take up of a column of all touches.
-fn beside_features(column: &DVector<f64>, features: &[(String, Vec<usize>)], spans: &[Columns]) -> DVector<f64> {
+/// Returns what features (or runs), of which these are the members and the spans of columns, do not take up of a column
+/// of all touches.
+pub(super) fn beside_features<'m>(
+    column: &DVector<f64>,
+    features: impl Iterator<Item = &'m Vec<usize>>,
+    spans: &[Columns],
+) -> DVector<f64> {
     let mut rest = column.clone();
-    for ((_, members), span) in features.iter().zip(spans) {
+    for (members, span) in features.zip(spans) {
         let own = DVector::from_iterator(members.len(), members.iter().map(|i| column[*i]));
         members.iter().zip(beside(own, &span.0).iter()).for_each(|(i, x)| rest[*i] = *x);
     }
@@ -86,7 +91,7 @@ impl TouchUnknowns {
             };
             for (part, word) in ["constant", "lobe cos", "lobe sin"].into_iter().enumerate() {
                 let column = DVector::from_iterator(count, touches.iter().map(|touch| share(touch, part)));
-                let rest = beside_features(&column, features, &spans);
+                let rest = beside_features(&column, features.iter().map(|(_, members)| members), &spans);
                 if own.add(&rest) {
                     let known = (part > 0).then_some(TOUCH_LOBE_MM);
                     all.push(

@@ -111,6 +111,12 @@ impl Gauge {
         self.way + Vector3::from_fn(|k, _| theta[self.ends[1] + k] - theta[self.ends[0] + k])
     }
 
+    /// Returns the distance (mm) at these unknowns, and its derivatives by unknown.
+    pub(crate) fn found(&self, theta: &[f64]) -> (f64, [(usize, f64); 6]) {
+        let (row, _) = self.row(theta);
+        (self.way(theta).norm(), row.map(|(j, share)| (j, share * self.sigma)))
+    }
+
     /// True if both are of the same two points.
     pub fn is_of_same(&self, other: &Self) -> bool {
         self.ends == other.ends || [self.ends[1], self.ends[0]] == other.ends

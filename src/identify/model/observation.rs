@@ -1,8 +1,9 @@
 //! Readings as functions of the actual geometry: the one place that knows the kinds of reading.
 
 use crate::algebra::{Algebra, exp_hat, hat, left_jacobian};
-use crate::evaluate::Frame;
-use crate::identify::data::{DistanceEnd, Measurement, Reading, lever};
+use crate::identify::data::{
+    DistanceEnd, LEVER_MM, Measurement, Reading, TurnKind, lever, rotation_to, tool_axis, turn_effects,
+};
 use crate::lower::{NominalPose, Source};
 use crate::machine::Machine;
 use nalgebra::{Matrix3, Vector3};
@@ -11,8 +12,23 @@ use nalgebra::{Matrix3, Vector3};
 pub(in crate::identify) enum ReadingSubject<'a> {
     /// The functional point at a pose.
     Point(&'a [f64]),
+    /// The vector of the skew part of actual times inverse nominal orientation at a pose: of a small rotation its
+    /// vector.
+    Turn(&'a [f64]),
+    /// The unit vector along the axis of the tool at a pose.
+    Axis(&'a [f64]),
     /// A component error at the pose of the measurement, as the first coordinate.
     Error(Source),
+}
+
+impl<'a> ReadingSubject<'a> {
+    /// Returns the pose of a subject that has one of its own.
+    pub fn pose(&self) -> Option<&'a [f64]> {
+        match self {
+            Self::Point(pose) | Self::Turn(pose) | Self::Axis(pose) => Some(pose),
+            Self::Error(_) => None,
+        }
+    }
 }
 
 /// A reading (mm, in its own frame) of subjects over an algebra; the first [`Measurement::reading_mask`] components
@@ -28,7 +44,7 @@ pub(in crate::identify) struct Observation<S> {
 
 /// The linear map from displacements of a subject to changes of a reading.
 pub(in crate::identify) enum Slope<S> {
-    /// All three components, in another frame.
+    /// All three components, in another frame (of rotations times the lever).
     Rotation(Matrix3<f64>),
     /// The component along a fixed direction.
     Along(Vector3<f64>),
@@ -106,20 +122,29 @@ pub(in crate::identify) fn observe<S: Algebra>(
                 by_unknown: less.iter().map(|(index, share)| (*index, first(-share))).collect(),
             }
         }
+        Reading::Turn { of, frame, turned, mounted, .. } => {
+            let nominal = NominalPose::in_part(machine, &m.pose);
+            let to_frame = rotation_to(*frame, &nominal) * LEVER_MM;
+            let seen = match of {
+                TurnKind::Axis => subtract(&at(ReadingSubject::Axis(&m.pose)), &tool_axis(machine, &nominal)),
+                _ => at(ReadingSubject::Turn(&m.pose)),
+            };
+            let part = |indices: &[Option<usize>; 3], about: &Matrix3<f64>| {
+                let (effects, indices) = (turn_effects(machine, *of, *frame, &nominal, about) * LEVER_MM, *indices);
+                (0..3).filter_map(move |k| Some((indices[k]?, effects.column(k).into_owned())))
+            };
+            let by_frame = part(turned, &Matrix3::identity());
+            let by_mount = part(mounted, &nominal.pose.linear);
+            let by_unknown: Vec<(usize, Vector3<f64>)> = by_frame.chain(by_mount).collect();
+            let added = by_unknown.iter().map(|(index, by)| by * unknowns[*index]).sum::<Vector3<f64>>();
+            let value = subtract(&rotate(&to_frame, &seen), &-added);
+            Observation { value, slope: Slope::Rotation(to_frame), by_unknown }
+        }
         Reading::Error { source, .. } => {
             let direction = first(lever(source.direction));
             let value = single(along(&direction, &at(ReadingSubject::Error(*source))));
             Observation { value, slope: Slope::Along(direction), by_unknown: Vec::new() }
         }
-    }
-}
-
-/// Returns the rotation from the workpiece frame, that of the part, to another.
-pub(super) fn rotation_to(frame: Frame, nominal: &NominalPose) -> Matrix3<f64> {
-    match frame {
-        Frame::Workpiece => Matrix3::identity(),
-        Frame::Machine => nominal.r_work,
-        Frame::Tool => nominal.pose.linear.transpose(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Fitted parameters: each moves one or more error sources, each by a basis function of the axis position.
 
-use crate::identify::data::{InstrumentUnknown, MeasurementSet, Reading, lever};
+use crate::identify::data::{InstrumentUnknown, Measurement, MeasurementSet, Reading, lever};
 use crate::identify::thresholds::SLOPE_SITES;
 use crate::lower::{ErrorSite, Source};
 use crate::machine::{Approach, AxisKind, Curve, Direction, ErrorId, Knots, Machine, sin_cos_degrees};
@@ -50,12 +50,30 @@ pub struct ParameterTerm {
     pub factor: f64,
     /// Acts in this direction of approach only; half in their mean. `Mean`: always.
     pub approach: Approach,
+    /// Acts on readings with this tool only.
+    pub only: Option<ClampedTool>,
+}
+
+/// A tool as it was clamped: for all readings, or for those of one run (or without a run).
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClampedTool {
+    /// Index in [`Machine::tools`].
+    pub tool: usize,
+    /// Its run, where each run has a clamping of its own.
+    pub run: Option<Option<String>>,
+}
+
+impl ClampedTool {
+    /// True if a measurement was taken with it.
+    pub(crate) fn holds(&self, m: &Measurement) -> bool {
+        self.tool == m.tool && self.run.as_ref().is_none_or(|run| *run == m.run)
+    }
 }
 
 impl ParameterTerm {
     /// Returns a term that acts in both directions.
     pub(crate) fn new(source: Source, basis: BasisFunction, factor: f64) -> Self {
-        Self { source, basis, factor, approach: Approach::Mean }
+        Self { source, basis, factor, approach: Approach::Mean, only: None }
     }
 }
 
@@ -118,6 +136,11 @@ impl Parameter {
         }
         let exponent = if power > 1 { format!("^{power}") } else { String::new() };
         Self { name, unit: format!("{unit}{per}{exponent}"), factor, terms, start, size }
+    }
+
+    /// True if it is of a tool as it was clamped: fitted and reported, and no part of the fitted machine.
+    pub fn is_clamping(&self) -> bool {
+        self.terms.iter().any(|term| term.only.is_some())
     }
 
     /// True if it belongs to an instrument or a set-up.

@@ -4,14 +4,15 @@
 use super::gauge::Gauge;
 use super::known::PriorValue;
 use super::observation::{Observation, ReadingSubject, observe, rotate, single};
-use super::parameter::{BasisFunction, Parameter, ParameterTerm, SlopeBound, approach_weight};
+use super::parameter::{BasisFunction, ClampedTool, Parameter, ParameterTerm, SlopeBound, approach_weight};
 use crate::algebra::linear::{ReducedSystem, Triangle};
-use crate::algebra::{Algebra, Dual};
+use crate::algebra::{Algebra, Dual, hat};
 use crate::evaluate::Order;
-use crate::identify::data::Measurement;
+use crate::identify::data::{Measurement, tool_axis};
 use crate::identify::lists::index_of;
 use crate::lower::{
-    ErrorLift, ErrorSite, ErrorValues, Exact, NominalPose, OrderN, Source, point, position_jacobian, values,
+    ErrorLift, ErrorSite, ErrorValues, Exact, NominalPose, OrderN, PositionJacobian, Source, direction_jacobian, point,
+    position_jacobian, values,
 };
 use crate::machine::{Approach, LocationOrder, Machine};
 use crate::run::Advance;
@@ -59,13 +60,20 @@ pub struct RigidMotion {
 }
 
 /// Effect of a parameter on a source: factor times function. Indices are those of the model's lists.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct TermLink {
     parameter: usize,
     source: usize,
     function: usize,
     factor: f64,
     approach: Approach,
+    only: Option<ClampedTool>,
+}
+
+impl TermLink {
+    fn acts_on(&self, m: &Measurement) -> bool {
+        self.only.as_ref().is_none_or(|clamped| clamped.holds(m))
+    }
 }
 
 /// A predicted reading and its derivatives; the first [`Measurement::reading_mask`] components count.
@@ -116,7 +124,8 @@ impl<'a> FitModel<'a> {
                 basis => index_of(&mut functions, (axis, basis.clone())),
             };
             let source = index_of(&mut sources, term.source);
-            TermLink { parameter, source, function, factor: term.factor, approach: term.approach }
+            let (factor, approach, only) = (term.factor, term.approach, term.only.clone());
+            TermLink { parameter, source, function, factor, approach, only }
         };
         let terms = parameters.iter().enumerate().flat_map(|(j, p)| p.terms.iter().map(move |term| (j, term)));
         let links = terms.map(|(j, term)| link(j, term)).collect();
@@ -251,20 +260,24 @@ impl<'a> FitModel<'a> {
     }
 
     /// Returns for each link the effect of a unit of its parameter on its source: `weight factor basis(q)`.
-    fn shares(&self, pose: &[f64], approach: Approach) -> Vec<f64> {
+    fn shares(&self, m: &Measurement, pose: &[f64]) -> Vec<f64> {
         let functions: Vec<f64> = self.functions.iter().map(|(axis, basis)| basis.value(pose[*axis])).collect();
-        self.links.iter().map(|l| approach_weight(l.approach, approach) * l.factor * functions[l.function]).collect()
+        let share = |l: &TermLink| match l.acts_on(m) {
+            true => approach_weight(l.approach, m.approach) * l.factor * functions[l.function],
+            false => 0.0,
+        };
+        self.links.iter().map(share).collect()
     }
 
     /// Returns the errors at a pose: fitted sources by the parameters, the others as the machine file says.
     fn errors(&self, measurement: &Measurement, pose: &[f64], theta: &[f64], shares: &[f64]) -> ErrorValues {
         let mut errors = values(self.machine(measurement), &measurement.approach.at_pose(pose));
-        let mut sums = vec![0.0; self.sources.len()];
-        for (link, share) in self.links.iter().zip(shares) {
-            sums[link.source] += theta[link.parameter] * share;
+        let mut sums = vec![None; self.sources.len()];
+        for (link, share) in self.links.iter().zip(shares).filter(|(link, _)| link.acts_on(measurement)) {
+            *sums[link.source].get_or_insert(0.0) += theta[link.parameter] * share;
         }
         for (source, sum) in self.sources.iter().zip(sums) {
-            *slot(&mut errors, *source) = sum;
+            sum.into_iter().for_each(|sum| *slot(&mut errors, *source) = sum);
         }
         errors
     }
@@ -300,11 +313,39 @@ impl<'a> FitModel<'a> {
         rotate(stand.rotation.matrix(), &displacement)
     }
 
+    /// Returns the deviation of the orientation at a pose, or the axis of the tool, where the workpiece stands, and the
+    /// derivatives by `sources`.
+    fn orientation<S: Scheme>(
+        &self,
+        m: &Measurement,
+        pose: &[f64],
+        errors: &ErrorValues,
+        sources: &[Source],
+        of_axis: bool,
+    ) -> PositionJacobian<S> {
+        let machine = self.machine(m);
+        let zero = || Vector3::from_fn(|_, _| S::zero());
+        let mut sum = PositionJacobian { point: zero(), derivatives: vec![zero(); sources.len()] };
+        let nominal = NominalPose::in_part(machine, pose).pose.linear;
+        for k in if of_axis { 0..1 } else { 0..3 } {
+            let direction = if of_axis { Vector3::from(machine.tool().direction) } else { Vector3::ith(k, 1.0) };
+            let image = direction_jacobian(machine, pose, errors, &S::LIFT, sources, &direction);
+            // Of the matrix with columns r where the nominal one has n, 1/2 sum n x r is the vector of the skew part.
+            let map = hat(&nominal.column(k).into_owned().into()) * 0.5;
+            let part = |x: Vector3<S>| if of_axis { self.turned(x) } else { rotate(&map, &self.turned(x)) };
+            sum.point += part(image.point);
+            sum.derivatives.iter_mut().zip(image.derivatives).for_each(|(sum, d)| *sum += part(d));
+        }
+        sum
+    }
+
     /// Returns the predicted reading over an algebra.
     fn reading<S: Scheme>(&self, m: &Measurement, theta: &[f64]) -> Vector3<S> {
-        let errors = |pose: &[f64]| self.errors(m, pose, theta, &self.shares(pose, m.approach));
+        let errors = |pose: &[f64]| self.errors(m, pose, theta, &self.shares(m, pose));
         let at = |subject: ReadingSubject<'_>| match subject {
             ReadingSubject::Point(pose) => self.placed(point(self.machine(m), pose, &errors(pose), &S::LIFT)),
+            ReadingSubject::Turn(pose) => self.orientation(m, pose, &errors(pose), &[], false).point,
+            ReadingSubject::Axis(pose) => self.orientation(m, pose, &errors(pose), &[], true).point,
             ReadingSubject::Error(source) => single(S::LIFT.lift(source, errors(&m.pose).of(source))),
         };
         self.observe(m, theta, at).value
@@ -339,7 +380,8 @@ impl<'a> FitModel<'a> {
     fn nominal_reading(&self, m: &Measurement, theta: &[f64]) -> Vector3<f64> {
         let at = |subject: ReadingSubject<'_>| match subject {
             ReadingSubject::Point(pose) => NominalPose::in_part(self.machine(m), pose).pose.translation,
-            ReadingSubject::Error(_) => Vector3::zeros(),
+            ReadingSubject::Axis(pose) => tool_axis(self.machine(m), &NominalPose::in_part(self.machine(m), pose)),
+            ReadingSubject::Turn(_) | ReadingSubject::Error(_) => Vector3::zeros(),
         };
         self.observe(m, theta, at).value
     }
@@ -426,14 +468,20 @@ impl<'a> FitModel<'a> {
         // For each subject: derivatives by the sources, and the effects of the parameters on the sources there.
         let mut derivatives: Vec<(Vec<Vector3<S>>, Vec<f64>)> = Vec::new();
         let observed = self.observe(m, theta, |subject| {
-            let pose = if let ReadingSubject::Point(pose) = subject { pose } else { &m.pose };
-            let shares = self.shares(pose, m.approach);
+            let pose = subject.pose().unwrap_or(&m.pose);
+            let shares = self.shares(m, pose);
             let errors = self.errors(m, pose, theta, &shares);
             let (point, by_source) = match subject {
                 ReadingSubject::Point(pose) => {
                     let jacobian = position_jacobian(self.machine(m), pose, &errors, &S::LIFT, &self.sources);
                     let turned = jacobian.derivatives.into_iter().map(|d| self.turned(d)).collect();
                     (self.placed(jacobian.point), turned)
+                }
+                ReadingSubject::Turn(_) | ReadingSubject::Axis(_) => {
+                    let of_axis = matches!(subject, ReadingSubject::Axis(_));
+                    let PositionJacobian { point, derivatives } =
+                        self.orientation(m, pose, &errors, &self.sources, of_axis);
+                    (point, derivatives)
                 }
                 ReadingSubject::Error(source) => {
                     let by = |s: &Source| single(if *s == source { S::one() } else { S::zero() });

@@ -5,7 +5,7 @@
 //! be large and cancel, as long as the curve is small.
 
 use super::gauge::Gauge;
-use super::parameter::{BasisFunction, Parameter};
+use super::parameter::{BasisFunction, ClampedTool, Parameter, ParameterTerm};
 use super::prediction::FitModel;
 use crate::algebra::linear::{ReducedSystem, Svd, Triangle};
 use crate::evaluate::Order;
@@ -137,12 +137,12 @@ fn initial_rms(own: usize, data: &[Measurement], home: &ReducedSystem) -> f64 {
 fn metric(model: &FitModel<'_>) -> DMatrix<f64> {
     let list = model.parameters();
     let mut triangle = Triangle::new(list.len());
-    let mut done: Vec<(Source, Approach)> = Vec::new();
+    let mut done: Vec<(Source, Approach, Option<ClampedTool>)> = Vec::new();
     for term in list.iter().flat_map(|p| &p.terms) {
-        let key = (term.source, term.approach);
+        let key = (term.source, term.approach, term.only.clone());
         if !done.contains(&key) {
+            effects(model, &key).into_iter().for_each(|row| triangle.push(row, 0.0));
             done.push(key);
-            effects(model, key.0, key.1).into_iter().for_each(|row| triangle.push(row, 0.0));
         }
     }
     for (j, parameter) in list.iter().enumerate() {
@@ -154,14 +154,16 @@ fn metric(model: &FitModel<'_>) -> DMatrix<f64> {
 
 /// Returns the displacements (mm) that a unit of each unknown makes by an error, a row for each position of the travel,
 /// over the root of their number; a single row for constants.
-fn effects(model: &FitModel<'_>, source: Source, approach: Approach) -> Vec<Vec<f64>> {
+fn effects(model: &FitModel<'_>, key: &(Source, Approach, Option<ClampedTool>)) -> Vec<Vec<f64>> {
+    let source = key.0;
+    let is_of = |t: &ParameterTerm| (t.source, t.approach) == (source, key.1) && t.only == key.2;
     let mine = |p: &Parameter, q: f64| {
-        let terms = p.terms.iter().filter(|t| (t.source, t.approach) == (source, approach));
+        let terms = p.terms.iter().filter(|t| is_of(t));
         terms.map(|t| t.factor * t.basis.value(q)).sum::<f64>() * lever(source.direction)
     };
     let row = |q: f64| model.parameters().iter().map(|p| mine(p, q)).collect::<Vec<f64>>();
     let mut terms = model.parameters().iter().flat_map(|p| &p.terms);
-    let is_curve = terms.any(|t| (t.source, t.approach) == (source, approach) && t.basis != BasisFunction::Constant);
+    let is_curve = terms.any(|t| is_of(t) && t.basis != BasisFunction::Constant);
     let ErrorSite::Component(axis) = source.place else { return vec![row(0.0)] };
     if !is_curve {
         return vec![row(0.0)];

@@ -1,13 +1,13 @@
-//! The request of a fit in words: groups (`location`, `tool`, `workpiece`, `spindle`, `linear`), error names, component
-//! errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EYX:bspline8`, `EBY:blocks4`), each direction of
-//! approach for itself if wanted (`EXX+-:poly3`), and parameters of one's own.
+//! The request of a fit in words: groups (`location`, `tool`, `tools`, `workpiece`, `linear` ...), error names,
+//! component errors with a basis (`EXX:poly3`, `ECC:fourier2`, `EYX:spline8`, `EYX:bspline8`, `EBY:blocks4`), each
+//! direction of approach for itself if wanted (`EXX+-:poly3`), and parameters of one's own.
 
 use super::curves::{self, MAX_POWER};
-use super::parameter::{BasisFunction, Parameter, ParameterTerm, SlopeBound, source};
+use super::parameter::{BasisFunction, ClampedTool, Parameter, ParameterTerm, SlopeBound, source};
 use super::refusal::{Refusal, refusal};
 use crate::algebra::linear::Svd;
 use crate::diagnostic::{Diagnostic, codes, did_you_mean, shown};
-use crate::identify::data::split_direction;
+use crate::identify::data::{ToolUse, split_direction};
 use crate::identify::lists::index_of;
 use crate::identify::thresholds::DESIGN_RANK_TOLERANCE;
 use crate::lower::{ErrorSite, Source};
@@ -19,17 +19,27 @@ use crate::syntax::{IdentifyEntry, Scalar};
 use indexmap::IndexMap;
 use nalgebra::{DMatrix, DVector};
 
-const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
+const GROUPS: [&str; 7] = ["location", "tool", TOOLS, TOOLS_BY_RUN, "workpiece", "spindle", "linear"];
+/// Every tool by itself.
+const TOOLS: &str = "tools";
+/// Every tool by itself in each run.
+const TOOLS_BY_RUN: &str = "tools-by-run";
 
-/// Returns the parameters of a request, in its order, each once.
+/// Returns the parameters of a request for a machine with all its tools, in its order, each once.
 pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
+    let uses: Vec<ToolUse> = (0..machine.tools().len()).map(|tool| ToolUse { tool, run: None }).collect();
+    parameters_for(machine, request, &uses)
+}
+
+/// Returns the same for readings with these tools in these runs.
+pub fn parameters_for(machine: &Machine, request: &IdentifyEntry, uses: &[ToolUse]) -> Result<Vec<Parameter>, Refusal> {
     let mut list: Vec<Parameter> = Vec::new();
     // A faulty parameter of one's own is refused whether it is fitted or not.
     for (name, errors) in &request.parameters {
         own_parameter(machine, name, errors)?;
     }
     for word in &request.fit {
-        for mut parameter in parameters_of_word(machine, word.trim(), request)? {
+        for mut parameter in parameters_of_word(machine, word.trim(), request, uses)? {
             if word.trim() == "linear" {
                 free_straightness(machine, request, &mut parameter);
             }
@@ -37,7 +47,7 @@ pub fn parameters(machine: &Machine, request: &IdentifyEntry) -> Result<Vec<Para
         }
     }
     for word in &request.fixed {
-        let fixed = fixed_names(machine, word.trim(), &list)?;
+        let fixed = fixed_names(machine, word.trim(), &list, uses)?;
         list.retain(|parameter| !fixed.contains(&parameter.name));
     }
     for (follower, leaders) in &request.tied {
@@ -122,7 +132,9 @@ pub fn with_command_line(
     if !fit.is_empty() {
         replace_fit(&mut request, fit);
     }
-    let alone = IdentifyEntry { tied: IndexMap::new(), slopes: IndexMap::new(), ..request.clone() };
+    let mut alone = IdentifyEntry { tied: IndexMap::new(), slopes: IndexMap::new(), ..request.clone() };
+    // Tools of single runs, which the readings know, follow no error.
+    let _ = [&mut alone.fit, &mut alone.fixed].map(|list| list.retain(|word| !word.trim().starts_with("tool ")));
     let Ok(list) = parameters(machine, &alone) else { return request };
     let fitted = |key: &String| {
         let source = parse_error_name(key).map(|error| source(machine, &error));
@@ -200,13 +212,14 @@ fn add_unique(list: &mut Vec<Parameter>, parameter: Parameter) -> Result<(), Ref
     let clash = |known: &&Parameter| {
         let unlike = curve_form(known) != curve_form(&parameter);
         let at_odds = |a: &ParameterTerm, b: &ParameterTerm| {
-            let unlike = unlike || a.basis.knots() != b.basis.knots() || a.approach != b.approach;
+            let run = |t: &ParameterTerm| t.only.as_ref().map(|of| of.run.is_some());
+            let unlike = unlike || a.basis.knots() != b.basis.knots() || a.approach != b.approach || run(a) != run(b);
             a.source == b.source && meet(a.approach, b.approach) && unlike
         };
         known.terms.iter().any(|a| parameter.terms.iter().any(|b| at_odds(a, b)))
     };
     if let Some(known) = list.iter().find(clash) {
-        let message = format!("`{}` and `{}` fit the same error curve in two forms", known.name, parameter.name);
+        let message = format!("`{}` and `{}` fit the same error in two forms", known.name, parameter.name);
         return Err(refusal(message, "fit every error once, in one form"));
     }
     list.push(parameter);
@@ -267,21 +280,17 @@ const SLOPE: &str = "linear";
 const OWN: &str = "own";
 
 /// Returns the names of the parameters that a word of `fixed` removes.
-fn fixed_names(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<String>, Refusal> {
+fn fixed_names(machine: &Machine, word: &str, list: &[Parameter], uses: &[ToolUse]) -> Result<Vec<String>, Refusal> {
+    let request = IdentifyEntry::default();
+    refuse_unread(machine, word, uses)?;
     if GROUPS.contains(&word) {
-        return Ok(parameters_of_word(machine, word, &IdentifyEntry::default())?.into_iter().map(|p| p.name).collect());
+        return Ok(parameters_of_word(machine, word, &request, uses)?.into_iter().map(|p| p.name).collect());
     }
     if list.iter().any(|p| p.name == word) {
         return Ok(vec![word.to_owned()]);
     }
     // A known name that is not fitted removes nothing.
-    let of_setup = setup(machine, ErrorSite::Tool, "tool", &machine.setup().tool).into_iter().chain(setup(
-        machine,
-        ErrorSite::Workpiece,
-        "workpiece",
-        &machine.setup().workpiece,
-    ));
-    if split_form(word).is_some() || of_setup.into_iter().any(|p| p.name == word) {
+    if split_form(word).is_some() || named_parameter(machine, word, &request, uses).is_some() {
         return Ok(Vec::new());
     }
     let error = error(machine, word)?;
@@ -289,7 +298,13 @@ fn fixed_names(machine: &Machine, word: &str, list: &[Parameter]) -> Result<Vec<
     Ok(list.iter().filter(moves_error).map(|p| p.name.clone()).collect())
 }
 
-fn parameters_of_word(machine: &Machine, word: &str, request: &IdentifyEntry) -> Result<Vec<Parameter>, Refusal> {
+fn parameters_of_word(
+    machine: &Machine,
+    word: &str,
+    request: &IdentifyEntry,
+    uses: &[ToolUse],
+) -> Result<Vec<Parameter>, Refusal> {
+    refuse_unread(machine, word, uses)?;
     match word {
         "location" => Ok(machine.axes().iter().enumerate().flat_map(|(i, _)| six(machine, i)).collect()),
         "spindle" if machine.spindle_errors().is_none() => {
@@ -299,15 +314,19 @@ fn parameters_of_word(machine: &Machine, word: &str, request: &IdentifyEntry) ->
         "tool" => Ok(setup(machine, ErrorSite::Tool, "tool", &machine.setup().tool)),
         "workpiece" => Ok(setup(machine, ErrorSite::Workpiece, "workpiece", &machine.setup().workpiece)),
         "linear" => Ok(linear(machine)),
-        _ => match named_parameter(machine, word, request) {
+        TOOLS | TOOLS_BY_RUN => Ok(clamped_tools(machine, uses, word == TOOLS_BY_RUN)),
+        _ => match named_parameter(machine, word, request, uses) {
             Some(parameter) => Ok(vec![parameter]),
             None => parameters_of_error(machine, word, request),
         },
     }
 }
 
-/// Returns the one parameter that reports call so: `tool.X`, `EXX:slope`, `EXX:x^2`, `ECC:cos1`.
-fn named_parameter(machine: &Machine, word: &str, request: &IdentifyEntry) -> Option<Parameter> {
+/// Returns the one parameter that reports call so: `tool.X`, `tool long.X`, `EXX:slope`, `EXX:x^2`, `ECC:cos1`.
+fn named_parameter(machine: &Machine, word: &str, request: &IdentifyEntry, uses: &[ToolUse]) -> Option<Parameter> {
+    if word.starts_with("tool ") {
+        return each_clamping(machine, uses).find(|parameter| parameter.name == word);
+    }
     let whole = match word.split_once(':') {
         Some((error, term)) => match basis_of_term(term)?.as_str() {
             "slope" => "linear".to_owned(),
@@ -315,7 +334,7 @@ fn named_parameter(machine: &Machine, word: &str, request: &IdentifyEntry) -> Op
         },
         None => word.split_once('.').map(|(set_up, _)| set_up).filter(|word| GROUPS.contains(word))?.to_owned(),
     };
-    parameters_of_word(machine, &whole, request).ok()?.into_iter().find(|parameter| parameter.name == word)
+    parameters_of_word(machine, &whole, request, uses).ok()?.into_iter().find(|parameter| parameter.name == word)
 }
 
 fn six(machine: &Machine, joint: usize) -> impl Iterator<Item = Parameter> + '_ {
@@ -344,6 +363,40 @@ fn setup(machine: &Machine, place: ErrorSite, word: &str, starts: &[f64]) -> Vec
         Parameter::single(machine, format!("{word}.{}", direction.letter()), source, BasisFunction::Constant, *start)
     };
     starts.iter().zip(Direction::ALL).map(one).collect()
+}
+
+/// Returns the offsets of every tool in use, then those in each run.
+fn each_clamping(machine: &Machine, uses: &[ToolUse]) -> impl Iterator<Item = Parameter> {
+    clamped_tools(machine, uses, false).into_iter().chain(clamped_tools(machine, uses, true))
+}
+
+/// Refuses a tool, or a run of it, of which there is no reading.
+fn refuse_unread(machine: &Machine, word: &str, uses: &[ToolUse]) -> Result<(), Refusal> {
+    let of_none = word.starts_with("tool ") && !each_clamping(machine, uses).any(|parameter| parameter.name == word);
+    let names: Vec<String> = each_clamping(machine, uses).map(|parameter| parameter.name).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let message = || format!("`{}` is the tool of no reading", shown(word));
+    if of_none { Err(refusal(message(), did_you_mean(word, &names))) } else { Ok(()) }
+}
+
+/// Returns the three offsets of the tip for every tool in use, of each of its runs if these are clampings of their own.
+fn clamped_tools(machine: &Machine, uses: &[ToolUse], by_run: bool) -> Vec<Parameter> {
+    let mut list: Vec<Parameter> = Vec::new();
+    for ToolUse { tool, run } in uses {
+        let only = ClampedTool { tool: *tool, run: by_run.then(|| run.clone()) };
+        if list.iter().any(|p| p.terms.iter().any(|term| term.only.as_ref() == Some(&only))) {
+            continue;
+        }
+        let of_run = run.iter().filter(|_| by_run).map(|run| format!(" run {}", shown(run)));
+        // The only tool of a machine may be without a name.
+        let label = Some(shown(&machine.tools()[*tool].name)).filter(|name| !name.is_empty());
+        let label = label.unwrap_or_else(|| (tool + 1).to_string());
+        let name = format!("tool {label}{}", of_run.collect::<String>());
+        let mut three = setup(machine, ErrorSite::Tool, &name, &machine.setup().tool);
+        three.iter_mut().flat_map(|p| &mut p.terms).for_each(|term| term.only = Some(only.clone()));
+        list.extend(three);
+    }
+    list
 }
 
 fn error(machine: &Machine, word: &str) -> Result<ErrorId, Refusal> {

@@ -1,12 +1,11 @@
 //! Uncertainties that all readings share, known from elsewhere (type B of the GUM): the calibration of the instrument,
 //! the temperature of the material, the set-up.
 
-use super::observation::rotation_to;
 use super::prediction::FitModel;
 use super::refusal::Refusal;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Frame;
-use crate::identify::data::{Measurement, Reading, ReadingKind};
+use crate::identify::data::{Measurement, Reading, ReadingKind, rotation_to};
 use crate::lower::{ErrorSite, NominalPose, Source};
 use crate::machine::AxisKind;
 use crate::standards::thermal;
@@ -95,9 +94,9 @@ fn channels(m: &Measurement) -> impl Iterator<Item = OffsetChannel> {
     let (frame, source) = match &m.reading {
         Reading::Deviation { frame, .. } => (Some(*frame), None),
         Reading::Error { source, .. } => (None, Some(*source)),
-        Reading::Position { .. } | Reading::Distance { .. } | Reading::Along { .. } => (None, None),
+        _ => (None, None),
     };
-    let read = m.reading_mask().into_iter().enumerate().filter(move |(_, seen)| *seen && kind != ReadingKind::Angle);
+    let read = m.reading_mask().into_iter().enumerate().filter(move |(_, seen)| *seen && !kind.is_angle());
     read.map(move |(component, _)| OffsetChannel { kind, component, frame, source })
 }
 
@@ -115,6 +114,7 @@ fn length_of_reading(model: &FitModel<'_>, m: &Measurement, theta: &[f64]) -> Ve
             Vector3::new(model.prediction(m, theta).x + constant, 0.0, 0.0)
         }
         Reading::Along { direction, .. } => Vector3::new(direction.dot(&nominal().pose.translation), 0.0, 0.0),
+        Reading::Turn { .. } => Vector3::zeros(),
         Reading::Error { source, .. } => match source.place {
             ErrorSite::Component(i) if !source.direction.is_rotation() => {
                 let linear = model.machine(m).axes().get(i).filter(|axis| axis.kind == AxisKind::Linear);

@@ -10,6 +10,7 @@ use crate::identify::thresholds::{DESIGN_RANK_TOLERANCE, MAX_CORNER_AXES, MAX_DE
 use crate::machine::{Approach, Machine, Pose};
 use nalgebra::{DMatrix, DVector, DVectorView, Matrix3, Vector3};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Poses over the volume, with every tool and from every side that counts.
 pub(crate) struct Volume {
@@ -134,21 +135,24 @@ pub(crate) fn volume_poses(model: &FitModel<'_>, data: &[Measurement]) -> Vec<Me
 
 /// Returns deviations at poses, with every tool and direction of approach that counts; nothing is measured in them.
 fn measurements(model: &FitModel<'_>, data: &[Measurement], poses: &[Pose]) -> Vec<Measurement> {
-    let mut tools: Vec<usize> = data.iter().map(|m| m.tool).collect();
-    tools.sort_unstable();
-    tools.dedup();
+    // With each tool, as it was clamped in its first run.
+    let mut tools: BTreeMap<usize, Option<String>> = BTreeMap::new();
+    for m in data {
+        let _ = tools.entry(m.tool).or_insert_with(|| m.run.clone());
+    }
     let directed = model.parameters().iter().flat_map(|p| &p.terms).any(|t| t.approach != Approach::Mean);
     let approaches = if directed { vec![Approach::Forward, Approach::Reverse] } else { vec![Approach::Mean] };
     let place = Place { source: SourceId(0), range: 0..0 };
     let reading = Reading::Deviation { values: [Some(0.0); 3], frame: Frame::Workpiece, zero: [None; 3] };
-    let blank = |pose: &Pose, tool: usize, approach: Approach| Measurement {
+    let blank = |pose: &Pose, tool: usize, run: &Option<String>, approach: Approach| Measurement {
         tool,
+        run: run.clone(),
         approach,
         ..Measurement::new(pose.clone(), reading.clone(), place.clone())
     };
-    let of_tool = |tool: usize| {
+    let of_tool = |(tool, run): (usize, Option<String>)| {
         let at = |pose| approaches.iter().map(move |approach| (pose, *approach));
-        poses.iter().flat_map(at).map(|(pose, approach)| blank(pose, tool, approach)).collect::<Vec<_>>()
+        poses.iter().flat_map(at).map(|(pose, approach)| blank(pose, tool, &run, approach)).collect::<Vec<_>>()
     };
     tools.into_iter().flat_map(of_tool).collect()
 }

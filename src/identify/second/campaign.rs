@@ -2,17 +2,17 @@
 //! angle is the displacement that it makes over the usual lever.
 
 use super::judge::{Readings, Reduced, SetUpUnknown};
-use crate::algebra::rotation_vector;
+use crate::algebra::{Htm, rotation_vector, skew_vector};
 use crate::analysis::part_models;
 use crate::diagnostic::SourceId;
 use crate::evaluate::CompiledModel;
-use crate::identify::data::{InstrumentUnknown, LEVER_MM, Measurement, MeasurementSet, Reading};
+use crate::identify::data::{InstrumentUnknown, LEVER_MM, Measurement, MeasurementSet, Reading, TurnKind, tool_axis};
 use crate::identify::lists::index_of;
 use crate::identify::model::{FitModel, Observation, Parameter, ReadingSubject, Slope, TypeB, observe, single};
 use crate::identify::thresholds::{ACROSS_SHARE, DATUM_ITERATIONS, SET_UP_MM, SET_UP_RAD};
-use crate::lower::{ErrorSite, Exact, NominalPose, Source, into_part, point, sensitivities_to, values};
+use crate::lower::{Chain, ErrorSite, Exact, NominalPose, Source, into_part, point, sensitivities_to, values};
 use crate::machine::{Approach, AxisKind, Machine, OperatingPoint, UncertainPart, sin_cos_degrees};
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -90,7 +90,7 @@ impl<'a> Campaign<'a> {
     /// Returns the subject of a reading: a point (mm, workpiece frame), or an error (mm or rad).
     fn subject(&self, m: &Measurement, driven: Driven, of: ReadingSubject<'_>) -> Vector3<f64> {
         let machine = self.machine(m);
-        let pose = if let ReadingSubject::Point(pose) = of { pose } else { &m.pose };
+        let pose = of.pose().unwrap_or(&m.pose);
         let command = self.command(m, pose, driven);
         let errors = || values(machine, &m.approach.at_pose(&command));
         match of {
@@ -98,6 +98,19 @@ impl<'a> Campaign<'a> {
                 NominalPose::in_part(machine, pose).pose.translation
             }
             ReadingSubject::Point(_) => point(machine, &command, &errors(), &Exact),
+            ReadingSubject::Turn(_) | ReadingSubject::Axis(_) => {
+                let nominal = NominalPose::in_part(machine, pose).pose.linear;
+                let actual = || {
+                    let Htm { linear, .. } = Chain::actual(machine, &command, &errors(), &Exact).t_wt();
+                    let part = machine.workpiece_rotation().map_or_else(Matrix3::identity, |turn| turn.transpose());
+                    part * linear
+                };
+                let held = if driven == Driven::Nominal { nominal } else { actual() };
+                match of {
+                    ReadingSubject::Axis(_) => held * Vector3::from(machine.tool().direction),
+                    _ => skew_vector(&(held * nominal.transpose())),
+                }
+            }
             ReadingSubject::Error(_) if driven == Driven::Nominal => Vector3::zeros(),
             ReadingSubject::Error(source) => {
                 single(errors().of(source) + motion_along(machine, source, pose, &command))
@@ -204,7 +217,16 @@ impl<'a> Campaign<'a> {
                 (0..3).map(moved).chain((0..3).map(turned)).collect()
             }
             Reading::Error { source, .. } => self.set_up_of_error(m, *source),
-            Reading::Distance { .. } | Reading::Position { .. } | Reading::Along { .. } => Vec::new(),
+            // In the frame of the deviations beside it.
+            Reading::Turn { turned: [None, None, None], .. } => {
+                let slope = self.observe(m, at, Driven::WithSet).slope;
+                let turned = |k: usize| {
+                    let effect = slope.of(&Vector3::ith(k, 1.0), |x: &f64| *x);
+                    (SetUpUnknown::known(format!("turn {}", ["A", "B", "C"][k]), URAD, SET_UP_RAD), effect)
+                };
+                (0..3).map(turned).collect()
+            }
+            _ => Vec::new(),
         }
     }
 
@@ -252,6 +274,11 @@ impl<'a> Campaign<'a> {
             };
             let displaced = |j: usize, of: &ReadingSubject<'_>| match of {
                 ReadingSubject::Point(pose) => into_part(self.machine(m), models[j].deviation(pose).position),
+                ReadingSubject::Turn(pose) => into_part(self.machine(m), models[j].deviation(pose).rotation),
+                ReadingSubject::Axis(pose) => {
+                    let axis = tool_axis(self.machine(m), &NominalPose::in_part(self.machine(m), pose));
+                    into_part(self.machine(m), models[j].deviation(pose).rotation).cross(&axis)
+                }
                 ReadingSubject::Error(source) => single(values(&moved[j], &m.approach.at_pose(&m.pose)).of(*source)),
             };
             (0..parts.len()).map(|j| (j, change(m, &slope, |of| displaced(j, of)))).collect()
@@ -310,6 +337,11 @@ fn change(
     let of = |subject: &ReadingSubject<'_>| slope.of(&displaced(subject), |x: &f64| *x);
     if let Reading::Error { source, .. } = &m.reading {
         return of(&ReadingSubject::Error(*source));
+    }
+    match &m.reading {
+        Reading::Turn { of: TurnKind::Axis, .. } => return of(&ReadingSubject::Axis(&m.pose)),
+        Reading::Turn { .. } => return of(&ReadingSubject::Turn(&m.pose)),
+        _ => {}
     }
     m.poses().map(|pose| of(&ReadingSubject::Point(pose))).reduce(|near, far| near - far).unwrap_or_default()
 }

@@ -88,7 +88,7 @@ fn state_noise(data: &mut MeasurementSet, noise_mm: Option<f64>) -> Result<(), R
     for m in data.rows.iter_mut().filter(|m| !m.has_uncertainty) {
         let kind = m.kind();
         let scatter = scatter.get(&kind).copied().filter(|sigma| *sigma > 0.0);
-        let stated = noise_mm.filter(|_| kind != ReadingKind::Angle);
+        let stated = noise_mm.filter(|_| !kind.is_angle());
         let sigma = stated.or(scatter).ok_or(kind)?;
         (m.weight, m.has_uncertainty) = (m.weight / (sigma * sigma * 1e6), true);
     }

@@ -69,7 +69,8 @@ impl Residuals {
 
 /// Returns the median length over readings that need no instrument unknowns.
 fn typical(data: &[Measurement], before: &[Vector3<f64>]) -> f64 {
-    let plain = |kind| !matches!(kind, ReadingKind::Length | ReadingKind::Line | ReadingKind::Touch);
+    let plain =
+        |kind| !matches!(kind, ReadingKind::Length | ReadingKind::Line | ReadingKind::Touch | ReadingKind::Turn(_));
     let sizes = data.iter().zip(before).filter(|(m, _)| plain(m.kind())).map(|(_, r)| r.norm());
     median(sizes.collect()).0
 }

@@ -1,7 +1,7 @@
 //! Tests whether residuals are noise: three on which a calibration engineer can act, per kind of row and component, in
 //! the order of measurement.
 
-use crate::identify::data::{Measurement, ReadingKind};
+use crate::identify::data::{Measurement, ReadingKind, TurnKind};
 use crate::identify::thresholds::{MIN_SCATTER_MM, MIN_TESTED_RESIDUALS};
 use nalgebra::Vector3;
 use serde::Serialize;
@@ -22,11 +22,15 @@ pub struct ResidualTest {
 }
 
 fn name(kind: ReadingKind, component: usize) -> String {
-    let component = ["dx", "dy", "dz"][component.min(2)];
+    let index = component.min(2);
+    let component = ["dx", "dy", "dz"][index];
     match kind {
         ReadingKind::Deviation => component.to_owned(),
         ReadingKind::Relative => format!("rel.{component}"),
         ReadingKind::Position => format!("tracker.{}", &component[1..]),
+        ReadingKind::Turn(TurnKind::Rotation) => ["da", "db", "dc"][index].to_owned(),
+        ReadingKind::Turn(TurnKind::Axis) => format!("axis.{}", &component[1..]),
+        ReadingKind::Turn(of) => format!("{}.{}", of.label(), ["a", "b", "c"][index]),
         kind => kind.word().to_owned(),
     }
 }

@@ -391,7 +391,8 @@ pub(super) fn revalued(changes: &[Change], model: &FitModel<'_>, m: &Measurement
     for change in changes {
         let Change::Values { from, factor, scope } = change else { continue };
         let whole = *from == SAME && factor[0] == factor[1] && factor[1] == factor[2];
-        if !scope.holds(m) || !(vector || (whole && m.kind() != ReadingKind::Position)) {
+        if !scope.holds(m) || !(vector || (whole && !matches!(m.kind(), ReadingKind::Position | ReadingKind::Turn(_))))
+        {
             continue;
         }
         if vector {
@@ -409,7 +410,7 @@ pub(super) fn revalued(changes: &[Change], model: &FitModel<'_>, m: &Measurement
 /// Returns the row with other values.
 pub(super) fn with_values(mut m: Measurement, to: Vector3<f64>) -> Measurement {
     match &mut m.reading {
-        Reading::Deviation { values, .. } => {
+        Reading::Deviation { values, .. } | Reading::Turn { values, .. } => {
             values.iter_mut().enumerate().for_each(|(k, value)| *value = value.map(|_| to[k]));
         }
         Reading::Position { value, .. } => *value = to,

@@ -4,10 +4,12 @@ use super::inputs::FitInputs;
 use super::remarks;
 use crate::diagnostic::{Diagnostic, codes, shown};
 use crate::evaluate::Order;
-use crate::identify::thresholds::{MAX_IDLE_EFFECT_MM, MAX_UNKNOWNS};
+use crate::identify::data::LEVER_MM;
+use crate::identify::thresholds::{HELD_MM, MAX_IDLE_EFFECT_MM, MAX_UNKNOWNS};
 use crate::identify::{
-    FitModel, Gauge, Measurement, MeasurementSet, Parameter, PriorValue, ReadingContext, SlopeBound, TypeB, parameters,
-    parse_gauge, parse_prior, read_measurements, slope_bounds, type_b, unused_entries, with_command_line,
+    FitModel, Gauge, Measurement, MeasurementSet, Parameter, PriorValue, ReadingContext, SlopeBound, ToolUse, TypeB,
+    parameters_for, parse_gauge, parse_prior, read_measurements, slope_bounds, type_b, unused_entries,
+    with_command_line,
 };
 use crate::job::machine_file::{MachineFile, Overlay};
 use crate::job::poses;
@@ -15,6 +17,7 @@ use crate::machine::Machine;
 use crate::run::{Call, Refused, sha256};
 use crate::syntax::{Files, IdentifyEntry, MemoryFiles, ReadFailure};
 use crate::units::counted;
+use indexmap::IndexSet;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -35,15 +38,25 @@ pub(crate) struct Problem {
 
 impl Problem {
     pub(crate) fn read(call: &mut Call, file: &MachineFile, inputs: &FitInputs<'_>) -> Result<Self, Refused> {
-        let Requested { request, own, bounds } = Requested::of(call, file, inputs.fit, inputs.fixed)?;
         let axis_poses = inputs.axis_poses.map(Path::to_owned);
         let context = ReadingContext { frame: inputs.frame, axis_poses, is_plan: inputs.is_plan };
         let (mut data, hashes) = measurements(call, file, &inputs.paths, inputs.texts, &context)?;
+        let uses: IndexSet<ToolUse> = data.rows.iter().map(|m| ToolUse { tool: m.tool, run: m.run.clone() }).collect();
+        let uses: Vec<ToolUse> = uses.into_iter().collect();
+        // Unknowns of instruments are always fitted; those that are fixed are known to be as they start.
+        let is_instrument = |word: &String| data.nuisances.iter().any(|unknown| unknown.name == word.trim());
+        let (fixed, held) = inputs.fixed.iter().cloned().partition(|word| !is_instrument(word));
+        let (held, fit): (Vec<String>, Vec<String>) =
+            (held, inputs.fit.iter().filter(|word| !is_instrument(word)).cloned().collect());
+        let Requested { request, own, bounds } = Requested::of(call, file, &fit, &fixed, &uses)?;
         call.extend(remarks::unused_readings(file, &data.leave_out(&own)));
         let mut known: Vec<PriorValue> = Vec::new();
         for (j, place) in data.nuisances.iter().enumerate() {
             let (unknown, value) = (own.len() + j, place.start);
-            known.extend(place.known.map(|sigma| PriorValue { unknown, value, sigma }));
+            let is_held = held.iter().any(|word| word.trim() == place.name);
+            let size = if place.is_angle { LEVER_MM } else { 1.0 };
+            let sigma = if is_held { Some(HELD_MM / size) } else { place.known };
+            known.extend(sigma.map(|sigma| PriorValue { unknown, value, sigma }));
         }
         let bases = vec![0.0; own.len()].into_iter().chain(data.nuisances.iter().map(|unknown| unknown.base)).collect();
         let unknowns: Vec<Parameter> = own.into_iter().chain(data.nuisances.into_iter().map(Parameter::from)).collect();
@@ -96,9 +109,16 @@ pub(crate) struct Requested {
 }
 
 impl Requested {
-    pub(crate) fn of(call: &mut Call, file: &MachineFile, fit: &[String], fixed: &[String]) -> Result<Self, Refused> {
+    /// Reads the request for readings with these tools in these runs.
+    fn of(
+        call: &mut Call,
+        file: &MachineFile,
+        fit: &[String],
+        fixed: &[String],
+        uses: &[ToolUse],
+    ) -> Result<Self, Refused> {
         let request = with_command_line(file, file.identify.clone().unwrap_or_default(), fit, fixed);
-        let own = parameters(file, &request).or_else(|refusal| call.refuse(*refusal))?;
+        let own = parameters_for(file, &request, uses).or_else(|refusal| call.refuse(*refusal))?;
         let bounds = slope_bounds(file, &request, &own).or_else(|refusal| call.refuse(*refusal))?;
         // A list of one's own takes what it needs of the section.
         if fit.is_empty() {

@@ -3,7 +3,7 @@
 use super::accused;
 use super::fitted::FitDiagnosis;
 use super::limits;
-use super::result::place;
+use super::result::{KnownValue, place};
 use crate::diagnostic::{Diagnostic, Sources, codes};
 use crate::identify::thresholds::*;
 use crate::identify::{
@@ -24,6 +24,7 @@ pub(crate) fn all(fitted: &FitDiagnosis<'_>, sources: &Sources) -> Vec<Diagnosti
     let found = [
         (!fitted.fit.converged).then(unsettled),
         lack_of_fit(fitted),
+        refuted(fitted),
         accused::noise(fitted),
         drifting(fitted),
         sizes(fitted),
@@ -57,6 +58,23 @@ pub(crate) fn entries_without_effect(list: &[String]) -> Option<Diagnostic> {
 
 fn um(mm: f64) -> String {
     significant(mm * 1e3, 3)
+}
+
+/// Warns of values known before the data that the readings contradict.
+fn refuted(fitted: &FitDiagnosis<'_>) -> Option<Diagnostic> {
+    let list = KnownValue::all(fitted).into_iter();
+    let far = list.filter_map(|known| {
+        let off = known.deviations.filter(|off| off.abs() > MAX_KNOWN_DEVIATIONS)?;
+        let ([found, value], off) = ([known.found, known.value].map(|x| significant(x, 7)), significant(off.abs(), 2));
+        Some(format!(
+            "`{}` is {found} {} where {value} are known, {off} standard deviations off",
+            known.name, known.unit
+        ))
+    });
+    let far: Vec<String> = far.collect();
+    let help = "compare names, value and uncertainty of the prior, and the readings that hold it";
+    (!far.is_empty())
+        .then(|| warning(codes::W0502, format!("the readings contradict a prior: {}", far.join("; ")), help))
 }
 
 /// Returns the residual standard deviation of readings of a kind.

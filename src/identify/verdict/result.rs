@@ -5,6 +5,7 @@ use super::datum::{self, FittedError};
 use super::fitted::{FitDiagnosis, FittedDatum};
 use super::limits;
 use crate::diagnostic::Sources;
+use crate::identify::thresholds::MIN_KNOWN_SHARE;
 use crate::identify::{
     Bend, DeviationUncertainty, Estimate, FormUncertainty, Gauge, Outlier, Parameter, Prediction, PriorValue,
     ReadingKind, Repeats, ResidualTest, Scatter, SharedEffect, TypeB,
@@ -72,24 +73,44 @@ pub struct KnownValue {
     pub value: f64,
     /// Standard uncertainty, in `unit`.
     pub sigma: f64,
+    /// Value that the fit finds, in `unit`.
+    pub found: f64,
+    /// Found minus known value in standard deviations of that difference; none where the readings say nothing of it.
+    pub deviations: Option<f64>,
     /// Unit of the value and of its uncertainties.
     pub unit: String,
 }
 
 impl KnownValue {
-    fn of(unknowns: &[Parameter], known: &PriorValue) -> Self {
-        let parameter = &unknowns[known.unknown];
-        Self {
-            name: parameter.name.clone(),
-            value: parameter.in_unit(known.value) + 0.0,
-            sigma: parameter.in_unit(known.sigma),
-            unit: parameter.unit.clone(),
-        }
+    pub(crate) fn all(fitted: &FitDiagnosis<'_>) -> Vec<Self> {
+        let theta = fitted.solution.theta();
+        let value = |known: &PriorValue| {
+            let (parameter, found) = (&fitted.unknowns[known.unknown], theta[known.unknown]);
+            let u = fitted.solution.uncertainty(&[(known.unknown, 1.0)]);
+            Self {
+                name: parameter.name.clone(),
+                value: parameter.in_unit(known.value) + 0.0,
+                sigma: parameter.in_unit(known.sigma),
+                found: parameter.in_unit(found),
+                deviations: deviations(found - known.value, known.sigma, u),
+                unit: parameter.unit.clone(),
+            }
+        };
+        let gauge = |gauge: &Gauge| {
+            let (found, by) = gauge.found(&theta);
+            let deviations = deviations(found - gauge.length, gauge.sigma, fitted.solution.uncertainty(&by));
+            let (value, sigma, unit) = (gauge.length, gauge.sigma, "mm".to_owned());
+            Self { name: gauge.name.clone(), value, sigma, found, deviations, unit }
+        };
+        fitted.known.iter().map(value).chain(fitted.gauges.iter().map(gauge)).collect()
     }
+}
 
-    fn of_gauge(gauge: &Gauge) -> Self {
-        Self { name: gauge.name.clone(), value: gauge.length, sigma: gauge.sigma, unit: "mm".to_owned() }
-    }
+/// Returns a residual of a fit in its standard deviations: of what was known within `sigma`, and is known within `u`
+/// with the readings.
+fn deviations(residual: f64, sigma: f64, u: Option<f64>) -> Option<f64> {
+    let variance = sigma * sigma - u? * u?;
+    (variance > MIN_KNOWN_SHARE * sigma * sigma).then(|| residual / libm::sqrt(variance))
 }
 
 /// A standard uncertainty that all readings share (type B).
@@ -439,9 +460,7 @@ impl IdentifyResult {
             points: fitted.data.len(),
             parameters: parameters.to_vec(),
             instruments: instruments.to_vec(),
-            known: (fitted.known.iter().map(|known| KnownValue::of(fitted.unknowns, known)))
-                .chain(fitted.gauges.iter().map(KnownValue::of_gauge))
-                .collect(),
+            known: KnownValue::all(fitted),
             type_b: fitted.type_b.iter().map(SharedUncertainty::of).collect(),
             lack_of_fit: fitted.form.as_ref().map(|form| LackOfFit::of(fitted.machine, form)),
             rank: s.rank,

@@ -9,7 +9,7 @@ use crate::machine::algebra::{AlgebraChoice, named_monomial};
 use crate::machine::{Direction, basis_of_term, parse_error_name};
 use crate::syntax::{AlgebraEntry, GeneratorsEntry, Keys, Scalar, below, keys};
 
-const GROUPS: [&str; 5] = ["location", "tool", "workpiece", "spindle", "linear"];
+const GROUPS: [&str; 7] = ["location", "tool", "tools", "tools-by-run", "workpiece", "spindle", "linear"];
 /// Families of basis functions, each with its order behind it.
 const BASES: [&str; 5] = ["poly", "fourier", "spline", "bspline", "blocks"];
 
@@ -126,11 +126,12 @@ fn slope(context: &mut Context, known: &JointNames<'_>, name: &str, bound: &Scal
     }
 }
 
-/// `tool.X`, `workpiece.A`: one set-up error.
+/// `tool.X`, `tool long.X`, `workpiece.A`: one set-up error.
 fn is_setup(name: &str) -> bool {
-    let letters = |word: &str| name.strip_prefix(word).and_then(|rest| rest.strip_prefix('.'));
-    letters("tool").is_some_and(|l| ["X", "Y", "Z"].contains(&l))
-        || letters("workpiece").is_some_and(|l| ["X", "Y", "Z", "A", "B", "C"].contains(&l))
+    let Some((whole, letter)) = name.rsplit_once('.') else { return false };
+    let of_tool = whole == "tool" || whole.starts_with("tool ");
+    (of_tool && ["X", "Y", "Z"].contains(&letter))
+        || (whole == "workpiece" && ["X", "Y", "Z", "A", "B", "C"].contains(&letter))
 }
 
 /// Returns an error's name without the direction of approach that may stand behind it.
