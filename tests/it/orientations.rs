@@ -255,7 +255,8 @@ fn rotations_tell_angles_that_one_tool_length_hides() {
     };
     let rows = |rotations: bool| (0..11).map(|i| row(i, rotations)).collect::<String>();
     let fixed = ["--fixed", "EBZ:x^0,EXZ:x^0,EBZ:x^1,EXZ:x^1"];
-    let tool = "tool: { gauge: [0, 0, 0], length: 150 mm }\n";
+    // The datum, which is formed over positions, would take such an angle for zero.
+    let tool = "tool: { gauge: [0, 0, 0], length: 150 mm }\nidentify: { datum: { line: free, zero: free } }\n";
     let machine_with_tool = folder.with("tool.yaml", &format!("{THREE}{tool}"));
     let positions = folder.with("p.csv", &format!("Z,dx [um],dy [um]\n{}", rows(false)));
     let free = fit(&machine_with_tool, "EXZ:poly2,EBZ:poly2", &[&positions], &fixed);
@@ -274,12 +275,14 @@ fn rotations_tell_angles_that_one_tool_length_hides() {
         .with("rel.csv", &std::fs::read_to_string(&both).unwrap().replace("dx", "rel.dx").replace("dy", "rel.dy"));
     let told = fit(&machine_with_tool, "EXZ:poly2,EBZ:poly2", &[&relative], &fixed);
     assert_eq!(instruments(&told), ["rotation.A", "rotation.B", "first.x", "first.y"]);
-    let seen = |x: f64, y: f64| format!("{x},{y},{},{y},0,{}\n", 1000.0 + x, 0.02 * x);
-    let seen: String =
-        [(0.0, 0.0), (500.0, 0.0), (0.0, 400.0), (250.0, 200.0), (500.0, 400.0)].map(|(x, y)| seen(x, y)).concat();
-    let seen = folder.with("seen.csv", &format!("X,Y,tracker.x [mm],tracker.y [mm],tracker.z [mm],da [urad]\n{seen}"));
-    let told = fit(&machine_with_tool, "EAX:poly1", &[&seen], &["--fixed", "EAX:x^0"]);
-    assert!((found(&told, "parameters", "EAX:x^1")["value"].as_f64().unwrap() - 20.0).abs() < 0.5, "{told}");
+    let places =
+        [[0.0, 0.0, 0.0], [500.0, 0.0, -100.0], [0.0, 400.0, -200.0], [250.0, 200.0, -300.0], [500.0, 400.0, -50.0]];
+    let row = |[x, y, z]: [f64; 3]| format!("{x},{y},{z},{},{y},{z},{}\n", 1000.0 + x, 0.02 * z);
+    let header = "X,Y,Z,tracker.x [mm],tracker.y [mm],tracker.z [mm],dc [urad]\n";
+    let seen = folder.with("seen.csv", &format!("{header}{}", places.map(row).concat()));
+    let told = fit(&machine_with_tool, "ECZ:poly1", &[&seen], &["--fixed", "ECZ:x^0"]);
+    assert_eq!(instruments(&told)[..2], ["rotation.C", "tracker.x"]);
+    assert!((found(&told, "parameters", "ECZ:x^1")["value"].as_f64().unwrap() - 20.0).abs() < 1e-3, "{told}");
 }
 
 #[test]
